@@ -1,0 +1,183 @@
+use rand_chacha::ChaCha12Rng;
+use rand_distr::{Distribution, Normal, Uniform};
+use spineline::anatomy::{Level, Morphometry};
+use spineline::spatial::{Angle, Mat3, Vec3};
+
+use crate::{PhantomError, TableRow};
+
+/// Segments of the fine chain.
+pub(crate) const SEGMENTS: usize = 998;
+
+/// The erect spine as a fine planar chain.
+#[derive(Debug, Clone)]
+pub(crate) struct ErectSpine {
+    /// Length of the curve from L4 to T2.
+    pub length_mm: f64,
+    /// Turn of every segment against the one below.
+    pub turns_rad: Vec<f64>,
+    /// Arc length of the vertebrae.
+    pub vertebra_s_mm: Vec<f64>,
+    /// Arc length of the two inflections.
+    pub inflection_s_mm: [f64; 2],
+    /// Lateral multiplier per region, caudal first.
+    pub multipliers: [f64; 3],
+}
+
+/// `y''` of the erect curve is `-A (z + a)(z - z1)(z - z2)(b - z)` on `z` in 0…1: lobes convex to the left, right and
+/// left, as most adolescent curves are, and a polynomial of degree 6.
+#[derive(Debug, Clone, Copy)]
+struct Shape {
+    amplitude: f64,
+    inflections: [f64; 2],
+}
+
+/// Where the outer roots lie, relative to the height of T2: -8 and 415 of 389 mm, so that the ends are nearly straight.
+const BELOW: f64 = 8.0 / 389.0;
+const ABOVE: f64 = 415.0 / 389.0;
+
+impl Shape {
+    /// `dy/dz`: the integral of the quartic.
+    fn slope(&self, z: f64) -> f64 {
+        let [p, q] = self.inflections;
+        // (z + a)(b - z) = ab + (b - a) z - z²;  (z - p)(z - q) = pq - (p + q) z + z²
+        let first = [BELOW * ABOVE, ABOVE - BELOW, -1.0];
+        let second = [p * q, -(p + q), 1.0];
+        let mut sum = 0.0;
+        for (i, a) in first.iter().enumerate() {
+            for (j, b) in second.iter().enumerate() {
+                let power = i + j + 1;
+                sum += a * b * z.powi(power as i32) / power as f64;
+            }
+        }
+        -self.amplitude * sum
+    }
+
+    /// Tilt: positive leans right.
+    fn tilt(&self, z: f64) -> f64 {
+        -self.slope(z).atan()
+    }
+
+    /// Turns of the three lobes.
+    fn lobes(&self) -> Vec3 {
+        let [p, q] = self.inflections;
+        Vec3::new(self.tilt(p), self.tilt(q) - self.tilt(p), self.tilt(1.0) - self.tilt(q))
+    }
+
+    /// Heights at which the curve is cut into pieces of equal length.
+    fn cut(&self, pieces: usize) -> Vec<f64> {
+        const FINE: usize = 20_000;
+        let step = 1.0 / FINE as f64;
+        let speed = |z: f64| self.slope(z).hypot(1.0);
+        let mut lengths = vec![0.0];
+        for i in 0..FINE {
+            let z = i as f64 * step;
+            // Simpson on each fine step.
+            let piece = (speed(z) + 4.0 * speed(z + 0.5 * step) + speed(z + step)) * step / 6.0;
+            lengths.push(lengths[i] + piece);
+        }
+        let mut place = 0;
+        (0..=pieces)
+            .map(|k| {
+                let s = lengths[FINE] * k as f64 / pieces as f64;
+                while place + 1 < FINE && lengths[place + 1] < s {
+                    place += 1;
+                }
+                (place as f64 + (s - lengths[place]) / (lengths[place + 1] - lengths[place])) * step
+            })
+            .collect()
+    }
+
+    /// The shape whose lobes turn by given angles: Newton with differences from a usual shape.
+    fn with_lobes(target_rad: [f64; 3]) -> Option<Self> {
+        let mut shape = Self { amplitude: 20.0 * target_rad[1], inflections: [0.33, 0.73] };
+        // Lobes alternate: the first turns right as the spine rises.
+        let goal = Vec3::new(target_rad[0], -target_rad[1], target_rad[2]);
+        for _ in 0..200 {
+            let now = shape.lobes();
+            let miss = goal - now;
+            if miss.amax() < 1e-13 {
+                break;
+            }
+            let steps = [1e-6 * shape.amplitude, 1e-7, 1e-7];
+            let columns = [0, 1, 2].map(|i| (shape.moved(i, steps[i]).lobes() - now) / steps[i]);
+            let step = Mat3::from_columns(&columns).lu().solve(&miss)?;
+            // Keep the inflections apart and inside while far from the solution.
+            let most = [0.5 * shape.amplitude, 0.05, 0.05];
+            for i in 0..3 {
+                shape = shape.moved(i, step[i].clamp(-most[i], most[i]));
+            }
+            shape.inflections[0] = shape.inflections[0].clamp(0.12, 0.60);
+            shape.inflections[1] = shape.inflections[1].clamp(shape.inflections[0] + 0.1, 0.95);
+        }
+        ((goal - shape.lobes()).amax() < 1e-9).then_some(shape)
+    }
+
+    fn moved(mut self, parameter: usize, by: f64) -> Self {
+        match parameter {
+            0 => self.amplitude += by,
+            i => self.inflections[i - 1] += by,
+        }
+        self
+    }
+}
+
+impl ErectSpine {
+    /// Draws the anatomy of one subject.
+    pub fn draw(row: &TableRow, rng: &mut ChaCha12Rng) -> Result<Self, PhantomError> {
+        let vary = Uniform::new(0.95, 1.05).expect("0.95 is below 1.05");
+        let cobb = row.cobb_deg();
+        let main = cobb.iter().copied().fold(0.0, f64::max);
+        // The main curve has the angle of Table 1; the minor ones vary by 5 %.
+        let lobes = cobb.map(|deg| {
+            let factor = if deg == main { 1.0 } else { vary.sample(rng) };
+            Angle::from_deg(deg * factor).rad()
+        });
+        let shape = Shape::with_lobes(lobes).ok_or(PhantomError::NoCurve { number: row.number })?;
+        // The paper's chains: 0.39 ± 0.05 mm per segment, so 389 ± 50 mm.
+        let length_mm = Normal::<f64>::new(389.0, 50.0)
+            .expect("a positive deviation")
+            .sample(rng)
+            .clamp(300.0, 480.0);
+        // Every second cut ends a segment; the tilt of a segment is that of the curve at its middle.
+        let cuts = shape.cut(2 * SEGMENTS);
+        let tilt = |k: usize| shape.tilt(cuts[2 * k + 1]);
+        let turns_rad =
+            (0..SEGMENTS).map(|k| tilt(k) - if k == 0 { 0.0 } else { tilt(k - 1) }).collect();
+        let inflection_s_mm = shape.inflections.map(|z| {
+            let k = cuts.partition_point(|&height| height < z).clamp(1, 2 * SEGMENTS);
+            let part = (z - cuts[k - 1]) / (cuts[k] - cuts[k - 1]);
+            length_mm * ((k - 1) as f64 + part) / (2 * SEGMENTS) as f64
+        });
+        let spread = Normal::<f64>::new(0.0, 0.25).expect("a positive deviation");
+        let stiff = Uniform::<f64>::new(3.0, 5.0).expect("3 is below 5");
+        // Ribs make the main thoracic region three to five times as stiff as segments without them.
+        let multipliers =
+            [spread.sample(rng).exp(), stiff.sample(rng), 1.6 * spread.sample(rng).exp()];
+        Ok(Self {
+            length_mm,
+            turns_rad,
+            vertebra_s_mm: vertebra_s_mm(length_mm),
+            inflection_s_mm,
+            multipliers,
+        })
+    }
+
+    /// Length of a segment.
+    pub fn segment_mm(&self) -> f64 {
+        self.length_mm / SEGMENTS as f64
+    }
+
+    /// Region of an arc length: caudal, middle or cranial of the inflections.
+    pub fn region(&self, s_mm: f64) -> usize {
+        self.inflection_s_mm.iter().filter(|&&end| s_mm > end).count()
+    }
+}
+
+fn vertebra_s_mm(length_mm: f64) -> Vec<f64> {
+    let mut s = vec![0.0];
+    for pair in Level::MODEL.windows(2) {
+        s.push(s[s.len() - 1] + Morphometry::spacing_mm(pair[0], pair[1]));
+    }
+    let scale = length_mm / s[s.len() - 1];
+    s.into_iter().map(|value| value * scale).collect()
+}

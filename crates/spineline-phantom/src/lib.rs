@@ -1,0 +1,166 @@
+//! Synthetic spines with known truth, and the virtual readers who mark their films.
+//!
+//! Real films of this protocol are not public, so the demonstration data are phantoms, and every result that came from
+//! one says `synthetic`. The subjects follow Table 1 of the paper. What truth is assumed decides which line of action
+//! wins, so there are three:
+//!
+//! - [`Truth::Rod`]: an elastic rod of 998 planar segments, bent by a force through its own inflections, found
+//!   self-consistently by continuation: the paper's hypothesis;
+//! - [`Truth::Bend`]: prescribed rotations of one sign at all levels, sized by published flexibility, vanishing at the
+//!   inflections: what clinicians see;
+//! - [`Truth::Pull`]: the same rod under a horizontal force at T2: Petit's hypothesis.
+//!
+//! ```
+//! use spineline_phantom::{Readers, Truth, generate};
+//! let phantom = generate(0, Truth::Rod, &Readers::exact(), 1)?;
+//! let analysis = spineline::analysis::analyze(&phantom.case, &Default::default())?;
+//! assert!(analysis.synthetic && analysis.inflections.all.len() == 2);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod erect;
+mod film;
+mod readers;
+mod rod;
+mod subjects;
+mod truth;
+
+pub use readers::Readers;
+pub use subjects::{SUBJECTS, TableRow};
+
+use rand_chacha::ChaCha12Rng;
+use rand_chacha::rand_core::SeedableRng;
+use spineline::action::LineOfAction;
+use spineline::analysis::Case;
+use spineline::anatomy::Posture;
+use spineline::spatial::{Angle, Frontal};
+
+/// What moved the synthetic spine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Truth {
+    /// A force through the inflections (the paper's hypothesis).
+    Rod,
+    /// Prescribed rotations, all to one side (clinical bends).
+    Bend,
+    /// A horizontal force at T2 (Petit's hypothesis).
+    Pull,
+}
+
+impl Truth {
+    /// All truths.
+    pub const ALL: [Self; 3] = [Self::Rod, Self::Bend, Self::Pull];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Rod => "rod",
+            Self::Bend => "bend",
+            Self::Pull => "pull",
+        }
+    }
+
+    /// What it means, in a few words.
+    #[must_use]
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Self::Rod => "force through the inflections",
+            Self::Bend => "all joints turn to one side",
+            Self::Pull => "horizontal force at T2",
+        }
+    }
+}
+
+/// One posture of a phantom as it truly is, in the global frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TruePosture {
+    /// The posture.
+    pub posture: Posture,
+    /// True locations of L4…T2.
+    pub locations: Vec<Frontal>,
+    /// True tilts.
+    pub tilts: Vec<Angle>,
+    /// True places of the two erect inflections, as material points.
+    pub inflections: [Frontal; 2],
+    /// True line of action; `None` for prescribed rotations and for the erect posture.
+    pub line: Option<LineOfAction>,
+    /// True force along it.
+    pub force_n: f64,
+}
+
+/// A synthetic patient: the films as readers see them, and the truth behind them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Phantom {
+    /// The case that the readers made.
+    pub case: Case,
+    /// What moved it.
+    pub truth: Truth,
+    /// True postures, the erect one first.
+    pub postures: Vec<TruePosture>,
+    /// True lateral stiffness multipliers per region, caudal first.
+    pub multipliers: [f64; 3],
+}
+
+/// A phantom that cannot be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PhantomError {
+    /// No such row in Table 1.
+    #[error("subject {number} is not one of the 18 of the paper's Table 1")]
+    NoSubject {
+        /// Number asked for, from 1.
+        number: usize,
+    },
+    /// No erect curve has these angles.
+    #[error("no erect curve has the angles of subject {number}")]
+    NoCurve {
+        /// Number of the subject, from 1.
+        number: usize,
+    },
+    /// The force that should move the spine was not found.
+    #[error("subject {number}, {truth}: the force for the {posture} posture was not found")]
+    NoForce {
+        /// Number of the subject, from 1.
+        number: usize,
+        /// Truth.
+        truth: &'static str,
+        /// Posture.
+        posture: Posture,
+    },
+}
+
+/// Makes one phantom: subject `index` (from 0) of Table 1.
+///
+/// The same arguments always make the same phantom: every subject and truth has a random stream of its own.
+///
+/// # Errors
+/// [`PhantomError`].
+pub fn generate(
+    index: usize,
+    truth: Truth,
+    readers: &Readers,
+    seed: u64,
+) -> Result<Phantom, PhantomError> {
+    let row = SUBJECTS.get(index).ok_or(PhantomError::NoSubject { number: index + 1 })?;
+    // Anatomy is the same for all truths; movement and readers have streams of their own.
+    let mut anatomy_rng = stream(seed, 8 * index as u64);
+    let spine = erect::ErectSpine::draw(row, &mut anatomy_rng)?;
+    let mut rng = stream(seed, 8 * index as u64 + 1 + truth as u64);
+    let (postures, multipliers) = truth::postures(row, truth, &spine, &mut rng)?;
+    let case = film::photograph(row, truth, &spine, &postures, readers, &mut rng);
+    Ok(Phantom { case, truth, postures, multipliers })
+}
+
+fn stream(seed: u64, number: u64) -> ChaCha12Rng {
+    let mut rng = ChaCha12Rng::seed_from_u64(seed);
+    rng.set_stream(number);
+    rng
+}
+
+impl Phantom {
+    /// One true posture.
+    #[must_use]
+    pub fn posture(&self, posture: Posture) -> Option<&TruePosture> {
+        self.postures.iter().find(|p| p.posture == posture)
+    }
+}

@@ -1,0 +1,178 @@
+//! Planar statics of the fine chain: independent of the library's march, so that it can judge it.
+
+use spineline::action::{Application, LineOfAction};
+use spineline::anatomy::Level;
+use spineline::multibody::StiffnessLibrary;
+use spineline::spatial::{Angle, Frontal};
+
+use crate::erect::{ErectSpine, SEGMENTS};
+
+/// The chain in one shape.
+#[derive(Debug, Clone)]
+pub(crate) struct ChainShape {
+    /// Nodes from L4 upwards, one more than segments.
+    nodes: Vec<Frontal>,
+    /// Tilts of the segments.
+    tilts: Vec<f64>,
+    segment_mm: f64,
+}
+
+impl ChainShape {
+    /// The shape with given turns.
+    pub fn with_turns(spine: &ErectSpine, turn_rad: impl Fn(usize) -> f64) -> Self {
+        Self::grow(spine.segment_mm(), |k, _| turn_rad(k))
+    }
+
+    /// Grows the chain from L4, segment by segment; `turn` may depend on the node that a segment stands on.
+    fn grow(segment_mm: f64, turn: impl Fn(usize, Frontal) -> f64) -> Self {
+        let mut nodes = vec![Frontal::default()];
+        let mut tilts: Vec<f64> = Vec::with_capacity(SEGMENTS);
+        for k in 0..SEGMENTS {
+            let tilt = tilts.last().copied().unwrap_or(0.0) + turn(k, nodes[k]);
+            tilts.push(tilt);
+            nodes.push(nodes[k] + Frontal::leaning(Angle::from_rad(tilt)) * segment_mm);
+        }
+        Self { nodes, tilts, segment_mm }
+    }
+
+    /// Point at an arc length.
+    pub fn point(&self, s_mm: f64) -> Frontal {
+        let place = (s_mm / self.segment_mm).min(SEGMENTS as f64);
+        let k = (place.floor() as usize).min(SEGMENTS - 1);
+        self.nodes[k] + (self.nodes[k + 1] - self.nodes[k]) * (place - k as f64)
+    }
+
+    /// Tilt at an arc length, between the middles of the segments; zero at the clamped base.
+    pub fn tilt(&self, s_mm: f64) -> Angle {
+        let place = s_mm / self.segment_mm - 0.5;
+        if place < 0.0 {
+            return Angle::from_rad(self.tilts[0] * (s_mm / (0.5 * self.segment_mm)));
+        }
+        let k = (place.floor() as usize).min(SEGMENTS - 2);
+        Angle::from_rad(self.tilts[k] + (self.tilts[k + 1] - self.tilts[k]) * (place - k as f64))
+    }
+
+    /// Sum of the rotations of all segments from another shape.
+    pub fn rotation_from(&self, other: &Self) -> Angle {
+        let turn =
+            |shape: &Self, k: usize| shape.tilts[k] - if k == 0 { 0.0 } else { shape.tilts[k - 1] };
+        let sum = (0..SEGMENTS).map(|k| (turn(self, k) - turn(other, k)).abs()).sum();
+        Angle::from_rad(sum)
+    }
+
+    pub fn top(&self) -> Frontal {
+        self.nodes[SEGMENTS]
+    }
+}
+
+/// The chain with springs.
+#[derive(Debug)]
+pub(crate) struct Rod<'a> {
+    spine: &'a ErectSpine,
+    stiffness_nmm_per_rad: Vec<f64>,
+}
+
+impl<'a> Rod<'a> {
+    /// Spreads every joint's lateral spring over the segments between its two vertebrae.
+    pub fn new(spine: &'a ErectSpine) -> Self {
+        let library = StiffnessLibrary::default();
+        let segment_mm = spine.segment_mm();
+        let stiffness_nmm_per_rad = (0..SEGMENTS)
+            .map(|k| {
+                let s = k as f64 * segment_mm;
+                let joint = spine
+                    .vertebra_s_mm
+                    .partition_point(|&v| v <= s)
+                    .clamp(1, Level::MODEL.len() - 1)
+                    - 1;
+                let span = spine.vertebra_s_mm[joint + 1] - spine.vertebra_s_mm[joint];
+                let nominal = library.rows()[joint].nmm_per_rad[0];
+                nominal * spine.multipliers[spine.region(s)] * span / segment_mm
+            })
+            .collect();
+        Self { spine, stiffness_nmm_per_rad }
+    }
+
+    /// Equilibrium under a force along a line fixed in space.
+    pub fn bend(&self, line: &LineOfAction, force_n: f64) -> ChainShape {
+        ChainShape::grow(self.spine.segment_mm(), |k, node| {
+            self.spine.turns_rad[k]
+                + force_n * line.lever_arm_mm(node) / self.stiffness_nmm_per_rad[k]
+        })
+    }
+
+    /// Equilibrium under a force along the line through the chain's own two inflections.
+    ///
+    /// The line crosses the heights of the erect inflections at two unknown places; Newton moves them until the bent
+    /// inflections lie on the line. `places_mm` is the start and receives the solution.
+    pub fn bend_through_inflections(
+        &self,
+        force_n: f64,
+        erect: &ChainShape,
+        places_mm: &mut [f64; 2],
+    ) -> Option<(ChainShape, LineOfAction)> {
+        let s = self.spine.inflection_s_mm;
+        let heights = s.map(|s| erect.point(s).z_mm);
+        let line_at = |places: [f64; 2]| {
+            let [low, high] = [0, 1].map(|i| Frontal::new(places[i], heights[i]));
+            LineOfAction::through(low, high).ok()
+        };
+        let miss = |places: [f64; 2]| {
+            let line = line_at(places)?;
+            let shape = self.bend(&line, force_n);
+            let off = s.map(|s| line.lever_arm_mm(shape.point(s)));
+            Some((shape, line, off))
+        };
+        for _ in 0..30 {
+            let (shape, line, off) = miss(*places_mm)?;
+            if off[0].abs().max(off[1].abs()) < 1e-9 {
+                return Some((shape, line));
+            }
+            const H: f64 = 1e-5;
+            let [a, b] = *places_mm;
+            let (_, _, by_a) = miss([a + H, b])?;
+            let (_, _, by_b) = miss([a, b + H])?;
+            let (j00, j10) = ((by_a[0] - off[0]) / H, (by_a[1] - off[1]) / H);
+            let (j01, j11) = ((by_b[0] - off[0]) / H, (by_b[1] - off[1]) / H);
+            let determinant = j00 * j11 - j01 * j10;
+            places_mm[0] -= (j11 * off[0] - j01 * off[1]) / determinant;
+            places_mm[1] -= (j00 * off[1] - j10 * off[0]) / determinant;
+            if !places_mm.iter().all(|p| p.is_finite()) {
+                return None;
+            }
+        }
+        None
+    }
+
+    /// Equilibrium under a force at T2 in a direction fixed in space.
+    pub fn pull_at_top(
+        &self,
+        direction: Frontal,
+        force_n: f64,
+        start: Frontal,
+    ) -> Option<(ChainShape, LineOfAction)> {
+        let line_at = |point| LineOfAction { point, direction, application: Application::Fixed };
+        // Only the place of the line across its direction matters: a secant iteration on one number.
+        let across = Frontal::new(direction.z_mm, -direction.y_mm);
+        let miss = |offset: f64| {
+            let line = line_at(start + across * offset);
+            let shape = self.bend(&line, force_n);
+            (line.lever_arm_mm(shape.top()), shape, line)
+        };
+        let (mut before, mut now) = (0.0, 1e-3);
+        let mut miss_before = miss(before).0;
+        for _ in 0..60 {
+            let (off, shape, line) = miss(now);
+            if off.abs() < 1e-9 {
+                return Some((shape, line));
+            }
+            let slope = (off - miss_before) / (now - before);
+            (before, miss_before) = (now, off);
+            now -= off / slope;
+            if !now.is_finite() {
+                return None;
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,239 @@
+//! The three truths: what moves a spine from the erect posture to the others.
+
+use rand_chacha::ChaCha12Rng;
+use rand_distr::{Distribution, Uniform};
+use spineline::action::{Application, LineOfAction};
+use spineline::anatomy::Posture;
+use spineline::spatial::{Angle, Frontal};
+
+use crate::erect::ErectSpine;
+use crate::rod::{ChainShape, Rod};
+use crate::{PhantomError, TableRow, TruePosture, Truth};
+
+/// Five true postures, and the stiffness multipliers behind them (ones where nothing elastic moved the spine).
+pub(crate) fn postures(
+    row: &TableRow,
+    truth: Truth,
+    spine: &ErectSpine,
+    rng: &mut ChaCha12Rng,
+) -> Result<(Vec<TruePosture>, [f64; 3]), PhantomError> {
+    let erect = ChainShape::with_turns(spine, |k| spine.turns_rad[k]);
+    let missing =
+        |posture| PhantomError::NoForce { number: row.number, truth: truth.key(), posture };
+    let moved = match truth {
+        Truth::Rod => rod(spine, &erect, rng).map_err(missing)?,
+        Truth::Bend => bend(spine, rng),
+        Truth::Pull => pull(spine, &erect, rng).map_err(missing)?,
+    };
+    let multipliers = if truth == Truth::Bend { [1.0; 3] } else { spine.multipliers };
+    let first = Moved { posture: Posture::Erect, shape: erect, line: None, force_n: 0.0 };
+    let all = std::iter::once(first).chain(moved).map(|moved| moved.observed(spine)).collect();
+    Ok((all, multipliers))
+}
+
+/// One posture of the fine chain.
+struct Moved {
+    posture: Posture,
+    shape: ChainShape,
+    line: Option<LineOfAction>,
+    force_n: f64,
+}
+
+impl Moved {
+    /// What a perfect film would show of it.
+    fn observed(self, spine: &ErectSpine) -> TruePosture {
+        let s = &spine.vertebra_s_mm;
+        TruePosture {
+            posture: self.posture,
+            locations: s.iter().map(|&s| self.shape.point(s)).collect(),
+            tilts: s.iter().map(|&s| self.shape.tilt(s)).collect(),
+            inflections: spine.inflection_s_mm.map(|s| self.shape.point(s)),
+            line: self.line,
+            force_n: self.force_n,
+        }
+    }
+}
+
+/// Turn of the main thoracic curve.
+fn main_turn(spine: &ErectSpine, shape: &ChainShape) -> f64 {
+    let [low, high] = spine.inflection_s_mm.map(|s| shape.tilt(s).rad());
+    high - low
+}
+
+/// Steps a force from zero until a measure of the shape reaches a goal, then halves the last step.
+///
+/// `solve` continues from the force before; `None` where the goal is not reached.
+fn force_for<S: Clone>(
+    step_n: f64,
+    most_n: f64,
+    start: S,
+    solve: impl Fn(f64, &mut S) -> Option<(ChainShape, LineOfAction)>,
+    reached: impl Fn(&ChainShape) -> bool,
+) -> Option<(f64, ChainShape, LineOfAction)> {
+    let (mut low_n, mut low_state) = (0.0, start);
+    let mut step_n = step_n;
+    let mut found = None;
+    while step_n.abs() > 1e-9 * most_n {
+        let mut state = low_state.clone();
+        let force_n = low_n + step_n;
+        if force_n.abs() > most_n {
+            return None;
+        }
+        match solve(force_n, &mut state) {
+            Some((shape, line)) if reached(&shape) => {
+                found = Some((force_n, shape, line));
+                step_n *= 0.5;
+            }
+            Some(_) => {
+                (low_n, low_state) = (force_n, state);
+                if found.is_some() {
+                    step_n *= 0.5;
+                }
+            }
+            // No equilibrium so far ahead: a smaller step.
+            None => step_n *= 0.5,
+        }
+    }
+    found
+}
+
+/// A force through the inflections: a pull that straightens, and a push that bends further.
+///
+/// Forces are sized by how far all segments turn in sum; the paper's mean rotation makes 42° per movement, of which
+/// neutral and the push take less (assumption).
+fn rod(
+    spine: &ErectSpine,
+    erect: &ChainShape,
+    rng: &mut ChaCha12Rng,
+) -> Result<Vec<Moved>, Posture> {
+    let vary = Uniform::new(0.9, 1.1).expect("0.9 is below 1.1");
+    let rod = Rod::new(spine);
+    let start = spine.inflection_s_mm.map(|s| erect.point(s).y_mm);
+    let mut at = |total_deg: f64, step_n: f64, posture: Posture| {
+        let goal = Angle::from_deg(total_deg * vary.sample(rng));
+        let reached = |shape: &ChainShape| shape.rotation_from(erect) >= goal;
+        let solve = |force_n: f64, places: &mut [f64; 2]| {
+            rod.bend_through_inflections(force_n, erect, places)
+        };
+        let (force_n, shape, line) =
+            force_for(step_n, 20_000.0, start, solve, reached).ok_or(posture)?;
+        Ok(Moved { posture, shape, line: Some(line), force_n })
+    };
+    let straighter = at(42.0, 20.0, Posture::LeftBending)?;
+    let stronger = at(25.0, -10.0, Posture::RightBending)?;
+    // The one that leans further left is the left bend.
+    let left_first = straighter.shape.top().lean() < stronger.shape.top().lean();
+    let names = [Posture::LeftBending, Posture::RightBending];
+    let names = if left_first { names } else { [names[1], names[0]] };
+    let mut moved = vec![
+        Moved { posture: names[0], ..straighter },
+        Moved { posture: names[1], ..stronger },
+        at(20.0, 20.0, Posture::Neutral)?,
+        at(36.0, 20.0, Posture::Traction)?,
+    ];
+    moved.sort_by_key(|m| m.posture);
+    Ok(moved)
+}
+
+/// Prescribed rotations to one side; neutral and traction scale the erect curve.
+///
+/// Parts of a curve that a bend to its convex side takes away, and that lying and traction take away:
+/// [bekki-2018] for surgical adolescents, caudal region first. The other way a curve grows by half as much (assumption).
+fn bend(spine: &ErectSpine, rng: &mut ChaCha12Rng) -> Vec<Moved> {
+    const FLEXIBILITY: [f64; 3] = [0.682, 0.402, 0.325];
+    const NEUTRAL: [f64; 3] = [0.19, 0.21, 0.09];
+    const TRACTION: [f64; 3] = [0.45, 0.40, 0.30];
+    const AWAY: f64 = 0.5;
+    let vary = Uniform::new(0.9, 1.1).expect("0.9 is below 1.1");
+    let [low, high] = spine.inflection_s_mm;
+    let ends = [(0.0, low), (low, high), (high, spine.length_mm)];
+    let segment_mm = spine.segment_mm();
+    let place = |k: usize| (k as f64 + 0.5) * segment_mm;
+    // Weights vanish at the inflections and are one in sum over a region.
+    let weight = |k: usize| {
+        let region = spine.region(place(k));
+        let (from, to) = ends[region];
+        let part = (place(k) - from) / (to - from) * std::f64::consts::PI;
+        let value = match region {
+            0 => (0.5 * part).cos(),
+            1 => part.sin(),
+            _ => (0.5 * part).sin(),
+        };
+        (region, value)
+    };
+    let mut sums = [0.0; 3];
+    let mut lobes = [0.0; 3];
+    for k in 0..spine.turns_rad.len() {
+        let (region, value) = weight(k);
+        sums[region] += value;
+        lobes[region] += spine.turns_rad[k];
+    }
+    let prescribed = |posture: Posture, rotations: [f64; 3]| {
+        let shape = ChainShape::with_turns(spine, |k| {
+            let (region, value) = weight(k);
+            spine.turns_rad[k] + rotations[region] * value / sums[region]
+        });
+        Moved { posture, shape, line: None, force_n: 0.0 }
+    };
+    let mut moved = Vec::new();
+    for (posture, sense) in [(Posture::LeftBending, -1.0), (Posture::RightBending, 1.0)] {
+        let rotations = [0, 1, 2].map(|region| {
+            let towards = lobes[region] * sense < 0.0;
+            let part = FLEXIBILITY[region] * vary.sample(rng) * if towards { 1.0 } else { AWAY };
+            sense * part * lobes[region].abs()
+        });
+        moved.push(prescribed(posture, rotations));
+    }
+    for (posture, parts) in [(Posture::Neutral, NEUTRAL), (Posture::Traction, TRACTION)] {
+        let parts = parts.map(|part| part * vary.sample(rng));
+        let shape = ChainShape::with_turns(spine, |k| {
+            spine.turns_rad[k] * (1.0 - parts[spine.region(place(k))])
+        });
+        moved.push(Moved { posture, shape, line: None, force_n: 0.0 });
+    }
+    moved
+}
+
+/// A horizontal force at T2 for the bends and at rest, and a cranial one for traction.
+fn pull(
+    spine: &ErectSpine,
+    erect: &ChainShape,
+    rng: &mut ChaCha12Rng,
+) -> Result<Vec<Moved>, Posture> {
+    let rod = Rod::new(spine);
+    let left = Frontal::new(1.0, 0.0);
+    let erect_lean = erect.top().lean();
+    let mut degrees = |from: f64, to: f64| {
+        Angle::from_deg(Uniform::new(from, to).expect("a range upwards").sample(rng))
+    };
+    let leans = [
+        (Posture::LeftBending, -degrees(15.0, 25.0)),
+        (Posture::RightBending, degrees(15.0, 25.0)),
+        (Posture::Neutral, degrees(-4.0, 4.0)),
+    ];
+    let solve = |direction: Frontal| {
+        let rod = &rod;
+        move |force_n: f64, top: &mut Frontal| {
+            let (shape, mut line) = rod.pull_at_top(direction, force_n, *top)?;
+            *top = shape.top();
+            (line.point, line.application) = (*top, Application::AtT2);
+            Some((shape, line))
+        }
+    };
+    let mut moved = Vec::new();
+    for (posture, change) in leans {
+        let sense = change.rad().signum();
+        let goal = erect_lean + change;
+        let reached = |shape: &ChainShape| (shape.top().lean() - goal).rad() * sense >= 0.0;
+        let (force_n, shape, line) =
+            force_for(-2.0 * sense, 2000.0, erect.top(), solve(left), reached).ok_or(posture)?;
+        moved.push(Moved { posture, shape, line: Some(line), force_n });
+    }
+    let whole = main_turn(spine, erect);
+    let reached = |shape: &ChainShape| main_turn(spine, shape) / whole <= 0.85;
+    let (force_n, shape, line) =
+        force_for(10.0, 20_000.0, erect.top(), solve(Frontal::new(0.0, 1.0)), reached)
+            .ok_or(Posture::Traction)?;
+    moved.push(Moved { posture: Posture::Traction, shape, line: Some(line), force_n });
+    Ok(moved)
+}

@@ -1,0 +1,94 @@
+//! Box charts.
+
+use kuva::render::render::Primitive;
+use spineline::evaluate::statistics::{BoxSummary, Summary, box_summary};
+
+use super::panel::{Axis, Name, Panel, Ticks};
+use super::style::{BLACK, Ink, Marker, Shape, TICK_PX, WHITE, outlined, wrapped};
+
+/// The rule of every box chart here, as [`box_summary`] has it.
+pub const RULE: &str = "Boxes: quartiles and median; whiskers: to the last value within 1.5 IQR of the box; \
+     circles: values beyond; diamonds: means.";
+
+/// One box.
+#[derive(Debug, Clone)]
+pub struct Column {
+    /// Boxes of one group stand together, in the order of their first appearance.
+    pub group: String,
+    /// Name below the box; may be empty.
+    pub name: String,
+    pub values: Vec<f64>,
+    pub fill: &'static str,
+}
+
+/// A panel of boxes from zero upwards; values that are no numbers are left out, and `n` counts the others.
+pub fn box_panel(columns: &[Column], y_label: &str, frame_px: [f64; 2]) -> Panel {
+    let mut groups: Vec<&str> = Vec::new();
+    for column in columns {
+        if !groups.contains(&column.group.as_str()) {
+            groups.push(&column.group);
+        }
+    }
+    // Half a box of space between groups.
+    let total = columns.len() as f64 + 0.5 * (groups.len() as f64 + 1.0);
+    let values = columns.iter().flat_map(|column| column.values.iter().copied());
+    let most = values.filter(|v| v.is_finite()).fold(0.0, f64::max);
+    let x = Axis { label: String::new(), range: [0.0, total], step: 1.0, ticks: Ticks::None };
+    let mut panel = Panel::new(x, Axis::from_zero(y_label, most), frame_px);
+    let column_px = frame_px[0] / total;
+    let lines = |column: &Column| wrapped(&column.name, TICK_PX, column_px);
+    let rows = columns.iter().map(|column| lines(column).len()).max().unwrap_or(0);
+    let mut at = 0.0;
+    let mut group_rows: Vec<(f64, Vec<String>)> = Vec::new();
+    for group in groups {
+        at += 0.5;
+        let start = at;
+        for column in columns.iter().filter(|column| column.group == group) {
+            let middle = at + 0.5;
+            let values: Vec<f64> =
+                column.values.iter().copied().filter(|v| v.is_finite()).collect();
+            for (row, line) in lines(column).into_iter().enumerate() {
+                panel.names.push(Name { x: middle, row, text: line, bold: false });
+            }
+            let count = format!("n = {}", values.len());
+            panel.names.push(Name { x: middle, row: rows, text: count, bold: false });
+            if let Some(summary) = box_summary(&values) {
+                let marks =
+                    draw_box(&panel, middle, &summary, Summary::of(&values).mean, column.fill);
+                panel.marks.extend(marks);
+            }
+            at += 1.0;
+        }
+        let group_px = (at - start + 0.4) * column_px;
+        group_rows.push((0.5 * (start + at), wrapped(group, TICK_PX + 1, group_px)));
+    }
+    for (x, lines) in group_rows {
+        for (i, line) in lines.into_iter().enumerate() {
+            panel.names.push(Name { x, row: rows + 1 + i, text: line, bold: true });
+        }
+    }
+    panel
+}
+
+fn draw_box(panel: &Panel, x: f64, summary: &BoxSummary, mean: f64, fill: &str) -> Vec<Primitive> {
+    let thin = Ink::new(BLACK, "", 1.1);
+    let half_px = (0.36 * panel.px(1.0, 0.0).0).min(34.0);
+    let at = |value: f64| panel.px(x, value);
+    let [low, median, high] = summary.quartiles.map(at);
+    let mut marks = Vec::new();
+    for (whisker, quartile) in summary.whiskers.map(at).into_iter().zip([low, high]) {
+        marks.push(thin.stroke(whisker, quartile));
+        let cap = 0.5 * half_px;
+        marks.push(thin.stroke((whisker.0 - cap, whisker.1), (whisker.0 + cap, whisker.1)));
+    }
+    marks.push(outlined(low.0 - half_px, high.1, 2.0 * half_px, low.1 - high.1, fill));
+    // White around the median and the mean keeps them visible on dark boxes.
+    for ink in [Ink::new(WHITE, "", 4.5), Ink::new(BLACK, "", 2.2)] {
+        marks.push(ink.stroke((median.0 - half_px, median.1), (median.0 + half_px, median.1)));
+    }
+    let circle = Marker { radius_px: 2.6, ..Marker::new(Shape::Circle, BLACK, false) };
+    marks.extend(summary.outliers.iter().map(|&value| circle.at(at(value).0, at(value).1)));
+    let diamond = Marker { radius_px: 3.6, ..Marker::new(Shape::Diamond, BLACK, false) };
+    marks.push(diamond.at(at(mean).0, at(mean).1));
+    marks
+}

@@ -1,0 +1,216 @@
+//! Samples of a cohort: distances, rotations and location errors.
+
+use spineline::action::LineKind;
+
+use super::boxes::{Column, RULE, box_panel};
+use super::page::{Page, Sample};
+use super::panel::{Axis, HeadingKind, Name, Panel, Ticks};
+use super::style::{FILLS, action_fill, outlined};
+
+/// How near the inflection segments of one group of cases are to the least-rotating ones.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InflectionSample {
+    /// Name of the group, such as the truth of its phantoms.
+    pub name: String,
+    /// Distances between inflection and least-rotating segment, in segments: one per posture and window.
+    pub distances_segments: Vec<f64>,
+    /// Rotations of the inflection segments, in degrees.
+    pub rotations_deg: Vec<f64>,
+}
+
+/// How well one choice of segment stands for the least-rotating one.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct EstimateSample {
+    /// Distances to the least-rotating segment, in segments.
+    pub distances_segments: Vec<f64>,
+    /// Rotations of the chosen segment, in degrees.
+    pub rotations_deg: Vec<f64>,
+}
+
+/// Both choices over one group of postures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EstimateGroup {
+    /// Name of the group, such as `left and right bending` or `neutral and traction`.
+    pub name: String,
+    /// The inflection segments (the paper's INF).
+    pub inflection: EstimateSample,
+    /// The mean of the least-rotating segments of both bends (the paper's MMS_Mean).
+    pub mean_least: EstimateSample,
+}
+
+/// Location errors of one model over one group of cases.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LocationErrorSample {
+    /// Name of the group, such as the truth of its phantoms.
+    pub group: String,
+    /// The line of action of the model.
+    pub line: LineKind,
+    /// Errors, in millimetres: one per vertebra and film.
+    pub errors_mm: Vec<f64>,
+}
+
+/// Bins of the distance in segments: name, greatest distance.
+const BINS: [(&str, f64); 7] = [
+    ("0", 0.5),
+    ("1", 1.5),
+    ("2", 2.5),
+    ("3–5", 5.5),
+    ("6–10", 10.5),
+    ("11–20", 20.5),
+    (">20", f64::INFINITY),
+];
+
+/// Distances of inflection segments from least-rotating ones and their rotations, like figure 6 of the paper.
+#[must_use]
+pub fn inflection_distances(samples: &[InflectionSample], synthetic: bool) -> String {
+    let title = "Inflection segments and least-rotating segments";
+    let mut page = Page::new(title, synthetic);
+    page.notes.push(format!("From the erect to all other postures. {RULE}"));
+    for (sample, fill) in samples.iter().zip(FILLS.iter().cycle()) {
+        let n = sample.distances_segments.iter().filter(|d| d.is_finite()).count();
+        page.legend.push((Sample::Fill(fill), format!("{} (n = {n})", sample.name)));
+    }
+    let mut bars = distance_bars(samples, [0.56 * page.inner_px() - 84.0, 340.0]);
+    bars.heading(HeadingKind::Title, "a  distance between them");
+    let columns: Vec<Column> = samples
+        .iter()
+        .zip(FILLS.iter().cycle())
+        .map(|(sample, fill)| Column {
+            group: sample.name.clone(),
+            name: String::new(),
+            values: sample.rotations_deg.clone(),
+            fill,
+        })
+        .collect();
+    let frame_px = [0.44 * page.inner_px() - 84.0, 340.0];
+    let mut boxes = box_panel(&columns, "rotation of a segment (deg)", frame_px);
+    boxes.heading(HeadingKind::Title, "b  rotation of the inflection segments");
+    page.rows.push(vec![bars, boxes]);
+    page.into_svg()
+}
+
+/// Share of the distances of every sample per bin.
+fn distance_bars(samples: &[InflectionSample], frame_px: [f64; 2]) -> Panel {
+    let shares: Vec<Vec<f64>> =
+        samples.iter().map(|sample| bin_shares(&sample.distances_segments)).collect();
+    let most = shares.iter().flatten().copied().fold(0.0, f64::max);
+    let bins = BINS.len() as f64;
+    let x = Axis {
+        label: "distance (segments)".to_owned(),
+        range: [0.0, bins],
+        step: 1.0,
+        ticks: Ticks::None,
+    };
+    let mut panel = Panel::new(x, Axis::from_zero("share of cases (%)", most), frame_px);
+    let width = 0.8 / samples.len().max(1) as f64;
+    for (bin, (name, _)) in BINS.iter().enumerate() {
+        let middle = bin as f64 + 0.5;
+        panel.names.push(Name { x: middle, row: 0, text: (*name).to_owned(), bold: false });
+        for (i, (shares, fill)) in shares.iter().zip(FILLS.iter().cycle()).enumerate() {
+            let from = panel.px(bin as f64 + 0.1 + i as f64 * width, shares[bin]);
+            let to = panel.px(bin as f64 + 0.1 + (i + 1) as f64 * width, 0.0);
+            if shares[bin] > 0.0 {
+                panel.marks.push(outlined(from.0, from.1, to.0 - from.0, to.1 - from.1, fill));
+            }
+        }
+    }
+    panel
+}
+
+/// Percentages of the distances that fall into each of [`BINS`].
+fn bin_shares(distances: &[f64]) -> Vec<f64> {
+    let mut counts = [0_usize; BINS.len()];
+    for distance in distances.iter().filter(|d| d.is_finite()) {
+        let bin = BINS.iter().position(|(_, most)| distance <= most);
+        counts[bin.expect("the last bin has no end")] += 1;
+    }
+    let total = counts.iter().sum::<usize>().max(1) as f64;
+    counts.iter().map(|&count| 100.0 * count as f64 / total).collect()
+}
+
+/// Location errors by group of cases and line of action, like figure 8 of the paper.
+///
+/// `films` says over which films, such as `bending films, fitted` or `neutral and traction films, held out`: errors on
+/// films that were fitted and on films that were not belong into figures of their own.
+#[must_use]
+pub fn location_errors(samples: &[LocationErrorSample], films: &str, synthetic: bool) -> String {
+    let mut page = Page::new(format!("Location errors: {films}"), synthetic);
+    page.notes.push(format!(
+        "Distance between simulated and measured vertebra midpoints, L3 to T2. {RULE}"
+    ));
+    let columns: Vec<Column> = samples
+        .iter()
+        .map(|sample| Column {
+            group: sample.group.clone(),
+            name: sample.line.to_string(),
+            values: sample.errors_mm.clone(),
+            fill: action_fill(sample.line),
+        })
+        .collect();
+    let mut kinds: Vec<LineKind> = samples.iter().map(|sample| sample.line).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    let legend = kinds.into_iter().map(|kind| (Sample::Fill(action_fill(kind)), kind.to_string()));
+    page.legend.extend(legend);
+    let frame_px = [page.inner_px() - 84.0, 380.0];
+    page.rows.push(vec![box_panel(&columns, "location error (mm)", frame_px)]);
+    page.into_svg()
+}
+
+/// Inflection segments against the mean of the least-rotating segments of both bends, like figure 10 of the paper.
+#[must_use]
+pub fn least_rotating_estimates(groups: &[EstimateGroup], synthetic: bool) -> String {
+    let mut page = Page::new("Two estimates of the least-rotating segments", synthetic);
+    page.notes.push(
+        "Inflection: inflection segments of the erect curve (INF). Mean: segment midway between the least-rotating \
+         ones of the left and right bend (MMS_Mean)."
+            .to_owned(),
+    );
+    page.notes.push(RULE.to_owned());
+    page.legend.push((Sample::Fill(FILLS[0]), "inflection".to_owned()));
+    page.legend.push((Sample::Fill(FILLS[1]), "mean".to_owned()));
+    let panel = |pick: fn(&EstimateSample) -> &Vec<f64>, label: &str, heading: &str, width_px| {
+        let columns: Vec<Column> = groups
+            .iter()
+            .flat_map(|group| {
+                let both = [("inflection", &group.inflection), ("mean", &group.mean_least)];
+                both.into_iter().zip(FILLS).map(|((name, sample), fill)| Column {
+                    group: group.name.clone(),
+                    name: name.to_owned(),
+                    values: pick(sample).clone(),
+                    fill,
+                })
+            })
+            .collect();
+        let mut panel = box_panel(&columns, label, [width_px, 330.0]);
+        panel.heading(HeadingKind::Title, heading);
+        panel
+    };
+    // Beside one another as long as the names below the boxes have room.
+    let beside = groups.len() <= 2;
+    let width_px = page.inner_px() * if beside { 0.5 } else { 1.0 } - 84.0;
+    let distance = "distance (segments)";
+    let panels = [
+        panel(|s| &s.distances_segments, distance, "a  distance to the least-rotating", width_px),
+        panel(|s| &s.rotations_deg, "rotation (deg)", "b  rotation of the estimate", width_px),
+    ];
+    page.rows = if beside {
+        vec![panels.into()]
+    } else {
+        panels.into_iter().map(|panel| vec![panel]).collect()
+    };
+    page.into_svg()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_distance_falls_into_one_bin() {
+        let shares = bin_shares(&[0.0, 1.0, 1.0, 2.0, 4.0, 7.0, 20.0, 21.0, f64::NAN, 500.0]);
+        let ninth = 100.0 / 9.0;
+        let counts = [1.0, 2.0, 1.0, 1.0, 1.0, 1.0, 2.0];
+        assert!(shares.iter().zip(counts).all(|(s, n)| (s - n * ninth).abs() < 1e-12));
+    }
+}

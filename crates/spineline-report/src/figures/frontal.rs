@@ -1,0 +1,155 @@
+//! Frontal pictures of a spine, seen from behind and at one scale for both axes.
+
+use kuva::render::render::TextAnchor;
+use spineline::action::LineOfAction;
+use spineline::spatial::Frontal;
+
+use super::panel::{Axis, Panel, Ticks};
+use super::style::{BLACK, Ink, Marker, TICK_PX, bold};
+
+/// The side from which one looks, said on every frontal picture.
+pub const VIEW: &str = "Seen from behind: the patient's left is on the left of the picture.";
+
+const PAD_MM: f64 = 22.0;
+
+/// A rectangle of the frontal plane, grown to hold points.
+#[derive(Debug, Clone, Copy)]
+pub struct Extent {
+    /// Least and greatest `-y`.
+    pub x_mm: [f64; 2],
+    /// Least and greatest `z`.
+    pub z_mm: [f64; 2],
+}
+
+/// A point as it is drawn: the patient's left to the left.
+pub fn drawn(point: Frontal) -> (f64, f64) {
+    (-point.y_mm, point.z_mm)
+}
+
+impl Extent {
+    /// Holds points, with some room around them.
+    pub fn of(points: impl IntoIterator<Item = Frontal>) -> Self {
+        let mut extent = Self { x_mm: [0.0; 2], z_mm: [0.0; 2] };
+        for point in points.into_iter().filter(|point| point.is_finite()) {
+            let (x, z) = drawn(point);
+            extent.x_mm = [extent.x_mm[0].min(x), extent.x_mm[1].max(x)];
+            extent.z_mm = [extent.z_mm[0].min(z), extent.z_mm[1].max(z)];
+        }
+        extent.grown(PAD_MM)
+    }
+
+    /// The same with more room on all sides.
+    pub fn grown(mut self, by_mm: f64) -> Self {
+        for [low, high] in [&mut self.x_mm, &mut self.z_mm] {
+            *low -= by_mm;
+            *high += by_mm;
+        }
+        self
+    }
+
+    /// What both hold.
+    pub fn common(self, other: Self) -> Self {
+        let common = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].min(b[1])];
+        Self { x_mm: common(self.x_mm, other.x_mm), z_mm: common(self.z_mm, other.z_mm) }
+    }
+
+    /// The smallest that holds both.
+    pub fn union(self, other: Self) -> Self {
+        let union = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+        Self { x_mm: union(self.x_mm, other.x_mm), z_mm: union(self.z_mm, other.z_mm) }
+    }
+
+    /// At least so wide, around the same middle.
+    pub fn at_least_wide(mut self, width_mm: f64) -> Self {
+        let more = 0.5 * (width_mm - self.width_mm()).max(0.0);
+        self.x_mm = [self.x_mm[0] - more, self.x_mm[1] + more];
+        self
+    }
+
+    pub fn width_mm(&self) -> f64 {
+        self.x_mm[1] - self.x_mm[0]
+    }
+
+    pub fn height_mm(&self) -> f64 {
+        self.z_mm[1] - self.z_mm[0]
+    }
+}
+
+/// An empty panel of an extent at a scale.
+pub fn frontal_panel(extent: Extent, px_per_mm: f64) -> Panel {
+    let step = [20.0, 50.0, 100.0, 200.0].into_iter().find(|step| step * px_per_mm >= 46.0);
+    let step = step.unwrap_or(500.0);
+    let axis = |label: &str, range, ticks| Axis { label: label.to_owned(), range, step, ticks };
+    let mut panel = Panel::new(
+        axis("lateral (mm)", extent.x_mm, Ticks::Sides),
+        axis("cranial of L4 (mm)", extent.z_mm, Ticks::Numbers),
+        [extent.width_mm() * px_per_mm, extent.height_mm() * px_per_mm],
+    );
+    panel.corners = Some(["LEFT".to_owned(), "RIGHT".to_owned()]);
+    panel.boxed = true;
+    panel
+}
+
+impl Panel {
+    /// A spine as vertebra midpoints, joined by a curve.
+    pub fn spine(&mut self, points: &[Frontal], ink: Ink, marker: Marker) {
+        self.curves.push((ink, points.iter().copied().map(drawn).collect()));
+        self.points(marker, points.iter().copied().map(drawn));
+    }
+
+    /// A line of action from edge to edge.
+    pub fn action(&mut self, line: &LineOfAction, ink: Ink) {
+        if let Some([from, to]) = clipped(line, self.x.range, self.y.range) {
+            self.curves.push((ink, vec![from, to]));
+        }
+    }
+
+    /// Writes L4 below the lowest and T2 above the highest point of a spine.
+    pub fn end_levels(&mut self, points: &[Frontal]) {
+        if let [first, .., last] = points {
+            for (point, name, down_px) in [(first, "L4", 18.0), (last, "T2", -9.0)] {
+                let (x, z) = drawn(*point);
+                let (x, y) = self.px(x, z);
+                let at = (x, y + down_px);
+                self.marks.push(bold(at, name, TICK_PX, TextAnchor::Middle, BLACK));
+            }
+        }
+    }
+}
+
+/// The part of a line within a rectangle, as drawn.
+fn clipped(line: &LineOfAction, x: [f64; 2], z: [f64; 2]) -> Option<[(f64, f64); 2]> {
+    let (from, along) = (drawn(line.point), drawn(line.direction));
+    let mut part = [f64::NEG_INFINITY, f64::INFINITY];
+    for (start, slope, [low, high]) in [(from.0, along.0, x), (from.1, along.1, z)] {
+        if slope.abs() < 1e-12 {
+            if !(low..=high).contains(&start) {
+                return None;
+            }
+            continue;
+        }
+        let (a, b) = ((low - start) / slope, (high - start) / slope);
+        part = [part[0].max(a.min(b)), part[1].min(a.max(b))];
+    }
+    let at = |t: f64| (from.0 + t * along.0, from.1 + t * along.1);
+    (part[0] < part[1]).then(|| part.map(at))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use spineline::spatial::Angle;
+
+    #[test]
+    fn a_line_is_cut_at_the_edges() {
+        let up = LineOfAction::leaning(Frontal::new(-10.0, 5.0), Angle::ZERO);
+        let cut = clipped(&up, [-50.0, 50.0], [0.0, 100.0]).expect("crosses");
+        assert_eq!(cut, [(10.0, 0.0), (10.0, 100.0)]);
+        assert_eq!(clipped(&up, [20.0, 50.0], [0.0, 100.0]), None);
+    }
+
+    #[test]
+    fn the_patients_left_is_on_the_left() {
+        assert!(drawn(Frontal::new(30.0, 0.0)).0 < drawn(Frontal::new(-30.0, 0.0)).0);
+    }
+}

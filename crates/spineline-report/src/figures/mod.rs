@@ -1,0 +1,39 @@
+//! An analysis, or the samples of a cohort → figures as SVG text.
+//!
+//! | function | figure of [jalalian-loa] |
+//! |---|---|
+//! | [`rotations`] | 5 |
+//! | [`inflection_distances`] | 6 |
+//! | [`location_errors`] | 8 |
+//! | [`measured_and_simulated`] | 9 |
+//! | [`least_rotating_estimates`] | 10 |
+//! | [`force_path`] | 11 |
+//! | [`case_overview`] | none: all postures of one patient side by side |
+//!
+//! # Conventions
+//! Frontal pictures are seen **from behind**: the patient's left is on the left of the picture, and says so. Lengths are
+//! millimetres at one scale for both axes, angles degrees. Colours are those of Okabe and Ito; markers, dashes or names
+//! carry the same meaning, so that a grey print can be read. A simulated shape whose force was not found is drawn, and
+//! its panel says that it is not a result.
+//!
+//! # Drawing
+//! kuva draws axes, grids and curves; this module lays out panels, legends, boxes and markers. Element ids derive from
+//! the title, so that several figures can stand in one HTML page.
+
+mod boxes;
+mod cohort;
+mod frontal;
+mod overview;
+mod page;
+mod panel;
+mod rotation;
+mod spines;
+mod style;
+
+pub use cohort::{
+    EstimateGroup, EstimateSample, InflectionSample, LocationErrorSample, inflection_distances,
+    least_rotating_estimates, location_errors,
+};
+pub use overview::case_overview;
+pub use rotation::rotations;
+pub use spines::{force_path, measured_and_simulated};

@@ -1,0 +1,84 @@
+//! All postures of one patient side by side.
+
+use spineline::action::LineKind;
+use spineline::analysis::{Analysis, PostureAnalysis};
+use spineline::spatial::Frontal;
+
+use super::frontal::{Extent, VIEW, drawn, frontal_panel};
+use super::page::{Page, Sample};
+use super::panel::{HeadingKind, Panel};
+use super::style::{BLACK, GREY, Ink, Marker, ORANGE, Shape, action_ink};
+
+/// Narrowest panel, so that its heading fits.
+const NARROW_MM: f64 = 120.0;
+const TALL_PX: f64 = 520.0;
+
+const CURVE: Ink = Ink::new(GREY, "", 2.2);
+const VERTEBRA: Marker = Marker { radius_px: 3.2, ..Marker::new(Shape::Circle, BLACK, false) };
+const INFLECTION: Marker = Marker { radius_px: 5.0, ..Marker::new(Shape::Diamond, ORANGE, true) };
+
+/// The films of one patient at one scale: vertebrae, fitted curve, inflections and lines of action.
+#[must_use]
+pub fn case_overview(analysis: &Analysis) -> String {
+    let title = format!("Measured spine and candidate lines of action, case {}", analysis.case_id);
+    let mut page = Page::new(title, analysis.synthetic);
+    page.notes.push(format!("{VIEW} All panels have the same scale; L4 is at the origin."));
+    page.legend.push((Sample::Marker(VERTEBRA), "vertebra midpoints, L4 to T2".to_owned()));
+    page.legend.push((Sample::Stroke(CURVE, None), "fitted curve".to_owned()));
+    if analysis.inflection_segments.is_some() {
+        let label = "inflections of the erect curve, where they lie in each posture";
+        page.legend.push((Sample::Marker(INFLECTION), label.to_owned()));
+    }
+    let kinds: Vec<LineKind> = analysis.models.iter().map(|model| model.kind).collect();
+    for kind in kinds {
+        page.legend.push((Sample::Stroke(action_ink(kind), None), kind.to_string()));
+    }
+    let extents = extents(analysis);
+    let width_mm: f64 = extents.iter().map(Extent::width_mm).sum();
+    let height_mm = extents.first().map_or(1.0, Extent::height_mm);
+    let room_px = 84.0 + 18.0 * (extents.len() as f64 - 1.0);
+    let px_per_mm = (TALL_PX / height_mm).min((page.inner_px() - room_px) / width_mm);
+    let mut panels: Vec<Panel> = Vec::new();
+    for (posture, extent) in analysis.postures.iter().zip(extents) {
+        let mut panel = frontal_panel(extent, px_per_mm);
+        panel.y_written = panels.is_empty();
+        fill(&mut panel, analysis, posture);
+        panels.push(panel);
+    }
+    page.rows.push(panels);
+    page.into_svg()
+}
+
+/// Extents of the postures: as wide as each needs, and all equally high.
+fn extents(analysis: &Analysis) -> Vec<Extent> {
+    let of = |posture: &PostureAnalysis| {
+        let points: Vec<Frontal> = posture.outline.locations().collect();
+        Extent::of(points).at_least_wide(NARROW_MM)
+    };
+    let mut extents: Vec<Extent> = analysis.postures.iter().map(of).collect();
+    let Some(all) = extents.iter().copied().reduce(Extent::union) else { return extents };
+    for extent in &mut extents {
+        extent.z_mm = all.z_mm;
+    }
+    extents
+}
+
+fn fill(panel: &mut Panel, analysis: &Analysis, posture: &PostureAnalysis) {
+    let name = posture.outline.posture;
+    panel.heading(HeadingKind::Title, name.to_string());
+    for model in &analysis.models {
+        if let Some(simulation) = model.posture(name) {
+            panel.action(&simulation.line, action_ink(model.kind));
+        }
+    }
+    let curve = &posture.fit.curve;
+    let samples = 160;
+    let at = |i: i32| drawn(curve.point(curve.end_mm() * f64::from(i) / f64::from(samples)));
+    panel.curves.push((CURVE, (0..=samples).map(at).collect()));
+    let locations: Vec<Frontal> = posture.outline.locations().collect();
+    panel.points(VERTEBRA, locations.iter().copied().map(drawn));
+    if let Some(points) = posture.inflection_points {
+        panel.points(INFLECTION, points.map(drawn));
+    }
+    panel.end_levels(&locations);
+}

@@ -1,0 +1,288 @@
+//! One pair of axes with what is drawn between them.
+
+use std::sync::Arc;
+
+use kuva::plot::LinePlot;
+use kuva::render::layout::{Layout, TickFormat};
+use kuva::render::plots::Plot;
+use kuva::render::render::{Primitive, TextAnchor, render_multiple};
+use kuva::render::theme::Theme;
+
+use super::style::{
+    BLACK, GREY, HEADING_PX, Ink, LABEL_PX, Marker, PALE, TICK_PX, VERMILLION, bold, line_px,
+    nice_step, text,
+};
+
+/// What the ticks of an axis say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ticks {
+    /// Numbers.
+    Numbers,
+    /// Distances to the patient's sides: the axis holds `-y`, so that the patient's left is on the left.
+    Sides,
+    /// Nothing: names are written below by [`Panel::names`].
+    None,
+}
+
+/// An axis.
+#[derive(Debug, Clone)]
+pub struct Axis {
+    pub label: String,
+    pub range: [f64; 2],
+    pub step: f64,
+    pub ticks: Ticks,
+}
+
+impl Axis {
+    /// From zero to a round number above all values.
+    pub fn from_zero(label: &str, most: f64) -> Self {
+        let most = if most > 0.0 { 1.03 * most } else { 1.0 };
+        let step = nice_step(most, 6.0);
+        let range = [0.0, step * (most / step).ceil()];
+        Self { label: label.to_owned(), range, step, ticks: Ticks::Numbers }
+    }
+
+    fn format(&self) -> TickFormat {
+        let places = (-self.step.log10() - 1e-9).ceil().max(0.0) as usize;
+        match self.ticks {
+            Ticks::Numbers => TickFormat::Fixed(places),
+            Ticks::Sides => TickFormat::Custom(Arc::new(move |x| {
+                let side = if x < 0.0 { " L" } else { " R" };
+                format!("{:.places$}{}", x.abs(), if x == 0.0 { "" } else { side })
+            })),
+            Ticks::None => TickFormat::Custom(Arc::new(|_| String::new())),
+        }
+    }
+}
+
+/// A name below the horizontal axis.
+#[derive(Debug, Clone)]
+pub struct Name {
+    /// Centre, in data units.
+    pub x: f64,
+    /// Line below the axis, from 0.
+    pub row: usize,
+    pub text: String,
+    pub bold: bool,
+}
+
+/// A line of a heading.
+#[derive(Debug, Clone)]
+pub struct Heading {
+    pub text: String,
+    pub kind: HeadingKind,
+}
+
+/// How a heading is printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HeadingKind {
+    Title,
+    Plain,
+    Alarm,
+}
+
+/// A pair of axes.
+#[derive(Debug, Clone)]
+pub struct Panel {
+    pub headings: Vec<Heading>,
+    /// Words at the top left and top right of the frame.
+    pub corners: Option<[String; 2]>,
+    pub x: Axis,
+    pub y: Axis,
+    /// Size of the frame.
+    pub frame_px: [f64; 2],
+    /// Whether ticks and label of the vertical axis are written.
+    pub y_written: bool,
+    pub boxed: bool,
+    pub names: Vec<Name>,
+    /// Curves in data units, clipped to the frame.
+    pub curves: Vec<(Ink, Vec<(f64, f64)>)>,
+    /// Anything else, in pixels from the frame's top left.
+    pub marks: Vec<Primitive>,
+}
+
+/// Room on the four sides of the frame.
+#[derive(Debug, Clone, Copy)]
+pub struct Room {
+    pub left: f64,
+    pub top: f64,
+    pub right: f64,
+    pub bottom: f64,
+}
+
+impl Panel {
+    pub fn new(x: Axis, y: Axis, frame_px: [f64; 2]) -> Self {
+        Self {
+            headings: Vec::new(),
+            corners: None,
+            x,
+            y,
+            frame_px,
+            y_written: true,
+            boxed: false,
+            names: Vec::new(),
+            curves: Vec::new(),
+            marks: Vec::new(),
+        }
+    }
+
+    pub fn heading(&mut self, kind: HeadingKind, text: impl Into<String>) {
+        self.headings.push(Heading { text: text.into(), kind });
+    }
+
+    /// A place in data units as pixels from the frame's top left.
+    pub fn px(&self, x: f64, y: f64) -> (f64, f64) {
+        let part = |axis: &Axis, v: f64| (v - axis.range[0]) / (axis.range[1] - axis.range[0]);
+        (self.frame_px[0] * part(&self.x, x), self.frame_px[1] * (1.0 - part(&self.y, y)))
+    }
+
+    /// Markers at places within the frame.
+    pub fn points(&mut self, marker: Marker, places: impl IntoIterator<Item = (f64, f64)>) {
+        for (x, y) in places {
+            let inside = |axis: &Axis, v: f64| (axis.range[0]..=axis.range[1]).contains(&v);
+            if inside(&self.x, x) && inside(&self.y, y) {
+                let (x, y) = self.px(x, y);
+                self.marks.push(marker.at(x, y));
+            }
+        }
+    }
+
+    /// Room that ticks, names and headings need.
+    pub fn room(&self) -> Room {
+        let rows = self.names.iter().map(|name| name.row + 1).max().unwrap_or(1);
+        let label = if self.x.label.is_empty() { 4.0 } else { line_px(LABEL_PX) + 4.0 };
+        let headings: f64 = self.headings.iter().map(|_| line_px(HEADING_PX)).sum();
+        let corners = if self.corners.is_some() { line_px(TICK_PX) } else { 0.0 };
+        Room {
+            left: if self.y_written { 70.0 } else { 8.0 },
+            top: headings + corners + 8.0,
+            right: 10.0,
+            bottom: 10.0 + rows as f64 * line_px(TICK_PX) + label,
+        }
+    }
+
+    /// Everything, with the frame's top left at a place of the page.
+    pub fn draw(self, at: (f64, f64), clip_id: &str, defs: &mut Vec<String>) -> Vec<Primitive> {
+        let room = self.room();
+        let mut drawn = vec![shift(at.0 - room.left, at.1 - room.top)];
+        let scene = render_multiple(self.plots(), self.layout(room));
+        for def in scene.defs {
+            defs.push(renamed(&def, clip_id));
+        }
+        drawn.extend(scene.elements.into_iter().map(|element| match element {
+            Primitive::ClipStart { x, y, width, height, .. } => {
+                Primitive::ClipStart { x, y, width, height, id: clip_id.to_owned() }
+            }
+            other => other,
+        }));
+        drawn.push(Primitive::GroupEnd);
+        drawn.push(shift(at.0, at.1));
+        self.write_around(&mut drawn, room);
+        drawn.extend(self.marks);
+        drawn.push(Primitive::GroupEnd);
+        drawn
+    }
+
+    fn plots(&self) -> Vec<Plot> {
+        let plot = |(ink, places): &(Ink, Vec<(f64, f64)>)| {
+            Plot::Line(
+                LinePlot::new()
+                    .with_data(places.iter().copied())
+                    .with_color(ink.colour)
+                    .with_stroke_width(ink.width_px)
+                    .with_line_style(ink.line_style()),
+            )
+        };
+        // Without any plot kuva draws no axes.
+        let nothing = (Ink::new(BLACK, "", 0.0), Vec::new());
+        self.curves.iter().chain([&nothing]).map(plot).collect()
+    }
+
+    fn layout(&self, room: Room) -> Layout {
+        let pair = |range: [f64; 2]| (range[0], range[1]);
+        let mut layout = Layout::new(pair(self.x.range), pair(self.y.range))
+            .with_width(self.frame_px[0] + room.left + room.right)
+            .with_height(self.frame_px[1] + room.top + room.bottom)
+            .with_force_margins(room.left, room.right)
+            .with_force_margins_y(room.top, room.bottom)
+            .with_x_axis_min(self.x.range[0])
+            .with_x_axis_max(self.x.range[1])
+            .with_y_axis_min(self.y.range[0])
+            .with_y_axis_max(self.y.range[1])
+            .with_x_tick_step(self.x.step)
+            .with_y_tick_step(self.y.step)
+            .with_x_tick_format(self.x.format())
+            .with_y_tick_format(self.y.format())
+            .with_tick_size(TICK_PX)
+            .with_theme(Theme { grid_color: PALE.to_owned(), ..Theme::light() });
+        if self.boxed {
+            layout = layout.with_box_axes();
+        }
+        if self.x.ticks == Ticks::None {
+            layout = layout.with_x_categories(Vec::new());
+        }
+        layout.suppress_y_ticks = !self.y_written;
+        layout
+    }
+
+    /// Headings, axis labels and names.
+    fn write_around(&self, drawn: &mut Vec<Primitive>, room: Room) {
+        let [width, height] = self.frame_px;
+        let mut y = -room.top + line_px(HEADING_PX) - 4.0;
+        for heading in &self.headings {
+            let at = (0.0, y);
+            drawn.push(match heading.kind {
+                HeadingKind::Title => bold(at, &heading.text, HEADING_PX, TextAnchor::Start, BLACK),
+                HeadingKind::Plain => text(at, &heading.text, TICK_PX, TextAnchor::Start),
+                HeadingKind::Alarm => {
+                    bold(at, &heading.text, TICK_PX, TextAnchor::Start, VERMILLION)
+                }
+            });
+            y += line_px(HEADING_PX);
+        }
+        if let Some([left, right]) = &self.corners {
+            drawn.push(bold((0.0, -5.0), left, TICK_PX, TextAnchor::Start, GREY));
+            drawn.push(bold((width, -5.0), right, TICK_PX, TextAnchor::End, GREY));
+        }
+        for name in &self.names {
+            let at =
+                (self.px(name.x, 0.0).0, height + (name.row + 1) as f64 * line_px(TICK_PX) + 4.0);
+            drawn.push(if name.bold {
+                bold(at, &name.text, TICK_PX, TextAnchor::Middle, BLACK)
+            } else {
+                text(at, &name.text, TICK_PX, TextAnchor::Middle)
+            });
+        }
+        let below = (0.5 * width, height + room.bottom - 6.0);
+        drawn.push(text(below, &self.x.label, LABEL_PX, TextAnchor::Middle));
+        if self.y_written {
+            let mut label = text(
+                (-room.left + 14.0, 0.5 * height),
+                &self.y.label,
+                LABEL_PX,
+                TextAnchor::Middle,
+            );
+            if let Primitive::Text { rotate, .. } = &mut label {
+                *rotate = Some(-90.0);
+            }
+            drawn.push(label);
+        }
+    }
+}
+
+fn shift(x: f64, y: f64) -> Primitive {
+    Primitive::GroupStart {
+        transform: Some(format!("translate({x:.2},{y:.2})")),
+        title: None,
+        extra_attrs: None,
+    }
+}
+
+/// kuva numbers its clip paths through the whole program; a name from the figure itself makes equal bytes.
+fn renamed(def: &str, id: &str) -> String {
+    let mut parts = def.splitn(3, '"');
+    match (parts.next(), parts.next(), parts.next()) {
+        (Some(head), Some(_), Some(tail)) => format!("{head}\"{id}\"{tail}"),
+        _ => def.to_owned(),
+    }
+}

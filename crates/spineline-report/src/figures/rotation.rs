@@ -1,0 +1,95 @@
+//! Rotation of the segments of one patient.
+
+use kuva::render::render::TextAnchor;
+use spineline::analysis::Analysis;
+use spineline::anatomy::Posture;
+use spineline::motion::{LEAST_WINDOWS, Motion};
+
+use super::page::{Page, Sample};
+use super::panel::{Axis, Panel, Ticks};
+use super::style::{BLACK, Ink, Marker, TICK_PX, nice_step, posture_style, text};
+
+const INFLECTION: Ink = Ink::new(BLACK, "4 4", 1.3);
+
+/// Rotation of every chain segment from the erect to every other posture, like figure 5 of the paper.
+///
+/// Dashed verticals are the two inflection segments of the erect curve; markers are the least-rotating segments of both
+/// windows. `None` where the case has only an erect film.
+#[must_use]
+pub fn rotations(analysis: &Analysis) -> Option<String> {
+    let motions: Vec<(Posture, &Motion)> = analysis
+        .postures
+        .iter()
+        .filter_map(|p| Some((p.outline.posture, p.motion.as_ref()?)))
+        .collect();
+    if motions.is_empty() {
+        return None;
+    }
+    let title = format!("Rotation of the chain's segments, case {}", analysis.case_id);
+    let mut page = Page::new(title, analysis.synthetic);
+    let [first, second] = LEAST_WINDOWS.map(|(low, high)| format!("{low}–{high}"));
+    page.notes.push(format!(
+        "From the erect to every other posture. Markers: the least-rotating segments of {first} and {second}. \
+         Segment length {:.3} mm.",
+        analysis.chain.segment_mm
+    ));
+    if analysis.inflection_segments.is_none() {
+        page.notes.push("The erect curve has no pair of inflections.".to_owned());
+    }
+    for (posture, _) in &motions {
+        let (ink, shape) = posture_style(*posture);
+        let marker = Marker::new(shape, ink.colour, false);
+        page.legend.push((Sample::Stroke(ink, Some(marker)), posture.to_string()));
+    }
+    let mut panel = empty_panel(&motions, page.inner_px());
+    for (posture, motion) in &motions {
+        let (ink, _) = posture_style(*posture);
+        let place = |(k, r): (usize, &spineline::spatial::Angle)| (k as f64, r.deg());
+        panel.curves.push((ink, motion.rotations.iter().enumerate().map(place).collect()));
+    }
+    if let Some(segments) = analysis.inflection_segments {
+        let sample = Sample::Stroke(INFLECTION, None);
+        page.legend.push((sample, "inflection segments of the erect curve".to_owned()));
+        mark_inflections(&mut panel, analysis, segments);
+    }
+    // Above all curves, so that none hides a marker.
+    for (posture, motion) in &motions {
+        let (ink, shape) = posture_style(*posture);
+        let marker = Marker { radius_px: 4.5, ..Marker::new(shape, ink.colour, false) };
+        let least =
+            motion.least.iter().filter_map(|&k| Some((k as f64, motion.rotations.get(k)?.deg())));
+        panel.points(marker, least);
+    }
+    page.rows.push(vec![panel]);
+    Some(page.into_svg())
+}
+
+fn empty_panel(motions: &[(Posture, &Motion)], width_px: f64) -> Panel {
+    let segments = motions.iter().map(|(_, motion)| motion.rotations.len()).max().unwrap_or(1);
+    let rotations = motions.iter().flat_map(|(_, motion)| &motion.rotations);
+    let most = rotations.map(|r| r.deg()).fold(0.0, f64::max);
+    let x = Axis {
+        label: "segment number, counted from L4 upwards".to_owned(),
+        range: [0.0, segments as f64],
+        step: nice_step(segments as f64, 10.0),
+        ticks: Ticks::Numbers,
+    };
+    let y = Axis::from_zero("rotation of a segment (deg)", most);
+    let mut panel = Panel::new(x, y, [width_px - 84.0, 400.0]);
+    // Room for the words above the inflections.
+    panel.corners = Some([String::new(), String::new()]);
+    panel
+}
+
+/// Two verticals; the words stand to either side of them, so that they never meet.
+fn mark_inflections(panel: &mut Panel, analysis: &Analysis, segments: [usize; 2]) {
+    let Some(pair) = analysis.inflections.pair else { return };
+    let anchors = [(TextAnchor::End, 4.0), (TextAnchor::Start, -4.0)];
+    for ((segment, inflection), (anchor, dx)) in segments.into_iter().zip(pair).zip(anchors) {
+        let (x, _) = panel.px(segment as f64, 0.0);
+        panel.marks.push(INFLECTION.stroke((x, 0.0), (x, panel.frame_px[1])));
+        let (low, high) = inflection.between;
+        let words = format!("inflection segment {segment} ({low}–{high})");
+        panel.marks.push(text((x + dx, -6.0), &words, TICK_PX, anchor));
+    }
+}

@@ -1,0 +1,140 @@
+//! Measured spines beside simulated ones.
+
+use spineline::action::LineKind;
+use spineline::analysis::{Analysis, LineModel};
+use spineline::anatomy::Posture;
+use spineline::evaluate::Simulation;
+use spineline::spatial::Frontal;
+
+use super::frontal::{Extent, VIEW, frontal_panel};
+use super::page::{Page, Sample};
+use super::panel::{HeadingKind, Panel};
+use super::style::{
+    BLACK, BLUE, GREEN, Ink, Marker, ORANGE, PURPLE, SHAPES, Shape, VERMILLION, action_ink,
+};
+
+/// Tallest frame of a frontal picture.
+const TALL_PX: f64 = 540.0;
+
+const MEASURED: (Ink, Marker) =
+    (Ink::new(BLACK, "", 1.0), Marker::new(Shape::Circle, BLACK, false));
+
+/// One panel per line of action: the measured spine of a posture and the simulated one, like figure 9 of the paper.
+///
+/// Every panel gives the mean location error, whether the model was fitted to this film or the film was held out, and
+/// the words `not a result` with the status where the force was not found. `None` where no model has this posture.
+#[must_use]
+pub fn measured_and_simulated(analysis: &Analysis, posture: Posture) -> Option<String> {
+    let measured: Vec<Frontal> = analysis.posture(posture)?.outline.locations().collect();
+    let shown: Vec<(&LineModel, &Simulation)> =
+        analysis.models.iter().filter_map(|m| Some((m, m.posture(posture)?))).collect();
+    if shown.is_empty() {
+        return None;
+    }
+    let title = format!("Measured and simulated spine, {posture}, case {}", analysis.case_id);
+    let mut page = Page::new(title, analysis.synthetic);
+    page.notes.push(format!("{VIEW} Circles: midpoints of the vertebrae from L4 to T2."));
+    page.legend.push((Sample::Stroke(MEASURED.0, Some(MEASURED.1)), "measured".to_owned()));
+    let extent = extent_of(&measured, shown.iter().map(|(_, simulation)| *simulation));
+    let room_px = 84.0 + 18.0 * (shown.len() as f64 - 1.0);
+    let cell_px = (page.inner_px() - room_px) / shown.len() as f64;
+    let px_per_mm = (TALL_PX / extent.height_mm()).min(cell_px / extent.width_mm());
+    let extent = extent.at_least_wide(cell_px / px_per_mm);
+    let mut panels = Vec::new();
+    for (model, simulation) in shown {
+        let ink = action_ink(model.kind);
+        let filled = Marker::new(Shape::Circle, ink.colour, true);
+        let solid = Ink::new(ink.colour, "", 1.6);
+        page.legend
+            .push((Sample::Stroke(solid, Some(filled)), format!("simulated, {}", model.kind)));
+        let mut panel = frontal_panel(extent, px_per_mm);
+        panel.y_written = panels.is_empty();
+        head(&mut panel, model.kind, simulation);
+        panel.action(&simulation.line, Ink::new(BLACK, "7 4", 1.0));
+        // The simulated spine above the measured one, smaller, so that both are seen where they agree.
+        let marker = Marker { radius_px: 5.0, ..MEASURED.1 };
+        panel.spine(&measured, MEASURED.0, marker);
+        panel.spine(&simulation.locations, solid, Marker { radius_px: 2.8, ..filled });
+        panel.end_levels(&measured);
+        panels.push(panel);
+    }
+    let sample = Sample::Stroke(Ink::new(BLACK, "7 4", 1.0), None);
+    page.legend.push((sample, "line of action".to_owned()));
+    page.rows.push(panels);
+    Some(page.into_svg())
+}
+
+fn head(panel: &mut Panel, kind: LineKind, simulation: &Simulation) {
+    let fitted = if simulation.fitted { "fitted" } else { "held out" };
+    panel.heading(HeadingKind::Title, format!("{kind} ({fitted})"));
+    let error = simulation.mean_location_error_mm();
+    panel.heading(HeadingKind::Plain, format!("mean location error {error:.2} mm"));
+    if !simulation.is_usable() {
+        let words = format!("not a result ({})", simulation.status.key());
+        panel.heading(HeadingKind::Alarm, words);
+    }
+}
+
+/// Holds the measured spine and usable simulations; what is no result may leave the picture.
+fn extent_of<'a>(
+    measured: &[Frontal],
+    simulations: impl Iterator<Item = &'a Simulation>,
+) -> Extent {
+    let mut extent = Extent::of(measured.iter().copied());
+    let around = extent.grown(60.0);
+    for simulation in simulations {
+        let simulated = Extent::of(simulation.locations.iter().copied());
+        let seen = if simulation.is_usable() { simulated } else { simulated.common(around) };
+        extent = extent.union(seen);
+    }
+    extent
+}
+
+/// The measured spine of a posture and simulated ones at increasing force, like figure 11 of the paper.
+///
+/// `shapes` are forces with the locations of L4…T2, drawn in their order; `force_unit` follows each number in the
+/// legend, such as `N` where the gauge makes forces known, else `× the final force`.
+#[must_use]
+pub fn force_path(
+    analysis: &Analysis,
+    posture: Posture,
+    kind: LineKind,
+    shapes: &[(f64, Vec<Frontal>)],
+    force_unit: &str,
+) -> String {
+    let title = format!("Spine under increasing force, {posture}, case {}", analysis.case_id);
+    let mut page = Page::new(title, analysis.synthetic);
+    page.width_px = 640.0;
+    page.notes.push(format!("Force along the {kind}. {VIEW}"));
+    let measured: Vec<Frontal> =
+        analysis.posture(posture).map(|p| p.outline.locations().collect()).unwrap_or_default();
+    let points = shapes.iter().flat_map(|(_, points)| points).chain(&measured).copied();
+    let extent = Extent::of(points);
+    let frame_px = page.inner_px() - 84.0;
+    let px_per_mm = (1.1 * TALL_PX / extent.height_mm()).min(frame_px / extent.width_mm());
+    let mut panel = frontal_panel(extent.at_least_wide(frame_px / px_per_mm), px_per_mm);
+    let line = analysis.models.iter().find(|m| m.kind == kind).and_then(|m| m.posture(posture));
+    if let Some(simulation) = line {
+        let ink = Ink::new(BLACK, "7 4", 1.0);
+        panel.action(&simulation.line, ink);
+        page.legend.push((Sample::Stroke(ink, None), "line of action".to_owned()));
+    }
+    if !measured.is_empty() {
+        panel.spine(&measured, MEASURED.0, Marker { radius_px: 5.0, ..MEASURED.1 });
+        panel.end_levels(&measured);
+        page.legend.push((Sample::Stroke(MEASURED.0, Some(MEASURED.1)), "measured".to_owned()));
+    }
+    let colours = [GREEN, ORANGE, BLUE, VERMILLION, PURPLE];
+    for (i, (force, locations)) in shapes.iter().enumerate() {
+        let colour = colours[i % colours.len()];
+        // After one round of shapes the filling changes, so that ten forces stay apart.
+        let filled = (i / SHAPES.len()).is_multiple_of(2);
+        let marker =
+            Marker { radius_px: 3.6, ..Marker::new(SHAPES[i % SHAPES.len()], colour, filled) };
+        let ink = Ink::new(colour, "", 1.2);
+        panel.spine(locations, ink, marker);
+        page.legend.push((Sample::Stroke(ink, Some(marker)), format!("{force:.2} {force_unit}")));
+    }
+    page.rows.push(vec![panel]);
+    page.into_svg()
+}

@@ -1,0 +1,253 @@
+//! Every figure is made, says what it must say, and has the same bytes each time.
+
+use spineline::action::LineKind;
+use spineline::analysis::{Analysis, AnalysisOptions, Case, Subject, analyze};
+use spineline::anatomy::{Level, Posture};
+use spineline::evaluate::Simulation;
+use spineline::measure::{Film, FilmMarks, Placement, Reading, ReadingId, SpacingPlane};
+use spineline::multibody::MatchStatus;
+use spineline::spatial::{Angle, Frontal};
+use spineline_report::figures::{
+    EstimateGroup, EstimateSample, InflectionSample, LocationErrorSample, case_overview,
+    force_path, inflection_distances, least_rotating_estimates, location_errors,
+    measured_and_simulated, rotations,
+};
+
+/// Turn of every vertebra against the one below, in degrees: three lobes, scaled, and a bend of one side.
+fn film(posture: Posture, scale: f64, bend_deg: f64) -> Film {
+    let mut tilt = 0.0;
+    let mut place = Frontal::default();
+    let mut vertebrae = std::collections::BTreeMap::new();
+    for (i, level) in Level::MODEL.into_iter().enumerate() {
+        if i > 0 {
+            let u = (i as f64 - 0.5) / 14.0;
+            // Zero at u = 0.35 and 0.75: right, left and right again.
+            let lobes = 330.0 * (u + 0.10) * (u - 0.35) * (u - 0.75) * (1.25 - u);
+            let turn = scale * lobes + bend_deg * (1.0 + 0.5 * (9.0 * u).sin());
+            let along = Frontal::leaning(Angle::from_deg(tilt + 0.5 * turn));
+            tilt += turn;
+            place = place + along * (32.0 - 0.8 * i as f64);
+        }
+        vertebrae.insert(level, Placement { location: place, tilt: Angle::from_deg(tilt) });
+    }
+    let readings = vec![Reading { id: ReadingId::new("A", 1), vertebrae }];
+    Film {
+        posture,
+        marks: FilmMarks::Placements { spacing_plane: SpacingPlane::Patient, readings },
+    }
+}
+
+fn analysis(synthetic: bool, postures: &[Posture]) -> Analysis {
+    let make = |&posture: &Posture| match posture {
+        Posture::Erect => film(posture, 1.0, 0.0),
+        Posture::LeftBending => film(posture, 0.75, -2.2),
+        Posture::RightBending => film(posture, 0.7, 2.0),
+        Posture::Neutral => film(posture, 0.85, 0.15),
+        Posture::Traction => film(posture, 0.6, -0.1),
+    };
+    let films = postures.iter().map(make).collect();
+    let case =
+        Case { id: "test <1> & co".to_owned(), synthetic, subject: Subject::default(), films };
+    analyze(&case, &AnalysisOptions::default()).expect("the case is sound")
+}
+
+fn shapes(analysis: &Analysis) -> Vec<(f64, Vec<Frontal>)> {
+    let erect: Vec<Frontal> = analysis.erect().outline.locations().collect();
+    let bent: Vec<Frontal> =
+        analysis.posture(Posture::RightBending).expect("filmed").outline.locations().collect();
+    [0.0, 0.4, 0.8, 1.0]
+        .map(|part| {
+            let mix = |(a, b): (&Frontal, &Frontal)| *a * (1.0 - part) + *b * (0.95 * part);
+            (part, erect.iter().zip(&bent).map(mix).collect())
+        })
+        .to_vec()
+}
+
+/// Numbers without a pattern, from 0 to `most`, crowded near zero.
+fn sample(n: u32, most: f64) -> Vec<f64> {
+    (0..n).map(|i| most * f64::from(i * 7919 % n).powi(3) / f64::from(n).powi(3)).collect()
+}
+
+fn distances() -> Vec<InflectionSample> {
+    [("rod", 4.0, 0.004), ("bend", 30.0, 0.03), ("pull", 220.0, 0.08)]
+        .map(|(name, segments, deg)| InflectionSample {
+            name: name.to_owned(),
+            distances_segments: sample(144, segments),
+            rotations_deg: sample(144, deg),
+        })
+        .to_vec()
+}
+
+fn errors() -> Vec<LocationErrorSample> {
+    let lines = [(LineKind::Inflection, 3.0), (LineKind::Iliac, 9.0), (LineKind::Estimated, 2.0)];
+    let of = |group: &str, factor: f64| {
+        lines.map(|(line, most)| LocationErrorSample {
+            group: group.to_owned(),
+            line,
+            errors_mm: sample(504, factor * most),
+        })
+    };
+    [of("rod", 1.0), of("bend", 2.0), of("pull", 1.3)].concat()
+}
+
+fn estimates() -> Vec<EstimateGroup> {
+    let of = |n, most| EstimateSample {
+        distances_segments: sample(n, most),
+        rotations_deg: sample(n, 0.01 * most),
+    };
+    let group = |name: &str, a, b| EstimateGroup {
+        name: name.to_owned(),
+        inflection: of(72, a),
+        mean_least: of(72, b),
+    };
+    vec![group("left and right bending", 2.0, 2.2), group("neutral and traction", 2.0, 3.5)]
+}
+
+/// All figures by name.
+fn figures(analysis: &Analysis) -> Vec<(String, String)> {
+    let synthetic = analysis.synthetic;
+    let mut all = vec![
+        ("rotations".to_owned(), rotations(analysis).expect("moved postures")),
+        ("inflection-distances".to_owned(), inflection_distances(&distances(), synthetic)),
+        (
+            "location-errors".to_owned(),
+            location_errors(&errors(), "bending films, fitted", synthetic),
+        ),
+        ("estimates".to_owned(), least_rotating_estimates(&estimates(), synthetic)),
+        ("overview".to_owned(), case_overview(analysis)),
+    ];
+    let posture = Posture::RightBending;
+    let path =
+        force_path(analysis, posture, LineKind::Inflection, &shapes(analysis), "× the final force");
+    all.push(("force-path".to_owned(), path));
+    for posture in Posture::MOVED {
+        let svg = measured_and_simulated(analysis, posture).expect("simulated");
+        all.push((format!("simulated-{}", posture.key()), svg));
+    }
+    all
+}
+
+/// Opening and closing tags match, and no `&` or `<` stands alone.
+fn assert_well_formed(name: &str, svg: &str) {
+    assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"), "{name}");
+    let mut open: Vec<&str> = Vec::new();
+    let mut rest = svg;
+    while let Some((_, tail)) = rest.split_once('<') {
+        let (tag, after) = tail.split_once('>').expect("a tag ends");
+        rest = after;
+        let word = tag.trim_start_matches('/').split([' ', '/']).next().expect("a word");
+        if tag.starts_with('!') || tag.ends_with('/') {
+            continue;
+        } else if tag.starts_with('/') {
+            assert_eq!(open.pop(), Some(word), "{name}");
+        } else {
+            open.push(word);
+        }
+    }
+    assert!(open.is_empty(), "{name}");
+    for (i, _) in svg.match_indices('&') {
+        let known = ["&amp;", "&lt;", "&gt;", "&quot;", "&apos;"];
+        assert!(known.iter().any(|entity| svg[i..].starts_with(entity)), "{name}");
+    }
+    assert!(!svg.contains("NaN") && !svg.contains("inf\""), "{name}: a coordinate is no number");
+}
+
+#[test]
+fn every_figure_says_its_units_and_that_the_data_are_made_up() {
+    let analysis = analysis(true, &Posture::ALL);
+    for (name, svg) in figures(&analysis) {
+        assert_well_formed(&name, &svg);
+        assert!(svg.contains("synthetic"), "{name}");
+        let units: &[&str] = match name.as_str() {
+            "rotations" => &["(deg)", "segment number"],
+            "inflection-distances" | "estimates" => &["(deg)", "(segments)"],
+            _ => &["(mm)"],
+        };
+        assert!(units.iter().all(|unit| svg.contains(unit)), "{name}");
+    }
+}
+
+#[test]
+fn figures_of_real_films_do_not_say_synthetic() {
+    for (name, svg) in figures(&analysis(false, &Posture::ALL)) {
+        assert!(!svg.contains("synthetic"), "{name}");
+    }
+}
+
+#[test]
+fn the_same_input_makes_the_same_bytes() {
+    let (first, second) = (analysis(true, &Posture::ALL), analysis(true, &Posture::ALL));
+    assert_eq!(figures(&first), figures(&second));
+}
+
+#[test]
+fn frontal_pictures_say_from_where_one_looks() {
+    let analysis = analysis(true, &Posture::ALL);
+    for (name, svg) in figures(&analysis) {
+        if name.starts_with("simulated") || name == "overview" || name == "force-path" {
+            for words in ["Seen from behind", "LEFT", "RIGHT", " L<", " R<"] {
+                assert!(svg.contains(words), "{name}: {words}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_shape_without_its_force_is_not_shown_as_a_result() {
+    let mut analysis = analysis(true, &Posture::ALL);
+    let posture = Posture::LeftBending;
+    let set = |simulation: &mut Simulation, status| simulation.status = status;
+    for model in &mut analysis.models {
+        for simulation in model.postures.iter_mut().filter(|s| s.posture == posture) {
+            set(simulation, MatchStatus::Matched);
+        }
+    }
+    let svg = measured_and_simulated(&analysis, posture).expect("simulated");
+    assert!(!svg.contains("not a result") && svg.contains("(fitted)"));
+    for simulation in &mut analysis.models[0].postures {
+        set(simulation, MatchStatus::Unreachable);
+        // A wild shape may not spoil the scale either.
+        for location in &mut simulation.locations {
+            *location = *location * 5.0;
+        }
+    }
+    let svg = measured_and_simulated(&analysis, posture).expect("simulated");
+    assert_eq!(svg.matches("not a result (unreachable)").count(), 1);
+    let held_out = measured_and_simulated(&analysis, Posture::Traction).expect("simulated");
+    assert!(held_out.contains("(held out)") && !held_out.contains("(fitted)"));
+}
+
+#[test]
+fn an_erect_film_alone_has_an_overview_only() {
+    let analysis = analysis(true, &[Posture::Erect]);
+    assert_eq!(rotations(&analysis), None);
+    assert_eq!(measured_and_simulated(&analysis, Posture::LeftBending), None);
+    assert_well_formed("overview", &case_overview(&analysis));
+}
+
+#[test]
+fn empty_samples_make_empty_axes() {
+    for svg in [
+        inflection_distances(&[], true),
+        location_errors(&[], "no films", true),
+        least_rotating_estimates(&[], true),
+    ] {
+        assert_well_formed("empty", &svg);
+    }
+    let nothing = LocationErrorSample {
+        group: "rod".to_owned(),
+        line: LineKind::Iliac,
+        errors_mm: vec![f64::NAN],
+    };
+    let svg = location_errors(&[nothing], "no films", true);
+    assert_well_formed("empty", &svg);
+    assert!(svg.contains("n = 0"));
+}
+
+#[test]
+fn write_pictures() {
+    let Ok(folder) = std::env::var("SPINELINE_FIGURES") else { return };
+    for (name, svg) in figures(&analysis(true, &Posture::ALL)) {
+        std::fs::write(format!("{folder}/{name}.svg"), svg).expect("the folder is there");
+    }
+}

@@ -1,0 +1,235 @@
+use super::checks::{check_outlines, check_postures};
+use super::models::fit_models;
+use super::{AnalysisOptions, Case, LineModel};
+use crate::anatomy::Posture;
+use crate::chain::{Chain, ChainPose};
+use crate::clinical::{ClinicalCurve, LenkeType, Regions, lenke_type, measure_curves};
+use crate::curve::{CurveFit, InflectionChoice, Inflections, find_inflections, fit_curve};
+use crate::error::Error;
+use crate::measure::{Film, Outline, measure_film};
+use crate::motion::{Estimate, Motion, least_windows, mean_least};
+use crate::multibody::SpineModel;
+use crate::personalize::estimate::LineComparison;
+use crate::personalize::evidence::FilmEvidence;
+use crate::spatial::{Angle, Frontal};
+use crate::warning::{Step, Warnings};
+
+/// One posture of an analysis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PostureAnalysis {
+    /// Measured vertebrae.
+    pub outline: Outline,
+    /// Fitted curve.
+    pub fit: CurveFit,
+    /// Chain laid on it.
+    pub pose: ChainPose,
+    /// Movement from the erect posture; `None` for the erect one.
+    pub motion: Option<Motion>,
+    /// The inflection segments against the least-rotating ones.
+    pub inflection_estimates: Option<[Estimate; 2]>,
+    /// MMS_Mean against the least-rotating ones.
+    pub mean_least_estimates: Option<[Estimate; 2]>,
+    /// Where the two inflection segments lie in this posture.
+    pub inflection_points: Option<[Frontal; 2]>,
+    /// Rotations and joint centres; `None` for the erect posture.
+    pub evidence: Option<FilmEvidence>,
+    /// The line that the data prefer against the line through the inflections.
+    pub line_comparison: Option<LineComparison>,
+}
+
+/// Everything that was found out about one patient.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Analysis {
+    /// Identifier of the case.
+    pub case_id: String,
+    /// Whether the films are made up.
+    pub synthetic: bool,
+    /// Postures that have a film, the erect one first.
+    pub postures: Vec<PostureAnalysis>,
+    /// Inflections and lobes of the erect curve.
+    pub inflections: Inflections,
+    /// The inflections as segments of the chain.
+    pub inflection_segments: Option<[usize; 2]>,
+    /// MMS_Mean per window, where both bends were filmed.
+    pub mean_least_segments: Option<[usize; 2]>,
+    /// Segment number and length.
+    pub chain: Chain,
+    /// Regions of the spine.
+    pub regions: Regions,
+    /// Clinical curves.
+    pub clinical: Vec<ClinicalCurve>,
+    /// Lenke's type as far as the films tell it.
+    pub lenke: Option<LenkeType>,
+    /// The unloaded spine.
+    pub spine: SpineModel,
+    /// One personalised model per line of action.
+    pub models: Vec<LineModel>,
+    /// Choices.
+    pub options: AnalysisOptions,
+    /// Soft problems.
+    pub warnings: Warnings,
+}
+
+impl Analysis {
+    /// One posture, where it has a film.
+    #[must_use]
+    pub fn posture(&self, posture: Posture) -> Option<&PostureAnalysis> {
+        self.postures.iter().find(|p| p.outline.posture == posture)
+    }
+
+    /// The erect posture.
+    #[must_use]
+    pub fn erect(&self) -> &PostureAnalysis {
+        &self.postures[0]
+    }
+}
+
+/// Runs all steps on one case, as far as its films reach.
+///
+/// An erect film alone gives the curve, its inflections and the clinical angles; every further film adds what it can.
+/// What is missing says why in the warnings.
+///
+/// # Errors
+/// [`Error`]: bad input only.
+pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error> {
+    let mut warnings = Warnings::default();
+    // 1 measure
+    check_postures(&case.films)?;
+    let mut films: Vec<&Film> = case.films.iter().collect();
+    films.sort_by_key(|film| film.posture);
+    let outlines = films
+        .into_iter()
+        .map(|film| measure_film(film, &mut warnings))
+        .collect::<Result<Vec<Outline>, _>>()?;
+    check_outlines(&outlines, &mut warnings)?;
+    // 2 curve
+    let fits = outlines
+        .iter()
+        .map(|outline| fit_curve(outline, options.order_rule, &mut warnings))
+        .collect::<Result<Vec<CurveFit>, _>>()?;
+    let inflections = inflections_of(&fits[0], options.inflections, &mut warnings);
+    let locations: Vec<Frontal> = outlines[0].locations().collect();
+    let regions = Regions::from_inflections(&fits[0], &inflections, &locations, &mut warnings);
+    let clinical = measure_curves(&regions, &outlines.iter().collect::<Vec<_>>());
+    let lenke = lenke_type(&clinical);
+    // 3 chain
+    let lengths: Vec<f64> =
+        fits.iter().map(|fit| fit.curve.length_mm(fit.curve.end_mm())).collect();
+    let chain = Chain::fit(lengths[0], &lengths[1..], options.segment_window.clone())?;
+    let poses: Vec<ChainPose> = fits.iter().map(|fit| chain.lay(&fit.curve)).collect();
+    let inflection_segments = inflections
+        .pair
+        .map(|pair| pair.map(|inflection| poses[0].nearest_segment(inflection.erect)));
+    // 6 the unloaded spine: rotations of joints on the films need it
+    let spine = SpineModel::from_outline(&outlines[0], &options.profile);
+    // 4 motion
+    let windows = least_windows(&fits[0], &poses[0]);
+    let erect_pose = poses[0].clone();
+    let erect_outline = outlines[0].clone();
+    let mut postures: Vec<PostureAnalysis> = outlines
+        .into_iter()
+        .zip(fits)
+        .zip(poses)
+        .map(|((outline, fit), pose)| {
+            let moved = outline.posture != Posture::Erect;
+            let motion = moved.then(|| Motion::between(&erect_pose, &pose, &windows));
+            let here = inflection_segments.filter(|s| s.iter().all(|&k| k < pose.joints.len()));
+            PostureAnalysis {
+                inflection_estimates: motion
+                    .as_ref()
+                    .zip(inflection_segments)
+                    .map(|(motion, segments)| motion.estimates(&erect_pose, segments)),
+                mean_least_estimates: None,
+                inflection_points: here.map(|segments| segments.map(|k| pose.joints[k])),
+                evidence: moved.then(|| {
+                    FilmEvidence::measure(&spine, &options.library, &erect_outline, &outline)
+                }),
+                line_comparison: None,
+                motion,
+                outline,
+                fit,
+                pose,
+            }
+        })
+        .collect();
+    let mean_least_segments = add_mean_least(&mut postures, &erect_pose);
+    let mut analysis = Analysis {
+        case_id: case.id.clone(),
+        synthetic: case.synthetic,
+        postures,
+        inflections,
+        inflection_segments,
+        mean_least_segments,
+        chain,
+        regions,
+        clinical,
+        lenke,
+        spine,
+        models: Vec::new(),
+        options: options.clone(),
+        warnings,
+    };
+    // 5, 7 and 8: lines of action, personalisation, evaluation
+    fit_models(&mut analysis);
+    Ok(analysis)
+}
+
+fn inflections_of(
+    erect: &CurveFit,
+    choice: InflectionChoice,
+    warnings: &mut Warnings,
+) -> Inflections {
+    let found = find_inflections(erect, crate::curve::MIN_TURN);
+    match choice {
+        InflectionChoice::ByHand(sites) => {
+            warnings.push(
+                Step::Motion,
+                "inflections_by_hand",
+                "the two inflections were picked by hand",
+            );
+            found.picked(erect, sites)
+        }
+        InflectionChoice::Automatic => {
+            if found.all.len() != 2 {
+                let lobes: Vec<String> = found
+                    .lobes
+                    .iter()
+                    .map(|lobe| format!("{:.0}°", lobe.turn.abs().deg()))
+                    .collect();
+                let then = if found.pair.is_some() {
+                    "the pair around the largest curve is used"
+                } else {
+                    "there is no inflection line; the other lines still are compared"
+                };
+                let text = format!(
+                    "the erect curve has {} inflections (lobes of {}), not two: {then}",
+                    found.all.len(),
+                    lobes.join(", ")
+                );
+                warnings.film(Step::Motion, "inflections_not_two", Posture::Erect, text);
+            }
+            found
+        }
+    }
+}
+
+/// Adds MMS_Mean to every posture where both bends were filmed.
+fn add_mean_least(postures: &mut [PostureAnalysis], erect: &ChainPose) -> Option<[usize; 2]> {
+    let motion = |posture: Posture| {
+        postures.iter().find(|p| p.outline.posture == posture).and_then(|p| p.motion.as_ref())
+    };
+    let segments = mean_least(motion(Posture::LeftBending)?, motion(Posture::RightBending)?);
+    for posture in postures {
+        posture.mean_least_estimates =
+            posture.motion.as_ref().map(|motion| motion.estimates(erect, segments));
+    }
+    Some(segments)
+}
+
+impl PostureAnalysis {
+    /// Mean rotation of the segments from the erect posture.
+    #[must_use]
+    pub fn mean_rotation(&self) -> Option<Angle> {
+        self.motion.as_ref().map(Motion::mean_rotation)
+    }
+}

@@ -1,0 +1,100 @@
+//! What the films of one patient say about one another before anything is computed from them together.
+
+use crate::anatomy::{Posture, Side};
+use crate::error::CaseError;
+use crate::measure::{Film, Outline};
+use crate::spatial::Angle;
+use crate::warning::{Step, Warnings};
+
+/// A lean to the wrong side counts when it is larger than the tilt noise of L4 could make it.
+const LEAN_MARGIN: Angle = Angle::from_deg(2.0);
+
+/// One film per posture, one of them erect.
+pub(super) fn check_postures(films: &[Film]) -> Result<(), CaseError> {
+    for (i, film) in films.iter().enumerate() {
+        if films[..i].iter().any(|other| other.posture == film.posture) {
+            return Err(CaseError::PostureTwice { posture: film.posture });
+        }
+    }
+    if films.iter().any(|film| film.posture == Posture::Erect) {
+        Ok(())
+    } else {
+        Err(CaseError::NoErectFilm)
+    }
+}
+
+/// Sides, lengths and planes of the films against one another; the first outline is the erect one.
+pub(super) fn check_outlines(
+    outlines: &[Outline],
+    warnings: &mut Warnings,
+) -> Result<(), CaseError> {
+    let of = |posture| outlines.iter().find(|outline| outline.posture == posture);
+    if let (Some(left), Some(right)) = (of(Posture::LeftBending), of(Posture::RightBending)) {
+        let [left, right] = [left, right].map(top_lean);
+        if left - right > LEAN_MARGIN {
+            return Err(CaseError::BendsExchanged { left, right });
+        }
+    }
+    let erect = &outlines[0];
+    for film in &outlines[1..] {
+        warn_of_wrong_lean(erect, film, warnings);
+        warn_of_mirror(erect, film, warnings);
+        let ratio = film.polygon_mm() / erect.polygon_mm();
+        if (ratio - 1.0).abs() > 0.05 {
+            let text = format!(
+                "the spine is {:.0} mm long, and {:.0} mm on the erect film ({:+.0} %): check the spacing of both films",
+                film.polygon_mm(),
+                erect.polygon_mm(),
+                100.0 * (ratio - 1.0)
+            );
+            warnings.film(Step::Measure, "lengths_differ", film.posture, text);
+        }
+        if film.spacing_plane != erect.spacing_plane {
+            let text = format!(
+                "its millimetres are {}, those of the erect film {}: lengths are compared as if they were the same",
+                film.spacing_plane.unit(),
+                erect.spacing_plane.unit()
+            );
+            warnings.film(Step::Measure, "spacing_planes_differ", film.posture, text);
+        }
+    }
+    Ok(())
+}
+
+fn top_lean(outline: &Outline) -> Angle {
+    outline.vertebrae[outline.vertebrae.len() - 1].location.lean()
+}
+
+fn warn_of_wrong_lean(erect: &Outline, film: &Outline, warnings: &mut Warnings) {
+    let Some(side) = film.posture.bend() else { return };
+    let change = top_lean(film) - top_lean(erect);
+    let away = match side {
+        Side::Left => change,
+        Side::Right => -change,
+    };
+    if away > LEAN_MARGIN {
+        let text = format!(
+            "T2 leans {} from where it is when erect: the film may be mirrored, or be of another posture",
+            change.leaning()
+        );
+        warnings.film(Step::Measure, "bend_leans_away", film.posture, text);
+    }
+}
+
+/// At rest or under traction a spine keeps its shape; a mirrored film shows the opposite one.
+fn warn_of_mirror(erect: &Outline, film: &Outline, warnings: &mut Warnings) {
+    if film.posture.bend().is_some() {
+        return;
+    }
+    let turns = |outline: &Outline| -> Vec<f64> {
+        outline.vertebrae.windows(2).map(|pair| (pair[1].tilt - pair[0].tilt).rad()).collect()
+    };
+    let (a, b) = (turns(erect), turns(film));
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+    let likeness = dot(&a, &b) / (dot(&a, &a) * dot(&b, &b)).sqrt();
+    let turning: f64 = a.iter().map(|turn| turn.abs()).sum();
+    if likeness < -0.8 && turning > Angle::from_deg(20.0).rad() {
+        let text = "it shows the mirror image of the erect spine: this film or the erect one has a wrong `patient_left`";
+        warnings.film(Step::Measure, "film_looks_mirrored", film.posture, text);
+    }
+}

@@ -1,0 +1,45 @@
+//! One patient through all steps: [`analyze`].
+
+mod analyze;
+mod checks;
+mod models;
+mod options;
+
+pub use analyze::{Analysis, PostureAnalysis, analyze};
+pub use models::{LineModel, NO_LINE_CODES};
+pub use options::{AnalysisOptions, Grouping};
+
+use crate::measure::Film;
+
+/// Sex of a patient as far as it was recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Sex {
+    Female,
+    Male,
+    Other,
+}
+
+/// Who was X-rayed, without any name.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Subject {
+    /// Sex.
+    pub sex: Option<Sex>,
+    /// Age at the films.
+    pub age_years: Option<f64>,
+    /// Lenke class as recorded by clinicians, such as `1A`.
+    pub lenke: Option<String>,
+}
+
+/// The films of one patient.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Case {
+    /// Identifier, without any name.
+    pub id: String,
+    /// Whether the films are made up.
+    pub synthetic: bool,
+    /// Who was X-rayed.
+    pub subject: Subject,
+    /// The films, one per posture, in any order.
+    pub films: Vec<Film>,
+}

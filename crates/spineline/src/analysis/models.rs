@@ -1,0 +1,323 @@
+//! Lines of action, personalisation and evaluation of one patient.
+
+use super::{Analysis, Grouping, PostureAnalysis};
+use crate::action::{Application, LineKind, LineOfAction};
+use crate::anatomy::{Level, Posture};
+use crate::evaluate::{Simulation, Target, simulate};
+use crate::multibody::{JointGroups, Load, Statics};
+use crate::personalize::estimate::{components_of, estimate_load, line_of};
+use crate::personalize::evidence::FilmEvidence;
+use crate::personalize::{
+    FitFilm, FitSettings, FitStatus, FitTarget, Gauge, Personalization, StiffnessBound, personalize,
+};
+use crate::spatial::Frontal;
+use crate::warning::{Step, Warnings};
+
+/// A personalised model for one choice of line, and what it predicts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LineModel {
+    /// The choice of line.
+    pub kind: LineKind,
+    /// Which joints share a multiplier.
+    pub groups: JointGroups,
+    /// The fit.
+    pub fit: Personalization,
+    /// Predictions of every posture that has a line, fitted ones and held-out ones.
+    pub postures: Vec<Simulation>,
+}
+
+/// Codes of warnings that say why a model is absent.
+pub const NO_LINE_CODES: [&str; 2] = ["no_bending_film", "no_line"];
+
+impl LineModel {
+    /// One posture's prediction.
+    #[must_use]
+    pub fn posture(&self, posture: Posture) -> Option<&Simulation> {
+        self.postures.iter().find(|simulation| simulation.posture == posture)
+    }
+
+    /// Multipliers of the lateral springs, in the order of the groups.
+    pub fn multipliers(&self) -> impl Iterator<Item = f64> {
+        self.fit.log_multipliers.iter().map(|log| log.exp())
+    }
+
+    /// Mean location error over fitted or over held-out postures; `None` where there is none.
+    #[must_use]
+    pub fn mean_location_error_mm(&self, fitted: bool) -> Option<f64> {
+        let errors: Vec<f64> = self
+            .postures
+            .iter()
+            .filter(|s| s.fitted == fitted && s.is_usable())
+            .flat_map(|s| s.location_errors_mm.iter().copied())
+            .collect();
+        (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64)
+    }
+}
+
+/// Fits one model per line of action and evaluates it on every film.
+pub(super) fn fit_models(analysis: &mut Analysis) {
+    let mut warnings = std::mem::take(&mut analysis.warnings);
+    compare_lines(analysis);
+    let bends = analysis.postures.iter().filter(|p| p.outline.posture.bend().is_some()).count();
+    if bends == 0 {
+        let text = "no bending film: stiffness cannot be personalised";
+        warnings.push(Step::Personalize, "no_bending_film", text);
+    } else {
+        let mut kinds = vec![LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
+        if !analysis.options.given_lines.is_empty() {
+            kinds.push(LineKind::Given);
+        }
+        for kind in kinds {
+            if let Some(model) = fit_model(analysis, kind, &mut warnings) {
+                analysis.models.push(model);
+            }
+        }
+    }
+    analysis.warnings = warnings;
+}
+
+/// Sagittal place of the lines: the mean of the vertebrae at the inflections, which stand above L4 as T2 does.
+fn depth_mm(analysis: &Analysis) -> f64 {
+    let Some(pair) = analysis.inflections.pair else { return 0.0 };
+    let at = |level: Level| level.model_index().map_or(0.0, |i| analysis.spine.midpoints_mm[i].x);
+    pair.iter()
+        .map(|inflection| 0.5 * (at(inflection.between.0) + at(inflection.between.1)))
+        .sum::<f64>()
+        / 2.0
+}
+
+/// The middle between the inflections of a posture, or of its spine: where an estimated line is described from.
+fn middle(posture: &PostureAnalysis) -> Frontal {
+    match posture.inflection_points {
+        Some([caudal, cranial]) => (caudal + cranial) * 0.5,
+        None => posture.outline.vertebrae[Level::MODEL.len() / 2].location,
+    }
+}
+
+/// Tests, film by film, whether the load that the rotations prefer runs through the inflections.
+fn compare_lines(analysis: &mut Analysis) {
+    let depth_mm = depth_mm(analysis);
+    let groups = JointGroups::regional(&analysis.regions);
+    let bends: Vec<&FilmEvidence> = analysis
+        .postures
+        .iter()
+        .filter(|p| p.outline.posture.bend().is_some())
+        .filter_map(|p| p.evidence.as_ref())
+        .collect();
+    if bends.is_empty() {
+        return;
+    }
+    let (_, log_multipliers) =
+        crate::personalize::estimate::estimate_loads(&bends, depth_mm, &groups);
+    for posture in &mut analysis.postures {
+        let Some((evidence, points)) = posture.evidence.as_ref().zip(posture.inflection_points)
+        else {
+            continue;
+        };
+        let responses = evidence.responses(&Load::Frontal { depth_mm });
+        let load = estimate_load(evidence, &responses, &groups, &log_multipliers);
+        posture.line_comparison = load.compare(points);
+    }
+}
+
+/// The line of a posture where geometry alone gives it; `None` for a line that must be estimated.
+fn geometric_line(
+    analysis: &Analysis,
+    kind: LineKind,
+    posture: &PostureAnalysis,
+    warnings: &mut Warnings,
+) -> Option<LineOfAction> {
+    let name = posture.outline.posture;
+    match kind {
+        LineKind::Iliac => {
+            let t2 = posture.outline.vertebrae[Level::MODEL.len() - 1].location;
+            Some(LineOfAction::along_iliac(t2, posture.outline.iliac_normal))
+        }
+        LineKind::Inflection => {
+            let [caudal, cranial] = posture.inflection_points?;
+            match LineOfAction::through(caudal, cranial) {
+                Ok(line) => Some(line),
+                Err(error) => {
+                    warnings.film(Step::Action, "no_line", name, error.to_string());
+                    None
+                }
+            }
+        }
+        LineKind::Given => {
+            analysis.options.given_lines.iter().find(|(p, _)| *p == name).map(|(_, line)| *line)
+        }
+        LineKind::Estimated => None,
+    }
+}
+
+fn fit_model(analysis: &Analysis, kind: LineKind, warnings: &mut Warnings) -> Option<LineModel> {
+    let options = &analysis.options;
+    let depth_mm = depth_mm(analysis);
+    let (groups, target) = match options.grouping {
+        Grouping::Regional => (JointGroups::regional(&analysis.regions), options.target),
+        Grouping::PerJoint => (JointGroups::per_joint(), FitTarget::Shape),
+    };
+    let bends: Vec<(&PostureAnalysis, Load)> = analysis
+        .postures
+        .iter()
+        .filter(|p| p.outline.posture.bend().is_some())
+        .filter_map(|p| {
+            let load = match kind {
+                LineKind::Estimated => Load::Frontal { depth_mm },
+                _ => Load::along(geometric_line(analysis, kind, p, warnings)?, depth_mm),
+            };
+            Some((p, load))
+        })
+        .collect();
+    if bends.is_empty() {
+        warnings.push(Step::Action, "no_line", format!("{kind}: no bending film has such a line"));
+        return None;
+    }
+    let films: Vec<FitFilm<'_>> =
+        bends.iter().map(|(p, load)| FitFilm { outline: &p.outline, load: *load }).collect();
+    let settings = FitSettings {
+        regions: &analysis.regions,
+        target,
+        gauge: options.gauge,
+        support: options.support,
+    };
+    let erect = &analysis.erect().outline;
+    let fit = personalize(&analysis.spine, &options.library, &groups, erect, &films, &settings);
+    let mut model = LineModel { kind, groups, fit, postures: Vec::new() };
+    let statics = Statics::new(
+        &analysis.spine,
+        &options.library,
+        &model.groups,
+        &model.fit.log_multipliers,
+        options.support,
+    );
+    let mut simulations = Vec::new();
+    for posture in &analysis.postures {
+        if posture.outline.posture == Posture::Erect {
+            continue;
+        }
+        let fitted = bends.iter().position(|(p, _)| p.outline.posture == posture.outline.posture);
+        let line = match kind {
+            LineKind::Estimated => estimated_line(&model, posture, fitted, depth_mm),
+            _ => geometric_line(analysis, kind, posture, warnings),
+        };
+        let Some(line) = line else {
+            let text = format!("{kind}: this film has no such line, so it is not simulated");
+            warnings.film(Step::Action, "no_line", posture.outline.posture, text);
+            continue;
+        };
+        let target = match posture.outline.posture.bend() {
+            Some(_) => Target::Amplitude,
+            None => Target::NearestT2,
+        };
+        let mut simulation = simulate(
+            &statics,
+            (line, depth_mm),
+            &posture.outline,
+            &analysis.regions,
+            target,
+            fitted.is_some(),
+        );
+        simulation.contradicted = contradicted(posture, &simulation);
+        simulations.push(simulation);
+    }
+    model.postures = simulations;
+    scale_to_known_force(&mut model, options.gauge, warnings);
+    warn_of_endings(&model, warnings);
+    Some(model)
+}
+
+/// The fitted load's line on a fitted film; elsewhere the line that the film's rotations prefer at the fitted stiffness.
+fn estimated_line(
+    model: &LineModel,
+    posture: &PostureAnalysis,
+    fitted: Option<usize>,
+    depth_mm: f64,
+) -> Option<LineOfAction> {
+    let components: [f64; 3] = match fitted {
+        Some(film) => model.fit.loads[film].as_slice().try_into().ok()?,
+        None => {
+            let evidence = posture.evidence.as_ref()?;
+            let responses = evidence.responses(&Load::Frontal { depth_mm });
+            let load =
+                estimate_load(evidence, &responses, &model.groups, &model.fit.log_multipliers);
+            load.components.into()
+        }
+    };
+    line_of(&components, middle(posture)).map(|estimated| estimated.line)
+}
+
+fn contradicted(
+    posture: &PostureAnalysis,
+    simulation: &Simulation,
+) -> Vec<crate::personalize::evidence::ContradictedJoint> {
+    let Some(evidence) = &posture.evidence else { return Vec::new() };
+    let mut line = simulation.line;
+    // On the film the force that follows T2 is where T2 was seen.
+    line.application = Application::Fixed;
+    let load = Load::Frontal { depth_mm: simulation.depth_mm };
+    evidence.contradicted(&load, components_of(&line, simulation.force_n))
+}
+
+/// A known force scales springs about all axes and all forces alike, which changes no shape.
+fn scale_to_known_force(model: &mut LineModel, gauge: Gauge, warnings: &mut Warnings) {
+    let Gauge::KnownForce { posture, force_n } = gauge else { return };
+    let simulated =
+        model.posture(posture).filter(|s| s.is_usable() && s.force_n != 0.0).map(|s| s.force_n);
+    let Some(simulated) = simulated else {
+        let text = format!(
+            "{}: no usable force in this posture, so the known force fixes nothing",
+            model.kind
+        );
+        warnings.film(Step::Personalize, "known_force_unused", posture, text);
+        return;
+    };
+    let scale = force_n.abs() / simulated.abs();
+    model.fit.absolute_scale = scale;
+    for load in model.fit.loads.iter_mut().flatten() {
+        *load *= scale;
+    }
+    for simulation in &mut model.postures {
+        simulation.force_n *= scale;
+        for other in &mut simulation.alternatives {
+            other.force_n *= scale;
+        }
+    }
+}
+
+fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
+    if model.fit.status != FitStatus::Converged {
+        let text = format!("{}: the fit ended with `{}`", model.kind, model.fit.status.key());
+        warnings.push(Step::Personalize, "fit_not_converged", text);
+    }
+    for (name, bound) in model.groups.names().iter().zip(&model.fit.bounds) {
+        if *bound != StiffnessBound::Inside {
+            let text = format!(
+                "{}: the multiplier of {name} ended at its bound, so its value is not identified",
+                model.kind
+            );
+            warnings.push(Step::Personalize, "multiplier_at_bound", text);
+        }
+    }
+    for simulation in &model.postures {
+        if !simulation.is_usable() {
+            let text = format!(
+                "{}: the force was not found (`{}`); what is shown is the nearest shape, not a result",
+                model.kind,
+                simulation.status.key()
+            );
+            warnings.film(Step::Evaluate, "force_not_found", simulation.posture, text);
+        }
+        let beyond = simulation.contradicted.iter().filter(|joint| joint.beyond_noise).count();
+        if beyond > 0 {
+            let text = format!(
+                "{}: {} of {} joints turn against the force, {beyond} of them beyond noise ({:.0} % of the work): no positive stiffness explains them",
+                model.kind,
+                simulation.contradicted.len(),
+                simulation.location_errors_mm.len(),
+                100.0 * simulation.contradicted_weight()
+            );
+            warnings.film(Step::Personalize, "joints_contradict_line", simulation.posture, text);
+        }
+    }
+}

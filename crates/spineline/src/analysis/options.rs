@@ -1,0 +1,60 @@
+use std::ops::RangeInclusive;
+
+use crate::action::LineOfAction;
+use crate::anatomy::{Posture, SagittalProfile};
+use crate::chain::SEGMENT_WINDOW;
+use crate::curve::{InflectionChoice, OrderRule};
+use crate::multibody::{StiffnessLibrary, Support};
+use crate::personalize::{FitTarget, Gauge};
+
+/// Which joints share a multiplier.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Grouping {
+    /// One per region (Petit, the paper).
+    #[default]
+    Regional,
+    /// One per joint, fitted to the whole shape.
+    PerJoint,
+}
+
+/// Every choice of an analysis, each with its default.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AnalysisOptions {
+    /// How the order of the curves is chosen.
+    pub order_rule: OrderRule,
+    /// Where the inflections come from.
+    pub inflections: InflectionChoice,
+    /// How many segments the erect chain may have.
+    pub segment_window: RangeInclusive<u32>,
+    /// Sagittal profile.
+    pub profile: SagittalProfile,
+    /// Springs before personalisation.
+    pub library: StiffnessLibrary,
+    /// What holds the patient.
+    pub support: Support,
+    /// What fixes the level of stiffness and force.
+    pub gauge: Gauge,
+    /// What is fitted.
+    pub target: FitTarget,
+    /// Which joints share a multiplier.
+    pub grouping: Grouping,
+    /// Lines given by the user.
+    pub given_lines: Vec<(Posture, LineOfAction)>,
+}
+
+impl Default for AnalysisOptions {
+    fn default() -> Self {
+        Self {
+            order_rule: OrderRule::default(),
+            inflections: InflectionChoice::default(),
+            segment_window: SEGMENT_WINDOW,
+            profile: SagittalProfile::default(),
+            library: StiffnessLibrary::default(),
+            support: Support::default(),
+            gauge: Gauge::default(),
+            target: FitTarget::default(),
+            grouping: Grouping::default(),
+            given_lines: Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,95 @@
+use crate::anatomy::{Level, Region};
+use crate::curve::{CurveFit, Inflections};
+use crate::spatial::{Angle, Frontal};
+use crate::warning::{Step, Warnings};
+
+/// A region of the spine, as places in [`Level::MODEL`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RegionBounds {
+    /// Which region.
+    pub region: Region,
+    /// Lower end vertebra.
+    pub inferior: usize,
+    /// Vertebra farthest from the line between the ends, on the erect film.
+    pub apex: usize,
+    /// Upper end vertebra.
+    pub superior: usize,
+}
+
+/// The three regions, chosen on the erect film.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Regions {
+    /// Caudal first, in the order of [`Region::ALL`].
+    pub bounds: [RegionBounds; 3],
+}
+
+/// Without two inflections the regions end at these vertebrae.
+const USUAL_ENDS: [Level; 2] = [Level::T12, Level::T6];
+
+impl Regions {
+    /// Regions that end at the vertebrae nearest to the two inflections, or at T12 and T6 where there is no such pair.
+    #[must_use]
+    pub fn from_inflections(
+        fit: &CurveFit,
+        inflections: &Inflections,
+        locations: &[Frontal],
+        warnings: &mut Warnings,
+    ) -> Self {
+        let last = Level::MODEL.len() - 1;
+        let usual = USUAL_ENDS.map(|level| level.model_index().expect("a level of the model"));
+        let ends =
+            inflections.pair.map(|pair| pair.map(|inflection| nearest(fit, inflection.t_mm)));
+        // An apex needs a vertebra between the ends.
+        let ends = match ends {
+            Some([low, high]) if low >= 2 && high >= low + 2 && high + 2 <= last => [low, high],
+            _ => {
+                let text = "the erect curve does not give three regions of three vertebrae; they end at T12 and T6 instead";
+                warnings.push(Step::Clinical, "usual_regions", text);
+                usual
+            }
+        };
+        let limits = [0, ends[0], ends[1], last];
+        let bounds = std::array::from_fn(|i| {
+            let (inferior, superior) = (limits[i], limits[i + 1]);
+            let apex = apex_between(locations, inferior, superior);
+            RegionBounds { region: Region::ALL[i], inferior, apex, superior }
+        });
+        Self { bounds }
+    }
+
+    /// The region of a joint: that of its upper vertebra; an end vertebra belongs to the region below.
+    #[must_use]
+    pub fn of_joint(&self, joint: usize) -> Region {
+        let upper = joint + 1;
+        let found = self.bounds.iter().find(|bounds| upper <= bounds.superior);
+        found.map_or(Region::ProximalThoracic, |bounds| bounds.region)
+    }
+}
+
+/// Ferguson angle: lean of the line apex → upper end minus lean of the line lower end → apex.
+///
+/// Positive where the curve turns to the patient's right from below to above, so where it is convex to the left.
+///
+/// ```
+/// use spineline::{anatomy::Region, clinical::{RegionBounds, ferguson_angle}, spatial::Frontal};
+/// let spine = [Frontal::new(0.0, 0.0), Frontal::new(10.0, 10.0), Frontal::new(0.0, 20.0)];
+/// let bounds = RegionBounds { region: Region::MainThoracic, inferior: 0, apex: 1, superior: 2 };
+/// assert!((ferguson_angle(&spine, &bounds).deg() - 90.0).abs() < 1e-12);
+/// ```
+#[must_use]
+pub fn ferguson_angle(locations: &[Frontal], bounds: &RegionBounds) -> Angle {
+    let upper = (locations[bounds.superior] - locations[bounds.apex]).lean();
+    let lower = (locations[bounds.apex] - locations[bounds.inferior]).lean();
+    (upper - lower).wrapped()
+}
+
+fn nearest(fit: &CurveFit, t_mm: f64) -> usize {
+    let off = |i: &usize| (fit.vertebra_t_mm[*i] - t_mm).abs();
+    (0..fit.vertebra_t_mm.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0)
+}
+
+fn apex_between(locations: &[Frontal], inferior: usize, superior: usize) -> usize {
+    let chord = locations[superior] - locations[inferior];
+    let off = |i: &usize| chord.cross(locations[*i] - locations[inferior]).abs();
+    (inferior + 1..superior).max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(inferior + 1)
+}

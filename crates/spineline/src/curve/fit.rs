@@ -1,0 +1,238 @@
+use nalgebra::{DMatrix, DVector};
+
+use super::series::{Series, for_each_basis};
+use super::{Curve, CurveForm, find_inflections, inflection::MIN_TURN};
+use crate::anatomy::Posture;
+use crate::measure::Outline;
+use crate::spatial::{Angle, Frontal};
+use crate::warning::{Step, Warnings};
+
+/// How the order of the polynomial is chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum OrderRule {
+    /// The smallest order whose error on left-out vertebrae is within 5 % of the best.
+    #[default]
+    LeaveOneOut,
+    /// The paper's: the least residual, here among the orders that give exactly two inflections.
+    Paper,
+    /// A given order, 4 to 12.
+    Fixed(usize),
+}
+
+/// A curve that cannot be fitted.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CurveError {
+    /// An order outside of 4…12.
+    #[error("polynomial order {order} is outside of {} to {}", ORDERS.start(), ORDERS.end())]
+    Order {
+        /// What was asked for.
+        order: usize,
+    },
+    /// The equations of the fit are singular.
+    #[error("{posture} film: no polynomial of order {order} is determined by these vertebrae")]
+    Singular {
+        /// Film.
+        posture: Posture,
+        /// Order tried.
+        order: usize,
+    },
+}
+
+const ORDERS: std::ops::RangeInclusive<usize> = 4..=12;
+/// Beyond this tilt the slope dy/dz says too little.
+const GRAPH_LIMIT: Angle = Angle::from_deg(70.0);
+
+/// A fitted curve and how well it fits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CurveFit {
+    /// The curve.
+    pub curve: Curve,
+    /// Order of the polynomial.
+    pub order: usize,
+    /// Root mean square distance of the locations.
+    pub rmse_mm: f64,
+    /// Root mean square difference of the tilts.
+    pub rmse_tilt: Angle,
+    /// Root mean square error on vertebrae left out of the fit, in standard deviations of a measurement.
+    pub left_out: f64,
+    /// Parameter of every vertebra, L4 first.
+    pub vertebra_t_mm: Vec<f64>,
+}
+
+/// Fits a curve to the measured vertebrae of one film.
+///
+/// # Errors
+/// [`CurveError`].
+pub fn fit_curve(
+    outline: &Outline,
+    rule: OrderRule,
+    warnings: &mut Warnings,
+) -> Result<CurveFit, CurveError> {
+    let form = if outline.vertebrae.iter().any(|v| v.tilt.abs() > GRAPH_LIMIT) {
+        let text = "a tilt beyond 70°: the curve is fitted in parametric form";
+        warnings.film(Step::Curve, "parametric_curve", outline.posture, text);
+        CurveForm::Parametric
+    } else {
+        CurveForm::Graph
+    };
+    if let OrderRule::Fixed(order) = rule {
+        return if ORDERS.contains(&order) {
+            fit_order(outline, form, order)
+        } else {
+            Err(CurveError::Order { order })
+        };
+    }
+    let fits: Vec<CurveFit> =
+        ORDERS.map(|order| fit_order(outline, form, order)).collect::<Result<_, _>>()?;
+    if rule == OrderRule::Paper {
+        if let Some(fit) = least_residual_with_two_inflections(outline, &fits) {
+            return Ok(fit.clone());
+        }
+        let text = "no order from 4 to 12 gives exactly two inflections; the order is chosen by leaving vertebrae out";
+        warnings.film(Step::Curve, "no_order_with_two_inflections", outline.posture, text);
+    }
+    Ok(best_left_out(&fits).clone())
+}
+
+fn best_left_out(fits: &[CurveFit]) -> &CurveFit {
+    let best = fits.iter().map(|fit| fit.left_out).fold(f64::INFINITY, f64::min);
+    // Differences below a thousandth of the noise are no evidence for a higher order.
+    fits.iter().find(|fit| fit.left_out <= 1.05 * best + 1e-3).expect("the best is one of them")
+}
+
+fn least_residual_with_two_inflections<'a>(
+    outline: &Outline,
+    fits: &'a [CurveFit],
+) -> Option<&'a CurveFit> {
+    let combined = |fit: &CurveFit| {
+        fit.rmse_mm / outline.noise.location_mm + fit.rmse_tilt.rad() / outline.noise.tilt.rad()
+    };
+    fits.iter()
+        .filter(|fit| find_inflections(fit, MIN_TURN).all.len() == 2)
+        .min_by(|a, b| combined(a).total_cmp(&combined(b)))
+}
+
+/// The weighted rows of the fit: `matrix · coefficients ≈ target`, in blocks of one vertebra each.
+struct Rows {
+    matrix: DMatrix<f64>,
+    target: DVector<f64>,
+    block: usize,
+}
+
+fn fit_order(outline: &Outline, form: CurveForm, order: usize) -> Result<CurveFit, CurveError> {
+    let singular = CurveError::Singular { posture: outline.posture, order };
+    let terms = order - 1;
+    let t_mm = parameters_mm(outline, form);
+    let end_mm = t_mm[t_mm.len() - 1];
+    let rows = match form {
+        CurveForm::Graph => graph_rows(outline, &t_mm, terms),
+        CurveForm::Parametric => parametric_rows(outline, &t_mm, terms),
+    };
+    let qr = rows.matrix.clone().qr();
+    let q = qr.q();
+    let solution =
+        qr.r().solve_upper_triangular(&(q.transpose() * &rows.target)).ok_or(singular)?;
+    let coefficients = solution.as_slice();
+    let curve = Curve {
+        form,
+        y: Series::new(end_mm, coefficients[..terms].to_vec()),
+        z: match form {
+            CurveForm::Graph => Series::zero(end_mm),
+            CurveForm::Parametric => Series::new(end_mm, coefficients[terms..].to_vec()),
+        },
+        end_mm,
+    };
+    let left_out = left_out_error(&rows, &q, &(&rows.target - &rows.matrix * &solution));
+    let mean_square = |squares: f64| (squares / outline.vertebrae.len() as f64).sqrt();
+    let (mut off_mm2, mut off_rad2) = (0.0, 0.0);
+    for (vertebra, &t) in outline.vertebrae.iter().zip(&t_mm) {
+        off_mm2 += vertebra.location.distance_mm(curve.point(t)).powi(2);
+        off_rad2 += (vertebra.tilt - curve.tilt(t)).wrapped().rad().powi(2);
+    }
+    Ok(CurveFit {
+        curve,
+        order,
+        rmse_mm: mean_square(off_mm2),
+        rmse_tilt: Angle::from_rad(mean_square(off_rad2)),
+        left_out,
+        vertebra_t_mm: t_mm,
+    })
+}
+
+/// Height of every vertebra, or the chord length up to it.
+fn parameters_mm(outline: &Outline, form: CurveForm) -> Vec<f64> {
+    match form {
+        CurveForm::Graph => outline.locations().map(|location| location.z_mm).collect(),
+        CurveForm::Parametric => {
+            let mut length = 0.0;
+            let mut before = Frontal::default();
+            outline
+                .locations()
+                .map(|location| {
+                    length += location.distance_mm(before);
+                    before = location;
+                    length
+                })
+                .collect()
+        }
+    }
+}
+
+fn graph_rows(outline: &Outline, t_mm: &[f64], terms: usize) -> Rows {
+    let end_mm = t_mm[t_mm.len() - 1];
+    let noise = outline.noise;
+    // L4 is met exactly by the basis, and has no row.
+    let measured = &outline.vertebrae[1..];
+    let mut matrix = DMatrix::zeros(2 * measured.len(), terms);
+    let mut target = DVector::zeros(2 * measured.len());
+    for (i, (vertebra, &t)) in measured.iter().zip(&t_mm[1..]).enumerate() {
+        let slope = -vertebra.tilt.rad().tan();
+        let slope_sd = noise.tilt.rad() * (1.0 + slope * slope);
+        target[2 * i] = vertebra.location.y_mm / noise.location_mm;
+        target[2 * i + 1] = slope / slope_sd;
+        for_each_basis(end_mm, t, terms, |k, [value, derivative, _]| {
+            matrix[(2 * i, k)] = value / noise.location_mm;
+            matrix[(2 * i + 1, k)] = derivative / slope_sd;
+        });
+    }
+    Rows { matrix, target, block: 2 }
+}
+
+fn parametric_rows(outline: &Outline, t_mm: &[f64], terms: usize) -> Rows {
+    let end_mm = t_mm[t_mm.len() - 1];
+    let noise = outline.noise;
+    let measured = &outline.vertebrae[1..];
+    let mut matrix = DMatrix::zeros(3 * measured.len(), 2 * terms);
+    let mut target = DVector::zeros(3 * measured.len());
+    for (i, (vertebra, &t)) in measured.iter().zip(&t_mm[1..]).enumerate() {
+        // The tangent has no component across the measured axis: cos θ y' + sin θ (1 + z') = 0.
+        let (sin, cos) = vertebra.tilt.rad().sin_cos();
+        target[3 * i] = vertebra.location.y_mm / noise.location_mm;
+        target[3 * i + 1] = (vertebra.location.z_mm - t) / noise.location_mm;
+        target[3 * i + 2] = -sin / noise.tilt.rad();
+        for_each_basis(end_mm, t, terms, |k, [value, derivative, _]| {
+            matrix[(3 * i, k)] = value / noise.location_mm;
+            matrix[(3 * i + 1, terms + k)] = value / noise.location_mm;
+            matrix[(3 * i + 2, k)] = cos * derivative / noise.tilt.rad();
+            matrix[(3 * i + 2, terms + k)] = sin * derivative / noise.tilt.rad();
+        });
+    }
+    Rows { matrix, target, block: 3 }
+}
+
+/// Root mean square of the residuals that each vertebra would have, were it left out: `(I - H_ii)⁻¹ r_i` per block.
+fn left_out_error(rows: &Rows, q: &DMatrix<f64>, residual: &DVector<f64>) -> f64 {
+    let size = rows.block;
+    let blocks = residual.len() / size;
+    let total: f64 = (0..blocks)
+        .map(|block| {
+            let rows_of_q = q.rows(block * size, size);
+            let keep = DMatrix::identity(size, size) - rows_of_q * rows_of_q.transpose();
+            let own = residual.rows(block * size, size).into_owned();
+            // A vertebra that alone determines a coefficient cannot be predicted at all.
+            keep.lu().solve(&own).map_or(f64::INFINITY, |error| error.norm_squared())
+        })
+        .sum();
+    (total / residual.len() as f64).sqrt()
+}

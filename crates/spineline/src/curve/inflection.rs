@@ -1,0 +1,164 @@
+use super::{Curve, CurveFit};
+use crate::anatomy::Level;
+use crate::spatial::{Angle, Frontal};
+
+/// A lobe counts when it turns at least so far.
+pub(crate) const MIN_TURN: Angle = Angle::from_deg(5.0);
+
+/// A stretch of the curve that turns to one side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lobe {
+    /// Parameter at its caudal end.
+    pub from_mm: f64,
+    /// Parameter at its cranial end.
+    pub to_mm: f64,
+    /// By how much the tilt grows from end to end; the sum over all lobes is T2's tilt.
+    pub turn: Angle,
+}
+
+/// A point where the erect curve changes its direction of bending.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inflection {
+    /// Parameter on the erect curve.
+    pub t_mm: f64,
+    /// Place on the erect film.
+    pub erect: Frontal,
+    /// The vertebrae between which it lies, caudal first.
+    pub between: (Level, Level),
+}
+
+/// The inflections and lobes of one curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inflections {
+    /// All that were seen, caudal first.
+    pub all: Vec<Inflection>,
+    /// The stretches between them; one more than inflections.
+    pub lobes: Vec<Lobe>,
+    /// The pair that carries the line of action, caudal first; `None` with fewer than two.
+    pub pair: Option<[Inflection; 2]>,
+}
+
+/// A place that a user points at: a vertebra, or the disc between two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Site {
+    /// The vertebra, or the lower one.
+    pub inferior: Level,
+    /// The same vertebra, or the upper one.
+    pub superior: Level,
+}
+
+/// Where the inflections come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum InflectionChoice {
+    /// From the erect curve.
+    #[default]
+    Automatic,
+    /// Picked by the user, caudal first.
+    ByHand([Site; 2]),
+}
+
+/// Finds where a curve inflects.
+///
+/// # Definition
+/// A sign change of the curvature between L4 and T2 whose lobes on both sides turn by at least `min_turn`. Lobes that
+/// turn less are joined to their neighbours, the smallest first. With more than two inflections, the pair is the one
+/// around the lobe that turns most.
+#[must_use]
+pub fn find_inflections(fit: &CurveFit, min_turn: Angle) -> Inflections {
+    let curve = &fit.curve;
+    let mut lobes = lobes_between(curve, &sign_changes(curve));
+    // Join the smallest lobe to its neighbours until every lobe counts.
+    while lobes.len() > 1 {
+        let smallest = (0..lobes.len())
+            .min_by(|&a, &b| lobes[a].turn.abs().rad().total_cmp(&lobes[b].turn.abs().rad()))
+            .unwrap_or(0);
+        if lobes[smallest].turn.abs() >= min_turn {
+            break;
+        }
+        let first = smallest.saturating_sub(1);
+        let last = (smallest + 1).min(lobes.len() - 1);
+        let joined = Lobe {
+            from_mm: lobes[first].from_mm,
+            to_mm: lobes[last].to_mm,
+            turn: lobes[first..=last].iter().fold(Angle::ZERO, |sum, lobe| sum + lobe.turn),
+        };
+        lobes.splice(first..=last, [joined]);
+    }
+    let all: Vec<Inflection> =
+        lobes[1..].iter().map(|lobe| inflection_at(fit, lobe.from_mm)).collect();
+    // The largest lobe that has an inflection at either end.
+    let pair = (1..lobes.len().saturating_sub(1))
+        .max_by(|&a, &b| lobes[a].turn.abs().rad().total_cmp(&lobes[b].turn.abs().rad()))
+        .map(|lobe| [all[lobe - 1], all[lobe]]);
+    Inflections { all, lobes, pair }
+}
+
+impl Inflections {
+    /// Puts the pair where the user has pointed.
+    #[must_use]
+    pub fn picked(mut self, fit: &CurveFit, sites: [Site; 2]) -> Self {
+        let at = |site: Site| {
+            let t = |level: Level| level.model_index().map_or(0.0, |i| fit.vertebra_t_mm[i]);
+            inflection_at(fit, 0.5 * (t(site.inferior) + t(site.superior)))
+        };
+        self.pair = Some(sites.map(at));
+        self
+    }
+}
+
+fn inflection_at(fit: &CurveFit, t_mm: f64) -> Inflection {
+    let above =
+        fit.vertebra_t_mm.iter().position(|&t| t > t_mm).unwrap_or(Level::MODEL.len() - 1).max(1);
+    Inflection {
+        t_mm,
+        erect: fit.curve.point(t_mm),
+        between: (Level::MODEL[above - 1], Level::MODEL[above]),
+    }
+}
+
+/// Parameters at which the curvature changes its sign, to about 1e-9 mm.
+fn sign_changes(curve: &Curve) -> Vec<f64> {
+    // Two changes within one step bound a lobe of far less than any that counts.
+    const STEPS: u32 = 400;
+    let at = |step: u32| curve.end_mm() * f64::from(step) / f64::from(STEPS);
+    let mut found = Vec::new();
+    let (mut from, mut sign) = (0.0, 0.0_f64);
+    for step in 0..=STEPS {
+        let to = at(step);
+        let turning = curve.turning(to);
+        if turning == 0.0 {
+            continue;
+        }
+        if sign * turning < 0.0 {
+            found.push(bisect(curve, from, to));
+        }
+        (from, sign) = (to, turning.signum());
+    }
+    found
+}
+
+fn bisect(curve: &Curve, mut from: f64, mut to: f64) -> f64 {
+    let sign = curve.turning(from).signum();
+    while to - from > 1e-10 * curve.end_mm() {
+        let middle = 0.5 * (from + to);
+        if curve.turning(middle) * sign > 0.0 {
+            from = middle;
+        } else {
+            to = middle;
+        }
+    }
+    0.5 * (from + to)
+}
+
+fn lobes_between(curve: &Curve, changes: &[f64]) -> Vec<Lobe> {
+    let mut ends = vec![0.0];
+    ends.extend_from_slice(changes);
+    ends.push(curve.end_mm());
+    ends.windows(2)
+        .map(|pair| Lobe {
+            from_mm: pair[0],
+            to_mm: pair[1],
+            turn: (curve.tilt(pair[1]) - curve.tilt(pair[0])).wrapped(),
+        })
+        .collect()
+}

@@ -1,0 +1,11 @@
+//! Step 8: a personalised model → simulated postures, their errors, and statistics.
+//!
+//! Postures that were fitted and postures that were held out are never mixed: every [`Simulation`] says which it is.
+//!
+//! # References
+//! [jalalian-loa], sections 3.2 and 4.
+
+mod simulate;
+pub mod statistics;
+
+pub use simulate::{Alternative, Simulation, Target, simulate};

@@ -1,0 +1,157 @@
+use crate::action::LineOfAction;
+use crate::anatomy::{Level, Posture};
+use crate::clinical::{Regions, ferguson_angle};
+use crate::measure::Outline;
+use crate::multibody::{ForceMatch, Load, MatchStatus, Statics, amplitude_matches, match_t2};
+use crate::personalize::evidence::ContradictedJoint;
+use crate::spatial::{Angle, Frontal};
+
+/// What the force is increased for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Target {
+    /// The measured amplitude of a bend.
+    Amplitude,
+    /// The measured location of T2, as near as it gets.
+    NearestT2,
+}
+
+/// Another force that meets the same target, and was not chosen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Alternative {
+    /// Signed force.
+    pub force_n: f64,
+    /// Root mean square of its Ferguson errors.
+    pub ferguson_rms: Angle,
+}
+
+/// One posture as the model predicts it, beside what was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Simulation {
+    /// The posture.
+    pub posture: Posture,
+    /// Whether the stiffness was fitted to this very film.
+    pub fitted: bool,
+    /// Line of action.
+    pub line: LineOfAction,
+    /// Sagittal place of the line.
+    pub depth_mm: f64,
+    /// How the search for the force ended.
+    pub status: MatchStatus,
+    /// Signed force along the line.
+    pub force_n: f64,
+    /// What is left of the target: rad of amplitude or mm of T2.
+    pub residual: f64,
+    /// Every other force up to the cap that meets the target, with what speaks against it.
+    pub alternatives: Vec<Alternative>,
+    /// Simulated locations, L4 first.
+    pub locations: Vec<Frontal>,
+    /// Simulated tilts.
+    pub tilts: Vec<Angle>,
+    /// Simulated minus measured Ferguson angle per region.
+    pub ferguson_difference: [Angle; 3],
+    /// Distance between simulated and measured location of L3…T2: E_LOC.
+    pub location_errors_mm: Vec<f64>,
+    /// Joints that turn against the moment of this force.
+    pub contradicted: Vec<ContradictedJoint>,
+}
+
+impl Simulation {
+    /// The levels that can move, in the order of [`Simulation::location_errors_mm`].
+    #[must_use]
+    pub fn mobile_levels() -> &'static [Level] {
+        &Level::MODEL[1..]
+    }
+
+    /// Whether the shape may be shown as a result.
+    #[must_use]
+    pub fn is_usable(&self) -> bool {
+        self.status == MatchStatus::Matched
+    }
+
+    /// Mean of the location errors.
+    #[must_use]
+    pub fn mean_location_error_mm(&self) -> f64 {
+        self.location_errors_mm.iter().sum::<f64>() / self.location_errors_mm.len() as f64
+    }
+
+    /// Part of the joints' work that no positive stiffness explains.
+    #[must_use]
+    pub fn contradicted_weight(&self) -> f64 {
+        self.contradicted.iter().map(|joint| joint.weight).sum()
+    }
+}
+
+/// Simulates one posture.
+///
+/// Several forces, of either sign, may meet a bend's amplitude; the one whose shape has the lowest sum of squared
+/// Ferguson errors is chosen, and the others are told. Towards T2 the nearest shape counts.
+#[must_use]
+pub fn simulate(
+    statics: &Statics<'_>,
+    load: (LineOfAction, f64),
+    film: &Outline,
+    regions: &Regions,
+    target: Target,
+    fitted: bool,
+) -> Simulation {
+    let (line, depth_mm) = load;
+    let load = Load::along(line, depth_mm);
+    let measured: Vec<Frontal> = film.locations().collect();
+    let top = measured[measured.len() - 1];
+    let found = match target {
+        Target::Amplitude => amplitude_matches(statics, &load, top.lean()),
+        Target::NearestT2 => vec![match_t2(statics, &load, top)],
+    };
+    let mut tries: Vec<(ForceMatch, [Angle; 3])> = found
+        .into_iter()
+        .map(|found| {
+            let simulated: Vec<Frontal> =
+                (0..measured.len()).map(|i| found.solution.deformed.location(i)).collect();
+            let difference = regions
+                .bounds
+                .each_ref()
+                .map(|b| (ferguson_angle(&simulated, b) - ferguson_angle(&measured, b)).wrapped());
+            (found, difference)
+        })
+        .collect();
+    // A shape that met its target always comes before one that did not.
+    tries.sort_by(|(a, da), (b, db)| {
+        b.is_usable().cmp(&a.is_usable()).then(rms(da).rad().total_cmp(&rms(db).rad()))
+    });
+    let mut tries = tries.into_iter();
+    let (found, ferguson_difference) = tries.next().expect("a search never comes back empty");
+    let alternatives = tries
+        .filter(|(other, _)| other.is_usable())
+        .map(|(other, difference)| Alternative {
+            force_n: other.force_n,
+            ferguson_rms: rms(&difference),
+        })
+        .collect();
+    let deformed = &found.solution.deformed;
+    let locations: Vec<Frontal> = (0..measured.len()).map(|i| deformed.location(i)).collect();
+    Simulation {
+        posture: film.posture,
+        fitted,
+        line,
+        depth_mm,
+        status: found.status,
+        force_n: found.force_n,
+        residual: found.residual,
+        alternatives,
+        tilts: (0..measured.len()).map(|i| deformed.tilt(i)).collect(),
+        ferguson_difference,
+        location_errors_mm: locations
+            .iter()
+            .zip(&measured)
+            .skip(1)
+            .map(|(a, b)| a.distance_mm(*b))
+            .collect(),
+        locations,
+        contradicted: Vec::new(),
+    }
+}
+
+fn rms(angles: &[Angle; 3]) -> Angle {
+    let squares: f64 = angles.iter().map(|angle| angle.rad().powi(2)).sum();
+    Angle::from_rad((squares / angles.len() as f64).sqrt())
+}

@@ -1,0 +1,191 @@
+//! Statistics of a cohort: the paper's, which pool vertebrae, and beside them those that respect who they belong to.
+//!
+//! Vertebrae of one patient are not independent. A paired t-test over all vertebrae of all patients is printed because
+//! the paper printed it; the patient-level test and the cluster bootstrap are the ones to believe.
+
+use rand::RngExt;
+use rand_chacha::ChaCha12Rng;
+use rand_chacha::rand_core::SeedableRng;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// Mean and standard deviation of a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Summary {
+    /// Size.
+    pub n: usize,
+    /// Mean; NaN for an empty sample.
+    pub mean: f64,
+    /// Standard deviation with n - 1; NaN for fewer than two values.
+    pub sd: f64,
+}
+
+impl Summary {
+    /// Of a sample.
+    ///
+    /// ```
+    /// let summary = spineline::evaluate::statistics::Summary::of(&[1.0, 2.0, 3.0, 4.0]);
+    /// assert_eq!((summary.n, summary.mean), (4, 2.5));
+    /// assert!((summary.sd - (5.0_f64 / 3.0).sqrt()).abs() < 1e-15);
+    /// ```
+    #[must_use]
+    pub fn of(sample: &[f64]) -> Self {
+        let n = sample.len();
+        let mean = sample.iter().sum::<f64>() / n as f64;
+        let squares: f64 = sample.iter().map(|x| (x - mean).powi(2)).sum();
+        let sd = if n > 1 { (squares / (n - 1) as f64).sqrt() } else { f64::NAN };
+        Self { n, mean, sd }
+    }
+
+    /// Normal-theory 95 % interval of the mean, as if all values were independent.
+    #[must_use]
+    pub fn normal_interval(&self) -> [f64; 2] {
+        let half = 1.959_963_984_540_054 * self.sd / (self.n as f64).sqrt();
+        [self.mean - half, self.mean + half]
+    }
+}
+
+/// A paired t-test of `a - b`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairedT {
+    /// Pairs.
+    pub n: usize,
+    /// Mean of the differences.
+    pub mean_difference: f64,
+    /// t statistic on n - 1 degrees of freedom.
+    pub t: f64,
+    /// Probability of so large a |t| if the means are equal.
+    pub p_two_sided: f64,
+    /// Probability of so low a t if the means are equal: small where `a` is below `b`.
+    pub p_less: f64,
+    /// Mean difference over the standard deviation of the differences (Cohen's d of a paired sample).
+    pub effect_size: f64,
+}
+
+/// Paired t-test; `None` for fewer than two pairs or differences without any spread.
+#[must_use]
+pub fn paired_t(a: &[f64], b: &[f64]) -> Option<PairedT> {
+    let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+    let summary = Summary::of(&differences);
+    if summary.n < 2 || !(summary.sd > 0.0) {
+        return None;
+    }
+    let freedom = (summary.n - 1) as f64;
+    let t = summary.mean / (summary.sd / (summary.n as f64).sqrt());
+    let student = StudentsT::new(0.0, 1.0, freedom).ok()?;
+    Some(PairedT {
+        n: summary.n,
+        mean_difference: summary.mean,
+        t,
+        p_two_sided: 2.0 * student.sf(t.abs()),
+        p_less: student.cdf(t),
+        effect_size: summary.mean / summary.sd,
+    })
+}
+
+/// Quartiles and whiskers of a box chart: whiskers end at the last value within 1.5 interquartile ranges.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoxSummary {
+    /// First quartile, median, third quartile.
+    pub quartiles: [f64; 3],
+    /// Lower and upper whisker.
+    pub whiskers: [f64; 2],
+    /// Values beyond the whiskers.
+    pub outliers: Vec<f64>,
+}
+
+/// Box chart of a sample; `None` for an empty one.
+#[must_use]
+pub fn box_summary(sample: &[f64]) -> Option<BoxSummary> {
+    let mut sorted = sample.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let quartiles = [0.25, 0.5, 0.75].map(|q| quantile(&sorted, q));
+    let reach = 1.5 * (quartiles[2] - quartiles[0]);
+    let inside = |x: &&f64| (quartiles[0] - reach..=quartiles[2] + reach).contains(*x);
+    let low = *sorted.iter().find(inside)?;
+    let high = *sorted.iter().rev().find(inside)?;
+    let outliers = sorted.iter().copied().filter(|x| !(low..=high).contains(x)).collect();
+    Some(BoxSummary { quartiles, whiskers: [low, high], outliers })
+}
+
+/// Quantile of a sorted sample by linear interpolation between order statistics (Hyndman and Fan's type 7).
+#[must_use]
+pub fn quantile(sorted: &[f64], q: f64) -> f64 {
+    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
+    let place = q * last as f64;
+    let below = place.floor() as usize;
+    let above = (below + 1).min(last);
+    sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
+}
+
+/// Percentile interval of a mean by resampling whole clusters (patients) with a stated seed.
+///
+/// Every resample draws as many clusters as there are, with replacement, and takes the mean of the cluster means, so
+/// that a patient counts once however many values there are. `None` for fewer than two clusters.
+#[must_use]
+pub fn cluster_bootstrap(clusters: &[Vec<f64>], resamples: u32, seed: u64) -> Option<[f64; 2]> {
+    let means: Vec<f64> =
+        clusters.iter().filter(|c| !c.is_empty()).map(|c| Summary::of(c).mean).collect();
+    if means.len() < 2 {
+        return None;
+    }
+    let mut rng = ChaCha12Rng::seed_from_u64(seed);
+    let mut drawn: Vec<f64> = (0..resamples)
+        .map(|_| {
+            let sum: f64 = (0..means.len()).map(|_| means[rng.random_range(0..means.len())]).sum();
+            sum / means.len() as f64
+        })
+        .collect();
+    drawn.sort_by(f64::total_cmp);
+    Some([quantile(&drawn, 0.025), quantile(&drawn, 0.975)])
+}
+
+/// Pearson's correlation; `None` where a sample has no spread.
+#[must_use]
+pub fn pearson(a: &[f64], b: &[f64]) -> Option<f64> {
+    let (sa, sb) = (Summary::of(a), Summary::of(b));
+    let covariance: f64 = a.iter().zip(b).map(|(x, y)| (x - sa.mean) * (y - sb.mean)).sum();
+    let r = covariance / ((a.len() as f64 - 1.0) * sa.sd * sb.sd);
+    r.is_finite().then_some(r)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paired_t_equals_the_textbook_formula() {
+        // Differences 1, 2, 3, 4: mean 2.5, sd 1.2910, t = 2.5 / (1.2910 / 2) = 3.8730 on 3 degrees.
+        let t = paired_t(&[2.0, 4.0, 6.0, 8.0], &[1.0, 2.0, 3.0, 4.0]).expect("spread");
+        assert!((t.t - 15.0_f64.sqrt()).abs() < 1e-12);
+        // For 3 degrees of freedom the distribution has a closed form.
+        let x = t.t / 3.0_f64.sqrt();
+        let tail = 0.5 - (x / (1.0 + x * x) + x.atan()) / std::f64::consts::PI;
+        assert!((t.p_two_sided - 2.0 * tail).abs() < 1e-12);
+        assert!((t.p_less - (1.0 - tail)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn samples_without_spread_have_no_test() {
+        assert_eq!(paired_t(&[1.0, 2.0], &[0.0, 1.0]), None);
+        assert_eq!(paired_t(&[1.0], &[0.0]), None);
+        assert_eq!(box_summary(&[]), None);
+        assert_eq!(pearson(&[1.0, 1.0], &[1.0, 2.0]), None);
+    }
+
+    #[test]
+    fn the_cluster_bootstrap_covers_the_mean_and_depends_on_its_seed_only() {
+        let clusters: Vec<Vec<f64>> = (0..20).map(|i| vec![f64::from(i); 5]).collect();
+        let interval = cluster_bootstrap(&clusters, 2000, 7).expect("clusters");
+        assert!(interval[0] < 9.5 && 9.5 < interval[1]);
+        // Normal theory for the mean of 0..19: 9.5 ± 1.96 * 5.77 / sqrt(20), about 7.0 to 12.0.
+        assert!((interval[0] - 7.0).abs() < 0.4 && (interval[1] - 12.0).abs() < 0.4);
+        assert_eq!(Some(interval), cluster_bootstrap(&clusters, 2000, 7));
+    }
+
+    #[test]
+    fn box_whiskers_end_at_values() {
+        let chart = box_summary(&[1.0, 2.0, 3.0, 4.0, 100.0]).expect("values");
+        assert_eq!(chart.quartiles, [2.0, 3.0, 4.0]);
+        assert_eq!((chart.whiskers, chart.outliers), ([1.0, 4.0], vec![100.0]));
+    }
+}

@@ -1,0 +1,32 @@
+//! Spineline turns frontal radiographs of a scoliotic spine into a personalised multibody model.
+//!
+//! Data flows one way:
+//!
+//! 1. [`measure`]: landmarks on a film → location and tilt of every vertebra
+//! 2. [`curve`]: → a smooth curve, its inflections and lobes ([`clinical`] reads Cobb and Ferguson angles beside it)
+//! 3. [`chain`]: → a chain of equal micro-scale segments on every film
+//! 4. [`motion`]: → how far every segment rotates, and which rotate least
+//! 5. [`action`]: → candidates for the line along which the force acts
+//! 6. [`multibody`]: → vertebrae, joints and springs in static equilibrium
+//! 7. [`personalize`]: → stiffness multipliers that reproduce the bends
+//! 8. [`evaluate`]: → errors on films that were fitted and, apart from them, on films that were not
+//!
+//! [`analysis::analyze`] does it all. The library has no files, no clock, no printing and no hidden randomness.
+//!
+//! # What it is not
+//! Research software, not a medical device. Bending films carry no force, so only ratios of stiffness are identified.
+
+pub mod action;
+pub mod analysis;
+pub mod anatomy;
+pub mod chain;
+pub mod clinical;
+pub mod curve;
+pub mod error;
+pub mod evaluate;
+pub mod measure;
+pub mod motion;
+pub mod multibody;
+pub mod personalize;
+pub mod spatial;
+pub mod warning;

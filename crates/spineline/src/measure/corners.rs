@@ -1,0 +1,189 @@
+use std::fmt;
+
+use crate::spatial::{Angle, Frontal};
+
+/// The four corners of a vertebral body, named by the **patient's** sides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Corners<P> {
+    /// Superior endplate, patient's left.
+    pub superior_left: P,
+    /// Superior endplate, patient's right.
+    pub superior_right: P,
+    /// Inferior endplate, patient's left.
+    pub inferior_left: P,
+    /// Inferior endplate, patient's right.
+    pub inferior_right: P,
+}
+
+/// Why four corners make no vertebral body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CornerFault {
+    /// The diagonals do not meet inside: two neighbouring corners are exchanged, or one is far off.
+    Crossed,
+    /// The left corners lie on the right.
+    SidesExchanged,
+    /// The inferior corners lie above the superior ones.
+    UpsideDown,
+    /// Corners coincide or lie on one line.
+    Flat,
+}
+
+impl CornerFault {
+    /// What the user can do about it.
+    #[must_use]
+    pub const fn help(self) -> &'static str {
+        match self {
+            Self::Crossed => {
+                "two corners are exchanged or one is far off: mark them as superior left, superior right, inferior left, inferior right"
+            }
+            Self::SidesExchanged => {
+                "left and right are the patient's: exchange the left and right corners of this vertebra"
+            }
+            Self::UpsideDown => "exchange the superior and inferior corners of this vertebra",
+            Self::Flat => "mark the four corners of this vertebra again",
+        }
+    }
+}
+
+impl fmt::Display for CornerFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Crossed => "the diagonals of its corners do not meet inside the body",
+            Self::SidesExchanged => "its left and right corners are exchanged",
+            Self::UpsideDown => "its superior and inferior corners are exchanged",
+            Self::Flat => "its corners coincide or lie on one line",
+        })
+    }
+}
+
+impl Corners<Frontal> {
+    /// Intersection of the two diagonals: the paper's LOC.
+    ///
+    /// # Errors
+    /// [`CornerFault::Flat`] and [`CornerFault::Crossed`].
+    ///
+    /// ```
+    /// use spineline::{measure::Corners, spatial::Frontal};
+    /// let body = Corners {
+    ///     superior_left: Frontal::new(20.0, 10.0),
+    ///     superior_right: Frontal::new(-20.0, 10.0),
+    ///     inferior_left: Frontal::new(20.0, -10.0),
+    ///     inferior_right: Frontal::new(-20.0, -10.0),
+    /// };
+    /// assert_eq!(body.measure_location()?, Frontal::new(0.0, 0.0));
+    /// # Ok::<(), spineline::measure::CornerFault>(())
+    /// ```
+    pub fn measure_location(&self) -> Result<Frontal, CornerFault> {
+        let falling = self.inferior_right - self.superior_left;
+        let rising = self.superior_right - self.inferior_left;
+        let gap = self.inferior_left - self.superior_left;
+        let area = falling.cross(rising);
+        if area.abs() <= 1e-9 * falling.norm_mm() * rising.norm_mm() || !area.is_finite() {
+            return Err(CornerFault::Flat);
+        }
+        let along_falling = gap.cross(rising) / area;
+        let along_rising = gap.cross(falling) / area;
+        let inside = 0.0..=1.0;
+        if inside.contains(&along_falling) && inside.contains(&along_rising) {
+            Ok(self.superior_left + falling * along_falling)
+        } else {
+            Err(CornerFault::Crossed)
+        }
+    }
+
+    /// Lean of the line from the inferior to the superior endplate's centre: the paper's θ of a vertebra.
+    #[must_use]
+    pub fn measure_tilt(&self) -> Angle {
+        self.axis().lean()
+    }
+
+    /// Whether the corners run the way in which a patient's left and right lie on this film.
+    pub(super) fn sides_agree(&self) -> bool {
+        let to_left =
+            (self.superior_left + self.inferior_left) - (self.superior_right + self.inferior_right);
+        to_left.cross(self.axis()) > 0.0
+    }
+
+    /// Whether the superior endplate lies on the side of `cranial`.
+    pub(super) fn points_along(&self, cranial: Frontal) -> bool {
+        self.axis().dot(cranial) > 0.0
+    }
+
+    fn axis(&self) -> Frontal {
+        ((self.superior_left + self.superior_right) - (self.inferior_left + self.inferior_right))
+            * 0.5
+    }
+}
+
+impl std::error::Error for CornerFault {}
+
+impl<P: Copy> Corners<P> {
+    /// The corners in reading order: superior left and right, inferior left and right.
+    #[must_use]
+    pub fn points(&self) -> [P; 4] {
+        [self.superior_left, self.superior_right, self.inferior_left, self.inferior_right]
+    }
+
+    /// The same corners in another space.
+    #[must_use]
+    pub fn map<Q>(&self, f: impl Fn(P) -> Q) -> Corners<Q> {
+        Corners {
+            superior_left: f(self.superior_left),
+            superior_right: f(self.superior_right),
+            inferior_left: f(self.inferior_left),
+            inferior_right: f(self.inferior_right),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn body() -> Corners<Frontal> {
+        Corners {
+            superior_left: Frontal::new(21.0, 12.0),
+            superior_right: Frontal::new(-19.0, 10.0),
+            inferior_left: Frontal::new(20.0, -11.0),
+            inferior_right: Frontal::new(-22.0, -12.0),
+        }
+    }
+
+    #[test]
+    fn the_location_lies_on_both_diagonals() {
+        let body = body();
+        let location = body.measure_location().expect("a plain body");
+        let on = |a: Frontal, b: Frontal| (location - a).cross(b - a).abs() < 1e-10;
+        assert!(on(body.superior_left, body.inferior_right));
+        assert!(on(body.superior_right, body.inferior_left));
+    }
+
+    #[test]
+    fn a_body_that_leans_to_the_right_has_a_positive_tilt() {
+        let tilt = Angle::from_deg(17.0);
+        let turned = Corners {
+            superior_left: Frontal::new(20.0, 10.0),
+            superior_right: Frontal::new(-20.0, 10.0),
+            inferior_left: Frontal::new(20.0, -10.0),
+            inferior_right: Frontal::new(-20.0, -10.0),
+        }
+        .map(|p| p.rotated(tilt));
+        assert!((turned.measure_tilt() - tilt).rad().abs() < 1e-14);
+        assert!(turned.axis().y_mm < 0.0, "right is -y");
+    }
+
+    #[test]
+    fn exchanged_neighbours_cross_and_exchanged_pairs_are_seen_by_side() {
+        let good = body();
+        let crossed = Corners {
+            superior_left: good.superior_right,
+            superior_right: good.superior_left,
+            ..good
+        };
+        assert_eq!(crossed.measure_location(), Err(CornerFault::Crossed));
+        let mirrored = good.map(|p| Frontal::new(-p.y_mm, p.z_mm));
+        assert!(good.sides_agree() && !mirrored.sides_agree());
+        let point = good.map(|_| Frontal::new(1.0, 1.0));
+        assert_eq!(point.measure_location(), Err(CornerFault::Flat));
+    }
+}

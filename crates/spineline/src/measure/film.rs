@@ -1,0 +1,177 @@
+use std::collections::BTreeMap;
+use std::fmt;
+
+use super::Corners;
+use crate::anatomy::{ImageSide, Level, Posture};
+use crate::spatial::{Angle, Frontal, Pixel};
+
+/// The plane in which a film's millimetres were measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SpacingPlane {
+    /// In the patient: calibrated.
+    Patient,
+    /// On the detector: larger than life by the magnification of the set-up.
+    Detector,
+    /// Not stated.
+    Unknown,
+}
+
+impl SpacingPlane {
+    /// The unit of a length from such a film, in words.
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Patient => "mm (patient)",
+            Self::Detector => "mm (detector)",
+            Self::Unknown => "mm (plane not stated)",
+        }
+    }
+}
+
+/// How the picture lies: its size, the distance between its pixels, and where the patient's left is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImageGeometry {
+    /// Number of columns.
+    pub columns: u32,
+    /// Number of rows.
+    pub rows: u32,
+    /// Distance between neighbouring columns, so along a row.
+    pub column_spacing_mm: f64,
+    /// Distance between neighbouring rows, so down a column.
+    pub row_spacing_mm: f64,
+    /// Plane of these millimetres.
+    pub spacing_plane: SpacingPlane,
+    /// The side of the picture on which the patient's left is.
+    pub patient_left: ImageSide,
+}
+
+impl ImageGeometry {
+    /// A place of the picture in millimetres, `y` to the patient's left and `z` up the film.
+    ///
+    /// ```
+    /// use spineline::{anatomy::ImageSide, measure::{ImageGeometry, SpacingPlane}, spatial::{Frontal, Pixel}};
+    /// let image = ImageGeometry {
+    ///     columns: 400, rows: 500, column_spacing_mm: 0.5, row_spacing_mm: 0.2,
+    ///     spacing_plane: SpacingPlane::Patient, patient_left: ImageSide::Left,
+    /// };
+    /// assert_eq!(image.frontal(Pixel::new(10.0, 10.0)), Frontal::new(-5.0, -2.0));
+    /// ```
+    #[must_use]
+    pub fn frontal(&self, place: Pixel) -> Frontal {
+        Frontal::new(
+            self.left_per_column() * self.column_spacing_mm * place.column_px,
+            -self.row_spacing_mm * place.row_px,
+        )
+    }
+
+    /// The inverse of [`ImageGeometry::frontal`].
+    #[must_use]
+    pub fn pixel(&self, point: Frontal) -> Pixel {
+        Pixel::new(
+            point.y_mm / (self.left_per_column() * self.column_spacing_mm),
+            -point.z_mm / self.row_spacing_mm,
+        )
+    }
+
+    /// A lean against the image's vertical, positive clockwise as seen, as a tilt of the patient; its own inverse.
+    #[must_use]
+    pub fn tilt_from_clockwise(&self, clockwise: Angle) -> Angle {
+        clockwise * -self.left_per_column()
+    }
+
+    /// Whether a place lies on the picture.
+    #[must_use]
+    pub fn contains(&self, place: Pixel) -> bool {
+        (-0.5..f64::from(self.columns) + 0.5).contains(&place.column_px)
+            && (-0.5..f64::from(self.rows) + 0.5).contains(&place.row_px)
+    }
+
+    /// Which way the patient's left lies when the column grows.
+    fn left_per_column(&self) -> f64 {
+        match self.patient_left {
+            ImageSide::Left => -1.0,
+            ImageSide::Right => 1.0,
+        }
+    }
+}
+
+/// Who marked, and the how-manieth time.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ReadingId {
+    /// Name or code of the reader.
+    pub observer: String,
+    /// 1 for the first time.
+    pub repeat: u32,
+}
+
+impl fmt::Display for ReadingId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} (repeat {})", self.observer, self.repeat)
+    }
+}
+
+/// A vertebra as marked on the picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mark {
+    /// The corners of its body.
+    pub corners: Corners<Pixel>,
+    /// Its axis where it was turned by hand: against the image's vertical, positive clockwise as seen.
+    pub axis_clockwise: Option<Angle>,
+}
+
+/// A vertebra as measured by another program, in any frontal frame of its film.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placement {
+    /// Midpoint.
+    pub location: Frontal,
+    /// Tilt.
+    pub tilt: Angle,
+}
+
+/// One pass of one reader over one film.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reading<T> {
+    /// Reader and repeat.
+    pub id: ReadingId,
+    /// What was read.
+    pub vertebrae: BTreeMap<Level, T>,
+}
+
+/// The superior tips of the two iliac crests.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IliacCrests {
+    /// The patient's left crest.
+    pub left: Pixel,
+    /// The patient's right crest.
+    pub right: Pixel,
+}
+
+/// What is known of a film's vertebrae.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FilmMarks {
+    /// Landmarks on a picture.
+    Landmarks {
+        /// The picture.
+        image: ImageGeometry,
+        /// Tips of the iliac crests.
+        iliac_crests: Option<IliacCrests>,
+        /// The readings.
+        readings: Vec<Reading<Mark>>,
+    },
+    /// Locations and tilts from another program, all readings in one frame of the film.
+    Placements {
+        /// Plane of the millimetres.
+        spacing_plane: SpacingPlane,
+        /// The readings.
+        readings: Vec<Reading<Placement>>,
+    },
+}
+
+/// One radiograph of a case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Film {
+    /// Position of the patient.
+    pub posture: Posture,
+    /// What was marked.
+    pub marks: FilmMarks,
+}

@@ -1,0 +1,175 @@
+//! Step 1: landmarks on a radiograph → location and tilt of every vertebra in the global frame.
+//!
+//! The location of a vertebra is the intersection of the two diagonals of its body; its tilt is the lean of the line
+//! through the centres of its endplates, or an axis turned by hand. Readings are averaged on the film, and the film is
+//! then brought into `G`: L4's midpoint is the origin and L4's own axis is +Z, so L4's tilt is zero in every posture,
+//! however the film was held.
+//!
+//! # Departures from the paper
+//! Landmarks may be sub-pixel, pixels need not be square, and the patient's side is part of the film.
+//!
+//! # References
+//! [jalalian-loa], section 2.1 and figure 3.
+
+mod corners;
+mod film;
+mod outline;
+
+pub use corners::{CornerFault, Corners};
+pub use film::{
+    Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading, ReadingId, SpacingPlane,
+};
+pub use outline::{MeasuredVertebra, Noise, Outline, measure_film};
+
+use crate::anatomy::{Level, Posture};
+
+/// Marks from which no measurement can be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeasureError {
+    /// A film without any reading.
+    #[error("{posture} film: no reading")]
+    NoReading {
+        /// Film.
+        posture: Posture,
+    },
+    /// Two readings of a film carry the same observer and repeat.
+    #[error("{posture} film: observer {id} is there twice")]
+    DuplicateReading {
+        /// Film.
+        posture: Posture,
+        /// Reading.
+        id: ReadingId,
+    },
+    /// The distance between pixels is no positive number.
+    #[error("{posture} film: {direction} spacing is {value} mm, and must be above 0.0001 mm")]
+    Spacing {
+        /// Film.
+        posture: Posture,
+        /// Which of the two spacings.
+        direction: &'static str,
+        /// What it is.
+        value: f64,
+    },
+    /// A vertebra of the model was marked in no reading.
+    #[error("{posture} film: {level} is not marked in any reading")]
+    LevelMissing {
+        /// Film.
+        posture: Posture,
+        /// Vertebra.
+        level: Level,
+    },
+    /// A coordinate or an angle is no finite number.
+    #[error("{posture} film, observer {id}, {level}: a coordinate is not a number")]
+    NotFinite {
+        /// Film.
+        posture: Posture,
+        /// Reading.
+        id: ReadingId,
+        /// Vertebra.
+        level: Level,
+    },
+    /// A landmark outside of the picture.
+    #[error(
+        "{posture} film, observer {id}, {level}: a corner at column {column_px}, row {row_px} lies outside of the {columns} × {rows} picture"
+    )]
+    OffImage {
+        /// Film.
+        posture: Posture,
+        /// Reading.
+        id: ReadingId,
+        /// Vertebra.
+        level: Level,
+        /// Column of the corner.
+        column_px: f64,
+        /// Row of the corner.
+        row_px: f64,
+        /// Columns of the picture.
+        columns: u32,
+        /// Rows of the picture.
+        rows: u32,
+    },
+    /// Four corners that make no vertebral body.
+    #[error("{posture} film, observer {id}, {level}: {fault}")]
+    Corners {
+        /// Film.
+        posture: Posture,
+        /// Reading.
+        id: ReadingId,
+        /// Vertebra.
+        level: Level,
+        /// What is wrong with them.
+        fault: CornerFault,
+    },
+    /// Left and right corners are exchanged in every vertebra of a film.
+    #[error(
+        "{posture} film, observer {id}: left and right corners are exchanged in all {count} vertebrae, so the film is mirrored or its `patient_left` is wrong"
+    )]
+    FilmMirrored {
+        /// Film.
+        posture: Posture,
+        /// Reading.
+        id: ReadingId,
+        /// Vertebrae marked.
+        count: usize,
+    },
+    /// A vertebra is marked at or below the one that it should stand on.
+    #[error(
+        "{posture} film: {superior} lies {distance_mm:.1} mm along the axis of {inferior}, and must lie above it"
+    )]
+    OutOfOrder {
+        /// Film.
+        posture: Posture,
+        /// Lower vertebra.
+        inferior: Level,
+        /// Upper vertebra.
+        superior: Level,
+        /// How far above, along the lower one's axis.
+        distance_mm: f64,
+    },
+    /// An angle of a vertebra beyond what a spine can show.
+    #[error(
+        "{posture} film: {level} is tilted {tilt_deg:.0}° against L4, and the limit is {limit_deg:.0}°"
+    )]
+    TiltTooLarge {
+        /// Film.
+        posture: Posture,
+        /// Vertebra.
+        level: Level,
+        /// Its tilt.
+        tilt_deg: f64,
+        /// The largest that can be handled.
+        limit_deg: f64,
+    },
+}
+
+impl MeasureError {
+    /// What the user can do about it.
+    #[must_use]
+    pub fn help(&self) -> &'static str {
+        match self {
+            Self::NoReading { .. } => {
+                "mark the vertebrae of this film, or leave the film out of the case"
+            }
+            Self::DuplicateReading { .. } => {
+                "give each reading of a film its own observer and repeat"
+            }
+            Self::Spacing { .. } => "state the distance between pixel centres in mm",
+            Self::LevelMissing { .. } => {
+                "mark this vertebra, or leave this film out of the case (only the erect film is needed)"
+            }
+            Self::NotFinite { .. } => "mark this vertebra again",
+            Self::OffImage { .. } => {
+                "corner points are [column, row] in pixels of the full-size picture"
+            }
+            Self::Corners { fault, .. } => fault.help(),
+            Self::FilmMirrored { .. } => {
+                "look for the lead marker, then correct `patient_left` of this film's image"
+            }
+            Self::OutOfOrder { .. } => {
+                "check the names of these two vertebrae: one is doubled, skipped or exchanged"
+            }
+            Self::TiltTooLarge { .. } => "check the corners of this vertebra and of L4",
+        }
+    }
+}

@@ -1,0 +1,379 @@
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::{
+    CornerFault, Film, FilmMarks, IliacCrests, ImageGeometry, Mark, MeasureError, Placement,
+    Reading, ReadingId, SpacingPlane,
+};
+use crate::anatomy::{Level, Morphometry, Posture};
+use crate::spatial::{Angle, Frontal};
+use crate::warning::{Step, Warnings};
+
+/// Standard deviation of a film's measured values (means over its readings).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise {
+    /// Of a coordinate of a location.
+    pub location_mm: f64,
+    /// Of a tilt.
+    pub tilt: Angle,
+    /// Whether it was measured from the spread of readings; else it is the assumption for one careful reading.
+    pub measured: bool,
+}
+
+impl Noise {
+    /// What one careful reading is taken to have: 0.5 mm per corner, so 0.25 mm at their crossing, and 0.7°.
+    ///
+    /// # References
+    /// Tilt: intra-observer deviation of [vrtovec-2015]. Corners: assumption.
+    pub const ONE_READING: Self =
+        Self { location_mm: 0.25, tilt: Angle::from_deg(0.7), measured: false };
+
+    /// Rounding to a pixel and to 0.1° leaves at least about so much.
+    const FLOOR_LOCATION_MM: f64 = 0.03;
+    const FLOOR_TILT: Angle = Angle::from_deg(0.03);
+}
+
+/// One vertebra in the global frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredVertebra {
+    /// Which one.
+    pub level: Level,
+    /// Midpoint, mean over the readings.
+    pub location: Frontal,
+    /// Tilt against L4, mean over the readings.
+    pub tilt: Angle,
+    /// Readings that marked it.
+    pub readings: usize,
+}
+
+/// The measured spine of one posture, in the global frame `G`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outline {
+    /// Position of the patient.
+    pub posture: Posture,
+    /// L4…T2, in the order of [`Level::MODEL`].
+    pub vertebrae: Vec<MeasuredVertebra>,
+    /// Marked levels that are not part of the model (L5, T1).
+    pub others: Vec<MeasuredVertebra>,
+    /// Lean of the normal of the iliac line in `G`; `None` where the crests were not marked.
+    pub iliac_normal: Option<Angle>,
+    /// L4's tilt on the film, which `G` has taken out.
+    pub l4_on_film: Angle,
+    /// Deviation of the measured values.
+    pub noise: Noise,
+    /// Plane of the millimetres.
+    pub spacing_plane: SpacingPlane,
+    /// Number of readings.
+    pub readings: usize,
+}
+
+impl Outline {
+    /// A vertebra of the model, or L5 or T1 where they were marked.
+    #[must_use]
+    pub fn vertebra(&self, level: Level) -> Option<&MeasuredVertebra> {
+        self.vertebrae.iter().chain(&self.others).find(|vertebra| vertebra.level == level)
+    }
+
+    /// The locations of L4…T2.
+    pub fn locations(&self) -> impl Iterator<Item = Frontal> {
+        self.vertebrae.iter().map(|vertebra| vertebra.location)
+    }
+
+    /// Lean of the line L4→T2 against the normal of the iliac line, or against L4's axis where no crest was marked.
+    ///
+    /// This is the amplitude of a bend [petit-2004], between the ends of the model. Positive leans right.
+    #[must_use]
+    pub fn amplitude(&self) -> Angle {
+        let top = self.vertebrae[self.vertebrae.len() - 1].location;
+        top.lean() - self.iliac_normal.unwrap_or(Angle::ZERO)
+    }
+
+    /// Length of the polygon through the midpoints.
+    #[must_use]
+    pub fn polygon_mm(&self) -> f64 {
+        self.vertebrae.windows(2).map(|pair| pair[0].location.distance_mm(pair[1].location)).sum()
+    }
+}
+
+/// Measures one film: every reading, their mean, and the global frame.
+///
+/// # Errors
+/// [`MeasureError`], which names film, reading, vertebra, value and limit. Nothing is repaired.
+pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, MeasureError> {
+    let posture = film.posture;
+    let (placed, spacing_plane, iliac_normal) = match &film.marks {
+        FilmMarks::Landmarks { image, iliac_crests, readings } => {
+            check_spacing(posture, image)?;
+            check_readings(posture, readings)?;
+            let placed = readings
+                .iter()
+                .map(|reading| place(posture, image, reading))
+                .collect::<Result<Vec<_>, _>>()?;
+            (placed, image.spacing_plane, iliac_crests.map(|crests| iliac_normal(image, crests)))
+        }
+        FilmMarks::Placements { spacing_plane, readings } => {
+            check_readings(posture, readings)?;
+            check_placements(posture, readings)?;
+            (
+                readings.iter().map(|reading| reading.vertebrae.clone()).collect(),
+                *spacing_plane,
+                None,
+            )
+        }
+    };
+    let on_film = average(&placed);
+    let base =
+        on_film.get(&Level::L4).ok_or(MeasureError::LevelMissing { posture, level: Level::L4 })?.0;
+    // The global frame: L4's midpoint is the origin, and L4's own axis is +Z.
+    let in_global: BTreeMap<Level, MeasuredVertebra> = on_film
+        .iter()
+        .map(|(&level, &(placement, readings))| {
+            let location = (placement.location - base.location).rotated(-base.tilt);
+            let tilt = placement.tilt - base.tilt;
+            (level, MeasuredVertebra { level, location, tilt, readings })
+        })
+        .collect();
+    let vertebrae = Level::MODEL
+        .into_iter()
+        .map(|level| {
+            in_global.get(&level).copied().ok_or(MeasureError::LevelMissing { posture, level })
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    check_order(posture, &vertebrae, warnings)?;
+    warn_of_gaps(posture, &vertebrae, placed.len(), warnings);
+    Ok(Outline {
+        posture,
+        others: in_global.into_values().filter(|v| v.level.model_index().is_none()).collect(),
+        vertebrae,
+        iliac_normal: iliac_normal.map(|normal| normal - base.tilt),
+        l4_on_film: base.tilt,
+        noise: noise(&placed, &on_film),
+        spacing_plane,
+        readings: placed.len(),
+    })
+}
+
+fn check_spacing(posture: Posture, image: &ImageGeometry) -> Result<(), MeasureError> {
+    for (direction, value) in [("column", image.column_spacing_mm), ("row", image.row_spacing_mm)] {
+        // Some real files carry a spacing of "0.000".
+        if !(value > 1e-4 && value.is_finite()) {
+            return Err(MeasureError::Spacing { posture, direction, value });
+        }
+    }
+    Ok(())
+}
+
+fn check_readings<T>(posture: Posture, readings: &[Reading<T>]) -> Result<(), MeasureError> {
+    if readings.is_empty() {
+        return Err(MeasureError::NoReading { posture });
+    }
+    let mut seen = BTreeSet::new();
+    match readings.iter().find(|reading| !seen.insert(&reading.id)) {
+        Some(twice) => Err(MeasureError::DuplicateReading { posture, id: twice.id.clone() }),
+        None => Ok(()),
+    }
+}
+
+fn check_placements(posture: Posture, readings: &[Reading<Placement>]) -> Result<(), MeasureError> {
+    for reading in readings {
+        for (&level, placement) in &reading.vertebrae {
+            if !(placement.location.is_finite() && placement.tilt.rad().is_finite()) {
+                return Err(MeasureError::NotFinite { posture, id: reading.id.clone(), level });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// One reading in millimetres of the film: midpoints and tilts.
+fn place(
+    posture: Posture,
+    image: &ImageGeometry,
+    reading: &Reading<Mark>,
+) -> Result<BTreeMap<Level, Placement>, MeasureError> {
+    let id = || reading.id.clone();
+    let mut bodies = BTreeMap::new();
+    for (&level, mark) in &reading.vertebrae {
+        let finite = mark.axis_clockwise.is_none_or(|axis| axis.rad().is_finite());
+        if !(finite && mark.corners.points().iter().all(|corner| corner.is_finite())) {
+            return Err(MeasureError::NotFinite { posture, id: id(), level });
+        }
+        if let Some(corner) =
+            mark.corners.points().into_iter().find(|&corner| !image.contains(corner))
+        {
+            let (column_px, row_px) = (corner.column_px, corner.row_px);
+            let (columns, rows) = (image.columns, image.rows);
+            return Err(MeasureError::OffImage {
+                posture,
+                id: id(),
+                level,
+                column_px,
+                row_px,
+                columns,
+                rows,
+            });
+        }
+        bodies.insert(level, mark.corners.map(|corner| image.frontal(corner)));
+    }
+    let fault = |level, fault| MeasureError::Corners { posture, id: id(), level, fault };
+
+    let mut centres = BTreeMap::new();
+    for (&level, body) in &bodies {
+        centres.insert(level, body.measure_location().map_err(|found| fault(level, found))?);
+    }
+    // A body's own neighbours say where cranial is, so that a film may be held in any pose.
+    let upside_down = |level: Level| {
+        let below = centres.range(..level).next_back().map(|(_, &centre)| centre);
+        let above = centres.range(level..).nth(1).map(|(_, &centre)| centre);
+        let here = centres[&level];
+        let cranial = above.unwrap_or(here) - below.unwrap_or(here);
+        cranial.norm_mm() > 0.0 && !bodies[&level].points_along(cranial)
+    };
+    let exchanged: Vec<Level> =
+        bodies.iter().filter(|(_, body)| !body.sides_agree()).map(|(&level, _)| level).collect();
+    if exchanged.len() == bodies.len()
+        && bodies.len() > 1
+        && !exchanged.iter().any(|&l| upside_down(l))
+    {
+        return Err(MeasureError::FilmMirrored { posture, id: id(), count: bodies.len() });
+    }
+    if let Some(level) = bodies.keys().copied().find(|&level| upside_down(level)) {
+        return Err(fault(level, CornerFault::UpsideDown));
+    }
+    if let Some(&level) = exchanged.first() {
+        return Err(fault(level, CornerFault::SidesExchanged));
+    }
+    Ok(bodies
+        .iter()
+        .map(|(&level, body)| {
+            let by_hand = reading.vertebrae[&level].axis_clockwise;
+            let tilt =
+                by_hand.map_or_else(|| body.measure_tilt(), |axis| image.tilt_from_clockwise(axis));
+            (level, Placement { location: centres[&level], tilt })
+        })
+        .collect())
+}
+
+fn iliac_normal(image: &ImageGeometry, crests: IliacCrests) -> Angle {
+    let to_left = image.frontal(crests.left) - image.frontal(crests.right);
+    // A quarter turn about +X carries the patient's left (+Y) to cranial (+Z).
+    Frontal::new(-to_left.z_mm, to_left.y_mm).lean()
+}
+
+/// Mean over the readings that marked a level, and their number.
+fn average(placed: &[BTreeMap<Level, Placement>]) -> BTreeMap<Level, (Placement, usize)> {
+    let mut values: BTreeMap<Level, Vec<Placement>> = BTreeMap::new();
+    for reading in placed {
+        for (&level, &placement) in reading {
+            values.entry(level).or_default().push(placement);
+        }
+    }
+    values
+        .into_iter()
+        .map(|(level, mut all)| {
+            // Sums in a fixed order: the order of the readings must not reach the last bit.
+            all.sort_by(|a, b| {
+                let key = |p: &Placement| [p.location.y_mm, p.location.z_mm, p.tilt.rad()];
+                key(a).partial_cmp(&key(b)).expect("readings were checked to be finite")
+            });
+            let n = all.len() as f64;
+            let location =
+                all.iter().fold(Frontal::default(), |sum, p| sum + p.location) * (1.0 / n);
+            let tilt = all.iter().fold(Angle::ZERO, |sum, p| sum + p.tilt) * (1.0 / n);
+            (level, (Placement { location, tilt }, all.len()))
+        })
+        .collect()
+}
+
+/// Deviation of the means from the pooled spread of the readings.
+fn noise(
+    placed: &[BTreeMap<Level, Placement>],
+    means: &BTreeMap<Level, (Placement, usize)>,
+) -> Noise {
+    let (mut location, mut tilt, mut freedom, mut values) = (0.0, 0.0, 0usize, 0usize);
+    for (level, (mean, count)) in means {
+        freedom += count - 1;
+        values += count;
+        let mut readings: Vec<(f64, f64)> = placed
+            .iter()
+            .filter_map(|reading| reading.get(level))
+            .map(|placement| {
+                let off = placement.location - mean.location;
+                (off.dot(off), (placement.tilt - mean.tilt).rad().powi(2))
+            })
+            .collect();
+        readings.sort_by(|a, b| a.partial_cmp(b).expect("readings were checked to be finite"));
+        location += readings.iter().map(|r| r.0).sum::<f64>();
+        tilt += readings.iter().map(|r| r.1).sum::<f64>();
+    }
+    if freedom == 0 {
+        return Noise::ONE_READING;
+    }
+    let freedom = freedom as f64;
+    let readings_per_value = values as f64 / means.len() as f64;
+    // Two coordinates share the squared distance.
+    let location_mm = (location / (2.0 * freedom * readings_per_value)).sqrt();
+    let tilt = (tilt / (freedom * readings_per_value)).sqrt();
+    Noise {
+        location_mm: location_mm.max(Noise::FLOOR_LOCATION_MM),
+        tilt: Angle::from_rad(tilt.max(Noise::FLOOR_TILT.rad())),
+        measured: true,
+    }
+}
+
+fn check_order(
+    posture: Posture,
+    vertebrae: &[MeasuredVertebra],
+    warnings: &mut Warnings,
+) -> Result<(), MeasureError> {
+    const TILT_LIMIT: Angle = Angle::from_deg(120.0);
+    if let Some(v) = vertebrae.iter().find(|v| v.tilt.abs() > TILT_LIMIT) {
+        let (tilt_deg, limit_deg) = (v.tilt.deg(), TILT_LIMIT.deg());
+        return Err(MeasureError::TiltTooLarge { posture, level: v.level, tilt_deg, limit_deg });
+    }
+    let spacing = |pair: &[MeasuredVertebra]| pair[0].location.distance_mm(pair[1].location);
+    let typical: f64 =
+        vertebrae.windows(2).map(|p| Morphometry::spacing_mm(p[0].level, p[1].level)).sum();
+    let scale = vertebrae.windows(2).map(spacing).sum::<f64>() / typical;
+    for pair in vertebrae.windows(2) {
+        let (inferior, superior) = (pair[0].level, pair[1].level);
+        let axis = Frontal::leaning((pair[0].tilt + pair[1].tilt) * 0.5);
+        let distance_mm = (pair[1].location - pair[0].location).dot(axis);
+        if distance_mm <= 0.2 * scale * Morphometry::spacing_mm(inferior, superior) {
+            return Err(MeasureError::OutOfOrder { posture, inferior, superior, distance_mm });
+        }
+        // Twice or half the usual distance is what a skipped or doubled vertebra looks like.
+        let ratio = spacing(pair) / (scale * Morphometry::spacing_mm(inferior, superior));
+        if !(0.6..1.6).contains(&ratio) {
+            let text = format!(
+                "{inferior} and {superior} are {:.1} mm apart, {ratio:.1} times the usual share of this spine: check that no vertebra was skipped or doubled",
+                spacing(pair)
+            );
+            warnings.vertebra(Step::Measure, "spacing_unusual", posture, superior, text);
+        }
+    }
+    Ok(())
+}
+
+fn warn_of_gaps(
+    posture: Posture,
+    vertebrae: &[MeasuredVertebra],
+    readings: usize,
+    warnings: &mut Warnings,
+) {
+    for vertebra in vertebrae.iter().filter(|vertebra| vertebra.readings < readings) {
+        let text = format!(
+            "{} was marked in {} of {readings} readings; its mean is over those",
+            vertebra.level, vertebra.readings
+        );
+        warnings.vertebra(Step::Measure, "readings_incomplete", posture, vertebra.level, text);
+    }
+}
+
+/// The identity of a reading in errors and tests.
+impl ReadingId {
+    /// An identity from its parts.
+    #[must_use]
+    pub fn new(observer: impl Into<String>, repeat: u32) -> Self {
+        Self { observer: observer.into(), repeat }
+    }
+}

@@ -1,0 +1,102 @@
+//! Step 4: the chain in two postures → how far every segment rotates, and which rotate least.
+//!
+//! The rotation of a segment is `|joint angle when erect - joint angle in P|`, the paper's r. The least-rotating segment
+//! is sought in two windows, between the midpoints of L2 and T9 and of T7 and T4 on the erect film. An inflection is a
+//! segment of the **erect** chain and stays that segment in every posture.
+//!
+//! # References
+//! [jalalian-loa], section 3.1, figures 5, 6 and 10.
+
+use crate::anatomy::Level;
+use crate::chain::ChainPose;
+use crate::curve::CurveFit;
+use crate::spatial::Angle;
+
+/// The two windows in which a least-rotating segment is sought, caudal first.
+pub const LEAST_WINDOWS: [(Level, Level); 2] = [(Level::L2, Level::T9), (Level::T7, Level::T4)];
+
+/// The movement of the chain from the erect posture to another.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    /// Rotation of every segment that both postures have, from L4 upwards.
+    pub rotations: Vec<Angle>,
+    /// The least-rotating segment of either window: MMS_Least.
+    pub least: [usize; 2],
+}
+
+/// How well a segment stands for the least-rotating one of its window.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The segment.
+    pub segment: usize,
+    /// The least-rotating one.
+    pub least: usize,
+    /// Distance between them in segments.
+    pub distance_segments: usize,
+    /// Distance between their joints on the erect film.
+    pub distance_mm: f64,
+    /// Rotation of the segment.
+    pub rotation: Angle,
+}
+
+impl Motion {
+    /// Compares two postures of one chain.
+    #[must_use]
+    pub fn between(erect: &ChainPose, moved: &ChainPose, windows: &[(usize, usize); 2]) -> Self {
+        let rotations: Vec<Angle> = erect
+            .joint_angles
+            .iter()
+            .zip(&moved.joint_angles)
+            .map(|(a, b)| (*a - *b).wrapped().abs())
+            .collect();
+        let least = windows.map(|(from, to)| {
+            let to = to.min(rotations.len().saturating_sub(1));
+            let least =
+                (from..=to).min_by(|&a, &b| rotations[a].rad().total_cmp(&rotations[b].rad()));
+            least.unwrap_or(to)
+        });
+        Self { rotations, least }
+    }
+
+    /// Mean rotation over all segments.
+    #[must_use]
+    pub fn mean_rotation(&self) -> Angle {
+        let sum = self.rotations.iter().fold(Angle::ZERO, |sum, &r| sum + r);
+        sum * (1.0 / self.rotations.len().max(1) as f64)
+    }
+
+    /// Compares one segment per window, such as the inflections, with the least-rotating ones.
+    #[must_use]
+    pub fn estimates(&self, erect: &ChainPose, segments: [usize; 2]) -> [Estimate; 2] {
+        std::array::from_fn(|window| {
+            let (segment, least) = (segments[window], self.least[window]);
+            Estimate {
+                segment,
+                least,
+                distance_segments: segment.abs_diff(least),
+                distance_mm: erect.joints[segment].distance_mm(erect.joints[least]),
+                rotation: self.rotations[segment.min(self.rotations.len() - 1)],
+            }
+        })
+    }
+}
+
+/// The windows of the least-rotating segments, as segments of the erect chain.
+///
+/// The first segment is left out: its joint is L4's midpoint, where nothing turns by definition of the frame.
+#[must_use]
+pub fn least_windows(fit: &CurveFit, erect: &ChainPose) -> [(usize, usize); 2] {
+    LEAST_WINDOWS.map(|(low, high)| {
+        let segment = |level: Level| {
+            let t = level.model_index().map_or(0.0, |i| fit.vertebra_t_mm[i]);
+            erect.t_mm.partition_point(|&joint| joint < t).clamp(1, erect.segments() - 1)
+        };
+        (segment(low), segment(high))
+    })
+}
+
+/// MMS_Mean: per window, the rounded mean of the least-rotating segments of the left and right bend.
+#[must_use]
+pub fn mean_least(left: &Motion, right: &Motion) -> [usize; 2] {
+    std::array::from_fn(|window| (left.least[window] + right.least[window] + 1) / 2)
+}

@@ -1,0 +1,150 @@
+use crate::anatomy::{Level, Morphometry, SagittalProfile};
+use crate::measure::Outline;
+use crate::spatial::{Angle, Frontal, Mat3, Vec3, rotation_x, rotation_y, rotation_z};
+
+/// One joint, fixed in its inferior vertebra.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// Centre, from the inferior vertebra's midpoint, in that vertebra's axes.
+    pub centre_in_inferior_mm: Vec3,
+    /// The superior vertebra's midpoint in the erect posture, from the centre, in the inferior vertebra's axes.
+    pub rise_in_inferior_mm: Vec3,
+    /// The superior vertebra's axes in the erect posture, in the inferior vertebra's axes.
+    pub inferior_from_superior: Mat3,
+}
+
+/// The unloaded spine of one patient: vertebrae in the erect posture, and the joints between them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpineModel {
+    /// Midpoints in `G`, from the fixed L4 upwards.
+    pub midpoints_mm: Vec<Vec3>,
+    /// Axes in `G`: columns are anterior, left and cranial of the vertebra.
+    pub axes: Vec<Mat3>,
+    /// Joints, one fewer than vertebrae.
+    pub joints: Vec<Joint>,
+}
+
+impl SpineModel {
+    /// Builds the three-dimensional spine from the erect film and a sagittal profile.
+    ///
+    /// The film gives `y`, `z` and tilt of every vertebra. The profile gives pitch differences; L4's own pitch is the
+    /// one that puts T2 above L4, and `x` follows from the pitches. Depths and body heights are typical ones, scaled to
+    /// the distances that the film shows.
+    ///
+    /// # Assumption
+    /// The sagittal profile is a population's, not the patient's, unless a lateral film replaces it.
+    #[must_use]
+    pub fn from_outline(erect: &Outline, profile: &SagittalProfile) -> Self {
+        let locations: Vec<Frontal> = erect.locations().collect();
+        let pitches = pitches(&locations, profile);
+        let x_mm = depths_mm(&locations, &pitches);
+        let midpoints_mm: Vec<Vec3> =
+            locations.iter().zip(&x_mm).map(|(p, &x)| Vec3::new(x, p.y_mm, p.z_mm)).collect();
+        let axes: Vec<Mat3> = erect
+            .vertebrae
+            .iter()
+            .zip(&pitches)
+            .zip(profile.axial_deg)
+            .map(|((v, &pitch), axial)| {
+                rotation_x(v.tilt) * rotation_y(pitch) * rotation_z(Angle::from_deg(axial))
+            })
+            .collect();
+        let offsets: Vec<Vec3> = (0..locations.len() - 1)
+            .map(|i| centre_offset_mm(i, (midpoints_mm[i + 1] - midpoints_mm[i]).norm()))
+            .collect();
+        Self::from_poses(midpoints_mm, axes, &offsets)
+    }
+
+    /// Joins vertebrae by joints whose centres are given in the axes of the inferior vertebra.
+    ///
+    /// # Panics
+    /// If there is not one centre between each two vertebrae.
+    #[must_use]
+    pub fn from_poses(
+        midpoints_mm: Vec<Vec3>,
+        axes: Vec<Mat3>,
+        centres_in_inferior_mm: &[Vec3],
+    ) -> Self {
+        assert!(
+            midpoints_mm.len() == axes.len() && centres_in_inferior_mm.len() + 1 == axes.len(),
+            "one joint between each two vertebrae"
+        );
+        let joints = centres_in_inferior_mm
+            .iter()
+            .enumerate()
+            .map(|(i, &centre_in_inferior_mm)| {
+                let inferior_from_global = axes[i].transpose();
+                Joint {
+                    centre_in_inferior_mm,
+                    rise_in_inferior_mm: inferior_from_global
+                        * (midpoints_mm[i + 1] - midpoints_mm[i])
+                        - centre_in_inferior_mm,
+                    inferior_from_superior: inferior_from_global * axes[i + 1],
+                }
+            })
+            .collect();
+        Self { midpoints_mm, axes, joints }
+    }
+
+    /// The same vertebrae put where another film shows them: its locations and tilts, and the erect depths and pitches.
+    ///
+    /// Rotations and lever arms measured on that film are taken from this pose.
+    #[must_use]
+    pub fn posed_on_film(&self, film: &Outline, erect: &Outline) -> (Vec<Vec3>, Vec<Mat3>) {
+        let vertebrae = film
+            .vertebrae
+            .iter()
+            .zip(&erect.vertebrae)
+            .zip(self.midpoints_mm.iter().zip(&self.axes));
+        vertebrae
+            .map(|((moved, still), (midpoint, axes))| {
+                let place = Vec3::new(midpoint.x, moved.location.y_mm, moved.location.z_mm);
+                (place, rotation_x(moved.tilt - still.tilt) * axes)
+            })
+            .unzip()
+    }
+}
+
+/// Pitch of every vertebra: the profile's turns summed from L4, turned as a whole so that T2 stands above L4.
+fn pitches(locations: &[Frontal], profile: &SagittalProfile) -> Vec<Angle> {
+    let mut relative = vec![Angle::ZERO];
+    for &turn in &profile.turns_deg {
+        relative.push(relative[relative.len() - 1] + Angle::from_deg(turn));
+    }
+    let pitched =
+        |base: f64| relative.iter().map(|&p| p + Angle::from_rad(base)).collect::<Vec<_>>();
+    // T2's depth grows with L4's pitch: bisection between ±60°.
+    let (mut low, mut high) = (Angle::from_deg(-60.0).rad(), Angle::from_deg(60.0).rad());
+    for _ in 0..60 {
+        let middle = f64::midpoint(low, high);
+        let depths = depths_mm(locations, &pitched(middle));
+        if depths[depths.len() - 1] > 0.0 {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    pitched(f64::midpoint(low, high))
+}
+
+/// Depth of every midpoint: the line between two midpoints has the mean pitch of its vertebrae.
+fn depths_mm(locations: &[Frontal], pitches: &[Angle]) -> Vec<f64> {
+    let mut depths = vec![0.0];
+    for i in 1..locations.len() {
+        let pitch = (pitches[i - 1] + pitches[i]) * 0.5;
+        // Steeper than 75° only while searching for L4's pitch.
+        let pitch = pitch.rad().clamp(-1.3, 1.3);
+        let rise = locations[i].distance_mm(locations[i - 1]);
+        depths.push(depths[i - 1] + rise * pitch.tan());
+    }
+    depths
+}
+
+/// Centre of the joint above a vertebra: the posterior edge of its superior endplate, mid-width.
+fn centre_offset_mm(inferior: usize, spacing_mm: f64) -> Vec3 {
+    let lower = Morphometry::of(Level::MODEL[inferior]);
+    let upper = Morphometry::of(Level::MODEL[inferior + 1]);
+    let half_lower = 0.5 * lower.body_height_mm;
+    let scale = spacing_mm / (half_lower + lower.disc_above_mm + 0.5 * upper.body_height_mm);
+    Vec3::new(-0.5 * lower.superior_depth_mm * scale, 0.0, half_lower * scale)
+}

@@ -1,0 +1,438 @@
+use super::{JointGroups, SpineModel, StiffnessLibrary, Support};
+use crate::action::{Application, LineOfAction};
+use crate::spatial::{Angle, Frontal, Mat3, Vec3};
+
+/// A force and its moment about the origin of `G`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wrench {
+    /// Force.
+    pub force_n: Vec3,
+    /// Moment about the origin.
+    pub moment_nmm: Vec3,
+}
+
+impl Wrench {
+    /// A force at a point.
+    #[must_use]
+    pub fn at(point_mm: Vec3, force_n: Vec3) -> Self {
+        Self { force_n, moment_nmm: point_mm.cross(&force_n) }
+    }
+}
+
+/// The load on T2.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Load {
+    /// A force along a line of action.
+    Line {
+        /// The line.
+        line: LineOfAction,
+        /// Sagittal place of a line fixed in space; a line at T2 goes through T2's midpoint.
+        depth_mm: f64,
+    },
+    /// Any force and moment in a frontal plane, fixed in space: the force is `(fy, fz)`, the moment is about +X.
+    Frontal {
+        /// Sagittal place of the force.
+        depth_mm: f64,
+    },
+}
+
+impl Load {
+    /// A load along a line at a given depth.
+    #[must_use]
+    pub const fn along(line: LineOfAction, depth_mm: f64) -> Self {
+        Self::Line { line, depth_mm }
+    }
+
+    /// Number of components: one along a line, three in a plane.
+    #[must_use]
+    pub const fn components(&self) -> usize {
+        match self {
+            Self::Line { .. } => 1,
+            Self::Frontal { .. } => 3,
+        }
+    }
+
+    /// The wrench per unit of each component, where the film shows the line; zero for components that it has not.
+    #[must_use]
+    pub fn units_on_film(&self) -> [Wrench; 3] {
+        match self {
+            Self::Line { line, depth_mm } => {
+                let point = Vec3::new(*depth_mm, line.point.y_mm, line.point.z_mm);
+                let direction = Vec3::new(0.0, line.direction.y_mm, line.direction.z_mm);
+                let none = Wrench { force_n: Vec3::zeros(), moment_nmm: Vec3::zeros() };
+                [Wrench::at(point, direction), none, none]
+            }
+            Self::Frontal { depth_mm } => frontal_units(*depth_mm),
+        }
+    }
+}
+
+/// What a solution can be differentiated by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Parameter {
+    /// The magnitude of the load: force along a line; or component 0, 1 or 2 of `(fy, fz, mx)`.
+    Load(usize),
+    /// The natural logarithm of a group's lateral stiffness.
+    LogStiffness(usize),
+}
+
+/// The vertebrae under load.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Deformed {
+    /// Midpoints in `G`.
+    pub midpoints_mm: Vec<Vec3>,
+    /// Axes in `G`.
+    pub axes: Vec<Mat3>,
+    /// Hinge angles of every joint about x, y and z, in rad.
+    pub hinges_rad: Vec<[f64; 3]>,
+}
+
+impl Deformed {
+    /// Midpoints as a frontal film would show them.
+    #[must_use]
+    pub fn location(&self, vertebra: usize) -> Frontal {
+        let midpoint = self.midpoints_mm[vertebra];
+        Frontal::new(midpoint.y, midpoint.z)
+    }
+
+    /// Tilt of a vertebra as a frontal film would show it.
+    #[must_use]
+    pub fn tilt(&self, vertebra: usize) -> Angle {
+        let cranial = self.axes[vertebra].column(2);
+        Angle::from_sin_cos(-cranial[1], cranial[2])
+    }
+
+    /// Lean of the line L4→T2.
+    #[must_use]
+    pub fn lean(&self) -> Angle {
+        self.location(self.midpoints_mm.len() - 1).lean()
+    }
+
+    /// The largest hinge angle.
+    #[must_use]
+    pub fn largest_hinge_rad(&self) -> f64 {
+        self.hinges_rad.iter().flatten().fold(0.0, |most: f64, angle| most.max(angle.abs()))
+    }
+}
+
+/// An equilibrium and its derivatives.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Solution {
+    /// The vertebrae.
+    pub deformed: Deformed,
+    /// Per parameter and vertebra: derivative of the midpoint (mm per unit of the parameter).
+    pub midpoint_rates: Vec<Vec<Vec3>>,
+    /// Per parameter and vertebra: rotation vector per unit of the parameter.
+    pub turn_rates: Vec<Vec<Vec3>>,
+    /// Whether the place of a load that moves with T2 was found.
+    pub converged: bool,
+    /// Distance between the place where the load was put and T2's midpoint.
+    pub residual_mm: f64,
+}
+
+impl Solution {
+    /// Derivative of a vertebra's tilt.
+    #[must_use]
+    pub fn tilt_rate(&self, parameter: usize, vertebra: usize) -> f64 {
+        let cranial: Vec3 = self.deformed.axes[vertebra].column(2).into();
+        let change = self.turn_rates[parameter][vertebra].cross(&cranial);
+        // tilt = atan2(-cy, cz)
+        (cranial.y * change.z - cranial.z * change.y)
+            / (cranial.y * cranial.y + cranial.z * cranial.z)
+    }
+
+    /// Derivative of a vertebra's location on a frontal film.
+    #[must_use]
+    pub fn location_rate(&self, parameter: usize, vertebra: usize) -> Frontal {
+        let rate = self.midpoint_rates[parameter][vertebra];
+        Frontal::new(rate.y, rate.z)
+    }
+
+    /// Derivative of the lean of the line L4→T2.
+    #[must_use]
+    pub fn lean_rate(&self, parameter: usize) -> f64 {
+        let top = self.deformed.midpoints_mm.len() - 1;
+        let place = self.deformed.location(top);
+        place.cross(self.location_rate(parameter, top)) / place.dot(place)
+    }
+
+    /// The fastest hinge, in rad per unit of the parameter.
+    #[must_use]
+    pub fn fastest_turn(&self, parameter: usize) -> f64 {
+        let turns = &self.turn_rates[parameter];
+        turns.windows(2).map(|pair| (pair[1] - pair[0]).norm()).fold(0.0, f64::max)
+    }
+}
+
+/// A spine with springs: everything that does not change while a load is sought.
+#[derive(Debug, Clone)]
+pub struct Statics<'a> {
+    model: &'a SpineModel,
+    group_of_joint: &'a [usize],
+    /// Radians per N·mm of every hinge; zero where it is locked.
+    compliance: Vec<[f64; 3]>,
+}
+
+impl<'a> Statics<'a> {
+    /// Springs of a library, the lateral ones multiplied per group.
+    #[must_use]
+    pub fn new(
+        model: &'a SpineModel,
+        library: &StiffnessLibrary,
+        groups: &'a JointGroups,
+        log_multipliers: &[f64],
+        support: Support,
+    ) -> Self {
+        let stiffness = library.rows().iter().map(|row| row.nmm_per_rad);
+        let mut statics = Self::from_stiffness(model, stiffness, groups.of_joint(), support);
+        for (compliance, &group) in statics.compliance.iter_mut().zip(groups.of_joint()) {
+            compliance[0] *= (-log_multipliers[group]).exp();
+        }
+        statics
+    }
+
+    /// Springs given directly, in N·mm/rad about x, y and z of every joint.
+    #[must_use]
+    pub fn from_stiffness(
+        model: &'a SpineModel,
+        nmm_per_rad: impl IntoIterator<Item = [f64; 3]>,
+        group_of_joint: &'a [usize],
+        support: Support,
+    ) -> Self {
+        let compliance = nmm_per_rad
+            .into_iter()
+            .map(|[x, y, z]| match support {
+                Support::Free => [1.0 / x, 1.0 / y, 1.0 / z],
+                Support::Frontal => [1.0 / x, 0.0, 0.0],
+            })
+            .collect();
+        Self { model, group_of_joint, compliance }
+    }
+
+    /// The unloaded model.
+    #[must_use]
+    pub const fn model(&self) -> &SpineModel {
+        self.model
+    }
+
+    /// Mean lateral stiffness, by which forces scale.
+    #[must_use]
+    pub fn mean_lateral_nmm_per_rad(&self) -> f64 {
+        let sum: f64 = self.compliance.iter().map(|c| 1.0 / c[0]).sum();
+        sum / self.compliance.len() as f64
+    }
+
+    /// Equilibrium under a load of given magnitude, with derivatives by the parameters.
+    ///
+    /// `magnitude` holds the force along the line, or `(fy, fz, mx)` of a frontal load. `solution` is overwritten; its
+    /// T2 is the start of the search where the load moves with T2.
+    ///
+    /// # Frames and units
+    /// `G`; N, N·mm, mm, rad.
+    ///
+    /// # Accuracy
+    /// Explicit: rounding only. A load at T2 is closed to 1e-9 mm, or `converged` is false and `residual_mm` says by how much.
+    pub fn solve(
+        &self,
+        load: &Load,
+        magnitude: &[f64],
+        parameters: &[Parameter],
+        solution: &mut Solution,
+    ) {
+        match load {
+            Load::Line { line, .. } => {
+                let direction = Vec3::new(0.0, line.direction.y_mm, line.direction.z_mm);
+                match line.application {
+                    Application::Fixed => {
+                        let [unit, ..] = load.units_on_film();
+                        self.march(&scaled(&unit, magnitude[0]), &[unit], parameters, solution);
+                        solution.converged = true;
+                        solution.residual_mm = 0.0;
+                    }
+                    Application::AtT2 => {
+                        self.solve_at_t2(direction, magnitude[0], parameters, solution)
+                    }
+                }
+            }
+            Load::Frontal { .. } => {
+                let units = load.units_on_film();
+                let total = Wrench {
+                    force_n: (0..3).map(|i| units[i].force_n * magnitude[i]).sum(),
+                    moment_nmm: (0..3).map(|i| units[i].moment_nmm * magnitude[i]).sum(),
+                };
+                self.march(&total, &units, parameters, solution);
+                solution.converged = true;
+                solution.residual_mm = 0.0;
+            }
+        }
+    }
+
+    /// A force at T2's midpoint: Newton on the place where T2 ends up.
+    fn solve_at_t2(
+        &self,
+        direction: Vec3,
+        force_n: f64,
+        parameters: &[Parameter],
+        solution: &mut Solution,
+    ) {
+        const MOVES: [Parameter; 3] = [Parameter::Load(1), Parameter::Load(2), Parameter::Load(3)];
+        let top = self.model.midpoints_mm.len() - 1;
+        let force = direction * force_n;
+        let mut place = solution
+            .deformed
+            .midpoints_mm
+            .get(top)
+            .copied()
+            .unwrap_or(self.model.midpoints_mm[top]);
+        // First direction: more force. The others: the place of the force moves along x, y, z.
+        let all: Vec<Parameter> = parameters.iter().copied().chain(MOVES).collect();
+        let n = parameters.len();
+        solution.converged = false;
+        for _ in 0..25 {
+            let wrench = |moment_nmm| Wrench { force_n: Vec3::zeros(), moment_nmm };
+            let units = [
+                Wrench::at(place, direction),
+                wrench(Vec3::x().cross(&force)),
+                wrench(Vec3::y().cross(&force)),
+                wrench(Vec3::z().cross(&force)),
+            ];
+            self.march(&Wrench::at(place, force), &units, &all, solution);
+            let follow = Mat3::from_columns(&[
+                solution.midpoint_rates[n][top],
+                solution.midpoint_rates[n + 1][top],
+                solution.midpoint_rates[n + 2][top],
+            ]);
+            let gap = solution.deformed.midpoints_mm[top] - place;
+            // Sliding the force along its own line changes nothing.
+            let across = gap - direction * gap.dot(&direction);
+            solution.residual_mm = across.norm();
+            let Some(inverse) = (Mat3::identity() - follow).try_inverse() else { break };
+            if solution.residual_mm < 1e-9 {
+                close_derivatives(solution, n, &inverse, top);
+                solution.converged = true;
+                break;
+            }
+            place += inverse * gap;
+        }
+        solution.midpoint_rates.truncate(n);
+        solution.turn_rates.truncate(n);
+    }
+
+    /// Equilibrium under a wrench fixed in space: one pass from L4 to T2, with its derivatives.
+    ///
+    /// `units[i]` is the derivative of the wrench by [`Parameter::Load`]`(i)`.
+    pub fn march(
+        &self,
+        wrench: &Wrench,
+        units: &[Wrench],
+        parameters: &[Parameter],
+        solution: &mut Solution,
+    ) {
+        self.reset(parameters.len(), solution);
+        let Solution { deformed, midpoint_rates, turn_rates, .. } = solution;
+        let mut axes = self.model.axes[0];
+        let mut midpoint = self.model.midpoints_mm[0];
+        for (j, joint) in self.model.joints.iter().enumerate() {
+            let [cx, cy, cz] = self.compliance[j];
+            let centre = midpoint + axes * joint.centre_in_inferior_mm;
+            let moment = wrench.moment_nmm - centre.cross(&wrench.force_n);
+            // Three hinges in series; each turns the axes that come after it.
+            let (mut x, mut y, mut z): (Vec3, Vec3, Vec3) =
+                (axes.column(0).into(), axes.column(1).into(), axes.column(2).into());
+            let hinge_x = x;
+            let angle_x = cx * moment.dot(&x);
+            turn_pair(&mut y, &mut z, angle_x);
+            let hinge_y = y;
+            let angle_y = cy * moment.dot(&y);
+            turn_pair(&mut z, &mut x, angle_y);
+            let hinge_z = z;
+            let angle_z = cz * moment.dot(&z);
+            turn_pair(&mut x, &mut y, angle_z);
+            let turned = Mat3::from_columns(&[x, y, z]);
+            let rise = turned * joint.rise_in_inferior_mm;
+            let arm = centre - midpoint;
+            axes = turned * joint.inferior_from_superior;
+            midpoint = centre + rise;
+            deformed.axes[j + 1] = axes;
+            deformed.midpoints_mm[j + 1] = midpoint;
+            deformed.hinges_rad[j] = [angle_x, angle_y, angle_z];
+
+            for (p, parameter) in parameters.iter().enumerate() {
+                let turn = turn_rates[p][j];
+                let centre_rate = midpoint_rates[p][j] + turn.cross(&arm);
+                let mut moment_rate = -centre_rate.cross(&wrench.force_n);
+                let mut stretch = 0.0;
+                match *parameter {
+                    Parameter::Load(i) => {
+                        moment_rate += units[i].moment_nmm - centre.cross(&units[i].force_n);
+                    }
+                    Parameter::LogStiffness(group) if self.group_of_joint[j] == group => {
+                        stretch = -angle_x
+                    }
+                    Parameter::LogStiffness(_) => {}
+                }
+                // Each hinge: its moment changes with the load, with the place, and with its own axis.
+                let mut turned = turn;
+                let rate = |c: f64, axis: &Vec3, turned: &Vec3| {
+                    c * (moment_rate.dot(axis) + moment.dot(&turned.cross(axis)))
+                };
+                turned += hinge_x * (rate(cx, &hinge_x, &turned) + stretch);
+                if cy != 0.0 || cz != 0.0 {
+                    turned += hinge_y * rate(cy, &hinge_y, &turned);
+                    turned += hinge_z * rate(cz, &hinge_z, &turned);
+                }
+                turn_rates[p][j + 1] = turned;
+                midpoint_rates[p][j + 1] = centre_rate + turned.cross(&rise);
+            }
+        }
+    }
+
+    fn reset(&self, parameters: usize, solution: &mut Solution) {
+        let vertebrae = self.model.midpoints_mm.len();
+        let deformed = &mut solution.deformed;
+        if deformed.midpoints_mm.len() != vertebrae {
+            deformed.midpoints_mm = self.model.midpoints_mm.clone();
+            deformed.axes = self.model.axes.clone();
+            deformed.hinges_rad = vec![[0.0; 3]; vertebrae - 1];
+        }
+        for rates in [&mut solution.midpoint_rates, &mut solution.turn_rates] {
+            rates.resize_with(parameters, || vec![Vec3::zeros(); vertebrae]);
+        }
+    }
+}
+
+/// Turns two axes by an angle about the third: `a` towards `b`.
+#[inline]
+fn turn_pair(a: &mut Vec3, b: &mut Vec3, angle_rad: f64) {
+    if angle_rad == 0.0 {
+        return;
+    }
+    let (s, c) = angle_rad.sin_cos();
+    (*a, *b) = (*a * c + *b * s, *b * c - *a * s);
+}
+
+fn scaled(wrench: &Wrench, factor: f64) -> Wrench {
+    Wrench { force_n: wrench.force_n * factor, moment_nmm: wrench.moment_nmm * factor }
+}
+
+fn frontal_units(depth_mm: f64) -> [Wrench; 3] {
+    let point = Vec3::new(depth_mm, 0.0, 0.0);
+    [
+        Wrench::at(point, Vec3::y()),
+        Wrench::at(point, Vec3::z()),
+        Wrench { force_n: Vec3::zeros(), moment_nmm: Vec3::x() },
+    ]
+}
+
+/// Adds to every derivative what the force's own movement with T2 brings (implicit function theorem).
+fn close_derivatives(solution: &mut Solution, parameters: usize, inverse: &Mat3, top: usize) {
+    for p in 0..parameters {
+        let shift = inverse * solution.midpoint_rates[p][top];
+        for rates in [&mut solution.midpoint_rates, &mut solution.turn_rates] {
+            for vertebra in 0..=top {
+                let follow: Vec3 = (0..3).map(|i| rates[parameters + i][vertebra] * shift[i]).sum();
+                rates[p][vertebra] += follow;
+            }
+        }
+    }
+}

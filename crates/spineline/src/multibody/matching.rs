@@ -1,0 +1,318 @@
+use super::{Load, Parameter, Solution, Statics};
+use crate::spatial::{Angle, Frontal};
+
+/// The way a force points along its line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ForceSign {
+    /// Along the line's direction.
+    Positive,
+    /// Against it.
+    Negative,
+}
+
+impl ForceSign {
+    /// Both signs.
+    pub const BOTH: [Self; 2] = [Self::Positive, Self::Negative];
+
+    const fn factor(self) -> f64 {
+        match self {
+            Self::Positive => 1.0,
+            Self::Negative => -1.0,
+        }
+    }
+}
+
+/// How a search for a force ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MatchStatus {
+    /// The target is met.
+    Matched,
+    /// The target is not met up to the largest force or hinge angle; the nearest shape is given.
+    Unreachable,
+    /// A load that moves with T2 could not be closed.
+    NotConverged,
+}
+
+impl MatchStatus {
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Matched => "matched",
+            Self::Unreachable => "unreachable",
+            Self::NotConverged => "not_converged",
+        }
+    }
+}
+
+/// A force found by continuation from zero.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForceMatch {
+    /// How the search ended.
+    pub status: MatchStatus,
+    /// Signed force along the line.
+    pub force_n: f64,
+    /// What is left of the target: rad for an amplitude, mm for T2's distance.
+    pub residual: f64,
+    /// Equilibria computed.
+    pub evaluations: u32,
+    /// The shape.
+    pub solution: Solution,
+}
+
+impl ForceMatch {
+    /// Whether the shape may be shown as a result.
+    #[must_use]
+    pub fn is_usable(&self) -> bool {
+        self.status == MatchStatus::Matched
+    }
+}
+
+/// No hinge is followed beyond this angle: ligaments and facets would have stopped it long before.
+const LARGEST_HINGE_RAD: f64 = 1.2;
+/// A hinge turns by at most so much from one step to the next.
+const STEP_RAD: f64 = 0.07;
+/// 1500 N for springs of the library's mean lateral stiffness; scales with the springs.
+const LARGEST_FORCE_PER_STIFFNESS: f64 = 1500.0 / 143_000.0;
+/// Distances of T2 that differ by less are equally good: about what a location's reading and the model's joints leave.
+pub const T2_TOLERANCE_MM: f64 = 1.0;
+/// A path that needs more equilibria than this goes nowhere.
+const MOST_EVALUATIONS: u32 = 2000;
+
+/// Finds the first force of a sign at which the line L4→T2 has a given lean.
+///
+/// The lean is not monotone in the force, so the path is followed from zero in small steps, and a turn within a step is
+/// looked at too. The first crossing counts; [`amplitude_matches`] tells all.
+#[must_use]
+pub fn match_amplitude(
+    statics: &Statics<'_>,
+    load: &Load,
+    sign: ForceSign,
+    target: Angle,
+) -> ForceMatch {
+    let mut path = Path::new(statics, load, amplitude_goal(target));
+    path.follow(sign, 1);
+    path.first_or_nearest()
+}
+
+/// Finds every force of either sign, up to the largest force and hinge angle, at which the line L4→T2 has a given lean.
+///
+/// Where there is none, the nearest shape comes back as [`MatchStatus::Unreachable`]; the list is never empty.
+#[must_use]
+pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> Vec<ForceMatch> {
+    let mut path = Path::new(statics, load, amplitude_goal(target));
+    for sign in ForceSign::BOTH {
+        path.follow(sign, usize::MAX);
+    }
+    if path.found.is_empty() { vec![path.first_or_nearest()] } else { path.found }
+}
+
+/// Finds the force of either sign that brings T2 nearest to a place.
+///
+/// The distance may have several minima along the path, and an implausible shape far along it may touch the place by
+/// chance. The smallest force counts whose distance is within [`T2_TOLERANCE_MM`] of the least. Where the path ends before the
+/// distance has a minimum, its nearest shape comes back as [`MatchStatus::Unreachable`].
+#[must_use]
+pub fn match_t2(statics: &Statics<'_>, load: &Load, place: Frontal) -> ForceMatch {
+    let top = statics.model().midpoints_mm.len() - 1;
+    let mut path = Path::new(statics, load, |solution: &Solution| {
+        let gap = solution.deformed.location(top) - place;
+        let rate = solution.location_rate(0, top);
+        // Half the derivative of the squared distance; its own derivative without the curvature of the path.
+        let (value, slope) = (gap.dot(rate), rate.dot(rate));
+        let met = value.abs() < 1e-10 * slope.max(1e-12).sqrt();
+        Goal { value, rate: slope, residual: gap.norm_mm(), met }
+    });
+    for sign in ForceSign::BOTH {
+        path.follow(sign, usize::MAX);
+    }
+    let enough_mm = path.nearest.0 + T2_TOLERANCE_MM;
+    path.found.sort_by(|a, b| a.force_n.abs().total_cmp(&b.force_n.abs()));
+    match path.found.iter().position(|found| found.residual <= enough_mm) {
+        Some(index) => path.found.swap_remove(index),
+        None => {
+            path.found.clear();
+            path.first_or_nearest()
+        }
+    }
+}
+
+fn amplitude_goal(target: Angle) -> impl Fn(&Solution) -> Goal {
+    move |solution| {
+        let value = (solution.deformed.lean() - target).wrapped().rad();
+        Goal { value, rate: solution.lean_rate(0), residual: value, met: value.abs() < 1e-11 }
+    }
+}
+
+/// What is sought along the force: a value whose zeros count, its derivative, and the residual to report.
+#[derive(Debug, Clone, Copy)]
+struct Goal {
+    value: f64,
+    rate: f64,
+    residual: f64,
+    met: bool,
+}
+
+/// The path of equilibria as a force grows from zero, and the zeros of a goal along it.
+struct Path<'a, G> {
+    statics: &'a Statics<'a>,
+    load: &'a Load,
+    goal: G,
+    solution: Solution,
+    evaluations: u32,
+    found: Vec<ForceMatch>,
+    /// Least residual of all shapes seen, and its force.
+    nearest: (f64, f64),
+    converged: bool,
+}
+
+impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
+    fn new(statics: &'a Statics<'a>, load: &'a Load, goal: G) -> Self {
+        Self {
+            statics,
+            load,
+            goal,
+            solution: Solution::default(),
+            evaluations: 0,
+            found: Vec::new(),
+            nearest: (f64::INFINITY, 0.0),
+            converged: true,
+        }
+    }
+
+    fn at(&mut self, force_n: f64) -> Goal {
+        self.evaluations += 1;
+        self.statics.solve(self.load, &[force_n], &[Parameter::Load(0)], &mut self.solution);
+        let goal = (self.goal)(&self.solution);
+        if self.solution.converged && goal.residual.abs() < self.nearest.0 {
+            self.nearest = (goal.residual.abs(), force_n);
+        }
+        goal
+    }
+
+    fn record(&mut self, status: MatchStatus, force_n: f64, residual: f64) {
+        let (evaluations, solution) = (self.evaluations, self.solution.clone());
+        self.found.push(ForceMatch { status, force_n, residual, evaluations, solution });
+    }
+
+    /// Follows the path of one sign until so many zeros were found, or to its end.
+    fn follow(&mut self, sign: ForceSign, most: usize) {
+        let sign = sign.factor();
+        let cap_n = LARGEST_FORCE_PER_STIFFNESS * self.statics.mean_lateral_nmm_per_rad();
+        let enough = self.found.len().saturating_add(most);
+        self.solution = Solution::default();
+        let (mut force_n, mut now) = (0.0, self.at(0.0));
+        while self.evaluations < MOST_EVALUATIONS {
+            let largest = STEP_RAD / self.solution.fastest_turn(0).max(f64::MIN_POSITIVE);
+            if now.met {
+                self.record(MatchStatus::Matched, force_n, now.residual);
+                if self.found.len() >= enough {
+                    return;
+                }
+                // Past the zero, on the other side or back on the same one.
+                force_n += sign * 1e-3 * largest.min(cap_n);
+                now = self.at(force_n);
+                if now.met {
+                    return;
+                }
+            }
+            let newton = -now.value / now.rate * sign;
+            let step = if newton > 0.0 && newton < largest { newton } else { largest };
+            let next_n = (force_n + sign * step).clamp(-cap_n, cap_n);
+            let next = self.at(next_n);
+            if !self.solution.converged {
+                self.converged = false;
+                return;
+            }
+            let stops = next_n.abs() >= cap_n
+                || self.solution.deformed.largest_hinge_rad() > LARGEST_HINGE_RAD;
+            if !next.met {
+                self.zeros_within((force_n, now), (next_n, next), sign, enough);
+                if self.found.len() >= enough {
+                    return;
+                }
+            }
+            if stops {
+                return;
+            }
+            (force_n, now) = (next_n, next);
+        }
+        self.converged = false;
+    }
+
+    /// Records the zeros between two shapes: one where the sign changes, two where the path turns beyond the goal.
+    fn zeros_within(&mut self, from: (f64, Goal), to: (f64, Goal), sign: f64, enough: usize) {
+        if from.1.value * to.1.value < 0.0 {
+            self.polish((from.0, from.1.value), (to.0, to.1.value), to.0 - to.1.value / to.1.rate);
+        } else if from.1.value * from.1.rate * sign < 0.0 && to.1.value * to.1.rate * sign > 0.0 {
+            // Towards the goal at first and away from it at last.
+            let turn = self.turning_point(from, to);
+            if turn.1 * from.1.value < 0.0 {
+                self.polish((from.0, from.1.value), turn, f64::midpoint(from.0, turn.0));
+                if self.found.len() < enough {
+                    self.polish(turn, (to.0, to.1.value), f64::midpoint(to.0, turn.0));
+                }
+            }
+        } else {
+            return;
+        }
+        // Where the path goes on from.
+        self.at(to.0);
+    }
+
+    /// Newton between two forces with values of opposite sign, by bisection where Newton leaves the bracket.
+    fn polish(&mut self, mut low: (f64, f64), mut high: (f64, f64), guess: f64) {
+        let inside = |force_n: f64, low: f64, high: f64| (force_n - low) * (force_n - high) < 0.0;
+        let mut force_n =
+            if inside(guess, low.0, high.0) { guess } else { f64::midpoint(low.0, high.0) };
+        for _ in 0..80 {
+            let goal = self.at(force_n);
+            if !self.solution.converged {
+                return self.record(MatchStatus::NotConverged, force_n, goal.residual);
+            }
+            let width = (high.0 - low.0).abs();
+            if goal.met || width <= 4.0 * f64::EPSILON * force_n.abs() {
+                return self.record(MatchStatus::Matched, force_n, goal.residual);
+            }
+            if goal.value * low.1 > 0.0 {
+                low = (force_n, goal.value);
+            } else {
+                high = (force_n, goal.value);
+            }
+            let newton = force_n - goal.value / goal.rate;
+            force_n =
+                if inside(newton, low.0, high.0) { newton } else { f64::midpoint(low.0, high.0) };
+        }
+        let residual = (self.goal)(&self.solution).residual;
+        self.record(MatchStatus::NotConverged, force_n, residual);
+    }
+
+    /// Where the goal turns between two forces, and its value there: bisection on the sign of its rate.
+    fn turning_point(&mut self, from: (f64, Goal), to: (f64, Goal)) -> (f64, f64) {
+        let (mut from_n, mut to_n) = (from.0, to.0);
+        let mut turn = (to.0, to.1.value);
+        for _ in 0..30 {
+            let middle = f64::midpoint(from_n, to_n);
+            let goal = self.at(middle);
+            turn = (middle, goal.value);
+            if goal.rate * from.1.rate > 0.0 {
+                from_n = middle;
+            } else {
+                to_n = middle;
+            }
+        }
+        turn
+    }
+
+    /// The first zero that was found, or else the nearest shape with the reason.
+    fn first_or_nearest(mut self) -> ForceMatch {
+        if self.found.is_empty() {
+            let status =
+                if self.converged { MatchStatus::Unreachable } else { MatchStatus::NotConverged };
+            let force_n = self.nearest.1;
+            let residual = self.at(force_n).residual;
+            self.record(status, force_n, residual);
+        }
+        self.found.swap_remove(0)
+    }
+}

@@ -1,0 +1,27 @@
+//! Step 6: vertebrae, joints, springs and a load → the shape in static equilibrium.
+//!
+//! # Model
+//! L4 is fixed. Each of the 14 joints sits at the posterior edge of the inferior vertebra's superior endplate and is
+//! three hinges in series, x (lateral), y (flexion), z (axial), in the inferior vertebra's anatomical axes, with a
+//! linear torsion spring on each, unstressed in the erect posture. The force is carried by rigid T2.
+//!
+//! # Statics
+//! A line fixed in space is a constant spatial wrench, so the moment `m` about a joint depends only on the joint's own
+//! place, which depends only on the joints below. With hinges in series each angle is explicit:
+//! `θx = m·e_x / kx`, `θy = m·(Rx e_y) / ky`, `θz = m·(Rx Ry e_z) / kz`. Equilibrium is one march from L4 to T2, and so
+//! are its derivatives ([`Statics::march`]).
+//!
+//! # References
+//! [petit-2004], [panjabi-1976], [jalalian-loa] section 2.
+
+mod geometry;
+mod march;
+mod matching;
+mod stiffness;
+
+pub use geometry::{Joint, SpineModel};
+pub use march::{Deformed, Load, Parameter, Solution, Statics, Wrench};
+pub use matching::{
+    ForceMatch, ForceSign, MatchStatus, amplitude_matches, match_amplitude, match_t2,
+};
+pub use stiffness::{JointGroups, JointStiffness, StiffnessError, StiffnessLibrary, Support};

@@ -1,0 +1,179 @@
+use crate::anatomy::{Level, Region};
+use crate::clinical::Regions;
+
+/// The springs of one joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointStiffness {
+    /// Lower vertebra.
+    pub inferior: Level,
+    /// Upper vertebra.
+    pub superior: Level,
+    /// Lateral, flexion and axial rotational stiffness, in N·mm/rad.
+    pub nmm_per_rad: [f64; 3],
+    /// Where the values come from.
+    pub source: String,
+}
+
+/// The springs of all 14 joints before personalisation, caudal first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StiffnessLibrary {
+    rows: Vec<JointStiffness>,
+}
+
+/// A stiffness table that cannot be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StiffnessError {
+    /// A joint of the model is not in the table.
+    #[error("the stiffness of joint {inferior}/{superior} is missing")]
+    Missing {
+        /// Lower vertebra.
+        inferior: Level,
+        /// Upper vertebra.
+        superior: Level,
+    },
+    /// A joint is in the table twice.
+    #[error("the stiffness of joint {inferior}/{superior} is given twice")]
+    Twice {
+        /// Lower vertebra.
+        inferior: Level,
+        /// Upper vertebra.
+        superior: Level,
+    },
+    /// A spring that is no spring.
+    #[error(
+        "joint {inferior}/{superior}: {axis} stiffness is {value} N·mm/rad, and must be positive and finite"
+    )]
+    Value {
+        /// Lower vertebra.
+        inferior: Level,
+        /// Upper vertebra.
+        superior: Level,
+        /// Axis.
+        axis: &'static str,
+        /// What was given.
+        value: f64,
+    },
+}
+
+impl StiffnessLibrary {
+    /// A library from rows in any order.
+    ///
+    /// # Errors
+    /// [`StiffnessError`] where a joint of the model is missing, doubled or not positive.
+    pub fn from_rows(mut given: Vec<JointStiffness>) -> Result<Self, StiffnessError> {
+        for row in &given {
+            let (inferior, superior) = (row.inferior, row.superior);
+            for (axis, &value) in ["lateral", "flexion", "axial"].into_iter().zip(&row.nmm_per_rad)
+            {
+                if !(value > 0.0 && value.is_finite()) {
+                    return Err(StiffnessError::Value { inferior, superior, axis, value });
+                }
+            }
+        }
+        given.sort_by_key(|row| (row.inferior, row.superior));
+        if let Some(pair) = given
+            .windows(2)
+            .find(|p| (p[0].inferior, p[0].superior) == (p[1].inferior, p[1].superior))
+        {
+            return Err(StiffnessError::Twice {
+                inferior: pair[0].inferior,
+                superior: pair[0].superior,
+            });
+        }
+        let rows = Level::MODEL
+            .windows(2)
+            .map(|pair| {
+                let found = given.iter().find(|row| [row.inferior, row.superior] == pair);
+                found
+                    .cloned()
+                    .ok_or(StiffnessError::Missing { inferior: pair[0], superior: pair[1] })
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(Self { rows })
+    }
+
+    /// The rows, caudal first.
+    #[must_use]
+    pub fn rows(&self) -> &[JointStiffness] {
+        &self.rows
+    }
+}
+
+impl Default for StiffnessLibrary {
+    /// In-vitro values of motion segments without ribs.
+    ///
+    /// Thoracic: the 6 × 6 matrix of [desroches-2007] after [panjabi-1976]. Lumbar: [schmidt-1998], normal discs, as
+    /// compiled in [ammr]; flexion is the mean of flexion and extension. T12/L1: mean of its neighbours (assumption).
+    fn default() -> Self {
+        let row = |pair: &[Level]| {
+            let (n_m_per_rad, source): ([f64; 3], _) = match pair[0] {
+                Level::L4 | Level::L3 | Level::L2 => ([132.0, 126.0, 481.0], "schmidt-1998, ammr"),
+                Level::L1 => ([140.0, 139.0, 317.0], "mean of T11/T12 and L1/L2 (assumption)"),
+                _ => ([148.0, 152.0, 153.0], "panjabi-1976, desroches-2007"),
+            };
+            let nmm_per_rad = n_m_per_rad.map(|value| 1000.0 * value);
+            let source = source.to_owned();
+            JointStiffness { inferior: pair[0], superior: pair[1], nmm_per_rad, source }
+        };
+        Self { rows: Level::MODEL.windows(2).map(row).collect() }
+    }
+}
+
+/// What holds the patient.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Support {
+    /// Nothing but L4: every joint turns about all three axes (the paper's).
+    #[default]
+    Free,
+    /// A table: flexion and axial hinges are locked.
+    Frontal,
+}
+
+/// Which joints share one stiffness multiplier.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct JointGroups {
+    of_joint: Vec<usize>,
+    names: Vec<String>,
+}
+
+impl JointGroups {
+    /// One multiplier per region (Petit).
+    #[must_use]
+    pub fn regional(regions: &Regions) -> Self {
+        let of_joint =
+            (0..Level::MODEL.len() - 1).map(|joint| regions.of_joint(joint).index()).collect();
+        Self { of_joint, names: Region::ALL.map(|region| region.key().to_owned()).to_vec() }
+    }
+
+    /// One multiplier per joint.
+    #[must_use]
+    pub fn per_joint() -> Self {
+        let names = Level::MODEL.windows(2).map(|pair| format!("{}/{}", pair[0], pair[1]));
+        Self { of_joint: (0..Level::MODEL.len() - 1).collect(), names: names.collect() }
+    }
+
+    /// The group of every joint, caudal first.
+    #[must_use]
+    pub fn of_joint(&self) -> &[usize] {
+        &self.of_joint
+    }
+
+    /// Names of the groups.
+    #[must_use]
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Number of groups.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.names.len()
+    }
+
+    /// Whether there is no group.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.names.is_empty()
+    }
+}

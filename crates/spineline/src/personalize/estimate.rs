@@ -1,0 +1,194 @@
+//! The line of action that the data themselves prefer, and how far it lies from a proposed one.
+
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use super::MULTIPLIER_BOUNDS;
+use super::evidence::FilmEvidence;
+use crate::action::{Application, LineOfAction};
+use crate::multibody::{JointGroups, Load};
+use crate::spatial::{Angle, Frontal};
+
+/// The planar load that measured rotations prefer on one film.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EstimatedLoad {
+    /// `(fy, fz, mx)` about the origin of `G`, in N and N·mm, up to the level of stiffness.
+    pub components: Vector3<f64>,
+    /// Covariance of the components, from the scatter of the rotations about the fit.
+    pub covariance: Matrix3<f64>,
+    /// Joints minus fitted numbers.
+    pub freedom: usize,
+}
+
+/// A line with the force along it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EstimatedLine {
+    /// The line; its point is the one nearest to the middle of the joints, its direction is cranial.
+    pub line: LineOfAction,
+    /// Signed force along it.
+    pub force_n: f64,
+}
+
+/// How far the data's own line lies from a proposed one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LineComparison {
+    /// Angle between the lines.
+    pub angle: Angle,
+    /// Distance of the estimated line from the middle of the two inflections.
+    pub distance_mm: f64,
+    /// F statistic, on 2 and `freedom` degrees, of "the moment vanishes at both inflections".
+    pub f_statistic: f64,
+    /// Degrees of freedom of the denominator.
+    pub freedom: usize,
+    /// Probability of a larger statistic if it does.
+    pub p_value: f64,
+}
+
+/// Estimates one load per film and the multipliers that all films share, by alternating linear least squares.
+///
+/// Any planar load is `(fy, fz, mx)`, and the rotation of joint `j` is `(a_j · w) / α`: linear in the load `w` for given
+/// multipliers, and linear in `1/α` for given loads. The mean of `ln α` is held at zero.
+///
+/// `depth_mm` is the sagittal place of the forces.
+#[must_use]
+pub fn estimate_loads(
+    films: &[&FilmEvidence],
+    depth_mm: f64,
+    groups: &JointGroups,
+) -> (Vec<EstimatedLoad>, Vec<f64>) {
+    const ROUNDS: u32 = 200;
+    let mut log_multipliers = vec![0.0; groups.len()];
+    let responses: Vec<Vec<[f64; 3]>> =
+        films.iter().map(|film| film.responses(&Load::Frontal { depth_mm })).collect();
+    let mut loads = Vec::new();
+    for _ in 0..ROUNDS {
+        loads = films
+            .iter()
+            .zip(&responses)
+            .map(|(film, responses)| estimate_load(film, responses, groups, &log_multipliers))
+            .collect();
+        let mut sums = vec![(0.0, 0.0); groups.len()];
+        for ((film, responses), load) in films.iter().zip(&responses).zip(&loads) {
+            let weight = film.rotation_sd.rad().powi(-2);
+            for ((joint, response), &group) in
+                film.joints.iter().zip(responses).zip(groups.of_joint())
+            {
+                let nominal = Vector3::from(*response).dot(&load.components);
+                sums[group].0 += weight * nominal * joint.rotation.rad();
+                sums[group].1 += weight * nominal * nominal;
+            }
+        }
+        let mut next: Vec<f64> = sums
+            .iter()
+            .map(|(product, square)| {
+                let softness = (product / square)
+                    .clamp(1.0 / MULTIPLIER_BOUNDS[1], 1.0 / MULTIPLIER_BOUNDS[0]);
+                if softness.is_finite() { -softness.ln() } else { 0.0 }
+            })
+            .collect();
+        let mean = next.iter().sum::<f64>() / next.len() as f64;
+        let mut change = 0.0_f64;
+        for (new, old) in next.iter_mut().zip(&log_multipliers) {
+            *new -= mean;
+            change = change.max((*new - old).abs());
+        }
+        log_multipliers = next;
+        if change < 1e-9 {
+            break;
+        }
+    }
+    (loads, log_multipliers)
+}
+
+/// The load of one film for given multipliers: weighted linear least squares over its joints.
+#[must_use]
+pub fn estimate_load(
+    film: &FilmEvidence,
+    responses: &[[f64; 3]],
+    groups: &JointGroups,
+    log_multipliers: &[f64],
+) -> EstimatedLoad {
+    let mut normal = Matrix3::zeros();
+    let mut right = Vector3::zeros();
+    let rows: Vec<(Vector3<f64>, f64)> = film
+        .joints
+        .iter()
+        .zip(responses)
+        .zip(groups.of_joint())
+        .map(|((joint, response), &group)| {
+            (Vector3::from(*response) * (-log_multipliers[group]).exp(), joint.rotation.rad())
+        })
+        .collect();
+    for (row, rotation) in &rows {
+        normal += row * row.transpose();
+        right += row * *rotation;
+    }
+    // Newtons and newton millimetres differ by hundreds; scaled columns keep the solve well conditioned.
+    let scale = Vector3::from_fn(|i, _| 1.0 / f64::sqrt(normal[(i, i)]).max(f64::MIN_POSITIVE));
+    let scaled = Matrix3::from_fn(|i, j| normal[(i, j)] * scale[i] * scale[j]);
+    let inverse = scaled.pseudo_inverse(1e-12).unwrap_or_else(|_| Matrix3::zeros());
+    let inverse = Matrix3::from_fn(|i, j| inverse[(i, j)] * scale[i] * scale[j]);
+    let components = inverse * right;
+    let freedom = rows.len().saturating_sub(3).max(1);
+    let scatter: f64 =
+        rows.iter().map(|(row, rotation)| (rotation - row.dot(&components)).powi(2)).sum();
+    // The scatter includes what the model cannot explain; it is never taken below the noise of the tilts.
+    let variance = (scatter / freedom as f64).max(film.rotation_sd.rad().powi(2));
+    EstimatedLoad { components, covariance: inverse * variance, freedom }
+}
+
+impl EstimatedLoad {
+    /// The line of this load; `None` for a pure couple.
+    #[must_use]
+    pub fn line(&self, near: Frontal) -> Option<EstimatedLine> {
+        line_of(&self.components.into(), near)
+    }
+
+    /// Compares it with the line through two points: at both, a force along that line has no moment.
+    #[must_use]
+    pub fn compare(&self, points: [Frontal; 2]) -> Option<LineComparison> {
+        let proposed = LineOfAction::through(points[0], points[1]).ok()?;
+        let middle = (points[0] + points[1]) * 0.5;
+        let own = self.line(middle)?;
+        // Moment about a point: m - (point × f).
+        let rows = points.map(|p| Vector3::new(p.z_mm, -p.y_mm, 1.0));
+        let moments = Vector2::new(rows[0].dot(&self.components), rows[1].dot(&self.components));
+        let covariance =
+            Matrix2::from_fn(|i, j| (rows[i].transpose() * self.covariance * rows[j])[(0, 0)]);
+        let f_statistic = 0.5 * (moments.transpose() * covariance.try_inverse()? * moments)[(0, 0)];
+        let tail = FisherSnedecor::new(2.0, self.freedom as f64).ok()?;
+        Some(LineComparison {
+            angle: own.line.angle_to(&proposed),
+            distance_mm: own.line.lever_arm_mm(middle).abs(),
+            f_statistic,
+            freedom: self.freedom,
+            p_value: tail.sf(f_statistic),
+        })
+    }
+}
+
+/// The line of a planar load `(fy, fz, mx)`; its point is the foot of the perpendicular from `near`.
+#[must_use]
+pub fn line_of(components: &[f64; 3], near: Frontal) -> Option<EstimatedLine> {
+    let [fy, fz, mx] = *components;
+    let force = Frontal::new(fy, fz);
+    let size = force.norm_mm();
+    // A moment about the middle that would need an arm of ten metres is a couple.
+    let moment_near = mx - near.cross(force);
+    if !(size > 0.0) || moment_near.abs() > 1e4 * size {
+        return None;
+    }
+    let sign = if fz < 0.0 { -1.0 } else { 1.0 };
+    let direction = force * (sign / size);
+    let across = Frontal::new(direction.z_mm, -direction.y_mm);
+    let point = near + across * (moment_near / (sign * size));
+    let line = LineOfAction { point, direction, application: Application::Fixed };
+    Some(EstimatedLine { line, force_n: sign * size })
+}
+
+/// The components of a force along a line.
+#[must_use]
+pub fn components_of(line: &LineOfAction, force_n: f64) -> [f64; 3] {
+    let force = line.direction * force_n;
+    [force.y_mm, force.z_mm, line.point.cross(force)]
+}

@@ -1,0 +1,140 @@
+//! What one film says of every joint, before any model is fitted.
+
+use crate::anatomy::Level;
+use crate::measure::Outline;
+use crate::multibody::{JointGroups, Load, SpineModel, StiffnessLibrary};
+use crate::spatial::{Angle, Vec3};
+
+/// One joint on one film.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointEvidence {
+    /// Change of the angle between the two vertebrae from the erect film; positive turns the upper one to the right.
+    pub rotation: Angle,
+    /// Centre of the joint on the film.
+    pub centre_mm: Vec3,
+    /// Lateral hinge axis on the film.
+    pub hinge: Vec3,
+    /// Nominal lateral compliance, as it shows on the film.
+    pub compliance_rad_per_nmm: f64,
+}
+
+/// A film's joints.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FilmEvidence {
+    /// Joints, caudal first.
+    pub joints: Vec<JointEvidence>,
+    /// Standard deviation of a rotation: four tilts take part in it.
+    pub rotation_sd: Angle,
+}
+
+/// A joint that turns against the moment of the force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContradictedJoint {
+    /// Lower vertebra.
+    pub inferior: Level,
+    /// Upper vertebra.
+    pub superior: Level,
+    /// Measured rotation.
+    pub rotation: Angle,
+    /// Lever arm of the force about the joint, signed so that a positive one would turn it the measured way.
+    pub lever_arm_mm: f64,
+    /// Its part in the work `Σ |rotation × lever arm|` of all joints.
+    pub weight: f64,
+    /// Whether the rotation is beyond two standard deviations of its measurement.
+    pub beyond_noise: bool,
+}
+
+impl FilmEvidence {
+    /// Measures rotations, centres and hinge axes.
+    #[must_use]
+    pub fn measure(
+        model: &SpineModel,
+        library: &StiffnessLibrary,
+        erect: &Outline,
+        film: &Outline,
+    ) -> Self {
+        let (midpoints, axes) = model.posed_on_film(film, erect);
+        let moved = |i: usize| film.vertebrae[i].tilt - erect.vertebrae[i].tilt;
+        let joints = model
+            .joints
+            .iter()
+            .zip(library.rows())
+            .enumerate()
+            .map(|(j, (joint, row))| {
+                let hinge: Vec3 = axes[j].column(0).into();
+                JointEvidence {
+                    rotation: moved(j + 1) - moved(j),
+                    centre_mm: midpoints[j] + axes[j] * joint.centre_in_inferior_mm,
+                    hinge,
+                    // A hinge that is pitched out of the film shows only a part of its turn.
+                    compliance_rad_per_nmm: hinge.x / row.nmm_per_rad[0],
+                }
+            })
+            .collect();
+        let variance = 2.0 * (film.noise.tilt.rad().powi(2) + erect.noise.tilt.rad().powi(2));
+        Self { joints, rotation_sd: Angle::from_rad(variance.sqrt()) }
+    }
+
+    /// Nominal rotation of every joint per unit of each component of a load.
+    #[must_use]
+    pub fn responses(&self, load: &Load) -> Vec<[f64; 3]> {
+        let units = load.units_on_film();
+        self.joints
+            .iter()
+            .map(|joint| {
+                units.map(|unit| {
+                    let moment = unit.moment_nmm - joint.centre_mm.cross(&unit.force_n);
+                    joint.compliance_rad_per_nmm * moment.dot(&joint.hinge)
+                })
+            })
+            .collect()
+    }
+
+    /// Joints that turn against the moment of a load of given components: no positive stiffness explains them.
+    #[must_use]
+    pub fn contradicted(&self, load: &Load, components: [f64; 3]) -> Vec<ContradictedJoint> {
+        let force = components[0]
+            .hypot(components[1])
+            .max(components[2].abs() * 1e-9)
+            .max(f64::MIN_POSITIVE);
+        // Moment per unit of force that would turn each joint to the right.
+        let arms: Vec<f64> = self
+            .responses(load)
+            .iter()
+            .zip(&self.joints)
+            .map(|(r, joint)| {
+                let turn: f64 = r.iter().zip(components).map(|(r, c)| r * c).sum();
+                turn / joint.compliance_rad_per_nmm / force
+            })
+            .collect();
+        let work = |j: usize| (arms[j] * self.joints[j].rotation.rad()).abs();
+        let total: f64 = (0..arms.len()).map(work).sum();
+        (0..arms.len())
+            .filter(|&j| arms[j] * self.joints[j].rotation.rad() < 0.0)
+            .map(|j| {
+                let rotation = self.joints[j].rotation;
+                ContradictedJoint {
+                    inferior: Level::MODEL[j],
+                    superior: Level::MODEL[j + 1],
+                    rotation,
+                    lever_arm_mm: arms[j] * rotation.rad().signum(),
+                    weight: work(j) / total,
+                    beyond_noise: rotation.abs() > self.rotation_sd * 2.0,
+                }
+            })
+            .collect()
+    }
+
+    /// Per group: `Σ a Δθ` and `Σ a²` over its joints, for the response `a` to a unit of the load's first component.
+    #[must_use]
+    pub fn moments_by_group(&self, load: &Load, groups: &JointGroups) -> Vec<(f64, f64)> {
+        let mut sums = vec![(0.0, 0.0); groups.len()];
+        for ((response, joint), &group) in
+            self.responses(load).iter().zip(&self.joints).zip(groups.of_joint())
+        {
+            sums[group].0 += response[0] * joint.rotation.rad();
+            sums[group].1 += response[0] * response[0];
+        }
+        sums
+    }
+}

@@ -1,0 +1,166 @@
+use nalgebra::{DMatrix, DVector};
+
+/// How a minimisation ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FitStatus {
+    /// No step lowers the sum of squares any more.
+    Converged,
+    /// The limit of iterations was reached.
+    IterationLimit,
+    /// The start itself could not be evaluated.
+    NotEvaluable,
+}
+
+impl FitStatus {
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::IterationLimit => "iteration_limit",
+            Self::NotEvaluable => "not_evaluable",
+        }
+    }
+}
+
+/// Residuals and their derivatives, in memory that is used again and again.
+#[derive(Debug, Clone)]
+pub(super) struct System {
+    pub residuals: DVector<f64>,
+    pub jacobian: DMatrix<f64>,
+}
+
+impl System {
+    pub fn new(rows: usize, unknowns: usize) -> Self {
+        Self { residuals: DVector::zeros(rows), jacobian: DMatrix::zeros(rows, unknowns) }
+    }
+
+    pub fn cost(&self) -> f64 {
+        self.residuals.norm_squared()
+    }
+}
+
+/// The end of a minimisation.
+#[derive(Debug, Clone)]
+pub(super) struct Minimum {
+    pub status: FitStatus,
+    pub iterations: u32,
+    pub x: DVector<f64>,
+    pub system: System,
+}
+
+/// Minimises a sum of squares within bounds.
+///
+/// Levenberg-Marquardt with Marquardt's scaling. Unknowns at a bound that the gradient pushes outwards take no part in
+/// a step; the others are clamped to their bounds. `evaluate` fills the system and answers whether it could.
+///
+/// # References
+/// [more-1978], [nielsen-1999].
+pub(super) fn minimize(
+    mut x: DVector<f64>,
+    lower: &DVector<f64>,
+    upper: &DVector<f64>,
+    rows: usize,
+    mut evaluate: impl FnMut(&DVector<f64>, &mut System) -> bool,
+) -> Minimum {
+    const MOST_ITERATIONS: u32 = 100;
+    let n = x.len();
+    for i in 0..n {
+        x[i] = x[i].clamp(lower[i], upper[i]);
+    }
+    let (mut system, mut trial) = (System::new(rows, n), System::new(rows, n));
+    if !evaluate(&x, &mut system) {
+        return Minimum { status: FitStatus::NotEvaluable, iterations: 0, x, system };
+    }
+    let (mut damping, mut growth) = (1e-4, 2.0);
+    let mut iterations = 0;
+    let mut status = FitStatus::IterationLimit;
+    'outer: while iterations < MOST_ITERATIONS {
+        iterations += 1;
+        let mut normal = system.jacobian.tr_mul(&system.jacobian);
+        let mut gradient = system.jacobian.tr_mul(&system.residuals);
+        for i in 0..n {
+            let outwards =
+                (x[i] <= lower[i] && gradient[i] > 0.0) || (x[i] >= upper[i] && gradient[i] < 0.0);
+            if outwards || lower[i] == upper[i] {
+                normal.row_mut(i).fill(0.0);
+                normal.column_mut(i).fill(0.0);
+                normal[(i, i)] = 1.0;
+                gradient[i] = 0.0;
+            }
+        }
+        let cost = system.cost();
+        loop {
+            let mut damped = normal.clone();
+            for i in 0..n {
+                damped[(i, i)] += damping * normal[(i, i)] + f64::MIN_POSITIVE;
+            }
+            let Some(cholesky) = damped.cholesky() else {
+                damping = damping.max(1e-12) * 10.0;
+                if damping > 1e12 {
+                    break 'outer;
+                }
+                continue;
+            };
+            let mut next = &x - cholesky.solve(&gradient);
+            for i in 0..n {
+                next[i] = next[i].clamp(lower[i], upper[i]);
+            }
+            let step = &next - &x;
+            let small = (0..n).all(|i| step[i].abs() <= 1e-12 * (x[i].abs() + 1e-3));
+            // What the linear model promises to take away.
+            let promised = -2.0 * step.dot(&gradient) - (&system.jacobian * &step).norm_squared();
+            if evaluate(&next, &mut trial) && trial.cost() < cost {
+                // Nielsen's rule: trust grows with how much of the promise came true.
+                let ratio = (cost - trial.cost()) / promised.max(f64::MIN_POSITIVE);
+                damping = (damping * f64::max(0.1, 1.0 - (2.0 * ratio - 1.0).powi(3))).max(1e-15);
+                growth = 2.0;
+                let done = cost - trial.cost() <= 1e-9 * cost || small;
+                std::mem::swap(&mut system, &mut trial);
+                x = next;
+                if done || system.cost() < 1e-24 {
+                    status = FitStatus::Converged;
+                    break 'outer;
+                }
+                break;
+            }
+            if small || promised.abs() <= 1e-12 * cost {
+                status = FitStatus::Converged;
+                break 'outer;
+            }
+            damping *= growth;
+            growth *= 2.0;
+        }
+    }
+    Minimum { status, iterations, x, system }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rosenbrock's valley as residuals `10 (y - x²)` and `1 - x`.
+    fn rosenbrock(x: &DVector<f64>, system: &mut System) -> bool {
+        system.residuals[0] = 10.0 * (x[1] - x[0] * x[0]);
+        system.residuals[1] = 1.0 - x[0];
+        system.jacobian.copy_from_slice(&[-20.0 * x[0], -1.0, 10.0, 0.0]);
+        true
+    }
+
+    #[test]
+    fn rosenbrock_is_solved_from_the_usual_start() {
+        let wide = DVector::from_element(2, 1e3);
+        let end = minimize(DVector::from_vec(vec![-1.2, 1.0]), &-&wide, &wide, 2, rosenbrock);
+        assert_eq!(end.status, FitStatus::Converged);
+        assert!((end.x - DVector::from_vec(vec![1.0, 1.0])).norm() < 1e-9);
+    }
+
+    #[test]
+    fn a_bound_holds_and_the_rest_is_still_optimal() {
+        let lower = DVector::from_vec(vec![-2.0, -2.0]);
+        let upper = DVector::from_vec(vec![0.5, 2.0]);
+        let end = minimize(DVector::from_vec(vec![-1.2, 1.0]), &lower, &upper, 2, rosenbrock);
+        // With x = 0.5 the first residual can still be zero: y = 0.25.
+        assert!((end.x[0] - 0.5).abs() < 1e-12 && (end.x[1] - 0.25).abs() < 1e-9);
+    }
+}

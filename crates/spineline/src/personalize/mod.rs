@@ -1,0 +1,95 @@
+//! Step 7: bending films and a line of action → stiffness multipliers and forces.
+//!
+//! # Model
+//! Unknown are `ln α` per group of joints (lateral springs, shared by all bends) and one force per bend. The data are
+//! the Ferguson angles of three regions per bend with the bend's amplitude held ([petit-2004]), or the whole shape.
+//!
+//! # Only ratios are identified
+//! Scaling every spring and every force by one number changes no shape, so a [`Gauge`] fixes the level.
+//!
+//! # Steps
+//! 1. [`evidence`]: rotation and lever arm of every joint are both measured on the film, which gives a start in closed
+//!    form, the joints that no positive stiffness can explain, and the line that the data prefer ([`estimate`]).
+//! 2. Bounded Levenberg-Marquardt on analytic derivatives of the march, from that start and, where the fit does not
+//!    satisfy the data, from others in a fixed order.
+//!
+//! # References
+//! [petit-2004]; [jalalian-loa], section 3.2; [more-1978] for the minimisation.
+
+pub mod estimate;
+pub mod evidence;
+mod fit;
+mod levenberg_marquardt;
+mod start;
+
+pub use fit::{Personalization, StiffnessBound, personalize};
+pub use levenberg_marquardt::FitStatus;
+
+use crate::anatomy::Posture;
+use crate::clinical::Regions;
+use crate::measure::Outline;
+use crate::multibody::{Load, Support};
+
+/// What fixes the level of stiffness and force.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Gauge {
+    /// Mean `ln α` is zero: multipliers are ratios, forces have no absolute meaning.
+    #[default]
+    GeometricMean,
+    /// The force of one posture is known in newtons: springs about all axes and forces are scaled to it.
+    KnownForce {
+        /// The posture.
+        posture: Posture,
+        /// Its force along the line.
+        force_n: f64,
+    },
+    /// Forces stay what the nominal springs needed for the amplitudes.
+    FrozenForce,
+}
+
+impl Gauge {
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::GeometricMean => "geometric_mean",
+            Self::KnownForce { .. } => "known_force",
+            Self::FrozenForce => "frozen_force",
+        }
+    }
+}
+
+/// What is fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FitTarget {
+    /// Three Ferguson angles per bend, amplitude held (the paper).
+    #[default]
+    Ferguson,
+    /// Locations and tilts of all vertebrae, weighted by their noise.
+    Shape,
+}
+
+/// Bounds of a multiplier.
+pub const MULTIPLIER_BOUNDS: [f64; 2] = [0.1, 10.0];
+
+/// One bend to be fitted.
+#[derive(Debug, Clone, Copy)]
+pub struct FitFilm<'a> {
+    /// What was measured.
+    pub outline: &'a Outline,
+    /// Where the force acts. A frontal load ([`Load::Frontal`]) is fitted with its direction and place.
+    pub load: Load,
+}
+
+/// What a fit needs beside its films.
+#[derive(Debug, Clone, Copy)]
+pub struct FitSettings<'a> {
+    /// Regions of the Ferguson angles.
+    pub regions: &'a Regions,
+    /// What is fitted.
+    pub target: FitTarget,
+    /// What fixes the level.
+    pub gauge: Gauge,
+    /// What holds the patient.
+    pub support: Support,
+}

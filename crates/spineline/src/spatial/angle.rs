@@ -1,0 +1,125 @@
+use std::fmt;
+use std::ops::{Add, Mul, Neg, Sub};
+
+use crate::anatomy::Side;
+
+/// A plane angle, right-handed about +X, +Y or +Z, held in radians.
+///
+/// In the frontal plane a positive angle leans to the patient's **right**; people are shown a side, never a sign.
+/// Degrees exist only at the border: [`Angle::from_deg`], [`Angle::deg`].
+///
+/// ```
+/// use spineline::{anatomy::Side, spatial::Angle};
+/// let lean = Angle::from_deg(-12.5);
+/// assert_eq!(lean.side(), Some(Side::Left));
+/// assert_eq!(lean.leaning(), "12.5° left");
+/// ```
+/// A bare number is no angle:
+/// ```compile_fail
+/// let lean: spineline::spatial::Angle = 12.5;
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Default)]
+pub struct Angle(f64);
+
+impl Angle {
+    /// The zero angle.
+    pub const ZERO: Self = Self(0.0);
+
+    /// An angle of so many radians.
+    #[must_use]
+    pub const fn from_rad(rad: f64) -> Self {
+        Self(rad)
+    }
+
+    /// An angle of so many degrees.
+    #[must_use]
+    pub const fn from_deg(deg: f64) -> Self {
+        Self(deg * (std::f64::consts::PI / 180.0))
+    }
+
+    /// The angle whose sine and cosine are proportional to the arguments, in (-π, π].
+    #[must_use]
+    pub fn from_sin_cos(sin: f64, cos: f64) -> Self {
+        Self(sin.atan2(cos))
+    }
+
+    /// Radians.
+    #[must_use]
+    pub const fn rad(self) -> f64 {
+        self.0
+    }
+
+    /// Degrees, for people and files.
+    #[must_use]
+    pub const fn deg(self) -> f64 {
+        self.0 * (180.0 / std::f64::consts::PI)
+    }
+
+    /// Magnitude.
+    #[must_use]
+    pub const fn abs(self) -> Self {
+        Self(self.0.abs())
+    }
+
+    /// The same direction in (-π, π].
+    #[must_use]
+    pub fn wrapped(self) -> Self {
+        Self::from_sin_cos(self.0.sin(), self.0.cos())
+    }
+
+    /// The side to which a frontal angle leans; `None` for zero.
+    #[must_use]
+    pub fn side(self) -> Option<Side> {
+        if self.0 > 0.0 {
+            Some(Side::Right)
+        } else if self.0 < 0.0 {
+            Some(Side::Left)
+        } else {
+            None
+        }
+    }
+
+    /// A frontal angle in words, such as `12.5° left`.
+    #[must_use]
+    pub fn leaning(self) -> String {
+        match self.side() {
+            Some(side) => format!("{} {side}", self.abs()),
+            None => "0.0°".to_owned(),
+        }
+    }
+}
+
+impl fmt::Display for Angle {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let places = f.precision().unwrap_or(1);
+        write!(f, "{:.places$}°", self.deg())
+    }
+}
+
+impl Add for Angle {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self(self.0 + other.0)
+    }
+}
+
+impl Sub for Angle {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self(self.0 - other.0)
+    }
+}
+
+impl Neg for Angle {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl Mul<f64> for Angle {
+    type Output = Self;
+    fn mul(self, factor: f64) -> Self {
+        Self(self.0 * factor)
+    }
+}

@@ -1,0 +1,120 @@
+use std::ops::{Add, Mul, Sub};
+
+use super::Angle;
+
+/// A place on an image: column to the right, row down, both in pixels, the centre of the first pixel at (0, 0).
+///
+/// Pixels are not millimetres; only [`crate::measure::ImageGeometry::frontal`] turns one into the other:
+/// ```compile_fail
+/// use spineline::spatial::{Frontal, Pixel};
+/// let d = Frontal::new(0.0, 0.0) - Pixel::new(1.0, 2.0);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pixel {
+    /// Column, to the right.
+    pub column_px: f64,
+    /// Row, downwards.
+    pub row_px: f64,
+}
+
+impl Pixel {
+    /// A place by column and row.
+    #[must_use]
+    pub const fn new(column_px: f64, row_px: f64) -> Self {
+        Self { column_px, row_px }
+    }
+
+    /// Whether both coordinates are numbers.
+    #[must_use]
+    pub fn is_finite(self) -> bool {
+        self.column_px.is_finite() && self.row_px.is_finite()
+    }
+}
+
+/// A point or displacement in a frontal plane: `y` to the patient's left, `z` cranial, both in millimetres.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Frontal {
+    /// To the patient's left.
+    pub y_mm: f64,
+    /// Cranial.
+    pub z_mm: f64,
+}
+
+impl Frontal {
+    /// A point by its coordinates.
+    #[must_use]
+    pub const fn new(y_mm: f64, z_mm: f64) -> Self {
+        Self { y_mm, z_mm }
+    }
+
+    /// The unit vector that leans by `tilt` from the cranial direction; positive leans to the patient's right.
+    #[must_use]
+    pub fn leaning(tilt: Angle) -> Self {
+        let (s, c) = tilt.rad().sin_cos();
+        Self::new(-s, c)
+    }
+
+    /// The lean of this displacement from the cranial direction, in (-π, π]; the inverse of [`Frontal::leaning`].
+    #[must_use]
+    pub fn lean(self) -> Angle {
+        Angle::from_sin_cos(-self.y_mm, self.z_mm)
+    }
+
+    /// This displacement turned by a right-handed angle about +X.
+    #[must_use]
+    pub fn rotated(self, angle: Angle) -> Self {
+        let (s, c) = angle.rad().sin_cos();
+        Self::new(c * self.y_mm - s * self.z_mm, s * self.y_mm + c * self.z_mm)
+    }
+
+    /// Length.
+    #[must_use]
+    pub fn norm_mm(self) -> f64 {
+        self.y_mm.hypot(self.z_mm)
+    }
+
+    /// Distance to another point.
+    #[must_use]
+    pub fn distance_mm(self, other: Self) -> f64 {
+        (self - other).norm_mm()
+    }
+
+    /// Scalar product.
+    #[must_use]
+    pub fn dot(self, other: Self) -> f64 {
+        self.y_mm * other.y_mm + self.z_mm * other.z_mm
+    }
+
+    /// The +X component of the vector product: positive where `other` lies a right-handed turn from `self`.
+    #[must_use]
+    pub fn cross(self, other: Self) -> f64 {
+        self.y_mm * other.z_mm - self.z_mm * other.y_mm
+    }
+
+    /// Whether both coordinates are numbers.
+    #[must_use]
+    pub fn is_finite(self) -> bool {
+        self.y_mm.is_finite() && self.z_mm.is_finite()
+    }
+}
+
+impl Add for Frontal {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self::new(self.y_mm + other.y_mm, self.z_mm + other.z_mm)
+    }
+}
+
+impl Sub for Frontal {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self::new(self.y_mm - other.y_mm, self.z_mm - other.z_mm)
+    }
+}
+
+impl Mul<f64> for Frontal {
+    type Output = Self;
+    fn mul(self, factor: f64) -> Self {
+        Self::new(self.y_mm * factor, self.z_mm * factor)
+    }
+}
