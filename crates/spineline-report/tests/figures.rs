@@ -185,7 +185,7 @@ fn frontal_pictures_say_from_where_one_looks() {
     let analysis = analysis(true, &Posture::ALL);
     for (name, svg) in figures(&analysis) {
         if name.starts_with("simulated") || name == "overview" || name == "force-path" {
-            for words in ["Seen from behind", "LEFT", "RIGHT", " L<", " R<"] {
+            for words in ["Seen from behind", "LEFT", "RIGHT", " R<"] {
                 assert!(svg.contains(words), "{name}: {words}");
             }
         }
@@ -245,9 +245,15 @@ fn empty_samples_make_empty_axes() {
 }
 
 #[test]
-fn write_pictures() {
-    let Ok(folder) = std::env::var("SPINELINE_FIGURES") else { return };
-    for (name, svg) in figures(&analysis(true, &Posture::ALL)) {
-        std::fs::write(format!("{folder}/{name}.svg"), svg).expect("the folder is there");
+fn many_boxes_leave_their_names_to_the_legend() {
+    let few = location_errors(&errors(), "bending films, fitted", true);
+    assert!(few.contains("n = 504"));
+    let mut many = Vec::new();
+    for more in ["", ", later", ", again"] {
+        for sample in errors() {
+            many.push(LocationErrorSample { group: sample.group.clone() + more, ..sample });
+        }
     }
+    let svg = location_errors(&many, "all films", true);
+    assert!(!svg.contains("n = 504") && svg.contains(">504<") && svg.contains("in the legend"));
 }

@@ -3,11 +3,11 @@
 use kuva::render::render::Primitive;
 use spineline::evaluate::statistics::{BoxSummary, Summary, box_summary};
 
-use super::panel::{Axis, Name, Panel, Ticks};
-use super::style::{BLACK, Ink, Marker, Shape, TICK_PX, WHITE, outlined, wrapped};
+use super::panel::{Axis, Panel, Ticks};
+use super::style::{BLACK, Ink, Marker, Shape, TICK_PX, WHITE, outlined, text_width_px, wrapped};
 
 /// The rule of every box chart here, as [`box_summary`] has it.
-pub const RULE: &str = "Boxes: quartiles and median; whiskers: to the last value within 1.5 IQR of the box; \
+pub const RULE: &str = "Boxes: quartiles and median; whiskers: last values within 1.5 IQR of the box; \
      circles: values beyond; diamonds: means.";
 
 /// One box.
@@ -36,38 +36,43 @@ pub fn box_panel(columns: &[Column], y_label: &str, frame_px: [f64; 2]) -> Panel
     let x = Axis { label: String::new(), range: [0.0, total], step: 1.0, ticks: Ticks::None };
     let mut panel = Panel::new(x, Axis::from_zero(y_label, most), frame_px);
     let column_px = frame_px[0] / total;
-    let lines = |column: &Column| wrapped(&column.name, TICK_PX, column_px);
+    // Where names would meet, the legend alone tells the boxes apart, in the same order.
+    let wide = |words: &str| words.split(' ').any(|w| text_width_px(w, TICK_PX) > column_px);
+    let narrow = columns.iter().any(|column| wide(&column.name));
+    let lines = |column: &Column| match narrow {
+        true => Vec::new(),
+        false => wrapped(&column.name, TICK_PX, column_px),
+    };
     let rows = columns.iter().map(|column| lines(column).len()).max().unwrap_or(0);
+    if narrow {
+        panel.x.label =
+            "below each box: number of values; from left to right as in the legend".into();
+    }
     let mut at = 0.0;
-    let mut group_rows: Vec<(f64, Vec<String>)> = Vec::new();
     for group in groups {
         at += 0.5;
         let start = at;
         for column in columns.iter().filter(|column| column.group == group) {
-            let middle = at + 0.5;
-            let values: Vec<f64> =
-                column.values.iter().copied().filter(|v| v.is_finite()).collect();
-            for (row, line) in lines(column).into_iter().enumerate() {
-                panel.names.push(Name { x: middle, row, text: line, bold: false });
-            }
-            let count = format!("n = {}", values.len());
-            panel.names.push(Name { x: middle, row: rows, text: count, bold: false });
-            if let Some(summary) = box_summary(&values) {
-                let marks =
-                    draw_box(&panel, middle, &summary, Summary::of(&values).mean, column.fill);
-                panel.marks.extend(marks);
-            }
+            let n = add_column(&mut panel, at + 0.5, column);
+            let count = if narrow { n.to_string() } else { format!("n = {n}") };
+            panel.name_below(at + 0.5, 0, lines(column), false);
+            panel.name_below(at + 0.5, rows, vec![count], false);
             at += 1.0;
         }
-        let group_px = (at - start + 0.4) * column_px;
-        group_rows.push((0.5 * (start + at), wrapped(group, TICK_PX + 1, group_px)));
-    }
-    for (x, lines) in group_rows {
-        for (i, line) in lines.into_iter().enumerate() {
-            panel.names.push(Name { x, row: rows + 1 + i, text: line, bold: true });
-        }
+        let words = wrapped(group, TICK_PX + 1, (at - start + 0.4) * column_px);
+        panel.name_below(0.5 * (start + at), rows + 1, words, true);
     }
     panel
+}
+
+/// Draws one box and says how many values it stands for.
+fn add_column(panel: &mut Panel, x: f64, column: &Column) -> usize {
+    let values: Vec<f64> = column.values.iter().copied().filter(|v| v.is_finite()).collect();
+    if let Some(summary) = box_summary(&values) {
+        let marks = draw_box(panel, x, &summary, Summary::of(&values).mean, column.fill);
+        panel.marks.extend(marks);
+    }
+    values.len()
 }
 
 fn draw_box(panel: &Panel, x: f64, summary: &BoxSummary, mean: f64, fill: &str) -> Vec<Primitive> {

@@ -71,7 +71,7 @@ pub fn inflection_distances(samples: &[InflectionSample], synthetic: bool) -> St
         page.legend.push((Sample::Fill(fill), format!("{} (n = {n})", sample.name)));
     }
     let mut bars = distance_bars(samples, [0.56 * page.inner_px() - 84.0, 340.0]);
-    bars.heading(HeadingKind::Title, "a  distance between them");
+    bars.heading(HeadingKind::Title, "(a) distance between them");
     let columns: Vec<Column> = samples
         .iter()
         .zip(FILLS.iter().cycle())
@@ -84,7 +84,7 @@ pub fn inflection_distances(samples: &[InflectionSample], synthetic: bool) -> St
         .collect();
     let frame_px = [0.44 * page.inner_px() - 84.0, 340.0];
     let mut boxes = box_panel(&columns, "rotation of a segment (deg)", frame_px);
-    boxes.heading(HeadingKind::Title, "b  rotation of the inflection segments");
+    boxes.heading(HeadingKind::Title, "(b) rotation of inflection segments");
     page.rows.push(vec![bars, boxes]);
     page.into_svg()
 }
@@ -191,8 +191,8 @@ pub fn least_rotating_estimates(groups: &[EstimateGroup], synthetic: bool) -> St
     let width_px = page.inner_px() * if beside { 0.5 } else { 1.0 } - 84.0;
     let distance = "distance (segments)";
     let panels = [
-        panel(|s| &s.distances_segments, distance, "a  distance to the least-rotating", width_px),
-        panel(|s| &s.rotations_deg, "rotation (deg)", "b  rotation of the estimate", width_px),
+        panel(|s| &s.distances_segments, distance, "(a) distance to the least-rotating", width_px),
+        panel(|s| &s.rotations_deg, "rotation (deg)", "(b) rotation of the estimate", width_px),
     ];
     page.rows = if beside {
         vec![panels.into()]

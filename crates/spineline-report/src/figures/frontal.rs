@@ -1,16 +1,17 @@
 //! Frontal pictures of a spine, seen from behind and at one scale for both axes.
 
-use kuva::render::render::TextAnchor;
+use kuva::render::render::{Primitive, TextAnchor};
 use spineline::action::LineOfAction;
 use spineline::spatial::Frontal;
 
 use super::panel::{Axis, Panel, Ticks};
-use super::style::{BLACK, Ink, Marker, TICK_PX, bold};
+use super::style::{BLACK, Ink, Marker, TICK_PX, WHITE, bold};
 
 /// The side from which one looks, said on every frontal picture.
-pub const VIEW: &str = "Seen from behind: the patient's left is on the left of the picture.";
+pub const VIEW: &str = "Seen from behind: the patient's left (L) is on the left of the picture.";
 
-const PAD_MM: f64 = 22.0;
+/// Room around a spine: beside it, and below and above it for the names of its ends.
+const PAD_MM: [f64; 2] = [22.0, 32.0];
 
 /// A rectangle of the frontal plane, grown to hold points.
 #[derive(Debug, Clone, Copy)]
@@ -39,12 +40,9 @@ impl Extent {
     }
 
     /// The same with more room on all sides.
-    pub fn grown(mut self, by_mm: f64) -> Self {
-        for [low, high] in [&mut self.x_mm, &mut self.z_mm] {
-            *low -= by_mm;
-            *high += by_mm;
-        }
-        self
+    pub fn grown(self, by_mm: [f64; 2]) -> Self {
+        let grown = |[low, high]: [f64; 2], by: f64| [low - by, high + by];
+        Self { x_mm: grown(self.x_mm, by_mm[0]), z_mm: grown(self.z_mm, by_mm[1]) }
     }
 
     /// What both hold.
@@ -104,16 +102,33 @@ impl Panel {
         }
     }
 
-    /// Writes L4 below the lowest and T2 above the highest point of a spine.
+    /// Writes L4 below the first and T2 above the last point of a spine; call it before markers are drawn, which it
+    /// would else hide.
     pub fn end_levels(&mut self, points: &[Frontal]) {
         if let [first, .., last] = points {
             for (point, name, down_px) in [(first, "L4", 18.0), (last, "T2", -9.0)] {
                 let (x, z) = drawn(*point);
                 let (x, y) = self.px(x, z);
                 let at = (x, y + down_px);
+                // A pale ground keeps lines from striking the letters out.
+                self.marks.push(ground(at));
                 self.marks.push(bold(at, name, TICK_PX, TextAnchor::Middle, BLACK));
             }
         }
+    }
+}
+
+/// A translucent white rectangle behind two letters.
+fn ground(at: (f64, f64)) -> Primitive {
+    Primitive::Rect {
+        x: at.0 - 10.0,
+        y: at.1 - 10.5,
+        width: 20.0,
+        height: 12.0,
+        fill: WHITE.into(),
+        stroke: None,
+        stroke_width: None,
+        opacity: Some(0.75),
     }
 }
 

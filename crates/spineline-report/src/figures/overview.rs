@@ -10,7 +10,7 @@ use super::panel::{HeadingKind, Panel};
 use super::style::{BLACK, GREY, Ink, Marker, ORANGE, Shape, action_ink};
 
 /// Narrowest panel, so that its heading fits.
-const NARROW_MM: f64 = 120.0;
+const NARROW_PX: f64 = 114.0;
 const TALL_PX: f64 = 520.0;
 
 const CURVE: Ink = Ink::new(GREY, "", 2.2);
@@ -33,11 +33,7 @@ pub fn case_overview(analysis: &Analysis) -> String {
     for kind in kinds {
         page.legend.push((Sample::Stroke(action_ink(kind), None), kind.to_string()));
     }
-    let extents = extents(analysis);
-    let width_mm: f64 = extents.iter().map(Extent::width_mm).sum();
-    let height_mm = extents.first().map_or(1.0, Extent::height_mm);
-    let room_px = 84.0 + 18.0 * (extents.len() as f64 - 1.0);
-    let px_per_mm = (TALL_PX / height_mm).min((page.inner_px() - room_px) / width_mm);
+    let (extents, px_per_mm) = scaled(analysis, page.inner_px());
     let mut panels: Vec<Panel> = Vec::new();
     for (posture, extent) in analysis.postures.iter().zip(extents) {
         let mut panel = frontal_panel(extent, px_per_mm);
@@ -49,11 +45,25 @@ pub fn case_overview(analysis: &Analysis) -> String {
     page.into_svg()
 }
 
-/// Extents of the postures: as wide as each needs, and all equally high.
-fn extents(analysis: &Analysis) -> Vec<Extent> {
+/// Extents of the postures and the scale with which they stand side by side in a given width.
+fn scaled(analysis: &Analysis, width_px: f64) -> (Vec<Extent>, f64) {
+    let room_px = 84.0 + 18.0 * (analysis.postures.len() as f64 - 1.0);
+    let mut px_per_mm = 1.0;
+    // The least width is one on the screen, so it in turn depends on the scale; a few rounds settle it.
+    for _ in 0..6 {
+        let extents = extents(analysis, NARROW_PX / px_per_mm);
+        let width_mm: f64 = extents.iter().map(Extent::width_mm).sum();
+        let height_mm = extents.first().map_or(1.0, Extent::height_mm);
+        px_per_mm = (TALL_PX / height_mm).min((width_px - room_px) / width_mm);
+    }
+    (extents(analysis, NARROW_PX / px_per_mm), px_per_mm)
+}
+
+/// As wide as each posture needs, and all equally high.
+fn extents(analysis: &Analysis, least_mm: f64) -> Vec<Extent> {
     let of = |posture: &PostureAnalysis| {
         let points: Vec<Frontal> = posture.outline.locations().collect();
-        Extent::of(points).at_least_wide(NARROW_MM)
+        Extent::of(points).at_least_wide(least_mm)
     };
     let mut extents: Vec<Extent> = analysis.postures.iter().map(of).collect();
     let Some(all) = extents.iter().copied().reduce(Extent::union) else { return extents };
@@ -76,9 +86,9 @@ fn fill(panel: &mut Panel, analysis: &Analysis, posture: &PostureAnalysis) {
     let at = |i: i32| drawn(curve.point(curve.end_mm() * f64::from(i) / f64::from(samples)));
     panel.curves.push((CURVE, (0..=samples).map(at).collect()));
     let locations: Vec<Frontal> = posture.outline.locations().collect();
+    panel.end_levels(&locations);
     panel.points(VERTEBRA, locations.iter().copied().map(drawn));
     if let Some(points) = posture.inflection_points {
         panel.points(INFLECTION, points.map(drawn));
     }
-    panel.end_levels(&locations);
 }

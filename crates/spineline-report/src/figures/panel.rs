@@ -130,6 +130,12 @@ impl Panel {
         self.headings.push(Heading { text: text.into(), kind });
     }
 
+    /// Lines of a name below the axis, from a row downwards.
+    pub fn name_below(&mut self, x: f64, row: usize, lines: Vec<String>, bold: bool) {
+        let name = |(i, text)| Name { x, row: row + i, text, bold };
+        self.names.extend(lines.into_iter().enumerate().map(name));
+    }
+
     /// A place in data units as pixels from the frame's top left.
     pub fn px(&self, x: f64, y: f64) -> (f64, f64) {
         let part = |axis: &Axis, v: f64| (v - axis.range[0]) / (axis.range[1] - axis.range[0]);

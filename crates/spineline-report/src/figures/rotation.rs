@@ -7,7 +7,7 @@ use spineline::motion::{LEAST_WINDOWS, Motion};
 
 use super::page::{Page, Sample};
 use super::panel::{Axis, Panel, Ticks};
-use super::style::{BLACK, Ink, Marker, TICK_PX, nice_step, posture_style, text};
+use super::style::{BLACK, Ink, Marker, TICK_PX, nice_step, posture_style, text, text_width_px};
 
 const INFLECTION: Ink = Ink::new(BLACK, "4 4", 1.3);
 
@@ -45,7 +45,8 @@ pub fn rotations(analysis: &Analysis) -> Option<String> {
     for (posture, motion) in &motions {
         let (ink, _) = posture_style(*posture);
         let place = |(k, r): (usize, &spineline::spatial::Angle)| (k as f64, r.deg());
-        panel.curves.push((ink, motion.rotations.iter().enumerate().map(place).collect()));
+        // The first joint is L4's midpoint, where nothing turns by definition of the frame.
+        panel.curves.push((ink, motion.rotations.iter().enumerate().skip(1).map(place).collect()));
     }
     if let Some(segments) = analysis.inflection_segments {
         let sample = Sample::Stroke(INFLECTION, None);
@@ -81,15 +82,22 @@ fn empty_panel(motions: &[(Posture, &Motion)], width_px: f64) -> Panel {
     panel
 }
 
-/// Two verticals; the words stand to either side of them, so that they never meet.
+/// Two verticals, and above the frame what they are, pushed apart and inwards where the words would meet or leave.
 fn mark_inflections(panel: &mut Panel, analysis: &Analysis, segments: [usize; 2]) {
     let Some(pair) = analysis.inflections.pair else { return };
-    let anchors = [(TextAnchor::End, 4.0), (TextAnchor::Start, -4.0)];
-    for ((segment, inflection), (anchor, dx)) in segments.into_iter().zip(pair).zip(anchors) {
-        let (x, _) = panel.px(segment as f64, 0.0);
-        panel.marks.push(INFLECTION.stroke((x, 0.0), (x, panel.frame_px[1])));
-        let (low, high) = inflection.between;
-        let words = format!("inflection segment {segment} ({low}–{high})");
-        panel.marks.push(text((x + dx, -6.0), &words, TICK_PX, anchor));
+    let [width, height] = panel.frame_px;
+    let x = segments.map(|segment| panel.px(segment as f64, 0.0).0);
+    let words: [String; 2] = std::array::from_fn(|i| {
+        let (low, high) = pair[i].between;
+        format!("segment {}, {low}–{high}", segments[i])
+    });
+    let half = words.each_ref().map(|words| 0.5 * text_width_px(words, TICK_PX));
+    let push = 0.5 * (half[0] + half[1] + 8.0 - (x[1] - x[0])).max(0.0);
+    let most = width - 2.0 * half[1] - 8.0;
+    let left = (x[0] - push).max(half[0]).min(most - half[0]);
+    let right = (x[1] + push).max(left + half[0] + half[1] + 8.0).min(width - half[1]);
+    for ((x, middle), words) in x.into_iter().zip([left, right]).zip(words) {
+        panel.marks.push(INFLECTION.stroke((x, 0.0), (x, height)));
+        panel.marks.push(text((middle, -6.0), &words, TICK_PX, TextAnchor::Middle));
     }
 }

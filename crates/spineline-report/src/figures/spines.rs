@@ -33,13 +33,14 @@ pub fn measured_and_simulated(analysis: &Analysis, posture: Posture) -> Option<S
     }
     let title = format!("Measured and simulated spine, {posture}, case {}", analysis.case_id);
     let mut page = Page::new(title, analysis.synthetic);
-    page.notes.push(format!("{VIEW} Circles: midpoints of the vertebrae from L4 to T2."));
+    page.notes.push(format!("{VIEW} Circles: vertebra midpoints, L4 to T2."));
     page.legend.push((Sample::Stroke(MEASURED.0, Some(MEASURED.1)), "measured".to_owned()));
     let extent = extent_of(&measured, shown.iter().map(|(_, simulation)| *simulation));
     let room_px = 84.0 + 18.0 * (shown.len() as f64 - 1.0);
     let cell_px = (page.inner_px() - room_px) / shown.len() as f64;
     let px_per_mm = (TALL_PX / extent.height_mm()).min(cell_px / extent.width_mm());
     let extent = extent.at_least_wide(cell_px / px_per_mm);
+    let alarm = shown.iter().any(|(_, simulation)| !simulation.is_usable());
     let mut panels = Vec::new();
     for (model, simulation) in shown {
         let ink = action_ink(model.kind);
@@ -49,13 +50,13 @@ pub fn measured_and_simulated(analysis: &Analysis, posture: Posture) -> Option<S
             .push((Sample::Stroke(solid, Some(filled)), format!("simulated, {}", model.kind)));
         let mut panel = frontal_panel(extent, px_per_mm);
         panel.y_written = panels.is_empty();
-        head(&mut panel, model.kind, simulation);
+        head(&mut panel, model.kind, simulation, alarm);
         panel.action(&simulation.line, Ink::new(BLACK, "7 4", 1.0));
+        panel.end_levels(&measured);
         // The simulated spine above the measured one, smaller, so that both are seen where they agree.
         let marker = Marker { radius_px: 5.0, ..MEASURED.1 };
         panel.spine(&measured, MEASURED.0, marker);
         panel.spine(&simulation.locations, solid, Marker { radius_px: 2.8, ..filled });
-        panel.end_levels(&measured);
         panels.push(panel);
     }
     let sample = Sample::Stroke(Ink::new(BLACK, "7 4", 1.0), None);
@@ -64,7 +65,8 @@ pub fn measured_and_simulated(analysis: &Analysis, posture: Posture) -> Option<S
     Some(page.into_svg())
 }
 
-fn head(panel: &mut Panel, kind: LineKind, simulation: &Simulation) {
+/// Where one panel has an alarm, the others keep its line free, so that all headings stand equally high.
+fn head(panel: &mut Panel, kind: LineKind, simulation: &Simulation, alarm: bool) {
     let fitted = if simulation.fitted { "fitted" } else { "held out" };
     panel.heading(HeadingKind::Title, format!("{kind} ({fitted})"));
     let error = simulation.mean_location_error_mm();
@@ -72,6 +74,8 @@ fn head(panel: &mut Panel, kind: LineKind, simulation: &Simulation) {
     if !simulation.is_usable() {
         let words = format!("not a result ({})", simulation.status.key());
         panel.heading(HeadingKind::Alarm, words);
+    } else if alarm {
+        panel.heading(HeadingKind::Plain, "");
     }
 }
 
@@ -81,7 +85,7 @@ fn extent_of<'a>(
     simulations: impl Iterator<Item = &'a Simulation>,
 ) -> Extent {
     let mut extent = Extent::of(measured.iter().copied());
-    let around = extent.grown(60.0);
+    let around = extent.grown([60.0; 2]);
     for simulation in simulations {
         let simulated = Extent::of(simulation.locations.iter().copied());
         let seen = if simulation.is_usable() { simulated } else { simulated.common(around) };
@@ -120,8 +124,8 @@ pub fn force_path(
         page.legend.push((Sample::Stroke(ink, None), "line of action".to_owned()));
     }
     if !measured.is_empty() {
-        panel.spine(&measured, MEASURED.0, Marker { radius_px: 5.0, ..MEASURED.1 });
         panel.end_levels(&measured);
+        panel.spine(&measured, MEASURED.0, Marker { radius_px: 5.0, ..MEASURED.1 });
         page.legend.push((Sample::Stroke(MEASURED.0, Some(MEASURED.1)), "measured".to_owned()));
     }
     let colours = [GREEN, ORANGE, BLUE, VERMILLION, PURPLE];

@@ -199,16 +199,20 @@ fn fit_model(analysis: &Analysis, kind: LineKind, warnings: &mut Warnings) -> Op
         let fitted = bends.iter().position(|(p, _)| p.outline.posture == posture.outline.posture);
         let line = match kind {
             LineKind::Estimated => estimated_line(&model, posture, fitted, depth_mm),
-            _ => geometric_line(analysis, kind, posture, warnings),
+            _ => geometric_line(analysis, kind, posture, warnings).map(|line| (line, 0.0)),
         };
-        let Some(line) = line else {
+        let Some((line, estimated_n)) = line else {
             let text = format!("{kind}: this film has no such line, so it is not simulated");
             warnings.film(Step::Action, "no_line", posture.outline.posture, text);
             continue;
         };
-        let target = match posture.outline.posture.bend() {
-            Some(_) => Target::Amplitude,
-            None => Target::NearestT2,
+        // With the whole shape as data the force was fitted; with Ferguson angles the amplitude determines it.
+        let whole_shape = kind == LineKind::Estimated || target == FitTarget::Shape;
+        let target = match (posture.outline.posture.bend(), fitted) {
+            (_, Some(_)) if kind == LineKind::Estimated => Target::Fitted(estimated_n),
+            (_, Some(film)) if whole_shape => Target::Fitted(model.fit.loads[film][0]),
+            (Some(_), _) => Target::Amplitude,
+            (None, _) => Target::NearestT2,
         };
         let mut simulation = simulate(
             &statics,
@@ -227,13 +231,13 @@ fn fit_model(analysis: &Analysis, kind: LineKind, warnings: &mut Warnings) -> Op
     Some(model)
 }
 
-/// The fitted load's line on a fitted film; elsewhere the line that the film's rotations prefer at the fitted stiffness.
+/// The fitted load's line and force on a fitted film; elsewhere the line that the film's rotations prefer at the fitted stiffness.
 fn estimated_line(
     model: &LineModel,
     posture: &PostureAnalysis,
     fitted: Option<usize>,
     depth_mm: f64,
-) -> Option<LineOfAction> {
+) -> Option<(LineOfAction, f64)> {
     let components: [f64; 3] = match fitted {
         Some(film) => model.fit.loads[film].as_slice().try_into().ok()?,
         None => {
@@ -244,7 +248,7 @@ fn estimated_line(
             load.components.into()
         }
     };
-    line_of(&components, middle(posture)).map(|estimated| estimated.line)
+    line_of(&components, middle(posture)).map(|estimated| (estimated.line, estimated.force_n))
 }
 
 fn contradicted(

@@ -6,9 +6,11 @@ use crate::multibody::{ForceMatch, Load, MatchStatus, Statics, amplitude_matches
 use crate::personalize::evidence::ContradictedJoint;
 use crate::spatial::{Angle, Frontal};
 
-/// What the force is increased for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What determines the force.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Target {
+    /// The force was fitted together with the stiffness, in N.
+    Fitted(f64),
     /// The measured amplitude of a bend.
     Amplitude,
     /// The measured location of T2, as near as it gets.
@@ -41,7 +43,7 @@ pub struct Simulation {
     pub force_n: f64,
     /// What is left of the target: rad of amplitude or mm of T2.
     pub residual: f64,
-    /// Every other force up to the cap that meets the target, with what speaks against it.
+    /// Every other force up to the cap that meets the amplitude, with what speaks against it.
     pub alternatives: Vec<Alternative>,
     /// Simulated locations, L4 first.
     pub locations: Vec<Frontal>,
@@ -83,8 +85,9 @@ impl Simulation {
 
 /// Simulates one posture.
 ///
-/// Several forces, of either sign, may meet a bend's amplitude; the one whose shape has the lowest sum of squared
-/// Ferguson errors is chosen, and the others are told. Towards T2 the nearest shape counts.
+/// A fitted force is taken as it is, and what it leaves of the amplitude is told. Several forces, of either sign, may meet
+/// a bend's amplitude; the one whose shape has the lowest sum of squared Ferguson errors is chosen, and the others are
+/// told. Towards T2 the nearest shape counts.
 #[must_use]
 pub fn simulate(
     statics: &Statics<'_>,
@@ -99,6 +102,7 @@ pub fn simulate(
     let measured: Vec<Frontal> = film.locations().collect();
     let top = measured[measured.len() - 1];
     let found = match target {
+        Target::Fitted(force_n) => vec![ForceMatch::at(statics, &load, force_n, top.lean())],
         Target::Amplitude => amplitude_matches(statics, &load, top.lean()),
         Target::NearestT2 => vec![match_t2(statics, &load, top)],
     };

@@ -240,20 +240,15 @@ impl<'a> Statics<'a> {
         solution: &mut Solution,
     ) {
         match load {
-            Load::Line { line, .. } => {
-                let direction = Vec3::new(0.0, line.direction.y_mm, line.direction.z_mm);
-                match line.application {
-                    Application::Fixed => {
-                        let [unit, ..] = load.units_on_film();
-                        self.march(&scaled(&unit, magnitude[0]), &[unit], parameters, solution);
-                        solution.converged = true;
-                        solution.residual_mm = 0.0;
-                    }
-                    Application::AtT2 => {
-                        self.solve_at_t2(direction, magnitude[0], parameters, solution)
-                    }
+            Load::Line { line, .. } => match line.application {
+                Application::Fixed => {
+                    let [unit, ..] = load.units_on_film();
+                    self.march(&scaled(&unit, magnitude[0]), &[unit], parameters, solution);
+                    solution.converged = true;
+                    solution.residual_mm = 0.0;
                 }
-            }
+                Application::AtT2 => self.solve_at_t2(line, magnitude[0], parameters, solution),
+            },
             Load::Frontal { .. } => {
                 let units = load.units_on_film();
                 let total = Wrench {
@@ -267,23 +262,20 @@ impl<'a> Statics<'a> {
         }
     }
 
-    /// A force at T2's midpoint: Newton on the place where T2 ends up.
+    /// A force at T2's midpoint: Newton on the place where T2 ends up, at first where the film shows it.
     fn solve_at_t2(
         &self,
-        direction: Vec3,
+        line: &LineOfAction,
         force_n: f64,
         parameters: &[Parameter],
         solution: &mut Solution,
     ) {
         const MOVES: [Parameter; 3] = [Parameter::Load(1), Parameter::Load(2), Parameter::Load(3)];
         let top = self.model.midpoints_mm.len() - 1;
+        let direction = Vec3::new(0.0, line.direction.y_mm, line.direction.z_mm);
         let force = direction * force_n;
-        let mut place = solution
-            .deformed
-            .midpoints_mm
-            .get(top)
-            .copied()
-            .unwrap_or(self.model.midpoints_mm[top]);
+        let on_film = Vec3::new(self.model.midpoints_mm[top].x, line.point.y_mm, line.point.z_mm);
+        let mut place = solution.deformed.midpoints_mm.get(top).copied().unwrap_or(on_film);
         // First direction: more force. The others: the place of the force moves along x, y, z.
         let all: Vec<Parameter> = parameters.iter().copied().chain(MOVES).collect();
         let n = parameters.len();

@@ -1,3 +1,5 @@
+use std::cell::Cell;
+
 use super::{Load, Parameter, Solution, Statics};
 use crate::spatial::{Angle, Frontal};
 
@@ -61,6 +63,17 @@ pub struct ForceMatch {
 }
 
 impl ForceMatch {
+    /// The shape under a force that is known already; the residual is what it leaves of a lean of L4→T2.
+    #[must_use]
+    pub fn at(statics: &Statics<'_>, load: &Load, force_n: f64, lean: Angle) -> Self {
+        let mut solution = Solution::default();
+        statics.solve(load, &[force_n], &[], &mut solution);
+        let status =
+            if solution.converged { MatchStatus::Matched } else { MatchStatus::NotConverged };
+        let residual = (solution.deformed.lean() - lean).wrapped().rad();
+        Self { status, force_n, residual, evaluations: 1, solution }
+    }
+
     /// Whether the shape may be shown as a result.
     #[must_use]
     pub fn is_usable(&self) -> bool {
@@ -69,9 +82,11 @@ impl ForceMatch {
 }
 
 /// No hinge is followed beyond this angle: ligaments and facets would have stopped it long before.
-const LARGEST_HINGE_RAD: f64 = 1.2;
+const LARGEST_HINGE_RAD: f64 = 0.8;
 /// A hinge turns by at most so much from one step to the next.
-const STEP_RAD: f64 = 0.07;
+const STEP_RAD: f64 = 0.15;
+/// T2 moves by at most so much from one look at its distance to the next.
+const T2_STEP_MM: f64 = 4.0;
 /// 1500 N for springs of the library's mean lateral stiffness; scales with the springs.
 const LARGEST_FORCE_PER_STIFFNESS: f64 = 1500.0 / 143_000.0;
 /// Distances of T2 that differ by less are equally good: about what a location's reading and the model's joints leave.
@@ -115,13 +130,18 @@ pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> V
 #[must_use]
 pub fn match_t2(statics: &Statics<'_>, load: &Load, place: Frontal) -> ForceMatch {
     let top = statics.model().midpoints_mm.len() - 1;
+    let least_mm = Cell::new(f64::INFINITY);
     let mut path = Path::new(statics, load, |solution: &Solution| {
         let gap = solution.deformed.location(top) - place;
         let rate = solution.location_rate(0, top);
         // Half the derivative of the squared distance; its own derivative without the curvature of the path.
         let (value, slope) = (gap.dot(rate), rate.dot(rate));
         let met = value.abs() < 1e-10 * slope.max(1e-12).sqrt();
-        Goal { value, rate: slope, residual: gap.norm_mm(), met }
+        // T2 must first come back this far before its distance can count.
+        least_mm.set(least_mm.get().min(gap.norm_mm()));
+        let travel_mm = T2_STEP_MM.max(0.5 * (gap.norm_mm() - least_mm.get() - T2_TOLERANCE_MM));
+        let step_n = turn_step(solution).min(travel_mm / rate.norm_mm().max(f64::MIN_POSITIVE));
+        Goal { value, rate: slope, residual: gap.norm_mm(), met, step_n }
     });
     for sign in ForceSign::BOTH {
         path.follow(sign, usize::MAX);
@@ -140,7 +160,8 @@ pub fn match_t2(statics: &Statics<'_>, load: &Load, place: Frontal) -> ForceMatc
 fn amplitude_goal(target: Angle) -> impl Fn(&Solution) -> Goal {
     move |solution| {
         let value = (solution.deformed.lean() - target).wrapped().rad();
-        Goal { value, rate: solution.lean_rate(0), residual: value, met: value.abs() < 1e-11 }
+        let (rate, met) = (solution.lean_rate(0), value.abs() < 1e-9);
+        Goal { value, rate, residual: value, met, step_n: turn_step(solution) }
     }
 }
 
@@ -151,6 +172,13 @@ struct Goal {
     rate: f64,
     residual: f64,
     met: bool,
+    /// How far the force may grow before the next look.
+    step_n: f64,
+}
+
+/// The force that turns the fastest hinge by a step.
+fn turn_step(solution: &Solution) -> f64 {
+    STEP_RAD / solution.fastest_turn(0).max(f64::MIN_POSITIVE)
 }
 
 /// The path of equilibria as a force grows from zero, and the zeros of a goal along it.
@@ -203,21 +231,20 @@ impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
         self.solution = Solution::default();
         let (mut force_n, mut now) = (0.0, self.at(0.0));
         while self.evaluations < MOST_EVALUATIONS {
-            let largest = STEP_RAD / self.solution.fastest_turn(0).max(f64::MIN_POSITIVE);
             if now.met {
                 self.record(MatchStatus::Matched, force_n, now.residual);
                 if self.found.len() >= enough {
                     return;
                 }
                 // Past the zero, on the other side or back on the same one.
-                force_n += sign * 1e-3 * largest.min(cap_n);
+                force_n += sign * 1e-3 * now.step_n.min(cap_n);
                 now = self.at(force_n);
                 if now.met {
                     return;
                 }
             }
             let newton = -now.value / now.rate * sign;
-            let step = if newton > 0.0 && newton < largest { newton } else { largest };
+            let step = if newton > 0.0 && newton < now.step_n { newton } else { now.step_n };
             let next_n = (force_n + sign * step).clamp(-cap_n, cap_n);
             let next = self.at(next_n);
             if !self.solution.converged {
@@ -265,7 +292,8 @@ impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
         let inside = |force_n: f64, low: f64, high: f64| (force_n - low) * (force_n - high) < 0.0;
         let mut force_n =
             if inside(guess, low.0, high.0) { guess } else { f64::midpoint(low.0, high.0) };
-        for _ in 0..80 {
+        let mut halve = false;
+        for _ in 0..120 {
             let goal = self.at(force_n);
             if !self.solution.converged {
                 return self.record(MatchStatus::NotConverged, force_n, goal.residual);
@@ -279,9 +307,11 @@ impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
             } else {
                 high = (force_n, goal.value);
             }
+            // Newton, unless it leaves the bracket or the last step did not halve it.
             let newton = force_n - goal.value / goal.rate;
-            force_n =
-                if inside(newton, low.0, high.0) { newton } else { f64::midpoint(low.0, high.0) };
+            let newton_fits = !halve && inside(newton, low.0, high.0);
+            halve = !halve && (high.0 - low.0).abs() > 0.5 * width;
+            force_n = if newton_fits { newton } else { f64::midpoint(low.0, high.0) };
         }
         let residual = (self.goal)(&self.solution).residual;
         self.record(MatchStatus::NotConverged, force_n, residual);

@@ -20,6 +20,7 @@ pub mod estimate;
 pub mod evidence;
 mod fit;
 mod levenberg_marquardt;
+mod problem;
 mod start;
 
 pub use fit::{Personalization, StiffnessBound, personalize};
@@ -62,11 +63,11 @@ impl Gauge {
 /// What is fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FitTarget {
-    /// Three Ferguson angles per bend, amplitude held (the paper).
+    /// Locations and tilts of all vertebrae, weighted by their noise; the force is fitted with the stiffness.
     #[default]
-    Ferguson,
-    /// Locations and tilts of all vertebrae, weighted by their noise.
     Shape,
+    /// Three Ferguson angles per bend, amplitude held (the paper).
+    Ferguson,
 }
 
 /// Bounds of a multiplier.

@@ -1,0 +1,421 @@
+//! Residuals of a fit and their derivatives, and the starts from which it is refined.
+
+use nalgebra::DVector;
+
+use super::estimate::{estimate_load, estimate_loads};
+use super::evidence::FilmEvidence;
+use super::levenberg_marquardt::{Minimum, System};
+use super::start::{Start, closed_form, majority_signs};
+use super::{FitFilm, FitSettings, FitTarget, Gauge, MULTIPLIER_BOUNDS};
+use crate::clinical::{RegionBounds, ferguson_angle};
+use crate::multibody::{
+    ForceSign, JointGroups, Load, Parameter, Solution, SpineModel, Statics, StiffnessLibrary,
+    match_amplitude,
+};
+use crate::spatial::{Angle, Frontal};
+
+/// A Ferguson angle counts in degrees; the gauge, which is linear, is held a thousand times tighter.
+const FERGUSON_UNIT: Angle = Angle::from_deg(1.0);
+const HELD: f64 = 1e3;
+
+/// One film's data.
+struct FilmData {
+    load: Load,
+    /// Place of its load's components among the unknowns; `None` where the amplitude determines the force.
+    first: Option<usize>,
+    /// The load's components at the last evaluation.
+    magnitude: Vec<f64>,
+    locations: Vec<Frontal>,
+    tilts: Vec<Angle>,
+    ferguson: [Angle; 3],
+    lean: Angle,
+    location_sd_mm: f64,
+    tilt_sd_rad: f64,
+    parameters: Vec<Parameter>,
+    solution: Solution,
+}
+
+impl FilmData {
+    /// Equilibrium with derivatives at the film's amplitude: Newton on the force from its last value.
+    fn solve_at_amplitude(&mut self, statics: &Statics<'_>) -> bool {
+        const LONGEST_STEP_RAD: f64 = 0.15;
+        for _ in 0..15 {
+            statics.solve(&self.load, &self.magnitude, &[Parameter::Load(0)], &mut self.solution);
+            let miss = (self.solution.deformed.lean() - self.lean).wrapped().rad();
+            let step = miss / self.solution.lean_rate(0);
+            if !(self.solution.converged && step.is_finite()) {
+                return false;
+            }
+            let longest = LONGEST_STEP_RAD / self.solution.fastest_turn(0);
+            self.magnitude[0] -= step.clamp(-longest, longest);
+            // What Newton leaves after such a step is its square.
+            if miss.abs() < 1e-7 {
+                statics.solve(&self.load, &self.magnitude, &self.parameters, &mut self.solution);
+                return self.solution.converged;
+            }
+        }
+        false
+    }
+}
+
+/// Residuals and derivatives of all films for given unknowns: `ln α` of every group, then load components.
+///
+/// With Ferguson angles as data the amplitude determines every force, so that only `ln α` is unknown.
+pub(super) struct Problem<'a> {
+    model: &'a SpineModel,
+    library: &'a StiffnessLibrary,
+    groups: &'a JointGroups,
+    settings: FitSettings<'a>,
+    films: Vec<FilmData>,
+}
+
+impl<'a> Problem<'a> {
+    pub fn new(
+        model: &'a SpineModel,
+        library: &'a StiffnessLibrary,
+        groups: &'a JointGroups,
+        films: &[FitFilm<'_>],
+        settings: &FitSettings<'a>,
+    ) -> Self {
+        // A free load is a question about the whole shape: three angles and an amplitude could not answer it.
+        let mut settings = *settings;
+        if films.iter().any(|film| film.load.components() > 1) {
+            settings.target = FitTarget::Shape;
+        }
+        let held = settings.target == FitTarget::Ferguson && settings.gauge != Gauge::FrozenForce;
+        let mut next = groups.len();
+        let films = films
+            .iter()
+            .map(|film| {
+                let locations: Vec<Frontal> = film.outline.locations().collect();
+                let components = film.load.components();
+                let first = (!held).then_some(next);
+                next += if held { 0 } else { components };
+                let logs = (0..groups.len()).map(Parameter::LogStiffness);
+                FilmData {
+                    load: film.load,
+                    first,
+                    magnitude: vec![0.0; components],
+                    ferguson: settings
+                        .regions
+                        .bounds
+                        .each_ref()
+                        .map(|b| ferguson_angle(&locations, b)),
+                    lean: locations[locations.len() - 1].lean(),
+                    locations,
+                    tilts: film.outline.vertebrae.iter().map(|v| v.tilt).collect(),
+                    location_sd_mm: film.outline.noise.location_mm,
+                    tilt_sd_rad: film.outline.noise.tilt.rad(),
+                    parameters: logs.chain((0..components).map(Parameter::Load)).collect(),
+                    solution: Solution::default(),
+                }
+            })
+            .collect();
+        Self { model, library, groups, settings, films }
+    }
+
+    fn unknowns(&self) -> usize {
+        let loads = self.films.iter().filter(|film| film.first.is_some());
+        self.groups.len() + loads.map(|film| film.load.components()).sum::<usize>()
+    }
+
+    fn rows_per_film(&self) -> usize {
+        match (self.settings.target, self.settings.gauge) {
+            (FitTarget::Ferguson, Gauge::FrozenForce) => 4,
+            (FitTarget::Ferguson, _) => 3,
+            (FitTarget::Shape, _) => 3 * (self.model.midpoints_mm.len() - 1),
+        }
+    }
+
+    /// Rows of all films, and one for the gauge.
+    pub fn rows(&self) -> usize {
+        self.films.len() * self.rows_per_film() + 1
+    }
+
+    fn statics(&self, log_multipliers: &[f64]) -> Statics<'a> {
+        Statics::new(self.model, self.library, self.groups, log_multipliers, self.settings.support)
+    }
+
+    /// Starts with their costs: from the estimated loads, or in closed form for the majority's signs of force and then
+    /// for every other combination.
+    pub fn starts(&mut self, evidence: &[(FilmEvidence, Load)]) -> Vec<(Start, f64)> {
+        if evidence.is_empty() {
+            return Vec::new();
+        }
+        let mut starts: Vec<Start> = match self.free_depth_mm() {
+            Some(depth_mm) => self.free_starts(evidence, depth_mm),
+            None => self.signed_starts(evidence),
+        };
+        let mut system = System::new(self.rows(), self.unknowns());
+        starts
+            .drain(..)
+            .map(|start| {
+                let cost = self.cost(&start, &mut system);
+                if cost.is_finite() || start.loads.iter().any(|load| load.len() > 1) {
+                    return (start, cost);
+                }
+                // Where Newton does not get from the force in closed form to the amplitude, the path from zero does.
+                let start = self.at_amplitude(start);
+                let cost = self.cost(&start, &mut system);
+                (start, cost)
+            })
+            .collect()
+    }
+
+    /// The starts of a line load with the first forces that reach the amplitudes.
+    pub fn starts_at_amplitude(&mut self, evidence: &[(FilmEvidence, Load)]) -> Vec<(Start, f64)> {
+        if evidence.is_empty() || self.free_depth_mm().is_some() {
+            return Vec::new();
+        }
+        let mut system = System::new(self.rows(), self.unknowns());
+        let starts = self.signed_starts(evidence).into_iter().map(|start| self.at_amplitude(start));
+        let starts: Vec<Start> = starts.collect();
+        starts
+            .into_iter()
+            .map(|start| {
+                let cost = self.cost(&start, &mut system);
+                (start, cost)
+            })
+            .filter(|(_, cost)| cost.is_finite())
+            .collect()
+    }
+
+    fn at_amplitude(&self, start: Start) -> Start {
+        let signs: Vec<f64> = start.loads.iter().map(|load| load[0]).collect();
+        Start { loads: self.forces_at_amplitude(&start.log_multipliers, &signs), ..start }
+    }
+
+    fn cost(&mut self, start: &Start, system: &mut System) -> f64 {
+        let x = self.begin(start);
+        if self.evaluate(&x, system) { system.cost() } else { f64::INFINITY }
+    }
+
+    fn free_depth_mm(&self) -> Option<f64> {
+        self.films.iter().find_map(|film| match film.load {
+            Load::Frontal { depth_mm } => Some(depth_mm),
+            Load::Line { .. } => None,
+        })
+    }
+
+    fn free_starts(&self, evidence: &[(FilmEvidence, Load)], depth_mm: f64) -> Vec<Start> {
+        let films: Vec<&FilmEvidence> = evidence.iter().map(|(film, _)| film).collect();
+        let (loads, log_multipliers) = estimate_loads(&films, depth_mm, self.groups);
+        let nominal = vec![0.0; self.groups.len()];
+        let nominal_loads = films.iter().map(|film| {
+            let responses = film.responses(&Load::Frontal { depth_mm });
+            estimate_load(film, &responses, self.groups, &nominal).components.as_slice().to_vec()
+        });
+        let loads = loads.iter().map(|load| load.components.as_slice().to_vec()).collect();
+        vec![
+            Start { log_multipliers, loads },
+            Start { loads: nominal_loads.collect(), log_multipliers: nominal.clone() },
+        ]
+    }
+
+    fn signed_starts(&self, evidence: &[(FilmEvidence, Load)]) -> Vec<Start> {
+        let majority = majority_signs(evidence, self.groups);
+        let mut starts = Vec::new();
+        for flips in 0..1_u32 << evidence.len() {
+            let signs: Vec<f64> = majority
+                .iter()
+                .enumerate()
+                .map(|(film, sign)| if flips >> film & 1 == 1 { -sign } else { *sign })
+                .collect();
+            let mut start = closed_form(evidence, self.groups, &signs);
+            if self.settings.gauge == Gauge::FrozenForce {
+                start.loads = self.forces_at_amplitude(&vec![0.0; self.groups.len()], &signs);
+                starts.push(start);
+                continue;
+            }
+            starts.push(start);
+        }
+        starts
+    }
+
+    /// The first force of a sign with which given springs reach each amplitude.
+    fn forces_at_amplitude(&self, log_multipliers: &[f64], signs: &[f64]) -> Vec<Vec<f64>> {
+        let statics = self.statics(log_multipliers);
+        self.films
+            .iter()
+            .zip(signs)
+            .map(|(film, &sign)| {
+                let sign = if sign < 0.0 { ForceSign::Negative } else { ForceSign::Positive };
+                vec![match_amplitude(&statics, &film.load, sign, film.lean).force_n]
+            })
+            .collect()
+    }
+
+    /// Puts a start's loads in place, and gives its unknowns.
+    pub fn begin(&mut self, start: &Start) -> DVector<f64> {
+        let mut x = DVector::zeros(self.unknowns());
+        x.as_mut_slice()[..self.groups.len()].copy_from_slice(&start.log_multipliers);
+        for (film, load) in self.films.iter_mut().zip(&start.loads) {
+            film.magnitude.copy_from_slice(load);
+            if let Some(first) = film.first {
+                x.as_mut_slice()[first..first + load.len()].copy_from_slice(load);
+            }
+        }
+        x
+    }
+
+    /// Bounds of the unknowns; a frozen force keeps its value.
+    pub fn bounds(&self, start: &DVector<f64>) -> [DVector<f64>; 2] {
+        let g = self.groups.len();
+        let frozen = self.settings.gauge == Gauge::FrozenForce;
+        let bound = |limit: f64, free: f64| {
+            DVector::from_fn(start.len(), |i, _| match i {
+                i if i < g => limit.ln(),
+                i if frozen => start[i],
+                _ => free,
+            })
+        };
+        [bound(MULTIPLIER_BOUNDS[0], f64::NEG_INFINITY), bound(MULTIPLIER_BOUNDS[1], f64::INFINITY)]
+    }
+
+    pub fn evaluate(&mut self, x: &DVector<f64>, system: &mut System) -> bool {
+        const LARGEST_HINGE_RAD: f64 = 1.5;
+        let g = self.groups.len();
+        let statics = self.statics(&x.as_slice()[..g]);
+        let rows = self.rows_per_film();
+        let Self { films, settings, .. } = self;
+        system.jacobian.fill(0.0);
+        for (index, film) in films.iter_mut().enumerate() {
+            let solved = match film.first {
+                None => film.solve_at_amplitude(&statics),
+                Some(first) => {
+                    let components = film.magnitude.len();
+                    film.magnitude.copy_from_slice(&x.as_slice()[first..first + components]);
+                    statics.solve(
+                        &film.load,
+                        &film.magnitude,
+                        &film.parameters,
+                        &mut film.solution,
+                    );
+                    film.solution.converged
+                }
+            };
+            if !solved || film.solution.deformed.largest_hinge_rad() > LARGEST_HINGE_RAD {
+                return false;
+            }
+            match settings.target {
+                FitTarget::Ferguson => {
+                    ferguson_rows(film, &settings.regions.bounds, g, index * rows, system)
+                }
+                FitTarget::Shape => shape_rows(film, g, index * rows, system),
+            }
+        }
+        // The gauge: the mean of ln α is held at zero, unless frozen forces fix the level.
+        let last = system.residuals.len() - 1;
+        system.residuals[last] = 0.0;
+        if settings.gauge != Gauge::FrozenForce {
+            let weight = HELD / g as f64;
+            system.residuals[last] = weight * x.as_slice()[..g].iter().sum::<f64>();
+            for i in 0..g {
+                system.jacobian[(last, i)] = weight;
+            }
+        }
+        system.residuals.iter().all(|r| r.is_finite())
+    }
+
+    /// Root mean square of what was measured, without the row that holds the gauge.
+    pub fn data_rms(&self, system: &System) -> f64 {
+        let data = system.residuals.len() - 1;
+        (system.residuals.rows(0, data).norm_squared() / data as f64).sqrt()
+    }
+
+    /// The load components that belong to given unknowns.
+    pub fn loads_at(&mut self, x: &DVector<f64>) -> Vec<Vec<f64>> {
+        let mut system = System::new(self.rows(), self.unknowns());
+        self.evaluate(x, &mut system);
+        self.films.iter().map(|film| film.magnitude.clone()).collect()
+    }
+
+    /// What the fit is to.
+    pub fn target(&self) -> FitTarget {
+        self.settings.target
+    }
+
+    /// The parts of unknowns that are `ln α`.
+    pub fn log_multipliers(&self, x: &DVector<f64>) -> Vec<f64> {
+        x.as_slice()[..self.groups.len()].to_vec()
+    }
+
+    /// Singular values of the data's derivative by `(ln α, ln F)`, so that all unknowns are ratios; the gauge's row is
+    /// no data.
+    pub fn singular_values(&self, minimum: &Minimum) -> Vec<f64> {
+        let mut scaled = minimum.system.jacobian.rows(0, self.rows() - 1).into_owned();
+        for i in self.groups.len()..minimum.x.len() {
+            scaled.column_mut(i).scale_mut(minimum.x[i].abs());
+        }
+        let mut values: Vec<f64> = scaled.singular_values().iter().copied().collect();
+        values.sort_by(|a, b| b.total_cmp(a));
+        values
+    }
+}
+
+/// Three Ferguson angles in degrees, and the amplitude where it does not determine the force.
+fn ferguson_rows(
+    film: &FilmData,
+    regions: &[RegionBounds; 3],
+    groups: usize,
+    row: usize,
+    system: &mut System,
+) {
+    let unit = FERGUSON_UNIT.rad();
+    let solution = &film.solution;
+    let place = |i: usize| solution.deformed.location(i);
+    let force = groups;
+    for (k, bounds) in regions.iter().enumerate() {
+        let upper = place(bounds.superior) - place(bounds.apex);
+        let lower = place(bounds.apex) - place(bounds.inferior);
+        let angle = (upper.lean() - lower.lean()).wrapped();
+        system.residuals[row + k] = (angle - film.ferguson[k]).wrapped().rad() / unit;
+        let rate = |p: usize| {
+            let at = |i: usize| solution.location_rate(p, i);
+            let turn = |v: Frontal, dv: Frontal| v.cross(dv) / v.dot(v);
+            turn(upper, at(bounds.superior) - at(bounds.apex))
+                - turn(lower, at(bounds.apex) - at(bounds.inferior))
+        };
+        let by_force = rate(force);
+        for p in 0..groups {
+            // The force follows the amplitude where that holds it.
+            let follow = match film.first {
+                None => -solution.lean_rate(p) / solution.lean_rate(force),
+                Some(_) => 0.0,
+            };
+            system.jacobian[(row + k, p)] = (rate(p) + by_force * follow) / unit;
+        }
+        if let Some(first) = film.first {
+            system.jacobian[(row + k, first)] = by_force / unit;
+        }
+    }
+    if let Some(first) = film.first {
+        let row = row + regions.len();
+        system.residuals[row] = (solution.deformed.lean() - film.lean).wrapped().rad() / unit;
+        for p in 0..=groups {
+            let column = if p == force { first } else { p };
+            system.jacobian[(row, column)] = solution.lean_rate(p) / unit;
+        }
+    }
+}
+
+/// Locations and tilts of every mobile vertebra, in standard deviations.
+fn shape_rows(film: &FilmData, groups: usize, row: usize, system: &mut System) {
+    let solution = &film.solution;
+    let first = film.first.expect("the loads of a whole shape are unknown");
+    for i in 1..film.locations.len() {
+        let row = row + 3 * (i - 1);
+        let off = solution.deformed.location(i) - film.locations[i];
+        system.residuals[row] = off.y_mm / film.location_sd_mm;
+        system.residuals[row + 1] = off.z_mm / film.location_sd_mm;
+        let turn = (solution.deformed.tilt(i) - film.tilts[i]).wrapped().rad();
+        system.residuals[row + 2] = turn / film.tilt_sd_rad;
+        for p in 0..film.parameters.len() {
+            let rate = solution.location_rate(p, i);
+            let column = if p < groups { p } else { first + p - groups };
+            system.jacobian[(row, column)] = rate.y_mm / film.location_sd_mm;
+            system.jacobian[(row + 1, column)] = rate.z_mm / film.location_sd_mm;
+            system.jacobian[(row + 2, column)] = solution.tilt_rate(p, i) / film.tilt_sd_rad;
+        }
+    }
+}
