@@ -1,2 +1,65 @@
-//! stub
-fn main() {}
+//! The `spineline` program: thin. It reads files, calls the library, and shows what came back.
+
+mod analyze;
+mod args;
+mod check;
+mod failure;
+mod phantom;
+mod progress;
+mod report;
+mod reproduce;
+mod table;
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser};
+
+use args::{Cli, Command, SchemaName};
+use failure::{Ending, Failure};
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match run(cli.command) {
+        Ok(ending) => ending.into(),
+        Err(failure) => {
+            eprintln!("{failure}");
+            failure.into()
+        }
+    }
+}
+
+fn run(command: Command) -> Result<Ending, Failure> {
+    match command {
+        Command::Reproduce(args) => reproduce::run(&args),
+        Command::Analyze(args) => analyze::run(&args),
+        Command::Check(args) => check::run(&args),
+        Command::Phantom(args) => phantom::run(&args),
+        Command::Schema { name } => print_schema(name),
+        Command::Stiffness => {
+            let library = spineline::multibody::StiffnessLibrary::default();
+            let file = spineline_io::StiffnessFile::from(&library);
+            print(&spineline_io::to_text(&file))
+        }
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "spineline", &mut script);
+            print(&String::from_utf8_lossy(&script))
+        }
+    }
+}
+
+fn print_schema(name: SchemaName) -> Result<Ending, Failure> {
+    let schema = spineline_io::schema(name.key()).expect("every name has a schema");
+    print(&spineline_io::to_text(&schema))
+}
+
+/// Writes to the standard output; a reader that closed the pipe has seen enough.
+fn print(text: &str) -> Result<Ending, Failure> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Failure::write("standard output", &error))
+        }
+        _ => Ok(Ending::Done),
+    }
+}

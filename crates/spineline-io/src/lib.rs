@@ -1,1 +1,62 @@
-//! stub
+//! Files of Spineline: cases, analyses, personalised models and stiffness tables, all JSON with a format and a version.
+//!
+//! The types here are what the files look like; [`spineline`]'s own types are what is computed with. Every file format
+//! has a JSON schema, generated from the types. Unknown keys are errors that name the nearest known one, a level given
+//! twice is an error, and nothing is repaired.
+//!
+//! ```
+//! let text = r#"{ "format": "spineline-case", "version": 1, "case_id": "a", "synthetic": true, "filmes": [] }"#;
+//! let error = spineline_io::parse_case(text).expect_err("a misspelt key");
+//! assert!(error.to_string().contains("did you mean `films`?"));
+//! ```
+
+mod analysis_file;
+mod case_file;
+mod error;
+mod json;
+mod keys;
+mod model_file;
+mod stiffness_file;
+
+pub use analysis_file::AnalysisFile;
+pub use case_file::{CaseFile, parse_case};
+pub use error::FileError;
+pub use keys::LevelKey;
+pub use model_file::{LoadRecord, ModelFile, StoredModel, parse_model};
+pub use stiffness_file::{StiffnessFile, parse_stiffness};
+
+use std::path::Path;
+
+use schemars::Schema;
+
+/// Reads a text file whole.
+///
+/// # Errors
+/// [`FileError::Read`].
+pub fn read_text(path: &Path) -> Result<String, FileError> {
+    std::fs::read_to_string(path)
+        .map_err(|source| FileError::Read { path: path.to_owned(), source })
+}
+
+/// A file format by name: `case`, `analysis`, `model` or `stiffness`.
+#[must_use]
+pub fn schema(name: &str) -> Option<Schema> {
+    match name {
+        "case" => Some(schemars::schema_for!(CaseFile)),
+        "analysis" => Some(schemars::schema_for!(AnalysisFile)),
+        "model" => Some(schemars::schema_for!(ModelFile)),
+        "stiffness" => Some(schemars::schema_for!(StiffnessFile)),
+        _ => None,
+    }
+}
+
+/// The text of a file: JSON with two blanks of indent and a line feed at the end.
+///
+/// # Panics
+/// Never: the types have string keys only.
+#[must_use]
+pub fn to_text<T: serde::Serialize>(file: &T) -> String {
+    let mut text = serde_json::to_string_pretty(file).expect("string keys only");
+    text.push('\n');
+    text
+}

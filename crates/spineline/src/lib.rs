@@ -21,6 +21,7 @@ pub mod analysis;
 pub mod anatomy;
 pub mod chain;
 pub mod clinical;
+pub mod cohort;
 pub mod curve;
 pub mod error;
 pub mod evaluate;

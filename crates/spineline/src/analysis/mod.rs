@@ -4,10 +4,12 @@ mod analyze;
 mod checks;
 mod models;
 mod options;
+mod verdict;
 
 pub use analyze::{Analysis, PostureAnalysis, analyze};
-pub use models::{LineModel, NO_LINE_CODES};
+pub use models::LineModel;
 pub use options::{AnalysisOptions, Grouping};
+pub use verdict::probability;
 
 use crate::measure::Film;
 

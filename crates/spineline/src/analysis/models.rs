@@ -4,7 +4,7 @@ use super::{Analysis, Grouping, PostureAnalysis};
 use crate::action::{Application, LineKind, LineOfAction};
 use crate::anatomy::{Level, Posture};
 use crate::evaluate::{Simulation, Target, simulate};
-use crate::multibody::{JointGroups, Load, Statics};
+use crate::multibody::{JointGroups, Load, Solution, Statics, StiffnessLibrary};
 use crate::personalize::estimate::{components_of, estimate_load, line_of};
 use crate::personalize::evidence::FilmEvidence;
 use crate::personalize::{
@@ -26,9 +26,6 @@ pub struct LineModel {
     pub postures: Vec<Simulation>,
 }
 
-/// Codes of warnings that say why a model is absent.
-pub const NO_LINE_CODES: [&str; 2] = ["no_bending_film", "no_line"];
-
 impl LineModel {
     /// One posture's prediction.
     #[must_use]
@@ -41,6 +38,29 @@ impl LineModel {
         self.fit.log_multipliers.iter().map(|log| log.exp())
     }
 
+    /// Personalised springs of every joint about x, y and z, caudal first.
+    #[must_use]
+    pub fn stiffness_nmm_per_rad(&self, library: &StiffnessLibrary) -> Vec<[f64; 3]> {
+        let multipliers: Vec<f64> = self.multipliers().collect();
+        library
+            .rows()
+            .iter()
+            .zip(self.groups.of_joint())
+            .map(|(row, &group)| {
+                let [lateral, flexion, axial] =
+                    row.nmm_per_rad.map(|k| k * self.fit.absolute_scale);
+                [lateral * multipliers[group], flexion, axial]
+            })
+            .collect()
+    }
+
+    /// Whether springs and forces are absolute: only where a force is known and was found in the model.
+    #[must_use]
+    pub fn is_absolute(&self, gauge: Gauge) -> bool {
+        let Gauge::KnownForce { posture, .. } = gauge else { return false };
+        self.posture(posture).is_some_and(|s| s.is_usable() && s.force_n != 0.0)
+    }
+
     /// Mean location error over fitted or over held-out postures; `None` where there is none.
     #[must_use]
     pub fn mean_location_error_mm(&self, fitted: bool) -> Option<f64> {
@@ -51,6 +71,42 @@ impl LineModel {
             .flat_map(|s| s.location_errors_mm.iter().copied())
             .collect();
         (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64)
+    }
+}
+
+impl Analysis {
+    /// The spine of a simulated posture under parts of its force, such as 0, 0.5 and 1: the paper's figure 11.
+    ///
+    /// `None` where the model has no such posture.
+    #[must_use]
+    pub fn force_path(
+        &self,
+        model: &LineModel,
+        posture: Posture,
+        parts: &[f64],
+    ) -> Option<Vec<(f64, Vec<Frontal>)>> {
+        let simulation = model.posture(posture)?;
+        let options = &self.options;
+        let logs = &model.fit.log_multipliers;
+        let statics = Statics::new(&self.spine, &options.library, &model.groups, logs, options.support);
+        let load = Load::along(simulation.line, simulation.depth_mm);
+        // Springs and forces are scaled alike, so the unscaled ones give the same shapes.
+        let force_n = simulation.force_n / model.fit.absolute_scale;
+        let mut solution = Solution::default();
+        let shapes = parts.iter().map(|&part| {
+            statics.solve(&load, &[part * force_n], &[], &mut solution);
+            let places = 0..self.spine.midpoints_mm.len();
+            (part, places.map(|i| solution.deformed.location(i)).collect())
+        });
+        Some(shapes.collect())
+    }
+
+    /// Whether every fit and every simulation came to an end that may be shown as a result.
+    #[must_use]
+    pub fn is_converged(&self) -> bool {
+        self.models.iter().all(|model| {
+            model.fit.status == FitStatus::Converged && model.postures.iter().all(Simulation::is_usable)
+        })
     }
 }
 

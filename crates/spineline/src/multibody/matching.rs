@@ -40,7 +40,7 @@ impl MatchStatus {
     #[must_use]
     pub const fn key(self) -> &'static str {
         match self {
-            Self::Matched => "matched",
+            Self::Matched => "converged",
             Self::Unreachable => "unreachable",
             Self::NotConverged => "not_converged",
         }

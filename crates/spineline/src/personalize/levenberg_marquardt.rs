@@ -115,7 +115,7 @@ pub(super) fn minimize(
                 let ratio = (cost - trial.cost()) / promised.max(f64::MIN_POSITIVE);
                 damping = (damping * f64::max(0.1, 1.0 - (2.0 * ratio - 1.0).powi(3))).max(1e-15);
                 growth = 2.0;
-                let done = cost - trial.cost() <= 1e-9 * cost || small;
+                let done = cost - trial.cost() <= 1e-14 * cost || small;
                 std::mem::swap(&mut system, &mut trial);
                 x = next;
                 if done || system.cost() < 1e-24 {
@@ -124,7 +124,7 @@ pub(super) fn minimize(
                 }
                 break;
             }
-            if small || promised.abs() <= 1e-12 * cost {
+            if small || promised.abs() <= 1e-15 * cost {
                 status = FitStatus::Converged;
                 break 'outer;
             }

@@ -1,0 +1,310 @@
+//! `spineline analyze`: one patient, or a cohort.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use spineline::action::LineKind;
+use spineline::analysis::{Analysis, AnalysisOptions, analyze};
+use spineline::anatomy::{Level, Posture};
+use spineline::cohort::Cohort;
+use spineline::evaluate::Simulation;
+use spineline_io::{AnalysisFile, ModelFile};
+use spineline_report::figures;
+
+use crate::args::AnalyzeArgs;
+use crate::failure::{Ending, Failure};
+use crate::progress::map_all;
+use crate::table::Table;
+use crate::{print, report};
+
+/// The lines that a cohort's table shows.
+pub const COHORT_LINES: [LineKind; 3] =
+    [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
+/// The bootstrap of a cohort's summary starts from here.
+const BOOTSTRAP_SEED: u64 = 1;
+
+/// What wrote a file.
+pub fn generator() -> String {
+    format!("spineline {}", env!("CARGO_PKG_VERSION"))
+}
+
+pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
+    let options = args.options.options()?;
+    let paths = case_files(&args.cases)?;
+    if args.model.is_some() && paths.len() != 1 {
+        return Err(Failure::usage("--model writes the model of one case; give one case file"));
+    }
+    let results = map_all("analysing", &paths, args.threads, |path| analyze_file(path, &options))?;
+    let mut analyses = Vec::new();
+    let mut ending = Ending::Done;
+    for result in results {
+        match result {
+            Ok(analysis) => analyses.push(analysis),
+            Err(failure) if paths.len() == 1 => return Err(failure),
+            Err(failure) => {
+                eprintln!("{failure}");
+                ending = Ending::BadInput;
+            }
+        }
+    }
+    for analysis in &analyses {
+        eprint!("{}", report::warnings(analysis));
+    }
+    write_files(args, &analyses, paths.len() > 1)?;
+    let to_stdout =
+        [&args.json, &args.csv].into_iter().flatten().any(|path| path.as_os_str() == "-");
+    if !to_stdout {
+        print(&match &analyses[..] {
+            [one] if paths.len() == 1 => report::text(one),
+            all => cohort_text(all),
+        })?;
+    }
+    if ending == Ending::Done && !analyses.iter().all(Analysis::is_converged) {
+        ending = Ending::NotConverged;
+    }
+    Ok(ending)
+}
+
+/// The case files behind files and folders, in order; a folder stands for the `.json` files in it.
+pub fn case_files(given: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+    let mut files = Vec::new();
+    for path in given {
+        if !path.is_dir() {
+            files.push(path.clone());
+            continue;
+        }
+        let entries = fs::read_dir(path).and_then(Iterator::collect::<Result<Vec<_>, _>>).map_err(
+            |error| Failure::input(&path.display().to_string(), &error, "check the folder"),
+        )?;
+        let mut inside: Vec<PathBuf> = entries
+            .into_iter()
+            .map(|entry| entry.path())
+            .filter(|file| file.extension().is_some_and(|e| e == "json") && !is_truth(file))
+            .collect();
+        if inside.is_empty() {
+            let place = path.display().to_string();
+            return Err(Failure::input(
+                &place,
+                &"no .json file in this folder",
+                "give a folder of case files",
+            ));
+        }
+        inside.sort();
+        files.append(&mut inside);
+    }
+    Ok(files)
+}
+
+/// The truth of a phantom lies beside its case.
+fn is_truth(path: &Path) -> bool {
+    path.to_string_lossy().ends_with(".truth.json")
+}
+
+pub fn analyze_file(path: &Path, options: &AnalysisOptions) -> Result<Analysis, Failure> {
+    let case = spineline_io::read_text(path)
+        .and_then(|text| spineline_io::parse_case(&text))
+        .map_err(|error| Failure::file(path, &error))?;
+    analyze(&case, options)
+        .map_err(|error| Failure::input(&path.display().to_string(), &error, error.help()))
+}
+
+fn write_files(args: &AnalyzeArgs, analyses: &[Analysis], many: bool) -> Result<(), Failure> {
+    if let Some(path) = &args.json {
+        let files: Vec<AnalysisFile> =
+            analyses.iter().map(|a| AnalysisFile::new(a, &generator())).collect();
+        let text = match &files[..] {
+            [one] if !many => spineline_io::to_text(one),
+            all => spineline_io::to_text(&all),
+        };
+        write_or_print(path, &text)?;
+    }
+    if let Some(path) = &args.csv {
+        write_or_print(path, &csv_text(analyses)?)?;
+    }
+    if let (Some(path), [analysis]) = (&args.model, analyses) {
+        let kind = args.model_line.kind();
+        let Some(model) = analysis.models.iter().find(|model| model.kind == kind) else {
+            let text =
+                format!("there is no model with the {kind}, so --model has nothing to write");
+            return Err(Failure::input(
+                &analysis.case_id,
+                &text,
+                "the warnings say why; try --model-line iliac",
+            ));
+        };
+        write_or_print(
+            path,
+            &spineline_io::to_text(&ModelFile::new(analysis, model, &generator())),
+        )?;
+    }
+    if let Some(folder) = &args.figures {
+        for analysis in analyses {
+            draw(analysis, folder)?;
+        }
+    }
+    Ok(())
+}
+
+/// Writes a file as a whole: a reader never sees half of it.
+pub fn write_file(path: &Path, text: &str) -> Result<(), Failure> {
+    let failed = |error: &std::io::Error| Failure::write(&path.display().to_string(), error);
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        fs::create_dir_all(folder).map_err(|error| failed(&error))?;
+    }
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(".part");
+    let part = path.with_file_name(name);
+    fs::write(&part, text).and_then(|()| fs::rename(&part, path)).map_err(|error| failed(&error))
+}
+
+fn write_or_print(path: &Path, text: &str) -> Result<(), Failure> {
+    if path.as_os_str() == "-" { print(text).map(|_| ()) } else { write_file(path, text) }
+}
+
+/// The figures of one patient.
+fn draw(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
+    let save = |name: &str, svg: &str| {
+        write_file(
+            &folder.join(format!("{}-{name}.svg", analysis.case_id.replace(['/', '\\'], "_"))),
+            svg,
+        )
+    };
+    save("overview", &figures::case_overview(analysis))?;
+    if let Some(svg) = figures::rotations(analysis) {
+        save("rotations", &svg)?;
+    }
+    for posture in Posture::MOVED {
+        if let Some(svg) = figures::measured_and_simulated(analysis, posture) {
+            save(&format!("simulated-{}", posture.key()), &svg)?;
+        }
+    }
+    Ok(())
+}
+
+/// One row per patient, posture, line and vertebra.
+pub fn csv_text(analyses: &[Analysis]) -> Result<String, Failure> {
+    let failed = |error: &dyn std::fmt::Display| Failure::internal(format!("CSV: {error}"));
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let heading = [
+        "case_id",
+        "synthetic",
+        "posture",
+        "level",
+        "measured_y_mm",
+        "measured_z_mm",
+        "measured_tilt_deg",
+        "line",
+        "fitted",
+        "status",
+        "simulated_y_mm",
+        "simulated_z_mm",
+        "simulated_tilt_deg",
+        "location_error_mm",
+    ];
+    writer.write_record(heading).map_err(|e| failed(&e))?;
+    for analysis in analyses {
+        for posture in &analysis.postures {
+            let simulated: Vec<(LineKind, &Simulation)> = analysis
+                .models
+                .iter()
+                .filter_map(|m| Some((m.kind, m.posture(posture.outline.posture)?)))
+                .collect();
+            for (i, level) in Level::MODEL.into_iter().enumerate() {
+                let vertebra = &posture.outline.vertebrae[i];
+                let mut measured = vec![
+                    analysis.case_id.clone(),
+                    analysis.synthetic.to_string(),
+                    posture.outline.posture.key().to_owned(),
+                    level.to_string(),
+                    format!("{:.4}", vertebra.location.y_mm),
+                    format!("{:.4}", vertebra.location.z_mm),
+                    format!("{:.4}", vertebra.tilt.deg()),
+                ];
+                if simulated.is_empty() {
+                    measured.resize(heading.len(), String::new());
+                    writer.write_record(&measured).map_err(|e| failed(&e))?;
+                }
+                for (kind, s) in &simulated {
+                    let mut row = measured.clone();
+                    let error = (i > 0 && s.is_usable())
+                        .then(|| format!("{:.4}", s.location_errors_mm[i - 1]));
+                    row.extend([
+                        kind.key().to_owned(),
+                        s.fitted.to_string(),
+                        s.status.key().to_owned(),
+                        format!("{:.4}", s.locations[i].y_mm),
+                        format!("{:.4}", s.locations[i].z_mm),
+                        format!("{:.4}", s.tilts[i].deg()),
+                        error.unwrap_or_default(),
+                    ]);
+                    writer.write_record(&row).map_err(|e| failed(&e))?;
+                }
+            }
+        }
+    }
+    let bytes = writer.into_inner().map_err(|e| failed(&e))?;
+    String::from_utf8(bytes).map_err(|e| failed(&e))
+}
+
+fn cohort_text(analyses: &[Analysis]) -> String {
+    if analyses.is_empty() {
+        return "no case could be analysed\n".to_owned();
+    }
+    let mut table = Table::new([
+        "Case",
+        "main Cobb",
+        "inflections",
+        "inflection fit",
+        "held out",
+        "iliac fit",
+        "held out",
+        "estimated fit",
+        "held out",
+        "joints against inflection line",
+        "warnings",
+    ]);
+    for analysis in analyses {
+        table.row(report::cohort_row(analysis));
+    }
+    let cohort = Cohort::of(&analyses.iter().collect::<Vec<_>>(), BOOTSTRAP_SEED);
+    let mut text = format!("Mean location errors in mm\n{}\n", table.text());
+    text.push_str(&cohort_sentences(&cohort));
+    text
+}
+
+/// A cohort in plain sentences.
+fn cohort_sentences(cohort: &Cohort) -> String {
+    let mut text = format!(
+        "{} patients{}; {} with exactly two inflections\n",
+        cohort.patients,
+        if cohort.synthetic { " (all synthetic)" } else { "" },
+        cohort.two_inflections
+    );
+    for line in &cohort.lines {
+        for (films, errors) in [("fitted", &line.fitted), ("held out", &line.held_out)] {
+            if errors.location_mm.patients.n == 0 {
+                continue;
+            }
+            let interval = errors.location_mm.bootstrap.map_or_else(String::new, |[low, high]| {
+                format!(", 95 % interval over patients {low:.2} to {high:.2}")
+            });
+            text.push_str(&format!(
+                "{:15} {films:8}  location error {:.2} mm{interval}; Ferguson error {:.2}°; {} film(s) without a result\n",
+                line.kind.to_string(), errors.location_mm.patients.mean, errors.ferguson_deg.patients.mean, errors.unusable
+            ));
+        }
+    }
+    let (rejected, tested) = cohort.line_rejected;
+    if tested > 0 {
+        text.push_str(&format!(
+            "In {rejected} of {tested} bends the load that the joints' rotations prefer does not run through the inflections (p < 0.05)\n"
+        ));
+    }
+    if let Some(t) = cohort.location_test.patients {
+        text.push_str(&format!(
+            "Inflection against iliac line, one mean per patient: {:+.2} mm (p {}, two-sided, n = {})\n",
+            t.mean_difference, spineline::analysis::probability(t.p_two_sided), t.n
+        ));
+    }
+    text
+}

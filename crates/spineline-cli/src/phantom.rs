@@ -1,0 +1,101 @@
+//! `spineline phantom`: synthetic patients as case files.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use spineline::anatomy::Region;
+use spineline_io::CaseFile;
+use spineline_phantom::{Phantom, Readers, SUBJECTS, Truth, generate};
+
+use crate::analyze::write_file;
+use crate::args::{PhantomArgs, TruthName};
+use crate::failure::{Ending, Failure};
+use crate::print;
+
+pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
+    let truth = match args.truth {
+        TruthName::Rod => Truth::Rod,
+        TruthName::Bend => Truth::Bend,
+        TruthName::Pull => Truth::Pull,
+    };
+    let readers = readers(args.noise)?;
+    let subjects = match args.subject {
+        Some(number) if (1..=SUBJECTS.len()).contains(&number) => number..=number,
+        Some(number) => {
+            let text = format!(
+                "--subject {number}: the paper's Table 1 has subjects 1 to {}",
+                SUBJECTS.len()
+            );
+            return Err(Failure::usage(text));
+        }
+        None => 1..=SUBJECTS.len(),
+    };
+    let mut text = String::new();
+    for number in subjects {
+        let phantom = generate(number - 1, truth, &readers, args.seed)
+            .map_err(|error| Failure::internal(error.to_string()))?;
+        let path = args.out.join(format!("{}.json", phantom.case.id));
+        write_file(&path, &spineline_io::to_text(&CaseFile::from_case(&phantom.case)))?;
+        write_file(
+            &path.with_extension("truth.json"),
+            &spineline_io::to_text(&TruthFile::new(&phantom)),
+        )?;
+        text.push_str(&format!("{} (synthetic; its truth is beside it)\n", path.display()));
+    }
+    print(&text)
+}
+
+/// The default readers with their deviations multiplied; zero is one reader who sees the truth.
+pub fn readers(noise: f64) -> Result<Readers, Failure> {
+    if !(noise >= 0.0 && noise.is_finite()) {
+        return Err(Failure::usage(format!("--noise {noise}: the factor must be zero or more")));
+    }
+    Ok(if noise == 0.0 { Readers::exact() } else { Readers::scaled(noise) })
+}
+
+/// What is true of a phantom. Positive tilts and leans are to the patient's right, as everywhere.
+#[derive(Serialize)]
+struct TruthFile {
+    format: &'static str,
+    case_id: String,
+    synthetic: bool,
+    truth: &'static str,
+    lateral_multipliers: BTreeMap<&'static str, f64>,
+    postures: BTreeMap<&'static str, TruePosture>,
+}
+
+#[derive(Serialize)]
+struct TruePosture {
+    locations_mm: Vec<[f64; 2]>,
+    tilts_deg: Vec<f64>,
+    inflections_mm: [[f64; 2]; 2],
+    line_point_mm: Option<[f64; 2]>,
+    line_direction: Option<[f64; 2]>,
+    force_n: f64,
+}
+
+impl TruthFile {
+    fn new(phantom: &Phantom) -> Self {
+        let point = |p: spineline::spatial::Frontal| [p.y_mm, p.z_mm];
+        let posture = |p: &spineline_phantom::TruePosture| TruePosture {
+            locations_mm: p.locations.iter().map(|&l| point(l)).collect(),
+            tilts_deg: p.tilts.iter().map(|t| t.deg()).collect(),
+            inflections_mm: p.inflections.map(point),
+            line_point_mm: p.line.map(|line| point(line.point)),
+            line_direction: p.line.map(|line| point(line.direction)),
+            force_n: p.force_n,
+        };
+        Self {
+            format: "spineline-phantom-truth",
+            case_id: phantom.case.id.clone(),
+            synthetic: true,
+            truth: phantom.truth.key(),
+            lateral_multipliers: Region::ALL
+                .iter()
+                .map(|r| r.key())
+                .zip(phantom.multipliers)
+                .collect(),
+            postures: phantom.postures.iter().map(|p| (p.posture.key(), posture(p))).collect(),
+        }
+    }
+}

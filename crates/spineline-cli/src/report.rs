@@ -1,0 +1,226 @@
+//! One analysis as text.
+
+use std::fmt::Write;
+
+use spineline::analysis::{Analysis, LineModel};
+use spineline::personalize::{FitStatus, Gauge, StiffnessBound};
+
+use crate::table::{Table, wrap};
+
+const WIDTH: usize = 110;
+
+/// Everything that a person wants to read of one patient.
+pub fn text(analysis: &Analysis) -> String {
+    let mut text = String::new();
+    let synthetic = if analysis.synthetic { " · SYNTHETIC" } else { "" };
+    let unit = analysis.erect().outline.spacing_plane.unit();
+    let films = analysis.postures.len();
+    let _ = writeln!(text, "{}{synthetic} · {films} film(s) · lengths in {unit}", analysis.case_id);
+    for sentence in analysis.verdict() {
+        text.push_str(&wrap(&sentence, WIDTH, "  "));
+    }
+    text.push('\n');
+    text.push_str(&curve_text(analysis));
+    text.push_str(&clinical_text(analysis));
+    text.push_str(&motion_text(analysis));
+    if !analysis.models.is_empty() {
+        text.push_str(&models_text(analysis));
+    }
+    text
+}
+
+/// The soft problems of an analysis, for the error stream.
+pub fn warnings(analysis: &Analysis) -> String {
+    let mut text = String::new();
+    for warning in analysis.warnings.all() {
+        let place: Vec<String> = [
+            Some(analysis.case_id.clone()),
+            warning.posture.map(|posture| format!("{posture} film")),
+            warning.level.map(|level| level.to_string()),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        let _ =
+            writeln!(text, "warning: {}: {} [{}]", place.join(", "), warning.message, warning.code);
+    }
+    text
+}
+
+fn curve_text(analysis: &Analysis) -> String {
+    let mut text = String::new();
+    let places: Vec<String> = analysis
+        .inflections
+        .pair
+        .iter()
+        .flatten()
+        .map(|i| format!("{}/{} ({:.0} mm above L4)", i.between.0, i.between.1, i.erect.z_mm))
+        .collect();
+    let lobes: Vec<String> = analysis.inflections.lobes.iter().map(|l| l.turn.leaning()).collect();
+    let _ = writeln!(text, "Erect curve turns {}", lobes.join(", "));
+    if !places.is_empty() {
+        let _ = writeln!(text, "Inflections at {}", places.join(" and "));
+    }
+    let chain = &analysis.chain;
+    let _ = writeln!(text, "Chain of {} segments of {:.4} mm\n", chain.segments, chain.segment_mm);
+    text
+}
+
+fn clinical_text(analysis: &Analysis) -> String {
+    let postures: Vec<String> =
+        analysis.postures.iter().map(|p| p.outline.posture.to_string()).collect();
+    let heading = ["Cobb angle", "convex", "ends", "apex"].into_iter();
+    let heading = heading.chain(postures.iter().map(String::as_str)).chain(["flexibility"]);
+    let mut table = Table::new(heading);
+    for curve in &analysis.clinical {
+        let sign = curve.cobb[0].1.rad().signum();
+        let mut row = vec![
+            curve.region.to_string(),
+            curve.convex.map_or_else(|| "-".to_owned(), |side| side.to_string()),
+            format!("{}-{}", curve.ends.superior, curve.ends.inferior),
+            curve.apex.to_string(),
+        ];
+        // In the direction of the erect curve: a negative number has turned over.
+        row.extend(curve.cobb.iter().map(|(_, angle)| format!("{:.1}°", angle.deg() * sign)));
+        row.push(
+            curve.flexibility.map_or_else(|| "-".to_owned(), |f| format!("{:.0} %", 100.0 * f)),
+        );
+        table.row(row);
+    }
+    let lenke = analysis.lenke.map_or_else(String::new, |lenke| {
+        format!(
+            "Lenke type {} from frontal films (kyphosis and modifiers not seen)\n",
+            lenke.number
+        )
+    });
+    format!("{}{lenke}\n", table.text())
+}
+
+fn motion_text(analysis: &Analysis) -> String {
+    let mut table = Table::new([
+        "Posture",
+        "L4-T2 leans",
+        "curve order",
+        "fit (mm)",
+        "fit (°)",
+        "mean rotation (°)",
+        "inflection to least rotating (segments)",
+    ]);
+    for p in &analysis.postures {
+        let distances = p
+            .inflection_estimates
+            .map(|pair| format!("{}, {}", pair[0].distance_segments, pair[1].distance_segments));
+        table.row(vec![
+            p.outline.posture.to_string(),
+            p.outline.amplitude().leaning(),
+            p.fit.order.to_string(),
+            format!("{:.2}", p.fit.rmse_mm),
+            format!("{:.2}", p.fit.rmse_tilt.deg()),
+            p.mean_rotation().map_or_else(String::new, |r| format!("{:.4}", r.deg())),
+            distances.unwrap_or_default(),
+        ]);
+    }
+    format!("{}\n", table.text())
+}
+
+fn models_text(analysis: &Analysis) -> String {
+    let mut table = Table::new([
+        "Line of action",
+        "posture",
+        "film",
+        "location error (mm)",
+        "Ferguson errors (°)",
+        force_heading(analysis),
+        "joints against",
+    ]);
+    for model in &analysis.models {
+        for s in &model.postures {
+            let usable = s.is_usable();
+            let angles: Vec<String> =
+                s.ferguson_difference.iter().map(|a| format!("{:.1}", a.abs().deg())).collect();
+            let or_status = |value: String| if usable { value } else { s.status.key().to_owned() };
+            table.row(vec![
+                model.kind.to_string(),
+                s.posture.to_string(),
+                if s.fitted { "fitted" } else { "held out" }.to_owned(),
+                or_status(format!("{:.2}", s.mean_location_error_mm())),
+                if usable { angles.join(" / ") } else { "-".to_owned() },
+                or_status(format!("{:.0}", s.force_n)),
+                format!("{} of {}", s.contradicted.len(), s.location_errors_mm.len()),
+            ]);
+        }
+    }
+    let mut text = format!("{}\n", table.text());
+    let _ = writeln!(text, "Lateral stiffness against the table ({})", gauge_words(analysis));
+    for model in &analysis.models {
+        let _ = writeln!(text, "  {:15} {}", model.kind, multipliers_text(model));
+    }
+    text
+}
+
+fn force_heading(analysis: &Analysis) -> &'static str {
+    let gauge = analysis.options.gauge;
+    let absolute = analysis.models.iter().all(|model| model.is_absolute(gauge));
+    if absolute { "force (N)" } else { "force (relative)" }
+}
+
+fn gauge_words(analysis: &Analysis) -> &'static str {
+    match analysis.options.gauge {
+        Gauge::GeometricMean => "only ratios are identified; their geometric mean is set to 1",
+        Gauge::FrozenForce => "forces kept from the nominal stiffness",
+        Gauge::KnownForce { .. } => "scaled to the known force",
+    }
+}
+
+fn multipliers_text(model: &LineModel) -> String {
+    let parts: Vec<String> = model
+        .groups
+        .names()
+        .iter()
+        .zip(model.multipliers())
+        .zip(&model.fit.bounds)
+        .map(|((name, value), bound)| {
+            let note = match bound {
+                StiffnessBound::Inside => "",
+                _ => " (at its bound: not identified)",
+            };
+            format!("{} {:.2}{note}", name.replace('_', " "), value * model.fit.absolute_scale)
+        })
+        .collect();
+    let status = match model.fit.status {
+        FitStatus::Converged => String::new(),
+        other => format!("  NOT CONVERGED ({})", other.key()),
+    };
+    format!("{}{status}", parts.join("  "))
+}
+
+/// One line of a cohort.
+pub fn cohort_row(analysis: &Analysis) -> Vec<String> {
+    let main = analysis
+        .clinical
+        .iter()
+        .max_by(|a, b| a.cobb[0].1.abs().rad().total_cmp(&b.cobb[0].1.abs().rad()));
+    let error = |model: &LineModel, fitted: bool| {
+        model.mean_location_error_mm(fitted).map_or_else(|| "-".to_owned(), |e| format!("{e:.1}"))
+    };
+    let mut row = vec![
+        analysis.case_id.clone(),
+        main.map_or_else(String::new, |c| format!("{:.0}°", c.cobb[0].1.abs().deg())),
+        analysis.inflections.all.len().to_string(),
+    ];
+    for kind in crate::analyze::COHORT_LINES {
+        let model = analysis.models.iter().find(|m| m.kind == kind);
+        row.push(model.map_or_else(|| "-".to_owned(), |m| error(m, true)));
+        row.push(model.map_or_else(|| "-".to_owned(), |m| error(m, false)));
+    }
+    let inflection = analysis.models.iter().find(|m| m.kind == crate::analyze::COHORT_LINES[0]);
+    let against: Vec<String> = inflection
+        .into_iter()
+        .flat_map(|m| &m.postures)
+        .filter(|s| s.fitted)
+        .map(|s| s.contradicted.len().to_string())
+        .collect();
+    row.push(against.join(", "));
+    row.push(analysis.warnings.all().len().to_string());
+    row
+}

@@ -1,0 +1,103 @@
+//! Tables of a reproduction.
+
+use std::path::Path;
+
+use serde::Serialize;
+use spineline_io::AnalysisFile;
+
+use super::rows::Section;
+use super::{Run, support_name};
+use crate::analyze::{csv_text, generator, write_file};
+use crate::args::ReproduceArgs;
+use crate::failure::Failure;
+
+/// `summary.csv` and `summary.json` hold the table; `errors.csv` every vertebra; `analyses/` every patient.
+pub fn write(
+    out: &Path,
+    runs: &[Run],
+    sections: &[Section],
+    args: &ReproduceArgs,
+) -> Result<(), Failure> {
+    write_file(&out.join("summary.csv"), &summary_csv(sections)?)?;
+    let summary = Summary {
+        format: "spineline-reproduction",
+        version: 1,
+        generator: generator(),
+        synthetic: true,
+        seed: args.seed,
+        noise: args.noise,
+        rows: sections.iter().flat_map(records).collect(),
+    };
+    write_file(&out.join("summary.json"), &spineline_io::to_text(&summary))?;
+    for run in runs {
+        let support = support_name(run.support);
+        let name = format!("errors-{}-{support}.csv", run.truth.key());
+        write_file(&out.join("errors").join(name), &csv_text(&run.analyses)?)?;
+        for analysis in &run.analyses {
+            let name = format!("{}-{support}.json", analysis.case_id);
+            let text = spineline_io::to_text(&AnalysisFile::new(analysis, &generator()));
+            write_file(&out.join("analyses").join(name), &text)?;
+        }
+    }
+    Ok(())
+}
+
+#[derive(Serialize)]
+struct Summary {
+    format: &'static str,
+    version: u32,
+    generator: String,
+    synthetic: bool,
+    seed: u64,
+    noise: f64,
+    rows: Vec<Record>,
+}
+
+/// One number of the paper against one truth.
+#[derive(Serialize)]
+struct Record {
+    section: String,
+    support: Option<&'static str>,
+    quantity: String,
+    unit: &'static str,
+    paper: String,
+    truth: &'static str,
+    /// Not a number where there is none.
+    mean: Option<f64>,
+    sd: Option<f64>,
+    n: usize,
+    text: String,
+    verdict: String,
+}
+
+fn records(section: &Section) -> Vec<Record> {
+    let mut records = Vec::new();
+    for row in &section.rows {
+        for (truth, cell) in ["rod", "bend", "pull"].into_iter().zip(&row.ours) {
+            records.push(Record {
+                section: section.title.clone(),
+                support: section.support.map(support_name),
+                quantity: row.quantity.trim().to_owned(),
+                unit: row.unit,
+                paper: row.paper.clone(),
+                truth,
+                mean: Some(cell.mean).filter(|v| v.is_finite()),
+                sd: Some(cell.sd).filter(|v| v.is_finite()),
+                n: cell.n,
+                text: cell.text.clone(),
+                verdict: row.verdict.clone(),
+            });
+        }
+    }
+    records
+}
+
+fn summary_csv(sections: &[Section]) -> Result<String, Failure> {
+    let failed = |error: &dyn std::fmt::Display| Failure::internal(format!("CSV: {error}"));
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for record in sections.iter().flat_map(records) {
+        writer.serialize(record).map_err(|error| failed(&error))?;
+    }
+    let bytes = writer.into_inner().map_err(|error| failed(&error))?;
+    String::from_utf8(bytes).map_err(|error| failed(&error))
+}

@@ -1,0 +1,130 @@
+use std::path::PathBuf;
+
+use spineline::anatomy::Posture;
+
+/// A file that cannot be read as what it should be.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FileError {
+    /// The file could not be opened or is not text.
+    #[error("{}: {source}", path.display())]
+    Read {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The text is no JSON.
+    #[error("line {line}, column {column}: not JSON: {reason}")]
+    Syntax {
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// Why.
+        reason: String,
+    },
+    /// A key that the format does not know.
+    #[error("line {line}, {place}: unknown key `{key}`{}", nearest.as_ref().map(|n| format!("; did you mean `{n}`?")).unwrap_or_default())]
+    UnknownKey {
+        /// Line, from 1.
+        line: usize,
+        /// Where in the file.
+        place: String,
+        /// The key.
+        key: String,
+        /// The known key that it resembles most.
+        nearest: Option<String>,
+    },
+    /// A value that does not fit.
+    #[error("line {line}, {place}: {reason}")]
+    Value {
+        /// Line, from 1.
+        line: usize,
+        /// Where in the file.
+        place: String,
+        /// Why.
+        reason: String,
+    },
+    /// The file says that it is something else.
+    #[error("its format is `{found}`, and should be `{expected}`")]
+    Format {
+        /// What it says.
+        found: String,
+        /// What it should say.
+        expected: &'static str,
+    },
+    /// A newer file, or one of no known version.
+    #[error("its version is {found}, and this program reads version {supported}")]
+    Version {
+        /// What it says.
+        found: u32,
+        /// What can be read.
+        supported: u32,
+    },
+    /// A vertebra that is neither marked nor measured.
+    #[error("{place}: a vertebra needs either its four corners, or `location_mm` and `tilt_deg`")]
+    Vertebra {
+        /// Where in the file.
+        place: String,
+    },
+    /// Corners and locations in one film.
+    #[error(
+        "{posture} film: some vertebrae have corners and some have locations; a film holds one kind"
+    )]
+    MixedKinds {
+        /// Film.
+        posture: Posture,
+    },
+    /// Corners without a picture to lie on.
+    #[error("{posture} film: corners need an `image` with its spacing and `patient_left`")]
+    NoImage {
+        /// Film.
+        posture: Posture,
+    },
+    /// A stiffness table that the model cannot use.
+    #[error(transparent)]
+    Stiffness(#[from] spineline::multibody::StiffnessError),
+    /// A model whose parts do not fit together.
+    #[error("a model of {vertebrae} vertebrae needs {} joints, and has {joints}", vertebrae.saturating_sub(1))]
+    ModelShape {
+        /// Vertebrae.
+        vertebrae: usize,
+        /// Joints.
+        joints: usize,
+    },
+}
+
+impl FileError {
+    /// What the user can do about it.
+    #[must_use]
+    pub fn help(&self) -> &'static str {
+        match self {
+            Self::Read { .. } => "check the path and its permissions",
+            Self::Syntax { .. } => {
+                "numbers must be finite and keys quoted; an editor with JSON support points at the place"
+            }
+            Self::UnknownKey { .. } | Self::Value { .. } => {
+                "`spineline schema case` (or model, stiffness) prints every key with its meaning"
+            }
+            Self::Format { .. } => {
+                "`analyze` and `check` read case files, `simulate` and `export` read model files"
+            }
+            Self::Version { .. } => {
+                "install a newer Spineline, or write the file again with this one"
+            }
+            Self::Vertebra { .. } | Self::MixedKinds { .. } => {
+                "mark all vertebrae of a film the same way"
+            }
+            Self::NoImage { .. } => {
+                "add `image`: columns, rows, column_spacing_mm, row_spacing_mm, patient_left"
+            }
+            Self::Stiffness(_) => {
+                "`spineline schema stiffness` prints the format; give every joint from L4/L3 to T3/T2 one row"
+            }
+            Self::ModelShape { .. } => {
+                "write the model again with `spineline analyze CASE --model FILE`"
+            }
+        }
+    }
+}

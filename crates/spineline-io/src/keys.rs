@@ -1,0 +1,130 @@
+//! Names that stand in files.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::marker::PhantomData;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use spineline::anatomy::{Level, Posture};
+
+/// A vertebra as a key: `L4`, `T12` (`Th12` and `D12` are read too).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct LevelKey(pub Level);
+
+impl Serialize for LevelKey {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.name())
+    }
+}
+
+impl<'de> Deserialize<'de> for LevelKey {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        text.parse().map(Self).map_err(D::Error::custom)
+    }
+}
+
+impl JsonSchema for LevelKey {
+    fn schema_name() -> Cow<'static, str> {
+        "Level".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let names = Level::ALL.map(Level::name);
+        json_schema!({ "type": "string", "enum": names, "description": "A vertebra" })
+    }
+}
+
+/// A posture.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum PostureKey {
+    /// Standing.
+    Erect,
+    /// Bending to the patient's left.
+    LeftBending,
+    /// Bending to the patient's right.
+    RightBending,
+    /// Lying at rest.
+    Neutral,
+    /// Lying under traction.
+    Traction,
+}
+
+impl From<PostureKey> for Posture {
+    fn from(key: PostureKey) -> Self {
+        match key {
+            PostureKey::Erect => Self::Erect,
+            PostureKey::LeftBending => Self::LeftBending,
+            PostureKey::RightBending => Self::RightBending,
+            PostureKey::Neutral => Self::Neutral,
+            PostureKey::Traction => Self::Traction,
+        }
+    }
+}
+
+impl From<Posture> for PostureKey {
+    fn from(posture: Posture) -> Self {
+        match posture {
+            Posture::Erect => Self::Erect,
+            Posture::LeftBending => Self::LeftBending,
+            Posture::RightBending => Self::RightBending,
+            Posture::Neutral => Self::Neutral,
+            Posture::Traction => Self::Traction,
+        }
+    }
+}
+
+/// A map by level in which a level that is given twice is an error, not an overwriting.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct ByLevel<T>(pub BTreeMap<LevelKey, T>);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for ByLevel<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Levels<T>(PhantomData<T>);
+
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for Levels<T> {
+            type Value = ByLevel<T>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("vertebrae by name")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+                let mut found = BTreeMap::new();
+                while let Some((level, value)) = map.next_entry::<LevelKey, T>()? {
+                    if found.insert(level, value).is_some() {
+                        let text = format!("{} is given twice in one reading", level.0);
+                        return Err(A::Error::custom(text));
+                    }
+                }
+                Ok(ByLevel(found))
+            }
+        }
+
+        deserializer.deserialize_map(Levels(PhantomData))
+    }
+}
+
+impl<T: JsonSchema> JsonSchema for ByLevel<T> {
+    fn schema_name() -> Cow<'static, str> {
+        format!("ByLevel_{}", T::schema_name()).into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let value = generator.subschema_for::<T>();
+        let names = Level::ALL.map(Level::name);
+        json_schema!({
+            "type": "object",
+            "propertyNames": { "enum": names },
+            "additionalProperties": value,
+            "description": "Vertebrae by name, each at most once"
+        })
+    }
+}

@@ -1,0 +1,70 @@
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use spineline::multibody::{JointStiffness, StiffnessLibrary};
+
+use crate::FileError;
+use crate::json::parse;
+use crate::keys::LevelKey;
+
+const FORMAT: &str = "spineline-stiffness";
+const VERSION: u32 = 1;
+
+/// The springs of the 14 joints before personalisation, each with its source.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "Spineline stiffness table, version 1")]
+pub struct StiffnessFile {
+    /// `spineline-stiffness`.
+    format: String,
+    /// 1.
+    version: u32,
+    /// One row per joint, in any order.
+    joints: Vec<JointRow>,
+}
+
+/// Rotational stiffness about the inferior vertebra's axes, in N·m per radian.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct JointRow {
+    inferior: LevelKey,
+    superior: LevelKey,
+    lateral_nm_per_rad: f64,
+    flexion_nm_per_rad: f64,
+    axial_nm_per_rad: f64,
+    /// Publication or measurement that the values come from.
+    source: String,
+}
+
+/// Reads a stiffness table from the text of its file.
+///
+/// # Errors
+/// [`FileError`].
+pub fn parse_stiffness(text: &str) -> Result<StiffnessLibrary, FileError> {
+    let file: StiffnessFile = parse(text, FORMAT, VERSION)?;
+    let rows = file.joints.into_iter().map(|row| JointStiffness {
+        inferior: row.inferior.0,
+        superior: row.superior.0,
+        nmm_per_rad: [row.lateral_nm_per_rad, row.flexion_nm_per_rad, row.axial_nm_per_rad]
+            .map(|newton_metres| 1000.0 * newton_metres),
+        source: row.source,
+    });
+    Ok(StiffnessLibrary::from_rows(rows.collect())?)
+}
+
+impl From<&StiffnessLibrary> for StiffnessFile {
+    fn from(library: &StiffnessLibrary) -> Self {
+        let row = |row: &JointStiffness| {
+            let [lateral, flexion, axial] = row.nmm_per_rad.map(|value| value / 1000.0);
+            JointRow {
+                inferior: LevelKey(row.inferior),
+                superior: LevelKey(row.superior),
+                lateral_nm_per_rad: lateral,
+                flexion_nm_per_rad: flexion,
+                axial_nm_per_rad: axial,
+                source: row.source.clone(),
+            }
+        };
+        let joints = library.rows().iter().map(row).collect();
+        Self { format: FORMAT.to_owned(), version: VERSION, joints }
+    }
+}

@@ -1,0 +1,81 @@
+use super::{Analysis, LineModel};
+use crate::action::LineKind;
+use crate::evaluate::Simulation;
+
+/// More of the joints' work than this against the force speaks against a line.
+const WEIGHT_AGAINST: f64 = 0.10;
+
+impl Analysis {
+    /// What the data say of the lines of action, in plain sentences.
+    ///
+    /// First whether the bends are compatible with a single force through the inflections, then which line reproduces
+    /// the fitted films best, and apart from that which one predicts the held-out films best.
+    #[must_use]
+    pub fn verdict(&self) -> Vec<String> {
+        let mut sentences = Vec::new();
+        if self.models.is_empty() {
+            sentences.push("No bending film: the curve is measured, but no stiffness can be fitted.".to_owned());
+            return sentences;
+        }
+        match self.models.iter().find(|model| model.kind == LineKind::Inflection) {
+            Some(model) => sentences.extend(self.inflection_verdict(model)),
+            None => sentences.push(format!(
+                "There is no inflection line: the erect curve has {} inflections that count.",
+                self.inflections.all.len()
+            )),
+        }
+        sentences.extend(self.best(true).map(|(model, error_mm)| {
+            format!(
+                "The {} reproduces the fitted bends best: {error_mm:.1} mm on average{}.",
+                model.kind,
+                if model.kind == LineKind::Estimated { ", with two more numbers fitted per bend" } else { "" }
+            )
+        }));
+        sentences.extend(self.best(false).map(|(model, error_mm)| {
+            format!("The {} predicts the held-out films best: {error_mm:.1} mm on average.", model.kind)
+        }));
+        sentences
+    }
+
+    fn inflection_verdict(&self, model: &LineModel) -> Vec<String> {
+        let bends: Vec<&Simulation> =
+            model.postures.iter().filter(|s| s.posture.bend().is_some()).collect();
+        let mut sentences = Vec::new();
+        for bend in &bends {
+            let beyond = bend.contradicted.iter().filter(|joint| joint.beyond_noise).count();
+            let weight = bend.contradicted_weight();
+            let joints = bend.location_errors_mm.len();
+            if beyond > 0 && weight > WEIGHT_AGAINST {
+                sentences.push(format!(
+                    "The {} is not compatible with a single force through the inflections: {} of {joints} joints turn against it, {beyond} of them beyond noise, with {:.0} % of the work.",
+                    bend.posture, bend.contradicted.len(), 100.0 * weight
+                ));
+            }
+        }
+        let tested = self.postures.iter().filter(|p| p.outline.posture.bend().is_some());
+        for (posture, test) in tested.filter_map(|p| p.line_comparison.map(|c| (p.outline.posture, c))) {
+            if test.p_value < 0.05 {
+                sentences.push(format!(
+                    "In the {posture} the load that the joints' rotations prefer runs {:.0} mm from the middle of the inflections and {:.0}° off their line (p {}).",
+                    test.distance_mm, test.angle.deg(), probability(test.p_value)
+                ));
+            }
+        }
+        if sentences.is_empty() && !bends.is_empty() {
+            sentences.push("The bends do not speak against a single force through the inflections.".to_owned());
+        }
+        sentences
+    }
+
+    /// The model with the least mean location error over fitted or held-out films.
+    fn best(&self, fitted: bool) -> Option<(&LineModel, f64)> {
+        let errors = self.models.iter().filter_map(|model| Some((model, model.mean_location_error_mm(fitted)?)));
+        errors.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}
+
+/// A probability as people print it: never as zero.
+#[must_use]
+pub fn probability(p: f64) -> String {
+    if p < 1e-4 { "< 0.0001".to_owned() } else { format!("= {p:.4}") }
+}
