@@ -8,7 +8,7 @@
 //!   self-consistently by continuation: the paper's hypothesis;
 //! - [`Truth::Bend`]: prescribed rotations of one sign at all levels, sized by published flexibility, vanishing at the
 //!   inflections: what clinicians see;
-//! - [`Truth::Pull`]: the same rod under a horizontal force at T2: Petit's hypothesis.
+//! - [`Truth::Pull`]: the same rod under a horizontal force at T2, Petit's hypothesis; its traction is a cranial one.
 //!
 //! ```
 //! use spineline_phantom::{Readers, Truth, generate};

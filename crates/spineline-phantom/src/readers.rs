@@ -94,10 +94,10 @@ impl Default for Readers {
         Self {
             observers: 2,
             repeats: 3,
-            corner_sd_mm: 0.8,
-            corner_bias_sd_mm: 0.3,
-            axis_sd: Angle::from_deg(0.4),
-            axis_bias_sd: Angle::from_deg(0.15),
+            corner_sd_mm: 0.4,
+            corner_bias_sd_mm: 0.15,
+            axis_sd: Angle::from_deg(0.3),
+            axis_bias_sd: Angle::from_deg(0.1),
             rounded: true,
         }
     }

@@ -137,8 +137,8 @@ fn rod(
 
 /// Prescribed rotations to one side; neutral and traction scale the erect curve.
 ///
-/// Parts of a curve that a bend to its convex side takes away, and that lying and traction take away:
-/// [bekki-2018] for surgical adolescents, caudal region first. The other way a curve grows by half as much (assumption).
+/// Parts of a curve that a bend to its convex side and that lying take away: [bekki-2018] for surgical adolescents,
+/// caudal region first. Traction, and that a curve grows by half as much on the other bend, are assumptions.
 fn bend(spine: &ErectSpine, rng: &mut ChaCha12Rng) -> Vec<Moved> {
     const FLEXIBILITY: [f64; 3] = [0.682, 0.402, 0.325];
     const NEUTRAL: [f64; 3] = [0.19, 0.21, 0.09];

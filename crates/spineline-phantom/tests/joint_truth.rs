@@ -74,8 +74,7 @@ impl Patient {
             films.iter().map(|outline| FitFilm { outline, load }).collect();
         let settings =
             FitSettings { regions: &self.regions, target, gauge: Gauge::GeometricMean, support };
-        let fit =
-            personalize(&self.model, &self.library, groups, &self.erect, &films, &settings);
+        let fit = personalize(&self.model, &self.library, groups, &self.erect, &films, &settings);
         let what = format!("{support:?}, {target:?}, {} groups", groups.len());
         assert_eq!(fit.status, FitStatus::Converged, "{what}");
         assert!(fit.bounds.iter().all(|&bound| bound == StiffnessBound::Inside), "{what}");

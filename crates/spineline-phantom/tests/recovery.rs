@@ -88,7 +88,9 @@ fn inflections_and_lines_of_rod_phantoms_are_found() {
                 // misses the vertebrae themselves, it may miss the inflection by as much.
                 let limit_mm = INFLECTION_MM + posture.fit.rmse_mm;
                 misses.unless(off_mm <= limit_mm, || {
-                    format!("{id}, {name}: an inflection is {off_mm:.3} mm off, {limit_mm:.3} allowed")
+                    format!(
+                        "{id}, {name}: an inflection is {off_mm:.3} mm off, {limit_mm:.3} allowed"
+                    )
                 });
             }
             let Some(line) = truth.line else { continue };

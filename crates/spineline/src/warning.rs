@@ -1,4 +1,4 @@
-//! Soft problems: they change no number and stop nothing, but everyone who reads a result sees them.
+//! Soft problems: they stop nothing, but everyone who reads a result sees them, and each says what was done about it.
 
 use crate::anatomy::{Level, Posture};
 

@@ -64,8 +64,12 @@ fn two_joints_turn_one_after_the_other() {
     let model = chain(&[0.0, 40.0, 80.0], &[15.0, 55.0]);
     let (k1, k2, force_n) = (120_000.0, 150_000.0, 400.0);
     let (point, lean) = (Frontal::new(-30.0, 90.0), Angle::from_deg(-15.0));
-    let statics =
-        Statics::from_stiffness(&model, [[k1, 1.0, 1.0], [k2, 1.0, 1.0]], &[0, 0], Support::Frontal);
+    let statics = Statics::from_stiffness(
+        &model,
+        [[k1, 1.0, 1.0], [k2, 1.0, 1.0]],
+        &[0, 0],
+        Support::Frontal,
+    );
     let end = solve(&statics, &Load::along(LineOfAction::leaning(point, lean), 7.0), force_n);
     let (u, v) = (-lean.rad().sin(), lean.rad().cos());
     let arm = |y: f64, z: f64| (point.y_mm - y) * v - (point.z_mm - z) * u;
@@ -142,9 +146,8 @@ fn every_hinge_is_in_equilibrium_as_virtual_work() {
     for support in [Support::Free, Support::Frontal] {
         for subject in [0, 9, 17] {
             let (_, model) = spine(subject);
-            let rows: Vec<[f64; 3]> = (0..14)
-                .map(|_| [1e5, 1e5, 2e5].map(|k| k * draw.between(0.5, 2.0)))
-                .collect();
+            let rows: Vec<[f64; 3]> =
+                (0..14).map(|_| [1e5, 1e5, 2e5].map(|k| k * draw.between(0.5, 2.0))).collect();
             let statics = Statics::from_stiffness(&model, rows.clone(), &[0; 14], support);
             let wrench = Wrench {
                 force_n: Vec3::from_fn(|_, _| draw.between(-60.0, 60.0)),

@@ -88,7 +88,8 @@ impl Analysis {
         let simulation = model.posture(posture)?;
         let options = &self.options;
         let logs = &model.fit.log_multipliers;
-        let statics = Statics::new(&self.spine, &options.library, &model.groups, logs, options.support);
+        let statics =
+            Statics::new(&self.spine, &options.library, &model.groups, logs, options.support);
         let load = Load::along(simulation.line, simulation.depth_mm);
         // Springs and forces are scaled alike, so the unscaled ones give the same shapes.
         let force_n = simulation.force_n / model.fit.absolute_scale;
@@ -105,7 +106,8 @@ impl Analysis {
     #[must_use]
     pub fn is_converged(&self) -> bool {
         self.models.iter().all(|model| {
-            model.fit.status == FitStatus::Converged && model.postures.iter().all(Simulation::is_usable)
+            model.fit.status == FitStatus::Converged
+                && model.postures.iter().all(Simulation::is_usable)
         })
     }
 }
@@ -132,7 +134,8 @@ pub(super) fn fit_models(analysis: &mut Analysis) {
     analysis.warnings = warnings;
 }
 
-/// Sagittal place of the lines: the mean of the vertebrae at the inflections, which stand above L4 as T2 does.
+/// Sagittal place of the lines: the mean depth of the vertebrae at the inflections; without inflections that of L4 and
+/// T2, which is zero.
 fn depth_mm(analysis: &Analysis) -> f64 {
     let Some(pair) = analysis.inflections.pair else { return 0.0 };
     let at = |level: Level| level.model_index().map_or(0.0, |i| analysis.spine.midpoints_mm[i].x);
@@ -262,11 +265,11 @@ fn fit_model(analysis: &Analysis, kind: LineKind, warnings: &mut Warnings) -> Op
             warnings.film(Step::Action, "no_line", posture.outline.posture, text);
             continue;
         };
-        // With the whole shape as data the force was fitted; with Ferguson angles the amplitude determines it.
-        let whole_shape = kind == LineKind::Estimated || target == FitTarget::Shape;
+        // With the whole shape as data the force was fitted, or frozen; with Ferguson angles the amplitude determines it.
+        let known = target == FitTarget::Shape || options.gauge == Gauge::FrozenForce;
         let target = match (posture.outline.posture.bend(), fitted) {
             (_, Some(_)) if kind == LineKind::Estimated => Target::Fitted(estimated_n),
-            (_, Some(film)) if whole_shape => Target::Fitted(model.fit.loads[film][0]),
+            (_, Some(film)) if known => Target::Fitted(model.fit.loads[film][0]),
             (Some(_), _) => Target::Amplitude,
             (None, _) => Target::NearestT2,
         };
@@ -319,7 +322,8 @@ fn contradicted(
     evidence.contradicted(&load, components_of(&line, simulation.force_n))
 }
 
-/// A known force scales springs about all axes and all forces alike, which changes no shape.
+/// A known force scales springs about all axes and all forces alike, which changes no shape. Only its size counts: its
+/// sign is the fit's.
 fn scale_to_known_force(model: &mut LineModel, gauge: Gauge, warnings: &mut Warnings) {
     let Gauge::KnownForce { posture, force_n } = gauge else { return };
     let simulated =

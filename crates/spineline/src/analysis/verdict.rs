@@ -14,7 +14,10 @@ impl Analysis {
     pub fn verdict(&self) -> Vec<String> {
         let mut sentences = Vec::new();
         if self.models.is_empty() {
-            sentences.push("No bending film: the curve is measured, but no stiffness can be fitted.".to_owned());
+            sentences.push(
+                "No bending film: the curve is measured, but no stiffness can be fitted."
+                    .to_owned(),
+            );
             return sentences;
         }
         match self.models.iter().find(|model| model.kind == LineKind::Inflection) {
@@ -28,11 +31,18 @@ impl Analysis {
             format!(
                 "The {} reproduces the fitted bends best: {error_mm:.1} mm on average{}.",
                 model.kind,
-                if model.kind == LineKind::Estimated { ", with two more numbers fitted per bend" } else { "" }
+                if model.kind == LineKind::Estimated {
+                    ", with two more numbers fitted per bend"
+                } else {
+                    ""
+                }
             )
         }));
         sentences.extend(self.best(false).map(|(model, error_mm)| {
-            format!("The {} predicts the held-out films best: {error_mm:.1} mm on average.", model.kind)
+            format!(
+                "The {} predicts the held-out films best: {error_mm:.1} mm on average.",
+                model.kind
+            )
         }));
         sentences
     }
@@ -53,7 +63,9 @@ impl Analysis {
             }
         }
         let tested = self.postures.iter().filter(|p| p.outline.posture.bend().is_some());
-        for (posture, test) in tested.filter_map(|p| p.line_comparison.map(|c| (p.outline.posture, c))) {
+        for (posture, test) in
+            tested.filter_map(|p| p.line_comparison.map(|c| (p.outline.posture, c)))
+        {
             if test.p_value < 0.05 {
                 sentences.push(format!(
                     "In the {posture} the load that the joints' rotations prefer runs {:.0} mm from the middle of the inflections and {:.0}° off their line (p {}).",
@@ -62,14 +74,19 @@ impl Analysis {
             }
         }
         if sentences.is_empty() && !bends.is_empty() {
-            sentences.push("The bends do not speak against a single force through the inflections.".to_owned());
+            sentences.push(
+                "The bends do not speak against a single force through the inflections.".to_owned(),
+            );
         }
         sentences
     }
 
     /// The model with the least mean location error over fitted or held-out films.
     fn best(&self, fitted: bool) -> Option<(&LineModel, f64)> {
-        let errors = self.models.iter().filter_map(|model| Some((model, model.mean_location_error_mm(fitted)?)));
+        let errors = self
+            .models
+            .iter()
+            .filter_map(|model| Some((model, model.mean_location_error_mm(fitted)?)));
         errors.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 }

@@ -3,7 +3,8 @@ use super::Level;
 /// Sizes of one typical vertebra and of the disc above it.
 ///
 /// # References
-/// Endplates and body heights: [panjabi-1991], [panjabi-1992]. Discs: [shin-2024], [bach-2019], [yadav-2020] (lumbar and
+/// Endplates and body heights: [panjabi-1991], [panjabi-1992]; most thoracic cells and the lumbar lower widths and depths
+/// were not checked against the originals. Discs: [shin-2024], [bach-2019], [yadav-2020] (lumbar and
 /// thoracolumbar), [fletcher-2015] (thoracic, interpolated). Unit lengths and sagittal angles: [bruno-2015].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Morphometry {

@@ -3,7 +3,8 @@
 //! # Model
 //! Segment `k` (from 0) is a rigid link from joint `k` to joint `k + 1`; its rotary joint sits at its caudal end, and
 //! joint 0 is L4's midpoint. The joint angle is the turn of a link against the one below; the link below the first is
-//! +Z. Links are laid as chords: every joint lies on the curve.
+//! +Z. Links are laid as chords: every joint lies on the curve. The link length is found from arc lengths, which differ
+//! from the chords by far less than a link.
 //!
 //! # Departures from the paper
 //! Problem (1), `min Σ |n_0 - n_i|`, always prefers a longer link. The number of segments of the erect curve is
@@ -58,7 +59,7 @@ pub struct DenavitHartenberg {
     pub theta: Angle,
 }
 
-/// Curves without length.
+/// Curves on which no chain can be laid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ChainError {

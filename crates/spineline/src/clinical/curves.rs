@@ -111,20 +111,20 @@ pub struct LenkeType {
 ///
 /// A minor curve is structural when at least 25° remain on the bend to its convex side. Kyphosis, which may make a
 /// curve structural too, the lumbar and the sagittal modifier need what these films do not show.
-/// `None` where a bending film is missing or the main curve is below 10°.
+/// `None` where a bending film is missing, no curve reaches 10°, or the structural curves make no type.
 ///
 /// # References
 /// [lenke-2001].
 #[must_use]
 pub fn lenke_type(curves: &[ClinicalCurve]) -> Option<LenkeType> {
     const STRUCTURAL: Angle = Angle::from_deg(25.0);
+    const SCOLIOSIS: Angle = Angle::from_deg(10.0);
     let [lumbar, main, proximal] = curves else { return None };
     let size = |curve: &ClinicalCurve| curve.cobb_in(Posture::Erect).map(Angle::abs);
-    let stays =
-        |curve: &ClinicalCurve| curve.cobb_when_straightened().map(|a| a.abs() >= STRUCTURAL);
+    let stays = |curve: &ClinicalCurve| curve.cobb_when_straightened().map(|a| a >= STRUCTURAL);
     // The proximal thoracic curve is never the major one.
     let lumbar_is_major = size(lumbar)? > size(main)?;
-    if size(lumbar)?.max_of(size(main)?) < Angle::from_deg(10.0) {
+    if size(lumbar)? < SCOLIOSIS && size(main)? < SCOLIOSIS {
         return None;
     }
     let lumbar_structural = lumbar_is_major || stays(lumbar)?;
@@ -139,11 +139,4 @@ pub fn lenke_type(curves: &[ClinicalCurve]) -> Option<LenkeType> {
         _ => return None,
     };
     Some(LenkeType { number })
-}
-
-impl Angle {
-    /// The larger of two angles.
-    fn max_of(self, other: Self) -> Self {
-        if self > other { self } else { other }
-    }
 }

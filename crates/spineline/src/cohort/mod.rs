@@ -125,7 +125,7 @@ pub struct LineStatistics {
 pub struct Cohort {
     /// Patients.
     pub patients: usize,
-    /// Whether all of them are made up.
+    /// Whether any of them is made up.
     pub synthetic: bool,
     /// Segments per chain: n.
     pub segments: Summary,
@@ -205,7 +205,7 @@ impl Cohort {
             .collect();
         Self {
             patients: analyses.len(),
-            synthetic: analyses.iter().all(|a| a.synthetic),
+            synthetic: analyses.iter().any(|a| a.synthetic),
             segments: numbers(&|a| a.chain.segments as f64),
             segment_mm: numbers(&|a| a.chain.segment_mm),
             rmse_mm: films(&|p| vec![p.fit.rmse_mm]),

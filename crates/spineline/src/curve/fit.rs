@@ -144,7 +144,8 @@ fn fit_order(outline: &Outline, form: CurveForm, order: usize) -> Result<CurveFi
         end_mm,
     };
     let left_out = left_out_error(&rows, &q, &(&rows.target - &rows.matrix * &solution));
-    let mean_square = |squares: f64| (squares / outline.vertebrae.len() as f64).sqrt();
+    // L4 is met by construction and does not count.
+    let mean_square = |squares: f64| (squares / (outline.vertebrae.len() - 1) as f64).sqrt();
     let (mut off_mm2, mut off_rad2) = (0.0, 0.0);
     for (vertebra, &t) in outline.vertebrae.iter().zip(&t_mm) {
         off_mm2 += vertebra.location.distance_mm(curve.point(t)).powi(2);

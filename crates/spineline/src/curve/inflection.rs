@@ -62,7 +62,7 @@ pub enum InflectionChoice {
 /// # Definition
 /// A sign change of the curvature between L4 and T2 whose lobes on both sides turn by at least `min_turn`. Lobes that
 /// turn less are joined to their neighbours, the smallest first. With more than two inflections, the pair is the one
-/// around the lobe that turns most.
+/// around the lobe between two inflections that turns most.
 #[must_use]
 pub fn find_inflections(fit: &CurveFit, min_turn: Angle) -> Inflections {
     let curve = &fit.curve;
@@ -101,7 +101,9 @@ impl Inflections {
             let t = |level: Level| level.model_index().map_or(0.0, |i| fit.vertebra_t_mm[i]);
             inflection_at(fit, 0.5 * (t(site.inferior) + t(site.superior)))
         };
-        self.pair = Some(sites.map(at));
+        let mut pair = sites.map(at);
+        pair.sort_by(|a, b| a.t_mm.total_cmp(&b.t_mm));
+        self.pair = Some(pair);
         self
     }
 }
@@ -116,7 +118,7 @@ fn inflection_at(fit: &CurveFit, t_mm: f64) -> Inflection {
     }
 }
 
-/// Parameters at which the curvature changes its sign, to about 1e-9 mm.
+/// Parameters at which the curvature changes its sign, to 1e-10 of the curve's length.
 fn sign_changes(curve: &Curve) -> Vec<f64> {
     // Two changes within one step bound a lobe of far less than any that counts.
     const STEPS: u32 = 400;

@@ -107,29 +107,4 @@ impl Curve {
             .sum::<f64>()
             * half
     }
-
-    /// Parameter of the point at a given height, for a point near the curve.
-    ///
-    /// For [`CurveForm::Graph`] this is the height itself; else the nearest point is found.
-    #[must_use]
-    pub fn nearest_parameter_mm(&self, point: Frontal) -> f64 {
-        if self.form == CurveForm::Graph {
-            return point.z_mm.clamp(0.0, self.end_mm);
-        }
-        let steps = 400;
-        let at = |step: i32| self.end_mm * f64::from(step) / f64::from(steps);
-        let coarse = (0..=steps)
-            .map(at)
-            .min_by(|a, b| {
-                self.point(*a).distance_mm(point).total_cmp(&self.point(*b).distance_mm(point))
-            })
-            .unwrap_or(0.0);
-        // Newton on the foot of the perpendicular.
-        let mut t = coarse;
-        for _ in 0..4 {
-            let tangent = self.tangent(t);
-            t += (point - self.point(t)).dot(tangent) / tangent.dot(tangent);
-        }
-        t.clamp(0.0, self.end_mm)
-    }
 }

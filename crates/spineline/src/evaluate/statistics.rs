@@ -61,12 +61,12 @@ pub struct PairedT {
     pub effect_size: f64,
 }
 
-/// Paired t-test; `None` for fewer than two pairs or differences without any spread.
+/// Paired t-test; `None` for samples of unequal length, fewer than two pairs, or differences without any spread.
 #[must_use]
 pub fn paired_t(a: &[f64], b: &[f64]) -> Option<PairedT> {
     let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
     let summary = Summary::of(&differences);
-    if summary.n < 2 || !(summary.sd > 0.0) {
+    if a.len() != b.len() || summary.n < 2 || !(summary.sd > 0.0) {
         return None;
     }
     let freedom = (summary.n - 1) as f64;
@@ -139,13 +139,13 @@ pub fn cluster_bootstrap(clusters: &[Vec<f64>], resamples: u32, seed: u64) -> Op
     Some([quantile(&drawn, 0.025), quantile(&drawn, 0.975)])
 }
 
-/// Pearson's correlation; `None` where a sample has no spread.
+/// Pearson's correlation; `None` for samples of unequal length or without spread.
 #[must_use]
 pub fn pearson(a: &[f64], b: &[f64]) -> Option<f64> {
     let (sa, sb) = (Summary::of(a), Summary::of(b));
     let covariance: f64 = a.iter().zip(b).map(|(x, y)| (x - sa.mean) * (y - sb.mean)).sum();
     let r = covariance / ((a.len() as f64 - 1.0) * sa.sd * sb.sd);
-    r.is_finite().then_some(r)
+    (a.len() == b.len() && r.is_finite()).then_some(r)
 }
 
 #[cfg(test)]

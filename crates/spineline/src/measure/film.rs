@@ -82,8 +82,8 @@ impl ImageGeometry {
     /// Whether a place lies on the picture.
     #[must_use]
     pub fn contains(&self, place: Pixel) -> bool {
-        (-0.5..f64::from(self.columns) + 0.5).contains(&place.column_px)
-            && (-0.5..f64::from(self.rows) + 0.5).contains(&place.row_px)
+        (-0.5..f64::from(self.columns) - 0.5).contains(&place.column_px)
+            && (-0.5..f64::from(self.rows) - 0.5).contains(&place.row_px)
     }
 
     /// Which way the patient's left lies when the column grows.

@@ -126,6 +126,8 @@ pub enum MeasureError {
         superior: Level,
         /// How far above, along the lower one's axis.
         distance_mm: f64,
+        /// A fifth of the usual distance in this spine.
+        limit_mm: f64,
     },
     /// An angle of a vertebra beyond what a spine can show.
     #[error(

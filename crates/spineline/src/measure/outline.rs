@@ -9,6 +9,8 @@ use crate::spatial::{Angle, Frontal};
 use crate::warning::{Step, Warnings};
 
 /// Standard deviation of a film's measured values (means over its readings).
+///
+/// It is pooled over observers and repeats alike; a bias that all observers share does not show in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
     /// Of a coordinate of a location.
@@ -338,8 +340,15 @@ fn check_order(
         let (inferior, superior) = (pair[0].level, pair[1].level);
         let axis = Frontal::leaning((pair[0].tilt + pair[1].tilt) * 0.5);
         let distance_mm = (pair[1].location - pair[0].location).dot(axis);
-        if distance_mm <= 0.2 * scale * Morphometry::spacing_mm(inferior, superior) {
-            return Err(MeasureError::OutOfOrder { posture, inferior, superior, distance_mm });
+        let limit_mm = 0.2 * scale * Morphometry::spacing_mm(inferior, superior);
+        if distance_mm <= limit_mm {
+            return Err(MeasureError::OutOfOrder {
+                posture,
+                inferior,
+                superior,
+                distance_mm,
+                limit_mm,
+            });
         }
         // Twice or half the usual distance is what a skipped or doubled vertebra looks like.
         let ratio = spacing(pair) / (scale * Morphometry::spacing_mm(inferior, superior));

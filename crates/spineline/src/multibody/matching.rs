@@ -27,11 +27,11 @@ impl ForceSign {
 /// How a search for a force ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MatchStatus {
-    /// The target is met.
+    /// The target is met, or the force was known and its equilibrium found.
     Matched,
     /// The target is not met up to the largest force or hinge angle; the nearest shape is given.
     Unreachable,
-    /// A load that moves with T2 could not be closed.
+    /// A load that moves with T2 could not be closed, or the search did not end.
     NotConverged,
 }
 
@@ -82,13 +82,13 @@ impl ForceMatch {
 }
 
 /// No hinge is followed beyond this angle: ligaments and facets would have stopped it long before.
-const LARGEST_HINGE_RAD: f64 = 0.8;
+pub(crate) const LARGEST_HINGE_RAD: f64 = 0.8;
 /// A hinge turns by at most so much from one step to the next.
 const STEP_RAD: f64 = 0.15;
 /// T2 moves by at most so much from one look at its distance to the next.
 const T2_STEP_MM: f64 = 4.0;
 /// 1500 N for springs of the library's mean lateral stiffness; scales with the springs.
-const LARGEST_FORCE_PER_STIFFNESS: f64 = 1500.0 / 143_000.0;
+const LARGEST_FORCE_PER_STIFFNESS: f64 = 1500.0 / 144_000.0;
 /// Distances of T2 that differ by less are equally good: about what a location's reading and the model's joints leave.
 pub const T2_TOLERANCE_MM: f64 = 1.0;
 /// A path that needs more equilibria than this goes nowhere.
@@ -147,6 +147,7 @@ pub fn match_t2(statics: &Statics<'_>, load: &Load, place: Frontal) -> ForceMatc
         path.follow(sign, usize::MAX);
     }
     let enough_mm = path.nearest.0 + T2_TOLERANCE_MM;
+    path.found.retain(ForceMatch::is_usable);
     path.found.sort_by(|a, b| a.force_n.abs().total_cmp(&b.force_n.abs()));
     match path.found.iter().position(|found| found.residual <= enough_mm) {
         Some(index) => path.found.swap_remove(index),
@@ -230,7 +231,8 @@ impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
         let enough = self.found.len().saturating_add(most);
         self.solution = Solution::default();
         let (mut force_n, mut now) = (0.0, self.at(0.0));
-        while self.evaluations < MOST_EVALUATIONS {
+        let last = self.evaluations + MOST_EVALUATIONS;
+        while self.evaluations < last {
             if now.met {
                 self.record(MatchStatus::Matched, force_n, now.residual);
                 if self.found.len() >= enough {

@@ -21,6 +21,7 @@ mod stiffness;
 
 pub use geometry::{Joint, SpineModel};
 pub use march::{Deformed, Load, Parameter, Solution, Statics, Wrench};
+pub(crate) use matching::LARGEST_HINGE_RAD;
 pub use matching::{
     ForceMatch, ForceSign, MatchStatus, amplitude_matches, match_amplitude, match_t2,
 };

@@ -40,7 +40,8 @@ pub struct LineComparison {
     pub f_statistic: f64,
     /// Degrees of freedom of the denominator.
     pub freedom: usize,
-    /// Probability of a larger statistic if it does.
+    /// Probability of a larger statistic if it does, for given multipliers. Where those were estimated from the same film,
+    /// it is somewhat too small.
     pub p_value: f64,
 }
 

@@ -110,7 +110,8 @@ impl FilmEvidence {
         let work = |j: usize| (arms[j] * self.joints[j].rotation.rad()).abs();
         let total: f64 = (0..arms.len()).map(work).sum();
         (0..arms.len())
-            .filter(|&j| arms[j] * self.joints[j].rotation.rad() < 0.0)
+            // A joint that does not turn but for rounding contradicts nothing.
+            .filter(|&j| arms[j] * self.joints[j].rotation.rad() < -1e-9 * total)
             .map(|j| {
                 let rotation = self.joints[j].rotation;
                 ContradictedJoint {

@@ -110,12 +110,13 @@ pub(super) fn minimize(
             let small = (0..n).all(|i| step[i].abs() <= 1e-12 * (x[i].abs() + 1e-3));
             // What the linear model promises to take away.
             let promised = -2.0 * step.dot(&gradient) - (&system.jacobian * &step).norm_squared();
-            if evaluate(&next, &mut trial) && trial.cost() < cost {
+            let evaluable = evaluate(&next, &mut trial);
+            if evaluable && trial.cost() < cost {
                 // Nielsen's rule: trust grows with how much of the promise came true.
                 let ratio = (cost - trial.cost()) / promised.max(f64::MIN_POSITIVE);
                 damping = (damping * f64::max(0.1, 1.0 - (2.0 * ratio - 1.0).powi(3))).max(1e-15);
                 growth = 2.0;
-                let done = cost - trial.cost() <= 1e-14 * cost || small;
+                let done = cost - trial.cost() <= 1e-9 * cost || small;
                 std::mem::swap(&mut system, &mut trial);
                 x = next;
                 if done || system.cost() < 1e-24 {
@@ -124,8 +125,11 @@ pub(super) fn minimize(
                 }
                 break;
             }
-            if small || promised.abs() <= 1e-15 * cost {
-                status = FitStatus::Converged;
+            if small || promised.abs() <= 1e-12 * cost {
+                // A neighbourhood in which nothing can be evaluated proves no minimum.
+                if evaluable {
+                    status = FitStatus::Converged;
+                }
                 break 'outer;
             }
             damping *= growth;

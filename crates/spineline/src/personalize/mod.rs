@@ -2,7 +2,7 @@
 //!
 //! # Model
 //! Unknown are `ln α` per group of joints (lateral springs, shared by all bends) and one force per bend. The data are
-//! the Ferguson angles of three regions per bend with the bend's amplitude held ([petit-2004]), or the whole shape.
+//! the whole shape, or as in [petit-2004] the Ferguson angles of three regions per bend with its amplitude held.
 //!
 //! # Only ratios are identified
 //! Scaling every spring and every force by one number changes no shape, so a [`Gauge`] fixes the level.

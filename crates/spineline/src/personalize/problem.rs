@@ -9,8 +9,8 @@ use super::start::{Start, closed_form, majority_signs};
 use super::{FitFilm, FitSettings, FitTarget, Gauge, MULTIPLIER_BOUNDS};
 use crate::clinical::{RegionBounds, ferguson_angle};
 use crate::multibody::{
-    ForceSign, JointGroups, Load, Parameter, Solution, SpineModel, Statics, StiffnessLibrary,
-    match_amplitude,
+    ForceSign, JointGroups, LARGEST_HINGE_RAD, Load, Parameter, Solution, SpineModel, Statics,
+    StiffnessLibrary, match_amplitude,
 };
 use crate::spatial::{Angle, Frontal};
 
@@ -273,7 +273,6 @@ impl<'a> Problem<'a> {
     }
 
     pub fn evaluate(&mut self, x: &DVector<f64>, system: &mut System) -> bool {
-        const LARGEST_HINGE_RAD: f64 = 1.5;
         let g = self.groups.len();
         let statics = self.statics(&x.as_slice()[..g]);
         let rows = self.rows_per_film();

@@ -164,7 +164,8 @@ pub fn spine(subject: usize) -> (Outline, SpineModel) {
 
 /// Regions that end at the usual vertebrae T12 and T6.
 pub fn usual_regions() -> Regions {
-    let bounds = |region, inferior, apex, superior| RegionBounds { region, inferior, apex, superior };
+    let bounds =
+        |region, inferior, apex, superior| RegionBounds { region, inferior, apex, superior };
     Regions {
         bounds: [
             bounds(Region::ThoracolumbarLumbar, 0, 2, 4),
