@@ -1,2 +1,102 @@
-//! stub
-fn main() {}
+//! The project's own commands: `cargo xtask test` runs everything that must hold.
+
+mod tidy;
+
+use std::env;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+const HELP: &str = "\
+cargo xtask COMMAND
+
+  test    everything: format, lints, tidy, tests, documentation and its examples
+  check   the quick part: format, lints, tidy
+  tidy    house rules that no compiler knows
+  bench   benchmarks of the core
+";
+
+/// One thing that must hold; the text says what does not.
+type Step = fn(&Path) -> Result<(), String>;
+
+fn main() -> ExitCode {
+    let command = env::args().nth(1).unwrap_or_default();
+    let root = root();
+    let steps: &[Step] = match command.as_str() {
+        "test" => &[format, lint, tidy::run, test, doctest, docs],
+        "check" => &[format, lint, tidy::run],
+        "tidy" => &[tidy::run],
+        "bench" => &[bench],
+        _ => {
+            eprint!("{HELP}");
+            return ExitCode::from(2);
+        }
+    };
+    for step in steps {
+        if let Err(reason) = step(&root) {
+            eprintln!("xtask {command}: {reason}");
+            return ExitCode::FAILURE;
+        }
+    }
+    println!("xtask {command}: all is well");
+    ExitCode::SUCCESS
+}
+
+/// The folder of the workspace.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the workspace").to_owned()
+}
+
+fn cargo(root: &Path, arguments: &[&str]) -> Result<(), String> {
+    run(root, "cargo", arguments, &[])
+}
+
+fn run(
+    root: &Path,
+    program: &str,
+    arguments: &[&str],
+    variables: &[(&str, &str)],
+) -> Result<(), String> {
+    println!("» {program} {}", arguments.join(" "));
+    let status = Command::new(program)
+        .args(arguments)
+        .envs(variables.iter().copied())
+        .current_dir(root)
+        .status()
+        .map_err(|error| format!("`{program}` could not be started: {error}"))?;
+    if status.success() {
+        Ok(())
+    } else {
+        Err(format!("`{program} {}` failed", arguments.join(" ")))
+    }
+}
+
+fn format(root: &Path) -> Result<(), String> {
+    cargo(root, &["fmt", "--all", "--check"])
+}
+
+fn lint(root: &Path) -> Result<(), String> {
+    cargo(root, &["clippy", "--workspace", "--all-targets", "--locked", "--", "--deny", "warnings"])
+}
+
+/// All tests, with nextest where it is installed.
+fn test(root: &Path) -> Result<(), String> {
+    let nextest = Command::new("cargo").args(["nextest", "--version"]).output();
+    if nextest.is_ok_and(|output| output.status.success()) {
+        cargo(root, &["nextest", "run", "--workspace", "--locked"])
+    } else {
+        cargo(root, &["test", "--workspace", "--locked", "--lib", "--bins", "--tests"])
+    }
+}
+
+fn doctest(root: &Path) -> Result<(), String> {
+    cargo(root, &["test", "--workspace", "--locked", "--doc"])
+}
+
+fn docs(root: &Path) -> Result<(), String> {
+    let arguments = ["doc", "--workspace", "--no-deps", "--locked", "--quiet"];
+    run(root, "cargo", &arguments, &[("RUSTDOCFLAGS", "--deny warnings")])
+}
+
+fn bench(root: &Path) -> Result<(), String> {
+    cargo(root, &["bench", "--package", "spineline", "--benches"])
+}

@@ -254,20 +254,20 @@ fn cohort_text(analyses: &[Analysis]) -> String {
         "Case",
         "main Cobb",
         "inflections",
-        "inflection fit",
-        "held out",
-        "iliac fit",
-        "held out",
-        "estimated fit",
-        "held out",
-        "joints against inflection line",
+        "inflection line",
+        "iliac line",
+        "estimated line",
+        "joints against",
         "warnings",
     ]);
     for analysis in analyses {
         table.row(report::cohort_row(analysis));
     }
     let cohort = Cohort::of(&analyses.iter().collect::<Vec<_>>(), BOOTSTRAP_SEED);
-    let mut text = format!("Mean location errors in mm\n{}\n", table.text());
+    let mut text = format!(
+        "Mean location errors in mm, fitted bends / held-out films; joints that turn against the inflection line's force\n{}\n",
+        table.text()
+    );
     text.push_str(&cohort_sentences(&cohort));
     text
 }
@@ -289,7 +289,7 @@ fn cohort_sentences(cohort: &Cohort) -> String {
                 format!(", 95 % interval over patients {low:.2} to {high:.2}")
             });
             text.push_str(&format!(
-                "{:15} {films:8}  location error {:.2} mm{interval}; Ferguson error {:.2}°; {} film(s) without a result\n",
+                "{:15} {films:8}  location error {:.2} mm{interval}; Ferguson error {:.2}°; films without a result: {}\n",
                 line.kind.to_string(), errors.location_mm.patients.mean, errors.ferguson_deg.patients.mean, errors.unusable
             ));
         }

@@ -228,6 +228,9 @@ pub struct OptionArgs {
     /// Inflections picked by hand, caudal first, each a vertebra or a disc: L1/T12,T6
     #[arg(long, value_name = "SITE,SITE", value_parser = inflection_sites)]
     inflections: Option<[Site; 2]>,
+    /// A stretch of the erect curve counts as a lobe, bounded by inflections, when it turns at least so many degrees
+    #[arg(long, value_name = "DEG", default_value = "5", value_parser = lobe)]
+    min_lobe: Angle,
     /// A line of action of your own: POSTURE=Y,Z,LEAN with a point in mm and its lean from cranial in degrees, right
     /// positive; may be repeated
     #[arg(long, value_name = "LINE", value_parser = given_line)]
@@ -255,6 +258,7 @@ impl OptionArgs {
             inflections: self
                 .inflections
                 .map_or(InflectionChoice::Automatic, InflectionChoice::ByHand),
+            min_lobe: self.min_lobe,
             given_lines: self.given_line.clone(),
             ..AnalysisOptions::default()
         };
@@ -311,6 +315,13 @@ fn gauge(text: &str) -> Result<Gauge, String> {
         return Err("a known force must not be zero".to_owned());
     }
     Ok(Gauge::KnownForce { posture: posture(name)?, force_n })
+}
+
+fn lobe(text: &str) -> Result<Angle, String> {
+    match number(text)? {
+        degrees @ 0.0..=90.0 => Ok(Angle::from_deg(degrees)),
+        _ => Err("expected 0 to 90 degrees".to_owned()),
+    }
 }
 
 fn inflection_sites(text: &str) -> Result<[Site; 2], String> {

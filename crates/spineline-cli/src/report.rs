@@ -15,7 +15,7 @@ pub fn text(analysis: &Analysis) -> String {
     let synthetic = if analysis.synthetic { " · SYNTHETIC" } else { "" };
     let unit = analysis.erect().outline.spacing_plane.unit();
     let films = analysis.postures.len();
-    let _ = writeln!(text, "{}{synthetic} · {films} film(s) · lengths in {unit}", analysis.case_id);
+    let _ = writeln!(text, "{}{synthetic} · films: {films} · lengths in {unit}", analysis.case_id);
     for sentence in analysis.verdict() {
         text.push_str(&wrap(&sentence, WIDTH, "  "));
     }
@@ -210,8 +210,10 @@ pub fn cohort_row(analysis: &Analysis) -> Vec<String> {
     ];
     for kind in crate::analyze::COHORT_LINES {
         let model = analysis.models.iter().find(|m| m.kind == kind);
-        row.push(model.map_or_else(|| "-".to_owned(), |m| error(m, true)));
-        row.push(model.map_or_else(|| "-".to_owned(), |m| error(m, false)));
+        row.push(model.map_or_else(
+            || "-".to_owned(),
+            |m| format!("{} / {}", error(m, true), error(m, false)),
+        ));
     }
     let inflection = analysis.models.iter().find(|m| m.kind == crate::analyze::COHORT_LINES[0]);
     let against: Vec<String> = inflection

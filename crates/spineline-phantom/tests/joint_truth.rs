@@ -72,8 +72,13 @@ impl Patient {
         ];
         let films: Vec<FitFilm<'_>> =
             films.iter().map(|outline| FitFilm { outline, load }).collect();
-        let settings =
-            FitSettings { regions: &self.regions, target, gauge: Gauge::GeometricMean, support };
+        let settings = FitSettings {
+            regions: &self.regions,
+            target,
+            gauge: Gauge::GeometricMean,
+            support,
+            hints: &[],
+        };
         let fit = personalize(&self.model, &self.library, groups, &self.erect, &films, &settings);
         let what = format!("{support:?}, {target:?}, {} groups", groups.len());
         assert_eq!(fit.status, FitStatus::Converged, "{what}");

@@ -77,6 +77,9 @@ impl Error {
             }
             Self::Measure(error) => error.help(),
             Self::Curve(_) => "use an order from 4 to 12, or `leave-one-out`",
+            Self::Chain(ChainError::Window { .. }) => {
+                "give a window of at least one number of segments"
+            }
             Self::Chain(_) => {
                 "check the spacing of the films: their curves should be about equally long"
             }

@@ -12,7 +12,7 @@ use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, LineModel};
 use spineline::anatomy::{Level, Posture};
 use spineline::measure::{Film, IliacCrests};
-use spineline::personalize::FitTarget;
+use spineline::personalize::{FitStatus, FitTarget};
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline_phantom::{Readers, Truth};
 
@@ -24,7 +24,7 @@ const FITTED: f64 = 1e-6;
 fn config() -> ProptestConfig {
     ProptestConfig {
         cases: 24,
-        rng_seed: RngSeed::Fixed(20_16),
+        rng_seed: RngSeed::Fixed(2016),
         failure_persistence: None,
         max_shrink_iters: 20,
         ..ProptestConfig::default()
@@ -82,6 +82,22 @@ fn model(analysis: &Analysis, kind: LineKind) -> &LineModel {
     analysis.models.iter().find(|model| model.kind == kind).expect("every line")
 }
 
+/// Whether a fit meets its films within three standard deviations: of a location or tilt, or of a Ferguson angle (0.5°).
+fn explains(a: &Analysis, model: &LineModel) -> bool {
+    let ferguson = a.options.target == FitTarget::Ferguson && model.kind != LineKind::Estimated;
+    model.fit.residual_rms < if ferguson { 1.5 } else { 3.0 }
+}
+
+/// Tolerance of a fit's multipliers, relative; `None` where the minimiser did not end in a minimum.
+///
+/// A fit that misses its films by many standard deviations has a wrong line. Its minimum lies in a long valley in which
+/// Gauss-Newton steps converge linearly, and where along the valley they stop depends on rounding.
+fn multiplier_tolerance(a: &Analysis, model: &LineModel) -> Option<f64> {
+    const IN_A_VALLEY: f64 = 1e-3;
+    let tolerance = if explains(a, model) { FITTED } else { IN_A_VALLEY };
+    (model.fit.status == FitStatus::Converged).then_some(tolerance)
+}
+
 /// Compares what two analyses found about stiffness and errors; lengths of the second are `scale` times larger.
 fn assert_same_models(
     a: &Analysis,
@@ -91,9 +107,16 @@ fn assert_same_models(
     kinds: &[LineKind],
 ) {
     for &kind in kinds {
+        let limits = [a, b].map(|analysis| multiplier_tolerance(analysis, model(analysis, kind)));
+        let good = explains(a, model(a, kind));
         let (a, b) = (model(a, kind), model(b, kind));
+        let [Some(tolerance), Some(_)] = limits else {
+            // Near the limit of iterations, rounding decides whether a poor fit got to its end.
+            assert!(!good, "{kind}: a good fit that ended with {:?}", [a.fit.status, b.fit.status]);
+            continue;
+        };
         for (i, (x, y)) in a.multipliers().zip(b.multipliers()).enumerate() {
-            assert_near(y, x, FITTED * x, &format!("{kind}: multiplier {i}"));
+            assert_near(y, x, tolerance * x, &format!("{kind}: multiplier {i}"));
         }
         for &(p, q) in postures.iter().skip(1) {
             let (Some(x), Some(y)) = (a.posture(p), b.posture(q)) else {
@@ -102,9 +125,14 @@ fn assert_same_models(
             };
             assert_eq!(x.status, y.status, "{kind}, {p}");
             assert_eq!(x.contradicted.len(), y.contradicted.len(), "{kind}, {p}");
+            // The nearest shape to an amplitude out of reach is no result; it depends on the largest force tried.
+            if !x.is_usable() {
+                continue;
+            }
             for (i, (x, y)) in x.location_errors_mm.iter().zip(&y.location_errors_mm).enumerate() {
-                // Errors are lengths of some millimetres of shapes of some hundred.
-                assert_near(*y, scale * x, 100.0 * FITTED, &format!("{kind}, {p}: error {i}"));
+                // A multiplier moves shapes of some hundred millimetres.
+                let limit_mm = 100.0 * tolerance;
+                assert_near(*y, scale * x, limit_mm, &format!("{kind}, {p}: error {i}"));
             }
         }
     }
@@ -226,9 +254,10 @@ proptest! {
         let bends = &MIRROR_POSTURE.map(|(posture, _)| (posture, posture))[..3];
         assert_same_models(&a, &b, bends, 2.0, &[LineKind::Inflection, LineKind::Iliac]);
         for kind in [LineKind::Inflection, LineKind::Iliac] {
-            let loads = model(&a, kind).fit.loads.iter().zip(&model(&b, kind).fit.loads);
-            for (x, y) in loads {
-                assert_near(y[0], 0.5 * x[0], FITTED * x[0].abs(), &format!("{kind}: force"));
+            let Some(tolerance) = multiplier_tolerance(&a, model(&a, kind)) else { continue };
+            let (a, b) = (model(&a, kind), model(&b, kind));
+            for (x, y) in a.fit.loads.iter().zip(&b.fit.loads) {
+                assert_near(y[0], 0.5 * x[0], tolerance * x[0].abs(), &format!("{kind}: force"));
             }
         }
     }

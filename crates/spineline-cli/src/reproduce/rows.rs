@@ -227,7 +227,7 @@ fn movement(cohorts: [&Cohort; 3]) -> Section {
     section(
         "Movement of the segments",
         rows,
-        "How far a phantom moves is drawn, not fitted to the paper. Where a smooth rotation changes its sign, the least of 998 is almost zero. Landmark noise shifts that place by many segments even where the truth leaves the inflections at rest: try --noise 0. The intervals are compared by their widths; segments of one spine are not independent, and the interval over patients is the honest one.",
+        "How far a phantom moves is drawn, not fitted to the paper. A rotation is the small difference of two curvatures: landmark noise, and even what a polynomial leaves without any noise (try --noise 0), shifts its zero by many segments, also where the truth leaves the inflections at rest. Where a rotation changes its sign, the least of 998 is almost zero. The intervals are compared by their widths; segments of one spine are not independent, and the interval over patients is the honest one.",
     )
 }
 
@@ -340,7 +340,8 @@ fn models(cohorts: [&Cohort; 3], support: Support) -> Section {
 /// The paper's one-sided tests on pooled values, and the same on one mean per patient.
 fn test_rows(cohorts: [&Cohort; 3]) -> Vec<Row> {
     let mut rows = Vec::new();
-    let tests: [(&str, &str, fn(&Cohort) -> Comparison); 2] = [
+    type Test = fn(&Cohort) -> Comparison;
+    let tests: [(&str, &str, Test); 2] = [
         ("Ferguson: Model-1 below Model-2", "p = 0.0005", |c| c.ferguson_test),
         ("location: Model-1 below Model-2", "p = 0.0000", |c| c.location_test),
     ];

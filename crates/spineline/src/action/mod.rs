@@ -102,7 +102,7 @@ impl LineOfAction {
     pub fn through(caudal: Frontal, cranial: Frontal) -> Result<Self, LineError> {
         let gap = cranial - caudal;
         let gap_mm = gap.norm_mm();
-        if !(gap_mm >= Self::MIN_GAP_MM) {
+        if gap_mm.is_nan() || gap_mm < Self::MIN_GAP_MM {
             return Err(LineError::TooShort { gap_mm, limit_mm: Self::MIN_GAP_MM });
         }
         let direction = gap * (1.0 / gap_mm);

@@ -107,7 +107,7 @@ pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error
         .iter()
         .map(|outline| fit_curve(outline, options.order_rule, &mut warnings))
         .collect::<Result<Vec<CurveFit>, _>>()?;
-    let inflections = inflections_of(&fits[0], options.inflections, &mut warnings);
+    let inflections = inflections_of(&fits[0], options, &mut warnings);
     let locations: Vec<Frontal> = outlines[0].locations().collect();
     let regions = Regions::from_inflections(&fits[0], &inflections, &locations, &mut warnings);
     let clinical = measure_curves(&regions, &outlines.iter().collect::<Vec<_>>());
@@ -176,11 +176,11 @@ pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error
 
 fn inflections_of(
     erect: &CurveFit,
-    choice: InflectionChoice,
+    options: &AnalysisOptions,
     warnings: &mut Warnings,
 ) -> Inflections {
-    let found = find_inflections(erect, crate::curve::MIN_TURN);
-    match choice {
+    let found = find_inflections(erect, options.min_lobe);
+    match options.inflections {
         InflectionChoice::ByHand(sites) => {
             warnings.push(
                 Step::Motion,
@@ -202,14 +202,23 @@ fn inflections_of(
                     "there is no inflection line; the other lines still are compared"
                 };
                 let text = format!(
-                    "the erect curve has {} inflections (lobes of {}), not two: {then}",
-                    found.all.len(),
+                    "the erect curve has {} (lobes of {}), not two: {then}",
+                    counted(found.all.len()),
                     lobes.join(", ")
                 );
                 warnings.film(Step::Motion, "inflections_not_two", Posture::Erect, text);
             }
             found
         }
+    }
+}
+
+/// A number of inflections in words.
+pub(super) fn counted(inflections: usize) -> String {
+    match inflections {
+        0 => "no inflection".to_owned(),
+        1 => "one inflection".to_owned(),
+        n => format!("{n} inflections"),
     }
 }
 

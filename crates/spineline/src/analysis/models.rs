@@ -8,7 +8,8 @@ use crate::multibody::{JointGroups, Load, Solution, Statics, StiffnessLibrary};
 use crate::personalize::estimate::{components_of, estimate_load, line_of};
 use crate::personalize::evidence::FilmEvidence;
 use crate::personalize::{
-    FitFilm, FitSettings, FitStatus, FitTarget, Gauge, Personalization, StiffnessBound, personalize,
+    FitFilm, FitSettings, FitStatus, FitTarget, Gauge, Personalization, Start, StiffnessBound,
+    personalize,
 };
 use crate::spatial::Frontal;
 use crate::warning::{Step, Warnings};
@@ -234,11 +235,16 @@ fn fit_model(analysis: &Analysis, kind: LineKind, warnings: &mut Warnings) -> Op
     }
     let films: Vec<FitFilm<'_>> =
         bends.iter().map(|(p, load)| FitFilm { outline: &p.outline, load: *load }).collect();
+    let hints = match kind {
+        LineKind::Estimated => hints(&analysis.models, &bends),
+        _ => Vec::new(),
+    };
     let settings = FitSettings {
         regions: &analysis.regions,
         target,
         gauge: options.gauge,
         support: options.support,
+        hints: &hints,
     };
     let erect = &analysis.erect().outline;
     let fit = personalize(&analysis.spine, &options.library, &groups, erect, &films, &settings);
@@ -288,6 +294,28 @@ fn fit_model(analysis: &Analysis, kind: LineKind, warnings: &mut Warnings) -> Op
     scale_to_known_force(&mut model, options.gauge, warnings);
     warn_of_endings(&model, warnings);
     Some(model)
+}
+
+/// What the fits with other lines have found, as free loads: the estimated line then never does much worse.
+fn hints(models: &[LineModel], bends: &[(&PostureAnalysis, Load)]) -> Vec<Start> {
+    let load = |model: &LineModel, posture: Posture| {
+        let simulation = model.posture(posture).filter(|s| s.is_usable())?;
+        let mut line = simulation.line;
+        if line.application == Application::AtT2 {
+            // In equilibrium a force at T2 is one along a line through where T2 is.
+            line.point = simulation.locations[simulation.locations.len() - 1];
+        }
+        let force_n = simulation.force_n / model.fit.absolute_scale;
+        Some(components_of(&line, force_n).to_vec())
+    };
+    models
+        .iter()
+        .filter_map(|model| {
+            let loads =
+                bends.iter().map(|(p, _)| load(model, p.outline.posture)).collect::<Option<_>>()?;
+            Some(Start { log_multipliers: model.fit.log_multipliers.clone(), loads })
+        })
+        .collect()
 }
 
 /// The fitted load's line and force on a fitted film; elsewhere the line that the film's rotations prefer at the fitted stiffness.

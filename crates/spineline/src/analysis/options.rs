@@ -3,9 +3,10 @@ use std::ops::RangeInclusive;
 use crate::action::LineOfAction;
 use crate::anatomy::{Posture, SagittalProfile};
 use crate::chain::SEGMENT_WINDOW;
-use crate::curve::{InflectionChoice, OrderRule};
+use crate::curve::{InflectionChoice, MIN_TURN, OrderRule};
 use crate::multibody::{StiffnessLibrary, Support};
 use crate::personalize::{FitTarget, Gauge};
+use crate::spatial::Angle;
 
 /// Which joints share a multiplier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -24,6 +25,8 @@ pub struct AnalysisOptions {
     pub order_rule: OrderRule,
     /// Where the inflections come from.
     pub inflections: InflectionChoice,
+    /// A lobe of the erect curve counts when it turns at least so far.
+    pub min_lobe: Angle,
     /// How many segments the erect chain may have.
     pub segment_window: RangeInclusive<u32>,
     /// Sagittal profile.
@@ -47,6 +50,7 @@ impl Default for AnalysisOptions {
         Self {
             order_rule: OrderRule::default(),
             inflections: InflectionChoice::default(),
+            min_lobe: MIN_TURN,
             segment_window: SEGMENT_WINDOW,
             profile: SagittalProfile::default(),
             library: StiffnessLibrary::default(),

@@ -1,9 +1,15 @@
-use super::{Analysis, LineModel};
+use super::analyze::counted;
+use super::{Analysis, LineModel, PostureAnalysis};
 use crate::action::LineKind;
 use crate::evaluate::Simulation;
+use crate::spatial::Angle;
 
 /// More of the joints' work than this against the force speaks against a line.
 const WEIGHT_AGAINST: f64 = 0.10;
+/// Lines that differ by less are one line: an inflection's place along the curve is not known better, and the test takes
+/// it as known.
+const MATTERS_MM: f64 = 5.0;
+const MATTERS_ANGLE: Angle = Angle::from_deg(5.0);
 
 impl Analysis {
     /// What the data say of the lines of action, in plain sentences.
@@ -23,10 +29,12 @@ impl Analysis {
         match self.models.iter().find(|model| model.kind == LineKind::Inflection) {
             Some(model) => sentences.extend(self.inflection_verdict(model)),
             None => sentences.push(format!(
-                "There is no inflection line: the erect curve has {} inflections that count.",
-                self.inflections.all.len()
+                "There is no inflection line: the erect curve has {} with lobes of {} or more.",
+                counted(self.inflections.all.len()),
+                self.options.min_lobe
             )),
         }
+        sentences.extend(self.postures.iter().filter_map(turning_sentence));
         sentences.extend(self.best(true).map(|(model, error_mm)| {
             format!(
                 "The {} reproduces the fitted bends best: {error_mm:.1} mm on average{}.",
@@ -66,7 +74,8 @@ impl Analysis {
         for (posture, test) in
             tested.filter_map(|p| p.line_comparison.map(|c| (p.outline.posture, c)))
         {
-            if test.p_value < 0.05 {
+            let matters = test.distance_mm > MATTERS_MM || test.angle > MATTERS_ANGLE;
+            if test.p_value < 0.05 && matters {
                 sentences.push(format!(
                     "In the {posture} the load that the joints' rotations prefer runs {:.0} mm from the middle of the inflections and {:.0}° off their line (p {}).",
                     test.distance_mm, test.angle.deg(), probability(test.p_value)
@@ -89,6 +98,15 @@ impl Analysis {
             .filter_map(|model| Some((model, model.mean_location_error_mm(fitted)?)));
         errors.min_by(|a, b| a.1.total_cmp(&b.1))
     }
+}
+
+/// How many joints turn the way of the bend. A single force that crosses the spine twice turns them both ways.
+fn turning_sentence(posture: &PostureAnalysis) -> Option<String> {
+    let side = posture.outline.posture.bend()?;
+    let joints = &posture.evidence.as_ref()?.joints;
+    let same = joints.iter().filter(|joint| joint.rotation.side() == Some(side)).count();
+    let name = posture.outline.posture;
+    Some(format!("In the {name} {same} of {} joints turn to the {side}.", joints.len()))
 }
 
 /// A probability as people print it: never as zero.

@@ -94,7 +94,9 @@ impl Chain {
         if window.is_empty() || *window.start() == 0 {
             return Err(ChainError::Window { from: *window.start(), to: *window.end() });
         }
-        if let Some(&length_mm) = others_mm.iter().find(|&&other| !(other > 0.1 * erect_mm)) {
+        if let Some(&length_mm) =
+            others_mm.iter().find(|other| other.is_nan() || **other <= 0.1 * erect_mm)
+        {
             return Err(ChainError::TooShort { length_mm, erect_mm });
         }
         // The counts change only where a length is a whole number of links, so between two such

@@ -284,11 +284,11 @@ fn table_2(analyses: &[&Analysis]) -> [Comparison; 4] {
     ]
 }
 
-fn simulations<'a>(
-    analysis: &'a Analysis,
+fn simulations(
+    analysis: &Analysis,
     kind: LineKind,
     fitted: bool,
-) -> impl Iterator<Item = &'a Simulation> {
+) -> impl Iterator<Item = &Simulation> {
     let models = analysis.models.iter().filter(move |m| m.kind == kind);
     models.flat_map(|m| &m.postures).filter(move |s| s.fitted == fitted)
 }

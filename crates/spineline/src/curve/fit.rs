@@ -1,7 +1,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::series::{Series, for_each_basis};
-use super::{Curve, CurveForm, find_inflections, inflection::MIN_TURN};
+use super::{Curve, CurveForm, MIN_TURN, find_inflections};
 use crate::anatomy::Posture;
 use crate::measure::Outline;
 use crate::spatial::{Angle, Frontal};

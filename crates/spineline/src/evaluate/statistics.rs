@@ -66,7 +66,7 @@ pub struct PairedT {
 pub fn paired_t(a: &[f64], b: &[f64]) -> Option<PairedT> {
     let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
     let summary = Summary::of(&differences);
-    if a.len() != b.len() || summary.n < 2 || !(summary.sd > 0.0) {
+    if a.len() != b.len() || summary.n < 2 || summary.sd.is_nan() || summary.sd <= 0.0 {
         return None;
     }
     let freedom = (summary.n - 1) as f64;

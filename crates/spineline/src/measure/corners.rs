@@ -83,6 +83,10 @@ impl Corners<Frontal> {
         }
         let along_falling = gap.cross(rising) / area;
         let along_rising = gap.cross(falling) / area;
+        // Diagonals that meet in a corner: two neighbouring corners are one.
+        if [along_falling, along_rising].iter().any(|part| part.min(1.0 - part).abs() < 1e-6) {
+            return Err(CornerFault::Flat);
+        }
         let inside = 0.0..=1.0;
         if inside.contains(&along_falling) && inside.contains(&along_rising) {
             Ok(self.superior_left + falling * along_falling)

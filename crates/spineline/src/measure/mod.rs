@@ -115,7 +115,7 @@ pub enum MeasureError {
     },
     /// A vertebra is marked at or below the one that it should stand on.
     #[error(
-        "{posture} film: {superior} lies {distance_mm:.1} mm along the axis of {inferior}, and must lie above it"
+        "{posture} film: {superior} lies {distance_mm:.1} mm above {inferior} along its axis, and the least is {limit_mm:.1} mm"
     )]
     OutOfOrder {
         /// Film.

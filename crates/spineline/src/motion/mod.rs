@@ -98,5 +98,5 @@ pub fn least_windows(fit: &CurveFit, erect: &ChainPose) -> [(usize, usize); 2] {
 /// MMS_Mean: per window, the rounded mean of the least-rotating segments of the left and right bend.
 #[must_use]
 pub fn mean_least(left: &Motion, right: &Motion) -> [usize; 2] {
-    std::array::from_fn(|window| (left.least[window] + right.least[window] + 1) / 2)
+    std::array::from_fn(|window| (left.least[window] + right.least[window]).div_ceil(2))
 }

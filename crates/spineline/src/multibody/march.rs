@@ -421,9 +421,9 @@ fn close_derivatives(solution: &mut Solution, parameters: usize, inverse: &Mat3,
     for p in 0..parameters {
         let shift = inverse * solution.midpoint_rates[p][top];
         for rates in [&mut solution.midpoint_rates, &mut solution.turn_rates] {
-            for vertebra in 0..=top {
-                let follow: Vec3 = (0..3).map(|i| rates[parameters + i][vertebra] * shift[i]).sum();
-                rates[p][vertebra] += follow;
+            let (own, moves) = rates.split_at_mut(parameters);
+            for (vertebra, rate) in own[p].iter_mut().enumerate() {
+                *rate += (0..3).map(|i| moves[i][vertebra] * shift[i]).sum::<Vec3>();
             }
         }
     }

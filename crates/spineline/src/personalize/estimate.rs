@@ -176,7 +176,7 @@ pub fn line_of(components: &[f64; 3], near: Frontal) -> Option<EstimatedLine> {
     let size = force.norm_mm();
     // A moment about the middle that would need an arm of ten metres is a couple.
     let moment_near = mx - near.cross(force);
-    if !(size > 0.0) || moment_near.abs() > 1e4 * size {
+    if size.is_nan() || size <= 0.0 || moment_near.abs() > 1e4 * size {
         return None;
     }
     let sign = if fz < 0.0 { -1.0 } else { 1.0 };

@@ -116,7 +116,7 @@ pub(super) fn minimize(
                 let ratio = (cost - trial.cost()) / promised.max(f64::MIN_POSITIVE);
                 damping = (damping * f64::max(0.1, 1.0 - (2.0 * ratio - 1.0).powi(3))).max(1e-15);
                 growth = 2.0;
-                let done = cost - trial.cost() <= 1e-9 * cost || small;
+                let done = cost - trial.cost() <= 1e-7 * cost || small;
                 std::mem::swap(&mut system, &mut trial);
                 x = next;
                 if done || system.cost() < 1e-24 {

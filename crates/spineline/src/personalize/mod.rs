@@ -25,6 +25,7 @@ mod start;
 
 pub use fit::{Personalization, StiffnessBound, personalize};
 pub use levenberg_marquardt::FitStatus;
+pub use start::Start;
 
 use crate::anatomy::Posture;
 use crate::clinical::Regions;
@@ -93,4 +94,6 @@ pub struct FitSettings<'a> {
     pub gauge: Gauge,
     /// What holds the patient.
     pub support: Support,
+    /// Starts beside those in closed form, such as what a fit with another line has found.
+    pub hints: &'a [Start],
 }

@@ -146,6 +146,7 @@ impl<'a> Problem<'a> {
             Some(depth_mm) => self.free_starts(evidence, depth_mm),
             None => self.signed_starts(evidence),
         };
+        starts.extend_from_slice(self.settings.hints);
         let mut system = System::new(self.rows(), self.unknowns());
         starts
             .drain(..)

@@ -5,10 +5,12 @@ use nalgebra::{DMatrix, DVector};
 use super::evidence::FilmEvidence;
 use crate::multibody::{JointGroups, Load};
 
-/// Logarithms of multipliers, and the components of every film's load.
+/// Where a fit may start from.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Start {
+pub struct Start {
+    /// `ln α` per group.
     pub log_multipliers: Vec<f64>,
+    /// Components of every film's load.
     pub loads: Vec<Vec<f64>>,
 }
 

@@ -1,0 +1,280 @@
+//! The program as its users call it: what it prints, what it writes, and how it ends.
+
+use std::fs;
+use std::path::Path;
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+fn spineline(folder: &Path) -> Command {
+    let mut command = Command::cargo_bin("spineline").expect("the program is built for its tests");
+    command.current_dir(folder);
+    command
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a place for files")
+}
+
+/// Standard output, standard error and exit code.
+fn run(folder: &Path, arguments: &[&str]) -> (String, String, i32) {
+    let output = spineline(folder).args(arguments).output().expect("the program starts");
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (text(&output.stdout), text(&output.stderr), output.status.code().unwrap_or(-1))
+}
+
+fn phantom(folder: &Path, truth: &str, subject: &str) {
+    let (_, error, code) =
+        run(folder, &["phantom", "--truth", truth, "--subject", subject, "--out", "cases"]);
+    assert_eq!(code, 0, "{error}");
+}
+
+#[test]
+fn help_teaches_every_command() {
+    let here = folder();
+    let (text, _, code) = run(here.path(), &["--help"]);
+    assert_eq!(code, 0);
+    for word in [
+        "reproduce",
+        "analyze",
+        "check",
+        "phantom",
+        "schema",
+        "completions",
+        "not a medical device",
+    ] {
+        assert!(text.contains(word), "{word}");
+    }
+    assert_eq!(run(here.path(), &["analyze"]).2, 2, "nothing to analyse is a wrong call");
+    assert_eq!(run(here.path(), &["analyse"]).2, 2, "an unknown word is a wrong call");
+    assert!(run(here.path(), &["completions", "bash"]).0.contains("spineline"));
+}
+
+#[test]
+fn a_phantom_is_made_checked_and_analysed() {
+    let here = folder();
+    phantom(here.path(), "rod", "1");
+    let (text, error, code) = run(here.path(), &["check", "cases"]);
+    assert_eq!(code, 0, "{error}");
+    assert!(text.contains("phantom-rod-01 · SYNTHETIC"), "{text}");
+    let (text, _, code) = run(here.path(), &["analyze", "cases", "--support", "frontal"]);
+    assert_eq!(code, 0, "{text}");
+    for word in [
+        "SYNTHETIC",
+        "inflection line",
+        "held out",
+        "do not speak against",
+        "only ratios are identified",
+    ] {
+        assert!(text.contains(word), "{word} is missing in\n{text}");
+    }
+}
+
+#[test]
+fn the_json_has_what_others_build_on() {
+    let here = folder();
+    phantom(here.path(), "rod", "1");
+    let (text, _, _) = run(here.path(), &["analyze", "cases/phantom-rod-01.json", "--json", "-"]);
+    let json: serde_json::Value = serde_json::from_str(&text).expect("JSON and nothing else");
+    for pointer in [
+        "/chain/segments",
+        "/chain/segment_mm",
+        "/inflections/0/segment",
+        "/inflections/0/between/0",
+        "/inflections/1/erect_mm/1",
+        "/postures/erect/curve/order",
+        "/postures/erect/curve/rmse_mm",
+        "/postures/left_bending/curve/rmse_deg",
+        "/postures/traction/locations_mm/T2/0",
+        "/postures/neutral/tilts_deg/L4",
+        "/postures/neutral/mean_rotation_deg",
+        "/postures/right_bending/inflection_mm/1/1",
+        "/models/inflection_line/multipliers/main_thoracic",
+        "/models/iliac_line/multipliers/thoracolumbar_lumbar",
+        "/models/estimated_line/postures/left_bending/status",
+        "/models/inflection_line/postures/left_bending/force_n",
+        "/models/inflection_line/postures/left_bending/line/point_mm/0",
+        "/models/inflection_line/postures/left_bending/line/direction/1",
+        "/models/inflection_line/postures/left_bending/ferguson_error_deg/main_thoracic",
+        "/models/inflection_line/postures/left_bending/location_error_mm/mean",
+        "/models/inflection_line/postures/left_bending/location_error_mm/levels/T2",
+        "/models/inflection_line/postures/neutral/fitted",
+        "/models/inflection_line/postures/neutral/contradicted_joints",
+        "/warnings",
+    ] {
+        assert!(json.pointer(pointer).is_some_and(|value| !value.is_null()), "{pointer}");
+    }
+    assert_eq!(json["synthetic"], true);
+    assert_eq!(json["models"]["inflection_line"]["postures"]["neutral"]["fitted"], false);
+}
+
+#[test]
+fn a_cohort_is_the_same_for_any_number_of_threads() {
+    let here = folder();
+    for subject in ["1", "5", "11"] {
+        phantom(here.path(), "pull", subject);
+    }
+    let with = |threads: &str| {
+        run(here.path(), &["analyze", "cases", "--json", "-", "--threads", threads])
+    };
+    assert_eq!(with("1").0, with("3").0);
+    let (text, _, _) = run(here.path(), &["analyze", "cases"]);
+    assert!(
+        text.contains("3 patients (all synthetic)") && text.contains("phantom-pull-11"),
+        "{text}"
+    );
+}
+
+#[test]
+fn tables_models_and_figures_are_written_whole() {
+    let here = folder();
+    phantom(here.path(), "rod", "3");
+    let arguments = [
+        "analyze",
+        "cases/phantom-rod-03.json",
+        "--csv",
+        "out/rows.csv",
+        "--model",
+        "out/model.json",
+        "--model-line",
+        "estimated",
+        "--figures",
+        "out/figures",
+        "--json",
+        "out/analysis.json",
+    ];
+    let (_, error, code) = run(here.path(), &arguments);
+    assert!(code == 0 || code == 4, "{error}");
+    let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("it was written");
+    assert!(read("out/model.json").contains("\"line\": \"estimated_line\""));
+    let rows = read("out/rows.csv");
+    assert!(rows.starts_with("case_id,synthetic,posture,level,measured_y_mm"), "{rows}");
+    assert!(rows.lines().count() > 15 * 5);
+    assert!(read("out/figures/phantom-rod-03-overview.svg").contains("</svg>"));
+    assert!(!here.path().join("out/model.json.part").exists());
+    assert!(read("out/analysis.json").contains("\"spineline-analysis\""));
+}
+
+#[test]
+fn bad_input_ends_with_3_and_names_file_film_and_vertebra() {
+    let here = folder();
+    phantom(here.path(), "rod", "1");
+    let path = here.path().join("cases/phantom-rod-01.json");
+    let mut case: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(&path).expect("the case")).expect("JSON");
+    // Two corners of T7 exchanged in one reading.
+    let t7 = &mut case["films"][1]["readings"][0]["vertebrae"]["T7"];
+    let (left, right) = (t7["superior_left"].clone(), t7["superior_right"].clone());
+    t7["superior_left"] = right;
+    t7["superior_right"] = left;
+    fs::write(here.path().join("crossed.json"), case.to_string()).expect("written");
+    let (_, error, code) = run(here.path(), &["analyze", "crossed.json"]);
+    assert_eq!(code, 3);
+    for word in ["crossed.json", "left bending film", "T7", "diagonals", "help:"] {
+        assert!(error.contains(word), "{word} is missing in {error}");
+    }
+    let (_, error, code) = run(here.path(), &["analyze", "nowhere.json"]);
+    assert_eq!(code, 3);
+    assert!(error.contains("nowhere.json"), "{error}");
+    // In a cohort the other cases are still analysed.
+    fs::copy(here.path().join("crossed.json"), here.path().join("cases/a.json")).expect("copied");
+    let (text, error, code) = run(here.path(), &["analyze", "cases"]);
+    assert_eq!(code, 3);
+    assert!(error.contains("a.json") && text.contains("phantom-rod-01"), "{text}{error}");
+}
+
+#[test]
+fn wrong_options_say_what_would_be_right() {
+    let here = folder();
+    for (arguments, word) in [
+        (["analyze", "x.json", "--order-rule", "3"], "4 to 12"),
+        (["analyze", "x.json", "--gauge", "known-force:sitting=3"], "no posture"),
+        (["analyze", "x.json", "--inflections", "T6"], "two sites"),
+        (["analyze", "x.json", "--given-line", "neutral=1,2"], "POSTURE=Y,Z,LEAN"),
+        (["analyze", "x.json", "--support", "table"], "frontal"),
+        (["phantom", "--subject", "19", "--seed=1"], "1 to 18"),
+    ] {
+        let (_, error, code) = run(here.path(), &arguments);
+        assert_eq!(code, 2, "{arguments:?}: {error}");
+        assert!(error.contains(word), "{word} is missing in {error}");
+    }
+}
+
+#[test]
+fn a_known_force_makes_forces_absolute() {
+    let here = folder();
+    phantom(here.path(), "rod", "1");
+    let arguments = [
+        "analyze",
+        "cases",
+        "--json",
+        "-",
+        "--gauge",
+        "known-force:traction=120",
+        "--support",
+        "frontal",
+    ];
+    let (text, _, _) = run(here.path(), &arguments);
+    let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let model = &json["models"]["inflection_line"];
+    let force = model["postures"]["traction"]["force_n"].as_f64().expect("a force");
+    assert!((force - 120.0).abs() < 1e-9, "{force}");
+    assert_eq!(model["absolute"], true);
+}
+
+#[test]
+fn a_line_of_ones_own_and_inflections_by_hand_are_used() {
+    let here = folder();
+    phantom(here.path(), "pull", "1");
+    let arguments = [
+        "analyze",
+        "cases",
+        "--json",
+        "-",
+        "--inflections",
+        "L1/T12,T6",
+        "--given-line",
+        "left_bending=0,300,-90",
+    ];
+    let (text, error, _) = run(here.path(), &arguments);
+    let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert!(error.contains("picked by hand"), "{error}");
+    let line = &json["models"]["given_line"]["postures"]["left_bending"]["line"];
+    assert!((line["direction"][0].as_f64().expect("y") - 1.0).abs() < 1e-12, "{line}");
+    assert_eq!(json["inflections"][0]["between"][1], "T12");
+}
+
+#[test]
+fn reproduce_prints_the_table_and_writes_the_same_bytes_for_any_number_of_threads() {
+    let here = folder();
+    let with = |threads: &str, out: &str| {
+        let (text, error, code) =
+            run(here.path(), &["reproduce", "--threads", threads, "--out", out]);
+        assert_eq!(code, 0, "{error}");
+        text
+    };
+    let text = with("1", "a");
+    for word in [
+        "SYNTHETIC",
+        "0.0418 ± 0.0353",
+        "Table 2",
+        "HELD OUT",
+        "free support",
+        "frontal support",
+        "→",
+    ] {
+        assert!(text.contains(word), "{word} is missing in\n{text}");
+    }
+    with("2", "b");
+    for name in [
+        "summary.csv",
+        "summary.json",
+        "figures/figure-06-inflections.svg",
+        "errors/errors-rod-free.csv",
+    ] {
+        let read = |out: &str| fs::read(here.path().join(out).join(name)).expect("it was written");
+        assert!(read("a") == read("b"), "{name} depends on the threads");
+    }
+    let figures = fs::read_dir(here.path().join("a/figures")).expect("figures").count();
+    assert!(figures >= 20, "{figures}");
+}

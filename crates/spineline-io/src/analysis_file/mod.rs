@@ -1,0 +1,238 @@
+//! What an analysis found, as a file.
+
+mod model;
+mod posture;
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use spineline::analysis::{Analysis, Grouping};
+use spineline::anatomy::{Level, Posture};
+use spineline::clinical::ClinicalCurve;
+use spineline::curve::OrderRule;
+use spineline::multibody::Support;
+use spineline::personalize::FitTarget;
+use spineline::spatial::{Angle, Frontal};
+
+use crate::keys::{LevelKey, PostureKey};
+use model::ModelRecord;
+use posture::PostureRecord;
+
+/// Everything that an analysis found. Lengths in mm of the films' plane, angles in degrees, frontal points `[y, z]` with y
+/// to the patient's left and z cranial; positive angles lean to the patient's right.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(title = "Spineline analysis, version 1")]
+pub struct AnalysisFile {
+    format: String,
+    version: u32,
+    /// Program that wrote it.
+    generator: String,
+    case_id: String,
+    /// Whether the films are made up: then every number here is.
+    synthetic: bool,
+    /// What the millimetres are: in the patient, on the detector, or not stated.
+    length_unit: String,
+    options: OptionsRecord,
+    chain: ChainRecord,
+    /// The two inflections of the erect curve that carry the line; empty where there is no such pair.
+    inflections: Vec<InflectionRecord>,
+    /// Stretches of the erect curve that turn to one side, caudal first.
+    lobes: Vec<LobeRecord>,
+    clinical: ClinicalRecord,
+    postures: BTreeMap<PostureKey, PostureRecord>,
+    /// One model per line of action: `inflection_line`, `iliac_line`, `estimated_line`, `given_line`.
+    models: BTreeMap<String, ModelRecord>,
+    warnings: Vec<WarningRecord>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct OptionsRecord {
+    order_rule: String,
+    support: String,
+    gauge: String,
+    fit: String,
+    multipliers: String,
+    /// A lobe of the erect curve counts from so many degrees on.
+    min_lobe_deg: f64,
+    /// Fewest and most segments of the erect chain.
+    segment_window: [u32; 2],
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct ChainRecord {
+    /// Number of segments on the erect curve: the paper's n.
+    segments: usize,
+    /// Length of a link: the paper's l.
+    segment_mm: f64,
+    /// Segments by which the postures differ in sum.
+    difference: u32,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct InflectionRecord {
+    /// Segment of the chain, from 0.
+    segment: usize,
+    /// Vertebrae between which it lies, caudal first.
+    between: [LevelKey; 2],
+    erect_mm: [f64; 2],
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct LobeRecord {
+    /// Positive where the spine turns to the patient's right as it rises.
+    turn_deg: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct ClinicalRecord {
+    /// Lenke's curve type as far as frontal films tell it.
+    lenke_type: Option<u8>,
+    curves: BTreeMap<String, ClinicalCurveRecord>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct ClinicalCurveRecord {
+    /// Lower and upper end vertebra, chosen on the erect film.
+    ends: [LevelKey; 2],
+    apex: LevelKey,
+    /// The patient's side to which the erect curve is convex.
+    convex: Option<String>,
+    cobb_deg: BTreeMap<PostureKey, f64>,
+    ferguson_deg: BTreeMap<PostureKey, f64>,
+    apical_translation_mm: f64,
+    /// Part of the erect Cobb angle that the bend to the convex side takes away.
+    flexibility: Option<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct WarningRecord {
+    code: String,
+    step: String,
+    posture: Option<PostureKey>,
+    level: Option<LevelKey>,
+    message: String,
+}
+
+impl AnalysisFile {
+    /// The file of an analysis.
+    #[must_use]
+    pub fn new(analysis: &Analysis, generator: &str) -> Self {
+        Self {
+            format: "spineline-analysis".to_owned(),
+            version: 1,
+            generator: generator.to_owned(),
+            case_id: analysis.case_id.clone(),
+            synthetic: analysis.synthetic,
+            length_unit: analysis.erect().outline.spacing_plane.unit().to_owned(),
+            options: options(analysis),
+            chain: ChainRecord {
+                segments: analysis.chain.segments,
+                segment_mm: analysis.chain.segment_mm,
+                difference: analysis.chain.difference,
+            },
+            inflections: inflections(analysis),
+            lobes: analysis
+                .inflections
+                .lobes
+                .iter()
+                .map(|lobe| LobeRecord { turn_deg: lobe.turn.deg() })
+                .collect(),
+            clinical: ClinicalRecord {
+                lenke_type: analysis.lenke.map(|lenke| lenke.number),
+                curves: analysis.clinical.iter().map(clinical_curve).collect(),
+            },
+            postures: analysis
+                .postures
+                .iter()
+                .map(|p| (p.outline.posture.into(), PostureRecord::new(p)))
+                .collect(),
+            models: analysis
+                .models
+                .iter()
+                .map(|m| (m.kind.key().to_owned(), ModelRecord::new(m, analysis)))
+                .collect(),
+            warnings: analysis
+                .warnings
+                .all()
+                .iter()
+                .map(|w| WarningRecord {
+                    code: w.code.to_owned(),
+                    step: w.step.key().to_owned(),
+                    posture: w.posture.map(Into::into),
+                    level: w.level.map(LevelKey),
+                    message: w.message.clone(),
+                })
+                .collect(),
+        }
+    }
+}
+
+fn options(analysis: &Analysis) -> OptionsRecord {
+    let options = &analysis.options;
+    OptionsRecord {
+        order_rule: match options.order_rule {
+            OrderRule::LeaveOneOut => "leave_one_out".to_owned(),
+            OrderRule::Paper => "paper".to_owned(),
+            OrderRule::Fixed(order) => order.to_string(),
+        },
+        support: match options.support {
+            Support::Free => "free",
+            Support::Frontal => "frontal",
+        }
+        .to_owned(),
+        gauge: options.gauge.key().to_owned(),
+        fit: match options.target {
+            FitTarget::Shape => "shape",
+            FitTarget::Ferguson => "ferguson",
+        }
+        .to_owned(),
+        multipliers: match options.grouping {
+            Grouping::Regional => "regional",
+            Grouping::PerJoint => "per_joint",
+        }
+        .to_owned(),
+        min_lobe_deg: options.min_lobe.deg(),
+        segment_window: [*options.segment_window.start(), *options.segment_window.end()],
+    }
+}
+
+fn inflections(analysis: &Analysis) -> Vec<InflectionRecord> {
+    let pairs = analysis
+        .inflections
+        .pair
+        .iter()
+        .flatten()
+        .zip(analysis.inflection_segments.iter().flatten());
+    pairs
+        .map(|(inflection, &segment)| InflectionRecord {
+            segment,
+            between: [LevelKey(inflection.between.0), LevelKey(inflection.between.1)],
+            erect_mm: point(inflection.erect),
+        })
+        .collect()
+}
+
+fn clinical_curve(curve: &ClinicalCurve) -> (String, ClinicalCurveRecord) {
+    let angles = |all: &[(Posture, Angle)]| {
+        all.iter().map(|(posture, angle)| ((*posture).into(), angle.deg())).collect()
+    };
+    let record = ClinicalCurveRecord {
+        ends: [LevelKey(curve.ends.inferior), LevelKey(curve.ends.superior)],
+        apex: LevelKey(curve.apex),
+        convex: curve.convex.map(|side| side.to_string()),
+        cobb_deg: angles(&curve.cobb),
+        ferguson_deg: angles(&curve.ferguson),
+        apical_translation_mm: curve.apical_translation_mm,
+        flexibility: curve.flexibility,
+    };
+    (curve.region.key().to_owned(), record)
+}
+
+fn point(p: Frontal) -> [f64; 2] {
+    [p.y_mm, p.z_mm]
+}
+
+fn by_level<T>(values: impl Iterator<Item = T>, levels: &[Level]) -> BTreeMap<LevelKey, T> {
+    levels.iter().map(|&level| LevelKey(level)).zip(values).collect()
+}

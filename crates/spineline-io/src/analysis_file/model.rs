@@ -1,0 +1,181 @@
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use spineline::action::{Application, LineOfAction};
+use spineline::analysis::{Analysis, LineModel};
+use spineline::anatomy::{Level, Region};
+use spineline::evaluate::Simulation;
+use spineline::personalize::StiffnessBound;
+use spineline::personalize::evidence::ContradictedJoint;
+use spineline::spatial::Angle;
+
+use super::{by_level, point};
+use crate::keys::{LevelKey, PostureKey};
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub(super) struct ModelRecord {
+    /// Lateral stiffness multipliers by region, or by joint; under `geometric_mean` only their ratios mean anything.
+    multipliers: BTreeMap<String, f64>,
+    /// Multipliers that ended at a bound, and so are not identified.
+    at_bound: Vec<String>,
+    /// Factor on springs about all axes; 1 unless a force is known.
+    absolute_scale: f64,
+    /// Whether forces and stiffness are absolute.
+    absolute: bool,
+    fit: FitRecord,
+    postures: BTreeMap<PostureKey, SimulationRecord>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct FitRecord {
+    /// `converged`, `iteration_limit` or `not_evaluable`.
+    status: String,
+    iterations: u32,
+    /// Starts that were refined.
+    starts: u32,
+    /// Root mean square residual: degrees of Ferguson angles, or standard deviations of a shape.
+    residual_rms: Option<f64>,
+    /// Of the data by the logarithms of the unknowns: small ones are not identified.
+    singular_values: Vec<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct SimulationRecord {
+    /// Whether the stiffness was fitted to this film; else it was held out.
+    fitted: bool,
+    /// `converged`, `unreachable` or `not_converged`; only the first is a result.
+    status: String,
+    /// Signed force along the line's direction.
+    force_n: f64,
+    /// Degrees left of the amplitude (bends) or mm left of T2's place.
+    residual: f64,
+    line: LineRecord,
+    /// Other forces that meet the same amplitude.
+    alternatives: Vec<AlternativeRecord>,
+    /// Absolute error per region; absent where the status is not `converged`.
+    ferguson_error_deg: Option<BTreeMap<String, f64>>,
+    /// Absent where the status is not `converged`.
+    location_error_mm: Option<LocationErrorRecord>,
+    simulated_mm: BTreeMap<LevelKey, [f64; 2]>,
+    /// Joints that turn against the force: no positive stiffness explains them.
+    contradicted_joints: Vec<ContradictedRecord>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct LineRecord {
+    point_mm: [f64; 2],
+    direction: [f64; 2],
+    /// `fixed` in space, or `at_t2`.
+    application: String,
+    /// Sagittal place of a fixed line.
+    depth_mm: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct AlternativeRecord {
+    force_n: f64,
+    ferguson_rms_deg: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct LocationErrorRecord {
+    mean: f64,
+    levels: BTreeMap<LevelKey, f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct ContradictedRecord {
+    inferior: LevelKey,
+    superior: LevelKey,
+    rotation_deg: f64,
+    lever_arm_mm: f64,
+    /// Part in the work of all joints.
+    weight: f64,
+    /// Whether the rotation is beyond two standard deviations.
+    beyond_noise: bool,
+}
+
+impl ModelRecord {
+    pub fn new(m: &LineModel, analysis: &Analysis) -> Self {
+        let names = m.groups.names();
+        Self {
+            multipliers: names.iter().cloned().zip(m.multipliers()).collect(),
+            at_bound: names
+                .iter()
+                .zip(&m.fit.bounds)
+                .filter(|(_, bound)| **bound != StiffnessBound::Inside)
+                .map(|(name, _)| name.clone())
+                .collect(),
+            absolute_scale: m.fit.absolute_scale,
+            absolute: m.is_absolute(analysis.options.gauge),
+            fit: FitRecord {
+                status: m.fit.status.key().to_owned(),
+                iterations: m.fit.iterations,
+                starts: m.fit.starts,
+                residual_rms: Some(m.fit.residual_rms).filter(|rms| rms.is_finite()),
+                singular_values: m.fit.singular_values.clone(),
+            },
+            postures: m.postures.iter().map(|s| (s.posture.into(), simulation(s))).collect(),
+        }
+    }
+}
+
+fn by_region(angles: &[Angle; 3]) -> BTreeMap<String, f64> {
+    Region::ALL.iter().zip(angles).map(|(r, a)| (r.key().to_owned(), a.abs().deg())).collect()
+}
+
+fn simulation(s: &Simulation) -> SimulationRecord {
+    let mobile = Simulation::mobile_levels();
+    SimulationRecord {
+        fitted: s.fitted,
+        status: s.status.key().to_owned(),
+        force_n: s.force_n,
+        // Bends leave an angle, the others a distance.
+        residual: if s.posture.bend().is_some() {
+            Angle::from_rad(s.residual).deg()
+        } else {
+            s.residual
+        },
+        line: line(&s.line, s.depth_mm),
+        alternatives: s
+            .alternatives
+            .iter()
+            .map(|a| AlternativeRecord {
+                force_n: a.force_n,
+                ferguson_rms_deg: a.ferguson_rms.deg(),
+            })
+            .collect(),
+        ferguson_error_deg: s.is_usable().then(|| by_region(&s.ferguson_difference)),
+        location_error_mm: s.is_usable().then(|| LocationErrorRecord {
+            mean: s.mean_location_error_mm(),
+            levels: by_level(s.location_errors_mm.iter().copied(), mobile),
+        }),
+        simulated_mm: by_level(s.locations.iter().map(|&p| point(p)), &Level::MODEL),
+        contradicted_joints: s.contradicted.iter().map(contradicted).collect(),
+    }
+}
+
+fn line(line: &LineOfAction, depth_mm: f64) -> LineRecord {
+    LineRecord {
+        point_mm: point(line.point),
+        direction: point(line.direction),
+        application: match line.application {
+            Application::Fixed => "fixed",
+            Application::AtT2 => "at_t2",
+        }
+        .to_owned(),
+        depth_mm,
+    }
+}
+
+fn contradicted(joint: &ContradictedJoint) -> ContradictedRecord {
+    ContradictedRecord {
+        inferior: LevelKey(joint.inferior),
+        superior: LevelKey(joint.superior),
+        rotation_deg: joint.rotation.deg(),
+        lever_arm_mm: joint.lever_arm_mm,
+        weight: joint.weight,
+        beyond_noise: joint.beyond_noise,
+    }
+}

@@ -1,0 +1,120 @@
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use spineline::analysis::PostureAnalysis;
+use spineline::anatomy::Level;
+use spineline::curve::CurveForm;
+use spineline::motion::Estimate;
+use spineline::spatial::Angle;
+
+use super::{by_level, point};
+use crate::keys::LevelKey;
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub(super) struct PostureRecord {
+    curve: CurveRecord,
+    locations_mm: BTreeMap<LevelKey, [f64; 2]>,
+    tilts_deg: BTreeMap<LevelKey, f64>,
+    /// Lean of the line L4→T2 against the normal of the iliac line, or L4's axis.
+    amplitude_deg: f64,
+    noise: NoiseRecord,
+    /// Mean rotation of the segments from the erect posture.
+    mean_rotation_deg: Option<f64>,
+    /// Where the two inflection segments lie.
+    inflection_mm: Option<[[f64; 2]; 2]>,
+    /// The inflection segments against the least-rotating ones, caudal first.
+    inflection_estimates: Option<[EstimateRecord; 2]>,
+    /// MMS_Mean against the least-rotating ones.
+    mean_least_estimates: Option<[EstimateRecord; 2]>,
+    /// The load that the measured rotations prefer against the line through the inflections.
+    line_comparison: Option<LineComparisonRecord>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct CurveRecord {
+    order: usize,
+    /// `graph` (y of z) or `parametric`.
+    form: String,
+    rmse_mm: f64,
+    rmse_deg: f64,
+    /// Root mean square error on vertebrae left out of the fit, in standard deviations.
+    left_out: f64,
+}
+
+/// Standard deviation of a measured value.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct NoiseRecord {
+    location_mm: f64,
+    tilt_deg: f64,
+    /// From the spread of readings; else assumed for one careful reading.
+    measured: bool,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct EstimateRecord {
+    segment: usize,
+    least_segment: usize,
+    distance_segments: usize,
+    distance_mm: f64,
+    rotation_deg: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct LineComparisonRecord {
+    angle_deg: f64,
+    distance_mm: f64,
+    /// On 2 and `freedom` degrees, of "the moment vanishes at both inflections".
+    f_statistic: f64,
+    freedom: usize,
+    p_value: f64,
+}
+
+impl PostureRecord {
+    pub fn new(p: &PostureAnalysis) -> Self {
+        let vertebrae = &p.outline.vertebrae;
+        let estimates = |all: Option<[Estimate; 2]>| {
+            all.map(|pair| {
+                pair.map(|e| EstimateRecord {
+                    segment: e.segment,
+                    least_segment: e.least,
+                    distance_segments: e.distance_segments,
+                    distance_mm: e.distance_mm,
+                    rotation_deg: e.rotation.deg(),
+                })
+            })
+        };
+        Self {
+            curve: CurveRecord {
+                order: p.fit.order,
+                form: match p.fit.curve.form() {
+                    CurveForm::Graph => "graph",
+                    CurveForm::Parametric => "parametric",
+                }
+                .to_owned(),
+                rmse_mm: p.fit.rmse_mm,
+                rmse_deg: p.fit.rmse_tilt.deg(),
+                left_out: p.fit.left_out,
+            },
+            locations_mm: by_level(vertebrae.iter().map(|v| point(v.location)), &Level::MODEL),
+            tilts_deg: by_level(vertebrae.iter().map(|v| v.tilt.deg()), &Level::MODEL),
+            amplitude_deg: p.outline.amplitude().deg(),
+            noise: NoiseRecord {
+                location_mm: p.outline.noise.location_mm,
+                tilt_deg: p.outline.noise.tilt.deg(),
+                measured: p.outline.noise.measured,
+            },
+            mean_rotation_deg: p.mean_rotation().map(Angle::deg),
+            inflection_mm: p.inflection_points.map(|points| points.map(point)),
+            inflection_estimates: estimates(p.inflection_estimates),
+            mean_least_estimates: estimates(p.mean_least_estimates),
+            line_comparison: p.line_comparison.map(|c| LineComparisonRecord {
+                angle_deg: c.angle.deg(),
+                distance_mm: c.distance_mm,
+                f_statistic: c.f_statistic,
+                freedom: c.freedom,
+                p_value: c.p_value,
+            }),
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! Files: what is written is read back the same, and what is wrong is told by place and name.
+
+use spineline::analysis::{AnalysisOptions, analyze};
+use spineline::anatomy::Posture;
+use spineline::multibody::{Load, Solution, Statics, StiffnessLibrary};
+use spineline_io::{
+    AnalysisFile, CaseFile, FileError, ModelFile, StiffnessFile, parse_case, parse_model,
+    parse_stiffness, to_text,
+};
+use spineline_phantom::{Phantom, Readers, Truth, generate};
+
+fn phantom(readers: &Readers) -> Phantom {
+    generate(2, Truth::Rod, readers, 5).expect("subject 3 exists")
+}
+
+fn text() -> String {
+    to_text(&CaseFile::from_case(&phantom(&Readers::default()).case))
+}
+
+fn refused(text: &str) -> FileError {
+    parse_case(text).expect_err("the text is wrong on purpose")
+}
+
+#[test]
+fn a_case_comes_back_as_it_was_written() {
+    let case = phantom(&Readers::default()).case;
+    let once = to_text(&CaseFile::from_case(&case));
+    let read = parse_case(&once).expect("our own file");
+    // Hand-set axes pass through degrees; everything else is the same to the last bit.
+    let twice = to_text(&CaseFile::from_case(&read));
+    assert_eq!(once, twice);
+    assert_eq!(case.films.len(), read.films.len());
+    let exact = phantom(&Readers::exact()).case;
+    assert_eq!(parse_case(&to_text(&CaseFile::from_case(&exact))).expect("our own file"), exact);
+}
+
+#[test]
+fn a_file_saved_a_hundred_times_keeps_its_bytes() {
+    let first = text();
+    let mut now = first.clone();
+    for _ in 0..100 {
+        now = to_text(&CaseFile::from_case(&parse_case(&now).expect("our own file")));
+    }
+    assert_eq!(first, now);
+}
+
+#[test]
+fn an_unknown_key_names_its_place_and_the_nearest_known_one() {
+    let wrong = text().replacen("\"superior_left\"", "\"superior_lfet\"", 1);
+    match refused(&wrong) {
+        FileError::UnknownKey { key, nearest, place, line } => {
+            assert_eq!(key, "superior_lfet");
+            assert_eq!(nearest.as_deref(), Some("superior_left"));
+            assert!(place.contains("films[0].readings[0].vertebrae") && line > 1, "{place}");
+        }
+        other => panic!("not about the key: {other}"),
+    }
+}
+
+#[test]
+fn a_level_given_twice_is_an_error() {
+    let wrong = text().replacen("\"T7\":", "\"T8\":", 1);
+    assert!(refused(&wrong).to_string().contains("T8 is given twice"), "{}", refused(&wrong));
+    // Two spellings of one vertebra are the same vertebra.
+    let wrong = text().replacen("\"T7\":", "\"Th8\":", 1);
+    assert!(refused(&wrong).to_string().contains("T8 is given twice"));
+}
+
+#[test]
+fn a_vertebra_that_does_not_exist_is_named() {
+    let wrong = text().replacen("\"T7\":", "\"T13\":", 1);
+    assert!(refused(&wrong).to_string().contains("`T13` is not a vertebra"), "{}", refused(&wrong));
+}
+
+#[test]
+fn not_a_number_is_no_json() {
+    let wrong = text().replacen("\"column_spacing_mm\": 0.1", "\"column_spacing_mm\": NaN", 1);
+    assert!(matches!(refused(&wrong), FileError::Syntax { .. }), "{}", refused(&wrong));
+    let wrong = text().replacen("\"column_spacing_mm\": 0.1", "\"column_spacing_mm\": 1e999", 1);
+    assert!(matches!(refused(&wrong), FileError::Syntax { .. } | FileError::Value { .. }));
+    assert!(matches!(refused(&text()[..500]), FileError::Syntax { .. }), "cut short");
+    // Bombs of depth end as errors, not as an exhausted stack.
+    refused(&"[".repeat(100_000));
+    refused(&"{\"films\":".repeat(100_000));
+}
+
+#[test]
+fn other_formats_and_newer_versions_are_told() {
+    let model = text().replacen("spineline-case", "spineline-model", 1);
+    assert!(matches!(refused(&model), FileError::Format { .. }));
+    let newer = text().replacen("\"version\": 1", "\"version\": 2", 1);
+    assert!(matches!(refused(&newer), FileError::Version { found: 2, supported: 1 }));
+}
+
+#[test]
+fn half_a_vertebra_and_corners_without_a_picture_are_refused() {
+    let half = r#"{"format":"spineline-case","version":1,"case_id":"a","films":[{"posture":"erect",
+        "readings":[{"observer":"A","repeat":1,"vertebrae":{"L4":{"location_mm":[0,0]}}}]}]}"#;
+    assert!(refused(half).to_string().contains("L4"), "{}", refused(half));
+    let bare = r#"{"format":"spineline-case","version":1,"case_id":"a","films":[{"posture":"neutral",
+        "readings":[{"observer":"A","repeat":1,"vertebrae":{"L4":{"superior_left":[0,0],
+        "superior_right":[1,0],"inferior_left":[0,1],"inferior_right":[1,1]}}}]}]}"#;
+    assert!(matches!(refused(bare), FileError::NoImage { posture: Posture::Neutral }));
+}
+
+#[test]
+fn a_byte_order_mark_and_windows_line_ends_are_read() {
+    let windows = format!("\u{feff}{}", text().replace('\n', "\r\n"));
+    assert!(parse_case(&windows).is_ok());
+}
+
+#[test]
+fn a_stored_model_gives_the_shapes_of_the_analysis() {
+    // Oracle: the simulation inside of the analysis, computed from the unstored model.
+    let case = phantom(&Readers::default()).case;
+    let options = AnalysisOptions::default();
+    let analysis = analyze(&case, &options).expect("a phantom");
+    for model in &analysis.models {
+        let stored =
+            parse_model(&to_text(&ModelFile::new(&analysis, model, "test"))).expect("our own file");
+        let joints = vec![0; stored.stiffness_nmm_per_rad.len()];
+        let stiffness = stored.stiffness_nmm_per_rad.iter().copied();
+        let statics = Statics::from_stiffness(&stored.spine, stiffness, &joints, stored.support);
+        for (simulation, load) in
+            model.postures.iter().zip(&stored.loads).filter(|(s, _)| s.is_usable())
+        {
+            assert!((simulation.force_n - load.force_n).abs() == 0.0);
+            let mut solution = Solution::default();
+            let line = Load::along(simulation.line, simulation.depth_mm);
+            statics.solve(&line, &[load.force_n], &[], &mut solution);
+            for (i, place) in simulation.locations.iter().enumerate() {
+                // The axes of a vertebra pass through decimal text and back without loss; so do the places.
+                assert!(
+                    solution.deformed.location(i).distance_mm(*place) < 1e-8,
+                    "{} {i}",
+                    model.kind
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn an_analysis_file_can_be_read_by_its_own_type_and_says_synthetic() {
+    let case = phantom(&Readers::default()).case;
+    let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
+    let file = AnalysisFile::new(&analysis, "test");
+    let text = to_text(&file);
+    let read: AnalysisFile = serde_json::from_str(&text).expect("our own file");
+    assert_eq!(read, file);
+    for key in [
+        "\"synthetic\": true",
+        "\"inflection_line\"",
+        "\"contradicted_joints\"",
+        "\"fitted\": false",
+        "\"segment_mm\"",
+    ] {
+        assert!(text.contains(key), "{key}");
+    }
+}
+
+#[test]
+fn the_stiffness_table_comes_back_and_a_hole_is_named() {
+    let library = StiffnessLibrary::default();
+    let text = to_text(&StiffnessFile::from(&library));
+    let read = parse_stiffness(&text).expect("our own file");
+    for (a, b) in read.rows().iter().zip(library.rows()) {
+        assert_eq!((a.inferior, a.superior, &a.source), (b.inferior, b.superior, &b.source));
+        for (x, y) in a.nmm_per_rad.iter().zip(b.nmm_per_rad) {
+            // Newton metres in the file, newton millimetres inside.
+            assert!((x - y).abs() < 1e-9 * y);
+        }
+    }
+    let negative =
+        text.replacen("\"lateral_nm_per_rad\": 132.0", "\"lateral_nm_per_rad\": -1.0", 1);
+    assert!(
+        parse_stiffness(&negative).expect_err("a negative spring").to_string().contains("L4/L3")
+    );
+}
+
+#[test]
+fn every_schema_is_an_object_that_requires_its_format() {
+    for name in ["case", "analysis", "model", "stiffness"] {
+        let schema = spineline_io::schema(name).expect("a known format");
+        let required = schema.get("required").and_then(|r| r.as_array()).expect("required keys");
+        assert!(required.iter().any(|key| key == "format"), "{name}");
+    }
+    assert!(spineline_io::schema("picture").is_none());
+}
