@@ -5,7 +5,7 @@ mod common;
 mod independent;
 
 use common::{Draw, assert_near, spine, usual_regions};
-use independent::{add, cross, march, rates, vector};
+use independent::{Rates, add, cross, march, rates, vector};
 use num_dual::Dual64;
 use spineline::action::{Application, LineOfAction};
 use spineline::multibody::{
@@ -90,7 +90,7 @@ impl Bench {
         for (p, &parameter) in parameters.iter().enumerate() {
             let bodies = self.oracle(&load.units_on_film(), magnitude, parameter);
             let expected: Vec<_> = bodies.iter().map(rates).collect();
-            let most = |pick: fn(&([f64; 3], [f64; 3])) -> [f64; 3]| {
+            let most = |pick: fn(&Rates) -> [f64; 3]| {
                 expected.iter().flat_map(pick).fold(0.0, |most: f64, x| most.max(x.abs()))
             };
             let (most_mm, most_rad) = (most(|r| r.0), most(|r| r.1));

@@ -222,14 +222,14 @@ fn place(
     for (&level, body) in &bodies {
         centres.insert(level, body.measure_location().map_err(|found| fault(level, found))?);
     }
-    // A body's own neighbours say where cranial is, so that a film may be held in any pose.
-    let upside_down = |level: Level| {
-        let below = centres.range(..level).next_back().map(|(_, &centre)| centre);
-        let above = centres.range(level..).nth(1).map(|(_, &centre)| centre);
-        let here = centres[&level];
-        let cranial = above.unwrap_or(here) - below.unwrap_or(here);
-        cranial.norm_mm() > 0.0 && !bodies[&level].points_along(cranial)
-    };
+    // The steps from body to body say where cranial is, so that a film may be held in any pose; a single
+    // misplaced body does not turn their sum.
+    let places: Vec<Frontal> = centres.values().copied().collect();
+    let cranial = places.windows(2).fold(Frontal::default(), |sum, pair| {
+        let step = pair[1] - pair[0];
+        sum + step * (1.0 / step.norm_mm().max(f64::MIN_POSITIVE))
+    });
+    let upside_down = |level: Level| places.len() > 1 && !bodies[&level].points_along(cranial);
     let exchanged: Vec<Level> =
         bodies.iter().filter(|(_, body)| !body.sides_agree()).map(|(&level, _)| level).collect();
     if exchanged.len() == bodies.len()

@@ -122,8 +122,11 @@ pub fn march<T: Number>(
     })
 }
 
-/// The derivatives that bodies of dual numbers carry: velocity of the midpoint, and rotation vector.
-pub fn rates(body: &Body<Dual64>) -> ([f64; 3], [f64; 3]) {
+/// Velocity of a midpoint, and rotation vector.
+pub type Rates = ([f64; 3], [f64; 3]);
+
+/// The derivatives that a body of dual numbers carries.
+pub fn rates(body: &Body<Dual64>) -> Rates {
     let real = body.axes.map(|row| row.map(|x| x.re));
     let rate = body.axes.map(|row| row.map(|x| x.eps));
     // dR Rᵀ is the cross-product matrix of the rotation vector.
