@@ -140,7 +140,8 @@ pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, Mea
             in_global.get(&level).copied().ok_or(MeasureError::LevelMissing { posture, level })
         })
         .collect::<Result<Vec<_>, _>>()?;
-    check_order(posture, &vertebrae, warnings)?;
+    let marked: Vec<MeasuredVertebra> = in_global.values().copied().collect();
+    check_order(posture, &marked, warnings)?;
     warn_of_gaps(posture, &vertebrae, placed.len(), warnings);
     Ok(Outline {
         posture,
