@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
 use spineline::anatomy::{Level, Posture};
-use spineline::cohort::Cohort;
 use spineline::evaluate::Simulation;
 use spineline_io::{AnalysisFile, ModelFile};
 use spineline_report::figures;
@@ -14,14 +13,7 @@ use spineline_report::figures;
 use crate::args::AnalyzeArgs;
 use crate::failure::{Ending, Failure};
 use crate::progress::map_all;
-use crate::table::Table;
-use crate::{print, report};
-
-/// The lines that a cohort's table shows.
-pub const COHORT_LINES: [LineKind; 3] =
-    [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
-/// The bootstrap of a cohort's summary starts from here.
-const BOOTSTRAP_SEED: u64 = 1;
+use crate::{cohort, print, report};
 
 /// What wrote a file.
 pub fn generator() -> String {
@@ -56,7 +48,7 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     if !to_stdout {
         print(&match &analyses[..] {
             [one] if paths.len() == 1 => report::text(one),
-            all => cohort_text(all),
+            all => cohort::text(all),
         })?;
     }
     if ending == Ending::Done && !analyses.iter().all(Analysis::is_converged) {
@@ -244,67 +236,4 @@ pub fn csv_text(analyses: &[Analysis]) -> Result<String, Failure> {
     }
     let bytes = writer.into_inner().map_err(|e| failed(&e))?;
     String::from_utf8(bytes).map_err(|e| failed(&e))
-}
-
-fn cohort_text(analyses: &[Analysis]) -> String {
-    if analyses.is_empty() {
-        return "no case could be analysed\n".to_owned();
-    }
-    let mut table = Table::new([
-        "Case",
-        "main Cobb",
-        "inflections",
-        "inflection line",
-        "iliac line",
-        "estimated line",
-        "joints against",
-        "warnings",
-    ]);
-    for analysis in analyses {
-        table.row(report::cohort_row(analysis));
-    }
-    let cohort = Cohort::of(&analyses.iter().collect::<Vec<_>>(), BOOTSTRAP_SEED);
-    let mut text = format!(
-        "Mean location errors in mm, fitted bends / held-out films; joints that turn against the inflection line's force\n{}\n",
-        table.text()
-    );
-    text.push_str(&cohort_sentences(&cohort));
-    text
-}
-
-/// A cohort in plain sentences.
-fn cohort_sentences(cohort: &Cohort) -> String {
-    let mut text = format!(
-        "{} patients{}; {} with exactly two inflections\n",
-        cohort.patients,
-        if cohort.synthetic { " (all synthetic)" } else { "" },
-        cohort.two_inflections
-    );
-    for line in &cohort.lines {
-        for (films, errors) in [("fitted", &line.fitted), ("held out", &line.held_out)] {
-            if errors.location_mm.patients.n == 0 {
-                continue;
-            }
-            let interval = errors.location_mm.bootstrap.map_or_else(String::new, |[low, high]| {
-                format!(", 95 % interval over patients {low:.2} to {high:.2}")
-            });
-            text.push_str(&format!(
-                "{:15} {films:8}  location error {:.2} mm{interval}; Ferguson error {:.2}°; films without a result: {}\n",
-                line.kind.to_string(), errors.location_mm.patients.mean, errors.ferguson_deg.patients.mean, errors.unusable
-            ));
-        }
-    }
-    let (rejected, tested) = cohort.line_rejected;
-    if tested > 0 {
-        text.push_str(&format!(
-            "In {rejected} of {tested} bends the load that the joints' rotations prefer does not run through the inflections (p < 0.05)\n"
-        ));
-    }
-    if let Some(t) = cohort.location_test.patients {
-        text.push_str(&format!(
-            "Inflection against iliac line, one mean per patient: {:+.2} mm (p {}, two-sided, n = {})\n",
-            t.mean_difference, spineline::analysis::probability(t.p_two_sided), t.n
-        ));
-    }
-    text
 }

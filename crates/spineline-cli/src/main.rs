@@ -3,6 +3,7 @@
 mod analyze;
 mod args;
 mod check;
+mod cohort;
 mod failure;
 mod phantom;
 mod progress;

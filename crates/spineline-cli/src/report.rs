@@ -193,36 +193,3 @@ fn multipliers_text(model: &LineModel) -> String {
     };
     format!("{}{status}", parts.join("  "))
 }
-
-/// One line of a cohort.
-pub fn cohort_row(analysis: &Analysis) -> Vec<String> {
-    let main = analysis
-        .clinical
-        .iter()
-        .max_by(|a, b| a.cobb[0].1.abs().rad().total_cmp(&b.cobb[0].1.abs().rad()));
-    let error = |model: &LineModel, fitted: bool| {
-        model.mean_location_error_mm(fitted).map_or_else(|| "-".to_owned(), |e| format!("{e:.1}"))
-    };
-    let mut row = vec![
-        analysis.case_id.clone(),
-        main.map_or_else(String::new, |c| format!("{:.0}°", c.cobb[0].1.abs().deg())),
-        analysis.inflections.all.len().to_string(),
-    ];
-    for kind in crate::analyze::COHORT_LINES {
-        let model = analysis.models.iter().find(|m| m.kind == kind);
-        row.push(model.map_or_else(
-            || "-".to_owned(),
-            |m| format!("{} / {}", error(m, true), error(m, false)),
-        ));
-    }
-    let inflection = analysis.models.iter().find(|m| m.kind == crate::analyze::COHORT_LINES[0]);
-    let against: Vec<String> = inflection
-        .into_iter()
-        .flat_map(|m| &m.postures)
-        .filter(|s| s.fitted)
-        .map(|s| s.contradicted.len().to_string())
-        .collect();
-    row.push(against.join(", "));
-    row.push(analysis.warnings.all().len().to_string());
-    row
-}

@@ -164,3 +164,8 @@ impl Phantom {
         self.postures.iter().find(|p| p.posture == posture)
     }
 }
+
+/// The README's example runs with the documentation's.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

@@ -1,0 +1,110 @@
+//! The search for a force, and the fit of one line to two bends.
+
+mod common;
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use spineline::action::LineKind;
+use spineline::anatomy::Posture;
+use spineline::measure::Outline;
+use spineline::multibody::{
+    ForceSign, JointGroups, Statics, StiffnessLibrary, Support, match_amplitude,
+};
+use spineline::personalize::{FitFilm, FitSettings, FitTarget, Gauge, personalize};
+use spineline::spatial::Angle;
+use spineline_phantom::Truth;
+
+const BENDS: [Posture; 2] = [Posture::LeftBending, Posture::RightBending];
+
+fn search(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("match_amplitude");
+    let library = StiffnessLibrary::default();
+    for (truth, kind) in [(Truth::Pull, LineKind::Iliac), (Truth::Rod, LineKind::Inflection)] {
+        let analysis = common::analyzed(0, truth, Support::Frontal);
+        let model = analysis.models.iter().find(|m| m.kind == kind).expect("every line");
+        let groups = JointGroups::regional(&analysis.regions);
+        let statics = Statics::new(
+            &analysis.spine,
+            &library,
+            &groups,
+            &model.fit.log_multipliers,
+            Support::Frontal,
+        );
+        let load = common::bending_loads(&analysis, kind)[0];
+        let fitted = model.posture(BENDS[0]).expect("a left bend");
+        let sign = if fitted.force_n < 0.0 { ForceSign::Negative } else { ForceSign::Positive };
+        let lean = fitted.locations[14].lean();
+        let mut step = 0_u32;
+        group.bench_function(format!("{} phantom, {kind}", truth.key()), |bencher| {
+            bencher.iter(|| {
+                // Another target each time, within half a degree.
+                step = (step + 1) % 64;
+                let target = lean * (1.0 - 1e-3 * f64::from(step) / 64.0);
+                black_box(match_amplitude(&statics, black_box(&load), sign, black_box(target)))
+            });
+        });
+    }
+    group.finish();
+}
+
+fn fit(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("personalize");
+    let library = StiffnessLibrary::default();
+    for support in [Support::Free, Support::Frontal] {
+        for target in [FitTarget::Shape, FitTarget::Ferguson] {
+            let analysis = common::analyzed(0, Truth::Rod, support);
+            let groups = JointGroups::regional(&analysis.regions);
+            let loads = common::bending_loads(&analysis, LineKind::Inflection);
+            let erect = &analysis.erect().outline;
+            let variants: Vec<Vec<Outline>> = (0..16).map(|i| bends(&analysis, i)).collect();
+            let settings = FitSettings {
+                regions: &analysis.regions,
+                target,
+                gauge: Gauge::GeometricMean,
+                support,
+                hints: &[],
+            };
+            let mut next = 0;
+            let name = format!("{support:?}, {target:?}").to_lowercase();
+            group.bench_function(name, |bencher| {
+                bencher.iter(|| {
+                    next = (next + 1) % variants.len();
+                    let films: Vec<FitFilm<'_>> = variants[next]
+                        .iter()
+                        .zip(&loads)
+                        .map(|(outline, &load)| FitFilm { outline, load })
+                        .collect();
+                    let films = black_box(films.as_slice());
+                    black_box(personalize(
+                        &analysis.spine,
+                        &library,
+                        &groups,
+                        erect,
+                        films,
+                        &settings,
+                    ))
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
+/// The two bends, each vertebra moved a little, differently in every variant.
+fn bends(analysis: &spineline::analysis::Analysis, variant: u32) -> Vec<Outline> {
+    BENDS
+        .map(|posture| {
+            let mut outline = analysis.posture(posture).expect("both bends").outline.clone();
+            for (i, vertebra) in outline.vertebrae.iter_mut().enumerate().skip(1) {
+                let wobble = (f64::from(variant) + 1.7 * i as f64).sin();
+                vertebra.location.y_mm += 0.2 * wobble;
+                vertebra.tilt = vertebra.tilt + Angle::from_deg(0.3 * wobble);
+            }
+            outline
+        })
+        .into()
+}
+
+criterion_group! { name = benches; config = common::criterion(); targets = search, fit }
+criterion_main!(benches);
