@@ -4,7 +4,6 @@ mod common;
 
 use common::{assert_near, graph_film, measured, outline, usual_regions};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use spineline::anatomy::{Posture, Side};
 use spineline::chain::{Chain, SEGMENT_WINDOW};
 use spineline::clinical::{ferguson_angle, measure_curves};
@@ -23,15 +22,6 @@ const CHORD_MM: f64 = 1e-10;
 const ROUNDING: f64 = 1e-12;
 /// A lobe counts from 5° on; those made here are far larger.
 const LEAST_TURN: Angle = Angle::from_deg(5.0);
-
-fn config() -> ProptestConfig {
-    ProptestConfig {
-        cases: 24,
-        rng_seed: RngSeed::Fixed(1866),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
-}
 
 /// A polynomial by its coefficients from `z²` upwards, with `u = z / height`.
 #[derive(Debug, Clone)]
@@ -95,7 +85,7 @@ fn fit(outline: &Outline, rule: OrderRule) -> CurveFit {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(common::deterministic(1866))]
 
     /// Oracle: the polynomial that placed the vertebrae, and the roots of its second derivative.
     #[test]

@@ -7,7 +7,6 @@ use common::{
     placement_film,
 };
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, LineModel};
 use spineline::anatomy::{Level, Posture};
@@ -20,16 +19,6 @@ use spineline_phantom::{Readers, Truth};
 const ROUNDING: f64 = 1e-9;
 /// What a least-squares fit and a minimiser pass on.
 const FITTED: f64 = 1e-6;
-
-fn config() -> ProptestConfig {
-    ProptestConfig {
-        cases: 24,
-        rng_seed: RngSeed::Fixed(2016),
-        failure_persistence: None,
-        max_shrink_iters: 20,
-        ..ProptestConfig::default()
-    }
-}
 
 /// Subject, truth, and whether the readers are exact.
 fn any_case() -> impl Strategy<Value = (usize, usize, bool)> {
@@ -141,7 +130,7 @@ fn assert_same_models(
 const ALL_LINES: [LineKind; 3] = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(common::deterministic(2016))]
 
     /// Oracle: left and right are names only.
     #[test]

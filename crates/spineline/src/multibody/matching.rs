@@ -90,7 +90,7 @@ const T2_STEP_MM: f64 = 4.0;
 /// 1500 N for springs of the library's mean lateral stiffness; scales with the springs.
 const LARGEST_FORCE_PER_STIFFNESS: f64 = 1500.0 / 144_000.0;
 /// Distances of T2 that differ by less are equally good: about what a location's reading and the model's joints leave.
-pub const T2_TOLERANCE_MM: f64 = 1.0;
+const T2_TOLERANCE_MM: f64 = 1.0;
 /// A path that needs more equilibria than this goes nowhere.
 const MOST_EVALUATIONS: u32 = 2000;
 
@@ -125,7 +125,7 @@ pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> V
 /// Finds the force of either sign that brings T2 nearest to a place.
 ///
 /// The distance may have several minima along the path, and an implausible shape far along it may touch the place by
-/// chance. The smallest force counts whose distance is within [`T2_TOLERANCE_MM`] of the least. Where the path ends before the
+/// chance. The smallest force counts whose distance is within a millimetre of the least. Where the path ends before the
 /// distance has a minimum, its nearest shape comes back as [`MatchStatus::Unreachable`].
 #[must_use]
 pub fn match_t2(statics: &Statics<'_>, load: &Load, place: Frontal) -> ForceMatch {

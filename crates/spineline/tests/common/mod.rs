@@ -1,6 +1,7 @@
 //! Helpers that the tests of this crate share.
 #![allow(dead_code, reason = "every test binary uses a part of them")]
 
+use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 use spineline::analysis::{Analysis, AnalysisOptions, Case, Subject, analyze};
 use spineline::anatomy::{Level, Posture, Region, SagittalProfile};
 use spineline::clinical::{RegionBounds, Regions};
@@ -34,6 +35,18 @@ impl Draw {
     /// A whole number below a limit.
     pub fn below(&mut self, limit: usize) -> usize {
         (self.between(0.0, limit as f64) as usize).min(limit - 1)
+    }
+}
+
+/// Twenty-four cases from a fixed seed; `PROPTEST_CASES` and `PROPTEST_RNG_SEED` ask for others.
+pub fn deterministic(seed: u64) -> ProptestConfig {
+    let asked = |name: &str| std::env::var(name).ok().and_then(|number| number.parse().ok());
+    ProptestConfig {
+        cases: asked("PROPTEST_CASES").map_or(24, |cases: u64| cases as u32),
+        rng_seed: RngSeed::Fixed(asked("PROPTEST_RNG_SEED").unwrap_or(seed)),
+        failure_persistence: None,
+        max_shrink_iters: 20,
+        ..ProptestConfig::default()
     }
 }
 
