@@ -68,13 +68,17 @@ impl Polynomial {
     }
 }
 
+/// Curves of two inflections whose three lobes all turn far enough to count.
 fn any_polynomial() -> impl Strategy<Value = (Polynomial, f64, f64)> {
-    (300.0..480.0_f64, 60.0..110.0_f64, 0.3..0.4_f64, 0.66..0.75_f64).prop_map(
-        |(height_mm, amplitude, p, q)| {
+    (300.0..480.0_f64, 60.0..110.0_f64, 0.3..0.4_f64, 0.66..0.75_f64)
+        .prop_map(|(height_mm, amplitude, p, q)| {
             let curve = Polynomial::with_inflections(height_mm, amplitude, p, q);
             (curve, p * height_mm, q * height_mm)
-        },
-    )
+        })
+        .prop_filter("every lobe turns by 6° or more", |(curve, p, q)| {
+            let tilts = [0.0, *p, *q, curve.height_mm].map(|z| -curve.at(z).1.atan());
+            tilts.windows(2).all(|ends| (ends[1] - ends[0]).abs() >= Angle::from_deg(6.0).rad())
+        })
 }
 
 fn fit(outline: &Outline, rule: OrderRule) -> CurveFit {
