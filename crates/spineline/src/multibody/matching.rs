@@ -84,7 +84,7 @@ impl ForceMatch {
 /// No hinge is followed beyond this angle: ligaments and facets would have stopped it long before.
 pub(crate) const LARGEST_HINGE_RAD: f64 = 0.8;
 /// A hinge turns by at most so much from one step to the next.
-const STEP_RAD: f64 = 0.15;
+const STEP_RAD: f64 = 0.25;
 /// T2 moves by at most so much from one look at its distance to the next.
 const T2_STEP_MM: f64 = 4.0;
 /// 1500 N for springs of the library's mean lateral stiffness; scales with the springs.
@@ -294,7 +294,7 @@ impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
         let inside = |force_n: f64, low: f64, high: f64| (force_n - low) * (force_n - high) < 0.0;
         let mut force_n =
             if inside(guess, low.0, high.0) { guess } else { f64::midpoint(low.0, high.0) };
-        let mut halve = false;
+        let mut before = f64::INFINITY;
         for _ in 0..120 {
             let goal = self.at(force_n);
             if !self.solution.converged {
@@ -309,11 +309,15 @@ impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
             } else {
                 high = (force_n, goal.value);
             }
-            // Newton, unless it leaves the bracket or the last step did not halve it.
+            // Newton, unless it leaves the bracket or the last step gained too little.
             let newton = force_n - goal.value / goal.rate;
-            let newton_fits = !halve && inside(newton, low.0, high.0);
-            halve = !halve && (high.0 - low.0).abs() > 0.5 * width;
-            force_n = if newton_fits { newton } else { f64::midpoint(low.0, high.0) };
+            let gains = goal.value.abs() < 0.5 * before;
+            before = goal.value.abs();
+            force_n = if gains && inside(newton, low.0, high.0) {
+                newton
+            } else {
+                f64::midpoint(low.0, high.0)
+            };
         }
         let residual = (self.goal)(&self.solution).residual;
         self.record(MatchStatus::NotConverged, force_n, residual);

@@ -79,10 +79,14 @@ pub fn personalize(
     let enough = satisfied_rms(problem.target());
     best.improve_from(&mut problem, &first, enough);
     // A fit that misses the data by far may have ended in a wrong minimum: then every start is tried.
-    best.improve_from(&mut problem, &rest, POOR * enough);
-    if !best.satisfies(&problem, POOR * enough) {
+    let poor = match problem.target() {
+        FitTarget::Ferguson => POOR_DEG,
+        FitTarget::Shape => POOR_MM / problem.location_sd_mm(),
+    };
+    best.improve_from(&mut problem, &rest, poor);
+    if !best.satisfies(&problem, poor) {
         let others = problem.starts_at_amplitude(&evidence);
-        best.improve_from(&mut problem, &others, POOR * enough);
+        best.improve_from(&mut problem, &others, poor);
     }
     // Three angles per bend have more wrong minima than the whole shape: that fit is one more start.
     if problem.target() == FitTarget::Ferguson && !best.satisfies(&problem, enough) {
@@ -137,8 +141,10 @@ fn nominal(groups: &JointGroups, films: &[FitFilm<'_>], starts: u32) -> Personal
 /// A start is refined when its sum of squares is within this factor of the best start's: a force of the wrong sign bends
 /// the spine the wrong way, and is further off by far.
 const PROMISING: f64 = 10.0;
-/// Residuals so many times larger than those of a satisfying fit call for more starts.
-const POOR: f64 = 25.0;
+/// Residuals larger than these, in millimetres of a shape or degrees of a Ferguson angle, call for more starts: a fit with
+/// a wrong line leaves less.
+const POOR_MM: f64 = 12.0;
+const POOR_DEG: f64 = 12.0;
 
 /// The best of the starts that were refined.
 #[derive(Default)]

@@ -330,6 +330,12 @@ impl<'a> Problem<'a> {
         self.films.iter().map(|film| film.magnitude.clone()).collect()
     }
 
+    /// Mean deviation of a location over the films.
+    pub fn location_sd_mm(&self) -> f64 {
+        let sum: f64 = self.films.iter().map(|film| film.location_sd_mm).sum();
+        sum / self.films.len() as f64
+    }
+
     /// What the fit is to.
     pub fn target(&self) -> FitTarget {
         self.settings.target
