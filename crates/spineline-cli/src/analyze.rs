@@ -3,16 +3,15 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
-use spineline::anatomy::{Level, Posture};
-use spineline::evaluate::Simulation;
+use spineline::anatomy::Posture;
 use spineline_io::{AnalysisFile, ModelFile};
 use spineline_report::figures;
 
 use crate::args::AnalyzeArgs;
 use crate::failure::{Ending, Failure};
 use crate::progress::map_all;
+use crate::rows::{chain_text, csv_text};
 use crate::{cohort, print, report};
 
 /// What wrote a file.
@@ -43,8 +42,10 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
         eprint!("{}", report::warnings(analysis));
     }
     write_files(args, &analyses, paths.len() > 1)?;
-    let to_stdout =
-        [&args.json, &args.csv].into_iter().flatten().any(|path| path.as_os_str() == "-");
+    let to_stdout = [&args.json, &args.csv, &args.chain]
+        .into_iter()
+        .flatten()
+        .any(|path| path.as_os_str() == "-");
     if !to_stdout {
         print(&match &analyses[..] {
             [one] if paths.len() == 1 => report::text(one),
@@ -113,6 +114,9 @@ fn write_files(args: &AnalyzeArgs, analyses: &[Analysis], many: bool) -> Result<
     if let Some(path) = &args.csv {
         write_or_print(path, &csv_text(analyses)?)?;
     }
+    if let Some(path) = &args.chain {
+        write_or_print(path, &chain_text(analyses)?)?;
+    }
     if let (Some(path), [analysis]) = (&args.model, analyses) {
         let kind = args.model_line.kind();
         let Some(model) = analysis.models.iter().find(|model| model.kind == kind) else {
@@ -171,69 +175,4 @@ fn draw(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
         }
     }
     Ok(())
-}
-
-/// One row per patient, posture, line and vertebra.
-pub fn csv_text(analyses: &[Analysis]) -> Result<String, Failure> {
-    let failed = |error: &dyn std::fmt::Display| Failure::internal(format!("CSV: {error}"));
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let heading = [
-        "case_id",
-        "synthetic",
-        "posture",
-        "level",
-        "measured_y_mm",
-        "measured_z_mm",
-        "measured_tilt_deg",
-        "line",
-        "fitted",
-        "status",
-        "simulated_y_mm",
-        "simulated_z_mm",
-        "simulated_tilt_deg",
-        "location_error_mm",
-    ];
-    writer.write_record(heading).map_err(|e| failed(&e))?;
-    for analysis in analyses {
-        for posture in &analysis.postures {
-            let simulated: Vec<(LineKind, &Simulation)> = analysis
-                .models
-                .iter()
-                .filter_map(|m| Some((m.kind, m.posture(posture.outline.posture)?)))
-                .collect();
-            for (i, level) in Level::MODEL.into_iter().enumerate() {
-                let vertebra = &posture.outline.vertebrae[i];
-                let mut measured = vec![
-                    analysis.case_id.clone(),
-                    analysis.synthetic.to_string(),
-                    posture.outline.posture.key().to_owned(),
-                    level.to_string(),
-                    format!("{:.4}", vertebra.location.y_mm),
-                    format!("{:.4}", vertebra.location.z_mm),
-                    format!("{:.4}", vertebra.tilt.deg()),
-                ];
-                if simulated.is_empty() {
-                    measured.resize(heading.len(), String::new());
-                    writer.write_record(&measured).map_err(|e| failed(&e))?;
-                }
-                for (kind, s) in &simulated {
-                    let mut row = measured.clone();
-                    let error = (i > 0 && s.is_usable())
-                        .then(|| format!("{:.4}", s.location_errors_mm[i - 1]));
-                    row.extend([
-                        kind.key().to_owned(),
-                        s.fitted.to_string(),
-                        s.status.key().to_owned(),
-                        format!("{:.4}", s.locations[i].y_mm),
-                        format!("{:.4}", s.locations[i].z_mm),
-                        format!("{:.4}", s.tilts[i].deg()),
-                        error.unwrap_or_default(),
-                    ]);
-                    writer.write_record(&row).map_err(|e| failed(&e))?;
-                }
-            }
-        }
-    }
-    let bytes = writer.into_inner().map_err(|e| failed(&e))?;
-    String::from_utf8(bytes).map_err(|e| failed(&e))
 }

@@ -134,6 +134,9 @@ pub struct AnalyzeArgs {
     /// Write one row per patient, posture, line and vertebra as CSV (`-`: standard output)
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
+    /// Write the chain of every posture as a Denavit-Hartenberg table, one row per segment, as CSV (`-`: standard output)
+    #[arg(long, value_name = "FILE")]
+    pub chain: Option<PathBuf>,
     /// Write the personalised model of one case
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,

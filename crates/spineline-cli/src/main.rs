@@ -9,6 +9,7 @@ mod phantom;
 mod progress;
 mod report;
 mod reproduce;
+mod rows;
 mod table;
 
 use std::io::Write;

@@ -7,9 +7,10 @@ use spineline_io::AnalysisFile;
 
 use super::rows::Section;
 use super::{Run, support_name};
-use crate::analyze::{csv_text, generator, write_file};
+use crate::analyze::{generator, write_file};
 use crate::args::ReproduceArgs;
 use crate::failure::Failure;
+use crate::rows::{csv_text, finish};
 
 /// `summary.csv` and `summary.json` hold the table; `errors.csv` every vertebra; `analyses/` every patient.
 pub fn write(
@@ -98,6 +99,5 @@ fn summary_csv(sections: &[Section]) -> Result<String, Failure> {
     for record in sections.iter().flat_map(records) {
         writer.serialize(record).map_err(|error| failed(&error))?;
     }
-    let bytes = writer.into_inner().map_err(|error| failed(&error))?;
-    String::from_utf8(bytes).map_err(|error| failed(&error))
+    finish(writer)
 }

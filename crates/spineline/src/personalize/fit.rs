@@ -67,26 +67,15 @@ pub fn personalize(
         .iter()
         .map(|film| (FilmEvidence::measure(model, library, erect, film.outline), film.load))
         .collect();
-    let mut starts = problem.starts(&evidence);
-    // The start that explains the films best first; the others only if it does not satisfy them.
-    starts.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let mut best = Best::default();
-    let promising = PROMISING * starts.first().map_or(0.0, |(_, cost)| *cost);
-    let (first, rest): (Vec<_>, Vec<_>) = starts
-        .into_iter()
-        .filter(|(_, cost)| cost.is_finite())
-        .partition(|(_, cost)| *cost <= promising);
     let enough = satisfied_rms(problem.target());
-    best.improve_from(&mut problem, &first, enough);
-    // A fit that misses the data by far may have ended in a wrong minimum: then every start is tried.
-    let poor = match problem.target() {
-        FitTarget::Ferguson => POOR_DEG,
-        FitTarget::Shape => POOR_MM / problem.location_sd_mm(),
-    };
-    best.improve_from(&mut problem, &rest, poor);
-    if !best.satisfies(&problem, poor) {
-        let others = problem.starts_at_amplitude(&evidence);
-        best.improve_from(&mut problem, &others, poor);
+    let mut best = Best::default();
+    let starts = problem.starts(&evidence);
+    // The likeliest start alone satisfies most films.
+    if !starts.is_empty() {
+        best.improve(&mut problem, &starts[0]);
+    }
+    if !best.satisfies(&problem, enough) {
+        best.improve_further(&mut problem, &starts, &evidence, enough);
     }
     // Three angles per bend have more wrong minima than the whole shape: that fit is one more start.
     if problem.target() == FitTarget::Ferguson && !best.satisfies(&problem, enough) {
@@ -164,6 +153,34 @@ impl Best {
         if end.status != FitStatus::NotEvaluable && better {
             let loads = problem.loads_at(&end.x);
             self.minimum = Some((end, loads));
+        }
+    }
+
+    /// Refines the promising ones of the starts beside the first, and every start where the fit misses the data by far.
+    fn improve_further(
+        &mut self,
+        problem: &mut Problem<'_>,
+        starts: &[Start],
+        evidence: &[(FilmEvidence, Load)],
+        enough: f64,
+    ) {
+        let mut priced = problem.priced(starts);
+        priced.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let promising = PROMISING * priced.first().map_or(0.0, |(_, cost)| *cost);
+        priced.retain(|(start, _)| starts.first() != Some(start));
+        let (likely, rest): (Vec<_>, Vec<_>) =
+            priced.into_iter().partition(|(_, cost)| *cost <= promising);
+        self.improve_from(problem, &likely, enough);
+        // A fit that misses the data by far may have ended in a wrong minimum.
+        let poor = match problem.target() {
+            FitTarget::Ferguson => POOR_DEG,
+            FitTarget::Shape => POOR_MM / problem.location_sd_mm(),
+        };
+        self.improve_from(problem, &rest, poor);
+        if !self.satisfies(problem, poor) {
+            let others = problem.starts_at_amplitude(evidence);
+            let others = problem.priced(&others);
+            self.improve_from(problem, &others, poor);
         }
     }
 

@@ -136,9 +136,9 @@ impl<'a> Problem<'a> {
         Statics::new(self.model, self.library, self.groups, log_multipliers, self.settings.support)
     }
 
-    /// Starts with their costs: from the estimated loads, or in closed form for the majority's signs of force and then
-    /// for every other combination.
-    pub fn starts(&mut self, evidence: &[(FilmEvidence, Load)]) -> Vec<(Start, f64)> {
+    /// Starts, the likeliest first: from the estimated loads, or in closed form for the majority's signs of force and then
+    /// for every other combination; and the hints.
+    pub fn starts(&self, evidence: &[(FilmEvidence, Load)]) -> Vec<Start> {
         if evidence.is_empty() {
             return Vec::new();
         }
@@ -147,38 +147,35 @@ impl<'a> Problem<'a> {
             None => self.signed_starts(evidence),
         };
         starts.extend_from_slice(self.settings.hints);
-        let mut system = System::new(self.rows(), self.unknowns());
         starts
-            .drain(..)
-            .map(|start| {
-                let cost = self.cost(&start, &mut system);
-                if cost.is_finite() || start.loads.iter().any(|load| load.len() > 1) {
-                    return (start, cost);
-                }
-                // Where Newton does not get from the force in closed form to the amplitude, the path from zero does.
-                let start = self.at_amplitude(start);
-                let cost = self.cost(&start, &mut system);
-                (start, cost)
-            })
-            .collect()
+    }
+
+    /// The starts that can be evaluated, with their costs.
+    ///
+    /// Where Newton does not get from a force in closed form to the amplitude, the path from zero does.
+    pub fn priced(&mut self, starts: &[Start]) -> Vec<(Start, f64)> {
+        let mut system = System::new(self.rows(), self.unknowns());
+        let mut priced = Vec::new();
+        for start in starts {
+            let mut start = start.clone();
+            let mut cost = self.cost(&start, &mut system);
+            if cost.is_infinite() && start.loads.iter().all(|load| load.len() == 1) {
+                start = self.at_amplitude(start);
+                cost = self.cost(&start, &mut system);
+            }
+            if cost.is_finite() {
+                priced.push((start, cost));
+            }
+        }
+        priced
     }
 
     /// The starts of a line load with the first forces that reach the amplitudes.
-    pub fn starts_at_amplitude(&mut self, evidence: &[(FilmEvidence, Load)]) -> Vec<(Start, f64)> {
+    pub fn starts_at_amplitude(&self, evidence: &[(FilmEvidence, Load)]) -> Vec<Start> {
         if evidence.is_empty() || self.free_depth_mm().is_some() {
             return Vec::new();
         }
-        let mut system = System::new(self.rows(), self.unknowns());
-        let starts = self.signed_starts(evidence).into_iter().map(|start| self.at_amplitude(start));
-        let starts: Vec<Start> = starts.collect();
-        starts
-            .into_iter()
-            .map(|start| {
-                let cost = self.cost(&start, &mut system);
-                (start, cost)
-            })
-            .filter(|(_, cost)| cost.is_finite())
-            .collect()
+        self.signed_starts(evidence).into_iter().map(|start| self.at_amplitude(start)).collect()
     }
 
     fn at_amplitude(&self, start: Start) -> Start {
@@ -225,8 +222,6 @@ impl<'a> Problem<'a> {
             let mut start = closed_form(evidence, self.groups, &signs);
             if self.settings.gauge == Gauge::FrozenForce {
                 start.loads = self.forces_at_amplitude(&vec![0.0; self.groups.len()], &signs);
-                starts.push(start);
-                continue;
             }
             starts.push(start);
         }
