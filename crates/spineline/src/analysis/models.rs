@@ -4,7 +4,7 @@ use super::{Analysis, Grouping, PostureAnalysis};
 use crate::action::{Application, LineKind, LineOfAction};
 use crate::anatomy::{Level, Posture};
 use crate::evaluate::{Simulation, Target, simulate};
-use crate::multibody::{JointGroups, Load, Solution, Statics, StiffnessLibrary};
+use crate::multibody::{ForceSign, JointGroups, Load, Solution, Statics, StiffnessLibrary};
 use crate::personalize::estimate::{components_of, estimate_load, line_of};
 use crate::personalize::evidence::FilmEvidence;
 use crate::personalize::{
@@ -277,7 +277,11 @@ fn fit_model(analysis: &Analysis, kind: LineKind, warnings: &mut Warnings) -> Op
             (_, Some(_)) if kind == LineKind::Estimated => Target::Fitted(estimated_n),
             (_, Some(film)) if known => Target::Fitted(model.fit.loads[film][0]),
             (Some(_), _) => Target::Amplitude,
-            (None, _) => Target::NearestT2,
+            // T2's place alone may fit either sign; the rotations that gave the line gave the sign too.
+            (None, _) if kind == LineKind::Estimated => {
+                Target::NearestT2(Some(ForceSign::of(estimated_n)))
+            }
+            (None, _) => Target::NearestT2(None),
         };
         let mut simulation = simulate(
             &statics,

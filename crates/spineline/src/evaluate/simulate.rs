@@ -2,7 +2,9 @@ use crate::action::LineOfAction;
 use crate::anatomy::{Level, Posture};
 use crate::clinical::{Regions, ferguson_angle};
 use crate::measure::Outline;
-use crate::multibody::{ForceMatch, Load, MatchStatus, Statics, amplitude_matches, match_t2};
+use crate::multibody::{
+    ForceMatch, ForceSign, Load, MatchStatus, Statics, amplitude_matches, match_t2,
+};
 use crate::personalize::evidence::ContradictedJoint;
 use crate::spatial::{Angle, Frontal};
 
@@ -13,8 +15,8 @@ pub enum Target {
     Fitted(f64),
     /// The measured amplitude of a bend.
     Amplitude,
-    /// The measured location of T2, as near as it gets.
-    NearestT2,
+    /// The measured location of T2, as near as it gets, with a force of either sign or of a known one.
+    NearestT2(Option<ForceSign>),
 }
 
 /// Another force that meets the same target, and was not chosen.
@@ -104,7 +106,8 @@ pub fn simulate(
     let found = match target {
         Target::Fitted(force_n) => vec![ForceMatch::at(statics, &load, force_n, top.lean())],
         Target::Amplitude => amplitude_matches(statics, &load, top.lean()),
-        Target::NearestT2 => vec![match_t2(statics, &load, top)],
+        Target::NearestT2(None) => vec![match_t2(statics, &load, &ForceSign::BOTH, top)],
+        Target::NearestT2(Some(sign)) => vec![match_t2(statics, &load, &[sign], top)],
     };
     let mut tries: Vec<(ForceMatch, [Angle; 3])> = found
         .into_iter()

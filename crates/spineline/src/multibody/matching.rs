@@ -13,6 +13,12 @@ pub enum ForceSign {
 }
 
 impl ForceSign {
+    /// The sign of a force.
+    #[must_use]
+    pub fn of(force_n: f64) -> Self {
+        if force_n < 0.0 { Self::Negative } else { Self::Positive }
+    }
+
     /// Both signs.
     pub const BOTH: [Self; 2] = [Self::Positive, Self::Negative];
 
@@ -122,13 +128,18 @@ pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> V
     if path.found.is_empty() { vec![path.first_or_nearest()] } else { path.found }
 }
 
-/// Finds the force of either sign that brings T2 nearest to a place.
+/// Finds the force of the given signs that brings T2 nearest to a place.
 ///
 /// The distance may have several minima along the path, and an implausible shape far along it may touch the place by
 /// chance. The smallest force counts whose distance is within a millimetre of the least. Where the path ends before the
 /// distance has a minimum, its nearest shape comes back as [`MatchStatus::Unreachable`].
 #[must_use]
-pub fn match_t2(statics: &Statics<'_>, load: &Load, place: Frontal) -> ForceMatch {
+pub fn match_t2(
+    statics: &Statics<'_>,
+    load: &Load,
+    signs: &[ForceSign],
+    place: Frontal,
+) -> ForceMatch {
     let top = statics.model().midpoints_mm.len() - 1;
     let least_mm = Cell::new(f64::INFINITY);
     let mut path = Path::new(statics, load, |solution: &Solution| {
@@ -143,7 +154,7 @@ pub fn match_t2(statics: &Statics<'_>, load: &Load, place: Frontal) -> ForceMatc
         let step_n = turn_step(solution).min(travel_mm / rate.norm_mm().max(f64::MIN_POSITIVE));
         Goal { value, rate: slope, residual: gap.norm_mm(), met, step_n }
     });
-    for sign in ForceSign::BOTH {
+    for &sign in signs {
         path.follow(sign, usize::MAX);
     }
     let enough_mm = path.nearest.0 + T2_TOLERANCE_MM;
