@@ -124,26 +124,25 @@ pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error
     let spine = SpineModel::from_outline(&outlines[0], &options.profile);
     // 4 motion
     let windows = least_windows(&fits[0], &poses[0]);
-    let erect_pose = poses[0].clone();
-    let erect_outline = outlines[0].clone();
+    let erect = (outlines[0].clone(), poses[0].clone());
     let mut postures: Vec<PostureAnalysis> = outlines
         .into_iter()
         .zip(fits)
         .zip(poses)
         .map(|((outline, fit), pose)| {
             let moved = outline.posture != Posture::Erect;
-            let motion = moved.then(|| Motion::between(&erect_pose, &pose, &windows));
-            let here = inflection_segments.filter(|s| s.iter().all(|&k| k < pose.joints.len()));
+            let motion = moved.then(|| Motion::between(&erect.1, &pose, &windows));
+            let measure = || FilmEvidence::measure(&spine, &options.library, &erect.0, &outline);
             PostureAnalysis {
                 inflection_estimates: motion
                     .as_ref()
                     .zip(inflection_segments)
-                    .map(|(motion, segments)| motion.estimates(&erect_pose, segments)),
+                    .and_then(|(motion, segments)| motion.estimates(&erect.1, segments)),
                 mean_least_estimates: None,
-                inflection_points: here.map(|segments| segments.map(|k| pose.joints[k])),
-                evidence: moved.then(|| {
-                    FilmEvidence::measure(&spine, &options.library, &erect_outline, &outline)
+                inflection_points: inflection_segments.and_then(|[caudal, cranial]| {
+                    Some([*pose.joints.get(caudal)?, *pose.joints.get(cranial)?])
                 }),
+                evidence: moved.then(measure),
                 line_comparison: None,
                 motion,
                 outline,
@@ -152,7 +151,7 @@ pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error
             }
         })
         .collect();
-    let mean_least_segments = add_mean_least(&mut postures, &erect_pose);
+    let mean_least_segments = add_mean_least(&mut postures, &erect.1);
     let mut analysis = Analysis {
         case_id: case.id.clone(),
         synthetic: case.synthetic,
@@ -230,7 +229,7 @@ fn add_mean_least(postures: &mut [PostureAnalysis], erect: &ChainPose) -> Option
     let segments = mean_least(motion(Posture::LeftBending)?, motion(Posture::RightBending)?);
     for posture in postures {
         posture.mean_least_estimates =
-            posture.motion.as_ref().map(|motion| motion.estimates(erect, segments));
+            posture.motion.as_ref().and_then(|motion| motion.estimates(erect, segments));
     }
     Some(segments)
 }

@@ -249,55 +249,74 @@ fn fit_model(analysis: &Analysis, kind: LineKind, warnings: &mut Warnings) -> Op
     let erect = &analysis.erect().outline;
     let fit = personalize(&analysis.spine, &options.library, &groups, erect, &films, &settings);
     let mut model = LineModel { kind, groups, fit, postures: Vec::new() };
-    let statics = Statics::new(
-        &analysis.spine,
-        &options.library,
-        &model.groups,
-        &model.fit.log_multipliers,
-        options.support,
-    );
+    let logs = &model.fit.log_multipliers;
+    let statics =
+        Statics::new(&analysis.spine, &options.library, &model.groups, logs, options.support);
+    let evaluation = Evaluation { analysis, model: &model, statics, target, depth_mm };
     let mut simulations = Vec::new();
-    for posture in &analysis.postures {
-        if posture.outline.posture == Posture::Erect {
-            continue;
-        }
-        let fitted = bends.iter().position(|(p, _)| p.outline.posture == posture.outline.posture);
-        let line = match kind {
-            LineKind::Estimated => estimated_line(&model, posture, fitted, depth_mm),
-            _ => geometric_line(analysis, kind, posture, warnings).map(|line| (line, 0.0)),
-        };
-        let Some((line, estimated_n)) = line else {
-            let text = format!("{kind}: this film has no such line, so it is not simulated");
-            warnings.film(Step::Action, "no_line", posture.outline.posture, text);
-            continue;
-        };
-        // With the whole shape as data the force was fitted, or frozen; with Ferguson angles the amplitude determines it.
-        let known = target == FitTarget::Shape || options.gauge == Gauge::FrozenForce;
-        let target = match (posture.outline.posture.bend(), fitted) {
-            (_, Some(_)) if kind == LineKind::Estimated => Target::Fitted(estimated_n),
-            (_, Some(film)) if known => Target::Fitted(model.fit.loads[film][0]),
-            (Some(_), _) => Target::Amplitude,
-            // T2's place alone may fit either sign; the rotations that gave the line gave the sign too.
-            (None, _) if kind == LineKind::Estimated => {
-                Target::NearestT2(Some(ForceSign::of(estimated_n)))
+    for posture in analysis.postures.iter().filter(|p| p.motion.is_some()) {
+        let name = posture.outline.posture;
+        let fitted = bends.iter().position(|(p, _)| p.outline.posture == name);
+        match evaluation.simulate(posture, fitted, warnings) {
+            Some(simulation) => simulations.push(simulation),
+            None => {
+                let text = format!("{kind}: this film has no such line, so it is not simulated");
+                warnings.film(Step::Action, "no_line", name, text);
             }
-            (None, _) => Target::NearestT2(None),
-        };
-        let mut simulation = simulate(
-            &statics,
-            (line, depth_mm),
-            &posture.outline,
-            &analysis.regions,
-            target,
-            fitted.is_some(),
-        );
-        simulation.contradicted = contradicted(posture, &simulation);
-        simulations.push(simulation);
+        }
     }
     model.postures = simulations;
     scale_to_known_force(&mut model, options.gauge, warnings);
     warn_of_endings(&model, warnings);
     Some(model)
+}
+
+/// A fitted model that is to predict films.
+struct Evaluation<'a> {
+    analysis: &'a Analysis,
+    model: &'a LineModel,
+    statics: Statics<'a>,
+    target: FitTarget,
+    depth_mm: f64,
+}
+
+impl Evaluation<'_> {
+    /// Predicts one film; `fitted` is its place among the fitted ones. `None` where the film has no such line.
+    fn simulate(
+        &self,
+        posture: &PostureAnalysis,
+        fitted: Option<usize>,
+        warnings: &mut Warnings,
+    ) -> Option<Simulation> {
+        let kind = self.model.kind;
+        let estimated = kind == LineKind::Estimated;
+        let (line, estimated_n) = if estimated {
+            estimated_line(self.model, posture, fitted, self.depth_mm)?
+        } else {
+            (geometric_line(self.analysis, kind, posture, warnings)?, 0.0)
+        };
+        // With the whole shape as data the force was fitted, or frozen; with Ferguson angles the amplitude determines it.
+        let options = &self.analysis.options;
+        let known = self.target == FitTarget::Shape || options.gauge == Gauge::FrozenForce;
+        let target = match (posture.outline.posture.bend(), fitted) {
+            (_, Some(_)) if estimated => Target::Fitted(estimated_n),
+            (_, Some(film)) if known => Target::Fitted(self.model.fit.loads[film][0]),
+            (Some(_), _) => Target::Amplitude,
+            // T2's place alone may fit either sign; the rotations that gave the line gave the sign too.
+            (None, _) if estimated => Target::NearestT2(Some(ForceSign::of(estimated_n))),
+            (None, _) => Target::NearestT2(None),
+        };
+        let mut simulation = simulate(
+            &self.statics,
+            (line, self.depth_mm),
+            &posture.outline,
+            &self.analysis.regions,
+            target,
+            fitted.is_some(),
+        );
+        simulation.contradicted = contradicted(posture, &simulation);
+        Some(simulation)
+    }
 }
 
 /// What the fits with other lines have found, as free loads: the estimated line then never does much worse.

@@ -66,18 +66,21 @@ impl Motion {
     }
 
     /// Compares one segment per window, such as the inflections, with the least-rotating ones.
+    ///
+    /// `None` where the moved curve is too short to have such a segment.
     #[must_use]
-    pub fn estimates(&self, erect: &ChainPose, segments: [usize; 2]) -> [Estimate; 2] {
-        std::array::from_fn(|window| {
+    pub fn estimates(&self, erect: &ChainPose, segments: [usize; 2]) -> Option<[Estimate; 2]> {
+        let estimate = |window: usize| {
             let (segment, least) = (segments[window], self.least[window]);
-            Estimate {
+            Some(Estimate {
                 segment,
                 least,
                 distance_segments: segment.abs_diff(least),
                 distance_mm: erect.joints[segment].distance_mm(erect.joints[least]),
-                rotation: self.rotations[segment.min(self.rotations.len() - 1)],
-            }
-        })
+                rotation: *self.rotations.get(segment)?,
+            })
+        };
+        Some([estimate(0)?, estimate(1)?])
     }
 }
 
