@@ -22,6 +22,12 @@ pub fn generator() -> String {
 pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     let options = args.options.options()?;
     let paths = case_files(&args.cases)?;
+    let outputs = [&args.json, &args.csv, &args.chain].into_iter().flatten();
+    if outputs.filter(|path| path.as_os_str() == "-").count() > 1 {
+        return Err(Failure::usage(
+            "only one of --json, --csv and --chain can go to the standard output",
+        ));
+    }
     if args.model.is_some() && paths.len() != 1 {
         return Err(Failure::usage("--model writes the model of one case; give one case file"));
     }

@@ -31,7 +31,7 @@ pub enum Command {
     Reproduce(ReproduceArgs),
     /// Analyse the films of one patient, or of a cohort
     Analyze(AnalyzeArgs),
-    /// Check case files without fitting anything
+    /// Tell what case files hold, what is odd about them, and what can be made of them
     Check(CheckArgs),
     /// Make synthetic patients with known truth
     Phantom(PhantomArgs),
@@ -79,7 +79,7 @@ pub struct ReproduceArgs {
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Threads; 0 uses all cores. The results do not depend on it
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value = "0", value_parser = threads)]
     pub threads: usize,
     /// Factor on the deviations of the virtual readers; 0 lets one reader see the truth
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
@@ -147,7 +147,7 @@ pub struct AnalyzeArgs {
     #[arg(long, value_name = "DIR")]
     pub figures: Option<PathBuf>,
     /// Threads for a cohort; 0 uses all cores. The results do not depend on it
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value = "0", value_parser = threads)]
     pub threads: usize,
     #[command(flatten)]
     pub options: OptionArgs,
@@ -318,6 +318,13 @@ fn gauge(text: &str) -> Result<Gauge, String> {
         return Err("a known force must not be zero".to_owned());
     }
     Ok(Gauge::KnownForce { posture: posture(name)?, force_n })
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(number @ 0..=1024) => Ok(number),
+        _ => Err("expected 0 (all cores) to 1024".to_owned()),
+    }
 }
 
 fn lobe(text: &str) -> Result<Angle, String> {

@@ -57,7 +57,7 @@ fn text(path: &Path, analysis: &Analysis) -> String {
     }
     text.push_str(&table.text());
     // What the fit says is for `analyze`; here it is the films that count.
-    let of_films = |step: Step| step <= Step::Action;
+    let of_films = |step: Step| step <= Step::Motion;
     let odd: Vec<_> = analysis.warnings.all().iter().filter(|w| of_films(w.step)).collect();
     for warning in &odd {
         let place = warning.posture.map_or_else(String::new, |p| format!("{p} film: "));

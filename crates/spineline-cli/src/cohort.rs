@@ -63,7 +63,7 @@ fn sentences(cohort: &Cohort) -> String {
     let (rejected, tested) = cohort.line_rejected;
     if tested > 0 {
         text.push_str(&format!(
-            "In {rejected} of {tested} bends the load that the joints' rotations prefer does not run through the inflections (p < 0.05)\n"
+            "In {rejected} of {tested} bends the load that the joints' rotations prefer does not run through the inflections\n"
         ));
     }
     if let Some(t) = cohort.location_test.patients {

@@ -47,8 +47,8 @@ pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
 
 /// The default readers with their deviations multiplied; zero is one reader who sees the truth.
 pub fn readers(noise: f64) -> Result<Readers, Failure> {
-    if !(noise >= 0.0 && noise.is_finite()) {
-        return Err(Failure::usage(format!("--noise {noise}: the factor must be zero or more")));
+    if !(0.0..=10.0).contains(&noise) {
+        return Err(Failure::usage(format!("--noise {noise}: the factor must be from 0 to 10")));
     }
     Ok(if noise == 0.0 { Readers::exact() } else { Readers::scaled(noise) })
 }

@@ -108,7 +108,7 @@ impl FileError {
                 "`spineline schema case` (or model, stiffness) prints every key with its meaning"
             }
             Self::Format { .. } => {
-                "`analyze` and `check` read case files, `simulate` and `export` read model files"
+                "`analyze` and `check` read case files; a model or an analysis is what they write"
             }
             Self::Version { .. } => {
                 "install a newer Spineline, or write the file again with this one"

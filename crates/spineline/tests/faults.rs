@@ -160,13 +160,73 @@ fn a_film_of_doubled_spacing_is_told_by_its_length() {
 fn a_film_a_twentieth_as_long_cannot_share_a_chain() {
     // Oracle: equal segments need curves of about equal length.
     let mut case = exact_case(0);
-    let (image, _, _) = landmarks(film_mut(&mut case, Posture::Neutral));
+    let (image, crests, _) = landmarks(film_mut(&mut case, Posture::Neutral));
     image.column_spacing_mm *= 0.05;
     image.row_spacing_mm *= 0.05;
+    // Crests so near would be refused before.
+    *crests = None;
     let error = refused(&case);
     assert_eq!(error.step(), Step::Chain);
     assert!(error.to_string().contains("mm"));
     assert!(matches!(error, Error::Chain(ChainError::TooShort { .. })), "{error:?}");
+}
+
+#[test]
+fn iliac_crests_off_the_picture_or_in_one_place_are_refused_and_exchanged_ones_are_told() {
+    // Oracle: two crests make a line only where they lie apart, and it runs about across L4.
+    let with = |change: fn(&mut IliacCrests)| {
+        let mut case = exact_case(0);
+        let (_, crests, _) = landmarks(film_mut(&mut case, Posture::LeftBending));
+        change(crests.as_mut().expect("phantoms have crests"));
+        case
+    };
+    for case in [
+        with(|c| c.left = c.right),
+        with(|c| c.left.row_px = 9e9),
+        with(|c| c.right.row_px = f64::NAN),
+    ] {
+        let error = refused(&case);
+        assert!(error.to_string().contains("iliac crests"), "{error}");
+    }
+    let exchanged = analyzed(&with(|c| swap(&mut c.left, &mut c.right)), &on_a_table());
+    warned(&exchanged, "iliac_line_unusual", Some(Posture::LeftBending));
+}
+
+#[test]
+fn a_film_held_upside_down_is_measured_as_any_other() {
+    // Oracle: the same film turned by half a turn; angles near 180° must not average to 0°.
+    let case = exact_case(0);
+    let mut turned = case.clone();
+    let (image, crests, readings) = landmarks(film_mut(&mut turned, Posture::Erect));
+    let (columns, rows) = (f64::from(image.columns) - 1.0, f64::from(image.rows) - 1.0);
+    let turn = |p: spineline::spatial::Pixel| {
+        spineline::spatial::Pixel::new(columns - p.column_px, rows - p.row_px)
+    };
+    for mark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+        mark.corners = mark.corners.map(turn);
+        mark.axis_clockwise =
+            mark.axis_clockwise.map(|axis| (axis + Angle::from_deg(180.0)).wrapped());
+    }
+    *crests = crests.map(|c| IliacCrests { left: turn(c.left), right: turn(c.right) });
+    // Half a turn carries the patient's left to the other side of the picture and back: corners keep their names.
+    let (a, b) = (analyzed(&case, &on_a_table()), analyzed(&turned, &on_a_table()));
+    for (x, y) in a.erect().outline.vertebrae.iter().zip(&b.erect().outline.vertebrae) {
+        assert!(x.location.distance_mm(y.location) < 1e-9 && (x.tilt - y.tilt).rad().abs() < 1e-12);
+    }
+}
+
+#[test]
+fn tilts_of_the_wrong_sign_are_told_by_the_curve() {
+    // Oracle: locations and tilts of one spine belong to one curve.
+    let mut case = wavy(2, Angle::from_deg(25.0), true);
+    for film in &mut case.films {
+        if let spineline::measure::FilmMarks::Placements { readings, .. } = &mut film.marks {
+            for placement in readings.iter_mut().flat_map(|r| r.vertebrae.values_mut()) {
+                placement.tilt = -placement.tilt;
+            }
+        }
+    }
+    warned(&analyzed(&case, &on_a_table()), "tilts_disagree_with_locations", Some(Posture::Erect));
 }
 
 #[test]

@@ -14,6 +14,10 @@ use crate::keys::LevelKey;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(super) struct PostureRecord {
     curve: CurveRecord,
+    /// Segments of the chain on this curve: the paper's n_i.
+    segments: usize,
+    /// Length of the curve above the last joint.
+    leftover_mm: f64,
     locations_mm: BTreeMap<LevelKey, [f64; 2]>,
     tilts_deg: BTreeMap<LevelKey, f64>,
     /// Lean of the line L4→T2 against the normal of the iliac line, or L4's axis.
@@ -96,6 +100,8 @@ impl PostureRecord {
                 rmse_deg: p.fit.rmse_tilt.deg(),
                 left_out: p.fit.left_out,
             },
+            segments: p.pose.segments(),
+            leftover_mm: p.pose.leftover_mm,
             locations_mm: by_level(vertebrae.iter().map(|v| point(v.location)), &Level::MODEL),
             tilts_deg: by_level(vertebrae.iter().map(|v| v.tilt.deg()), &Level::MODEL),
             amplitude_deg: p.outline.amplitude().deg(),

@@ -111,7 +111,8 @@ pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error
     let locations: Vec<Frontal> = outlines[0].locations().collect();
     let regions = Regions::from_inflections(&fits[0], &inflections, &locations, &mut warnings);
     let clinical = measure_curves(&regions, &outlines.iter().collect::<Vec<_>>());
-    let lenke = lenke_type(&clinical);
+    // Regions that end at usual vertebrae are no curves, and give no type.
+    let lenke = inflections.pair.and_then(|_| lenke_type(&clinical));
     // 3 chain
     let lengths: Vec<f64> =
         fits.iter().map(|fit| fit.curve.length_mm(fit.curve.end_mm())).collect();

@@ -4,7 +4,9 @@ use super::{Analysis, Grouping, PostureAnalysis};
 use crate::action::{Application, LineKind, LineOfAction};
 use crate::anatomy::{Level, Posture};
 use crate::evaluate::{Simulation, Target, simulate};
-use crate::multibody::{ForceSign, JointGroups, Load, Solution, Statics, StiffnessLibrary};
+use crate::multibody::{
+    ForceSign, JointGroups, Load, MatchStatus, Solution, Statics, StiffnessLibrary,
+};
 use crate::personalize::estimate::{components_of, estimate_load, line_of};
 use crate::personalize::evidence::FilmEvidence;
 use crate::personalize::{
@@ -190,6 +192,10 @@ fn geometric_line(
     let name = posture.outline.posture;
     match kind {
         LineKind::Iliac => {
+            if posture.outline.iliac_normal.is_none() {
+                let text = "no iliac crests marked: the iliac line is taken across L4's axis";
+                warnings.film(Step::Measure, "iliac_crests_missing", name, text);
+            }
             let t2 = posture.outline.vertebrae[Level::MODEL.len() - 1].location;
             Some(LineOfAction::along_iliac(t2, posture.outline.iliac_normal))
         }
@@ -314,6 +320,10 @@ impl Evaluation<'_> {
             target,
             fitted.is_some(),
         );
+        if self.model.fit.status == FitStatus::NotEvaluable {
+            // Nominal springs predict nothing of this patient.
+            simulation.status = MatchStatus::NotConverged;
+        }
         simulation.contradicted = contradicted(posture, &simulation);
         Some(simulation)
     }

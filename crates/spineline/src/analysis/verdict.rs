@@ -2,14 +2,9 @@ use super::analyze::counted;
 use super::{Analysis, LineModel, PostureAnalysis};
 use crate::action::LineKind;
 use crate::evaluate::Simulation;
-use crate::spatial::Angle;
 
 /// More of the joints' work than this against the force speaks against a line.
 const WEIGHT_AGAINST: f64 = 0.10;
-/// Lines that differ by less are one line: an inflection's place along the curve is not known better, and the test takes
-/// it as known.
-const MATTERS_MM: f64 = 5.0;
-const MATTERS_ANGLE: Angle = Angle::from_deg(5.0);
 
 impl Analysis {
     /// What the data say of the lines of action, in plain sentences.
@@ -28,6 +23,9 @@ impl Analysis {
         }
         match self.models.iter().find(|model| model.kind == LineKind::Inflection) {
             Some(model) => sentences.extend(self.inflection_verdict(model)),
+            None if self.inflections.pair.is_some() => {
+                sentences.push("There is no inflection line: the warnings say why.".to_owned())
+            }
             None => sentences.push(format!(
                 "There is no inflection line: the erect curve has {} with lobes of {} or more.",
                 counted(self.inflections.all.len()),
@@ -47,8 +45,12 @@ impl Analysis {
             )
         }));
         sentences.extend(self.best(false).map(|(model, error_mm)| {
+            let caveat = match model.kind {
+                LineKind::Estimated => ", its line taken from those films",
+                _ => "",
+            };
             format!(
-                "The {} predicts the held-out films best: {error_mm:.1} mm on average.",
+                "The {} predicts the held-out films best: {error_mm:.1} mm on average{caveat}.",
                 model.kind
             )
         }));
@@ -74,8 +76,7 @@ impl Analysis {
         for (posture, test) in
             tested.filter_map(|p| p.line_comparison.map(|c| (p.outline.posture, c)))
         {
-            let matters = test.distance_mm > MATTERS_MM || test.angle > MATTERS_ANGLE;
-            if test.p_value < 0.05 && matters {
+            if test.rejects() {
                 sentences.push(format!(
                     "In the {posture} the load that the joints' rotations prefer runs {:.0} mm from the middle of the inflections and {:.0}° off their line (p {}).",
                     test.distance_mm, test.angle.deg(), probability(test.p_value)

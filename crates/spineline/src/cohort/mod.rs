@@ -153,7 +153,8 @@ pub struct Cohort {
     pub ferguson_test: Comparison,
     /// Location errors of the inflection line against the iliac line on fitted films.
     pub location_test: Comparison,
-    /// Bending films whose own load runs elsewhere than through the inflections (p < 0.05), and all that were tested.
+    /// Bending films whose own load runs elsewhere than through the inflections, beyond chance and by what matters, and
+    /// all that were tested.
     pub line_rejected: (usize, usize),
 }
 
@@ -197,11 +198,11 @@ impl Cohort {
         let numbers = |value: &dyn Fn(&Analysis) -> f64| {
             Summary::of(&analyses.iter().map(|a| value(a)).collect::<Vec<f64>>())
         };
-        let tested: Vec<f64> = analyses
+        let tested: Vec<bool> = analyses
             .iter()
             .flat_map(|a| &a.postures)
             .filter(|p| Films::Bends.has(p))
-            .filter_map(|p| p.line_comparison.map(|c| c.p_value))
+            .filter_map(|p| p.line_comparison.map(|c| c.rejects()))
             .collect();
         Self {
             patients: analyses.len(),
@@ -225,7 +226,7 @@ impl Cohort {
                 s.ferguson_difference.iter().map(|a| a.abs().deg()).collect()
             }),
             location_test: compare_lines(analyses, |s| s.location_errors_mm.clone()),
-            line_rejected: (tested.iter().filter(|p| **p < 0.05).count(), tested.len()),
+            line_rejected: (tested.iter().filter(|rejected| **rejected).count(), tested.len()),
         }
     }
 

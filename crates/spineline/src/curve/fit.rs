@@ -39,6 +39,8 @@ pub enum CurveError {
     },
 }
 
+/// Films marked by hand stay below this by far (about 3° in the median).
+const POOR_TILT: Angle = Angle::from_deg(10.0);
 const ORDERS: std::ops::RangeInclusive<usize> = 4..=12;
 /// Beyond this tilt the slope dy/dz says too little.
 const GRAPH_LIMIT: Angle = Angle::from_deg(70.0);
@@ -76,6 +78,23 @@ pub fn fit_curve(
     } else {
         CurveForm::Graph
     };
+    let fit = fit_by_rule(outline, form, rule, warnings)?;
+    if fit.rmse_tilt > POOR_TILT {
+        let text = format!(
+            "the tilts differ by {} from the curve through the locations: check their sign (positive leans to the patient's right) and their unit (degrees)",
+            fit.rmse_tilt
+        );
+        warnings.film(Step::Curve, "tilts_disagree_with_locations", outline.posture, text);
+    }
+    Ok(fit)
+}
+
+fn fit_by_rule(
+    outline: &Outline,
+    form: CurveForm,
+    rule: OrderRule,
+    warnings: &mut Warnings,
+) -> Result<CurveFit, CurveError> {
     if let OrderRule::Fixed(order) = rule {
         return if ORDERS.contains(&order) {
             fit_order(outline, form, order)

@@ -139,15 +139,6 @@ pub fn cluster_bootstrap(clusters: &[Vec<f64>], resamples: u32, seed: u64) -> Op
     Some([quantile(&drawn, 0.025), quantile(&drawn, 0.975)])
 }
 
-/// Pearson's correlation; `None` for samples of unequal length or without spread.
-#[must_use]
-pub fn pearson(a: &[f64], b: &[f64]) -> Option<f64> {
-    let (sa, sb) = (Summary::of(a), Summary::of(b));
-    let covariance: f64 = a.iter().zip(b).map(|(x, y)| (x - sa.mean) * (y - sb.mean)).sum();
-    let r = covariance / ((a.len() as f64 - 1.0) * sa.sd * sb.sd);
-    (a.len() == b.len() && r.is_finite()).then_some(r)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -169,7 +160,6 @@ mod tests {
         assert_eq!(paired_t(&[1.0, 2.0], &[0.0, 1.0]), None);
         assert_eq!(paired_t(&[1.0], &[0.0]), None);
         assert_eq!(box_summary(&[]), None);
-        assert_eq!(pearson(&[1.0, 1.0], &[1.0, 2.0]), None);
     }
 
     #[test]

@@ -101,6 +101,18 @@ pub enum MeasureError {
         /// What is wrong with them.
         fault: CornerFault,
     },
+    /// Iliac crests that give no line.
+    #[error("{posture} film: the iliac crests {}", if *outside { "do not both lie on the picture".to_owned() } else { format!("are {apart_mm:.1} mm apart, and the least is {limit_mm:.0} mm") })]
+    Crests {
+        /// Film.
+        posture: Posture,
+        /// Whether one lies outside of the picture or is no number.
+        outside: bool,
+        /// Distance between them.
+        apart_mm: f64,
+        /// The least distance.
+        limit_mm: f64,
+    },
     /// Left and right corners are exchanged in every vertebra of a film.
     #[error(
         "{posture} film, observer {id}: left and right corners are exchanged in all {count} vertebrae, so the film is mirrored or its `patient_left` is wrong"
@@ -163,6 +175,9 @@ impl MeasureError {
             Self::NotFinite { .. } => "mark this vertebra again",
             Self::OffImage { .. } => {
                 "corner points are [column, row] in pixels of the full-size picture"
+            }
+            Self::Crests { .. } => {
+                "mark the superior tips of both crests again, or leave `iliac_crests_px` out"
             }
             Self::Corners { fault, .. } => fault.help(),
             Self::FilmMirrored { .. } => {

@@ -110,6 +110,9 @@ pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, Mea
                 .iter()
                 .map(|reading| place(posture, image, reading))
                 .collect::<Result<Vec<_>, _>>()?;
+            if let Some(crests) = iliac_crests {
+                check_crests(posture, image, crests)?;
+            }
             (placed, image.spacing_plane, iliac_crests.map(|crests| iliac_normal(image, crests)))
         }
         FilmMarks::Placements { spacing_plane, readings } => {
@@ -130,7 +133,7 @@ pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, Mea
         .iter()
         .map(|(&level, &(placement, readings))| {
             let location = (placement.location - base.location).rotated(-base.tilt);
-            let tilt = placement.tilt - base.tilt;
+            let tilt = (placement.tilt - base.tilt).wrapped();
             (level, MeasuredVertebra { level, location, tilt, readings })
         })
         .collect();
@@ -142,12 +145,20 @@ pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, Mea
         .collect::<Result<Vec<_>, _>>()?;
     let marked: Vec<MeasuredVertebra> = in_global.values().copied().collect();
     check_order(posture, &marked, warnings)?;
+    let iliac_normal = iliac_normal.map(|normal| (normal - base.tilt).wrapped());
+    if let Some(normal) = iliac_normal.filter(|normal| normal.abs() > Angle::from_deg(60.0)) {
+        let text = format!(
+            "the iliac line is {:.0}° off L4: its left and right crest may be exchanged",
+            normal.abs().deg()
+        );
+        warnings.film(Step::Measure, "iliac_line_unusual", posture, text);
+    }
     warn_of_gaps(posture, &vertebrae, placed.len(), warnings);
     Ok(Outline {
         posture,
         others: in_global.into_values().filter(|v| v.level.model_index().is_none()).collect(),
         vertebrae,
-        iliac_normal: iliac_normal.map(|normal| normal - base.tilt),
+        iliac_normal,
         l4_on_film: base.tilt,
         noise: noise(&placed, &on_film),
         spacing_plane,
@@ -256,6 +267,21 @@ fn place(
         .collect())
 }
 
+/// Crests must lie on the picture, apart, and on their sides.
+fn check_crests(
+    posture: Posture,
+    image: &ImageGeometry,
+    crests: &IliacCrests,
+) -> Result<(), MeasureError> {
+    const LEAST_MM: f64 = 50.0;
+    let outside = [crests.left, crests.right].into_iter().any(|crest| !image.contains(crest));
+    let apart_mm = image.frontal(crests.left).distance_mm(image.frontal(crests.right));
+    if outside || apart_mm < LEAST_MM {
+        return Err(MeasureError::Crests { posture, outside, apart_mm, limit_mm: LEAST_MM });
+    }
+    Ok(())
+}
+
 fn iliac_normal(image: &ImageGeometry, crests: IliacCrests) -> Angle {
     let to_left = image.frontal(crests.left) - image.frontal(crests.right);
     // A quarter turn about +X carries the patient's left (+Y) to cranial (+Z).
@@ -281,7 +307,9 @@ fn average(placed: &[BTreeMap<Level, Placement>]) -> BTreeMap<Level, (Placement,
             let n = all.len() as f64;
             let location =
                 all.iter().fold(Frontal::default(), |sum, p| sum + p.location) * (1.0 / n);
-            let tilt = all.iter().fold(Angle::ZERO, |sum, p| sum + p.tilt) * (1.0 / n);
+            // Against one of them, so that a film held upside down averages as any other.
+            let off = all.iter().fold(Angle::ZERO, |sum, p| sum + (p.tilt - all[0].tilt).wrapped());
+            let tilt = all[0].tilt + off * (1.0 / n);
             (level, (Placement { location, tilt }, all.len()))
         })
         .collect()
@@ -301,7 +329,7 @@ fn noise(
             .filter_map(|reading| reading.get(level))
             .map(|placement| {
                 let off = placement.location - mean.location;
-                (off.dot(off), (placement.tilt - mean.tilt).rad().powi(2))
+                (off.dot(off), (placement.tilt - mean.tilt).wrapped().rad().powi(2))
             })
             .collect();
         readings.sort_by(|a, b| a.partial_cmp(b).expect("readings were checked to be finite"));

@@ -138,6 +138,20 @@ pub fn estimate_load(
     EstimatedLoad { components, covariance: inverse * variance, freedom }
 }
 
+impl LineComparison {
+    /// Lines that differ by less are one line: an inflection's place along the curve is not known better, and the test
+    /// takes it as known.
+    const MATTERS_MM: f64 = 5.0;
+    const MATTERS_ANGLE: Angle = Angle::from_deg(5.0);
+
+    /// Whether the data reject the proposed line: beyond chance, and by a distance or an angle that matters.
+    #[must_use]
+    pub fn rejects(&self) -> bool {
+        let matters = self.distance_mm > Self::MATTERS_MM || self.angle > Self::MATTERS_ANGLE;
+        self.p_value < 0.05 && matters
+    }
+}
+
 impl EstimatedLoad {
     /// The line of this load; `None` for a pure couple.
     #[must_use]
