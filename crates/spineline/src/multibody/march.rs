@@ -395,7 +395,7 @@ impl<'a> Statics<'a> {
 
 /// Turns two axes by an angle about the third: `a` towards `b`.
 #[inline]
-fn turn_pair(a: &mut Vec3, b: &mut Vec3, angle_rad: f64) {
+pub(super) fn turn_pair(a: &mut Vec3, b: &mut Vec3, angle_rad: f64) {
     if angle_rad == 0.0 {
         return;
     }

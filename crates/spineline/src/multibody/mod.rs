@@ -14,11 +14,18 @@
 //! # References
 //! [petit-2004], [panjabi-1976], [jalalian-loa] section 2.
 
+mod general;
 mod geometry;
 mod march;
 mod matching;
+mod roots;
 mod stiffness;
 
+pub use general::{
+    BodyLoad, BranchEvent, BranchEventKind, Equilibrium, EquilibriumPath, GeneralStatics, Goal,
+    LoadItem, Loading, LoadingError, NearbyReport, NewtonWork, OnPoint, PathEnding, PathOptions,
+    PathPoint, Rod, SpringError, Timing,
+};
 pub use geometry::{Joint, SpineModel};
 pub use march::{Deformed, Load, Parameter, Solution, Statics, Wrench};
 pub(crate) use matching::LARGEST_HINGE_RAD;

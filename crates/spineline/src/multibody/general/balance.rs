@@ -1,0 +1,221 @@
+use super::loading::{Loading, Timing};
+use super::wrench::{Pose, Spatial, SpatialMatrix, first, second, spatial};
+use crate::multibody::march::turn_pair;
+use crate::multibody::{Deformed, SpineModel, Support};
+use crate::spatial::{Mat3, Vec3};
+
+/// How much of the held and of the growing loads has come, and which of them the derivative is for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Factors {
+    pub held: f64,
+    pub growing: f64,
+    pub varies: Timing,
+}
+
+impl Factors {
+    pub(super) fn of(&self, timing: Timing) -> f64 {
+        match timing {
+            Timing::Held => self.held,
+            Timing::Growing => self.growing,
+        }
+    }
+
+    /// The one that varies.
+    pub(super) fn varied(&self) -> f64 {
+        self.of(self.varies)
+    }
+
+    pub(super) fn set_varied(&mut self, factor: f64) {
+        match self.varies {
+            Timing::Held => self.held = factor,
+            Timing::Growing => self.growing = factor,
+        }
+    }
+}
+
+/// Columns: the twist that one radian of each hinge of a joint gives to all above it.
+pub(super) type HingeTwists = nalgebra::Matrix6x3<f64>;
+
+/// A spine with springs and loads: what must balance.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Balance<'a> {
+    pub model: &'a SpineModel,
+    pub stiffness: &'a [Mat3],
+    pub support: Support,
+    pub loading: &'a Loading,
+}
+
+/// A pose, what acts in it, and what is out of balance. All buffers are made once.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct State {
+    /// Hinge angles; the pose is theirs.
+    pub hinges: Vec<Vec3>,
+    /// Wrench that each rod puts on its upper vertebra, and minus it on its lower one.
+    pub reactions: Vec<Spatial>,
+    pub midpoints: Vec<Vec3>,
+    pub axes: Vec<Mat3>,
+    pub twists: Vec<HingeTwists>,
+    /// Wrench of everything above each joint.
+    pub above: Vec<Spatial>,
+    /// Per vertebra: change of its loads with its own twist, where they have any.
+    pub load_tangents: Vec<Option<SpatialMatrix>>,
+    /// Spring moments minus load moments about the hinges.
+    pub residual: Vec<Vec3>,
+    /// Change of the load moments with the factor that varies.
+    pub growth: Vec<Vec3>,
+    /// Twist from where each rod wants its upper vertebra to where that is.
+    pub rod_errors: Vec<Spatial>,
+    /// Change of these with the factor that varies.
+    pub rod_rates: Vec<Spatial>,
+    /// Per vertebra, then summed from above: wrench and its change with the factor.
+    loads: Vec<(Spatial, Spatial)>,
+}
+
+impl State {
+    pub(super) fn new(balance: &Balance<'_>) -> Self {
+        let joints = balance.model.joints.len();
+        let rods = balance.loading.rods.len();
+        Self {
+            hinges: vec![Vec3::zeros(); joints],
+            reactions: vec![Spatial::zeros(); rods],
+            midpoints: balance.model.midpoints_mm.clone(),
+            axes: balance.model.axes.clone(),
+            twists: vec![HingeTwists::zeros(); joints],
+            above: vec![Spatial::zeros(); joints],
+            load_tangents: vec![None; joints + 1],
+            residual: vec![Vec3::zeros(); joints],
+            growth: vec![Vec3::zeros(); joints],
+            rod_errors: vec![Spatial::zeros(); rods],
+            rod_rates: vec![Spatial::zeros(); rods],
+            loads: vec![(Spatial::zeros(), Spatial::zeros()); joints + 1],
+        }
+    }
+
+    /// The vertebrae as they are.
+    pub(super) fn deformed(&self) -> Deformed {
+        Deformed {
+            midpoints_mm: self.midpoints.clone(),
+            axes: self.axes.clone(),
+            hinges_rad: self.hinges.iter().map(|angles| (*angles).into()).collect(),
+        }
+    }
+
+    /// The largest hinge angle.
+    pub(super) fn largest_hinge_rad(&self) -> f64 {
+        self.hinges.iter().map(|angles| angles.amax()).fold(0.0, f64::max)
+    }
+}
+
+impl Balance<'_> {
+    /// Largest angle by which a hinge misses the one that its moment asks for.
+    pub(super) fn residual_rad(&self, state: &State) -> f64 {
+        let largest = |(residual, stiffness): (&Vec3, &Mat3)| {
+            (0..3).map(|i| residual[i].abs() / stiffness[(i, i)]).fold(0.0, nan_max)
+        };
+        state.residual.iter().zip(self.stiffness).map(largest).fold(0.0, nan_max)
+    }
+
+    /// Largest distance (mm) and angle (rad) by which a rod misses its pose.
+    pub(super) fn rod_gap(&self, state: &State) -> (f64, f64) {
+        let rods = state.rod_errors.iter().zip(&self.loading.rods);
+        rods.fold((0.0, 0.0), |(mm, rad), (error, rod)| {
+            let shift = second(error) + first(error).cross(&state.midpoints[rod.superior]);
+            (nan_max(mm, shift.norm()), nan_max(rad, first(error).norm()))
+        })
+    }
+
+    /// Puts the vertebrae where the hinges say, and sums up what acts on them.
+    pub(super) fn evaluate(&self, factors: &Factors, state: &mut State) {
+        self.pose(state);
+        self.apply_loads(factors, state);
+        self.apply_rods(factors, state);
+        let (mut wrench, mut rate) = (Spatial::zeros(), Spatial::zeros());
+        for j in (0..state.hinges.len()).rev() {
+            wrench += state.loads[j + 1].0;
+            rate += state.loads[j + 1].1;
+            state.above[j] = wrench;
+            state.residual[j] =
+                self.stiffness[j] * state.hinges[j] - state.twists[j].tr_mul(&wrench);
+            state.growth[j] = state.twists[j].tr_mul(&rate);
+        }
+    }
+
+    fn pose(&self, state: &mut State) {
+        let mut axes = self.model.axes[0];
+        let mut midpoint = self.model.midpoints_mm[0];
+        for (j, joint) in self.model.joints.iter().enumerate() {
+            let centre = midpoint + axes * joint.centre_in_inferior_mm;
+            let (mut x, mut y, mut z): (Vec3, Vec3, Vec3) =
+                (axes.column(0).into(), axes.column(1).into(), axes.column(2).into());
+            let angles = state.hinges[j];
+            // Each hinge turns the axes that come after it.
+            let hinge_x = x;
+            turn_pair(&mut y, &mut z, angles.x);
+            let hinge_y = y;
+            turn_pair(&mut z, &mut x, angles.y);
+            let hinge_z = z;
+            turn_pair(&mut x, &mut y, angles.z);
+            let twist = |axis: &Vec3| spatial(axis, &centre.cross(axis));
+            let twists = &mut state.twists[j];
+            twists.set_column(0, &twist(&hinge_x));
+            if self.support == Support::Free {
+                twists.set_column(1, &twist(&hinge_y));
+                twists.set_column(2, &twist(&hinge_z));
+            }
+            let turned = Mat3::from_columns(&[x, y, z]);
+            axes = turned * joint.inferior_from_superior;
+            midpoint = centre + turned * joint.rise_in_inferior_mm;
+            state.axes[j + 1] = axes;
+            state.midpoints[j + 1] = midpoint;
+        }
+    }
+
+    fn apply_loads(&self, factors: &Factors, state: &mut State) {
+        state.loads.fill((Spatial::zeros(), Spatial::zeros()));
+        state.load_tangents.fill(None);
+        for item in &self.loading.items {
+            let v = item.vertebra;
+            let pose = Pose { midpoint_mm: &state.midpoints[v], axes: &state.axes[v] };
+            let load = item.load.wrench(&pose, factors.of(item.timing), self.model, v);
+            state.loads[v].0 += load.wrench;
+            if item.timing == factors.varies {
+                state.loads[v].1 += load.rate;
+            }
+            if let Some(tangent) = load.tangent {
+                *state.load_tangents[v].get_or_insert_with(SpatialMatrix::zeros) += tangent;
+            }
+        }
+    }
+
+    /// Rods pull both vertebrae with opposite wrenches, and want them in a relative pose.
+    fn apply_rods(&self, factors: &Factors, state: &mut State) {
+        for (number, rod) in self.loading.rods.iter().enumerate() {
+            let reaction = state.reactions[number];
+            state.loads[rod.superior].0 += reaction;
+            state.loads[rod.inferior].0 -= reaction;
+            let wanted = rod.pose_at(self.model, factors.of(rod.timing));
+            let (low_mm, low_axes) = (state.midpoints[rod.inferior], state.axes[rod.inferior]);
+            let wanted_mm = low_mm + low_axes * wanted.place_mm;
+            let wanted_axes = low_axes * wanted.axes;
+            let turn = rotation_vector(&(state.axes[rod.superior] * wanted_axes.transpose()));
+            let shift = state.midpoints[rod.superior] - wanted_mm;
+            state.rod_errors[number] =
+                spatial(&turn, &(shift - turn.cross(&state.midpoints[rod.superior])));
+            state.rod_rates[number] = if rod.timing == factors.varies {
+                let (turn, shift) = (low_axes * rod.turn_rad, low_axes * rod.shift_mm);
+                -spatial(&turn, &(shift - turn.cross(&wanted_mm)))
+            } else {
+                Spatial::zeros()
+            };
+        }
+    }
+}
+
+/// The greater of two, or NaN where one is.
+pub(super) fn nan_max(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+}
+
+fn rotation_vector(rotation: &Mat3) -> Vec3 {
+    nalgebra::Rotation3::from_matrix_unchecked(*rotation).scaled_axis()
+}

@@ -1,0 +1,331 @@
+use crate::anatomy::{Level, trunk_weight_share};
+use crate::multibody::SpineModel;
+use crate::spatial::{Mat3, Vec3};
+
+/// What one vertebra carries. Frame `G` unless the name says `in_vertebra`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum BodyLoad {
+    /// A force along a line fixed in space, whatever the vertebra does.
+    ForceOnLine {
+        /// Force.
+        force_n: Vec3,
+        /// Any point of the line.
+        point_mm: Vec3,
+    },
+    /// A force of fixed direction at a point of the vertebra.
+    ForceAtPoint {
+        /// Force.
+        force_n: Vec3,
+        /// From the vertebra's midpoint, in its axes.
+        point_in_vertebra_mm: Vec3,
+    },
+    /// A force that turns with the vertebra.
+    FollowerForce {
+        /// Force in the vertebra's axes.
+        force_in_vertebra_n: Vec3,
+        /// From the vertebra's midpoint, in its axes.
+        point_in_vertebra_mm: Vec3,
+    },
+    /// A moment of fixed direction.
+    Moment {
+        /// Moment.
+        moment_nmm: Vec3,
+    },
+    /// A moment that turns with the vertebra.
+    FollowerMoment {
+        /// Moment in the vertebra's axes.
+        moment_in_vertebra_nmm: Vec3,
+    },
+    /// A frictionless pad that touches the erect spine and then advances: a linear spring along one direction.
+    Pad {
+        /// Where it touches, from the vertebra's midpoint, in its axes.
+        point_in_vertebra_mm: Vec3,
+        /// The way it pushes; a unit vector.
+        direction: Vec3,
+        /// Stiffness.
+        n_per_mm: f64,
+        /// How far it is pushed in.
+        advance_mm: f64,
+    },
+    /// A strap to a point of the ground, unstretched on the erect spine and then shortened: a linear spring along itself.
+    Strap {
+        /// Where it holds, from the vertebra's midpoint, in its axes.
+        point_in_vertebra_mm: Vec3,
+        /// Where it is tied.
+        anchor_mm: Vec3,
+        /// Stiffness.
+        n_per_mm: f64,
+        /// How much it is shortened.
+        shortening_mm: f64,
+    },
+}
+
+/// When a load comes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Timing {
+    /// First, and then it stays: gravity, say.
+    Held,
+    /// After the held ones; this is what the path follows.
+    #[default]
+    Growing,
+}
+
+/// One load on one vertebra.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoadItem {
+    /// Which vertebra, from the fixed one upwards.
+    pub vertebra: usize,
+    /// What it carries.
+    pub load: BodyLoad,
+    /// When it comes.
+    pub timing: Timing,
+}
+
+/// Two vertebrae whose relative pose is prescribed, as a rod screwed to both does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rod {
+    /// Lower vertebra.
+    pub inferior: usize,
+    /// Upper vertebra; at least two joints above, or the rod asks more of one joint than it has.
+    pub superior: usize,
+    /// How the upper vertebra moves from its erect pose, in the lower one's axes.
+    pub shift_mm: Vec3,
+    /// How it turns from its erect pose: a rotation vector in the lower one's axes.
+    pub turn_rad: Vec3,
+    /// When it is brought in.
+    pub timing: Timing,
+}
+
+/// All that acts on a spine.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Loading {
+    /// Loads on single vertebrae.
+    pub items: Vec<LoadItem>,
+    /// Rods between two.
+    pub rods: Vec<Rod>,
+}
+
+/// A load that cannot be applied; `item` and `rod` count from zero.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LoadingError {
+    /// There is no such vertebra, or it is the fixed one.
+    #[error("load {item} is on vertebra {vertebra}; loads act on 1 to {last}, and 0 is fixed")]
+    Vertebra {
+        /// Which load.
+        item: usize,
+        /// What was given.
+        vertebra: usize,
+        /// The uppermost vertebra.
+        last: usize,
+    },
+    /// A number that is none.
+    #[error("load {item}: {what} is not finite")]
+    NotFinite {
+        /// Which load.
+        item: usize,
+        /// Which value.
+        what: &'static str,
+    },
+    /// A direction of no length, or not of length one.
+    #[error("load {item}: the direction has length {length}, and must be a unit vector")]
+    Direction {
+        /// Which load.
+        item: usize,
+        /// Its length.
+        length: f64,
+    },
+    /// A spring that is no spring.
+    #[error("load {item}: its stiffness is {n_per_mm} N/mm, and must be positive")]
+    Spring {
+        /// Which load.
+        item: usize,
+        /// What was given.
+        n_per_mm: f64,
+    },
+    /// A strap without a length.
+    #[error("load {item}: the strap is {length_mm:.2} mm long on the erect spine, and needs 1 mm")]
+    Strap {
+        /// Which load.
+        item: usize,
+        /// Its length.
+        length_mm: f64,
+    },
+    /// A rod between vertebrae that are not there, or not in order.
+    #[error(
+        "rod {rod} joins vertebrae {inferior} and {superior}; it needs 0 ≤ lower < upper ≤ {last}"
+    )]
+    Rod {
+        /// Which rod.
+        rod: usize,
+        /// Lower vertebra.
+        inferior: usize,
+        /// Upper vertebra.
+        superior: usize,
+        /// The uppermost vertebra.
+        last: usize,
+    },
+    /// A rod whose pose is no pose.
+    #[error("rod {rod}: its shift or turn is not finite, or turns by more than 180°")]
+    RodPose {
+        /// Which rod.
+        rod: usize,
+    },
+}
+
+impl LoadingError {
+    /// What the user can do about it.
+    #[must_use]
+    pub const fn help(&self) -> &'static str {
+        match self {
+            Self::Vertebra { .. } => "loads act on the vertebrae above the fixed one, L3 to T2",
+            Self::NotFinite { .. } | Self::RodPose { .. } => "give finite numbers",
+            Self::Direction { .. } => "divide the direction by its length",
+            Self::Spring { .. } => "give the stiffness in N/mm, greater than zero",
+            Self::Strap { .. } => "tie the strap to a point away from the vertebra",
+            Self::Rod { .. } => "name the lower vertebra first",
+        }
+    }
+}
+
+impl Loading {
+    /// One load that grows.
+    #[must_use]
+    pub fn single(vertebra: usize, load: BodyLoad) -> Self {
+        let items = vec![LoadItem { vertebra, load, timing: Timing::Growing }];
+        Self { items, rods: Vec::new() }
+    }
+
+    /// The weight of the trunk, slice by slice, of the head and of the arms, as dead forces at the vertebrae's midpoints.
+    ///
+    /// A slice's weight is taken at its vertebra's midpoint; in life it lies up to 50 mm before it [pearsall-1996].
+    ///
+    /// # Units
+    /// `body_weight_n` is the whole patient's weight; `down` is a unit vector in `G`.
+    ///
+    /// # References
+    /// [keenan-2014], [winter-2009], [pearsall-1996].
+    pub fn gravity(
+        body_weight_n: f64,
+        down: Vec3,
+        timing: Timing,
+    ) -> impl Iterator<Item = LoadItem> {
+        let levels = Level::MODEL.iter().enumerate().skip(1);
+        levels.map(move |(vertebra, &level)| LoadItem {
+            vertebra,
+            load: BodyLoad::ForceAtPoint {
+                force_n: down * (body_weight_n * trunk_weight_share(level)),
+                point_in_vertebra_mm: Vec3::zeros(),
+            },
+            timing,
+        })
+    }
+
+    /// Whether anything comes before the path.
+    #[must_use]
+    pub fn has_held(&self) -> bool {
+        let held = |timing| timing == Timing::Held;
+        self.items.iter().any(|item| held(item.timing))
+            || self.rods.iter().any(|rod| held(rod.timing))
+    }
+
+    /// Looks for what cannot be applied to a spine.
+    ///
+    /// # Errors
+    /// [`LoadingError`], the first one found.
+    pub fn check(&self, model: &SpineModel) -> Result<(), LoadingError> {
+        let last = model.midpoints_mm.len() - 1;
+        for (item, LoadItem { vertebra, load, .. }) in self.items.iter().enumerate() {
+            if *vertebra == 0 || *vertebra > last {
+                return Err(LoadingError::Vertebra { item, vertebra: *vertebra, last });
+            }
+            load.check(item, model, *vertebra)?;
+        }
+        for (number, rod) in self.rods.iter().enumerate() {
+            let Rod { inferior, superior, shift_mm, turn_rad, .. } = *rod;
+            if inferior >= superior || superior > last {
+                return Err(LoadingError::Rod { rod: number, inferior, superior, last });
+            }
+            let turns = turn_rad.norm() <= std::f64::consts::PI;
+            if !(is_finite(&shift_mm) && is_finite(&turn_rad) && turns) {
+                return Err(LoadingError::RodPose { rod: number });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl BodyLoad {
+    fn check(&self, item: usize, model: &SpineModel, vertebra: usize) -> Result<(), LoadingError> {
+        let finite = |what, vector: &Vec3| {
+            if is_finite(vector) { Ok(()) } else { Err(LoadingError::NotFinite { item, what }) }
+        };
+        let number = |what, value: f64| finite(what, &Vec3::new(value, 0.0, 0.0));
+        let spring = |n_per_mm: f64| {
+            let good = n_per_mm > 0.0 && n_per_mm.is_finite();
+            if good { Ok(()) } else { Err(LoadingError::Spring { item, n_per_mm }) }
+        };
+        match self {
+            Self::ForceOnLine { force_n, point_mm } => {
+                finite("the force", force_n)?;
+                finite("the line's point", point_mm)
+            }
+            Self::ForceAtPoint { force_n: force, point_in_vertebra_mm }
+            | Self::FollowerForce { force_in_vertebra_n: force, point_in_vertebra_mm } => {
+                finite("the force", force)?;
+                finite("its point", point_in_vertebra_mm)
+            }
+            Self::Moment { moment_nmm: moment }
+            | Self::FollowerMoment { moment_in_vertebra_nmm: moment } => {
+                finite("the moment", moment)
+            }
+            Self::Pad { point_in_vertebra_mm, direction, n_per_mm, advance_mm } => {
+                finite("its point", point_in_vertebra_mm)?;
+                number("the advance", *advance_mm)?;
+                spring(*n_per_mm)?;
+                let length = direction.norm();
+                let is_unit = (length - 1.0).abs() < 1e-6;
+                if is_unit { Ok(()) } else { Err(LoadingError::Direction { item, length }) }
+            }
+            Self::Strap { point_in_vertebra_mm, anchor_mm, n_per_mm, shortening_mm } => {
+                finite("its point", point_in_vertebra_mm)?;
+                finite("the anchor", anchor_mm)?;
+                number("the shortening", *shortening_mm)?;
+                spring(*n_per_mm)?;
+                let length_mm =
+                    (anchor_mm - erect_place_mm(model, vertebra, point_in_vertebra_mm)).norm();
+                let has_length = length_mm >= 1.0;
+                if has_length { Ok(()) } else { Err(LoadingError::Strap { item, length_mm }) }
+            }
+        }
+    }
+}
+
+fn is_finite(vector: &Vec3) -> bool {
+    vector.iter().all(|x| x.is_finite())
+}
+
+/// Where a point of a vertebra lies on the erect spine.
+pub(super) fn erect_place_mm(model: &SpineModel, vertebra: usize, in_vertebra_mm: &Vec3) -> Vec3 {
+    model.midpoints_mm[vertebra] + model.axes[vertebra] * in_vertebra_mm
+}
+
+/// A rod's prescribed pose of the upper vertebra in the lower one's axes, and its change with the factor.
+pub(super) struct RodPose {
+    pub place_mm: Vec3,
+    pub axes: Mat3,
+}
+
+impl Rod {
+    /// The pose at a factor: from the erect one (0) to the prescribed one (1).
+    pub(super) fn pose_at(&self, model: &SpineModel, factor: f64) -> RodPose {
+        let inferior_from_global = model.axes[self.inferior].transpose();
+        let erect_mm = inferior_from_global
+            * (model.midpoints_mm[self.superior] - model.midpoints_mm[self.inferior]);
+        let turn = nalgebra::Rotation3::new(self.turn_rad * factor).into_inner();
+        RodPose {
+            place_mm: erect_mm + self.shift_mm * factor,
+            axes: turn * inferior_from_global * model.axes[self.superior],
+        }
+    }
+}

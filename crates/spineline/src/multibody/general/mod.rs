@@ -1,0 +1,25 @@
+//! Equilibrium under any loads: Newton, and continuation from the erect spine.
+//!
+//! # Equations
+//! Unknown are the hinge angles `q`. Every load is a wrench `W` on its vertebra, which may depend on the pose; every hinge
+//! is a twist `S` of all above it. Balance: `K q = Sᵀ Σ W` with the sum over what lies above the hinge. The tangent
+//! `K - ∂(Sᵀ Σ W)/∂q` is unsymmetric, since a moment fixed in space has no potential.
+//!
+//! # References
+//! Twists, wrenches and elimination along a chain: [featherstone-2008]. Pseudo-arclength continuation: [keller-1977].
+
+mod balance;
+mod border;
+mod elimination;
+mod equilibrium;
+mod loading;
+mod newton;
+mod path;
+mod wrench;
+
+pub use equilibrium::{
+    BranchEvent, BranchEventKind, Equilibrium, EquilibriumPath, GeneralStatics, NearbyReport,
+    NewtonWork, PathEnding, PathPoint, SpringError,
+};
+pub use loading::{BodyLoad, LoadItem, Loading, LoadingError, Rod, Timing};
+pub use path::{Goal, OnPoint, PathOptions};

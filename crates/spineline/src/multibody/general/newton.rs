@@ -1,0 +1,296 @@
+use super::balance::{Balance, Factors, State, nan_max};
+use super::border::{Border, BorderRank};
+use super::elimination::Elimination;
+use super::wrench::{Spatial, first, second};
+use crate::spatial::Vec3;
+
+/// The factor counts in the length of an arc as so much turning of a hinge.
+pub(super) const FACTOR_RAD: f64 = 0.1;
+/// A step of Newton that is smaller leaves an error of its square.
+const SMALL_STEP_RAD: f64 = 1e-9;
+/// A step that is larger has left the branch.
+const LARGEST_STEP_RAD: f64 = 1.5;
+const MOST_ITERATIONS: u32 = 25;
+/// What counts as balanced: hinges (rad), and rods (mm and rad).
+const BALANCED_RAD: f64 = 1e-9;
+const ROD_FITS: (f64, f64) = (1e-6, 1e-8);
+
+/// A direction in the space of hinges, reactions and factor.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Direction {
+    pub turns: Vec<Vec3>,
+    pub reactions: Vec<Spatial>,
+    pub factor: f64,
+}
+
+impl Direction {
+    pub(super) fn new(joints: usize, rods: usize, factor: f64) -> Self {
+        Self { turns: vec![Vec3::zeros(); joints], reactions: vec![Spatial::zeros(); rods], factor }
+    }
+
+    pub(super) fn dot(&self, turns: &[Vec3], factor: f64) -> f64 {
+        let hinges: f64 = self.turns.iter().zip(turns).map(|(a, b)| a.dot(b)).sum();
+        hinges + FACTOR_RAD * FACTOR_RAD * self.factor * factor
+    }
+}
+
+/// What closes the equations.
+pub(super) enum Closing<'c> {
+    /// The factors stay.
+    Factor,
+    /// So far along a direction from a point: hinges and factor.
+    Arc { from: (&'c [Vec3], f64), along: &'c Direction, length: f64 },
+}
+
+/// How an iteration ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct NewtonReport {
+    pub ending: NewtonEnding,
+    pub iterations: u32,
+    pub residual_rad: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum NewtonEnding {
+    Balanced,
+    /// Hinges balance, and a rod still does not have its pose.
+    RodOutOfReach,
+    Failed,
+}
+
+/// Newton on hinges, reactions of rods, and the factor. All buffers are made once.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Newton {
+    pub state: State,
+    elimination: Elimination,
+    border: Border,
+    /// Answers of the hinges: to the residual, to the factor, to each component of each rod's reaction.
+    answers: Vec<Vec<Vec3>>,
+    turns: Vec<Vec3>,
+}
+
+const TO_RESIDUAL: usize = 0;
+const TO_FACTOR: usize = 1;
+const TO_RODS: usize = 2;
+
+impl Newton {
+    pub(super) fn new(balance: &Balance<'_>) -> Self {
+        let joints = balance.model.joints.len();
+        let rods = balance.loading.rods.len();
+        Self {
+            state: State::new(balance),
+            elimination: Elimination::new(joints),
+            border: Border::new(6 * rods + 1),
+            answers: vec![vec![Vec3::zeros(); joints]; TO_RODS + 6 * rods],
+            turns: vec![Vec3::zeros(); joints],
+        }
+    }
+
+    /// Iterates from the hinges and reactions as they are; no allocation.
+    pub(super) fn correct(
+        &mut self,
+        balance: &Balance<'_>,
+        factors: &mut Factors,
+        closing: &Closing<'_>,
+    ) -> NewtonReport {
+        let failed = |iterations, residual_rad| NewtonReport {
+            ending: NewtonEnding::Failed,
+            iterations,
+            residual_rad,
+        };
+        let mut residual_rad = f64::NAN;
+        for iterations in 1..=MOST_ITERATIONS {
+            balance.evaluate(factors, &mut self.state);
+            residual_rad = balance.residual_rad(&self.state);
+            if !residual_rad.is_finite() || !self.elimination.factor(balance, &self.state) {
+                return failed(iterations, residual_rad);
+            }
+            let step = self.step(balance, factors, closing);
+            if !(step <= LARGEST_STEP_RAD) {
+                return failed(iterations, residual_rad);
+            }
+            if step <= SMALL_STEP_RAD {
+                balance.evaluate(factors, &mut self.state);
+                residual_rad = balance.residual_rad(&self.state);
+                let (mm, rad) = balance.rod_gap(&self.state);
+                let ending = if !(residual_rad <= BALANCED_RAD) {
+                    NewtonEnding::Failed
+                } else if mm > ROD_FITS.0 || rad > ROD_FITS.1 {
+                    NewtonEnding::RodOutOfReach
+                } else {
+                    NewtonEnding::Balanced
+                };
+                return NewtonReport { ending, iterations, residual_rad };
+            }
+        }
+        failed(MOST_ITERATIONS, residual_rad)
+    }
+
+    /// One step; its largest turn, or NaN.
+    fn step(&mut self, balance: &Balance<'_>, factors: &mut Factors, closing: &Closing<'_>) -> f64 {
+        let Self { state, elimination, answers, .. } = self;
+        elimination.solve(|j| -state.residual[j], &mut answers[TO_RESIDUAL]);
+        self.turns.clone_from(&self.answers[TO_RESIDUAL]);
+        let rods = balance.loading.rods.len();
+        let arc = matches!(closing, Closing::Arc { .. });
+        let order = 6 * rods + usize::from(arc);
+        let mut factor_step = 0.0;
+        if order > 0 {
+            self.answer_border(balance, arc);
+            self.border.reset(order);
+            for rod in 0..rods {
+                let right_hand =
+                    -self.state.rod_errors[rod] - self.rod_twist(balance, rod, TO_RESIDUAL);
+                self.fill_rod_rows(balance, rod, arc, &right_hand);
+            }
+            if let Closing::Arc { from, along, length } = closing {
+                let factor = factors.varied();
+                let (gone, hinges) = (self.state.hinges.iter().zip(from.0), &along.turns);
+                let gone: f64 =
+                    gone.zip(hinges).map(|((now, before), t)| t.dot(&(now - before))).sum();
+                let gone = gone + FACTOR_RAD * FACTOR_RAD * along.factor * (factor - from.1);
+                let right_hand = length - gone - along.dot(&self.answers[TO_RESIDUAL], 0.0);
+                self.fill_arc_row(balance, along, right_hand);
+            }
+            self.border.solve();
+            factor_step = self.add_border(rods, arc);
+        }
+        let mut largest = factor_step.abs() * FACTOR_RAD;
+        for (hinge, turn) in self.state.hinges.iter_mut().zip(&self.turns) {
+            *hinge += turn;
+            largest = nan_max(largest, turn.amax());
+        }
+        for (rod, reaction) in self.state.reactions.iter_mut().enumerate() {
+            *reaction += reaction_of(self.border.solution(), rod);
+        }
+        factors.set_varied(factors.varied() + factor_step);
+        largest
+    }
+
+    /// The direction of the branch at a balanced state, on the side of the direction so far, and whether the determinant
+    /// of hinges and border is positive; `None` for that where a rod asks twice for the same.
+    pub(super) fn tangent(
+        &mut self,
+        balance: &Balance<'_>,
+        so_far: &Direction,
+        tangent: &mut Direction,
+    ) -> Option<Option<bool>> {
+        if !self.elimination.factor(balance, &self.state) {
+            return None;
+        }
+        self.answer_border(balance, true);
+        let rods = balance.loading.rods.len();
+        self.border.reset(6 * rods + 1);
+        for rod in 0..rods {
+            self.fill_rod_rows(balance, rod, true, &Spatial::zeros());
+        }
+        self.fill_arc_row(balance, so_far, 1.0);
+        let BorderRank { full, positive } = self.border.solve();
+        self.turns.fill(Vec3::zeros());
+        tangent.factor = self.add_border(rods, true);
+        let length = {
+            tangent.turns.clone_from(&self.turns);
+            tangent.dot(&self.turns, tangent.factor).sqrt()
+        };
+        if !(length > 0.0 && length.is_finite()) {
+            return None;
+        }
+        tangent.turns.iter_mut().for_each(|turn| *turn /= length);
+        tangent.factor /= length;
+        for (rod, reaction) in tangent.reactions.iter_mut().enumerate() {
+            *reaction = reaction_of(self.border.solution(), rod) / length;
+        }
+        Some(full.then_some(positive == self.elimination.positive))
+    }
+
+    /// The twist of a vertebra when the hinges turn.
+    pub(super) fn twist_of(&self, vertebra: usize, turns: &[Vec3]) -> Spatial {
+        self.state.twists.iter().zip(turns).take(vertebra).map(|(twists, turn)| twists * turn).sum()
+    }
+
+    /// Answers of the hinges to the factor and to the reactions of rods.
+    fn answer_border(&mut self, balance: &Balance<'_>, arc: bool) {
+        let Self { state, elimination, answers, .. } = self;
+        if arc {
+            elimination.solve(|j| state.growth[j], &mut answers[TO_FACTOR]);
+        }
+        for (number, rod) in balance.loading.rods.iter().enumerate() {
+            for component in 0..6 {
+                let between = rod.inferior..rod.superior;
+                let moments = |j: usize| {
+                    if between.contains(&j) {
+                        state.twists[j].row(component).transpose()
+                    } else {
+                        Vec3::zeros()
+                    }
+                };
+                elimination.solve(moments, &mut answers[TO_RODS + 6 * number + component]);
+            }
+        }
+    }
+
+    /// The twist between a rod's vertebrae in one of the answers.
+    fn rod_twist(&self, balance: &Balance<'_>, rod: usize, answer: usize) -> Spatial {
+        let rod = &balance.loading.rods[rod];
+        (rod.inferior..rod.superior).map(|j| self.state.twists[j] * self.answers[answer][j]).sum()
+    }
+
+    fn fill_rod_rows(
+        &mut self,
+        balance: &Balance<'_>,
+        rod: usize,
+        arc: bool,
+        right_hand: &Spatial,
+    ) {
+        let columns = 6 * balance.loading.rods.len();
+        for column in 0..columns {
+            let twist = self.rod_twist(balance, rod, TO_RODS + column);
+            (0..6).for_each(|i| self.border.set(6 * rod + i, column, twist[i]));
+        }
+        if arc {
+            let twist = self.rod_twist(balance, rod, TO_FACTOR) + self.state.rod_rates[rod];
+            (0..6).for_each(|i| self.border.set(6 * rod + i, columns, twist[i]));
+        }
+        (0..6).for_each(|i| self.border.set_right_hand(6 * rod + i, right_hand[i]));
+    }
+
+    /// The last equation: progress along a direction.
+    fn fill_arc_row(&mut self, balance: &Balance<'_>, along: &Direction, right_hand: f64) {
+        let columns = 6 * balance.loading.rods.len();
+        for column in 0..columns {
+            self.border.set(columns, column, along.dot(&self.answers[TO_RODS + column], 0.0));
+        }
+        self.border.set(columns, columns, along.dot(&self.answers[TO_FACTOR], 1.0));
+        self.border.set_right_hand(columns, right_hand);
+    }
+
+    /// Adds what the border brings to the turns; returns the change of the factor.
+    fn add_border(&mut self, rods: usize, arc: bool) -> f64 {
+        let solution = self.border.solution();
+        let factor = if arc { solution[6 * rods] } else { 0.0 };
+        for (j, turn) in self.turns.iter_mut().enumerate() {
+            for component in 0..6 * rods {
+                *turn += self.answers[TO_RODS + component][j] * solution[component];
+            }
+            if arc {
+                *turn += self.answers[TO_FACTOR][j] * factor;
+            }
+        }
+        factor
+    }
+}
+
+fn reaction_of(solution: &[f64], rod: usize) -> Spatial {
+    Spatial::from_column_slice(&solution[6 * rod..6 * rod + 6])
+}
+
+/// The velocity of a point of a body that twists.
+pub(super) fn velocity_at(twist: &Spatial, point: &Vec3) -> Vec3 {
+    second(twist) + first(twist).cross(point)
+}
+
+/// A wrench about a point, as force and moment.
+pub(super) fn force_and_moment_at(wrench: &Spatial, point: &Vec3) -> (Vec3, Vec3) {
+    let force = second(wrench);
+    (force, first(wrench) - point.cross(&force))
+}

@@ -1,0 +1,375 @@
+use std::ops::ControlFlow;
+
+use super::balance::{Balance, Factors};
+use super::equilibrium::{BranchEvent, BranchEventKind, Equilibrium, EquilibriumPath, PathPoint};
+use super::newton::{Closing, Direction, Newton, NewtonEnding, velocity_at};
+use super::wrench::Spatial;
+use crate::multibody::roots::{Sample, turning_point, zeros_between};
+use crate::multibody::{ForceSign, LARGEST_HINGE_RAD};
+use crate::spatial::{Angle, Frontal, Vec3};
+
+/// What is sought along the path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Goal {
+    /// The loads as they are given: a factor of one.
+    FullLoad,
+    /// A lean of the line L4→T2: the loads grow, or shrink below zero, until it is met.
+    Lean(Angle),
+}
+
+/// How far a path is followed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathOptions {
+    /// Whether the growing loads grow along or against themselves.
+    pub sign: ForceSign,
+    /// No factor beyond this one is looked at.
+    pub largest_factor: f64,
+    /// No hinge is followed beyond this angle.
+    pub largest_hinge_rad: f64,
+    /// No more shapes than these.
+    pub most_points: usize,
+    /// Whether the path goes on after the first equilibrium that meets the goal, to see whether there are more.
+    pub look_beyond: bool,
+}
+
+impl Default for PathOptions {
+    /// Up to twice the load, in its own direction, on beyond the first equilibrium.
+    fn default() -> Self {
+        Self {
+            sign: ForceSign::Positive,
+            largest_factor: 2.0,
+            largest_hinge_rad: LARGEST_HINGE_RAD,
+            most_points: 2000,
+            look_beyond: true,
+        }
+    }
+}
+
+/// Length of the first step, of the longest and of the shortest, in rad over all hinges together.
+const FIRST_STEP_RAD: f64 = 0.05;
+const LONGEST_STEP_RAD: f64 = 0.25;
+const SHORTEST_STEP_RAD: f64 = 1e-7;
+/// From one point to the next, the branch turns by less than this cosine says: else it may be another branch.
+const LEAST_COSINE: f64 = 0.9;
+/// Newton moves a point sideways by at most this part of the step, for the same reason.
+const MOST_DEPARTURE: f64 = 0.5;
+/// A lean so near to the wanted one meets it; a factor is met exactly.
+const LEAN_MET_RAD: f64 = 1e-10;
+
+/// Called for every point of a path; breaking off leaves the path as far as it is.
+pub type OnPoint<'o> = &'o mut dyn FnMut(&PathPoint) -> ControlFlow<()>;
+
+/// A place on the branch from which to step.
+#[derive(Clone)]
+struct Base {
+    hinges: Vec<Vec3>,
+    reactions: Vec<Spatial>,
+    factor: f64,
+    tangent: Direction,
+    /// Sign of the determinant of hinges and border: changes where another branch crosses.
+    positive: Option<bool>,
+    goal: Sample,
+}
+
+/// A stage of a path: its factors, and what was met so far.
+pub(super) struct Walk<'w, 'b> {
+    balance: Balance<'b>,
+    newton: &'w mut Newton,
+    factors: Factors,
+    goal: Goal,
+    options: PathOptions,
+    path: &'w mut EquilibriumPath,
+    on_point: OnPoint<'w>,
+    arc_rad: f64,
+    /// How Newton ended last.
+    last: NewtonEnding,
+}
+
+/// Why a walk stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stop {
+    /// Nothing more is asked.
+    Enough,
+    /// The largest hinge angle or factor.
+    Limit,
+    RodOutOfReach,
+    /// No step, however short, led on.
+    Stuck,
+    Interrupted,
+}
+
+impl<'w, 'b> Walk<'w, 'b> {
+    pub(super) fn new(
+        balance: Balance<'b>,
+        newton: &'w mut Newton,
+        stage: (Factors, Goal),
+        options: &PathOptions,
+        path: &'w mut EquilibriumPath,
+        on_point: OnPoint<'w>,
+    ) -> Self {
+        let (factors, goal) = stage;
+        let arc_rad = path.points.last().map_or(0.0, |point| point.arc_rad);
+        Self {
+            balance,
+            newton,
+            factors,
+            goal,
+            options: *options,
+            path,
+            on_point,
+            arc_rad,
+            last: NewtonEnding::Balanced,
+        }
+    }
+
+    /// Follows the branch from the state as it is, whose factor is zero.
+    pub(super) fn run(mut self) -> Stop {
+        let sign = match self.options.sign {
+            ForceSign::Positive => 1.0,
+            ForceSign::Negative => -1.0,
+        };
+        let (joints, rods) = (self.balance.model.joints.len(), self.balance.loading.rods.len());
+        let outwards = Direction::new(joints, rods, sign);
+        self.balance.evaluate(&self.factors, &mut self.newton.state);
+        let Some(mut base) = self.base(&outwards, 0.0) else { return Stop::Stuck };
+        if self.push_point(0).is_break() {
+            return Stop::Interrupted;
+        }
+        if base.goal.met {
+            self.found();
+            if !self.options.look_beyond {
+                return Stop::Enough;
+            }
+        }
+        let mut step_rad = FIRST_STEP_RAD;
+        while self.path.points.len() < self.options.most_points {
+            let Some((next, iterations)) = self.step(&base, step_rad) else {
+                step_rad *= 0.5;
+                if step_rad < SHORTEST_STEP_RAD {
+                    return self.reason_to_stop();
+                }
+                continue;
+            };
+            if let Some(stop) = self.look_between(&base, &next) {
+                return stop;
+            }
+            self.arc_rad += step_rad;
+            self.restore(&next);
+            if self.push_point(iterations).is_break() {
+                return Stop::Interrupted;
+            }
+            if self.newton.state.largest_hinge_rad() > self.options.largest_hinge_rad
+                || next.factor.abs() > self.options.largest_factor
+            {
+                return Stop::Limit;
+            }
+            base = next;
+            base.goal.at = 0.0;
+            step_rad = (step_rad * if iterations <= 4 { 1.6 } else { 0.8 }).min(LONGEST_STEP_RAD);
+        }
+        Stop::Stuck
+    }
+
+    /// A point so far along the branch, and Newton's iterations; `None` where it may not be on the same branch.
+    fn step(&mut self, base: &Base, step_rad: f64) -> Option<(Base, u32)> {
+        let iterations = self.advance(base, step_rad)?;
+        let mut next = self.base(&base.tangent, step_rad)?;
+        let cosine = next.tangent.dot(&base.tangent.turns, base.tangent.factor);
+        if cosine < LEAST_COSINE {
+            return None;
+        }
+        next.goal.rate /= cosine;
+        Some((next, iterations))
+    }
+
+    /// Moves the state so far along a base's direction, and back onto the branch.
+    fn advance(&mut self, base: &Base, step_rad: f64) -> Option<u32> {
+        let state = &mut self.newton.state;
+        for ((hinge, from), turn) in
+            state.hinges.iter_mut().zip(&base.hinges).zip(&base.tangent.turns)
+        {
+            *hinge = from + turn * step_rad;
+        }
+        let reactions = base.reactions.iter().zip(&base.tangent.reactions);
+        for (reaction, (from, change)) in state.reactions.iter_mut().zip(reactions) {
+            *reaction = from + change * step_rad;
+        }
+        self.factors.set_varied(base.factor + base.tangent.factor * step_rad);
+        let from = (&base.hinges[..], base.factor);
+        let closing = Closing::Arc { from, along: &base.tangent, length: step_rad };
+        let report = self.newton.correct(&self.balance, &mut self.factors, &closing);
+        self.path.iterations += u64::from(report.iterations);
+        self.last = report.ending;
+        let near =
+            self.departure_rad(base, step_rad) <= MOST_DEPARTURE * step_rad.max(SHORTEST_STEP_RAD);
+        (report.ending == NewtonEnding::Balanced && near).then_some(report.iterations)
+    }
+
+    /// How far the state lies from where a base's direction pointed.
+    fn departure_rad(&self, base: &Base, step_rad: f64) -> f64 {
+        let hinges =
+            self.newton.state.hinges.iter().zip(base.hinges.iter().zip(&base.tangent.turns));
+        let squares: f64 =
+            hinges.map(|(now, (from, turn))| (now - from - turn * step_rad).norm_squared()).sum();
+        squares.sqrt()
+    }
+
+    /// The state as a place to step from.
+    fn base(&mut self, so_far: &Direction, at: f64) -> Option<Base> {
+        let mut tangent = so_far.clone();
+        let positive = self.newton.tangent(&self.balance, so_far, &mut tangent)?;
+        let goal = self.sample(&tangent, at);
+        let state = &self.newton.state;
+        let (hinges, reactions) = (state.hinges.clone(), state.reactions.clone());
+        Some(Base { hinges, reactions, factor: self.factors.varied(), tangent, positive, goal })
+    }
+
+    /// The goal's value and its change along the branch.
+    fn sample(&self, tangent: &Direction, at: f64) -> Sample {
+        match self.goal {
+            Goal::FullLoad => {
+                let value = self.factors.varied() - 1.0;
+                Sample { at, value, rate: tangent.factor, met: value.abs() < 1e-15 }
+            }
+            Goal::Lean(target) => {
+                let top = self.newton.state.midpoints.len() - 1;
+                let midpoint = self.newton.state.midpoints[top];
+                let velocity = velocity_at(&self.newton.twist_of(top, &tangent.turns), &midpoint);
+                let place = Frontal::new(midpoint.y, midpoint.z);
+                let moves = Frontal::new(velocity.y, velocity.z);
+                let value = (place.lean() - target).wrapped().rad();
+                let rate = place.cross(moves) / place.dot(place);
+                Sample { at, value, rate, met: value.abs() < LEAN_MET_RAD }
+            }
+        }
+    }
+
+    /// The goal at a place between two points of the branch.
+    fn sample_at(&mut self, base: &Base, at: f64) -> Option<Sample> {
+        self.step(base, at).map(|(base, _)| base.goal)
+    }
+
+    /// Limit points, branch points and equilibria between two points, in the order in which they come.
+    fn look_between(&mut self, base: &Base, next: &Base) -> Option<Stop> {
+        let mut events = self.events_between(base, next);
+        let mut met = Vec::new();
+        let wants_more = self.options.look_beyond;
+        zeros_between(
+            &base.goal,
+            &next.goal,
+            |at| self.sample_at(base, at),
+            |found| {
+                met.extend(found.ok());
+                wants_more
+            },
+        );
+        // The end of the step itself may meet the goal.
+        if next.goal.met && !base.goal.met && met.is_empty() {
+            met.push(next.goal);
+        }
+        events.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut events = events.into_iter().peekable();
+        for sample in met {
+            while let Some((at, kind)) = events.next_if(|(at, _)| *at < sample.at) {
+                self.happened(base, next, at, kind);
+            }
+            if self.advance(base, sample.at).is_none() {
+                continue;
+            }
+            if self.goal == Goal::FullLoad {
+                self.factors.set_varied(1.0);
+                let report =
+                    self.newton.correct(&self.balance, &mut self.factors, &Closing::Factor);
+                if report.ending != NewtonEnding::Balanced {
+                    continue;
+                }
+            }
+            self.arc_rad += sample.at;
+            let pushed = self.push_point(1);
+            self.arc_rad -= sample.at;
+            self.found();
+            if pushed.is_break() {
+                return Some(Stop::Interrupted);
+            }
+            if !wants_more {
+                return Some(Stop::Enough);
+            }
+        }
+        for (at, kind) in events {
+            self.happened(base, next, at, kind);
+        }
+        None
+    }
+
+    /// Where between two points the factor turns, and where another branch crosses.
+    fn events_between(&mut self, base: &Base, next: &Base) -> Vec<(f64, BranchEventKind)> {
+        let mut events = Vec::new();
+        let length = next.goal.at;
+        let mut locate = |kind, rate_of: &dyn Fn(&Base) -> f64| {
+            let sample =
+                |at, base: &Base| Sample { at, value: 0.0, rate: rate_of(base), met: false };
+            let (from, to) = (sample(0.0, base), sample(length, next));
+            let turn = turning_point(&from, &to, |at| {
+                self.step(base, at).map(|(between, _)| sample(at, &between))
+            });
+            events.push((turn.map_or(length, |turn| turn.at), kind));
+        };
+        if base.tangent.factor * next.tangent.factor < 0.0 {
+            locate(BranchEventKind::LimitPoint, &|base| base.tangent.factor);
+        }
+        if let (Some(before), Some(after)) = (base.positive, next.positive)
+            && before != after
+        {
+            locate(BranchEventKind::BranchPoint, &|base| match base.positive {
+                Some(true) => 1.0,
+                _ => -1.0,
+            });
+        }
+        events
+    }
+
+    fn happened(&mut self, base: &Base, next: &Base, at: f64, kind: BranchEventKind) {
+        if self.advance(base, at).is_none() {
+            self.restore(next);
+        }
+        let (timing, factor) = (self.factors.varies, self.factors.varied());
+        self.path.events.push(BranchEvent { kind, timing, factor, arc_rad: self.arc_rad + at });
+    }
+
+    /// Puts the state back on a point.
+    fn restore(&mut self, point: &Base) {
+        self.newton.state.hinges.clone_from(&point.hinges);
+        self.newton.state.reactions.clone_from(&point.reactions);
+        self.factors.set_varied(point.factor);
+        self.balance.evaluate(&self.factors, &mut self.newton.state);
+    }
+
+    fn push_point(&mut self, iterations: u32) -> ControlFlow<()> {
+        let state = &self.newton.state;
+        self.path.points.push(PathPoint {
+            timing: self.factors.varies,
+            factor: self.factors.varied(),
+            arc_rad: self.arc_rad,
+            limit_points: self.path.count(BranchEventKind::LimitPoint),
+            branch_points: self.path.count(BranchEventKind::BranchPoint),
+            iterations,
+            residual_rad: self.balance.residual_rad(state),
+            deformed: state.deformed(),
+        });
+        (self.on_point)(&self.path.points[self.path.points.len() - 1])
+    }
+
+    /// The state meets the goal.
+    fn found(&mut self) {
+        let equilibrium =
+            Equilibrium::new(&self.balance, &self.factors, &self.newton.state, self.path);
+        self.path.equilibria.push(equilibrium);
+    }
+
+    fn reason_to_stop(&self) -> Stop {
+        match self.last {
+            NewtonEnding::RodOutOfReach => Stop::RodOutOfReach,
+            NewtonEnding::Balanced | NewtonEnding::Failed => Stop::Stuck,
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! Zeros of a function along a path that is known with its derivative.
+
+/// A place along the path, the value there and its derivative.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Sample {
+    pub at: f64,
+    pub value: f64,
+    pub rate: f64,
+    /// Whether the value counts as zero.
+    pub met: bool,
+}
+
+/// Why a zero was not found: the function could not be evaluated, or the search did not end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Lost;
+
+/// Whether the value goes towards zero at first and away from it at last, without a change of sign.
+pub(super) fn turns_within(from: &Sample, to: &Sample) -> bool {
+    let sense = (to.at - from.at).signum();
+    from.value * from.rate * sense < 0.0 && to.value * to.rate * sense > 0.0
+}
+
+/// Newton between two places with values of opposite sign, by bisection where Newton leaves the bracket or gains little.
+pub(super) fn bracketed_root(
+    mut low: Sample,
+    mut high: Sample,
+    guess: f64,
+    mut sample: impl FnMut(f64) -> Option<Sample>,
+) -> Result<Sample, Lost> {
+    let inside = |at: f64, low: f64, high: f64| (at - low) * (at - high) < 0.0;
+    let mut at =
+        if inside(guess, low.at, high.at) { guess } else { f64::midpoint(low.at, high.at) };
+    let mut before = f64::INFINITY;
+    for _ in 0..120 {
+        let now = sample(at).ok_or(Lost)?;
+        if now.met || (high.at - low.at).abs() <= 4.0 * f64::EPSILON * at.abs() {
+            return Ok(now);
+        }
+        if now.value * low.value > 0.0 {
+            low = now;
+        } else {
+            high = now;
+        }
+        let newton = at - now.value / now.rate;
+        let gains = now.value.abs() < 0.5 * before;
+        before = now.value.abs();
+        at = if gains && inside(newton, low.at, high.at) {
+            newton
+        } else {
+            f64::midpoint(low.at, high.at)
+        };
+    }
+    Err(Lost)
+}
+
+/// Where the value turns between two places: bisection on the sign of its derivative.
+pub(super) fn turning_point(
+    from: &Sample,
+    to: &Sample,
+    mut sample: impl FnMut(f64) -> Option<Sample>,
+) -> Result<Sample, Lost> {
+    let (mut low, mut high) = (from.at, to.at);
+    let mut turn = *to;
+    for _ in 0..30 {
+        turn = sample(f64::midpoint(low, high)).ok_or(Lost)?;
+        if turn.rate * from.rate > 0.0 {
+            low = turn.at;
+        } else {
+            high = turn.at;
+        }
+    }
+    Ok(turn)
+}
+
+/// Every zero between two places that [`turns_within`] or a change of sign shows, in order.
+pub(super) fn zeros_between(
+    from: &Sample,
+    to: &Sample,
+    mut sample: impl FnMut(f64) -> Option<Sample>,
+    mut found: impl FnMut(Result<Sample, Lost>) -> bool,
+) {
+    if from.value * to.value < 0.0 {
+        found(bracketed_root(*from, *to, to.at - to.value / to.rate, sample));
+    } else if turns_within(from, to) {
+        match turning_point(from, to, &mut sample) {
+            Ok(turn) if turn.value * from.value < 0.0 => {
+                let middle = f64::midpoint(from.at, turn.at);
+                let wants_more = found(bracketed_root(*from, turn, middle, &mut sample));
+                if wants_more {
+                    found(bracketed_root(turn, *to, f64::midpoint(to.at, turn.at), sample));
+                }
+            }
+            Ok(_) => {}
+            Err(lost) => {
+                found(Err(lost));
+            }
+        }
+    }
+}
