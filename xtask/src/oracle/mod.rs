@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use spineline::action::Application;
 use spineline::multibody::{
     Deformed, ForceSign, GeneralStatics, Goal, Loading, MatchStatus, PathOptions, Solution,
-    Statics, Support, match_amplitude,
+    Statics, Support, Wrench, match_amplitude,
 };
 use spineline::spatial::{Mat3, Vec3};
 
