@@ -15,6 +15,8 @@ mod equilibrium;
 mod loading;
 mod newton;
 mod path;
+mod singular;
+mod stability;
 #[cfg(test)]
 mod tests;
 mod wrench;

@@ -1,6 +1,7 @@
 use super::balance::{Balance, Factors, State, nan_max};
-use super::border::{Border, BorderRank};
+use super::border::Border;
 use super::elimination::Elimination;
+use super::stability::Signs;
 use super::wrench::{Spatial, first, second};
 use crate::spatial::Vec3;
 
@@ -175,14 +176,13 @@ impl Newton {
         largest
     }
 
-    /// The direction of the branch at a balanced state, on the side of the direction so far, and whether the determinant
-    /// of hinges and border is positive; `None` for that where a rod asks twice for the same.
+    /// The direction of the branch at a balanced state, on the side of the direction so far; `None` where it has none.
     pub(super) fn tangent(
         &mut self,
         balance: &Balance<'_>,
         so_far: &Direction,
         tangent: &mut Direction,
-    ) -> Option<Option<bool>> {
+    ) -> Option<()> {
         if !self.elimination.factor(balance, &self.state) {
             return None;
         }
@@ -193,14 +193,12 @@ impl Newton {
             self.fill_rod_rows(balance, rod, true, &Spatial::zeros());
         }
         self.fill_arc_row(balance, so_far, 1.0);
-        let BorderRank { full, positive } = self.border.solve();
+        self.border.solve();
         self.turns.fill(Vec3::zeros());
         tangent.factor_rad = so_far.factor_rad;
         tangent.factor = self.add_border(rods, true);
-        let length = {
-            tangent.turns.clone_from(&self.turns);
-            tangent.dot(&self.turns, tangent.factor).sqrt()
-        };
+        tangent.turns.clone_from(&self.turns);
+        let length = tangent.dot(&self.turns, tangent.factor).sqrt();
         if !(length > 0.0 && length.is_finite()) {
             return None;
         }
@@ -209,7 +207,16 @@ impl Newton {
         for (rod, reaction) in tangent.reactions.iter_mut().enumerate() {
             *reaction = reaction_of(self.border.solution(), rod) / length;
         }
-        Some(full.then_some(positive == self.elimination.positive))
+        Some(())
+    }
+
+    /// The signs of the tangent that was eliminated last.
+    pub(super) fn signs(&self, balance: &Balance<'_>) -> Signs {
+        if balance.loading.rods.is_empty() {
+            self.elimination.signs
+        } else {
+            Signs::within_rods(balance, &self.state)
+        }
     }
 
     /// The twist of a vertebra when the hinges turn.

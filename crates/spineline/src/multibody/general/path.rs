@@ -3,8 +3,10 @@ use std::ops::ControlFlow;
 use super::balance::{Balance, Factors};
 use super::equilibrium::{BranchEvent, BranchEventKind, Equilibrium, EquilibriumPath, PathPoint};
 use super::newton::{BALANCED_RAD, Closing, Direction, Newton, NewtonEnding, velocity_at};
+use super::singular::Located;
+use super::stability::Signs;
 use super::wrench::Spatial;
-use crate::multibody::roots::{Sample, turning_point, zeros_between};
+use crate::multibody::roots::{Along, Lost, Sample, zeros_between};
 use crate::multibody::{ForceSign, LARGEST_HINGE_RAD};
 use crate::spatial::{Angle, Frontal, Vec3};
 
@@ -51,7 +53,7 @@ const LONGEST_STEP_RAD: f64 = 0.25;
 const SHORTEST_STEP_RAD: f64 = 1e-7;
 /// In the length of a path, a factor of one counts as what it turns the unloaded hinges, within these limits: a straight
 /// column does not turn at all.
-const LEAST_FACTOR_RAD: f64 = 0.02;
+const LEAST_FACTOR_RAD: f64 = 0.1;
 const MOST_FACTOR_RAD: f64 = 0.5;
 /// From one point to the next, the branch turns by less than this cosine says: else it may be another branch.
 const LEAST_COSINE: f64 = 0.9;
@@ -65,20 +67,19 @@ pub type OnPoint<'o> = &'o mut dyn FnMut(&PathPoint) -> ControlFlow<()>;
 
 /// A place on the branch from which to step.
 #[derive(Clone)]
-struct Base {
-    hinges: Vec<Vec3>,
-    reactions: Vec<Spatial>,
-    factor: f64,
-    tangent: Direction,
-    /// Sign of the determinant of hinges and border: changes where another branch crosses.
-    positive: Option<bool>,
-    goal: Sample,
+pub(super) struct Base {
+    pub hinges: Vec<Vec3>,
+    pub reactions: Vec<Spatial>,
+    pub factor: f64,
+    pub tangent: Direction,
+    pub signs: Signs,
+    pub goal: Sample,
 }
 
 /// A stage of a path: its factors, and what was met so far.
 pub(super) struct Walk<'w, 'b> {
-    balance: Balance<'b>,
-    newton: &'w mut Newton,
+    pub balance: Balance<'b>,
+    pub newton: &'w mut Newton,
     factors: Factors,
     goal: Goal,
     options: PathOptions,
@@ -149,14 +150,18 @@ impl<'w, 'b> Walk<'w, 'b> {
         }
         let mut step_rad = FIRST_STEP_RAD;
         while self.path.points.len() < self.options.most_points {
-            let Some((next, iterations)) = self.step(&base, step_rad) else {
+            let step = self.step(&base, step_rad).and_then(|(next, iterations)| {
+                let events = self.events_between(&base, &next)?;
+                Some((next, iterations, events))
+            });
+            let Some((next, iterations, events)) = step else {
                 step_rad *= 0.5;
                 if step_rad < SHORTEST_STEP_RAD {
                     return if self.rod_failed { Stop::RodOutOfReach } else { Stop::Stuck };
                 }
                 continue;
             };
-            if let Some(stop) = self.look_between(&base, &next) {
+            if let Some(stop) = self.look_between(&base, &next, events) {
                 return stop;
             }
             self.arc_rad += step_rad;
@@ -188,7 +193,7 @@ impl<'w, 'b> Walk<'w, 'b> {
     }
 
     /// A point so far along the branch, and Newton's iterations; `None` where it may not be on the same branch.
-    fn step(&mut self, base: &Base, step_rad: f64) -> Option<(Base, u32)> {
+    pub(super) fn step(&mut self, base: &Base, step_rad: f64) -> Option<(Base, u32)> {
         let iterations = self.advance(base, step_rad)?;
         let mut next = self.base(&base.tangent, step_rad)?;
         let cosine = next.tangent.dot(&base.tangent.turns, base.tangent.factor);
@@ -234,11 +239,12 @@ impl<'w, 'b> Walk<'w, 'b> {
     /// The state as a place to step from.
     fn base(&mut self, so_far: &Direction, at: f64) -> Option<Base> {
         let mut tangent = so_far.clone();
-        let positive = self.newton.tangent(&self.balance, so_far, &mut tangent)?;
+        self.newton.tangent(&self.balance, so_far, &mut tangent)?;
+        let signs = self.newton.signs(&self.balance);
         let goal = self.sample(&tangent, at);
         let state = &self.newton.state;
         let (hinges, reactions) = (state.hinges.clone(), state.reactions.clone());
-        Some(Base { hinges, reactions, factor: self.factors.varied(), tangent, positive, goal })
+        Some(Base { hinges, reactions, factor: self.factors.varied(), tangent, signs, goal })
     }
 
     /// The goal's value and its change along the branch.
@@ -261,34 +267,20 @@ impl<'w, 'b> Walk<'w, 'b> {
         }
     }
 
-    /// The goal at a place between two points of the branch.
-    fn sample_at(&mut self, base: &Base, at: f64) -> Option<Sample> {
-        self.step(base, at).map(|(base, _)| base.goal)
-    }
-
-    /// Limit points, branch points and equilibria between two points, in the order in which they come.
-    fn look_between(&mut self, base: &Base, next: &Base) -> Option<Stop> {
-        let mut events = self.events_between(base, next);
-        let mut met = Vec::new();
+    /// Tells of limit points, branch points and equilibria between two points, in the order in which they come.
+    fn look_between(&mut self, base: &Base, next: &Base, events: Vec<Located>) -> Option<Stop> {
         let wants_more = self.options.look_beyond;
-        zeros_between(
-            &base.goal,
-            &next.goal,
-            |at| self.sample_at(base, at),
-            |found| {
-                met.extend(found.ok());
-                wants_more
-            },
-        );
+        let mut within = Within { walk: self, base, met: Vec::new() };
+        zeros_between(&base.goal, &next.goal, &mut within);
+        let mut met = within.met;
         // The end of the step itself may meet the goal.
         if next.goal.met && !base.goal.met && met.is_empty() {
             met.push(next.goal);
         }
-        events.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut events = events.into_iter().peekable();
         for sample in met {
-            while let Some((at, kind)) = events.next_if(|(at, _)| *at < sample.at) {
-                self.happened(base, next, at, kind);
+            while let Some(event) = events.next_if(|event| event.at < sample.at) {
+                self.happened(event);
             }
             if self.advance(base, sample.at).is_none() {
                 continue;
@@ -312,49 +304,18 @@ impl<'w, 'b> Walk<'w, 'b> {
                 return Some(Stop::Enough);
             }
         }
-        for (at, kind) in events {
-            self.happened(base, next, at, kind);
-        }
+        events.for_each(|event| self.happened(event));
         None
     }
 
-    /// Where between two points the factor turns, and where another branch crosses.
-    fn events_between(&mut self, base: &Base, next: &Base) -> Vec<(f64, BranchEventKind)> {
-        let mut events = Vec::new();
-        let length = next.goal.at;
-        let mut locate = |kind, rate_of: &dyn Fn(&Base) -> f64| {
-            let sample =
-                |at, base: &Base| Sample { at, value: 0.0, rate: rate_of(base), met: false };
-            let (from, to) = (sample(0.0, base), sample(length, next));
-            let turn = turning_point(&from, &to, |at| {
-                self.step(base, at).map(|(between, _)| sample(at, &between))
-            });
-            events.push((turn.map_or(length, |turn| turn.at), kind));
-        };
-        if base.tangent.factor * next.tangent.factor < 0.0 {
-            locate(BranchEventKind::LimitPoint, &|base| base.tangent.factor);
-        }
-        if let (Some(before), Some(after)) = (base.positive, next.positive)
-            && before != after
-        {
-            locate(BranchEventKind::BranchPoint, &|base| match base.positive {
-                Some(true) => 1.0,
-                _ => -1.0,
-            });
-        }
-        events
-    }
-
-    fn happened(&mut self, base: &Base, next: &Base, at: f64, kind: BranchEventKind) {
-        if self.advance(base, at).is_none() {
-            self.restore(next);
-        }
-        let (timing, factor) = (self.factors.varies, self.factors.varied());
+    fn happened(&mut self, event: Located) {
+        let Located { at, factor, kind } = event;
+        let timing = self.factors.varies;
         self.path.events.push(BranchEvent { kind, timing, factor, arc_rad: self.arc_rad + at });
     }
 
     /// Puts the state back on a point.
-    fn restore(&mut self, point: &Base) {
+    pub(super) fn restore(&mut self, point: &Base) {
         self.newton.state.hinges.clone_from(&point.hinges);
         self.newton.state.reactions.clone_from(&point.reactions);
         self.factors.set_varied(point.factor);
@@ -381,5 +342,23 @@ impl<'w, 'b> Walk<'w, 'b> {
         let equilibrium =
             Equilibrium::new(&self.balance, &self.factors, &self.newton.state, self.path);
         self.path.equilibria.push(equilibrium);
+    }
+}
+
+/// The goal between two points of the branch.
+struct Within<'v, 'w, 'b> {
+    walk: &'v mut Walk<'w, 'b>,
+    base: &'v Base,
+    met: Vec<Sample>,
+}
+
+impl Along for Within<'_, '_, '_> {
+    fn sample(&mut self, at: f64) -> Option<Sample> {
+        self.walk.step(self.base, at).map(|(between, _)| between.goal)
+    }
+
+    fn found(&mut self, zero: Result<Sample, Lost>) -> bool {
+        self.met.extend(zero.ok());
+        self.walk.options.look_beyond
     }
 }

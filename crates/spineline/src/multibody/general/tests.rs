@@ -1,5 +1,6 @@
 use super::balance::{Balance, Factors, State};
-use super::elimination::{Elimination, scaled_tangent};
+use super::elimination::Elimination;
+use super::stability::scaled_tangent;
 use super::{BodyLoad, LoadItem, Loading, Timing};
 use crate::multibody::{SpineModel, Support};
 use crate::spatial::{Mat3, Vec3};
@@ -153,7 +154,7 @@ fn elimination_solves_what_the_matrix_says() {
             moments[joint][axis] / root
         });
         let lu = tangent.lu();
-        assert_eq!(lu.determinant() > 0.0, elimination.positive);
+        assert_eq!(lu.determinant() > 0.0, elimination.signs.has_positive_determinant());
         let expected = lu.solve(&scaled).expect("regular");
         for i in 0..joints * per_joint {
             let (joint, axis, root) = root(i);
