@@ -1,0 +1,79 @@
+"""Times one engine on one case, and prints JSON: `python peer.py ENGINE CASES NAME`."""
+
+import importlib
+import json
+import sys
+from statistics import median
+from time import perf_counter
+
+import numpy as np
+
+import spine as spines
+from statics import NotFound, Statics, personalise
+
+
+def timed(work, seconds=1.0, most=400):
+    """Median time of a call: calls until the seconds are over, at least five."""
+    work()
+    times = []
+    while len(times) < 5 or (sum(times) < seconds and len(times) < most):
+        start = perf_counter()
+        work()
+        times.append(perf_counter() - start)
+    return median(times)
+
+
+def equilibria(kinematics, spine, near):
+    """Both bends, from the erect spine or from the equilibrium at 95 % of the force."""
+    statics = Statics(kinematics, spine.true_stiffness)
+    starts, shapes = [], []
+    for bend in spine.bends:
+        erect = np.zeros_like(spine.nominal)
+        starts.append(statics.equilibrium(0.95 * bend.wrench, erect)[0] if near else erect)
+        kinematics.place(statics.equilibrium(bend.wrench, starts[-1])[0])
+        shapes.append(kinematics.midpoints().tolist())
+
+    def work():
+        for bend, start in zip(spine.bends, starts):
+            statics.equilibrium(bend.wrench, start)
+
+    task = "equilibrium_near" if near else "equilibrium"
+    return {"task": task, "method": "Newton", "seconds": timed(work) / 2, "midpoints_mm": shapes}
+
+
+def amplitude(kinematics, spine):
+    statics = Statics(kinematics, spine.true_stiffness)
+
+    def work():
+        return [statics.match(bend.unit, bend.lean) for bend in spine.bends]
+
+    row = {"task": "amplitude", "method": "continuation, bordered Newton"}
+    return row | {"forces_n": work(), "seconds": timed(work) / 2}
+
+
+def personalisation(kinematics, spine, start):
+    row = {"task": "personalisation", "method": f"Newton, implicit derivatives, MINPACK; {start} start"}
+    try:
+        multipliers, forces = personalise(kinematics, spine, start)
+    except NotFound as reason:
+        return row | {"failed": str(reason)}
+    row |= {"multipliers": multipliers.tolist(), "forces_n": forces.tolist()}
+    return row | {"seconds": timed(lambda: personalise(kinematics, spine, start), seconds=2.0)}
+
+
+def main(engine, path, name):
+    module = importlib.import_module(f"with_{engine}")
+    spine = spines.read(path, name)
+    kinematics = module.Kinematics(spine)
+    rows = [
+        equilibria(kinematics, spine, near=False),
+        equilibria(kinematics, spine, near=True),
+        amplitude(kinematics, spine),
+        *(personalisation(kinematics, spine, start) for start in spine.starts),
+    ]
+    said = {"engine": module.NAME, "version": module.VERSION, "case": name, "cannot": module.CANNOT, "rows": rows}
+    print(json.dumps(said))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
