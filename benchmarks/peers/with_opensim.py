@@ -37,7 +37,7 @@ def build(spine):
         for name, rotation, axis in zip("xyz", rotations, np.eye(3)):
             rotation.setCoordinateNames(opensim.ArrayStr(f"{j}{name}", 1))
             rotation.setAxis(vec3(axis))
-            rotation.setFunction(opensim.LinearFunction(1.0, 0.0))
+            rotation.set_function(opensim.LinearFunction(1.0, 0.0))
         # The joint's frame has the inferior vertebra's axes on both sides, the body those of its own vertebra.
         own = rest[j].T
         joint = opensim.CustomJoint(
