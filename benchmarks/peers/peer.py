@@ -52,7 +52,7 @@ def amplitude(kinematics, spine):
 
 
 def personalisation(kinematics, spine, start):
-    row = {"task": "personalisation", "method": f"Newton, implicit derivatives, MINPACK; {start} start"}
+    row = {"task": "personalisation", "method": f"Newton, implicit derivatives, MINPACK; {start.replace('_', '-')} start"}
     try:
         multipliers, forces = personalise(kinematics, spine, start)
     except NotFound as reason:
