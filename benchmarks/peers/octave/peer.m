@@ -126,9 +126,9 @@ end
 function seconds = timed(work, repeats)
   times = zeros(repeats, 1);
   for i = 1:repeats
-    start = tic();
+    start = cputime();
     work();
-    times(i) = toc(start);
+    times(i) = cputime() - start;
   end
   seconds = median(times);
 end
@@ -156,18 +156,18 @@ end
 function row = amplitude(spine, k)
   row.task = "amplitude";
   row.method = "fzero around fsolve";
-  start = tic();
+  start = cputime();
   row.forces_n = [match(spine, k, 1), match(spine, k, 2)];
-  row.seconds = toc(start) / 2;
+  row.seconds = (cputime() - start) / 2;
 end
 
 function row = personalisation(spine, name)
   row.task = "personalisation";
   row.method = ["fsolve around fsolve; " strrep(name, "_", "-") " start"];
-  start = tic();
+  start = cputime();
   try
     x = personalise(spine, spine.starts.(name));
-    row.seconds = toc(start);
+    row.seconds = cputime() - start;
     row.multipliers = exp([x(1), x(2), -x(1) - x(2)]);
     row.forces_n = x(3:4)';
   catch reason

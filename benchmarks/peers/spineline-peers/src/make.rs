@@ -148,3 +148,24 @@ fn closed_form_start(case: &Case) -> Start {
         forces_n: levels.map(f64::exp),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::time::Fit;
+
+    #[test]
+    fn a_fit_to_a_case_as_written_finds_its_multipliers() {
+        // Oracle: the phantom's multipliers, with which the bends were computed.
+        let text =
+            serde_json::to_string(&cases().expect("phantoms are sound")).expect("plain data");
+        let cases: Cases = serde_json::from_str(&text).expect("what was written can be read");
+        assert_eq!(cases.cases.len(), SPINES.len());
+        for case in cases.cases {
+            let found = Fit::of(&case).run();
+            for (log, multiplier) in found.log_multipliers.iter().zip(case.multipliers) {
+                assert!((log.exp() - multiplier).abs() < 1e-4, "{}: {multiplier}", case.name);
+            }
+        }
+    }
+}
