@@ -23,6 +23,15 @@ def timed(work, seconds=1.0, most=400):
     return median(times)
 
 
+def attempt(task, method, work):
+    """A row of the answer; what was not found is told in it."""
+    row = {"task": task, "method": method}
+    try:
+        return row | work()
+    except NotFound as reason:
+        return row | {"failed": str(reason)}
+
+
 def equilibria(kinematics, spine, near):
     """Both bends, from the erect spine or from the equilibrium at 95 % of the force."""
     statics = Statics(kinematics, spine.true_stiffness)
@@ -37,8 +46,7 @@ def equilibria(kinematics, spine, near):
         for bend, start in zip(spine.bends, starts):
             statics.equilibrium(bend.wrench, start)
 
-    task = "equilibrium_near" if near else "equilibrium"
-    return {"task": task, "method": "Newton", "seconds": timed(work) / 2, "midpoints_mm": shapes}
+    return {"midpoints_mm": shapes, "seconds": timed(work) / 2}
 
 
 def amplitude(kinematics, spine):
@@ -47,18 +55,13 @@ def amplitude(kinematics, spine):
     def work():
         return [statics.match(bend.unit, bend.lean) for bend in spine.bends]
 
-    row = {"task": "amplitude", "method": "continuation, bordered Newton"}
-    return row | {"forces_n": work(), "seconds": timed(work) / 2}
+    return {"forces_n": work(), "seconds": timed(work) / 2}
 
 
 def personalisation(kinematics, spine, start):
-    row = {"task": "personalisation", "method": f"Newton, implicit derivatives, MINPACK; {start.replace('_', '-')} start"}
-    try:
-        multipliers, forces = personalise(kinematics, spine, start)
-    except NotFound as reason:
-        return row | {"failed": str(reason)}
-    row |= {"multipliers": multipliers.tolist(), "forces_n": forces.tolist()}
-    return row | {"seconds": timed(lambda: personalise(kinematics, spine, start), seconds=2.0)}
+    multipliers, forces = personalise(kinematics, spine, start)
+    seconds = timed(lambda: personalise(kinematics, spine, start), seconds=2.0)
+    return {"multipliers": multipliers.tolist(), "forces_n": forces.tolist(), "seconds": seconds}
 
 
 def main(engine, path, name):
@@ -66,11 +69,13 @@ def main(engine, path, name):
     spine = spines.read(path, name)
     kinematics = module.Kinematics(spine)
     rows = [
-        equilibria(kinematics, spine, near=False),
-        equilibria(kinematics, spine, near=True),
-        amplitude(kinematics, spine),
-        *(personalisation(kinematics, spine, start) for start in spine.starts),
+        attempt("equilibrium", "Newton", lambda: equilibria(kinematics, spine, near=False)),
+        attempt("equilibrium_near", "Newton", lambda: equilibria(kinematics, spine, near=True)),
+        attempt("amplitude", "continuation, bordered Newton", lambda: amplitude(kinematics, spine)),
     ]
+    for start in spine.starts:
+        method = f"Newton, implicit derivatives, MINPACK; {start.replace('_', '-')} start"
+        rows.append(attempt("personalisation", method, lambda: personalisation(kinematics, spine, start)))
     said = {"engine": module.NAME, "version": module.VERSION, "case": name, "cannot": module.CANNOT, "rows": rows}
     print(json.dumps(said))
 

@@ -42,6 +42,22 @@ def reference_of(answers, case, task):
     return next(row for row in rows if row["task"] == task)
 
 
+def agreement(answers, truth):
+    """Per engine, the largest disagreements with Spineline's midpoints and with the true multipliers."""
+    lines = ["## Agreement", "", "| engine | midpoints, mm | multipliers |", "|---|---|---|"]
+    for engine in dict.fromkeys(answer["engine"] for answer in answers):
+        off = {"midpoints_mm": [], "multipliers": []}
+        for answer in (answer for answer in answers if answer["engine"] == engine):
+            for row in answer["rows"]:
+                ours = reference_of(answers, answer["case"], row["task"]) | {"multipliers": truth[answer["case"]]}
+                for what, found in off.items():
+                    if what in row:
+                        found.append(largest(ours[what], row[what]))
+        cells = (f"{max(found):.0e}" if found else "-" for found in off.values())
+        lines.append(f"| {engine} | {' | '.join(cells)} |")
+    return lines + [""]
+
+
 def gather(answers, truth):
     """(task, engine, method) → case → median seconds over the rounds, or a fault."""
     cells = {}
@@ -122,6 +138,7 @@ def write(results, truth, names):
     cells = gather(answers, truth)
     lines = ["# Spineline and other engines on the same cases", ""]
     lines += [f"{results['machine']}, Python {results['python']}, one thread. Medians; in brackets the ratio to Spineline.", ""]
+    lines += agreement(answers, truth)
     for task in TASKS:
         lines += table(cells, task, names)
     lines += summary(cells, names)

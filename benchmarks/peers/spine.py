@@ -10,7 +10,6 @@ import numpy as np
 class Bend:
     """A force on T2 along a line fixed in space, and the shape that it makes."""
 
-    name: str
     unit: np.ndarray  # wrench of 1 N: moment about the origin, then force
     force: float
     lean: float
@@ -73,7 +72,7 @@ def read(path, name):
         multipliers=np.array(case["multipliers"]),
         location_sd=case["noise"]["location_mm"],
         tilt_sd=case["noise"]["tilt_rad"],
-        bends=[_bend(name, bend) for name, bend in zip(("left", "right"), case["bends"])],
+        bends=[_bend(bend) for bend in case["bends"]],
         starts={
             start: (np.array(given["log_multipliers"]), np.array(given["forces_n"]))
             for start, given in case["starts"].items()
@@ -81,10 +80,9 @@ def read(path, name):
     )
 
 
-def _bend(name, bend):
+def _bend(bend):
     point, direction = np.array(bend["point_mm"]), np.array(bend["direction"])
     return Bend(
-        name=name,
         unit=np.concatenate([np.cross(point, direction), direction]),
         force=bend["force_n"],
         lean=bend["lean_rad"],

@@ -7,7 +7,8 @@ NAME = "mujoco"
 VERSION = mujoco.__version__
 CANNOT = [
     "no static solver: an equilibrium is what a damped simulation settles to, or the user's own Newton (timed here)",
-    "mj_jac gives Jacobians, but no derivative of a load's generalised force by q: the user's own formula",
+    "Jacobians, but no analytic derivative of a load's generalised force by q (mjd_inverseFD takes differences): the user's "
+    "own formula",
     "no search for a force that reaches an amplitude, no derivatives by stiffness",
 ]
 

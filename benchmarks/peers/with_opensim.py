@@ -59,7 +59,6 @@ class Kinematics:
         self.first = spine.midpoints[:1], spine.axes[:1, :, 2]
         self.jacobian = opensim.Matrix()
         self.origin = opensim.Vec3(0.0)
-        self.vector = opensim.Vector(42, 0.0)
         self.screws = np.zeros((6, 42))
 
     def place(self, q):

@@ -34,6 +34,7 @@ class Kinematics:
         self.data = self.model.createData()
         self.first = spine.midpoints[:1], spine.axes[:1, :, 2]
         self.screws = np.zeros((6, self.model.nv))
+        self.updated = False  # whether the frames are where the joints are
 
     def place(self, q):
         jacobian = pin.computeJointJacobians(self.model, self.data, q)
