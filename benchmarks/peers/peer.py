@@ -1,4 +1,4 @@
-"""Times one engine on one case, and prints JSON: `python peer.py ENGINE CASES NAME`."""
+"""Times one engine on one case, and prints JSON: `OMP_NUM_THREADS=1 python peer.py ENGINE CASES NAME`."""
 
 import importlib
 import json
