@@ -15,6 +15,9 @@ const DIALECT: Dialect = Dialect {
     from_global: |v| *v,
 };
 
+/// What the viewer shows at least.
+const SMALLEST_EXTENT_M: f64 = 0.1;
+
 const BONE: &str = "0.91 0.87 0.76 1";
 const FIXED_BONE: &str = "0.55 0.53 0.48 1";
 const DISC: &str = "0.42 0.62 0.78 1";
@@ -44,10 +47,13 @@ fn settings(xml: &mut Document, assembly: &Assembly) {
     xml.close();
     let centre: Vec3 = assembly.vertebrae.iter().map(|v| v.midpoint_m).sum::<Vec3>()
         / assembly.vertebrae.len() as f64;
-    xml.empty("statistic", &[("center", &vector(&centre)), ("extent", "0.5")]);
+    let ends = [&assembly.vertebrae[0], &assembly.vertebrae[assembly.vertebrae.len() - 1]];
+    let extent = (ends[1].midpoint_m - ends[0].midpoint_m).norm().max(SMALLEST_EXTENT_M);
+    xml.empty("statistic", &[("center", &vector(&centre)), ("extent", &number(extent))]);
     xml.open("visual", &[]);
-    // Seen from behind, as the film is read: the patient's left is on the left.
+    // Seen from behind: the patient's left is on the left.
     xml.empty("global", &[("azimuth", "20"), ("elevation", "-10")]);
+    xml.empty("headlight", &[("ambient", "0.4 0.4 0.4")]);
     xml.close();
     xml.open("default", &[]);
     xml.empty("geom", &[("contype", "0"), ("conaffinity", "0"), ("group", "1")]);
@@ -91,12 +97,12 @@ fn draw(xml: &mut Document, vertebra: &Vertebra, fixed: bool, has_disc: bool) {
     let colour = ("rgba", if fixed { FIXED_BONE } else { BONE });
     let half = vertebra.size_m / 2.0;
     xml.empty("geom", &[("type", "box"), ("size", &vector(&half)), colour]);
-    let process = numbers(&[-half.x, 0.0, 0.0, -half.x - 1.6 * half.x, 0.0, -half.z]);
+    let process = numbers(&[-half.x, 0.0, 0.0, -2.6 * half.x, 0.0, -half.z]);
     let radius = number(0.12 * vertebra.size_m.x);
     xml.empty("geom", &[("type", "capsule"), ("fromto", &process), ("size", &radius), colour]);
     if has_disc {
         let place = vector(&Vec3::new(0.0, 0.0, half.z + vertebra.disc_m / 2.0));
-        let size = vector(&Vec3::new(half.x, half.y, 0.6 * vertebra.disc_m));
+        let size = vector(&Vec3::new(1.08 * half.x, 1.08 * half.y, vertebra.disc_m));
         let disc = [("pos", &*place), ("size", &size), ("rgba", DISC)];
         xml.empty("geom", &[("type", "ellipsoid"), disc[0], disc[1], disc[2]]);
     }
