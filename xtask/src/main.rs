@@ -1,5 +1,7 @@
 //! The project's own commands: `cargo xtask test` runs everything that must hold.
 
+mod engines;
+mod python;
 mod tidy;
 
 use std::env;
@@ -9,10 +11,11 @@ use std::process::{Command, ExitCode};
 const HELP: &str = "\
 cargo xtask COMMAND
 
-  test    everything: format, lints, tidy, tests, documentation and its examples
-  check   the quick part: format, lints, tidy
-  tidy    house rules that no compiler knows
-  bench   benchmarks of the core
+  test     everything: format, lints, tidy, tests, documentation and its examples
+  check    the quick part: format, lints, tidy
+  tidy     house rules that no compiler knows
+  engines  exported models in MuJoCo, Pinocchio and OpenSim (needs Python, and a network the first time)
+  bench    benchmarks of the core
 ";
 
 /// One thing that must hold; the text says what does not.
@@ -25,6 +28,7 @@ fn main() -> ExitCode {
         "test" => &[format, lint, tidy::run, test, doctest, docs],
         "check" => &[format, lint, tidy::run],
         "tidy" => &[tidy::run],
+        "engines" => &[engines::compare],
         "bench" => &[bench],
         _ => {
             eprint!("{HELP}");
