@@ -37,6 +37,8 @@ pub(super) fn roll_pitch_yaw(r: &Mat3) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
     use super::*;
     use spineline::spatial::{rotation_x, rotation_y, rotation_z};
 
@@ -44,8 +46,7 @@ mod tests {
     const ROUNDING: f64 = 4e-15;
 
     fn samples() -> Vec<Mat3> {
-        let angles =
-            [-3.1, -1.570_796_326_794_896_6, -0.4, 0.0, 1e-9, 0.7, 1.570_796_326_794_896_6, 3.0];
+        let angles = [-3.1, -FRAC_PI_2, -0.4, 0.0, 1e-9, 0.7, FRAC_PI_2, 3.0];
         let turn = |f: fn(Angle) -> Mat3, a: f64| f(Angle::from_rad(a));
         let mut all = Vec::new();
         for a in angles {
