@@ -8,6 +8,13 @@ import mujoco
 import numpy as np
 
 from cases import Load
+from statics import NoEquilibrium
+
+# Simulated time in which the load grows, and in which rest has to follow, in s.
+GROWS_S = 1.0
+ENDS_S = 30.0
+# Slower than this is rest.
+REST_RAD_PER_S = 1e-11
 
 
 class MujocoSpine:
@@ -24,6 +31,20 @@ class MujocoSpine:
     def unbalance(self, q: np.ndarray, factor: float) -> np.ndarray:
         """At rest, MuJoCo's passive forces are the springs."""
         self._place(q)
+        return self.data.qfrc_passive + self._applied(factor)
+
+    def settle(self) -> np.ndarray:
+        """Lets time pass under the load until all is at rest, as a user would."""
+        mujoco.mj_resetData(self.model, self.data)
+        mujoco.mj_forward(self.model, self.data)
+        while self.data.time < ENDS_S:
+            self.data.qfrc_applied[:] = self._applied(min(1.0, self.data.time / GROWS_S))
+            mujoco.mj_step(self.model, self.data)
+            if self.data.time > GROWS_S and np.abs(self.data.qvel).max() < REST_RAD_PER_S:
+                return self.data.qpos.copy()
+        raise NoEquilibrium(f"turns by {np.abs(self.data.qvel).max():.1e} rad/s after {ENDS_S:g} s")
+
+    def _applied(self, factor: float) -> np.ndarray:
         if self.load.on_line:
             point_m = self.load.point_mm / 1000
         else:
@@ -34,7 +55,7 @@ class MujocoSpine:
         mujoco.mj_applyFT(
             self.model, self.data, force, no_torque, point_m, self.top, applied
         )
-        return self.data.qfrc_passive + applied
+        return applied
 
     def midpoints_mm(self, q: np.ndarray) -> np.ndarray:
         """Sites stand at the midpoints."""

@@ -8,12 +8,9 @@ use crate::StoredModel;
 
 /// Mass of every vertebra in kg, and its moment of inertia in kg·m²: engines refuse bodies without. No equilibrium
 /// depends on them.
-pub(super) const NOMINAL_MASS_KG: f64 = 1.0;
+pub(super) const NOMINAL_MASS_KG: f64 = 0.1;
 /// See [`NOMINAL_MASS_KG`].
-pub(super) const NOMINAL_INERTIA_KG_M2: f64 = 1e-3;
-/// Damping of a hinge over its stiffness: enough to come to rest within seconds. No equilibrium depends on it.
-pub(super) const NOMINAL_DAMPING_S: f64 = 0.1;
-
+pub(super) const NOMINAL_INERTIA_KG_M2: f64 = 1e-4;
 /// How far the axes of a vertebra may be from those of a rotation.
 const AXES_TOLERANCE: f64 = 1e-6;
 
@@ -62,9 +59,9 @@ pub(super) struct Hinge {
 }
 
 impl Hinge {
-    /// Nominal damping in N·m·s/rad.
-    pub(super) fn damping(&self) -> f64 {
-        NOMINAL_DAMPING_S * self.nm_per_rad
+    /// Nominal damping in N·m·s/rad: the stiffness times so many seconds. No equilibrium depends on it.
+    pub(super) fn damping(&self, seconds: f64) -> f64 {
+        seconds * self.nm_per_rad
     }
 }
 

@@ -3,7 +3,7 @@
 use spineline::multibody::Support;
 use spineline::spatial::Vec3;
 
-use super::assembly::{NOMINAL_DAMPING_S, NOMINAL_INERTIA_KG_M2, NOMINAL_MASS_KG};
+use super::assembly::{NOMINAL_INERTIA_KG_M2, NOMINAL_MASS_KG};
 use super::xml::{number, vector};
 use crate::{ApplicationKey, LoadRecord, StoredModel};
 
@@ -15,6 +15,8 @@ pub(super) struct Dialect {
     pub(super) frame: &'static str,
     /// Where springs and hinges are, and what the format cannot say.
     pub(super) notes: &'static str,
+    /// Nominal damping of a hinge over its stiffness.
+    pub(super) damping_s: f64,
     /// From `G` to its frame.
     pub(super) from_global: fn(&Vec3) -> Vec3,
 }
@@ -53,7 +55,7 @@ pub(super) fn header(model: &StoredModel, generator: &str, dialect: &Dialect) ->
         "NOMINAL, of no patient, and of no influence on an equilibrium: mass {} kg and inertia {} kg m2 of a vertebra, damping {} s times the stiffness, and all shapes. Gravity is off.",
         number(NOMINAL_MASS_KG),
         number(NOMINAL_INERTIA_KG_M2),
-        number(NOMINAL_DAMPING_S),
+        number(dialect.damping_s),
     ));
     if !model.loads.is_empty() {
         lines.push("Loads on the uppermost vertebra that this model needs for its films (not applied here):".to_owned());

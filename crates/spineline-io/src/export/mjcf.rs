@@ -12,6 +12,8 @@ const DIALECT: Dialect = Dialect {
     format: "MJCF (MuJoCo)",
     frame: "G: x anterior, y to the patient's left, z cranial; origin at L4's midpoint.",
     notes: "Springs: `stiffness` and `springref` of each joint. Hinges that are locked are left out. Contacts are off.",
+    // MuJoCo takes damping implicitly, so that enough of it to come to rest within seconds costs nothing.
+    damping_s: 0.1,
     from_global: |v| *v,
 };
 
@@ -81,7 +83,7 @@ fn open_body(xml: &mut Document, vertebra: &Vertebra, below: Option<&Joint>) {
                     ("axis", &vector(&axis)),
                     ("stiffness", &number(hinge.nm_per_rad)),
                     ("springref", "0"),
-                    ("damping", &number(hinge.damping())),
+                    ("damping", &number(hinge.damping(DIALECT.damping_s))),
                 ],
             );
         }

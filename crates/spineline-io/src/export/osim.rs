@@ -12,6 +12,8 @@ const DIALECT: Dialect = Dialect {
     format: "OSIM (OpenSim 4)",
     frame: "OpenSim's: x anterior, y cranial, z to the patient's right (Spineline's G is x, -z, y of this); origin at L4's midpoint.",
     notes: "Springs: one SpringGeneralizedForce per coordinate. Signs of coordinates are Spineline's: right-handed about the anterior, left and cranial axis. Coordinates that the support locks are locked.",
+    // OpenSim's integrators are explicit: more would make their steps tiny.
+    damping_s: 0.001,
     from_global: opensim,
 };
 
@@ -193,7 +195,7 @@ fn spring(xml: &mut Document, hinge: &Hinge) {
     xml.text("coordinate", &hinge.name);
     xml.text("stiffness", &number(hinge.nm_per_rad));
     xml.text("rest_length", "0");
-    xml.text("viscosity", &number(hinge.damping()));
+    xml.text("viscosity", &number(hinge.damping(DIALECT.damping_s)));
     xml.close();
 }
 

@@ -13,6 +13,8 @@ const DIALECT: Dialect = Dialect {
     frame: "G: x anterior, y to the patient's left, z cranial; origin at L4's midpoint.",
     notes: "Springs: URDF has none. They stand in SDFormat's extension, `springStiffness` and `springReference` in `gazebo` of each hinge's name; a program that does not read it has to be told. \
             Each hinge turns a small link that is no vertebra (a hundredth of the nominal mass), and the vertebra is fixed to the last of them; hinges that are locked are left out. Limits stop no hinge: they are what the format asks for.",
+    // Many of the programs that read URDF step explicitly.
+    damping_s: 0.001,
     from_global: |v| *v,
 };
 
@@ -64,7 +66,10 @@ fn revolute(xml: &mut Document, hinge: &Hinge, parent: &str, child: &str, place:
     xml.empty("origin", &[("xyz", &vector(place)), ("rpy", "0 0 0")]);
     xml.empty("axis", &[("xyz", &vector(&hinge.axis.unit()))]);
     xml.empty("limit", &limit);
-    xml.empty("dynamics", &[("damping", &number(hinge.damping())), ("friction", "0")]);
+    xml.empty(
+        "dynamics",
+        &[("damping", &number(hinge.damping(DIALECT.damping_s))), ("friction", "0")],
+    );
     xml.close();
 }
 
