@@ -1,6 +1,8 @@
 //! The project's own commands: `cargo xtask test` runs everything that must hold.
 
+mod engines;
 mod oracle;
+mod python;
 mod tidy;
 
 use std::env;
@@ -10,12 +12,13 @@ use std::process::{Command, ExitCode};
 const HELP: &str = "\
 cargo xtask COMMAND
 
-  test    everything: format, lints, tidy, tests, documentation and its examples
-  check   the quick part: format, lints, tidy
-  tidy    house rules that no compiler knows
-  bench   benchmarks of the core
+  test     everything: format, lints, tidy, tests, documentation and its examples
+  check    the quick part: format, lints, tidy
+  tidy     house rules that no compiler knows
+  engines  exported models in MuJoCo, Pinocchio and OpenSim (needs Python, and a network the first time)
+  bench    benchmarks of the core
   oracle CASE.json… --out DIR
-          spines solved by other programs, solved by the march and by Newton
+           spines solved by other programs, solved by the march and by Newton
 ";
 
 /// One thing that must hold; the text says what does not.
@@ -32,6 +35,7 @@ fn main() -> ExitCode {
         "test" => &[format, lint, tidy::run, test, doctest, docs],
         "check" => &[format, lint, tidy::run],
         "tidy" => &[tidy::run],
+        "engines" => &[engines::compare],
         "bench" => &[bench],
         _ => {
             eprint!("{HELP}");

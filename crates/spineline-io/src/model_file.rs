@@ -2,6 +2,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::action::Application;
 use spineline::analysis::{Analysis, LineModel};
+use spineline::anatomy::Level;
 use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Mat3, Vec3};
 
@@ -110,6 +111,12 @@ pub struct StoredModel {
     pub case_id: String,
     /// Whether that case is made up.
     pub synthetic: bool,
+    /// Line of action that the stiffness was fitted with.
+    pub line: String,
+    /// Whether forces and springs are absolute; else only their ratios mean anything.
+    pub absolute: bool,
+    /// The vertebrae by name, as many as the spine has.
+    pub levels: Vec<Level>,
     /// Vertebrae and joints.
     pub spine: SpineModel,
     /// Springs of every joint about x, y and z.
@@ -127,7 +134,7 @@ impl ModelFile {
         let spine = &analysis.spine;
         let vector = |v: &Vec3| [v.x, v.y, v.z];
         let column = |m: &Mat3, i: usize| [m[(0, i)], m[(1, i)], m[(2, i)]];
-        let levels = &spineline::anatomy::Level::MODEL;
+        let levels = &Level::MODEL;
         let vertebrae = (0..levels.len())
             .map(|i| VertebraRecord {
                 level: LevelKey(levels[i]),
@@ -214,6 +221,9 @@ pub fn parse_model(text: &str) -> Result<StoredModel, FileError> {
     Ok(StoredModel {
         case_id: file.case_id,
         synthetic: file.synthetic,
+        line: file.line,
+        absolute: file.absolute,
+        levels: file.vertebrae.iter().map(|v| v.level.0).collect(),
         spine: SpineModel::from_poses(midpoints_mm, axes, &centres),
         stiffness_nmm_per_rad: file
             .joints
