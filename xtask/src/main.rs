@@ -1,5 +1,6 @@
 //! The project's own commands: `cargo xtask test` runs everything that must hold.
 
+mod oracle;
 mod tidy;
 
 use std::env;
@@ -13,6 +14,8 @@ cargo xtask COMMAND
   check   the quick part: format, lints, tidy
   tidy    house rules that no compiler knows
   bench   benchmarks of the core
+  oracle CASE.json… --out DIR
+          spines solved by other programs, solved by the march and by Newton
 ";
 
 /// One thing that must hold; the text says what does not.
@@ -21,6 +24,10 @@ type Step = fn(&Path) -> Result<(), String>;
 fn main() -> ExitCode {
     let command = env::args().nth(1).unwrap_or_default();
     let root = root();
+    if command == "oracle" {
+        let arguments: Vec<String> = env::args().skip(2).collect();
+        return ended(&command, oracle::run(&arguments));
+    }
     let steps: &[Step] = match command.as_str() {
         "test" => &[format, lint, tidy::run, test, doctest, docs],
         "check" => &[format, lint, tidy::run],
@@ -31,14 +38,20 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    for step in steps {
-        if let Err(reason) = step(&root) {
+    ended(&command, steps.iter().try_for_each(|step| step(&root)))
+}
+
+fn ended(command: &str, result: Result<(), String>) -> ExitCode {
+    match result {
+        Ok(()) => {
+            println!("xtask {command}: all is well");
+            ExitCode::SUCCESS
+        }
+        Err(reason) => {
             eprintln!("xtask {command}: {reason}");
-            return ExitCode::FAILURE;
+            ExitCode::FAILURE
         }
     }
-    println!("xtask {command}: all is well");
-    ExitCode::SUCCESS
 }
 
 /// The folder of the workspace.

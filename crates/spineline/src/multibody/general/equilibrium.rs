@@ -79,7 +79,7 @@ pub struct BranchEvent {
     pub timing: Timing,
     /// Their factor there.
     pub factor: f64,
-    /// Length of the path up to there: hinges in rad, a factor of one counting as 0.1.
+    /// Length of the path up to there: hinges in rad, and a factor of one as much as it turns the unloaded hinges.
     pub arc_rad: f64,
 }
 

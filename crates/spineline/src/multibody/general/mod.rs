@@ -15,6 +15,8 @@ mod equilibrium;
 mod loading;
 mod newton;
 mod path;
+#[cfg(test)]
+mod tests;
 mod wrench;
 
 pub use equilibrium::{

@@ -2,7 +2,7 @@ use std::ops::ControlFlow;
 
 use super::balance::{Balance, Factors};
 use super::equilibrium::{BranchEvent, BranchEventKind, Equilibrium, EquilibriumPath, PathPoint};
-use super::newton::{Closing, Direction, Newton, NewtonEnding, velocity_at};
+use super::newton::{BALANCED_RAD, Closing, Direction, Newton, NewtonEnding, velocity_at};
 use super::wrench::Spatial;
 use crate::multibody::roots::{Sample, turning_point, zeros_between};
 use crate::multibody::{ForceSign, LARGEST_HINGE_RAD};
@@ -49,6 +49,10 @@ impl Default for PathOptions {
 const FIRST_STEP_RAD: f64 = 0.05;
 const LONGEST_STEP_RAD: f64 = 0.25;
 const SHORTEST_STEP_RAD: f64 = 1e-7;
+/// In the length of a path, a factor of one counts as what it turns the unloaded hinges, within these limits: a straight
+/// column does not turn at all.
+const LEAST_FACTOR_RAD: f64 = 0.02;
+const MOST_FACTOR_RAD: f64 = 0.5;
 /// From one point to the next, the branch turns by less than this cosine says: else it may be another branch.
 const LEAST_COSINE: f64 = 0.9;
 /// Newton moves a point sideways by at most this part of the step, for the same reason.
@@ -81,8 +85,8 @@ pub(super) struct Walk<'w, 'b> {
     path: &'w mut EquilibriumPath,
     on_point: OnPoint<'w>,
     arc_rad: f64,
-    /// How Newton ended last.
-    last: NewtonEnding,
+    /// Whether a rod was out of reach in the steps that failed since the last point.
+    rod_failed: bool,
 }
 
 /// Why a walk stopped.
@@ -118,7 +122,7 @@ impl<'w, 'b> Walk<'w, 'b> {
             path,
             on_point,
             arc_rad,
-            last: NewtonEnding::Balanced,
+            rod_failed: false,
         }
     }
 
@@ -128,10 +132,12 @@ impl<'w, 'b> Walk<'w, 'b> {
             ForceSign::Positive => 1.0,
             ForceSign::Negative => -1.0,
         };
-        let (joints, rods) = (self.balance.model.joints.len(), self.balance.loading.rods.len());
-        let outwards = Direction::new(joints, rods, sign);
         self.balance.evaluate(&self.factors, &mut self.newton.state);
-        let Some(mut base) = self.base(&outwards, 0.0) else { return Stop::Stuck };
+        let residual_rad = self.balance.residual_rad(&self.newton.state);
+        if residual_rad.is_nan() || residual_rad > BALANCED_RAD {
+            return Stop::Stuck;
+        }
+        let Some(mut base) = self.start(sign) else { return Stop::Stuck };
         if self.push_point(0).is_break() {
             return Stop::Interrupted;
         }
@@ -146,7 +152,7 @@ impl<'w, 'b> Walk<'w, 'b> {
             let Some((next, iterations)) = self.step(&base, step_rad) else {
                 step_rad *= 0.5;
                 if step_rad < SHORTEST_STEP_RAD {
-                    return self.reason_to_stop();
+                    return if self.rod_failed { Stop::RodOutOfReach } else { Stop::Stuck };
                 }
                 continue;
             };
@@ -165,9 +171,20 @@ impl<'w, 'b> Walk<'w, 'b> {
             }
             base = next;
             base.goal.at = 0.0;
+            self.rod_failed = false;
             step_rad = (step_rad * if iterations <= 4 { 1.6 } else { 0.8 }).min(LONGEST_STEP_RAD);
         }
         Stop::Stuck
+    }
+
+    /// The first place, with a factor that counts as much as what it turns at first.
+    fn start(&mut self, sign: f64) -> Option<Base> {
+        let mut outwards = Direction::of_factor(&self.balance, sign, LEAST_FACTOR_RAD);
+        let Direction { turns, factor, .. } = self.base(&outwards, 0.0)?.tangent;
+        let turns: f64 = turns.iter().map(|turn| turn.norm_squared()).sum();
+        outwards.factor_rad =
+            (turns.sqrt() / factor.abs()).clamp(LEAST_FACTOR_RAD, MOST_FACTOR_RAD);
+        self.base(&outwards, 0.0)
     }
 
     /// A point so far along the branch, and Newton's iterations; `None` where it may not be on the same branch.
@@ -199,7 +216,7 @@ impl<'w, 'b> Walk<'w, 'b> {
         let closing = Closing::Arc { from, along: &base.tangent, length: step_rad };
         let report = self.newton.correct(&self.balance, &mut self.factors, &closing);
         self.path.iterations += u64::from(report.iterations);
-        self.last = report.ending;
+        self.rod_failed |= report.ending == NewtonEnding::RodOutOfReach;
         let near =
             self.departure_rad(base, step_rad) <= MOST_DEPARTURE * step_rad.max(SHORTEST_STEP_RAD);
         (report.ending == NewtonEnding::Balanced && near).then_some(report.iterations)
@@ -364,12 +381,5 @@ impl<'w, 'b> Walk<'w, 'b> {
         let equilibrium =
             Equilibrium::new(&self.balance, &self.factors, &self.newton.state, self.path);
         self.path.equilibria.push(equilibrium);
-    }
-
-    fn reason_to_stop(&self) -> Stop {
-        match self.last {
-            NewtonEnding::RodOutOfReach => Stop::RodOutOfReach,
-            NewtonEnding::Balanced | NewtonEnding::Failed => Stop::Stuck,
-        }
     }
 }
