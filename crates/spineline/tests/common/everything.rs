@@ -72,14 +72,14 @@ pub fn draw_loads(draw: &mut Draw) -> [BodyLoad; 7] {
     ]
 }
 
-/// A rod over joints 2 to 5.
+/// A rod over four joints.
 pub fn draw_rod(draw: &mut Draw) -> Rod {
     let (shift_mm, turn_rad) = (draw_vector(draw, 2.0), draw_vector(draw, 0.05));
     Rod { inferior: 2, superior: 6, shift_mm, turn_rad, timing: Timing::Growing }
 }
 
 impl Problem {
-    /// Every kind of load, held and growing by turns, and a rod.
+    /// Every kind of load, held and growing by turns.
     pub fn draw(draw: &mut Draw, joints: usize) -> Self {
         let loads = draw_loads(draw).into_iter().enumerate();
         let items = loads.map(|(i, load)| LoadItem {
@@ -91,8 +91,14 @@ impl Problem {
         Self {
             model: draw_spine(draw, joints),
             stiffness: draw_springs(draw, joints),
-            loading: Loading { items, rods: vec![draw_rod(draw)] },
+            loading: Loading { items, rods: Vec::new() },
         }
+    }
+
+    /// The same with a rod.
+    pub fn with_rod(mut self, draw: &mut Draw) -> Self {
+        self.loading.rods.push(draw_rod(draw));
+        self
     }
 
     /// What a mirror in the sagittal plane shows: y → -y. Moments and turns are axial, and the hinges x and z turn the
