@@ -66,7 +66,8 @@ fn assert_mapped(
         assert_near(a.1, b.1, SAME_REACTION, "spring force");
     }
     let (ours, theirs) = (ours.smallest_singular_value, theirs.smallest_singular_value);
-    assert_near(ours, theirs, 1e-9, "smallest singular value");
+    // Beside rods it lies on a null space of products of lever arms, which depend on the origin.
+    assert_near(ours, theirs, 1e-7, "smallest singular value");
 }
 
 /// Oracle: the sagittal mirror y → -y. Hinges x and z change their sign, y does not: in series they mirror exactly,

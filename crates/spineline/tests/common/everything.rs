@@ -72,9 +72,10 @@ pub fn draw_loads(draw: &mut Draw) -> [BodyLoad; 7] {
     ]
 }
 
-/// A rod over four joints.
+/// A rod over four joints, which shortens what it spans: a chain that is nearly stretched has little to give.
 pub fn draw_rod(draw: &mut Draw) -> Rod {
-    let (shift_mm, turn_rad) = (draw_vector(draw, 2.0), draw_vector(draw, 0.05));
+    let (shift, turn_rad) = (draw_vector(draw, 1.5), draw_vector(draw, 0.05));
+    let shift_mm = Vec3::new(shift.x, shift.y, -2.0 - shift.z.abs());
     Rod { inferior: 2, superior: 6, shift_mm, turn_rad, timing: Timing::Growing }
 }
 
