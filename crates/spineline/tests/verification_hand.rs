@@ -218,7 +218,6 @@ fn rotation_vector(turn: Mat3) -> Vec3 {
 }
 
 #[test]
-#[ignore = "rods: the angle of `rotation_vector` comes from an arc cosine, which knows small angles to 1e-8 only"]
 fn a_rod_asks_for_the_wrench_that_would_have_bent_the_joints_so() {
     // Oracle: made backwards by the march: a wrench on the upper vertebra bends three to six joints; a rod that prescribes
     // the pose so reached finds the same hinges and the same wrench. Two joints would not do: ball joints keep the

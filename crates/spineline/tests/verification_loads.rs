@@ -262,7 +262,6 @@ fn every_hinge_is_in_equilibrium_under_all_loads_as_virtual_work() {
 }
 
 #[test]
-#[ignore = "rods: the angle of `rotation_vector` comes from an arc cosine, which knows small angles to 1e-8 only"]
 fn every_hinge_is_in_equilibrium_with_a_rod_as_virtual_work() {
     // Oracle: as above, with the rod's reactions, and its pose by its definition.
     let mut draw = Draw::new(67);

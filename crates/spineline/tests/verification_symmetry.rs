@@ -92,7 +92,6 @@ fn a_mirrored_problem_has_the_mirrored_solution() {
 }
 
 #[test]
-#[ignore = "rods: the angle of `rotation_vector` comes from an arc cosine, which knows small angles to 1e-8 only"]
 fn a_mirrored_rod_has_the_mirrored_solution() {
     let mut draw = Draw::new(32);
     for _ in 0..10 {
@@ -123,7 +122,6 @@ fn a_moved_problem_has_the_moved_solution() {
 }
 
 #[test]
-#[ignore = "rods: the angle of `rotation_vector` comes from an arc cosine, which knows small angles to 1e-8 only"]
 fn a_moved_rod_has_the_moved_solution() {
     let mut draw = Draw::new(38);
     for _ in 0..10 {
