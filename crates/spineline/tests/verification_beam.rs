@@ -266,13 +266,13 @@ fn assert_bends_without_an_event(bow_mm: f64) {
     let options = PathOptions { largest_factor: 1.0, ..far() };
     let path = follow(&model, &stiffness, Support::Free, &weight(&model, size_n), &options);
     assert_eq!(path.ending, PathEnding::Converged, "{:?}", path.events);
-    assert!(path.events.is_empty(), "{:?}", path.events);
     let bent = path.result().expect("converged").deformed.midpoints_mm[10];
     // The straight column's elastica, whose force grows from Euler's with the turn of its end.
     let turn = root(0.5, 3.0, |turn| elastica(PI, turn).force - 0.5 * PI * PI);
     let across = elastica(PI, turn).across * LENGTH_MM;
     // The bow adds less than itself, and ten elements leave less than h²/L².
     assert_near(bent.y, across, bow_mm + 1e-2 * LENGTH_MM, "the end's way across");
+    assert!(path.events.is_empty(), "{:?}", path.events);
 }
 
 #[test]
@@ -282,7 +282,7 @@ fn a_bowed_column_bends_far_beyond_eulers_load_without_an_event() {
 }
 
 #[test]
-#[ignore = "the path steps over the bend at Euler's load and lands on the upper, unstable branch, as a branch point"]
+#[ignore = "the first step is 2.5 times the load and ends on another, unstable branch; the ending is `converged`"]
 fn a_hardly_bowed_column_bends_beyond_eulers_load_without_an_event() {
     // Oracle: as above; half a millimetre is enough for the branches to part.
     assert_bends_without_an_event(0.5);
