@@ -29,11 +29,11 @@ class Subject:
 
 # Lines through the inflections are fixed in space; the iliac line's force stays at T2's midpoint.
 SUBJECTS = (
-    Subject("rod", 3, "inflection", "free", 2.0),
+    Subject("rod", 3, "inflection", "free", 1.5),
     Subject("pull", 5, "inflection", "free", 3.0),
     Subject("bend", 11, "iliac", "free", 5.0),
     Subject("pull", 5, "iliac", "free", 5.0),
-    Subject("rod", 5, "inflection", "frontal", 3.0),
+    Subject("rod", 5, "inflection", "frontal", 2.0),
 )
 BENDS = {"left_bending": "left", "right_bending": "right"}
 
