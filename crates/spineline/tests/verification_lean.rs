@@ -197,7 +197,6 @@ fn a_lean_beyond_what_a_force_can_give_is_unreachable() {
 }
 
 #[test]
-#[ignore = "where the lean is opposite to the wanted one, its difference jumps by a turn, and the jump counts as a zero"]
 fn a_lean_opposite_to_the_wanted_one_is_no_equilibrium() {
     // Oracle: an end moment rolls 14 equal joints into an arc whose chord leans by half of all turns, from 0 to 2.9 rad;
     // the other way it never leans.

@@ -89,7 +89,7 @@ pub struct LoadItem {
 pub struct Rod {
     /// Lower vertebra.
     pub inferior: usize,
-    /// Upper vertebra; at least two joints above, or the rod asks more of one joint than it has.
+    /// Upper vertebra. With fewer than three joints between the two not every pose can be had.
     pub superior: usize,
     /// How the upper vertebra moves from its erect pose, in the lower one's axes.
     pub shift_mm: Vec3,

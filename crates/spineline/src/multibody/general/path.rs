@@ -152,16 +152,17 @@ impl<'w, 'b> Walk<'w, 'b> {
         while self.path.points.len() < self.options.most_points {
             let step = self.step(&base, step_rad).and_then(|(next, iterations)| {
                 let events = self.events_between(&base, &next)?;
-                Some((next, iterations, events))
+                let met = self.met_between(&base, &next)?;
+                Some((next, iterations, events, met))
             });
-            let Some((next, iterations, events)) = step else {
+            let Some((next, iterations, events, met)) = step else {
                 step_rad *= 0.5;
                 if step_rad < SHORTEST_STEP_RAD {
                     return if self.rod_failed { Stop::RodOutOfReach } else { Stop::Stuck };
                 }
                 continue;
             };
-            if let Some(stop) = self.look_between(&base, &next, events) {
+            if let Some(stop) = self.tell(&base, events, met) {
                 return stop;
             }
             self.arc_rad += step_rad;
@@ -267,31 +268,30 @@ impl<'w, 'b> Walk<'w, 'b> {
         }
     }
 
-    /// Tells of limit points, branch points and equilibria between two points, in the order in which they come.
-    fn look_between(&mut self, base: &Base, next: &Base, events: Vec<Located>) -> Option<Stop> {
-        let wants_more = self.options.look_beyond;
-        let mut within = Within { walk: self, base, met: Vec::new() };
+    /// Where the goal is met between two points, in order; `None` where one of these places was lost.
+    fn met_between(&mut self, base: &Base, next: &Base) -> Option<Vec<Sample>> {
+        let mut within = Within { walk: self, base, met: Vec::new(), lost: false };
         zeros_between(&base.goal, &next.goal, &mut within);
-        let mut met = within.met;
+        let Within { mut met, lost, .. } = within;
         // The end of the step itself may meet the goal.
         if next.goal.met && !base.goal.met && met.is_empty() {
             met.push(next.goal);
         }
+        (!lost).then_some(met)
+    }
+
+    /// Tells of singular points and equilibria within a step, in the order in which they come.
+    fn tell(&mut self, base: &Base, events: Vec<Located>, met: Vec<Sample>) -> Option<Stop> {
         let mut events = events.into_iter().peekable();
         for sample in met {
             while let Some(event) = events.next_if(|event| event.at < sample.at) {
                 self.happened(event);
             }
-            if self.advance(base, sample.at).is_none() {
-                continue;
+            if !self.land(base, sample.at) {
+                return Some(Stop::Stuck);
             }
-            if self.goal == Goal::FullLoad {
-                self.factors.set_varied(1.0);
-                let report =
-                    self.newton.correct(&self.balance, &mut self.factors, &Closing::Factor);
-                if report.ending != NewtonEnding::Balanced {
-                    continue;
-                }
+            if self.factors.varied().abs() > self.options.largest_factor {
+                break;
             }
             self.arc_rad += sample.at;
             let pushed = self.push_point(1);
@@ -300,12 +300,25 @@ impl<'w, 'b> Walk<'w, 'b> {
             if pushed.is_break() {
                 return Some(Stop::Interrupted);
             }
-            if !wants_more {
+            if !self.options.look_beyond {
                 return Some(Stop::Enough);
             }
         }
         events.for_each(|event| self.happened(event));
         None
+    }
+
+    /// Puts the state where the goal is met; a full load is then met exactly.
+    fn land(&mut self, base: &Base, at: f64) -> bool {
+        if self.advance(base, at).is_none() {
+            return false;
+        }
+        if self.goal != Goal::FullLoad {
+            return true;
+        }
+        self.factors.set_varied(1.0);
+        let report = self.newton.correct(&self.balance, &mut self.factors, &Closing::Factor);
+        report.ending == NewtonEnding::Balanced
     }
 
     fn happened(&mut self, event: Located) {
@@ -350,6 +363,8 @@ struct Within<'v, 'w, 'b> {
     walk: &'v mut Walk<'w, 'b>,
     base: &'v Base,
     met: Vec<Sample>,
+    /// Whether a place was lost.
+    lost: bool,
 }
 
 impl Along for Within<'_, '_, '_> {
@@ -358,7 +373,10 @@ impl Along for Within<'_, '_, '_> {
     }
 
     fn found(&mut self, zero: Result<Sample, Lost>) -> bool {
-        self.met.extend(zero.ok());
+        match zero {
+            Ok(sample) => self.met.push(sample),
+            Err(Lost) => self.lost = true,
+        }
         self.walk.options.look_beyond
     }
 }
