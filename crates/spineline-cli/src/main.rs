@@ -10,6 +10,7 @@ mod progress;
 mod report;
 mod reproduce;
 mod rows;
+mod simulate;
 mod table;
 
 use std::io::Write;
@@ -36,6 +37,7 @@ fn run(command: Command) -> Result<Ending, Failure> {
         Command::Reproduce(args) => reproduce::run(&args),
         Command::Analyze(args) => analyze::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
         Command::Phantom(args) => phantom::run(&args),
         Command::Schema { name } => print_schema(name),
         Command::Stiffness => {

@@ -1,4 +1,4 @@
-//! Files of Spineline: cases, analyses, personalised models and stiffness tables, all JSON with a format and a version.
+//! Files of Spineline: cases, analyses, personalised models, loads, simulations and stiffness tables, all JSON with a format and a version.
 //!
 //! The types here are what the files look like; [`spineline`]'s own types are what is computed with. Every file format
 //! has a JSON schema, generated from the types. Unknown keys are errors that name the nearest known one, a level given
@@ -15,14 +15,19 @@ mod case_file;
 mod error;
 mod json;
 mod keys;
+mod load_file;
+
 mod model_file;
+mod simulation_file;
 mod stiffness_file;
 
 pub use analysis_file::AnalysisFile;
 pub use case_file::{CaseFile, parse_case};
 pub use error::FileError;
 pub use keys::LevelKey;
-pub use model_file::{LoadRecord, ModelFile, StoredModel, parse_model};
+pub use load_file::{AppliedLoad, LoadFile, PlacedLoads, TimingKey, parse_load};
+pub use model_file::{ApplicationKey, LoadRecord, ModelFile, StoredModel, parse_model};
+pub use simulation_file::{SimulationFile, SimulationWarning};
 pub use stiffness_file::{StiffnessFile, parse_stiffness};
 
 use std::path::Path;
@@ -38,13 +43,15 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
         .map_err(|source| FileError::Read { path: path.to_owned(), source })
 }
 
-/// A file format by name: `case`, `analysis`, `model` or `stiffness`.
+/// A file format by name: `case`, `analysis`, `model`, `load`, `simulation` or `stiffness`.
 #[must_use]
 pub fn schema(name: &str) -> Option<Schema> {
     match name {
         "case" => Some(schemars::schema_for!(CaseFile)),
         "analysis" => Some(schemars::schema_for!(AnalysisFile)),
         "model" => Some(schemars::schema_for!(ModelFile)),
+        "load" => Some(schemars::schema_for!(LoadFile)),
+        "simulation" => Some(schemars::schema_for!(SimulationFile)),
         "stiffness" => Some(schemars::schema_for!(StiffnessFile)),
         _ => None,
     }
