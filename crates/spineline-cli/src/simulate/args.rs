@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 use spineline::anatomy::{Level, Posture, Side};
 
 use crate::args::{SupportName, number, posture};
@@ -38,7 +38,7 @@ not newtons.";
 
 /// What to load, how, and where the answer goes.
 #[derive(Args)]
-#[group(id = "what", required = true, multiple = false, args = ["load", "push", "posture"])]
+#[command(group = ArgGroup::new("what").required(true).args(["load", "push", "posture"]))]
 pub struct SimulateArgs {
     /// Model file, from `spineline analyze CASE --model FILE`
     #[arg(value_name = "MODEL")]
