@@ -53,7 +53,7 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "FILM", value_parser = posture, help_heading = "One force")]
     pub posture: Option<Posture>,
     /// Size of the force; with --posture, instead of the one that was found
-    #[arg(long, value_name = "N", value_parser = positive, conflicts_with = "load", help_heading = "One force")]
+    #[arg(long, value_name = "N", value_parser = positive, allow_negative_numbers = true, conflicts_with = "load", help_heading = "One force")]
     pub force: Option<f64>,
     /// Vertebra that is pushed, at its midpoint [default: T2]
     #[arg(long, value_name = "LEVEL", value_parser = level, conflicts_with_all = ["load", "posture"], help_heading = "One force")]
@@ -62,13 +62,13 @@ pub struct SimulateArgs {
     #[arg(long, conflicts_with_all = ["load", "posture"], help_heading = "One force")]
     pub follow: bool,
     /// Find the factor of the growing loads, of either sign, that leans L4-T2 so far instead of applying them once
-    #[arg(long, value_name = "DEG", value_parser = degrees, requires = "towards", help_heading = "Goal")]
+    #[arg(long, value_name = "DEG", value_parser = degrees, allow_negative_numbers = true, requires = "towards", help_heading = "Goal")]
     pub amplitude: Option<f64>,
     /// The side of --amplitude
     #[arg(long, value_enum, value_name = "SIDE", requires = "amplitude", help_heading = "Goal")]
     pub towards: Option<SideName>,
     /// Look no farther than this factor of the growing loads [default: 2, or about 1500 N for --amplitude]
-    #[arg(long, value_name = "FACTOR", value_parser = positive, help_heading = "Goal")]
+    #[arg(long, value_name = "FACTOR", value_parser = positive, allow_negative_numbers = true, help_heading = "Goal")]
     pub largest_factor: Option<f64>,
     /// What holds the patient, if not as in the model file
     #[arg(long, value_enum)]

@@ -2,10 +2,11 @@
 
 use csv::Writer;
 use spineline::anatomy::Region;
-use spineline::multibody::{ForceSign, PathPoint, Timing};
+use spineline::multibody::{ForceSign, PathPoint};
 use spineline::response::{direction_word, measure_angles};
 
 use super::outcome::Outcome;
+use super::words::timing_word;
 use crate::failure::Failure;
 use crate::rows::{failed, finish};
 
@@ -49,17 +50,13 @@ fn heading(outcome: &Outcome) -> Vec<String> {
 
 fn row(outcome: &Outcome, sign: ForceSign, point: &PathPoint) -> Vec<String> {
     let angles = measure_angles(&point.deformed, &outcome.places);
-    let timing = match point.timing {
-        Timing::Held => "held",
-        Timing::Growing => "growing",
-    };
     let mut cells = vec![
         outcome.model.case_id.clone(),
         outcome.model.synthetic.to_string(),
         outcome.model.absolute.to_string(),
         outcome.response.ending.key().to_owned(),
         direction_word(sign).to_owned(),
-        timing.to_owned(),
+        timing_word(point.timing).to_owned(),
         point.factor.to_string(),
         point.arc_rad.to_string(),
         angles.lean.deg().to_string(),

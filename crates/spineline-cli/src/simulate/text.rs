@@ -11,7 +11,7 @@ use spineline::response::{
 use spineline::spatial::Angle;
 
 use super::outcome::Outcome;
-use super::words::{load_words, moment_words, vector_words};
+use super::words::{load_words, moment_words, timing_word, vector_words};
 use crate::table::{Table, wrap};
 
 const WIDTH: usize = 110;
@@ -95,8 +95,9 @@ fn ending_text(outcome: &Outcome) -> String {
     if let (None, Some(point)) = (outcome.response.result(), outcome.response.nearest()) {
         let _ = writeln!(
             text,
-            "  nearest on the way: a factor of {:.4}, leaning {}, largest hinge {:.1}°",
+            "  nearest on the way: a factor of {:.4} of the {} loads, leaning {}, largest hinge {:.1}°",
             point.factor,
+            timing_word(point.timing),
             point.deformed.lean().leaning(),
             largest_hinge(&point.deformed).2.abs().deg()
         );
@@ -261,15 +262,12 @@ fn events_text(outcome: &Outcome) -> String {
             ForceSign::Negative => " (loads against their direction)",
         };
         for event in &signed.path.events {
-            let timing = match event.timing {
-                spineline::multibody::Timing::Held => "held",
-                spineline::multibody::Timing::Growing => "growing",
-            };
             let _ = writeln!(
                 text,
-                "{} at a factor of {:.4} of the {timing} loads{way}",
+                "{} at a factor of {:.4} of the {} loads{way}",
                 event.kind.key().replace('_', " "),
-                event.factor
+                event.factor,
+                timing_word(event.timing)
             );
         }
     }

@@ -56,7 +56,7 @@ fn about_loads(model: &StoredModel, loads: &LoadFile) -> Vec<SimulationWarning> 
         all.push(warning("relative_forces", text));
     }
     if weighs {
-        let text = "the erect shape counts as unloaded, although the patient's weight already acted on the erect film: weight here comes on top of it";
+        let text = "the erect shape counts as unloaded, although the patient's weight already acted on the erect film: weight here comes on top of it, and no muscles carry it: a bare spine bears a small part of the body";
         all.push(warning("weight_on_top", text));
     }
     if loads.loads.iter().any(springs) {

@@ -1,5 +1,6 @@
 //! Loads and sides in words.
 
+use spineline::multibody::Timing;
 use spineline_io::{AppliedLoad, TimingKey};
 
 /// Parts of a vector below this part of the largest are not worth a word.
@@ -33,6 +34,14 @@ fn parts(vector: [f64; 3], words: [[&str; 2]; 3]) -> String {
     if said.is_empty() { "0".to_owned() } else { said.join(", ") }
 }
 
+/// `held` or `growing`.
+pub const fn timing_word(timing: Timing) -> &'static str {
+    match timing {
+        Timing::Held => "held",
+        Timing::Growing => "growing",
+    }
+}
+
 /// One load in words.
 pub fn load_words(load: &AppliedLoad) -> String {
     let words = match load {
@@ -59,7 +68,7 @@ pub fn load_words(load: &AppliedLoad) -> String {
             format!("weight of trunk, head and arms of a body of {body_weight_n}")
         }
         AppliedLoad::Pad { level, direction, n_per_mm, advance_mm, .. } => format!(
-            "pad on {}, pushed {advance_mm} mm in ({}), {n_per_mm} per mm",
+            "pad on {}, advanced (mm) {}, with {n_per_mm} per mm",
             level.0,
             vector_words(direction.map(|part| part * advance_mm))
         ),

@@ -314,6 +314,11 @@ fn draw_load(
         _ => {}
     }
     let at = place(panel, &load.point_mm);
+    let [width, height] = panel.frame_px;
+    if !((0.0..=width).contains(&at.0) && (0.0..=height).contains(&at.1)) {
+        // A shape that is no result may leave the picture, and its loads with it.
+        return;
+    }
     let marks = if let Some((along, pushes)) = arrow_mm(input, acting, load) {
         let [from, to] = if pushes {
             [load.point_mm - along, load.point_mm]
