@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules of the core; each uses only those before it.
-const MODULES: [&str; 15] = [
+const MODULES: [&str; 16] = [
     "anatomy",
     "spatial",
     "warning",
@@ -15,6 +15,7 @@ const MODULES: [&str; 15] = [
     "motion",
     "action",
     "multibody",
+    "response",
     "personalize",
     "evaluate",
     "error",

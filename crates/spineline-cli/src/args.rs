@@ -14,6 +14,7 @@ use spineline::spatial::{Angle, Frontal};
 
 use crate::export::{EXAMPLES, ExportArgs};
 use crate::failure::Failure;
+use crate::simulate;
 
 /// Turns frontal radiographs of a scoliotic spine into a personalised multibody model.
 ///
@@ -34,6 +35,9 @@ pub enum Command {
     Analyze(AnalyzeArgs),
     /// Tell what case files hold, what is odd about them, and what can be made of them
     Check(CheckArgs),
+    /// Load a personalised model: forces, moments, weight, pads, straps and rods, or a force for a wanted lean
+    #[command(after_help = simulate::EXAMPLES)]
+    Simulate(simulate::SimulateArgs),
     /// Make synthetic patients with known truth
     Phantom(PhantomArgs),
     /// Write a personalised model as MuJoCo, OpenSim or URDF programs read it
@@ -60,6 +64,8 @@ pub enum SchemaName {
     Case,
     Analysis,
     Model,
+    Load,
+    Simulation,
     Stiffness,
 }
 
@@ -69,6 +75,8 @@ impl SchemaName {
             Self::Case => "case",
             Self::Analysis => "analysis",
             Self::Model => "model",
+            Self::Load => "load",
+            Self::Simulation => "simulation",
             Self::Stiffness => "stiffness",
         }
     }
@@ -194,11 +202,20 @@ impl FitName {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum SupportName {
+pub enum SupportName {
     /// Every joint turns about three axes (the paper)
     Free,
     /// The patient lies on a table: flexion and axial hinges are locked
     Frontal,
+}
+
+impl SupportName {
+    pub fn support(self) -> Support {
+        match self {
+            Self::Free => Support::Free,
+            Self::Frontal => Support::Frontal,
+        }
+    }
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -253,10 +270,7 @@ impl OptionArgs {
         let mut options = AnalysisOptions {
             order_rule: self.order_rule,
             gauge: self.gauge,
-            support: match self.support {
-                SupportName::Free => Support::Free,
-                SupportName::Frontal => Support::Frontal,
-            },
+            support: self.support.support(),
             target: self.fit.target(),
             grouping: match self.multipliers {
                 GroupingName::Regional => Grouping::Regional,
@@ -289,7 +303,7 @@ fn order_rule(text: &str) -> Result<OrderRule, String> {
     }
 }
 
-fn posture(text: &str) -> Result<Posture, String> {
+pub fn posture(text: &str) -> Result<Posture, String> {
     let wanted = text.replace('-', "_");
     Posture::ALL.into_iter().find(|posture| posture.key() == wanted).ok_or_else(|| {
         format!(
@@ -299,7 +313,7 @@ fn posture(text: &str) -> Result<Posture, String> {
     })
 }
 
-fn number(text: &str) -> Result<f64, String> {
+pub fn number(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err(format!("`{text}` is not a number")),

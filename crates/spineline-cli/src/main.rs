@@ -11,6 +11,7 @@ mod progress;
 mod report;
 mod reproduce;
 mod rows;
+mod simulate;
 mod table;
 
 use std::io::Write;
@@ -37,6 +38,7 @@ fn run(command: Command) -> Result<Ending, Failure> {
         Command::Reproduce(args) => reproduce::run(&args),
         Command::Analyze(args) => analyze::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
         Command::Phantom(args) => phantom::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Schema { name } => print_schema(name),

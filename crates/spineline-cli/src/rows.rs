@@ -8,7 +8,7 @@ use spineline::evaluate::Simulation;
 
 use crate::failure::Failure;
 
-fn failed(error: &dyn std::fmt::Display) -> Failure {
+pub fn failed(error: &dyn std::fmt::Display) -> Failure {
     Failure::internal(format!("CSV: {error}"))
 }
 

@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-use spineline::anatomy::Posture;
+use spineline::anatomy::{Level, Posture, Region};
 
 /// A file that cannot be read as what it should be.
 #[derive(Debug, thiserror::Error)]
@@ -93,6 +93,47 @@ pub enum FileError {
         /// Joints.
         joints: usize,
     },
+    /// Vertebrae of a model that are not in their order.
+    #[error("vertebrae stand from below upwards, and {above} follows {below}")]
+    ModelOrder {
+        /// The one that comes first.
+        below: Level,
+        /// The one that follows.
+        above: Level,
+    },
+    /// A region that ends outside of its model.
+    #[error("the region {region} names {level}, which is no vertebra of this model")]
+    Region {
+        /// Region.
+        region: Region,
+        /// What it names.
+        level: Level,
+    },
+    /// A region whose vertebrae are not in order.
+    #[error(
+        "the region {region} needs inferior below apex below superior, and its Cobb ends in that order"
+    )]
+    RegionOrder {
+        /// Region.
+        region: Region,
+    },
+    /// A load file without loads.
+    #[error("`loads` is empty")]
+    NoLoads,
+    /// A load that cannot be applied to its model.
+    #[error("load {number} ({kind}, {place}): {reason}")]
+    Load {
+        /// Which load of the file, from 1.
+        number: usize,
+        /// Its kind.
+        kind: &'static str,
+        /// Where it acts.
+        place: String,
+        /// Why.
+        reason: String,
+        /// What to do about it.
+        help: &'static str,
+    },
 }
 
 impl FileError {
@@ -105,10 +146,10 @@ impl FileError {
                 "numbers must be finite and keys quoted; an editor with JSON support points at the place"
             }
             Self::UnknownKey { .. } | Self::Value { .. } => {
-                "`spineline schema case` (or model, stiffness) prints every key with its meaning"
+                "`spineline schema case` (or model, load, stiffness) prints every key with its meaning"
             }
             Self::Format { .. } => {
-                "`analyze` and `check` read case files; a model or an analysis is what they write"
+                "`analyze` and `check` read cases; `simulate` reads a model, which `analyze CASE --model FILE` writes, and `--load` a load"
             }
             Self::Version { .. } => {
                 "install a newer Spineline, or write the file again with this one"
@@ -122,9 +163,14 @@ impl FileError {
             Self::Stiffness(_) => {
                 "`spineline schema stiffness` prints the format; give every joint from L4/L3 to T3/T2 one row"
             }
-            Self::ModelShape { .. } => {
+            Self::ModelShape { .. }
+            | Self::ModelOrder { .. }
+            | Self::Region { .. }
+            | Self::RegionOrder { .. } => {
                 "write the model again with `spineline analyze CASE --model FILE`"
             }
+            Self::NoLoads => "give at least one; `spineline schema load` prints every kind",
+            Self::Load { help, .. } => help,
         }
     }
 }

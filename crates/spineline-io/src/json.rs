@@ -62,6 +62,11 @@ fn explain(error: serde_path_to_error::Error<serde_json::Error>) -> FileError {
         let place = place(if parent.is_empty() { "." } else { parent });
         return FileError::UnknownKey { line, place, key, nearest };
     }
+    if reason.starts_with("unknown variant") && !quoted.is_empty() {
+        let meant = nearest(quoted[0], &quoted[1..]);
+        let meant = meant.map(|word| format!("; did you mean `{word}`?")).unwrap_or_default();
+        return FileError::Value { line, place: place(&path), reason: reason + &meant };
+    }
     FileError::Value { line, place: place(&path), reason }
 }
 

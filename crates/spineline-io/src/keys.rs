@@ -8,7 +8,7 @@ use std::marker::PhantomData;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::{Level, Posture, Region};
 
 /// A vertebra as a key: `L4`, `T12` (`Th12` and `D12` are read too).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -35,6 +35,35 @@ impl JsonSchema for LevelKey {
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         let names = Level::ALL.map(Level::name);
         json_schema!({ "type": "string", "enum": names, "description": "A vertebra" })
+    }
+}
+
+/// A joint as a key, the lower vertebra first: `T12/T11`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct JointKey(pub Level, pub Level);
+
+impl Serialize for JointKey {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(&format_args!("{}/{}", self.0, self.1))
+    }
+}
+
+impl<'de> Deserialize<'de> for JointKey {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        let (below, above) = text.split_once('/').unwrap_or((&text, ""));
+        let level = |name: &str| name.parse().map_err(D::Error::custom);
+        Ok(Self(level(below)?, level(above)?))
+    }
+}
+
+impl JsonSchema for JointKey {
+    fn schema_name() -> Cow<'static, str> {
+        "Joint".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "string", "description": "Lower and upper vertebra, such as T12/T11" })
     }
 }
 
@@ -76,6 +105,40 @@ impl From<Posture> for PostureKey {
             Posture::RightBending => Self::RightBending,
             Posture::Neutral => Self::Neutral,
             Posture::Traction => Self::Traction,
+        }
+    }
+}
+
+/// A region of the spine.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum RegionKey {
+    /// Thoracolumbar or lumbar.
+    ThoracolumbarLumbar,
+    /// Main thoracic.
+    MainThoracic,
+    /// Proximal thoracic.
+    ProximalThoracic,
+}
+
+impl From<RegionKey> for Region {
+    fn from(key: RegionKey) -> Self {
+        match key {
+            RegionKey::ThoracolumbarLumbar => Self::ThoracolumbarLumbar,
+            RegionKey::MainThoracic => Self::MainThoracic,
+            RegionKey::ProximalThoracic => Self::ProximalThoracic,
+        }
+    }
+}
+
+impl From<Region> for RegionKey {
+    fn from(region: Region) -> Self {
+        match region {
+            Region::ThoracolumbarLumbar => Self::ThoracolumbarLumbar,
+            Region::MainThoracic => Self::MainThoracic,
+            Region::ProximalThoracic => Self::ProximalThoracic,
         }
     }
 }

@@ -1,5 +1,5 @@
-//! Files of Spineline: cases, analyses, personalised models and stiffness tables, all JSON with a format and a version;
-//! and models as other multibody programs read them ([`export`]).
+//! Files of Spineline: cases, analyses, personalised models, loads, simulations and stiffness tables, all JSON with a
+//! format and a version; and models as other multibody programs read them ([`export`]).
 //!
 //! The types here are what the files look like; [`spineline`]'s own types are what is computed with. Every file format
 //! has a JSON schema, generated from the types. Unknown keys are errors that name the nearest known one, a level given
@@ -17,7 +17,9 @@ mod error;
 mod export;
 mod json;
 mod keys;
+mod load_file;
 mod model_file;
+mod simulation_file;
 mod stiffness_file;
 
 pub use analysis_file::AnalysisFile;
@@ -25,7 +27,9 @@ pub use case_file::{CaseFile, parse_case};
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};
 pub use keys::LevelKey;
+pub use load_file::{AppliedLoad, LoadFile, PlacedLoads, TimingKey, parse_load};
 pub use model_file::{ApplicationKey, LoadRecord, ModelFile, StoredModel, parse_model};
+pub use simulation_file::{SimulationFile, SimulationWarning};
 pub use stiffness_file::{StiffnessFile, parse_stiffness};
 
 use std::path::Path;
@@ -41,13 +45,15 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
         .map_err(|source| FileError::Read { path: path.to_owned(), source })
 }
 
-/// A file format by name: `case`, `analysis`, `model` or `stiffness`.
+/// A file format by name: `case`, `analysis`, `model`, `load`, `simulation` or `stiffness`.
 #[must_use]
 pub fn schema(name: &str) -> Option<Schema> {
     match name {
         "case" => Some(schemars::schema_for!(CaseFile)),
         "analysis" => Some(schemars::schema_for!(AnalysisFile)),
         "model" => Some(schemars::schema_for!(ModelFile)),
+        "load" => Some(schemars::schema_for!(LoadFile)),
+        "simulation" => Some(schemars::schema_for!(SimulationFile)),
         "stiffness" => Some(schemars::schema_for!(StiffnessFile)),
         _ => None,
     }

@@ -3,12 +3,13 @@ use serde::{Deserialize, Serialize};
 use spineline::action::Application;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::Level;
+use spineline::clinical::{CurvePlaces, RegionBounds};
 use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Mat3, Vec3};
 
 use crate::FileError;
 use crate::json::parse;
-use crate::keys::{LevelKey, PostureKey};
+use crate::keys::{LevelKey, PostureKey, RegionKey};
 
 const FORMAT: &str = "spineline-model";
 const VERSION: u32 = 1;
@@ -43,6 +44,25 @@ pub struct ModelFile {
     joints: Vec<JointRecord>,
     /// One load per simulated posture.
     loads: Vec<LoadRecord>,
+    /// Where Cobb and Ferguson angles are measured, caudal first; the usual places if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    regions: Option<Vec<RegionRecord>>,
+}
+
+/// Between which vertebrae a curve is measured, chosen on the erect film.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct RegionRecord {
+    region: RegionKey,
+    /// Lower end of the Ferguson angle.
+    inferior: LevelKey,
+    apex: LevelKey,
+    /// Upper end of the Ferguson angle.
+    superior: LevelKey,
+    /// Lower end vertebra of the Cobb angle.
+    cobb_inferior: LevelKey,
+    /// Upper end vertebra of the Cobb angle.
+    cobb_superior: LevelKey,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -70,10 +90,22 @@ struct JointRecord {
     centre_mm: [f64; 3],
     /// Three hinges in series about the inferior vertebra's x, y and z: lateral, flexion, axial.
     stiffness_nmm_per_rad: [f64; 3],
+    /// Symmetric, positive definite matrix about the same hinges that couples them; where given, it is used instead by
+    /// `simulate`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    stiffness_matrix_nmm_per_rad: Option<[[f64; 3]; 3]>,
     /// Before personalisation.
     nominal_nmm_per_rad: [f64; 3],
     /// Source of the nominal values.
     source: String,
+}
+
+impl JointRecord {
+    fn stiffness(&self) -> Mat3 {
+        let diagonal = || Mat3::from_diagonal(&Vec3::from(self.stiffness_nmm_per_rad));
+        self.stiffness_matrix_nmm_per_rad
+            .map_or_else(diagonal, |rows| Mat3::from_columns(&rows.map(Vec3::from)).transpose())
+    }
 }
 
 /// A force on T2.
@@ -121,10 +153,22 @@ pub struct StoredModel {
     pub spine: SpineModel,
     /// Springs of every joint about x, y and z.
     pub stiffness_nmm_per_rad: Vec<[f64; 3]>,
+    /// The same as matrices: diagonal, but for joints whose hinges the file couples.
+    pub stiffness: Vec<Mat3>,
+    /// Where Cobb and Ferguson angles are measured; `None` where the file does not say.
+    pub curves: Option<Vec<CurvePlaces>>,
     /// What holds the patient.
     pub support: Support,
     /// Loads that were found.
     pub loads: Vec<LoadRecord>,
+}
+
+impl StoredModel {
+    /// What forces are given in: `N`, or words that warn where only ratios are known.
+    #[must_use]
+    pub const fn force_unit(&self) -> &'static str {
+        if self.absolute { "N" } else { "relative units, not newtons" }
+    }
 }
 
 impl ModelFile {
@@ -155,6 +199,7 @@ impl ModelFile {
                         + spine.axes[j] * spine.joints[j].centre_in_inferior_mm),
                 ),
                 stiffness_nmm_per_rad,
+                stiffness_matrix_nmm_per_rad: None,
                 nominal_nmm_per_rad: row.nmm_per_rad,
                 source: row.source.clone(),
             })
@@ -194,8 +239,50 @@ impl ModelFile {
             vertebrae,
             joints,
             loads,
+            regions: Some(regions(analysis)),
         }
     }
+}
+
+/// The places of the analysis's own angles.
+fn regions(analysis: &Analysis) -> Vec<RegionRecord> {
+    let level = |place: usize| LevelKey(Level::MODEL[place]);
+    let bounds = analysis.regions.bounds.iter().zip(&analysis.clinical);
+    bounds
+        .map(|(bounds, curve)| RegionRecord {
+            region: bounds.region.into(),
+            inferior: level(bounds.inferior),
+            apex: level(bounds.apex),
+            superior: level(bounds.superior),
+            cobb_inferior: LevelKey(curve.ends.inferior),
+            cobb_superior: LevelKey(curve.ends.superior),
+        })
+        .collect()
+}
+
+/// Regions as places among the vertebrae of a file.
+fn places(records: &[RegionRecord], levels: &[Level]) -> Result<Vec<CurvePlaces>, FileError> {
+    let find = |level: LevelKey, record: &RegionRecord| {
+        let found = levels.iter().position(|other| *other == level.0);
+        found.ok_or(FileError::Region { region: record.region.into(), level: level.0 })
+    };
+    let place = |record: &RegionRecord| {
+        let [inferior, apex, superior, low, high] = [
+            find(record.inferior, record)?,
+            find(record.apex, record)?,
+            find(record.superior, record)?,
+            find(record.cobb_inferior, record)?,
+            find(record.cobb_superior, record)?,
+        ];
+        let region = record.region.into();
+        if inferior < apex && apex < superior && low < high {
+            let bounds = RegionBounds { region, inferior, apex, superior };
+            Ok(CurvePlaces { bounds, cobb_ends: [low, high] })
+        } else {
+            Err(FileError::RegionOrder { region })
+        }
+    };
+    records.iter().map(place).collect()
 }
 
 /// Reads a model from the text of its file.
@@ -208,6 +295,11 @@ pub fn parse_model(text: &str) -> Result<StoredModel, FileError> {
         let (vertebrae, joints) = (file.vertebrae.len(), file.joints.len());
         return Err(FileError::ModelShape { vertebrae, joints });
     }
+    let levels: Vec<Level> = file.vertebrae.iter().map(|v| v.level.0).collect();
+    if let Some(pair) = levels.windows(2).find(|pair| pair[0] >= pair[1]) {
+        return Err(FileError::ModelOrder { below: pair[0], above: pair[1] });
+    }
+    let curves = file.regions.as_deref().map(|records| places(records, &levels)).transpose()?;
     let midpoints_mm: Vec<Vec3> =
         file.vertebrae.iter().map(|v| Vec3::from(v.midpoint_mm)).collect();
     let axes: Vec<Mat3> =
@@ -223,13 +315,15 @@ pub fn parse_model(text: &str) -> Result<StoredModel, FileError> {
         synthetic: file.synthetic,
         line: file.line,
         absolute: file.absolute,
-        levels: file.vertebrae.iter().map(|v| v.level.0).collect(),
+        levels,
         spine: SpineModel::from_poses(midpoints_mm, axes, &centres),
         stiffness_nmm_per_rad: file
             .joints
             .iter()
             .map(|joint| joint.stiffness_nmm_per_rad)
             .collect(),
+        stiffness: file.joints.iter().map(JointRecord::stiffness).collect(),
+        curves,
         support: match file.support {
             SupportKey::Free => Support::Free,
             SupportKey::Frontal => Support::Frontal,

@@ -11,7 +11,9 @@
 //! 7. [`personalize`]: → stiffness multipliers that reproduce the bends
 //! 8. [`evaluate`]: → errors on films that were fitted and, apart from them, on films that were not
 //!
-//! [`analysis::analyze`] does it all. The library has no files, no clock, no printing and no hidden randomness.
+//! [`response`] asks a personalised model what it would do under any loads.
+//!
+//! [`analysis::analyze`] does all eight steps. The library has no files, no clock, no printing and no hidden randomness.
 //!
 //! # What it is not
 //! Research software, not a medical device. Bending films carry no force, so only ratios of stiffness are identified.
@@ -29,5 +31,6 @@ pub mod measure;
 pub mod motion;
 pub mod multibody;
 pub mod personalize;
+pub mod response;
 pub mod spatial;
 pub mod warning;

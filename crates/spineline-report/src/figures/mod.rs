@@ -9,6 +9,7 @@
 //! | [`least_rotating_estimates`] | 10 |
 //! | [`force_path`] | 11 |
 //! | [`case_overview`] | none: all postures of one patient side by side |
+//! | [`loaded_spine`] | none: a model under loads, from behind and from the right |
 //!
 //! # Conventions
 //! Frontal pictures are seen **from behind**: the patient's left is on the left of the picture, and says so. Lengths are
@@ -20,9 +21,11 @@
 //! kuva draws axes, grids and curves; this module lays out panels, legends, boxes and markers. Element ids derive from
 //! the title, so that several figures can stand in one HTML page.
 
+mod arrows;
 mod boxes;
 mod cohort;
 mod frontal;
+mod loaded;
 mod overview;
 mod page;
 mod panel;
@@ -34,6 +37,7 @@ pub use cohort::{
     EstimateGroup, EstimateSample, InflectionSample, LocationErrorSample, inflection_distances,
     least_rotating_estimates, location_errors,
 };
+pub use loaded::{LoadedSpine, loaded_spine};
 pub use overview::case_overview;
 pub use rotation::rotations;
 pub use spines::{force_path, measured_and_simulated};

@@ -1,4 +1,4 @@
-use super::{Regions, ferguson_angle};
+use super::{CurvePlaces, Regions, convex_side, ferguson_angle};
 use crate::anatomy::{Level, Posture, Region, Side};
 use crate::measure::Outline;
 use crate::spatial::{Angle, Frontal};
@@ -59,16 +59,9 @@ pub fn measure_curves(regions: &Regions, outlines: &[&Outline]) -> Vec<ClinicalC
         .bounds
         .iter()
         .map(|bounds| {
-            let tilt = |i: usize| erect.vertebrae[i].tilt.rad();
-            let sense = (tilt(bounds.superior) - tilt(bounds.inferior)).signum();
-            // The most tilted vertebrae, at most one level outside of the region.
-            let low = bounds.inferior.saturating_sub(1);
-            let high = (bounds.superior + 1).min(Level::MODEL.len() - 1);
-            let lower = (low..=bounds.apex)
-                .min_by(|&a, &b| (sense * tilt(a)).total_cmp(&(sense * tilt(b))));
-            let upper = (bounds.apex..=high)
-                .max_by(|&a, &b| (sense * tilt(a)).total_cmp(&(sense * tilt(b))));
-            let (lower, upper) = (lower.unwrap_or(low), upper.unwrap_or(high));
+            let tilts: Vec<Angle> = erect.vertebrae.iter().map(|v| v.tilt).collect();
+            let places = CurvePlaces::choose(*bounds, &tilts);
+            let [lower, upper] = places.cobb_ends;
             let cobb: Vec<_> = outlines
                 .iter()
                 .map(|o| (o.posture, o.vertebrae[upper].tilt - o.vertebrae[lower].tilt))
@@ -83,8 +76,7 @@ pub fn measure_curves(regions: &Regions, outlines: &[&Outline]) -> Vec<ClinicalC
                 region: bounds.region,
                 ends: CobbEnds { inferior: Level::MODEL[lower], superior: Level::MODEL[upper] },
                 apex: Level::MODEL[bounds.apex],
-                // A spine that turns to the right as it rises bulges to the left.
-                convex: cobb[0].1.side().map(Side::opposite),
+                convex: convex_side(cobb[0].1),
                 cobb,
                 ferguson,
                 apical_translation_mm: erect.vertebrae[bounds.apex].location.y_mm.abs(),

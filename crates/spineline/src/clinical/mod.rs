@@ -5,7 +5,9 @@
 //! Cobb angle here is slightly smaller than the one between endplates.
 
 mod curves;
+mod places;
 mod regions;
 
 pub use curves::{ClinicalCurve, CobbEnds, LenkeType, lenke_type, measure_curves};
+pub use places::{CurvePlaces, convex_side};
 pub use regions::{RegionBounds, Regions, ferguson_angle};

@@ -27,6 +27,15 @@ pub struct Regions {
 const USUAL_ENDS: [Level; 2] = [Level::T12, Level::T6];
 
 impl Regions {
+    /// Regions that end at T12 and T6, for a spine whose inflections are not known.
+    ///
+    /// `locations` are those of L4…T2 on the erect spine.
+    #[must_use]
+    pub fn usual(locations: &[Frontal]) -> Self {
+        let ends = USUAL_ENDS.map(|level| level.model_index().expect("a level of the model"));
+        Self::between(ends, locations)
+    }
+
     /// Regions that end at the vertebrae nearest to the two inflections, or at T12 and T6 where there is no such pair.
     #[must_use]
     pub fn from_inflections(
@@ -36,19 +45,23 @@ impl Regions {
         warnings: &mut Warnings,
     ) -> Self {
         let last = Level::MODEL.len() - 1;
-        let usual = USUAL_ENDS.map(|level| level.model_index().expect("a level of the model"));
         let ends =
             inflections.pair.map(|pair| pair.map(|inflection| nearest(fit, inflection.t_mm)));
         // An apex needs a vertebra between the ends.
-        let ends = match ends {
-            Some([low, high]) if low >= 2 && high >= low + 2 && high + 2 <= last => [low, high],
+        match ends {
+            Some([low, high]) if low >= 2 && high >= low + 2 && high + 2 <= last => {
+                Self::between([low, high], locations)
+            }
             _ => {
                 let text = "the erect curve does not give three regions of three vertebrae; they end at T12 and T6 instead";
                 warnings.push(Step::Clinical, "usual_regions", text);
-                usual
+                Self::usual(locations)
             }
-        };
-        let limits = [0, ends[0], ends[1], last];
+        }
+    }
+
+    fn between(ends: [usize; 2], locations: &[Frontal]) -> Self {
+        let limits = [0, ends[0], ends[1], Level::MODEL.len() - 1];
         let bounds = std::array::from_fn(|i| {
             let (inferior, superior) = (limits[i], limits[i + 1]);
             let apex = apex_between(locations, inferior, superior);

@@ -1,0 +1,263 @@
+//! What acts on a spine, as a file.
+
+mod place;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use spineline::multibody::Timing;
+
+use crate::FileError;
+use crate::json::parse;
+use crate::keys::LevelKey;
+
+pub use place::PlacedLoads;
+
+const FORMAT: &str = "spineline-load";
+const VERSION: u32 = 1;
+
+/// What acts on a spine. `G`: x anterior, y to the patient's left, z cranial along L4's own axis, origin at L4's midpoint;
+/// names that say `in_vertebra` are in a vertebra's own axes, from its midpoint. Forces are in the units of the model's
+/// springs: newtons where the model is `absolute`, else relative.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "Spineline load, version 1")]
+pub struct LoadFile {
+    /// `spineline-load`.
+    format: String,
+    /// 1.
+    version: u32,
+    /// At least one.
+    pub loads: Vec<AppliedLoad>,
+}
+
+/// One load.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum AppliedLoad {
+    /// A force along a line that stays where it is, whatever the vertebra does.
+    ForceOnLine {
+        /// Vertebra that carries it.
+        level: LevelKey,
+        /// Force in `G`.
+        force_n: [f64; 3],
+        /// Any point of the line, in `G`.
+        point_mm: [f64; 3],
+        /// When it comes.
+        #[serde(default)]
+        timing: TimingKey,
+    },
+    /// A force of fixed direction that moves with a point of the vertebra.
+    ForceAtPoint {
+        /// Vertebra.
+        level: LevelKey,
+        /// Force in `G`.
+        force_n: [f64; 3],
+        /// Point; the midpoint if not given.
+        #[serde(default)]
+        point_in_vertebra_mm: [f64; 3],
+        /// When it comes.
+        #[serde(default)]
+        timing: TimingKey,
+    },
+    /// A force that moves and turns with the vertebra.
+    FollowerForce {
+        /// Vertebra.
+        level: LevelKey,
+        /// Force in the vertebra's axes.
+        force_in_vertebra_n: [f64; 3],
+        /// Point; the midpoint if not given.
+        #[serde(default)]
+        point_in_vertebra_mm: [f64; 3],
+        /// When it comes.
+        #[serde(default)]
+        timing: TimingKey,
+    },
+    /// A moment of fixed direction.
+    Moment {
+        /// Vertebra.
+        level: LevelKey,
+        /// Right-handed moment about the axes of `G`.
+        moment_nmm: [f64; 3],
+        /// When it comes.
+        #[serde(default)]
+        timing: TimingKey,
+    },
+    /// A moment that turns with the vertebra.
+    FollowerMoment {
+        /// Vertebra.
+        level: LevelKey,
+        /// Right-handed moment about the vertebra's axes.
+        moment_in_vertebra_nmm: [f64; 3],
+        /// When it comes.
+        #[serde(default)]
+        timing: TimingKey,
+    },
+    /// The weight of trunk, head and arms, slice by slice, at the midpoints of L3 to T2.
+    Gravity {
+        /// The whole patient's weight.
+        body_weight_n: f64,
+        /// Unit vector in `G`; `[0, 0, -1]`, along L4's own axis, if not given.
+        #[serde(default = "caudal")]
+        down: [f64; 3],
+        /// When it comes; held if not given.
+        #[serde(default = "TimingKey::held")]
+        timing: TimingKey,
+    },
+    /// A frictionless pad that touches the erect spine and is then pushed in: a linear spring along one direction.
+    Pad {
+        /// Vertebra.
+        level: LevelKey,
+        /// Where it touches; the midpoint if not given.
+        #[serde(default)]
+        point_in_vertebra_mm: [f64; 3],
+        /// The way it pushes: unit vector in `G`.
+        direction: [f64; 3],
+        /// Stiffness.
+        n_per_mm: f64,
+        /// How far it is pushed in.
+        advance_mm: f64,
+        /// When it comes.
+        #[serde(default)]
+        timing: TimingKey,
+    },
+    /// A strap to a point of the ground, slack on the erect spine and then shortened: a linear spring along itself.
+    Strap {
+        /// Vertebra.
+        level: LevelKey,
+        /// Where it holds; the midpoint if not given.
+        #[serde(default)]
+        point_in_vertebra_mm: [f64; 3],
+        /// Where it is tied, in `G`.
+        anchor_mm: [f64; 3],
+        /// Stiffness.
+        n_per_mm: f64,
+        /// How much it is shortened.
+        shortening_mm: f64,
+        /// When it comes.
+        #[serde(default)]
+        timing: TimingKey,
+    },
+    /// A stiff rod between two vertebrae, which prescribes their relative pose; as in the erect posture if nothing else is
+    /// given.
+    Rod {
+        /// Lower vertebra.
+        inferior: LevelKey,
+        /// Upper vertebra; at least two joints above.
+        superior: LevelKey,
+        /// How the upper vertebra moves from its erect pose, in the lower one's axes.
+        #[serde(default)]
+        shift_mm: [f64; 3],
+        /// How it turns from its erect pose: rotation vector in the lower one's axes.
+        #[serde(default)]
+        turn_deg: [f64; 3],
+        /// When it is brought in.
+        #[serde(default)]
+        timing: TimingKey,
+    },
+}
+
+/// When a load comes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TimingKey {
+    /// Before the growing ones, and then it stays.
+    Held,
+    /// After the held ones, together with the other growing ones; this is what the path follows.
+    #[default]
+    Growing,
+}
+
+impl TimingKey {
+    const fn held() -> Self {
+        Self::Held
+    }
+}
+
+impl From<TimingKey> for Timing {
+    fn from(key: TimingKey) -> Self {
+        match key {
+            TimingKey::Held => Self::Held,
+            TimingKey::Growing => Self::Growing,
+        }
+    }
+}
+
+impl From<Timing> for TimingKey {
+    fn from(timing: Timing) -> Self {
+        match timing {
+            Timing::Held => Self::Held,
+            Timing::Growing => Self::Growing,
+        }
+    }
+}
+
+fn caudal() -> [f64; 3] {
+    [0.0, 0.0, -1.0]
+}
+
+impl AppliedLoad {
+    /// The name of its kind in files.
+    #[must_use]
+    pub const fn kind(&self) -> &'static str {
+        match self {
+            Self::ForceOnLine { .. } => "force_on_line",
+            Self::ForceAtPoint { .. } => "force_at_point",
+            Self::FollowerForce { .. } => "follower_force",
+            Self::Moment { .. } => "moment",
+            Self::FollowerMoment { .. } => "follower_moment",
+            Self::Gravity { .. } => "gravity",
+            Self::Pad { .. } => "pad",
+            Self::Strap { .. } => "strap",
+            Self::Rod { .. } => "rod",
+        }
+    }
+
+    /// When it comes.
+    #[must_use]
+    pub const fn timing(&self) -> TimingKey {
+        match self {
+            Self::ForceOnLine { timing, .. }
+            | Self::ForceAtPoint { timing, .. }
+            | Self::FollowerForce { timing, .. }
+            | Self::Moment { timing, .. }
+            | Self::FollowerMoment { timing, .. }
+            | Self::Gravity { timing, .. }
+            | Self::Pad { timing, .. }
+            | Self::Strap { timing, .. }
+            | Self::Rod { timing, .. } => *timing,
+        }
+    }
+
+    /// Where it acts, such as `T8`, `T12 to T6` or `all vertebrae`.
+    #[must_use]
+    pub fn place(&self) -> String {
+        match self {
+            Self::ForceOnLine { level, .. }
+            | Self::ForceAtPoint { level, .. }
+            | Self::FollowerForce { level, .. }
+            | Self::Moment { level, .. }
+            | Self::FollowerMoment { level, .. }
+            | Self::Pad { level, .. }
+            | Self::Strap { level, .. } => level.0.to_string(),
+            Self::Gravity { .. } => "all vertebrae".to_owned(),
+            Self::Rod { inferior, superior, .. } => format!("{} to {}", inferior.0, superior.0),
+        }
+    }
+}
+
+/// Reads loads from the text of their file.
+///
+/// # Errors
+/// [`FileError`].
+pub fn parse_load(text: &str) -> Result<LoadFile, FileError> {
+    let file: LoadFile = parse(text, FORMAT, VERSION)?;
+    if file.loads.is_empty() { Err(FileError::NoLoads) } else { Ok(file) }
+}
+
+impl LoadFile {
+    /// A file of given loads.
+    #[must_use]
+    pub fn new(loads: Vec<AppliedLoad>) -> Self {
+        Self { format: FORMAT.to_owned(), version: VERSION, loads }
+    }
+}

@@ -1,0 +1,231 @@
+use spineline::anatomy::Level;
+use spineline::multibody::{BodyLoad, LoadItem, Loading, LoadingError, Rod};
+use spineline::spatial::{Angle, Vec3};
+
+use super::{AppliedLoad, LoadFile};
+use crate::{FileError, StoredModel};
+
+/// A unit vector may be off by so much, as numbers written with seven places are.
+const UNIT_TOLERANCE: f64 = 1e-6;
+
+/// The loads of a file on the vertebrae of a model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlacedLoads {
+    /// What the solver takes.
+    pub loading: Loading,
+    /// For every item of the loading, the place of its load in the file, from 0; gravity makes many items.
+    pub load_of_item: Vec<usize>,
+    /// The same for every rod.
+    pub load_of_rod: Vec<usize>,
+}
+
+impl AppliedLoad {
+    /// The load on one vertebra; `None` for gravity and rods.
+    fn on_vertebra(&self) -> Option<(Level, BodyLoad)> {
+        let (level, load) = match self {
+            Self::ForceOnLine { level, force_n, point_mm, .. } => (
+                level,
+                BodyLoad::ForceOnLine {
+                    force_n: Vec3::from(*force_n),
+                    point_mm: Vec3::from(*point_mm),
+                },
+            ),
+            Self::ForceAtPoint { level, force_n, point_in_vertebra_mm, .. } => (
+                level,
+                BodyLoad::ForceAtPoint {
+                    force_n: Vec3::from(*force_n),
+                    point_in_vertebra_mm: Vec3::from(*point_in_vertebra_mm),
+                },
+            ),
+            Self::FollowerForce { level, force_in_vertebra_n, point_in_vertebra_mm, .. } => (
+                level,
+                BodyLoad::FollowerForce {
+                    force_in_vertebra_n: Vec3::from(*force_in_vertebra_n),
+                    point_in_vertebra_mm: Vec3::from(*point_in_vertebra_mm),
+                },
+            ),
+            Self::Moment { level, moment_nmm, .. } => {
+                (level, BodyLoad::Moment { moment_nmm: Vec3::from(*moment_nmm) })
+            }
+            Self::FollowerMoment { level, moment_in_vertebra_nmm, .. } => (
+                level,
+                BodyLoad::FollowerMoment {
+                    moment_in_vertebra_nmm: Vec3::from(*moment_in_vertebra_nmm),
+                },
+            ),
+            Self::Pad { level, point_in_vertebra_mm, direction, n_per_mm, advance_mm, .. } => (
+                level,
+                BodyLoad::Pad {
+                    point_in_vertebra_mm: Vec3::from(*point_in_vertebra_mm),
+                    direction: Vec3::from(*direction),
+                    n_per_mm: *n_per_mm,
+                    advance_mm: *advance_mm,
+                },
+            ),
+            Self::Strap {
+                level, point_in_vertebra_mm, anchor_mm, n_per_mm, shortening_mm, ..
+            } => (
+                level,
+                BodyLoad::Strap {
+                    point_in_vertebra_mm: Vec3::from(*point_in_vertebra_mm),
+                    anchor_mm: Vec3::from(*anchor_mm),
+                    n_per_mm: *n_per_mm,
+                    shortening_mm: *shortening_mm,
+                },
+            ),
+            Self::Gravity { .. } | Self::Rod { .. } => return None,
+        };
+        Some((level.0, load))
+    }
+}
+
+impl LoadFile {
+    /// Puts the loads on the vertebrae of a model.
+    ///
+    /// # Errors
+    /// [`FileError::Load`] where a load cannot be applied to this model.
+    pub fn place(&self, model: &StoredModel) -> Result<PlacedLoads, FileError> {
+        let mut placed =
+            PlacedLoads { loading: Loading::default(), load_of_item: vec![], load_of_rod: vec![] };
+        for (number, load) in self.loads.iter().enumerate() {
+            self.place_one(number, load, model, &mut placed)?;
+            let fresh = placed.loading.items.len();
+            placed.load_of_item.resize(fresh, number);
+            placed.load_of_rod.resize(placed.loading.rods.len(), number);
+        }
+        placed.loading.check(&model.spine).map_err(|error| {
+            let number = match &error {
+                LoadingError::Rod { rod, .. } | LoadingError::RodPose { rod } => {
+                    placed.load_of_rod[*rod]
+                }
+                LoadingError::Vertebra { item, .. }
+                | LoadingError::NotFinite { item, .. }
+                | LoadingError::Direction { item, .. }
+                | LoadingError::Spring { item, .. }
+                | LoadingError::Strap { item, .. } => placed.load_of_item[*item],
+                _ => 0,
+            };
+            self.refused(number, &reason(&error, model), error.help())
+        })?;
+        Ok(placed)
+    }
+
+    fn place_one(
+        &self,
+        number: usize,
+        load: &AppliedLoad,
+        model: &StoredModel,
+        placed: &mut PlacedLoads,
+    ) -> Result<(), FileError> {
+        let find = |level: Level| self.vertebra(number, level, model);
+        let timing = load.timing().into();
+        match load {
+            AppliedLoad::Gravity { body_weight_n, down, .. } => {
+                self.check_gravity(number, *body_weight_n, down, model)?;
+                let slices = Loading::gravity(*body_weight_n, Vec3::from(*down), timing);
+                placed.loading.items.extend(slices);
+            }
+            AppliedLoad::Rod { inferior, superior, shift_mm, turn_deg, .. } => {
+                placed.loading.rods.push(Rod {
+                    inferior: find(inferior.0)?,
+                    superior: find(superior.0)?,
+                    shift_mm: Vec3::from(*shift_mm),
+                    turn_rad: Vec3::from(turn_deg.map(|deg| Angle::from_deg(deg).rad())),
+                    timing,
+                });
+            }
+            single => {
+                let (level, load) = single.on_vertebra().expect("neither gravity nor a rod");
+                placed.loading.items.push(LoadItem { vertebra: find(level)?, load, timing });
+            }
+        }
+        Ok(())
+    }
+
+    fn vertebra(
+        &self,
+        number: usize,
+        level: Level,
+        model: &StoredModel,
+    ) -> Result<usize, FileError> {
+        let found = model.levels.iter().position(|other| *other == level);
+        found.ok_or_else(|| {
+            let reason = format!("{level} is not in the model, which goes {}", extent(model));
+            self.refused(number, &reason, "name a vertebra of the model")
+        })
+    }
+
+    fn check_gravity(
+        &self,
+        number: usize,
+        body_weight_n: f64,
+        down: &[f64; 3],
+        model: &StoredModel,
+    ) -> Result<(), FileError> {
+        if model.levels != Level::MODEL {
+            let reason =
+                format!("the weight is known from L4 to T2, and the model goes {}", extent(model));
+            return Err(self.refused(
+                number,
+                &reason,
+                "give the weights as `force_at_point` loads",
+            ));
+        }
+        if !(body_weight_n > 0.0 && body_weight_n.is_finite()) {
+            let reason = format!("the body's weight is {body_weight_n} N, and must be positive");
+            return Err(self.refused(
+                number,
+                &reason,
+                "give the patient's whole weight in newtons: 9.81 times the kilograms",
+            ));
+        }
+        let length = Vec3::from(*down).norm();
+        if (length - 1.0).abs() > UNIT_TOLERANCE || !length.is_finite() {
+            let reason = format!("`down` has length {length}, and must be a unit vector");
+            return Err(self.refused(number, &reason, "divide `down` by its length"));
+        }
+        Ok(())
+    }
+
+    fn refused(&self, number: usize, reason: &str, help: &'static str) -> FileError {
+        let load = &self.loads[number];
+        let (kind, place) = (load.kind(), load.place());
+        FileError::Load { number: number + 1, kind, place, reason: reason.to_owned(), help }
+    }
+}
+
+fn extent(model: &StoredModel) -> String {
+    match &model.levels[..] {
+        [first, .., last] => format!("from {first} to {last}"),
+        _ => "nowhere".to_owned(),
+    }
+}
+
+/// What is wrong with a load, by names instead of places in lists.
+fn reason(error: &LoadingError, model: &StoredModel) -> String {
+    let name = |vertebra: &usize| model.levels.get(*vertebra).map_or("?", |level| level.name());
+    match error {
+        LoadingError::Vertebra { vertebra, .. } => {
+            format!("{} is the fixed vertebra, and a load on it moves nothing", name(vertebra))
+        }
+        LoadingError::Rod { inferior, superior, .. } => format!(
+            "a rod goes from a lower to an upper vertebra, and {} is not below {}",
+            name(inferior),
+            name(superior)
+        ),
+        LoadingError::NotFinite { what, .. } => format!("{what} is not finite"),
+        LoadingError::Direction { length, .. } => {
+            format!("the direction has length {length}, and must be a unit vector")
+        }
+        LoadingError::Spring { n_per_mm, .. } => {
+            format!("its stiffness is {n_per_mm} N/mm, and must be positive")
+        }
+        LoadingError::Strap { length_mm, .. } => {
+            format!("the strap is {length_mm:.2} mm long on the erect spine, and needs 1 mm")
+        }
+        LoadingError::RodPose { .. } => {
+            "its shift or turn is not finite, or turns by more than 180°".to_owned()
+        }
+        other => other.to_string(),
+    }
+}

@@ -1,0 +1,272 @@
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use spineline::clinical::CurvePlaces;
+use spineline::multibody::{Deformed, Goal, PathPoint};
+use spineline::response::{
+    Met, Response, SignedPath, SpineAngles, direction_word, erect_shape, measure_angles,
+};
+use spineline::spatial::{Mat3, Vec3};
+
+use crate::keys::{ByLevel, JointKey, LevelKey, RegionKey};
+use crate::load_file::TimingKey;
+use crate::{AppliedLoad, LoadFile, PlacedLoads, StoredModel};
+
+/// What a personalised model does under loads. `G`: x anterior, y left, z cranial, origin at L4's midpoint; mm, N, N·mm,
+/// rad, angles for people in degrees. A positive lean is to the patient's right, positive Cobb and Ferguson angles are
+/// convex to the left. Numbers have full precision.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(title = "Spineline simulation, version 1")]
+pub struct SimulationFile {
+    /// `spineline-simulation`.
+    format: String,
+    /// 1.
+    version: u32,
+    /// Program that wrote it.
+    generator: String,
+    case_id: String,
+    /// Whether the films behind the model are made up: then every number here is.
+    synthetic: bool,
+    /// Whether forces are in newtons; else they are relative, and only their ratios mean anything.
+    absolute: bool,
+    /// `N`, or `relative units, not newtons`.
+    force_unit: String,
+    /// `converged`, `several_equilibria`, `limit_point`, `branch_point`, `unreachable`, `not_converged` or `interrupted`.
+    /// Only the first two have a result.
+    status: String,
+    /// What was sought.
+    goal: GoalRecord,
+    /// No factor beyond this one was looked at.
+    largest_factor: f64,
+    loads: Vec<AppliedLoad>,
+    erect: AnglesRecord,
+    /// Every shape that meets the goal, the reached one first.
+    equilibria: Vec<EquilibriumRecord>,
+    /// Singular points, in the order of the path.
+    events: Vec<EventRecord>,
+    /// Every shape on the way.
+    path: Vec<PathRecord>,
+    warnings: Vec<SimulationWarning>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+enum GoalRecord {
+    /// The loads as they are given: a factor of one.
+    FullLoad,
+    /// A lean of the line from L4 to T2.
+    Lean { lean_right_deg: f64 },
+}
+
+/// A soft problem of a simulation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SimulationWarning {
+    /// Stable name, such as `pad_pulls`.
+    pub code: String,
+    /// What happened and what to do, in words.
+    pub message: String,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct AnglesRecord {
+    /// Lean of the line from L4 to T2; positive to the patient's right.
+    lean_right_deg: f64,
+    /// Positive where convex to the left.
+    cobb_deg: BTreeMap<RegionKey, f64>,
+    /// Positive where convex to the left.
+    ferguson_deg: BTreeMap<RegionKey, f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct EquilibriumRecord {
+    /// `along` or `against` the loads.
+    direction: String,
+    /// Of the growing loads; negative where they act against themselves.
+    factor: f64,
+    /// `reached`, `later`, `beyond_limit_point` or `beyond_branch_point`.
+    verdict: String,
+    on_erect_branch: bool,
+    limit_points: usize,
+    branch_points: usize,
+    /// Largest angle by which a hinge misses the one that its moment asks for.
+    residual_rad: f64,
+    /// Of the scaled tangent: one for the unloaded spine, zero where the branch turns or splits.
+    smallest_singular_value: f64,
+    midpoints_mm: ByLevel<[f64; 3]>,
+    /// Unit vectors in `G`: anterior, left, cranial axis of the vertebra.
+    axes: ByLevel<[[f64; 3]; 3]>,
+    /// Lateral, flexion and axial hinge of every joint.
+    hinges_rad: BTreeMap<JointKey, [f64; 3]>,
+    spring_forces: Vec<SpringForceRecord>,
+    rod_reactions: Vec<RodReactionRecord>,
+    #[serde(flatten)]
+    angles: AnglesRecord,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct SpringForceRecord {
+    /// Which load, from 1.
+    load: usize,
+    level: LevelKey,
+    /// Negative for a pad that pulls or a strap that pushes.
+    force_n: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct RodReactionRecord {
+    /// Which load, from 1.
+    load: usize,
+    /// On the upper vertebra, at its midpoint; the lower one feels the opposite.
+    force_n: [f64; 3],
+    moment_nmm: [f64; 3],
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct EventRecord {
+    /// `limit_point` or `branch_point`.
+    kind: String,
+    direction: String,
+    timing: TimingKey,
+    factor: f64,
+    arc_rad: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct PathRecord {
+    direction: String,
+    /// Which loads are varied here.
+    timing: TimingKey,
+    factor: f64,
+    /// Length of the path up to here: hinges in rad, a factor of one counting as 0.1.
+    arc_rad: f64,
+    limit_points: usize,
+    branch_points: usize,
+    residual_rad: f64,
+    iterations: u32,
+    largest_hinge_rad: f64,
+    #[serde(flatten)]
+    angles: AnglesRecord,
+}
+
+impl SimulationFile {
+    /// The file of what a model did under loads, its angles measured between given places.
+    #[must_use]
+    pub fn new(
+        model: &StoredModel,
+        loads: (&LoadFile, &PlacedLoads),
+        places: &[CurvePlaces],
+        response: &Response,
+        warnings: Vec<SimulationWarning>,
+        generator: &str,
+    ) -> Self {
+        let (load_file, placed) = loads;
+        let writer = Writer { model, placed, places };
+        let goal = match response.goal {
+            Goal::FullLoad => GoalRecord::FullLoad,
+            Goal::Lean(lean) => GoalRecord::Lean { lean_right_deg: lean.deg() },
+        };
+        Self {
+            format: "spineline-simulation".to_owned(),
+            version: 1,
+            generator: generator.to_owned(),
+            case_id: model.case_id.clone(),
+            synthetic: model.synthetic,
+            absolute: model.absolute,
+            force_unit: model.force_unit().to_owned(),
+            status: response.ending.key().to_owned(),
+            goal,
+            largest_factor: response.largest_factor,
+            loads: load_file.loads.clone(),
+            erect: writer.angles(&erect_shape(&model.spine)),
+            equilibria: response.met.iter().map(|met| writer.equilibrium(met)).collect(),
+            events: response.paths.iter().flat_map(events).collect(),
+            path: response.paths.iter().flat_map(|signed| writer.path(signed)).collect(),
+            warnings,
+        }
+    }
+}
+
+fn events(signed: &SignedPath) -> impl Iterator<Item = EventRecord> {
+    signed.path.events.iter().map(|event| EventRecord {
+        kind: event.kind.key().to_owned(),
+        direction: direction_word(signed.sign).to_owned(),
+        timing: event.timing.into(),
+        factor: event.factor,
+        arc_rad: event.arc_rad,
+    })
+}
+
+/// What all records need to know.
+struct Writer<'a> {
+    model: &'a StoredModel,
+    placed: &'a PlacedLoads,
+    places: &'a [CurvePlaces],
+}
+
+impl Writer<'_> {
+    fn angles(&self, shape: &Deformed) -> AnglesRecord {
+        let SpineAngles { lean, curves } = measure_angles(shape, self.places);
+        let key = |region| RegionKey::from(region);
+        AnglesRecord {
+            lean_right_deg: lean.deg(),
+            cobb_deg: curves.iter().map(|c| (key(c.region), c.cobb.deg())).collect(),
+            ferguson_deg: curves.iter().map(|c| (key(c.region), c.ferguson.deg())).collect(),
+        }
+    }
+
+    fn equilibrium(&self, met: &Met) -> EquilibriumRecord {
+        let equilibrium = &met.equilibrium;
+        let shape = &equilibrium.deformed;
+        let levels = self.model.levels.iter().copied().map(LevelKey);
+        let joints = self.model.levels.windows(2).map(|pair| JointKey(pair[0], pair[1]));
+        let vector = |v: &Vec3| [v.x, v.y, v.z];
+        let columns = |m: &Mat3| [0, 1, 2].map(|i| [m[(0, i)], m[(1, i)], m[(2, i)]]);
+        let spring_forces = equilibrium.spring_forces_n.iter().map(|&(item, force_n)| {
+            let vertebra = self.placed.loading.items[item].vertebra;
+            let level = LevelKey(self.model.levels[vertebra]);
+            SpringForceRecord { load: self.placed.load_of_item[item] + 1, level, force_n }
+        });
+        let reactions = equilibrium.rod_reactions.iter().zip(&self.placed.load_of_rod);
+        EquilibriumRecord {
+            direction: direction_word(met.sign).to_owned(),
+            factor: equilibrium.factor,
+            verdict: met.verdict.key().to_owned(),
+            on_erect_branch: equilibrium.is_on_erect_branch(),
+            limit_points: equilibrium.limit_points,
+            branch_points: equilibrium.branch_points,
+            residual_rad: equilibrium.residual_rad,
+            smallest_singular_value: equilibrium.smallest_singular_value,
+            midpoints_mm: ByLevel(
+                levels.clone().zip(shape.midpoints_mm.iter().map(vector)).collect(),
+            ),
+            axes: ByLevel(levels.zip(shape.axes.iter().map(columns)).collect()),
+            hinges_rad: joints.zip(shape.hinges_rad.iter().copied()).collect(),
+            spring_forces: spring_forces.collect(),
+            rod_reactions: reactions
+                .map(|((force, moment), load)| RodReactionRecord {
+                    load: load + 1,
+                    force_n: vector(force),
+                    moment_nmm: vector(moment),
+                })
+                .collect(),
+            angles: self.angles(shape),
+        }
+    }
+
+    fn path(&self, signed: &SignedPath) -> impl Iterator<Item = PathRecord> {
+        let direction = direction_word(signed.sign);
+        signed.path.points.iter().map(move |point: &PathPoint| PathRecord {
+            direction: direction.to_owned(),
+            timing: point.timing.into(),
+            factor: point.factor,
+            arc_rad: point.arc_rad,
+            limit_points: point.limit_points,
+            branch_points: point.branch_points,
+            residual_rad: point.residual_rad,
+            iterations: point.iterations,
+            largest_hinge_rad: point.deformed.largest_hinge_rad(),
+            angles: self.angles(&point.deformed),
+        })
+    }
+}

@@ -1,0 +1,19 @@
+//! Loads on a personalised spine: the shape that it takes, all others that meet the same goal, and what clinicians would
+//! measure on them.
+//!
+//! [`respond`] follows the branch of equilibria from the erect spine ([`crate::multibody::GeneralStatics::follow_with`]).
+//! For a given load that is one path. For a given lean it is two, since the loads may have to act against themselves, and
+//! the least loaded shape that a spine reaches without snapping or buckling is the one it takes.
+
+mod acting;
+mod measures;
+mod search;
+
+pub use acting::{ActingKind, ActingLoad, acting_loads};
+pub use measures::{
+    CurveAngles, SpineAngles, UNUSUAL_HINGE, erect_shape, largest_displacement_mm, largest_hinge,
+    measure_angles,
+};
+pub use search::{
+    Met, OnSignedPoint, Response, SignedPath, Verdict, direction_word, largest_factor, respond,
+};

@@ -1,0 +1,218 @@
+use std::ops::ControlFlow;
+
+use crate::multibody::{
+    BodyLoad, Deformed, Equilibrium, EquilibriumPath, ForceSign, GeneralStatics, Goal, Loading,
+    LoadingError, PathEnding, PathOptions, PathPoint, SpineModel, Timing,
+};
+use crate::spatial::Mat3;
+
+/// Forces are followed up to this one for springs of this mean lateral stiffness, and scale with the springs.
+const LARGEST_FORCE_N: f64 = 1500.0;
+const AT_LATERAL_NMM_PER_RAD: f64 = 144_000.0;
+/// Loads given in small units take many points; more than these lead nowhere.
+const MOST_POINTS: usize = 20_000;
+
+/// A path whose growing loads grow along or against themselves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SignedPath {
+    /// Along or against.
+    pub sign: ForceSign,
+    /// The path.
+    pub path: EquilibriumPath,
+}
+
+/// Why a shape that meets the goal is the one that the spine takes, or is not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// The least loaded shape that the erect spine reaches without snapping or buckling.
+    Reached,
+    /// Reached as well, but under greater loads, or later on the path.
+    Later,
+    /// The loads have a maximum before it: the spine would have snapped.
+    BeyondLimitPoint,
+    /// Another branch crosses before it: the spine would have buckled away.
+    BeyondBranchPoint,
+}
+
+impl Verdict {
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Reached => "reached",
+            Self::Later => "later",
+            Self::BeyondLimitPoint => "beyond_limit_point",
+            Self::BeyondBranchPoint => "beyond_branch_point",
+        }
+    }
+}
+
+/// A shape that meets the goal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Met {
+    /// On which path.
+    pub sign: ForceSign,
+    /// The shape.
+    pub equilibrium: Equilibrium,
+    /// What it is worth.
+    pub verdict: Verdict,
+}
+
+/// What a spine does under loads.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Response {
+    /// What was sought.
+    pub goal: Goal,
+    /// No factor beyond this one was looked at.
+    pub largest_factor: f64,
+    /// How the search ended, over all paths.
+    pub ending: PathEnding,
+    /// One path for a given load; for a given lean one along and one against the loads.
+    pub paths: Vec<SignedPath>,
+    /// Every shape that meets the goal: those on the erect branch first, and the smaller factor first.
+    pub met: Vec<Met>,
+}
+
+impl Response {
+    /// The shape that may be shown as the result.
+    #[must_use]
+    pub fn result(&self) -> Option<&Equilibrium> {
+        self.met.first().filter(|_| self.ending.is_usable()).map(|met| &met.equilibrium)
+    }
+
+    /// The point of the paths that comes nearest to the goal; `None` where no path could be started.
+    #[must_use]
+    pub fn nearest(&self) -> Option<&PathPoint> {
+        let points = || self.paths.iter().flat_map(|signed| &signed.path.points);
+        // Held loads come first, and while they come nothing of the goal is seen.
+        let grows = points().any(|point| point.timing == Timing::Growing);
+        let counts = |point: &&PathPoint| !grows || point.timing == Timing::Growing;
+        let away = |point: &PathPoint| match self.goal {
+            Goal::Lean(lean) if grows => (point.deformed.lean() - lean).wrapped().rad().abs(),
+            _ => (point.factor - 1.0).abs(),
+        };
+        points().filter(counts).min_by(|a, b| away(a).total_cmp(&away(b)))
+    }
+
+    /// The shape that may be shown as the result, or else the nearest one, which may not.
+    #[must_use]
+    pub fn shape(&self) -> Option<&Deformed> {
+        let result = self.result().map(|equilibrium| &equilibrium.deformed);
+        result.or_else(|| self.nearest().map(|point| &point.deformed))
+    }
+}
+
+/// `along` or `against`: the word for a sign in files.
+#[must_use]
+pub const fn direction_word(sign: ForceSign) -> &'static str {
+    match sign {
+        ForceSign::Positive => "along",
+        ForceSign::Negative => "against",
+    }
+}
+
+/// The factor up to which loads are worth following: 1500 N altogether for springs of the usual mean lateral stiffness,
+/// and in proportion for others.
+///
+/// A moment counts as the force that makes it at the spine's other end; a pad or strap as the force that it would have
+/// on a rigid spine. Loads without any of these, such as rods, are followed to twice their size.
+#[must_use]
+pub fn largest_factor(model: &SpineModel, stiffness: &[Mat3], loading: &Loading) -> f64 {
+    let top = model.midpoints_mm.len() - 1;
+    let length_mm = (model.midpoints_mm[top] - model.midpoints_mm[0]).norm();
+    let growing = loading.items.iter().filter(|item| item.timing == Timing::Growing);
+    let total_n: f64 = growing
+        .map(|item| match &item.load {
+            BodyLoad::ForceOnLine { force_n, .. } | BodyLoad::ForceAtPoint { force_n, .. } => {
+                force_n.norm()
+            }
+            BodyLoad::FollowerForce { force_in_vertebra_n, .. } => force_in_vertebra_n.norm(),
+            BodyLoad::Moment { moment_nmm: moment }
+            | BodyLoad::FollowerMoment { moment_in_vertebra_nmm: moment } => {
+                moment.norm() / length_mm
+            }
+            BodyLoad::Pad { n_per_mm, advance_mm: mm, .. }
+            | BodyLoad::Strap { n_per_mm, shortening_mm: mm, .. } => (n_per_mm * mm).abs(),
+        })
+        .sum();
+    let lateral: f64 = stiffness.iter().map(|matrix| matrix[(0, 0)]).sum();
+    let mean_lateral = lateral / stiffness.len() as f64;
+    let factor = LARGEST_FORCE_N * mean_lateral / AT_LATERAL_NMM_PER_RAD / total_n;
+    if factor.is_finite() { factor } else { PathOptions::default().largest_factor }
+}
+
+/// Called for every point of a path; breaking off leaves the paths as far as they are.
+pub type OnSignedPoint<'o> = &'o mut dyn FnMut(ForceSign, &PathPoint) -> ControlFlow<()>;
+
+/// Finds what a spine does under loads.
+///
+/// # Errors
+/// [`LoadingError`] where a load cannot be applied to this spine.
+pub fn respond(
+    statics: &GeneralStatics<'_>,
+    loading: &Loading,
+    goal: Goal,
+    largest_factor: f64,
+    on_point: OnSignedPoint<'_>,
+) -> Result<Response, LoadingError> {
+    let signs: &[ForceSign] = match goal {
+        Goal::FullLoad => &[ForceSign::Positive],
+        Goal::Lean(_) => &ForceSign::BOTH,
+    };
+    let (mut paths, mut met) = (Vec::new(), Vec::new());
+    let mut interrupted = false;
+    for &sign in signs {
+        let options =
+            PathOptions { sign, largest_factor, most_points: MOST_POINTS, ..Default::default() };
+        let path = statics.follow_with(loading, goal, &options, &mut |point| {
+            let flow = on_point(sign, point);
+            interrupted |= flow.is_break();
+            flow
+        })?;
+        let grew = path.points.last().is_some_and(|point| point.timing == Timing::Growing);
+        // What balances while the held loads come does not meet the goal; a goal met at no load is met once.
+        let counts = |e: &&Equilibrium| grew && !(sign == ForceSign::Negative && e.factor == 0.0);
+        met.extend(path.equilibria.iter().filter(counts).map(|equilibrium| {
+            let verdict = if equilibrium.limit_points > 0 {
+                Verdict::BeyondLimitPoint
+            } else if equilibrium.branch_points > 0 {
+                Verdict::BeyondBranchPoint
+            } else {
+                Verdict::Later
+            };
+            Met { sign, equilibrium: equilibrium.clone(), verdict }
+        }));
+        paths.push(SignedPath { sign, path });
+        if interrupted || !grew {
+            break;
+        }
+    }
+    met.sort_by(|a, b| {
+        let order =
+            |met: &Met| (!met.equilibrium.is_on_erect_branch(), met.equilibrium.factor.abs());
+        let ((a, near), (b, far)) = (order(a), order(b));
+        a.cmp(&b).then(near.total_cmp(&far))
+    });
+    if let Some(first) = met.first_mut().filter(|met| met.verdict == Verdict::Later) {
+        first.verdict = Verdict::Reached;
+    }
+    let ending = if interrupted { PathEnding::Interrupted } else { ending(&met, &paths) };
+    Ok(Response { goal, largest_factor, ending, paths, met })
+}
+
+fn ending(met: &[Met], paths: &[SignedPath]) -> PathEnding {
+    match met {
+        [first, ..] if first.verdict == Verdict::BeyondLimitPoint => PathEnding::LimitPoint,
+        [first, ..] if first.verdict == Verdict::BeyondBranchPoint => PathEnding::BranchPoint,
+        [_] => PathEnding::Converged,
+        [_, _, ..] => PathEnding::SeveralEquilibria,
+        [] => {
+            let ended = |ending| paths.iter().any(|signed| signed.path.ending == ending);
+            // The most doubtful ending of any path is the ending of the search.
+            [PathEnding::NotConverged, PathEnding::LimitPoint, PathEnding::BranchPoint]
+                .into_iter()
+                .find(|&doubtful| ended(doubtful))
+                .unwrap_or(PathEnding::Unreachable)
+        }
+    }
+}
