@@ -12,7 +12,7 @@ use std::process::{Command, ExitCode};
 const HELP: &str = "\
 cargo xtask COMMAND
 
-  test     everything: format, lints, tidy, tests, documentation and its examples
+  test     everything: format, lints, tidy, tests, documentation and its examples, engines
   check    the quick part: format, lints, tidy
   tidy     house rules that no compiler knows
   engines  exported models in MuJoCo, Pinocchio and OpenSim (needs Python, and a network the first time)
@@ -32,7 +32,7 @@ fn main() -> ExitCode {
         return ended(&command, oracle::run(&arguments));
     }
     let steps: &[Step] = match command.as_str() {
-        "test" => &[format, lint, tidy::run, test, doctest, docs],
+        "test" => &[format, lint, tidy::run, test, doctest, docs, engines::compare],
         "check" => &[format, lint, tidy::run],
         "tidy" => &[tidy::run],
         "engines" => &[engines::compare],

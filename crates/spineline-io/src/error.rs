@@ -101,6 +101,18 @@ pub enum FileError {
         /// The one that follows.
         above: Level,
     },
+    /// A joint of a model that does not lie between its two vertebrae.
+    #[error("joint {inferior}/{superior} stands where {lower}/{upper} should")]
+    ModelJoint {
+        /// What it says.
+        inferior: Level,
+        /// What it says.
+        superior: Level,
+        /// The vertebra below it.
+        lower: Level,
+        /// The vertebra above it.
+        upper: Level,
+    },
     /// A region that ends outside of its model.
     #[error("the region {region} names {level}, which is no vertebra of this model")]
     Region {
@@ -165,6 +177,7 @@ impl FileError {
             }
             Self::ModelShape { .. }
             | Self::ModelOrder { .. }
+            | Self::ModelJoint { .. }
             | Self::Region { .. }
             | Self::RegionOrder { .. } => {
                 "write the model again with `spineline analyze CASE --model FILE`"

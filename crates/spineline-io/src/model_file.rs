@@ -299,6 +299,13 @@ pub fn parse_model(text: &str) -> Result<StoredModel, FileError> {
     if let Some(pair) = levels.windows(2).find(|pair| pair[0] >= pair[1]) {
         return Err(FileError::ModelOrder { below: pair[0], above: pair[1] });
     }
+    for (joint, pair) in file.joints.iter().zip(levels.windows(2)) {
+        let (inferior, superior) = (joint.inferior.0, joint.superior.0);
+        if [inferior, superior] != pair {
+            let (lower, upper) = (pair[0], pair[1]);
+            return Err(FileError::ModelJoint { inferior, superior, lower, upper });
+        }
+    }
     let curves = file.regions.as_deref().map(|records| places(records, &levels)).transpose()?;
     let midpoints_mm: Vec<Vec3> =
         file.vertebrae.iter().map(|v| Vec3::from(v.midpoint_mm)).collect();

@@ -188,3 +188,11 @@ fn a_simulation_file_is_read_by_its_own_type() {
         json["equilibria"][0]["hinges_rad"].as_object().expect("joints").keys().collect();
     assert_eq!((names[0].as_str(), names[13].as_str()), ("L4/L3", "T3/T2"));
 }
+
+#[test]
+fn a_joint_in_another_joints_place_is_refused() {
+    let mut json: serde_json::Value = serde_json::from_str(&model_text()).expect("JSON");
+    json["joints"].as_array_mut().expect("joints").swap(3, 4);
+    let error = parse_model(&json.to_string()).expect_err("joints out of order");
+    assert_eq!(error.to_string(), "joint T12/T11 stands where L1/T12 should");
+}

@@ -162,13 +162,18 @@ fn joint(model: &StoredModel, j: usize) -> Result<Joint, ExportError> {
 
 /// Three springs that know nothing of one another: all that the formats can hold.
 fn hinges(model: &StoredModel, j: usize, joint: &str) -> Result<Vec<Hinge>, ExportError> {
+    let (inferior, superior) = (model.levels[j], model.levels[j + 1]);
+    let matrix = &model.stiffness[j];
+    if Mat3::from_diagonal(&matrix.diagonal()) != *matrix {
+        return Err(ExportError::Coupled { inferior, superior });
+    }
     let springs = Axis::ALL.into_iter().zip(model.stiffness_nmm_per_rad[j]);
     springs
         .map(|(axis, nmm_per_rad)| {
             if !(nmm_per_rad > 0.0 && nmm_per_rad.is_finite()) {
                 return Err(ExportError::Spring {
-                    inferior: model.levels[j],
-                    superior: model.levels[j + 1],
+                    inferior,
+                    superior,
                     axis: axis.word(),
                     value: nmm_per_rad,
                 });

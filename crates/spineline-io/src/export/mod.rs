@@ -66,6 +66,16 @@ pub enum ExportError {
         /// What the model has.
         value: f64,
     },
+    /// Hinges whose springs are coupled.
+    #[error(
+        "joint {inferior}/{superior}: its springs couple the three hinges, which the format cannot hold"
+    )]
+    Coupled {
+        /// Lower vertebra.
+        inferior: Level,
+        /// Upper vertebra.
+        superior: Level,
+    },
     /// A character that XML cannot hold, or not everywhere.
     #[error("`{what}` has the character U+{:04X}, which XML cannot hold", u32::from(*character))]
     Text {
@@ -83,6 +93,9 @@ impl ExportError {
         match self {
             Self::LevelTwice { .. } | Self::Axes { .. } | Self::Spring { .. } => {
                 "write the model again with `spineline analyze CASE --model FILE`"
+            }
+            Self::Coupled { .. } => {
+                "leave `stiffness_matrix_nmm_per_rad` out of the model file; its three springs are then exported"
             }
             Self::Text { .. } => "take control characters out of that text in the model file",
         }
