@@ -142,6 +142,5 @@ fn places(model: &StoredModel, notes: &mut Vec<SimulationWarning>) -> Vec<CurveP
         "the model file has no regions, and does not go from L4 to T2: no Cobb and Ferguson angles"
     };
     notes.push(warning("usual_regions", text));
-    let places = usual.map_or_else(Vec::new, Vec::from);
-    places
+    usual.map_or_else(Vec::new, Vec::from)
 }
