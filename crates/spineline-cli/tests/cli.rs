@@ -39,6 +39,7 @@ fn help_teaches_every_command() {
         "analyze",
         "check",
         "phantom",
+        "simulate",
         "schema",
         "completions",
         "not a medical device",

@@ -25,8 +25,8 @@ Examples:
 
 A load file; `spineline schema load` explains every kind:
   { \"format\": \"spineline-load\", \"version\": 1, \"loads\": [
-    { \"kind\": \"gravity\", \"body_weight_n\": 400 },
-    { \"kind\": \"pad\", \"level\": \"T9\", \"direction\": [0, 1, 0], \"n_per_mm\": 10, \"advance_mm\": 20 } ] }
+    { \"kind\": \"gravity\", \"body_weight_n\": 20 },
+    { \"kind\": \"pad\", \"level\": \"T9\", \"direction\": [0, 1, 0], \"n_per_mm\": 2, \"advance_mm\": 20 } ] }
 x is anterior, y to the patient's left, z cranial. Held loads come first and stay (gravity, unless told otherwise); the \
 growing ones then grow together from nothing to a factor of 1, or to the wanted lean.
 

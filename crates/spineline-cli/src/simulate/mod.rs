@@ -111,3 +111,62 @@ impl Outcome {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+    use spineline::analysis::{AnalysisOptions, analyze};
+    use spineline::multibody::PathEnding;
+    use spineline_io::{ModelFile, to_text};
+    use spineline_phantom::{Readers, Truth, generate};
+
+    use crate::args::{Cli, Command};
+
+    /// A search that is broken off at its so-manieth shape.
+    fn broken_off(arguments: &[&str], at: usize) -> Outcome {
+        let phantom = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists");
+        let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a phantom");
+        let text = to_text(&ModelFile::new(&analysis, &analysis.models[0], "test"));
+        let model = parse_model(&text).expect("our own file");
+        let line = ["spineline", "simulate", "model.json"].iter().chain(arguments);
+        let Command::Simulate(args) = Cli::parse_from(line).command else { panic!("simulate") };
+        let (loads, notes) = loads::of(&args, &model).expect("sound loads");
+        let mut seen = 0;
+        Outcome::of(&args, model, loads, notes, &mut |_, _| {
+            seen += 1;
+            if seen == at { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })
+        .expect("sound")
+    }
+
+    #[test]
+    fn an_interrupted_search_leaves_whole_files_that_are_no_result() {
+        for arguments in [
+            &["--push", "left", "--force", "50"][..],
+            &["--push", "left", "--amplitude", "20", "--towards", "left"],
+        ] {
+            let outcome = broken_off(arguments, 3);
+            assert_eq!(outcome.response.ending, PathEnding::Interrupted);
+            let json: serde_json::Value = serde_json::from_str(&outcome.json()).expect("whole");
+            assert_eq!(json["status"], "interrupted");
+            assert_eq!(json["path"].as_array().expect("a list").len(), 3);
+            assert!(outcome.svg().contains("not a result (interrupted)"));
+            let rows = path_rows::csv_text(&outcome).expect("a table");
+            assert_eq!(rows.lines().count(), 1 + 3);
+            let text = text::report(&outcome);
+            assert!(text.contains("INTERRUPTED · NO RESULT") && !text.contains("Cobb"), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_search_broken_off_after_its_goal_is_no_result_either() {
+        // Whether a smaller factor of the other sign exists is not known then.
+        let whole = broken_off(&["--push", "left", "--amplitude", "5", "--towards", "left"], 0);
+        let first = whole.response.paths[0].path.points.len();
+        let cut =
+            broken_off(&["--push", "left", "--amplitude", "5", "--towards", "left"], first + 1);
+        assert!(whole.response.result().is_some());
+        assert!(!cut.response.met.is_empty() && cut.response.result().is_none());
+    }
+}

@@ -1,0 +1,147 @@
+//! Which shape a spine takes for a wanted lean, and where its angles are measured.
+
+mod common;
+
+use std::ops::ControlFlow;
+
+use common::spine;
+use spineline::clinical::CurvePlaces;
+use spineline::multibody::{
+    BodyLoad, ForceSign, GeneralStatics, Goal, Loading, PathEnding, SpineModel, Support,
+};
+use spineline::response::{
+    ActingKind, Response, Verdict, acting_loads, erect_shape, largest_factor, measure_angles,
+    respond,
+};
+use spineline::spatial::{Angle, Mat3, Vec3};
+
+fn load_top(
+    model: &SpineModel,
+    springs: &[Mat3],
+    load: BodyLoad,
+    goal: Goal,
+) -> (Loading, Response) {
+    let statics =
+        GeneralStatics::new(model, springs.to_vec(), Support::Free).expect("sound springs");
+    let loading = Loading::single(model.joints.len(), load);
+    let most = largest_factor(model, springs, &loading);
+    let mut go_on = |_, _: &_| ControlFlow::Continue(());
+    let response = respond(&statics, &loading, goal, most, &mut go_on).expect("sound loads");
+    (loading, response)
+}
+
+fn push(model: &SpineModel, springs: &[Mat3], force_n: Vec3, goal: Goal) -> (Loading, Response) {
+    let load = BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };
+    load_top(model, springs, load, goal)
+}
+
+fn springs(model: &SpineModel) -> Vec<Mat3> {
+    vec![Mat3::from_diagonal(&Vec3::new(1.44e5, 1.4e5, 3e5)); model.joints.len()]
+}
+
+#[test]
+fn turning_the_force_round_turns_the_factor_round() {
+    let model = spine(0).1;
+    let springs = springs(&model);
+    let goal = Goal::Lean(Angle::from_deg(-20.0));
+    let along = push(&model, &springs, Vec3::new(0.0, 100.0, 0.0), goal).1;
+    let against = push(&model, &springs, Vec3::new(0.0, -100.0, 0.0), goal).1;
+    let factor = |response: &Response| response.result().expect("a result").factor;
+    assert!(factor(&along) > 0.0 && (factor(&along) + factor(&against)).abs() < 1e-9);
+    assert_eq!(
+        (along.met[0].sign, against.met[0].sign),
+        (ForceSign::Positive, ForceSign::Negative)
+    );
+    // Twice the force needs half the factor: the same shape.
+    let twice = push(&model, &springs, Vec3::new(0.0, 200.0, 0.0), goal).1;
+    assert!((2.0 * factor(&twice) - factor(&along)).abs() < 1e-9);
+}
+
+#[test]
+fn the_chosen_shape_is_the_least_loaded_one_on_the_erect_branch() {
+    let model = spine(0).1;
+    let springs = springs(&model);
+    let mut several = 0;
+    for lean in [-12.0, -6.0, -3.0, -2.0, 1.0, 4.0, 9.0, 15.0] {
+        // A pull along a line fixed in space beside the joints bends first one way, then the other.
+        let (force_n, point_mm) = (Vec3::new(0.0, 64.5, 290.5), Vec3::new(-16.0, -8.0, 115.6));
+        let load = BodyLoad::ForceOnLine { force_n, point_mm };
+        let (_, response) = load_top(&model, &springs, load, Goal::Lean(Angle::from_deg(lean)));
+        several += usize::from(response.met.len() > 1);
+        if let Some(result) = response.result() {
+            assert_eq!(response.met[0].verdict, Verdict::Reached);
+            assert!(result.is_on_erect_branch());
+            for met in response.met.iter().filter(|met| met.equilibrium.is_on_erect_branch()) {
+                assert!(met.equilibrium.factor.abs() >= result.factor.abs());
+            }
+        }
+        for met in &response.met {
+            let found = met.equilibrium.deformed.lean();
+            assert!((found.deg() - lean).abs() < 1e-7, "every shape that is told leans as asked");
+        }
+    }
+    assert!(several > 0, "the test means something");
+}
+
+#[test]
+fn a_lean_that_is_there_already_needs_no_load_and_is_met_once() {
+    let model = spine(0).1;
+    let lean = erect_shape(&model).lean();
+    let (_, response) = push(&model, &springs(&model), Vec3::new(0.0, 50.0, 0.0), Goal::Lean(lean));
+    assert_eq!(response.met.iter().filter(|met| met.equilibrium.factor == 0.0).count(), 1);
+    assert!(response.result().is_some_and(|result| result.factor == 0.0));
+}
+
+#[test]
+fn the_largest_factor_scales_with_springs_and_against_loads() {
+    let model = spine(0).1;
+    let loading = |n: f64| {
+        Loading::single(
+            14,
+            BodyLoad::ForceAtPoint {
+                force_n: Vec3::new(0.0, n, 0.0),
+                point_in_vertebra_mm: Vec3::zeros(),
+            },
+        )
+    };
+    let springs = springs(&model);
+    let soft: Vec<Mat3> = springs.iter().map(|k| k * 0.5).collect();
+    // 1500 N for this mean lateral stiffness.
+    assert!((largest_factor(&model, &springs, &loading(100.0)) - 15.0).abs() < 1e-9);
+    assert!((largest_factor(&model, &soft, &loading(300.0)) - 2.5).abs() < 1e-9);
+    assert!((largest_factor(&model, &springs, &Loading::default()) - 2.0).abs() < 1e-12);
+}
+
+#[test]
+fn an_interrupted_or_unreachable_search_has_no_result() {
+    let model = spine(0).1;
+    let goal = Goal::Lean(Angle::from_deg(-89.0));
+    let (_, response) = push(&model, &springs(&model), Vec3::new(0.0, 100.0, 0.0), goal);
+    assert_eq!(response.ending, PathEnding::Unreachable);
+    assert!(response.result().is_none() && response.nearest().is_some());
+}
+
+#[test]
+fn angles_and_acting_loads_are_those_of_the_shape() {
+    let model = spine(0).1;
+    let (loading, response) =
+        push(&model, &springs(&model), Vec3::new(0.0, 30.0, 0.0), Goal::FullLoad);
+    let result = response.result().expect("a small force");
+    let [load] = acting_loads(&loading, &result.deformed, result.factor, &[])[..] else {
+        panic!("one")
+    };
+    assert_eq!(load.kind, ActingKind::Force(Vec3::new(0.0, 30.0, 0.0)));
+    assert!((load.point_mm - result.deformed.midpoints_mm[14]).norm() < 1e-12);
+    let erect = erect_shape(&model);
+    let locations: Vec<_> = (0..15).map(|i| erect.location(i)).collect();
+    let tilts: Vec<_> = (0..15).map(|i| erect.tilt(i)).collect();
+    let places = CurvePlaces::usual(&locations, &tilts).expect("L4 to T2");
+    assert!(CurvePlaces::usual(&locations[1..], &tilts[1..]).is_none());
+    // A force to the left at the top turns the spine to the left all along: every curve gains the same way.
+    let (before, after) =
+        (measure_angles(&erect, &places), measure_angles(&result.deformed, &places));
+    for (now, then) in after.curves.iter().zip(&before.curves) {
+        assert!(now.cobb < then.cobb, "{}", now.region);
+    }
+    assert!(after.lean < before.lean);
+}
