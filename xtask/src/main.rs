@@ -1,5 +1,8 @@
 //! The project's own commands: `cargo xtask test` runs everything that must hold.
 
+mod engines;
+mod oracle;
+mod python;
 mod tidy;
 
 use std::env;
@@ -9,10 +12,13 @@ use std::process::{Command, ExitCode};
 const HELP: &str = "\
 cargo xtask COMMAND
 
-  test    everything: format, lints, tidy, tests, documentation and its examples
-  check   the quick part: format, lints, tidy
-  tidy    house rules that no compiler knows
-  bench   benchmarks of the core
+  test     everything: format, lints, tidy, tests, documentation and its examples
+  check    the quick part: format, lints, tidy
+  tidy     house rules that no compiler knows
+  engines  exported models in MuJoCo, Pinocchio and OpenSim (needs Python, and a network the first time)
+  bench    benchmarks of the core
+  oracle CASE.json… --out DIR
+           spines solved by other programs, solved by the march and by Newton
 ";
 
 /// One thing that must hold; the text says what does not.
@@ -21,24 +27,35 @@ type Step = fn(&Path) -> Result<(), String>;
 fn main() -> ExitCode {
     let command = env::args().nth(1).unwrap_or_default();
     let root = root();
+    if command == "oracle" {
+        let arguments: Vec<String> = env::args().skip(2).collect();
+        return ended(&command, oracle::run(&arguments));
+    }
     let steps: &[Step] = match command.as_str() {
         "test" => &[format, lint, tidy::run, test, doctest, docs],
         "check" => &[format, lint, tidy::run],
         "tidy" => &[tidy::run],
+        "engines" => &[engines::compare],
         "bench" => &[bench],
         _ => {
             eprint!("{HELP}");
             return ExitCode::from(2);
         }
     };
-    for step in steps {
-        if let Err(reason) = step(&root) {
+    ended(&command, steps.iter().try_for_each(|step| step(&root)))
+}
+
+fn ended(command: &str, result: Result<(), String>) -> ExitCode {
+    match result {
+        Ok(()) => {
+            println!("xtask {command}: all is well");
+            ExitCode::SUCCESS
+        }
+        Err(reason) => {
             eprintln!("xtask {command}: {reason}");
-            return ExitCode::FAILURE;
+            ExitCode::FAILURE
         }
     }
-    println!("xtask {command}: all is well");
-    ExitCode::SUCCESS
 }
 
 /// The folder of the workspace.

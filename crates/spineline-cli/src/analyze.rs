@@ -159,6 +159,7 @@ pub fn write_file(path: &Path, text: &str) -> Result<(), Failure> {
     fs::write(&part, text).and_then(|()| fs::rename(&part, path)).map_err(|error| failed(&error))
 }
 
+/// Writes a file, or to the standard output for `-`.
 pub fn write_or_print(path: &Path, text: &str) -> Result<(), Failure> {
     if path.as_os_str() == "-" { print(text).map(|_| ()) } else { write_file(path, text) }
 }

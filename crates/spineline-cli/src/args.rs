@@ -12,6 +12,7 @@ use spineline::multibody::Support;
 use spineline::personalize::{FitTarget, Gauge};
 use spineline::spatial::{Angle, Frontal};
 
+use crate::export::{EXAMPLES, ExportArgs};
 use crate::failure::Failure;
 use crate::simulate;
 
@@ -39,6 +40,9 @@ pub enum Command {
     Simulate(simulate::SimulateArgs),
     /// Make synthetic patients with known truth
     Phantom(PhantomArgs),
+    /// Write a personalised model as MuJoCo, OpenSim or URDF programs read it
+    #[command(after_long_help = EXAMPLES)]
+    Export(ExportArgs),
     /// Print the JSON schema of a file format
     Schema {
         /// Which format

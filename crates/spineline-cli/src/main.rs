@@ -4,6 +4,7 @@ mod analyze;
 mod args;
 mod check;
 mod cohort;
+mod export;
 mod failure;
 mod phantom;
 mod progress;
@@ -39,6 +40,7 @@ fn run(command: Command) -> Result<Ending, Failure> {
         Command::Check(args) => check::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Phantom(args) => phantom::run(&args),
+        Command::Export(args) => export::run(&args),
         Command::Schema { name } => print_schema(name),
         Command::Stiffness => {
             let library = spineline::multibody::StiffnessLibrary::default();

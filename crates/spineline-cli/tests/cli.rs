@@ -279,3 +279,33 @@ fn reproduce_prints_the_table_and_writes_the_same_bytes_for_any_number_of_thread
     let figures = fs::read_dir(here.path().join("a/figures")).expect("figures").count();
     assert!(figures >= 20, "{figures}");
 }
+
+#[test]
+fn a_model_is_exported_for_three_engines_and_other_words_are_told() {
+    let here = folder();
+    phantom(here.path(), "rod", "1");
+    let case = "cases/phantom-rod-01.json";
+    let (_, error, code) = run(here.path(), &["analyze", case, "--model", "model.json"]);
+    assert_eq!(code, 0, "{error}");
+    for (format, root) in [("mjcf", "<mujoco "), ("osim", "<OpenSimDocument "), ("urdf", "<robot ")]
+    {
+        let (text, error, code) = run(here.path(), &["export", "model.json", "--to", format]);
+        assert_eq!(code, 0, "{error}");
+        assert!(text.contains(root) && text.contains("SYNTHETIC"), "{format}");
+        let out = format!("spine.{format}");
+        run(here.path(), &["export", "model.json", "--to", format, "--out", &out]);
+        assert_eq!(fs::read_to_string(here.path().join(out)).expect("a file"), text);
+    }
+    let (_, error, code) = run(here.path(), &["export", "model.json", "--to", "sdf"]);
+    assert_eq!(code, 2);
+    assert!(error.contains("sdf") && error.contains("mjcf, osim, urdf"), "{error}");
+    let (_, error, code) = run(here.path(), &["export", case, "--to", "mjcf"]);
+    assert_eq!(code, 3);
+    assert!(error.contains(case) && error.contains("spineline-model"), "{error}");
+    let text = fs::read_to_string(here.path().join("model.json")).expect("a file");
+    let wrong = text.replacen("\"case_id\": \"", "\"case_id\": \"\\u0007", 1);
+    fs::write(here.path().join("wrong.json"), wrong).expect("a file");
+    let (_, error, code) = run(here.path(), &["export", "wrong.json", "--to", "urdf"]);
+    assert_eq!(code, 3);
+    assert!(error.contains("wrong.json: `case_id`") && error.contains("help:"), "{error}");
+}

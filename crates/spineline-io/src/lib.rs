@@ -1,4 +1,5 @@
-//! Files of Spineline: cases, analyses, personalised models, loads, simulations and stiffness tables, all JSON with a format and a version.
+//! Files of Spineline: cases, analyses, personalised models, loads, simulations and stiffness tables, all JSON with a
+//! format and a version; and models as other multibody programs read them ([`export`]).
 //!
 //! The types here are what the files look like; [`spineline`]'s own types are what is computed with. Every file format
 //! has a JSON schema, generated from the types. Unknown keys are errors that name the nearest known one, a level given
@@ -13,10 +14,10 @@
 mod analysis_file;
 mod case_file;
 mod error;
+mod export;
 mod json;
 mod keys;
 mod load_file;
-
 mod model_file;
 mod simulation_file;
 mod stiffness_file;
@@ -24,6 +25,7 @@ mod stiffness_file;
 pub use analysis_file::AnalysisFile;
 pub use case_file::{CaseFile, parse_case};
 pub use error::FileError;
+pub use export::{ExportError, ExportFormat, export};
 pub use keys::LevelKey;
 pub use load_file::{AppliedLoad, LoadFile, PlacedLoads, TimingKey, parse_load};
 pub use model_file::{ApplicationKey, LoadRecord, ModelFile, StoredModel, parse_model};

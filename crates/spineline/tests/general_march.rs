@@ -72,14 +72,5 @@ fn newton_finds_what_the_march_finds() {
             let off = (ours - theirs).norm();
             assert!(off <= AGREE_MM, "trial {trial}: {off:e} mm, {} points", path.points.len());
         }
-        if trial < 20 {
-            println!(
-                "{} points, {} iterations, largest {} sv {}",
-                path.points.len(),
-                path.iterations,
-                solution.deformed.largest_hinge_rad(),
-                found.smallest_singular_value
-            );
-        }
     }
 }

@@ -1,5 +1,6 @@
 use std::cell::Cell;
 
+use super::roots::{Along, Lost, Sample, zeros_between};
 use super::{Load, Parameter, Solution, Statics};
 use crate::spatial::{Angle, Frontal};
 
@@ -188,6 +189,12 @@ struct Goal {
     step_n: f64,
 }
 
+impl Goal {
+    fn sample(&self, force_n: f64) -> Sample {
+        Sample { at: force_n, value: self.value, rate: self.rate, met: self.met }
+    }
+}
+
 /// The force that turns the fastest hinge by a step.
 fn turn_step(solution: &Solution) -> f64 {
     STEP_RAD / solution.fastest_turn(0).max(f64::MIN_POSITIVE)
@@ -198,9 +205,13 @@ struct Path<'a, G> {
     statics: &'a Statics<'a>,
     load: &'a Load,
     goal: G,
+    /// The last shape, and its force.
     solution: Solution,
+    force_n: f64,
     evaluations: u32,
     found: Vec<ForceMatch>,
+    /// So many zeros are looked for.
+    enough: usize,
     /// Least residual of all shapes seen, and its force.
     nearest: (f64, f64),
     converged: bool,
@@ -213,8 +224,10 @@ impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
             load,
             goal,
             solution: Solution::default(),
+            force_n: 0.0,
             evaluations: 0,
             found: Vec::new(),
+            enough: 0,
             nearest: (f64::INFINITY, 0.0),
             converged: true,
         }
@@ -222,6 +235,7 @@ impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
 
     fn at(&mut self, force_n: f64) -> Goal {
         self.evaluations += 1;
+        self.force_n = force_n;
         self.statics.solve(self.load, &[force_n], &[Parameter::Load(0)], &mut self.solution);
         let goal = (self.goal)(&self.solution);
         if self.solution.converged && goal.residual.abs() < self.nearest.0 {
@@ -239,14 +253,14 @@ impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
     fn follow(&mut self, sign: ForceSign, most: usize) {
         let sign = sign.factor();
         let cap_n = LARGEST_FORCE_PER_STIFFNESS * self.statics.mean_lateral_nmm_per_rad();
-        let enough = self.found.len().saturating_add(most);
+        self.enough = self.found.len().saturating_add(most);
         self.solution = Solution::default();
         let (mut force_n, mut now) = (0.0, self.at(0.0));
         let last = self.evaluations + MOST_EVALUATIONS;
         while self.evaluations < last {
             if now.met {
                 self.record(MatchStatus::Matched, force_n, now.residual);
-                if self.found.len() >= enough {
+                if self.found.len() >= self.enough {
                     return;
                 }
                 // Past the zero, on the other side or back on the same one.
@@ -267,9 +281,14 @@ impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
             let stops = next_n.abs() >= cap_n
                 || self.solution.deformed.largest_hinge_rad() > LARGEST_HINGE_RAD;
             if !next.met {
-                self.zeros_within((force_n, now), (next_n, next), sign, enough);
-                if self.found.len() >= enough {
+                let before = self.evaluations;
+                zeros_between(&now.sample(force_n), &next.sample(next_n), self);
+                if self.found.len() >= self.enough {
                     return;
+                }
+                if self.evaluations > before {
+                    // Where the path goes on from.
+                    self.at(next_n);
                 }
             }
             if stops {
@@ -278,77 +297,6 @@ impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
             (force_n, now) = (next_n, next);
         }
         self.converged = false;
-    }
-
-    /// Records the zeros between two shapes: one where the sign changes, two where the path turns beyond the goal.
-    fn zeros_within(&mut self, from: (f64, Goal), to: (f64, Goal), sign: f64, enough: usize) {
-        if from.1.value * to.1.value < 0.0 {
-            self.polish((from.0, from.1.value), (to.0, to.1.value), to.0 - to.1.value / to.1.rate);
-        } else if from.1.value * from.1.rate * sign < 0.0 && to.1.value * to.1.rate * sign > 0.0 {
-            // Towards the goal at first and away from it at last.
-            let turn = self.turning_point(from, to);
-            if turn.1 * from.1.value < 0.0 {
-                self.polish((from.0, from.1.value), turn, f64::midpoint(from.0, turn.0));
-                if self.found.len() < enough {
-                    self.polish(turn, (to.0, to.1.value), f64::midpoint(to.0, turn.0));
-                }
-            }
-        } else {
-            return;
-        }
-        // Where the path goes on from.
-        self.at(to.0);
-    }
-
-    /// Newton between two forces with values of opposite sign, by bisection where Newton leaves the bracket.
-    fn polish(&mut self, mut low: (f64, f64), mut high: (f64, f64), guess: f64) {
-        let inside = |force_n: f64, low: f64, high: f64| (force_n - low) * (force_n - high) < 0.0;
-        let mut force_n =
-            if inside(guess, low.0, high.0) { guess } else { f64::midpoint(low.0, high.0) };
-        let mut before = f64::INFINITY;
-        for _ in 0..120 {
-            let goal = self.at(force_n);
-            if !self.solution.converged {
-                return self.record(MatchStatus::NotConverged, force_n, goal.residual);
-            }
-            let width = (high.0 - low.0).abs();
-            if goal.met || width <= 4.0 * f64::EPSILON * force_n.abs() {
-                return self.record(MatchStatus::Matched, force_n, goal.residual);
-            }
-            if goal.value * low.1 > 0.0 {
-                low = (force_n, goal.value);
-            } else {
-                high = (force_n, goal.value);
-            }
-            // Newton, unless it leaves the bracket or the last step gained too little.
-            let newton = force_n - goal.value / goal.rate;
-            let gains = goal.value.abs() < 0.5 * before;
-            before = goal.value.abs();
-            force_n = if gains && inside(newton, low.0, high.0) {
-                newton
-            } else {
-                f64::midpoint(low.0, high.0)
-            };
-        }
-        let residual = (self.goal)(&self.solution).residual;
-        self.record(MatchStatus::NotConverged, force_n, residual);
-    }
-
-    /// Where the goal turns between two forces, and its value there: bisection on the sign of its rate.
-    fn turning_point(&mut self, from: (f64, Goal), to: (f64, Goal)) -> (f64, f64) {
-        let (mut from_n, mut to_n) = (from.0, to.0);
-        let mut turn = (to.0, to.1.value);
-        for _ in 0..30 {
-            let middle = f64::midpoint(from_n, to_n);
-            let goal = self.at(middle);
-            turn = (middle, goal.value);
-            if goal.rate * from.1.rate > 0.0 {
-                from_n = middle;
-            } else {
-                to_n = middle;
-            }
-        }
-        turn
     }
 
     /// The first zero that was found, or else the nearest shape with the reason.
@@ -361,5 +309,21 @@ impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
             self.record(status, force_n, residual);
         }
         self.found.swap_remove(0)
+    }
+}
+
+impl<G: Fn(&Solution) -> Goal> Along for Path<'_, G> {
+    fn sample(&mut self, force_n: f64) -> Option<Sample> {
+        let goal = self.at(force_n);
+        self.solution.converged.then(|| goal.sample(force_n))
+    }
+
+    fn found(&mut self, zero: Result<Sample, Lost>) -> bool {
+        let (status, residual) = (
+            if zero.is_ok() { MatchStatus::Matched } else { MatchStatus::NotConverged },
+            (self.goal)(&self.solution).residual,
+        );
+        self.record(status, self.force_n, residual);
+        self.found.len() < self.enough
     }
 }

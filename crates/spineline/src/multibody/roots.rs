@@ -14,27 +14,42 @@ pub(super) struct Sample {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Lost;
 
+/// A function along a path, and what is done with its zeros.
+pub(super) trait Along {
+    /// The function at a place; `None` where it cannot be evaluated.
+    fn sample(&mut self, at: f64) -> Option<Sample>;
+
+    /// Called for every zero, right after it was sampled, and for every one that was lost; whether more are wanted.
+    fn found(&mut self, zero: Result<Sample, Lost>) -> bool;
+}
+
 /// Whether the value goes towards zero at first and away from it at last, without a change of sign.
-pub(super) fn turns_within(from: &Sample, to: &Sample) -> bool {
+fn turns_within(from: &Sample, to: &Sample) -> bool {
     let sense = (to.at - from.at).signum();
     from.value * from.rate * sense < 0.0 && to.value * to.rate * sense > 0.0
 }
 
-/// Newton between two places with values of opposite sign, by bisection where Newton leaves the bracket or gains little.
-pub(super) fn bracketed_root(
+/// Newton between two places with values of opposite sign, by bisection where Newton leaves the bracket or gains little;
+/// nothing where the value jumps.
+fn bracketed_root(
     mut low: Sample,
     mut high: Sample,
     guess: f64,
     mut sample: impl FnMut(f64) -> Option<Sample>,
-) -> Result<Sample, Lost> {
+) -> Result<Option<Sample>, Lost> {
     let inside = |at: f64, low: f64, high: f64| (at - low) * (at - high) < 0.0;
     let mut at =
         if inside(guess, low.at, high.at) { guess } else { f64::midpoint(low.at, high.at) };
     let mut before = f64::INFINITY;
+    let least = low.value.abs().min(high.value.abs());
     for _ in 0..120 {
         let now = sample(at).ok_or(Lost)?;
-        if now.met || (high.at - low.at).abs() <= 4.0 * f64::EPSILON * at.abs() {
-            return Ok(now);
+        if now.met {
+            return Ok(Some(now));
+        }
+        if (high.at - low.at).abs() <= 4.0 * f64::EPSILON * at.abs() {
+            // A jump, as that of an angle past half a turn, changes the sign and is no zero.
+            return Ok((now.value.abs() < least).then_some(now));
         }
         if now.value * low.value > 0.0 {
             low = now;
@@ -72,28 +87,32 @@ pub(super) fn turning_point(
     Ok(turn)
 }
 
-/// Every zero between two places that [`turns_within`] or a change of sign shows, in order.
-pub(super) fn zeros_between(
-    from: &Sample,
-    to: &Sample,
-    mut sample: impl FnMut(f64) -> Option<Sample>,
-    mut found: impl FnMut(Result<Sample, Lost>) -> bool,
-) {
+/// Every zero between two places that a change of sign shows, or a turn beyond zero, in order.
+pub(super) fn zeros_between(from: &Sample, to: &Sample, path: &mut impl Along) {
     if from.value * to.value < 0.0 {
-        found(bracketed_root(*from, *to, to.at - to.value / to.rate, sample));
+        let guess = to.at - to.value / to.rate;
+        let zero = bracketed_root(*from, *to, guess, |at| path.sample(at));
+        tell(zero, path);
     } else if turns_within(from, to) {
-        match turning_point(from, to, &mut sample) {
-            Ok(turn) if turn.value * from.value < 0.0 => {
-                let middle = f64::midpoint(from.at, turn.at);
-                let wants_more = found(bracketed_root(*from, turn, middle, &mut sample));
-                if wants_more {
-                    found(bracketed_root(turn, *to, f64::midpoint(to.at, turn.at), sample));
-                }
-            }
-            Ok(_) => {}
+        let turn = match turning_point(from, to, |at| path.sample(at)) {
+            Ok(turn) if turn.value * from.value < 0.0 => turn,
+            Ok(_) => return,
             Err(lost) => {
-                found(Err(lost));
+                path.found(Err(lost));
+                return;
             }
+        };
+        let middle = f64::midpoint(from.at, turn.at);
+        let zero = bracketed_root(*from, turn, middle, |at| path.sample(at));
+        if tell(zero, path) {
+            let middle = f64::midpoint(to.at, turn.at);
+            let zero = bracketed_root(turn, *to, middle, |at| path.sample(at));
+            tell(zero, path);
         }
     }
+}
+
+/// Tells of a zero that was looked for; whether more are wanted.
+fn tell(zero: Result<Option<Sample>, Lost>, path: &mut impl Along) -> bool {
+    zero.transpose().is_none_or(|zero| path.found(zero))
 }

@@ -2,7 +2,7 @@ use super::loading::{Loading, Timing};
 use super::wrench::{Pose, Spatial, SpatialMatrix, first, second, spatial};
 use crate::multibody::march::turn_pair;
 use crate::multibody::{Deformed, SpineModel, Support};
-use crate::spatial::{Mat3, Vec3};
+use crate::spatial::{Angle, Mat3, Vec3};
 
 /// How much of the held and of the growing loads has come, and which of them the derivative is for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -216,6 +216,16 @@ pub(super) fn nan_max(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }
 
+/// The rotation vector of a rotation, to rounding near the identity too (an arc cosine would leave 1e-8).
 fn rotation_vector(rotation: &Mat3) -> Vec3 {
-    nalgebra::Rotation3::from_matrix_unchecked(*rotation).scaled_axis()
+    let sine = Vec3::new(
+        rotation[(2, 1)] - rotation[(1, 2)],
+        rotation[(0, 2)] - rotation[(2, 0)],
+        rotation[(1, 0)] - rotation[(0, 1)],
+    ) * 0.5;
+    let size = sine.norm();
+    if size < 1e-12 {
+        return sine;
+    }
+    sine * (Angle::from_sin_cos(size, 0.5 * (rotation.trace() - 1.0)).rad() / size)
 }

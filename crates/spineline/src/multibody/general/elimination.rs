@@ -5,11 +5,11 @@
 //! a factorisation of a 42 × 42 matrix. Loads that do not depend on the pose leave a triangular tangent: the march.
 
 use super::balance::{Balance, HingeTwists, State};
+use super::stability::Signs;
 use super::wrench::{Spatial, SpatialMatrix, first, second, spatial};
-use crate::multibody::Support;
 use crate::spatial::{Mat3, Vec3};
 
-type RowsOf6 = nalgebra::Matrix3x6<f64>;
+pub(super) type RowsOf6 = nalgebra::Matrix3x6<f64>;
 
 /// One joint, eliminated.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,13 +27,13 @@ struct Eliminated {
 pub(super) struct Elimination {
     joints: Vec<Eliminated>,
     twists: Vec<HingeTwists>,
-    /// Sign of the determinant: it changes where the branch turns or another one crosses it.
-    pub positive: bool,
+    /// Signs of the pivots.
+    pub signs: Signs,
     shares: Vec<Vec3>,
 }
 
 /// What turns a hinge when the body that carries it twists: the change of its moment.
-fn moment_by_twist(twists: &HingeTwists, wrench: &Spatial) -> RowsOf6 {
+pub(super) fn moment_by_twist(twists: &HingeTwists, wrench: &Spatial) -> RowsOf6 {
     let (moment, force) = (first(wrench), second(wrench));
     let mut rows = RowsOf6::zeros();
     for i in 0..3 {
@@ -55,14 +55,14 @@ impl Elimination {
         Self {
             joints: vec![empty; joints],
             twists: vec![HingeTwists::zeros(); joints],
-            positive: true,
+            signs: Signs::UNLOADED,
             shares: vec![Vec3::zeros(); joints],
         }
     }
 
     /// Eliminates the tangent of an evaluated state; `false` where a pivot is no number.
     pub(super) fn factor(&mut self, balance: &Balance<'_>, state: &State) -> bool {
-        self.positive = true;
+        self.signs = Signs::UNLOADED;
         self.twists.clone_from(&state.twists);
         // Change of the wrench from above a joint with the twist of the vertebra above it.
         let mut above: Option<SpatialMatrix> = None;
@@ -88,9 +88,7 @@ impl Elimination {
                 by_twist += twists.tr_mul(above);
             }
             let Some(compliance) = stiffness.try_inverse() else { return false };
-            if stiffness.determinant() < 0.0 {
-                self.positive = !self.positive;
-            }
+            self.signs.add(&stiffness);
             by_twist = compliance * by_twist;
             if let (Some(above), Some(carried)) = (&mut above, &wrench_by_hinges) {
                 *above += carried * by_twist;
@@ -120,33 +118,4 @@ impl Elimination {
             twist += self.twists[j] * turns[j];
         }
     }
-}
-
-/// The tangent as a matrix over the hinges that can turn, each row and column divided by the root of the hinge's spring.
-///
-/// Dimensionless: the identity for an unloaded spine with diagonal springs, singular where the branch turns or splits.
-pub(super) fn scaled_tangent(balance: &Balance<'_>, state: &State) -> nalgebra::DMatrix<f64> {
-    let joints = state.hinges.len();
-    let per_joint = match balance.support {
-        Support::Free => 3,
-        Support::Frontal => 1,
-    };
-    // Change of the wrench from above each joint with the twist of everything above it.
-    let mut above = vec![SpatialMatrix::zeros(); joints + 1];
-    for j in (0..joints).rev() {
-        above[j] = above[j + 1] + state.load_tangents[j + 1].unwrap_or_else(SpatialMatrix::zeros);
-    }
-    let rows: Vec<RowsOf6> =
-        (0..joints).map(|j| moment_by_twist(&state.twists[j], &state.above[j])).collect();
-    nalgebra::DMatrix::from_fn(joints * per_joint, joints * per_joint, |row, column| {
-        let ((i, a), (k, b)) =
-            ((row / per_joint, row % per_joint), (column / per_joint, column % per_joint));
-        let (own, other) = (state.twists[i].column(a), state.twists[k].column(b));
-        let mut entry = if i == k { balance.stiffness[i][(a, b)] } else { 0.0 };
-        if (k, b) < (i, a) {
-            entry -= (rows[i].row(a) * other).x;
-        }
-        entry -= own.dot(&(above[i.max(k)] * other));
-        entry / (balance.stiffness[i][(a, a)] * balance.stiffness[k][(b, b)]).sqrt()
-    })
 }

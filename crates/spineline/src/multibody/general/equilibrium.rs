@@ -1,11 +1,10 @@
 use std::ops::ControlFlow;
 
 use super::balance::{Balance, Factors, State};
-use super::elimination::scaled_tangent;
 use super::loading::{BodyLoad, Loading, LoadingError, Timing};
 use super::newton::{Closing, Newton, NewtonEnding, force_and_moment_at};
 use super::path::{Goal, OnPoint, PathOptions, Stop, Walk};
-use super::wrench::Spatial;
+use super::stability::smallest_singular_value;
 use crate::multibody::{Deformed, SpineModel, Support};
 use crate::spatial::{Mat3, Vec3};
 
@@ -79,7 +78,7 @@ pub struct BranchEvent {
     pub timing: Timing,
     /// Their factor there.
     pub factor: f64,
-    /// Length of the path up to there: hinges in rad, a factor of one counting as 0.1.
+    /// Length of the path up to there: hinges in rad, and a factor of one as much as it turns the unloaded hinges.
     pub arc_rad: f64,
 }
 
@@ -114,7 +113,7 @@ pub struct Equilibrium {
     /// Largest angle by which a hinge misses the one that its moment asks for.
     pub residual_rad: f64,
     /// Smallest singular value of the tangent, scaled so that it is one for an unloaded spine with diagonal springs;
-    /// zero where the branch turns or splits.
+    /// zero where the branch turns or splits. Where rods leave no hinge free it is one.
     pub smallest_singular_value: f64,
     /// Limit points between the erect spine and this shape.
     pub limit_points: usize,
@@ -401,44 +400,4 @@ impl<'a> GeneralStatics<'a> {
         path.ending = path.ending(stop);
         Ok(path)
     }
-}
-
-/// Smallest singular value of the scaled tangent, on the turns that the rods allow.
-fn smallest_singular_value(balance: &Balance<'_>, state: &State) -> f64 {
-    let tangent = scaled_tangent(balance, state);
-    let order = tangent.nrows();
-    let per_joint = order / state.hinges.len();
-    let allowed = if balance.loading.rods.is_empty() {
-        tangent
-    } else {
-        let mut asked = nalgebra::DMatrix::zeros(6 * balance.loading.rods.len(), order);
-        for (number, rod) in balance.loading.rods.iter().enumerate() {
-            for column in rod.inferior * per_joint..rod.superior * per_joint {
-                let (j, a) = (column / per_joint, column % per_joint);
-                let twist: Spatial = state.twists[j].column(a).into();
-                let scaled = twist / balance.stiffness[j][(a, a)].sqrt();
-                asked.fixed_view_mut::<6, 1>(6 * number, column).copy_from(&scaled);
-            }
-        }
-        let free = free_directions(&asked);
-        free.transpose() * tangent * free
-    };
-    allowed.singular_values().iter().copied().fold(f64::INFINITY, f64::min)
-}
-
-/// An orthonormal basis of what equations leave free.
-fn free_directions(equations: &nalgebra::DMatrix<f64>) -> nalgebra::DMatrix<f64> {
-    let eigen = (equations.transpose() * equations).symmetric_eigen();
-    let largest = eigen.eigenvalues.amax();
-    let free: Vec<_> = eigen
-        .eigenvalues
-        .iter()
-        .enumerate()
-        .filter(|(_, value)| **value <= 1e-12 * largest)
-        .map(|(i, _)| eigen.eigenvectors.column(i))
-        .collect();
-    if free.is_empty() {
-        return nalgebra::DMatrix::zeros(equations.ncols(), 0);
-    }
-    nalgebra::DMatrix::from_columns(&free)
 }

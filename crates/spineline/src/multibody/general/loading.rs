@@ -82,11 +82,14 @@ pub struct LoadItem {
 }
 
 /// Two vertebrae whose relative pose is prescribed, as a rod screwed to both does.
+///
+/// Joints turn and do not stretch, so a chain between the two is nearly as long in every shape: a pose that asks for much
+/// more or less distance is out of reach, and the path says so.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rod {
     /// Lower vertebra.
     pub inferior: usize,
-    /// Upper vertebra; at least two joints above, or the rod asks more of one joint than it has.
+    /// Upper vertebra. With fewer than three joints between the two not every pose can be had.
     pub superior: usize,
     /// How the upper vertebra moves from its erect pose, in the lower one's axes.
     pub shift_mm: Vec3,
@@ -317,6 +320,12 @@ pub(super) struct RodPose {
 }
 
 impl Rod {
+    /// A rod that keeps two vertebrae as they stand to one another in the erect spine.
+    #[must_use]
+    pub fn locking(inferior: usize, superior: usize, timing: Timing) -> Self {
+        Self { inferior, superior, shift_mm: Vec3::zeros(), turn_rad: Vec3::zeros(), timing }
+    }
+
     /// The pose at a factor: from the erect one (0) to the prescribed one (1).
     pub(super) fn pose_at(&self, model: &SpineModel, factor: f64) -> RodPose {
         let inferior_from_global = model.axes[self.inferior].transpose();

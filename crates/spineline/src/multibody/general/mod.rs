@@ -15,6 +15,10 @@ mod equilibrium;
 mod loading;
 mod newton;
 mod path;
+mod singular;
+mod stability;
+#[cfg(test)]
+mod tests;
 mod wrench;
 
 pub use equilibrium::{

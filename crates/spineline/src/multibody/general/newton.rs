@@ -1,36 +1,43 @@
 use super::balance::{Balance, Factors, State, nan_max};
-use super::border::{Border, BorderRank};
+use super::border::Border;
 use super::elimination::Elimination;
+use super::stability::Signs;
 use super::wrench::{Spatial, first, second};
 use crate::spatial::Vec3;
 
-/// The factor counts in the length of an arc as so much turning of a hinge.
-pub(super) const FACTOR_RAD: f64 = 0.1;
 /// A step of Newton that is smaller leaves an error of its square.
 const SMALL_STEP_RAD: f64 = 1e-9;
 /// A step that is larger has left the branch.
 const LARGEST_STEP_RAD: f64 = 1.5;
 const MOST_ITERATIONS: u32 = 25;
 /// What counts as balanced: hinges (rad), and rods (mm and rad).
-const BALANCED_RAD: f64 = 1e-9;
+pub(super) const BALANCED_RAD: f64 = 1e-9;
 const ROD_FITS: (f64, f64) = (1e-6, 1e-8);
 
-/// A direction in the space of hinges, reactions and factor.
+/// A direction in the space of hinges, reactions and factor; reactions do not count in its length.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Direction {
     pub turns: Vec<Vec3>,
     pub reactions: Vec<Spatial>,
     pub factor: f64,
+    /// In a length, a factor of one counts as so much turning of a hinge.
+    pub factor_rad: f64,
 }
 
 impl Direction {
-    pub(super) fn new(joints: usize, rods: usize, factor: f64) -> Self {
-        Self { turns: vec![Vec3::zeros(); joints], reactions: vec![Spatial::zeros(); rods], factor }
+    /// The factor alone.
+    pub(super) fn of_factor(balance: &Balance<'_>, factor: f64, factor_rad: f64) -> Self {
+        Self {
+            turns: vec![Vec3::zeros(); balance.model.joints.len()],
+            reactions: vec![Spatial::zeros(); balance.loading.rods.len()],
+            factor,
+            factor_rad,
+        }
     }
 
     pub(super) fn dot(&self, turns: &[Vec3], factor: f64) -> f64 {
         let hinges: f64 = self.turns.iter().zip(turns).map(|(a, b)| a.dot(b)).sum();
-        hinges + FACTOR_RAD * FACTOR_RAD * self.factor * factor
+        hinges + self.factor_rad * self.factor_rad * self.factor * factor
     }
 }
 
@@ -106,14 +113,14 @@ impl Newton {
                 return failed(iterations, residual_rad);
             }
             let step = self.step(balance, factors, closing);
-            if !(step <= LARGEST_STEP_RAD) {
+            if step.is_nan() || step > LARGEST_STEP_RAD {
                 return failed(iterations, residual_rad);
             }
             if step <= SMALL_STEP_RAD {
                 balance.evaluate(factors, &mut self.state);
                 residual_rad = balance.residual_rad(&self.state);
                 let (mm, rad) = balance.rod_gap(&self.state);
-                let ending = if !(residual_rad <= BALANCED_RAD) {
+                let ending = if residual_rad.is_nan() || residual_rad > BALANCED_RAD {
                     NewtonEnding::Failed
                 } else if mm > ROD_FITS.0 || rad > ROD_FITS.1 {
                     NewtonEnding::RodOutOfReach
@@ -144,18 +151,20 @@ impl Newton {
                 self.fill_rod_rows(balance, rod, arc, &right_hand);
             }
             if let Closing::Arc { from, along, length } = closing {
-                let factor = factors.varied();
-                let (gone, hinges) = (self.state.hinges.iter().zip(from.0), &along.turns);
-                let gone: f64 =
-                    gone.zip(hinges).map(|((now, before), t)| t.dot(&(now - before))).sum();
-                let gone = gone + FACTOR_RAD * FACTOR_RAD * along.factor * (factor - from.1);
+                let gone: f64 = (self.state.hinges.iter().zip(from.0).zip(&along.turns))
+                    .map(|((now, before), turn)| turn.dot(&(now - before)))
+                    .sum();
+                let gone = gone + along.dot(&[], factors.varied() - from.1);
                 let right_hand = length - gone - along.dot(&self.answers[TO_RESIDUAL], 0.0);
                 self.fill_arc_row(balance, along, right_hand);
             }
             self.border.solve();
             factor_step = self.add_border(rods, arc);
         }
-        let mut largest = factor_step.abs() * FACTOR_RAD;
+        let mut largest = match closing {
+            Closing::Arc { along, .. } => factor_step.abs() * along.factor_rad,
+            Closing::Factor => 0.0,
+        };
         for (hinge, turn) in self.state.hinges.iter_mut().zip(&self.turns) {
             *hinge += turn;
             largest = nan_max(largest, turn.amax());
@@ -167,14 +176,13 @@ impl Newton {
         largest
     }
 
-    /// The direction of the branch at a balanced state, on the side of the direction so far, and whether the determinant
-    /// of hinges and border is positive; `None` for that where a rod asks twice for the same.
+    /// The direction of the branch at a balanced state, on the side of the direction so far; `None` where it has none.
     pub(super) fn tangent(
         &mut self,
         balance: &Balance<'_>,
         so_far: &Direction,
         tangent: &mut Direction,
-    ) -> Option<Option<bool>> {
+    ) -> Option<()> {
         if !self.elimination.factor(balance, &self.state) {
             return None;
         }
@@ -185,13 +193,12 @@ impl Newton {
             self.fill_rod_rows(balance, rod, true, &Spatial::zeros());
         }
         self.fill_arc_row(balance, so_far, 1.0);
-        let BorderRank { full, positive } = self.border.solve();
+        self.border.solve();
         self.turns.fill(Vec3::zeros());
+        tangent.factor_rad = so_far.factor_rad;
         tangent.factor = self.add_border(rods, true);
-        let length = {
-            tangent.turns.clone_from(&self.turns);
-            tangent.dot(&self.turns, tangent.factor).sqrt()
-        };
+        tangent.turns.clone_from(&self.turns);
+        let length = tangent.dot(&self.turns, tangent.factor).sqrt();
         if !(length > 0.0 && length.is_finite()) {
             return None;
         }
@@ -200,7 +207,16 @@ impl Newton {
         for (rod, reaction) in tangent.reactions.iter_mut().enumerate() {
             *reaction = reaction_of(self.border.solution(), rod) / length;
         }
-        Some(full.then_some(positive == self.elimination.positive))
+        Some(())
+    }
+
+    /// The signs of the tangent that was eliminated last.
+    pub(super) fn signs(&self, balance: &Balance<'_>) -> Signs {
+        if balance.loading.rods.is_empty() {
+            self.elimination.signs
+        } else {
+            Signs::within_rods(balance, &self.state)
+        }
     }
 
     /// The twist of a vertebra when the hinges turn.
@@ -266,11 +282,11 @@ impl Newton {
 
     /// Adds what the border brings to the turns; returns the change of the factor.
     fn add_border(&mut self, rods: usize, arc: bool) -> f64 {
-        let solution = self.border.solution();
-        let factor = if arc { solution[6 * rods] } else { 0.0 };
+        let (reactions, factor) = self.border.solution().split_at(6 * rods);
+        let factor = if arc { factor[0] } else { 0.0 };
         for (j, turn) in self.turns.iter_mut().enumerate() {
-            for component in 0..6 * rods {
-                *turn += self.answers[TO_RODS + component][j] * solution[component];
+            for (answer, reaction) in self.answers[TO_RODS..].iter().zip(reactions) {
+                *turn += answer[j] * *reaction;
             }
             if arc {
                 *turn += self.answers[TO_FACTOR][j] * factor;

@@ -2,9 +2,11 @@ use std::ops::ControlFlow;
 
 use super::balance::{Balance, Factors};
 use super::equilibrium::{BranchEvent, BranchEventKind, Equilibrium, EquilibriumPath, PathPoint};
-use super::newton::{Closing, Direction, Newton, NewtonEnding, velocity_at};
+use super::newton::{BALANCED_RAD, Closing, Direction, Newton, NewtonEnding, velocity_at};
+use super::singular::Located;
+use super::stability::Signs;
 use super::wrench::Spatial;
-use crate::multibody::roots::{Sample, turning_point, zeros_between};
+use crate::multibody::roots::{Along, Lost, Sample, zeros_between};
 use crate::multibody::{ForceSign, LARGEST_HINGE_RAD};
 use crate::spatial::{Angle, Frontal, Vec3};
 
@@ -49,6 +51,10 @@ impl Default for PathOptions {
 const FIRST_STEP_RAD: f64 = 0.05;
 const LONGEST_STEP_RAD: f64 = 0.25;
 const SHORTEST_STEP_RAD: f64 = 1e-7;
+/// In the length of a path, a factor of one counts as what it turns the unloaded hinges, within these limits: a straight
+/// column does not turn at all.
+const LEAST_FACTOR_RAD: f64 = 0.1;
+const MOST_FACTOR_RAD: f64 = 0.5;
 /// From one point to the next, the branch turns by less than this cosine says: else it may be another branch.
 const LEAST_COSINE: f64 = 0.9;
 /// Newton moves a point sideways by at most this part of the step, for the same reason.
@@ -61,28 +67,27 @@ pub type OnPoint<'o> = &'o mut dyn FnMut(&PathPoint) -> ControlFlow<()>;
 
 /// A place on the branch from which to step.
 #[derive(Clone)]
-struct Base {
-    hinges: Vec<Vec3>,
-    reactions: Vec<Spatial>,
-    factor: f64,
-    tangent: Direction,
-    /// Sign of the determinant of hinges and border: changes where another branch crosses.
-    positive: Option<bool>,
-    goal: Sample,
+pub(super) struct Base {
+    pub hinges: Vec<Vec3>,
+    pub reactions: Vec<Spatial>,
+    pub factor: f64,
+    pub tangent: Direction,
+    pub signs: Signs,
+    pub goal: Sample,
 }
 
 /// A stage of a path: its factors, and what was met so far.
 pub(super) struct Walk<'w, 'b> {
-    balance: Balance<'b>,
-    newton: &'w mut Newton,
+    pub balance: Balance<'b>,
+    pub newton: &'w mut Newton,
     factors: Factors,
     goal: Goal,
     options: PathOptions,
     path: &'w mut EquilibriumPath,
     on_point: OnPoint<'w>,
     arc_rad: f64,
-    /// How Newton ended last.
-    last: NewtonEnding,
+    /// Whether a rod was out of reach in the steps that failed since the last point.
+    rod_failed: bool,
 }
 
 /// Why a walk stopped.
@@ -118,7 +123,7 @@ impl<'w, 'b> Walk<'w, 'b> {
             path,
             on_point,
             arc_rad,
-            last: NewtonEnding::Balanced,
+            rod_failed: false,
         }
     }
 
@@ -128,10 +133,12 @@ impl<'w, 'b> Walk<'w, 'b> {
             ForceSign::Positive => 1.0,
             ForceSign::Negative => -1.0,
         };
-        let (joints, rods) = (self.balance.model.joints.len(), self.balance.loading.rods.len());
-        let outwards = Direction::new(joints, rods, sign);
         self.balance.evaluate(&self.factors, &mut self.newton.state);
-        let Some(mut base) = self.base(&outwards, 0.0) else { return Stop::Stuck };
+        let residual_rad = self.balance.residual_rad(&self.newton.state);
+        if residual_rad.is_nan() || residual_rad > BALANCED_RAD {
+            return Stop::Stuck;
+        }
+        let Some(mut base) = self.start(sign) else { return Stop::Stuck };
         if self.push_point(0).is_break() {
             return Stop::Interrupted;
         }
@@ -143,14 +150,19 @@ impl<'w, 'b> Walk<'w, 'b> {
         }
         let mut step_rad = FIRST_STEP_RAD;
         while self.path.points.len() < self.options.most_points {
-            let Some((next, iterations)) = self.step(&base, step_rad) else {
+            let step = self.step(&base, step_rad).and_then(|(next, iterations)| {
+                let events = self.events_between(&base, &next)?;
+                let met = self.met_between(&base, &next)?;
+                Some((next, iterations, events, met))
+            });
+            let Some((next, iterations, events, met)) = step else {
                 step_rad *= 0.5;
                 if step_rad < SHORTEST_STEP_RAD {
-                    return self.reason_to_stop();
+                    return if self.rod_failed { Stop::RodOutOfReach } else { Stop::Stuck };
                 }
                 continue;
             };
-            if let Some(stop) = self.look_between(&base, &next) {
+            if let Some(stop) = self.tell(&base, events, met) {
                 return stop;
             }
             self.arc_rad += step_rad;
@@ -165,13 +177,24 @@ impl<'w, 'b> Walk<'w, 'b> {
             }
             base = next;
             base.goal.at = 0.0;
+            self.rod_failed = false;
             step_rad = (step_rad * if iterations <= 4 { 1.6 } else { 0.8 }).min(LONGEST_STEP_RAD);
         }
         Stop::Stuck
     }
 
+    /// The first place, with a factor that counts as much as what it turns at first.
+    fn start(&mut self, sign: f64) -> Option<Base> {
+        let mut outwards = Direction::of_factor(&self.balance, sign, LEAST_FACTOR_RAD);
+        let Direction { turns, factor, .. } = self.base(&outwards, 0.0)?.tangent;
+        let turns: f64 = turns.iter().map(|turn| turn.norm_squared()).sum();
+        outwards.factor_rad =
+            (turns.sqrt() / factor.abs()).clamp(LEAST_FACTOR_RAD, MOST_FACTOR_RAD);
+        self.base(&outwards, 0.0)
+    }
+
     /// A point so far along the branch, and Newton's iterations; `None` where it may not be on the same branch.
-    fn step(&mut self, base: &Base, step_rad: f64) -> Option<(Base, u32)> {
+    pub(super) fn step(&mut self, base: &Base, step_rad: f64) -> Option<(Base, u32)> {
         let iterations = self.advance(base, step_rad)?;
         let mut next = self.base(&base.tangent, step_rad)?;
         let cosine = next.tangent.dot(&base.tangent.turns, base.tangent.factor);
@@ -199,7 +222,7 @@ impl<'w, 'b> Walk<'w, 'b> {
         let closing = Closing::Arc { from, along: &base.tangent, length: step_rad };
         let report = self.newton.correct(&self.balance, &mut self.factors, &closing);
         self.path.iterations += u64::from(report.iterations);
-        self.last = report.ending;
+        self.rod_failed |= report.ending == NewtonEnding::RodOutOfReach;
         let near =
             self.departure_rad(base, step_rad) <= MOST_DEPARTURE * step_rad.max(SHORTEST_STEP_RAD);
         (report.ending == NewtonEnding::Balanced && near).then_some(report.iterations)
@@ -217,11 +240,12 @@ impl<'w, 'b> Walk<'w, 'b> {
     /// The state as a place to step from.
     fn base(&mut self, so_far: &Direction, at: f64) -> Option<Base> {
         let mut tangent = so_far.clone();
-        let positive = self.newton.tangent(&self.balance, so_far, &mut tangent)?;
+        self.newton.tangent(&self.balance, so_far, &mut tangent)?;
+        let signs = self.newton.signs(&self.balance);
         let goal = self.sample(&tangent, at);
         let state = &self.newton.state;
         let (hinges, reactions) = (state.hinges.clone(), state.reactions.clone());
-        Some(Base { hinges, reactions, factor: self.factors.varied(), tangent, positive, goal })
+        Some(Base { hinges, reactions, factor: self.factors.varied(), tangent, signs, goal })
     }
 
     /// The goal's value and its change along the branch.
@@ -244,45 +268,30 @@ impl<'w, 'b> Walk<'w, 'b> {
         }
     }
 
-    /// The goal at a place between two points of the branch.
-    fn sample_at(&mut self, base: &Base, at: f64) -> Option<Sample> {
-        self.step(base, at).map(|(base, _)| base.goal)
-    }
-
-    /// Limit points, branch points and equilibria between two points, in the order in which they come.
-    fn look_between(&mut self, base: &Base, next: &Base) -> Option<Stop> {
-        let mut events = self.events_between(base, next);
-        let mut met = Vec::new();
-        let wants_more = self.options.look_beyond;
-        zeros_between(
-            &base.goal,
-            &next.goal,
-            |at| self.sample_at(base, at),
-            |found| {
-                met.extend(found.ok());
-                wants_more
-            },
-        );
+    /// Where the goal is met between two points, in order; `None` where one of these places was lost.
+    fn met_between(&mut self, base: &Base, next: &Base) -> Option<Vec<Sample>> {
+        let mut within = Within { walk: self, base, met: Vec::new(), lost: false };
+        zeros_between(&base.goal, &next.goal, &mut within);
+        let Within { mut met, lost, .. } = within;
         // The end of the step itself may meet the goal.
         if next.goal.met && !base.goal.met && met.is_empty() {
             met.push(next.goal);
         }
-        events.sort_by(|a, b| a.0.total_cmp(&b.0));
+        (!lost).then_some(met)
+    }
+
+    /// Tells of singular points and equilibria within a step, in the order in which they come.
+    fn tell(&mut self, base: &Base, events: Vec<Located>, met: Vec<Sample>) -> Option<Stop> {
         let mut events = events.into_iter().peekable();
         for sample in met {
-            while let Some((at, kind)) = events.next_if(|(at, _)| *at < sample.at) {
-                self.happened(base, next, at, kind);
+            while let Some(event) = events.next_if(|event| event.at < sample.at) {
+                self.happened(event);
             }
-            if self.advance(base, sample.at).is_none() {
-                continue;
+            if !self.land(base, sample.at) {
+                return Some(Stop::Stuck);
             }
-            if self.goal == Goal::FullLoad {
-                self.factors.set_varied(1.0);
-                let report =
-                    self.newton.correct(&self.balance, &mut self.factors, &Closing::Factor);
-                if report.ending != NewtonEnding::Balanced {
-                    continue;
-                }
+            if self.factors.varied().abs() > self.options.largest_factor {
+                break;
             }
             self.arc_rad += sample.at;
             let pushed = self.push_point(1);
@@ -291,53 +300,35 @@ impl<'w, 'b> Walk<'w, 'b> {
             if pushed.is_break() {
                 return Some(Stop::Interrupted);
             }
-            if !wants_more {
+            if !self.options.look_beyond {
                 return Some(Stop::Enough);
             }
         }
-        for (at, kind) in events {
-            self.happened(base, next, at, kind);
-        }
+        events.for_each(|event| self.happened(event));
         None
     }
 
-    /// Where between two points the factor turns, and where another branch crosses.
-    fn events_between(&mut self, base: &Base, next: &Base) -> Vec<(f64, BranchEventKind)> {
-        let mut events = Vec::new();
-        let length = next.goal.at;
-        let mut locate = |kind, rate_of: &dyn Fn(&Base) -> f64| {
-            let sample =
-                |at, base: &Base| Sample { at, value: 0.0, rate: rate_of(base), met: false };
-            let (from, to) = (sample(0.0, base), sample(length, next));
-            let turn = turning_point(&from, &to, |at| {
-                self.step(base, at).map(|(between, _)| sample(at, &between))
-            });
-            events.push((turn.map_or(length, |turn| turn.at), kind));
-        };
-        if base.tangent.factor * next.tangent.factor < 0.0 {
-            locate(BranchEventKind::LimitPoint, &|base| base.tangent.factor);
+    /// Puts the state where the goal is met; a full load is then met exactly.
+    fn land(&mut self, base: &Base, at: f64) -> bool {
+        if self.advance(base, at).is_none() {
+            return false;
         }
-        if let (Some(before), Some(after)) = (base.positive, next.positive)
-            && before != after
-        {
-            locate(BranchEventKind::BranchPoint, &|base| match base.positive {
-                Some(true) => 1.0,
-                _ => -1.0,
-            });
+        if self.goal != Goal::FullLoad {
+            return true;
         }
-        events
+        self.factors.set_varied(1.0);
+        let report = self.newton.correct(&self.balance, &mut self.factors, &Closing::Factor);
+        report.ending == NewtonEnding::Balanced
     }
 
-    fn happened(&mut self, base: &Base, next: &Base, at: f64, kind: BranchEventKind) {
-        if self.advance(base, at).is_none() {
-            self.restore(next);
-        }
-        let (timing, factor) = (self.factors.varies, self.factors.varied());
+    fn happened(&mut self, event: Located) {
+        let Located { at, factor, kind } = event;
+        let timing = self.factors.varies;
         self.path.events.push(BranchEvent { kind, timing, factor, arc_rad: self.arc_rad + at });
     }
 
     /// Puts the state back on a point.
-    fn restore(&mut self, point: &Base) {
+    pub(super) fn restore(&mut self, point: &Base) {
         self.newton.state.hinges.clone_from(&point.hinges);
         self.newton.state.reactions.clone_from(&point.reactions);
         self.factors.set_varied(point.factor);
@@ -365,11 +356,27 @@ impl<'w, 'b> Walk<'w, 'b> {
             Equilibrium::new(&self.balance, &self.factors, &self.newton.state, self.path);
         self.path.equilibria.push(equilibrium);
     }
+}
 
-    fn reason_to_stop(&self) -> Stop {
-        match self.last {
-            NewtonEnding::RodOutOfReach => Stop::RodOutOfReach,
-            NewtonEnding::Balanced | NewtonEnding::Failed => Stop::Stuck,
+/// The goal between two points of the branch.
+struct Within<'v, 'w, 'b> {
+    walk: &'v mut Walk<'w, 'b>,
+    base: &'v Base,
+    met: Vec<Sample>,
+    /// Whether a place was lost.
+    lost: bool,
+}
+
+impl Along for Within<'_, '_, '_> {
+    fn sample(&mut self, at: f64) -> Option<Sample> {
+        self.walk.step(self.base, at).map(|(between, _)| between.goal)
+    }
+
+    fn found(&mut self, zero: Result<Sample, Lost>) -> bool {
+        match zero {
+            Ok(sample) => self.met.push(sample),
+            Err(Lost) => self.lost = true,
         }
+        self.walk.options.look_beyond
     }
 }

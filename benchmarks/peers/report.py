@@ -1,0 +1,150 @@
+"""Tables from what the engines said: agreement first, then medians over the rounds and ratios to Spineline."""
+
+from statistics import median
+
+TASKS = {
+    "equilibrium": "One equilibrium, from the erect spine",
+    "equilibrium_near": "One equilibrium, from that at 95 % of the force",
+    "amplitude": "The smallest positive force that gives a lean",
+    "personalisation": "Personalisation: three multipliers and two forces from two bends",
+}
+MIDPOINT_MM = 1e-6
+MIDPOINT_MM_OF = {"opensim": 1e-3}
+FORCE = 1e-6  # relative
+MULTIPLIER = 1e-4
+
+
+def largest(ours, theirs):
+    """The largest difference between two nested lists of numbers."""
+    if isinstance(ours, list):
+        return max(largest(a, b) for a, b in zip(ours, theirs, strict=True))
+    return abs(ours - theirs)
+
+
+def fault(row, engine, reference, truth):
+    """Why a row's time does not count, or None."""
+    if "failed" in row:
+        return f"failed: {row['failed']}"
+    if row["task"] == "personalisation":
+        off = largest(row["multipliers"], truth)
+        return f"multipliers off by {off:.1e}" if not off < MULTIPLIER else None
+    if "midpoints_mm" in row:
+        off = largest(row["midpoints_mm"], reference["midpoints_mm"])
+        return f"disagrees by {off:.1e} mm" if not off < MIDPOINT_MM_OF.get(engine, MIDPOINT_MM) else None
+    off = max(abs(theirs / ours - 1.0) for ours, theirs in zip(reference["forces_n"], row["forces_n"], strict=True))
+    return f"disagrees by {off:.1e} of the force" if not off < FORCE else None
+
+
+def reference_of(answers, case, task):
+    """Spineline's row. Its march needs no start, so that both equilibria have the same one."""
+    task = "equilibrium" if task == "equilibrium_near" else task
+    rows = (row for a in answers if (a["engine"], a["case"]) == ("spineline", case) for row in a["rows"])
+    return next(row for row in rows if row["task"] == task)
+
+
+def agreement(answers, truth):
+    """Per engine, the largest disagreements with Spineline's midpoints and with the true multipliers."""
+    lines = ["## Agreement", "", "| engine | midpoints, mm | multipliers |", "|---|---|---|"]
+    for engine in dict.fromkeys(answer["engine"] for answer in answers):
+        off = {"midpoints_mm": [], "multipliers": []}
+        for answer in (answer for answer in answers if answer["engine"] == engine):
+            for row in answer["rows"]:
+                ours = reference_of(answers, answer["case"], row["task"]) | {"multipliers": truth[answer["case"]]}
+                for what, found in off.items():
+                    if what in row:
+                        found.append(largest(ours[what], row[what]))
+        cells = (f"{max(found):.0e}" if found else "-" for found in off.values())
+        lines.append(f"| {engine} | {' | '.join(cells)} |")
+    return lines + [""]
+
+
+def gather(answers, truth):
+    """(task, engine, method) → case → median seconds over the rounds, or a fault."""
+    cells = {}
+    for answer in answers:
+        engine, case = answer["engine"], answer["case"]
+        for row in answer["rows"]:
+            problem = fault(row, engine, reference_of(answers, case, row["task"]), truth[case])
+            key = (row["task"], engine, row["method"])
+            cells.setdefault(key, {}).setdefault(case, []).append(problem or row["seconds"])
+    return {
+        key: {case: next((v for v in values if isinstance(v, str)), None) or median(values) for case, values in by_case.items()}
+        for key, by_case in cells.items()
+    }
+
+
+def seconds_text(seconds):
+    for factor, unit in ((1e6, "µs"), (1e3, "ms")):
+        if seconds * factor < 1000:
+            return f"{seconds * factor:.3g} {unit}"
+    return f"{seconds:.3g} s"
+
+
+def own_times(cells, task):
+    task = "equilibrium" if task == "equilibrium_near" else task
+    return next(by_case for (t, engine, _), by_case in cells.items() if (t, engine) == (task, "spineline"))
+
+
+def cell_text(value, own, engine):
+    if isinstance(value, str):
+        return value
+    ratio = "" if engine == "spineline" else f" ({value / own:,.0f}×)"
+    return seconds_text(value) + ratio
+
+
+def table(cells, task, names):
+    lines = [f"## {TASKS[task]}", "", f"| engine | method | {' | '.join(names)} |", f"|---|---|{'---|' * len(names)}"]
+    own = own_times(cells, task)
+    if task == "equilibrium_near":
+        cells = {(task, "spineline", "explicit march (needs no start)"): own} | cells
+    for (of_task, engine, method), by_case in cells.items():
+        if of_task == task:
+            values = " | ".join(cell_text(by_case[name], own[name], engine) for name in names)
+            lines.append(f"| {engine} | {method} | {values} |")
+    return lines + [""]
+
+
+def least_ratios(cells, task, engines, names, methods=""):
+    """Per case, how many times longer than Spineline the fastest of some engines takes."""
+    own = own_times(cells, task)
+    ratios = []
+    for name in names:
+        times = [
+            by_case[name]
+            for (of_task, engine, method), by_case in cells.items()
+            if of_task == task and engine in engines and methods in method and not isinstance(by_case[name], str)
+        ]
+        ratios.append(f"{min(times) / own[name]:,.0f}×" if times else "none")
+    return ", ".join(ratios)
+
+
+def summary(cells, names):
+    python = ("pinocchio", "mujoco", "opensim", "numpy")
+    lines = [
+        ("personalisation, fastest engine from Python, start given", "personalisation", python, "closed-form"),
+        ("personalisation, fastest engine from Python, nominal start", "personalisation", python, "nominal"),
+        ("personalisation, Octave, start given", "personalisation", ("octave",), "closed-form"),
+        ("personalisation, Octave, nominal start", "personalisation", ("octave",), "nominal"),
+        ("equilibrium, Pinocchio's C++ kernels, dense LU", "equilibrium", ("pinocchio C++",), "dense"),
+        ("equilibrium, Pinocchio's C++ kernels, triangular solve", "equilibrium", ("pinocchio C++",), "triangular"),
+    ]
+    head = ["## How many times Spineline's time", "", f"In the order {', '.join(names)}.", ""]
+    return head + [f"- {what}: {least_ratios(cells, t, e, names, m)}" for what, t, e, m in lines] + [""]
+
+
+def write(results, truth, names):
+    """The report as Markdown."""
+    answers = results["answers"]
+    cells = gather(answers, truth)
+    lines = ["# Spineline and other engines on the same cases", ""]
+    lines += [f"{results['machine']}, Python {results['python']}, one thread. Medians; in brackets the ratio to Spineline.", ""]
+    lines += agreement(answers, truth)
+    for task in TASKS:
+        lines += table(cells, task, names)
+    lines += summary(cells, names)
+    lines += ["## What the engines could not do", ""]
+    said = {(a["engine"], a["version"]): a.get("cannot", []) for a in answers}
+    for (engine, version), faults in said.items():
+        lines += [f"- {engine} {version}" + (": " + "; ".join(faults) if faults else "")]
+    lines += [f"- {engine}: {reason}" for engine, reason in results["missing"].items()]
+    return "\n".join(lines) + "\n"

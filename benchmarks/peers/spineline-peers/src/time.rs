@@ -1,0 +1,186 @@
+//! Spineline's own times, through the core's public functions.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use serde::Serialize;
+use spineline::clinical::Regions;
+use spineline::measure::Outline;
+use spineline::multibody::{
+    ForceSign, JointGroups, Load, Solution, SpineModel, Statics, StiffnessLibrary, Support,
+    match_amplitude,
+};
+use spineline::personalize::{
+    FitFilm, FitSettings, FitTarget, Gauge, Personalization, personalize,
+};
+
+use crate::case::Case;
+
+/// What an engine says of one case.
+#[derive(Debug, Serialize)]
+pub struct Times {
+    engine: &'static str,
+    version: &'static str,
+    case: String,
+    cannot: [&'static str; 2],
+    rows: Vec<Row>,
+}
+
+/// One task done in one way.
+#[derive(Debug, Default, Serialize)]
+struct Row {
+    task: &'static str,
+    method: &'static str,
+    /// Median time of one solution: of one bend, but for the personalisation, which is of both.
+    seconds: f64,
+    /// Midpoints per bend and vertebra, to be compared.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    midpoints_mm: Vec<Vec<[f64; 3]>>,
+    /// Forces per bend, to be compared.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    forces_n: Vec<f64>,
+    /// Multipliers found, to be compared.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    multipliers: Vec<f64>,
+}
+
+/// What the other engines can and the timed functions cannot.
+const CANNOT: [&str; 2] = [
+    "the march is for one force on T2, along a line fixed in space or at T2; other loads need another solver",
+    "no contact, no muscles, no dynamics, no joint but three hinges in series",
+];
+
+/// Forces vary by so much from call to call, so that no branch is learnt by heart.
+const WOBBLE: f64 = 1e-3;
+
+/// Times of all tasks.
+pub fn times(case: &Case) -> Times {
+    let (model, library, groups) = (case.model(), case.library(), case.groups());
+    let logs = case.log_multipliers();
+    let statics = Statics::new(&model, &library, &groups, &logs, Support::Free);
+    // The general Newton solver, from the erect spine and from a nearby start, has its rows here once the core has it.
+    let rows = vec![equilibrium(case, &statics), amplitude(case, &statics), personalisation(case)];
+    Times {
+        engine: "spineline",
+        version: env!("CARGO_PKG_VERSION"),
+        case: case.name.clone(),
+        cannot: CANNOT,
+        rows,
+    }
+}
+
+/// One march per bend; it needs no start.
+fn equilibrium(case: &Case, statics: &Statics<'_>) -> Row {
+    let loads = case.bends.each_ref().map(|bend| (bend.load(), bend.force_n));
+    let mut solution = Solution::default();
+    let midpoints_mm = loads.iter().map(|(load, force_n)| {
+        statics.solve(load, &[*force_n], &[], &mut solution);
+        solution.deformed.midpoints_mm.iter().map(|&midpoint| midpoint.into()).collect()
+    });
+    let midpoints_mm = midpoints_mm.collect();
+    let seconds = median_seconds(2000, 50, |i| {
+        let (load, force_n) = &loads[i % 2];
+        let force_n = force_n * (1.0 - WOBBLE * (i % 64) as f64 / 64.0);
+        statics.solve(black_box(load), black_box(&[force_n]), &[], &mut solution);
+        black_box(&solution);
+    });
+    Row {
+        task: "equilibrium",
+        method: "explicit march",
+        seconds,
+        midpoints_mm,
+        ..Default::default()
+    }
+}
+
+fn amplitude(case: &Case, statics: &Statics<'_>) -> Row {
+    let goals = case.bends.each_ref().map(|bend| (bend.load(), bend.lean()));
+    let forces_n = goals
+        .iter()
+        .map(|(load, lean)| match_amplitude(statics, load, ForceSign::Positive, *lean).force_n);
+    let forces_n = forces_n.collect();
+    let seconds = median_seconds(1000, 10, |i| {
+        let (load, lean) = &goals[i % 2];
+        let lean = *lean * (1.0 - WOBBLE * (i % 64) as f64 / 64.0);
+        black_box(match_amplitude(statics, black_box(load), ForceSign::Positive, lean));
+    });
+    Row {
+        task: "amplitude",
+        method: "continuation from zero",
+        seconds,
+        forces_n,
+        ..Default::default()
+    }
+}
+
+/// Everything that the fit of a case is given.
+pub struct Fit {
+    model: SpineModel,
+    library: StiffnessLibrary,
+    groups: JointGroups,
+    regions: Regions,
+    erect: Outline,
+    films: [(Outline, Load); 2],
+}
+
+impl Fit {
+    /// The fit of one case.
+    pub fn of(case: &Case) -> Self {
+        Self {
+            model: case.model(),
+            library: case.library(),
+            groups: case.groups(),
+            regions: case.regions(),
+            erect: case.erect(),
+            films: std::array::from_fn(|i| (case.bend(i), case.bends[i].load())),
+        }
+    }
+
+    /// From outlines to multipliers, with the search for a start.
+    pub fn run(&self) -> Personalization {
+        let films = self.films.each_ref().map(|(outline, load)| FitFilm { outline, load: *load });
+        let settings = FitSettings {
+            regions: &self.regions,
+            target: FitTarget::Shape,
+            gauge: Gauge::GeometricMean,
+            support: Support::Free,
+            hints: &[],
+        };
+        personalize(&self.model, &self.library, &self.groups, &self.erect, &films, &settings)
+    }
+}
+
+fn personalisation(case: &Case) -> Row {
+    let fit = Fit::of(case);
+    let found = fit.run();
+    let seconds = median_seconds(1000, 1, |_| {
+        black_box(black_box(&fit).run());
+    });
+    Row {
+        task: "personalisation",
+        method: "own start, Levenberg-Marquardt",
+        seconds,
+        forces_n: found.loads.iter().map(|load| load[0]).collect(),
+        multipliers: found.log_multipliers.iter().map(|log| log.exp()).collect(),
+        ..Default::default()
+    }
+}
+
+/// Median over samples of the mean time of one call; a sample of several calls makes the clock's own time small.
+fn median_seconds(samples: usize, calls: usize, mut work: impl FnMut(usize)) -> f64 {
+    let mut call = 0;
+    let mut means: Vec<f64> = (0..samples + samples / 10)
+        .map(|_| {
+            let start = Instant::now();
+            for _ in 0..calls {
+                work(call);
+                call += 1;
+            }
+            start.elapsed().as_secs_f64() / calls as f64
+        })
+        // The first tenth warms up.
+        .skip(samples / 10)
+        .collect();
+    means.sort_by(f64::total_cmp);
+    means[means.len() / 2]
+}

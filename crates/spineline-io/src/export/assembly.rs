@@ -1,0 +1,205 @@
+//! A stored model as bodies, joint frames and hinges in SI units: what all formats have in common.
+
+use spineline::anatomy::{Level, Morphometry};
+use spineline::spatial::{Mat3, Vec3};
+
+use super::ExportError;
+use crate::StoredModel;
+
+/// Mass of every vertebra in kg, and its moment of inertia in kg·m²: engines refuse bodies without. No equilibrium
+/// depends on them.
+pub(super) const NOMINAL_MASS_KG: f64 = 0.1;
+/// See [`NOMINAL_MASS_KG`].
+pub(super) const NOMINAL_INERTIA_KG_M2: f64 = 1e-4;
+/// How far the axes of a vertebra may be from those of a rotation.
+const AXES_TOLERANCE: f64 = 1e-6;
+
+/// The three hinges of a joint, in the order in which they follow one another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Axis {
+    /// About the anterior axis.
+    Lateral,
+    /// About the left axis.
+    Flexion,
+    /// About the cranial axis.
+    Axial,
+}
+
+impl Axis {
+    const ALL: [Self; 3] = [Self::Lateral, Self::Flexion, Self::Axial];
+
+    /// Its word in names.
+    pub(super) const fn word(self) -> &'static str {
+        match self {
+            Self::Lateral => "lateral",
+            Self::Flexion => "flexion",
+            Self::Axial => "axial",
+        }
+    }
+
+    /// The axis in the inferior vertebra.
+    pub(super) fn unit(self) -> Vec3 {
+        match self {
+            Self::Lateral => Vec3::x(),
+            Self::Flexion => Vec3::y(),
+            Self::Axial => Vec3::z(),
+        }
+    }
+}
+
+/// One hinge with its spring.
+#[derive(Debug)]
+pub(super) struct Hinge {
+    /// Unique, such as `L4_L3_lateral`.
+    pub(super) name: String,
+    pub(super) axis: Axis,
+    pub(super) nm_per_rad: f64,
+    /// Whether the support locks it.
+    pub(super) locked: bool,
+}
+
+impl Hinge {
+    /// Nominal damping in N·m·s/rad: the stiffness times so many seconds. No equilibrium depends on it.
+    pub(super) fn damping(&self, seconds: f64) -> f64 {
+        seconds * self.nm_per_rad
+    }
+}
+
+/// A joint: three hinges at one centre.
+#[derive(Debug)]
+pub(super) struct Joint {
+    /// Inferior and superior vertebra, such as `L4_L3`.
+    pub(super) name: String,
+    /// Centre in the inferior vertebra.
+    pub(super) centre_in_inferior_m: Vec3,
+    /// Centre in the superior vertebra.
+    pub(super) centre_in_superior_m: Vec3,
+    /// From the centre to the superior midpoint in the inferior vertebra's axes, erect.
+    pub(super) rise_m: Vec3,
+    /// The superior vertebra's axes in the inferior vertebra's, erect.
+    pub(super) inferior_from_superior: Mat3,
+    /// In series: lateral, flexion, axial.
+    pub(super) hinges: Vec<Hinge>,
+}
+
+impl Joint {
+    /// The hinges that turn.
+    pub(super) fn free(&self) -> impl Iterator<Item = &Hinge> {
+        self.hinges.iter().filter(|hinge| !hinge.locked)
+    }
+
+    /// The inferior vertebra's axes in the superior vertebra's, erect.
+    pub(super) fn superior_from_inferior(&self) -> Mat3 {
+        self.inferior_from_superior.transpose()
+    }
+}
+
+/// A vertebra.
+#[derive(Debug)]
+pub(super) struct Vertebra {
+    pub(super) name: &'static str,
+    /// Midpoint in `G`, erect.
+    pub(super) midpoint_m: Vec3,
+    /// Axes in `G`, erect.
+    pub(super) axes: Mat3,
+    /// Drawn size: depth, width and height.
+    pub(super) size_m: Vec3,
+    /// Drawn height of the disc above.
+    pub(super) disc_m: f64,
+}
+
+/// The whole spine; joint `i` lies between vertebrae `i` and `i + 1`.
+#[derive(Debug)]
+pub(super) struct Assembly {
+    pub(super) vertebrae: Vec<Vertebra>,
+    pub(super) joints: Vec<Joint>,
+}
+
+impl Assembly {
+    /// Takes a model apart, and refuses what no engine could hold.
+    pub(super) fn of(model: &StoredModel) -> Result<Self, ExportError> {
+        let spine = &model.spine;
+        assert_eq!(model.levels.len(), spine.midpoints_mm.len(), "every vertebra has its level");
+        let mut vertebrae = Vec::new();
+        for (i, &level) in model.levels.iter().enumerate() {
+            if model.levels[..i].contains(&level) {
+                return Err(ExportError::LevelTwice { level });
+            }
+            check_axes(level, &spine.axes[i])?;
+            let scale = drawn_scale(model, i);
+            let typical = Morphometry::of(level);
+            vertebrae.push(Vertebra {
+                name: level.name(),
+                midpoint_m: spine.midpoints_mm[i] / 1000.0,
+                axes: spine.axes[i],
+                size_m: Vec3::new(
+                    typical.superior_depth_mm,
+                    typical.superior_width_mm,
+                    typical.body_height_mm,
+                ) * (scale / 1000.0),
+                disc_m: typical.disc_above_mm * scale / 1000.0,
+            });
+        }
+        let joints =
+            (0..spine.joints.len()).map(|j| joint(model, j)).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self { vertebrae, joints })
+    }
+}
+
+fn joint(model: &StoredModel, j: usize) -> Result<Joint, ExportError> {
+    let stored = &model.spine.joints[j];
+    let name = format!("{}_{}", model.levels[j], model.levels[j + 1]);
+    let from_inferior = stored.inferior_from_superior.transpose();
+    Ok(Joint {
+        hinges: hinges(model, j, &name)?,
+        name,
+        centre_in_inferior_m: stored.centre_in_inferior_mm / 1000.0,
+        centre_in_superior_m: from_inferior * -stored.rise_in_inferior_mm / 1000.0,
+        rise_m: stored.rise_in_inferior_mm / 1000.0,
+        inferior_from_superior: stored.inferior_from_superior,
+    })
+}
+
+/// Three springs that know nothing of one another: all that the formats can hold.
+fn hinges(model: &StoredModel, j: usize, joint: &str) -> Result<Vec<Hinge>, ExportError> {
+    let springs = Axis::ALL.into_iter().zip(model.stiffness_nmm_per_rad[j]);
+    springs
+        .map(|(axis, nmm_per_rad)| {
+            if !(nmm_per_rad > 0.0 && nmm_per_rad.is_finite()) {
+                return Err(ExportError::Spring {
+                    inferior: model.levels[j],
+                    superior: model.levels[j + 1],
+                    axis: axis.word(),
+                    value: nmm_per_rad,
+                });
+            }
+            Ok(Hinge {
+                name: format!("{joint}_{}", axis.word()),
+                axis,
+                nm_per_rad: nmm_per_rad / 1000.0,
+                locked: !super::turns(model.support, axis),
+            })
+        })
+        .collect()
+}
+
+fn check_axes(level: Level, axes: &Mat3) -> Result<(), ExportError> {
+    let departure = (axes.transpose() * axes - Mat3::identity()).abs().max();
+    if departure < AXES_TOLERANCE && axes.determinant() > 0.0 {
+        Ok(())
+    } else {
+        Err(ExportError::Axes { level, departure, right_handed: axes.determinant() > 0.0 })
+    }
+}
+
+/// The patient's size over a typical one, as the distance to the neighbouring vertebra tells it. For drawing only.
+fn drawn_scale(model: &StoredModel, vertebra: usize) -> f64 {
+    let joints = model.spine.joints.len();
+    if joints == 0 {
+        return 1.0;
+    }
+    let below = vertebra.min(joints - 1);
+    let places = &model.spine.midpoints_mm;
+    let spacing_mm = (places[below + 1] - places[below]).norm();
+    spacing_mm / Morphometry::spacing_mm(model.levels[below], model.levels[below + 1])
+}

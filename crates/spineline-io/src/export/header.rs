@@ -1,0 +1,95 @@
+//! The comment at the top of every file: what it is, where it came from, how to read its numbers.
+
+use spineline::multibody::Support;
+use spineline::spatial::Vec3;
+
+use super::assembly::{NOMINAL_INERTIA_KG_M2, NOMINAL_MASS_KG};
+use super::xml::{number, vector};
+use crate::{ApplicationKey, LoadRecord, StoredModel};
+
+/// What differs between the formats.
+pub(super) struct Dialect {
+    /// Name of the format.
+    pub(super) format: &'static str,
+    /// Its frame.
+    pub(super) frame: &'static str,
+    /// Where springs and hinges are, and what the format cannot say.
+    pub(super) notes: &'static str,
+    /// Nominal damping of a hinge over its stiffness.
+    pub(super) damping_s: f64,
+    /// From `G` to its frame.
+    pub(super) from_global: fn(&Vec3) -> Vec3,
+}
+
+/// The comment's text.
+pub(super) fn header(model: &StoredModel, generator: &str, dialect: &Dialect) -> String {
+    let mut lines = vec![
+        format!(
+            "Personalised multibody model of a spine as {}, written by {generator}.",
+            dialect.format
+        ),
+        "Research software, not a medical device.".to_owned(),
+        format!("Case: {}", model.case_id),
+    ];
+    if model.synthetic {
+        lines.push("SYNTHETIC: made from made-up films, not of a patient.".to_owned());
+    }
+    lines.push(format!("Frame: {}", dialect.frame));
+    lines.push("Units: m, kg, s, N, N m/rad, rad.".to_owned());
+    lines.push(
+        "Bodies: vertebrae in the erect posture, unloaded; a body's origin is the vertebra's midpoint. The lowest is fixed."
+            .to_owned(),
+    );
+    lines.push(
+        "Joints: three hinges in series (lateral, flexion, axial) about the inferior vertebra's anterior, left and cranial axes, each with a linear spring that rests at zero."
+            .to_owned(),
+    );
+    lines.push(dialect.notes.to_owned());
+    lines.push(support(model.support).to_owned());
+    lines.push(format!(
+        "Stiffness: fitted with the line of action `{}`. {}",
+        model.line,
+        level(model.absolute)
+    ));
+    lines.push(format!(
+        "NOMINAL, of no patient, and of no influence on an equilibrium: mass {} kg and inertia {} kg m2 of a vertebra, damping {} s times the stiffness, and all shapes. Gravity is off.",
+        number(NOMINAL_MASS_KG),
+        number(NOMINAL_INERTIA_KG_M2),
+        number(dialect.damping_s),
+    ));
+    if !model.loads.is_empty() {
+        lines.push("Loads on the uppermost vertebra that this model needs for its films (not applied here):".to_owned());
+        lines.extend(model.loads.iter().map(|one| load(one, dialect)));
+    }
+    lines.join("\n  ")
+}
+
+const fn support(support: Support) -> &'static str {
+    match support {
+        Support::Free => "Support: free; every hinge turns.",
+        Support::Frontal => {
+            "Support: frontal; flexion and axial hinges are locked, only the lateral ones turn."
+        }
+    }
+}
+
+const fn level(absolute: bool) -> &'static str {
+    if absolute {
+        "Springs and forces are absolute."
+    } else {
+        "Only ratios of springs and forces mean anything: all may be multiplied by one unknown number."
+    }
+}
+
+fn load(load: &LoadRecord, dialect: &Dialect) -> String {
+    let force_n = (dialect.from_global)(&(Vec3::from(load.direction) * load.force_n));
+    let place = match load.application {
+        ApplicationKey::Fixed => {
+            let point_m = (dialect.from_global)(&(Vec3::from(load.point_mm) / 1000.0));
+            format!("along the line fixed in space through {} m", vector(&point_m))
+        }
+        ApplicationKey::AtT2 => "at the midpoint, wherever that goes".to_owned(),
+    };
+    let posture = spineline::anatomy::Posture::from(load.posture);
+    format!("  {}: {} N {place} ({})", posture.key(), vector(&force_n), load.status)
+}

@@ -1,0 +1,135 @@
+//! Personalised models as other multibody programs read them: MJCF, OpenSim and URDF.
+//!
+//! The formats hold what [`StoredModel`] holds: bodies in the erect posture, three hinges in series at every joint,
+//! and a linear spring on each. What they ask for beyond that (masses, damping, shapes to draw) is nominal, and moves no
+//! equilibrium. Each file opens with a comment that says what it is, where it came from, and in which frame and units.
+
+mod assembly;
+mod header;
+mod mjcf;
+mod osim;
+mod rotation;
+mod urdf;
+mod xml;
+
+use spineline::anatomy::Level;
+use spineline::multibody::Support;
+
+use crate::StoredModel;
+use assembly::{Assembly, Axis};
+
+/// A format of another program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ExportFormat {
+    /// MuJoCo's own XML.
+    Mjcf,
+    /// An OpenSim 4 model.
+    Osim,
+    /// Unified robot description format, with the springs in SDFormat's extension.
+    Urdf,
+}
+
+/// A model that a format cannot hold.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExportError {
+    /// Two bodies would have one name.
+    #[error("vertebra {level} is given twice")]
+    LevelTwice {
+        /// The vertebra.
+        level: Level,
+    },
+    /// Axes that are no rotation.
+    #[error(
+        "{level}: its axes depart from unit length and right angles by {departure:.2e}{}; a body's pose needs a rotation",
+        if *right_handed { "" } else { " and are left-handed" }
+    )]
+    Axes {
+        /// The vertebra.
+        level: Level,
+        /// Largest element of `RᵀR - 1`.
+        departure: f64,
+        /// Whether they are right-handed.
+        right_handed: bool,
+    },
+    /// A spring that is no spring.
+    #[error(
+        "joint {inferior}/{superior}: {axis} stiffness is {value} N·mm/rad, and must be positive and finite"
+    )]
+    Spring {
+        /// Lower vertebra.
+        inferior: Level,
+        /// Upper vertebra.
+        superior: Level,
+        /// Axis.
+        axis: &'static str,
+        /// What the model has.
+        value: f64,
+    },
+    /// A character that XML cannot hold, or not everywhere.
+    #[error("`{what}` has the character U+{:04X}, which XML cannot hold", u32::from(*character))]
+    Text {
+        /// Key of the model file.
+        what: &'static str,
+        /// The character.
+        character: char,
+    },
+}
+
+impl ExportError {
+    /// What the user can do about it.
+    #[must_use]
+    pub const fn help(&self) -> &'static str {
+        match self {
+            Self::LevelTwice { .. } | Self::Axes { .. } | Self::Spring { .. } => {
+                "write the model again with `spineline analyze CASE --model FILE`"
+            }
+            Self::Text { .. } => "take control characters out of that text in the model file",
+        }
+    }
+}
+
+/// The text of a model in another program's format. The same model gives the same bytes.
+///
+/// # Errors
+/// [`ExportError`] for a model that the format cannot hold.
+///
+/// # Panics
+/// If the model has not one level per vertebra, which [`parse_model`](crate::parse_model) sees to.
+pub fn export(
+    model: &StoredModel,
+    format: ExportFormat,
+    generator: &str,
+) -> Result<String, ExportError> {
+    for (what, text) in
+        [("case_id", &*model.case_id), ("line", &*model.line), ("generator", generator)]
+    {
+        check_text(what, text)?;
+    }
+    for load in &model.loads {
+        check_text("status", &load.status)?;
+    }
+    let assembly = Assembly::of(model)?;
+    Ok(match format {
+        ExportFormat::Mjcf => mjcf::text(model, &assembly, generator),
+        ExportFormat::Osim => osim::text(model, &assembly, generator),
+        ExportFormat::Urdf => urdf::text(model, &assembly, generator),
+    })
+}
+
+/// Control characters and the two that are none have no place in XML, not even escaped.
+fn check_text(what: &'static str, text: &str) -> Result<(), ExportError> {
+    let refused = |c: &char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}');
+    match text.chars().find(refused) {
+        Some(character) => Err(ExportError::Text { what, character }),
+        None => Ok(()),
+    }
+}
+
+/// Whether a support lets a hinge turn.
+const fn turns(support: Support, axis: Axis) -> bool {
+    match support {
+        Support::Free => true,
+        Support::Frontal => matches!(axis, Axis::Lateral),
+    }
+}

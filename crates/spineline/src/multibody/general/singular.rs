@@ -1,0 +1,102 @@
+//! Singular points of the branch: where the factor turns, and where other branches cross.
+
+use super::equilibrium::BranchEventKind;
+use super::path::{Base, Walk};
+use super::stability::smallest_singular_value;
+use crate::multibody::roots::{Sample, turning_point};
+
+/// A singular point within a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Located {
+    /// How far along the step.
+    pub at: f64,
+    /// The factor there.
+    pub factor: f64,
+    pub kind: BranchEventKind,
+}
+
+/// A change of signs is narrowed down to so small a part of its step.
+const NARROW: f64 = 1e-9;
+/// Elimination loses its digits beside a zero pivot, though the tangent be regular: then this has to do.
+const NARROW_ENOUGH: f64 = 1e-3;
+/// Shapes on both sides of a gap that is so narrow are the same, or the step went from one branch to another.
+const SAME_RAD: f64 = 1e-3;
+/// A tangent is singular in a gap where its smallest singular value is below this.
+const SINGULAR: f64 = 1e-3;
+
+impl Walk<'_, '_> {
+    /// Singular points between two points, in order; `None` where the two are not on one branch.
+    ///
+    /// A step over a sharp bend may land on the branch beyond it. The signs tell: where they change, the branch must be
+    /// singular, or the shapes on both sides of the change are not neighbours.
+    pub(super) fn events_between(&mut self, base: &Base, next: &Base) -> Option<Vec<Located>> {
+        let mut events = Vec::new();
+        let mut gaps = Vec::new();
+        if base.signs != next.signs {
+            let mut from = base.clone();
+            from.goal.at = 0.0;
+            gaps.push((from, next.clone()));
+        }
+        let length = next.goal.at;
+        while let Some((low, high)) = gaps.pop() {
+            let width = high.goal.at - low.goal.at;
+            let middle = if width > NARROW * length {
+                self.step(base, f64::midpoint(low.goal.at, high.goal.at))
+            } else {
+                None
+            };
+            if let Some((middle, _)) = middle {
+                if middle.signs != high.signs {
+                    gaps.push((middle.clone(), high));
+                }
+                if low.signs != middle.signs {
+                    gaps.push((low, middle));
+                }
+            } else if width <= NARROW_ENOUGH * length {
+                events.extend(self.event_in_gap(&low, &high)?);
+            } else {
+                return None;
+            }
+        }
+        let turned = base.tangent.factor * next.tangent.factor < 0.0;
+        if turned && !events.iter().any(|event| event.kind == BranchEventKind::LimitPoint) {
+            events.push(self.limit_point(base, next)?);
+            events.sort_by(|a, b| a.at.total_cmp(&b.at));
+        }
+        Some(events)
+    }
+
+    /// What lies in a narrow gap over which the signs change: nothing, or a singular point; `None` where its sides are apart.
+    fn event_in_gap(&mut self, low: &Base, high: &Base) -> Option<Option<Located>> {
+        let apart = low.hinges.iter().zip(&high.hinges);
+        if apart.map(|(a, b)| (a - b).amax()).fold(0.0, f64::max) > SAME_RAD {
+            return None;
+        }
+        let least = [low, high].map(|side| {
+            self.restore(side);
+            smallest_singular_value(&self.balance, &self.newton.state)
+        });
+        if least[0].min(least[1]) > SINGULAR {
+            return Some(None);
+        }
+        let turned = low.tangent.factor * high.tangent.factor < 0.0;
+        let kind = if turned { BranchEventKind::LimitPoint } else { BranchEventKind::BranchPoint };
+        Some(Some(Located { at: low.goal.at, factor: low.factor, kind }))
+    }
+
+    /// Where the factor turns between two points.
+    fn limit_point(&mut self, base: &Base, next: &Base) -> Option<Located> {
+        let sample = |at, base: &Base| Sample {
+            at,
+            value: base.factor,
+            rate: base.tangent.factor,
+            met: false,
+        };
+        let (from, to) = (sample(0.0, base), sample(next.goal.at, next));
+        let turn = turning_point(&from, &to, |at| {
+            self.step(base, at).map(|(between, _)| sample(at, &between))
+        });
+        let Sample { at, value, .. } = turn.ok()?;
+        Some(Located { at, factor: value, kind: BranchEventKind::LimitPoint })
+    }
+}

@@ -1,0 +1,45 @@
+//! The march and Newton's inner loop do not allocate.
+
+mod common;
+
+use allocation_counter::measure;
+use common::spine;
+use spineline::multibody::{
+    BodyLoad, GeneralStatics, Loading, Parameter, Rod, Solution, Statics, Support, Timing, Wrench,
+};
+use spineline::spatial::{Mat3, Vec3};
+
+const SPRING: [f64; 3] = [140e3, 140e3, 250e3];
+
+#[test]
+fn the_march_does_not_allocate_once_its_solution_has_its_size() {
+    let (_, model) = spine(0);
+    let statics = Statics::from_stiffness(&model, [SPRING; 14], &[0; 14], Support::Free);
+    let wrench = Wrench::at(Vec3::new(0.0, 5.0, 300.0), Vec3::new(0.0, 30.0, -10.0));
+    let parameters = [Parameter::Load(0), Parameter::LogStiffness(0)];
+    let mut solution = Solution::default();
+    let mut march = || statics.march(&wrench, &[wrench], &parameters, &mut solution);
+    march();
+    assert_eq!(measure(march).count_total, 0);
+}
+
+#[test]
+fn newton_does_not_allocate_whatever_the_load() {
+    let (_, model) = spine(0);
+    let springs = (0..14).map(|_| Mat3::from_diagonal(&Vec3::from(SPRING)));
+    let statics = GeneralStatics::new(&model, springs, Support::Free).expect("sound springs");
+    let pad = BodyLoad::Pad {
+        point_in_vertebra_mm: Vec3::new(0.0, -40.0, 0.0),
+        direction: Vec3::y(),
+        n_per_mm: 5.0,
+        advance_mm: 10.0,
+    };
+    let mut loading = Loading::single(7, pad);
+    loading.items.extend(Loading::gravity(300.0, -Vec3::z(), Timing::Held));
+    loading.rods.push(Rod::locking(4, 10, Timing::Held));
+    let mut work = statics.work(&loading).expect("sound loads");
+    let mut converged = false;
+    let counted = measure(|| converged = statics.solve_near(&loading, 1.0, &mut work).converged);
+    assert!(converged);
+    assert_eq!(counted.count_total, 0);
+}

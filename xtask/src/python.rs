@@ -1,0 +1,52 @@
+//! Python environments for checks against other programs: one per requirements file, below the target folder.
+
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::run;
+
+/// The interpreter of an environment that holds what a requirements file asks for.
+///
+/// The environment is made where it is missing, and filled where the file is not the one that filled it before; else
+/// nothing happens and no network is needed. `python3` makes it, or the program that `PYTHON` names.
+pub fn environment(root: &Path, name: &str, requirements: &Path) -> Result<PathBuf, String> {
+    let wanted = fs::read_to_string(requirements)
+        .map_err(|error| format!("{}: {error}", requirements.display()))?;
+    let folder = target()?.join("python").join(name);
+    let bin = if cfg!(windows) { "Scripts" } else { "bin" };
+    let python = folder.join(bin).join(if cfg!(windows) { "python.exe" } else { "python" });
+    let stamp = folder.join("requirements.stamp");
+    if python.exists() && fs::read_to_string(&stamp).is_ok_and(|had| had == wanted) {
+        return Ok(python);
+    }
+    let failed = |reason: String| {
+        format!(
+            "{reason}\n  help: Python 3.11 with `venv`, and once a network, are needed; the variable PYTHON may name \
+             the interpreter, and removing {} starts afresh",
+            folder.display()
+        )
+    };
+    let maker = env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    run(root, &maker, &["-m", "venv", &text(&folder)?], &[]).map_err(failed)?;
+    let file = text(requirements)?;
+    let install =
+        ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement", &file];
+    run(root, &text(&python)?, &install, &[]).map_err(failed)?;
+    fs::write(&stamp, wanted).map_err(|error| format!("{}: {error}", stamp.display()))?;
+    Ok(python)
+}
+
+/// The folder that cargo builds into: this program lies in one of its profiles.
+pub fn target() -> Result<PathBuf, String> {
+    let own = env::current_exe().map_err(|error| format!("own path: {error}"))?;
+    own.ancestors()
+        .nth(2)
+        .map(Path::to_owned)
+        .ok_or_else(|| format!("{} lies in no target folder", own.display()))
+}
+
+/// A path as an argument.
+pub fn text(path: &Path) -> Result<String, String> {
+    path.to_str().map(str::to_owned).ok_or_else(|| format!("{} is not UTF-8", path.display()))
+}
