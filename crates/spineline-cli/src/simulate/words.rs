@@ -28,7 +28,9 @@ fn parts(vector: [f64; 3], words: [[&str; 2]; 3]) -> String {
     let said: Vec<String> = said
         .map(|(part, [positive, negative])| {
             let word = if *part > 0.0 { positive } else { negative };
-            format!("{:.1} {word}", part.abs())
+            // Small forces keep their digits.
+            let places = if largest < 1.0 { 4 } else { 1 };
+            format!("{:.places$} {word}", part.abs())
         })
         .collect();
     if said.is_empty() { "0".to_owned() } else { said.join(", ") }

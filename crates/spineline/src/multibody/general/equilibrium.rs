@@ -23,7 +23,7 @@ pub enum PathEnding {
     Unreachable,
     /// The path could not be followed to an end.
     NotConverged,
-    /// The caller broke off.
+    /// The caller broke off: what lies further on the path is not known.
     Interrupted,
 }
 
@@ -197,6 +197,7 @@ impl EquilibriumPath {
     fn ending(&self, stop: Stop) -> PathEnding {
         let limit_points = self.count(BranchEventKind::LimitPoint) > 0;
         match (&self.equilibria[..], stop) {
+            (_, Stop::Interrupted) => PathEnding::Interrupted,
             ([first, others @ ..], _) if first.is_on_erect_branch() => {
                 if others.is_empty() {
                     PathEnding::Converged
@@ -206,7 +207,6 @@ impl EquilibriumPath {
             }
             ([first, ..], _) if first.limit_points > 0 => PathEnding::LimitPoint,
             ([_, ..], _) => PathEnding::BranchPoint,
-            ([], Stop::Interrupted) => PathEnding::Interrupted,
             ([], _) if limit_points => PathEnding::LimitPoint,
             ([], Stop::Limit | Stop::RodOutOfReach) => PathEnding::Unreachable,
             ([], Stop::Enough | Stop::Stuck) => PathEnding::NotConverged,
@@ -389,10 +389,12 @@ impl<'a> GeneralStatics<'a> {
             let stage = (factors, Goal::FullLoad);
             let stop = Walk::new(balance, &mut newton, stage, &once, &mut path, on_point).run();
             path.ending = path.ending(stop);
-            if path.result().is_none() || stop == Stop::Interrupted {
+            let stands = path.result().is_some() && stop != Stop::Interrupted;
+            // These shapes do not meet the goal, whatever came of them.
+            path.equilibria.clear();
+            if !stands {
                 return Ok(path);
             }
-            path.equilibria.clear();
         }
         let factors = Factors { held: 1.0, growing: 0.0, varies: Timing::Growing };
         let stop =
