@@ -6,7 +6,7 @@ use common::{assert_near, outline, spine, usual_regions};
 use spineline::action::{LineError, LineOfAction};
 use spineline::anatomy::{Level, Posture};
 use spineline::error::Error;
-use spineline::evaluate::{Target, simulate};
+use spineline::evaluate::{ForceChoice, Target, simulate};
 use spineline::multibody::{
     ForceSign, JointGroups, JointStiffness, Load, MatchStatus, Statics, StiffnessError,
     StiffnessLibrary, Support, amplitude_matches, match_amplitude,
@@ -162,6 +162,35 @@ fn a_simulation_of_an_amplitude_out_of_reach_is_no_result() {
     let end = simulate(&statics, (line, depth_mm), &film, &regions, Target::Amplitude, true);
     assert_eq!(end.status, MatchStatus::Unreachable);
     assert!(!end.is_usable() && end.alternatives.is_empty() && end.residual.abs() > 0.01);
+    assert_eq!(end.choice, ForceChoice::NearestMiss);
+}
+
+#[test]
+fn of_several_forces_the_one_with_the_least_ferguson_error_is_chosen_and_says_so() {
+    // Oracle: a film made with one of the forces that meet a lean has no Ferguson error under that force.
+    let (erect, model) = spine(0);
+    let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint());
+    let statics = Statics::new(&model, &library, &groups, &[0.0; 14], Support::Frontal);
+    let Load::Line { line, depth_mm } = load() else { unreachable!("a line") };
+    let lean = erect.vertebrae[14].location.lean();
+    let mut several = 0;
+    for change_deg in [-12.0, -4.0, 4.0, 12.0] {
+        let all = amplitude_matches(&statics, &load(), lean + Angle::from_deg(change_deg));
+        for made in all.iter().filter(|made| made.is_usable()) {
+            let shape = &made.solution.deformed;
+            let vertebrae: Vec<_> = (0..15).map(|i| (shape.location(i), shape.tilt(i))).collect();
+            let film = outline(Posture::LeftBending, &vertebrae);
+            let loaded = (line, depth_mm);
+            let end = simulate(&statics, loaded, &film, &usual_regions(), Target::Amplitude, true);
+            assert_near(end.force_n, made.force_n, 1e-6 * made.force_n.abs().max(1.0), "force");
+            assert_eq!((end.alternatives.len(), end.lost_forces), (all.len() - 1, 0));
+            let alone = all.len() == 1;
+            let choice = if alone { ForceChoice::OnlyOne } else { ForceChoice::LeastFergusonError };
+            assert_eq!(end.choice, choice);
+            several += usize::from(!alone);
+        }
+    }
+    assert!(several > 0, "no lean is met by several forces");
 }
 
 #[test]

@@ -51,6 +51,10 @@ struct SimulationRecord {
     /// Degrees left of the amplitude (bends) or mm left of T2's place.
     residual: f64,
     line: LineRecord,
+    /// Why this force and no other: `fitted`, `only_one`, `least_ferguson_error`, `smallest_near_t2`, or `nearest_miss`.
+    choice: String,
+    /// Forces near which the amplitude is met, but whose equilibrium was lost.
+    lost_forces: usize,
     /// Other forces that meet the same amplitude.
     alternatives: Vec<AlternativeRecord>,
     /// Absolute error per region; absent where the status is not `converged`.
@@ -138,6 +142,8 @@ fn simulation(s: &Simulation) -> SimulationRecord {
             s.residual
         },
         line: line(&s.line, s.depth_mm),
+        choice: s.choice.key().to_owned(),
+        lost_forces: s.lost_forces,
         alternatives: s
             .alternatives
             .iter()

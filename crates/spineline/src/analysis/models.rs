@@ -433,6 +433,13 @@ fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
             );
             warnings.film(Step::Evaluate, "force_not_found", simulation.posture, text);
         }
+        if simulation.lost_forces > 0 {
+            let text = format!(
+                "{}: {} further forces come near the amplitude, and their equilibria were lost",
+                model.kind, simulation.lost_forces
+            );
+            warnings.film(Step::Evaluate, "forces_lost", simulation.posture, text);
+        }
         let beyond = simulation.contradicted.iter().filter(|joint| joint.beyond_noise).count();
         if beyond > 0 {
             let text = format!(

@@ -8,4 +8,4 @@
 mod simulate;
 pub mod statistics;
 
-pub use simulate::{Alternative, Simulation, Target, simulate};
+pub use simulate::{Alternative, ForceChoice, Simulation, Target, simulate};

@@ -19,6 +19,45 @@ pub enum Target {
     NearestT2(Option<ForceSign>),
 }
 
+/// Why a force is the one that is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ForceChoice {
+    /// It was fitted together with the stiffness.
+    Fitted,
+    /// No other force of either sign, up to the cap, meets the amplitude.
+    OnlyOne,
+    /// Of all that meet the amplitude, its shape has the lowest sum of squared Ferguson errors.
+    LeastFergusonError,
+    /// The smallest that brings T2 within a millimetre of the nearest that it gets.
+    SmallestNearT2,
+    /// None meets the target; this one's shape comes nearest, and is no result.
+    NearestMiss,
+}
+
+impl ForceChoice {
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Fitted => "fitted",
+            Self::OnlyOne => "only_one",
+            Self::LeastFergusonError => "least_ferguson_error",
+            Self::SmallestNearT2 => "smallest_near_t2",
+            Self::NearestMiss => "nearest_miss",
+        }
+    }
+
+    const fn of(target: Target, usable: bool, others: usize) -> Self {
+        match target {
+            Target::Fitted(_) => Self::Fitted,
+            _ if !usable => Self::NearestMiss,
+            Target::NearestT2(_) => Self::SmallestNearT2,
+            Target::Amplitude if others == 0 => Self::OnlyOne,
+            Target::Amplitude => Self::LeastFergusonError,
+        }
+    }
+}
+
 /// Another force that meets the same target, and was not chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Alternative {
@@ -45,6 +84,10 @@ pub struct Simulation {
     pub force_n: f64,
     /// What is left of the target: rad of amplitude or mm of T2.
     pub residual: f64,
+    /// Why this force and no other.
+    pub choice: ForceChoice,
+    /// Forces near which the amplitude is met, but whose equilibrium was lost: the choice may not know the best one.
+    pub lost_forces: usize,
     /// Every other force up to the cap that meets the amplitude, with what speaks against it.
     pub alternatives: Vec<Alternative>,
     /// Simulated locations, L4 first.
@@ -125,9 +168,11 @@ pub fn simulate(
     tries.sort_by(|(a, da), (b, db)| {
         b.is_usable().cmp(&a.is_usable()).then(rms(da).rad().total_cmp(&rms(db).rad()))
     });
+    let lost = |other: &(ForceMatch, _)| other.0.status == MatchStatus::NotConverged;
+    let lost_forces = tries.iter().skip(1).filter(|other| lost(other)).count();
     let mut tries = tries.into_iter();
     let (found, ferguson_difference) = tries.next().expect("a search never comes back empty");
-    let alternatives = tries
+    let alternatives: Vec<Alternative> = tries
         .filter(|(other, _)| other.is_usable())
         .map(|(other, difference)| Alternative {
             force_n: other.force_n,
@@ -144,6 +189,8 @@ pub fn simulate(
         status: found.status,
         force_n: found.force_n,
         residual: found.residual,
+        choice: ForceChoice::of(target, found.is_usable(), alternatives.len()),
+        lost_forces,
         alternatives,
         tilts: (0..measured.len()).map(|i| deformed.tilt(i)).collect(),
         ferguson_difference,

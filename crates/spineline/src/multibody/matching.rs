@@ -95,7 +95,7 @@ const STEP_RAD: f64 = 0.25;
 /// T2 moves by at most so much from one look at its distance to the next.
 const T2_STEP_MM: f64 = 4.0;
 /// 1500 N for springs of the library's mean lateral stiffness; scales with the springs.
-const LARGEST_FORCE_PER_STIFFNESS: f64 = 1500.0 / 144_000.0;
+pub(crate) const LARGEST_FORCE_PER_STIFFNESS: f64 = 1500.0 / 144_000.0;
 /// Distances of T2 that differ by less are equally good: about what a location's reading and the model's joints leave.
 const T2_TOLERANCE_MM: f64 = 1.0;
 /// A path that needs more equilibria than this goes nowhere.

@@ -28,8 +28,8 @@ pub use general::{
 };
 pub use geometry::{Joint, SpineModel};
 pub use march::{Deformed, Load, Parameter, Solution, Statics, Wrench};
-pub(crate) use matching::LARGEST_HINGE_RAD;
 pub use matching::{
     ForceMatch, ForceSign, MatchStatus, amplitude_matches, match_amplitude, match_t2,
 };
+pub(crate) use matching::{LARGEST_FORCE_PER_STIFFNESS, LARGEST_HINGE_RAD};
 pub use stiffness::{JointGroups, JointStiffness, StiffnessError, StiffnessLibrary, Support};

@@ -1,14 +1,12 @@
 use std::ops::ControlFlow;
 
 use crate::multibody::{
-    BodyLoad, Deformed, Equilibrium, EquilibriumPath, ForceSign, GeneralStatics, Goal, Loading,
-    LoadingError, PathEnding, PathOptions, PathPoint, SpineModel, Timing,
+    BodyLoad, Deformed, Equilibrium, EquilibriumPath, ForceSign, GeneralStatics, Goal,
+    LARGEST_FORCE_PER_STIFFNESS, Loading, LoadingError, PathEnding, PathOptions, PathPoint,
+    SpineModel, Timing,
 };
 use crate::spatial::Mat3;
 
-/// Forces are followed up to this one for springs of this mean lateral stiffness, and scale with the springs.
-const LARGEST_FORCE_N: f64 = 1500.0;
-const AT_LATERAL_NMM_PER_RAD: f64 = 144_000.0;
 /// Loads given in small units take many points; more than these lead nowhere.
 const MOST_POINTS: usize = 20_000;
 
@@ -137,7 +135,7 @@ pub fn largest_factor(model: &SpineModel, stiffness: &[Mat3], loading: &Loading)
         .sum();
     let lateral: f64 = stiffness.iter().map(|matrix| matrix[(0, 0)]).sum();
     let mean_lateral = lateral / stiffness.len() as f64;
-    let factor = LARGEST_FORCE_N * mean_lateral / AT_LATERAL_NMM_PER_RAD / total_n;
+    let factor = LARGEST_FORCE_PER_STIFFNESS * mean_lateral / total_n;
     if factor.is_finite() { factor } else { PathOptions::default().largest_factor }
 }
 
