@@ -1,6 +1,7 @@
+use super::carried::Carried;
 use super::{JointGroups, SpineModel, StiffnessLibrary, Support};
 use crate::action::{Application, LineOfAction};
-use crate::spatial::{Angle, Frontal, Mat3, Vec3};
+use crate::spatial::{Angle, Frontal, Mat3, Vec3, sin_cos};
 
 /// A force and its moment about the origin of `G`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -169,8 +170,16 @@ impl Solution {
 pub struct Statics<'a> {
     model: &'a SpineModel,
     group_of_joint: &'a [usize],
-    /// Radians per N·mm of every hinge; zero where it is locked.
-    compliance: Vec<[f64; 3]>,
+    hinges: Vec<Hinges>,
+}
+
+/// The hinges of one joint.
+#[derive(Debug, Clone, Copy)]
+struct Hinges {
+    /// Radians per N·mm; zero where a hinge is locked.
+    compliance: [f64; 3],
+    /// From this joint's centre to the next one's, in the axes that the hinges have turned; unused above the last joint.
+    to_next_mm: Vec3,
 }
 
 impl<'a> Statics<'a> {
@@ -185,8 +194,8 @@ impl<'a> Statics<'a> {
     ) -> Self {
         let stiffness = library.rows().iter().map(|row| row.nmm_per_rad);
         let mut statics = Self::from_stiffness(model, stiffness, groups.of_joint(), support);
-        for (compliance, &group) in statics.compliance.iter_mut().zip(groups.of_joint()) {
-            compliance[0] *= (-log_multipliers[group]).exp();
+        for (hinges, &group) in statics.hinges.iter_mut().zip(groups.of_joint()) {
+            hinges.compliance[0] *= (-log_multipliers[group]).exp();
         }
         statics
     }
@@ -199,14 +208,20 @@ impl<'a> Statics<'a> {
         group_of_joint: &'a [usize],
         support: Support,
     ) -> Self {
-        let compliance = nmm_per_rad
+        let next_centres = model.joints.iter().skip(1).map(|joint| joint.centre_in_inferior_mm);
+        let hinges = nmm_per_rad
             .into_iter()
-            .map(|[x, y, z]| match support {
-                Support::Free => [1.0 / x, 1.0 / y, 1.0 / z],
-                Support::Frontal => [1.0 / x, 0.0, 0.0],
+            .zip(&model.joints)
+            .zip(next_centres.chain([Vec3::zeros()]))
+            .map(|(([x, y, z], joint), next_mm)| Hinges {
+                compliance: match support {
+                    Support::Free => [1.0 / x, 1.0 / y, 1.0 / z],
+                    Support::Frontal => [1.0 / x, 0.0, 0.0],
+                },
+                to_next_mm: joint.rise_in_inferior_mm + joint.inferior_from_superior * next_mm,
             })
             .collect();
-        Self { model, group_of_joint, compliance }
+        Self { model, group_of_joint, hinges }
     }
 
     /// The unloaded model.
@@ -218,8 +233,8 @@ impl<'a> Statics<'a> {
     /// Mean lateral stiffness, by which forces scale.
     #[must_use]
     pub fn mean_lateral_nmm_per_rad(&self) -> f64 {
-        let sum: f64 = self.compliance.iter().map(|c| 1.0 / c[0]).sum();
-        sum / self.compliance.len() as f64
+        let sum: f64 = self.hinges.iter().map(|hinges| 1.0 / hinges.compliance[0]).sum();
+        sum / self.hinges.len() as f64
     }
 
     /// Equilibrium under a load of given magnitude, with derivatives by the parameters.
@@ -321,61 +336,67 @@ impl<'a> Statics<'a> {
         solution: &mut Solution,
     ) {
         self.reset(parameters.len(), solution);
-        let Solution { deformed, midpoint_rates, turn_rates, .. } = solution;
-        let mut axes = self.model.axes[0];
+        let mut carried = Carried::new(self.model, wrench);
         let mut midpoint = self.model.midpoints_mm[0];
-        for (j, joint) in self.model.joints.iter().enumerate() {
-            let [cx, cy, cz] = self.compliance[j];
-            let centre = midpoint + axes * joint.centre_in_inferior_mm;
-            let moment = wrench.moment_nmm - centre.cross(&wrench.force_n);
-            // Three hinges in series; each turns the axes that come after it.
-            let (mut x, mut y, mut z): (Vec3, Vec3, Vec3) =
-                (axes.column(0).into(), axes.column(1).into(), axes.column(2).into());
-            let hinge_x = x;
-            let angle_x = cx * moment.dot(&x);
-            turn_pair(&mut y, &mut z, angle_x);
-            let hinge_y = y;
-            let angle_y = cy * moment.dot(&y);
-            turn_pair(&mut z, &mut x, angle_y);
-            let hinge_z = z;
-            let angle_z = cz * moment.dot(&z);
-            turn_pair(&mut x, &mut y, angle_z);
-            let turned = Mat3::from_columns(&[x, y, z]);
-            let rise = turned * joint.rise_in_inferior_mm;
-            let arm = centre - midpoint;
-            axes = turned * joint.inferior_from_superior;
+        for (j, (joint, hinges)) in self.model.joints.iter().zip(&self.hinges).enumerate() {
+            let arm = carried.in_g(&joint.centre_in_inferior_mm);
+            let centre = midpoint + arm;
+            let (turns, directions) = carried.turn(&hinges.compliance);
+            let rise = carried.in_g(&joint.rise_in_inferior_mm);
+            carried.pass_on(&hinges.to_next_mm, &joint.inferior_from_superior);
             midpoint = centre + rise;
-            deformed.axes[j + 1] = axes;
+            let deformed = &mut solution.deformed;
+            deformed.axes[j + 1] = carried.axes();
             deformed.midpoints_mm[j + 1] = midpoint;
-            deformed.hinges_rad[j] = [angle_x, angle_y, angle_z];
-
-            for (p, parameter) in parameters.iter().enumerate() {
-                let turn = turn_rates[p][j];
-                let centre_rate = midpoint_rates[p][j] + turn.cross(&arm);
-                let mut moment_rate = -centre_rate.cross(&wrench.force_n);
-                let mut stretch = 0.0;
-                match *parameter {
-                    Parameter::Load(i) => {
-                        moment_rate += units[i].moment_nmm - centre.cross(&units[i].force_n);
-                    }
-                    Parameter::LogStiffness(group) if self.group_of_joint[j] == group => {
-                        stretch = -angle_x
-                    }
-                    Parameter::LogStiffness(_) => {}
-                }
-                // Each hinge: its moment changes with the load, with the place, and with its own axis.
-                let mut turned = turn;
-                let rate = |c: f64, axis: &Vec3, turned: &Vec3| {
-                    c * (moment_rate.dot(axis) + moment.dot(&turned.cross(axis)))
-                };
-                turned += hinge_x * (rate(cx, &hinge_x, &turned) + stretch);
-                if cy != 0.0 || cz != 0.0 {
-                    turned += hinge_y * rate(cy, &hinge_y, &turned);
-                    turned += hinge_z * rate(cz, &hinge_z, &turned);
-                }
-                turn_rates[p][j + 1] = turned;
-                midpoint_rates[p][j + 1] = centre_rate + turned.cross(&rise);
+            deformed.hinges_rad[j] = turns;
+            if !parameters.is_empty() {
+                let step = Step { joint: j, wrench, turns, directions, centre, arm, rise };
+                self.differentiate(&step, units, parameters, solution);
             }
+        }
+    }
+
+    /// The derivatives of one joint's superior vertebra from those of its inferior one.
+    fn differentiate(
+        &self,
+        step: &Step<'_>,
+        units: &[Wrench],
+        parameters: &[Parameter],
+        solution: &mut Solution,
+    ) {
+        let Step { joint: j, wrench, turns, directions, centre, arm, rise } = step;
+        let (j, force) = (*j, &wrench.force_n);
+        let compliance = &self.hinges[j].compliance;
+        let moment = wrench.moment_nmm - centre.cross(force);
+        // How a hinge's moment changes as its axis turns.
+        let levers = directions.map(|axis| axis.cross(&moment));
+        for (p, parameter) in parameters.iter().enumerate() {
+            let (midpoints, turned) =
+                (&mut solution.midpoint_rates[p], &mut solution.turn_rates[p]);
+            let mut turn = turned[j];
+            let centre_rate = midpoints[j] + turn.cross(arm);
+            let mut moment_rate = force.cross(&centre_rate);
+            let mut stretch = 0.0;
+            match *parameter {
+                Parameter::Load(i) => {
+                    moment_rate += units[i].moment_nmm - centre.cross(&units[i].force_n);
+                }
+                Parameter::LogStiffness(group) if self.group_of_joint[j] == group => {
+                    stretch = -turns[0];
+                }
+                Parameter::LogStiffness(_) => {}
+            }
+            // Each hinge: its moment changes with the load, with the place, and with its own axis.
+            let rate = |i: usize, turn: &Vec3| {
+                compliance[i] * (moment_rate.dot(&directions[i]) + turn.dot(&levers[i]))
+            };
+            turn += directions[0] * (rate(0, &turn) + stretch);
+            if compliance[1] != 0.0 || compliance[2] != 0.0 {
+                turn += directions[1] * rate(1, &turn);
+                turn += directions[2] * rate(2, &turn);
+            }
+            turned[j + 1] = turn;
+            midpoints[j + 1] = centre_rate + turn.cross(rise);
         }
     }
 
@@ -393,13 +414,26 @@ impl<'a> Statics<'a> {
     }
 }
 
+/// One joint of a march, as its derivatives need it.
+struct Step<'a> {
+    joint: usize,
+    wrench: &'a Wrench,
+    /// Angles of the hinges, and their axes in `G`.
+    turns: [f64; 3],
+    directions: [Vec3; 3],
+    centre: Vec3,
+    /// From the inferior midpoint to the centre, and from there to the superior midpoint.
+    arm: Vec3,
+    rise: Vec3,
+}
+
 /// Turns two axes by an angle about the third: `a` towards `b`.
 #[inline]
 pub(super) fn turn_pair(a: &mut Vec3, b: &mut Vec3, angle_rad: f64) {
     if angle_rad == 0.0 {
         return;
     }
-    let (s, c) = angle_rad.sin_cos();
+    let (s, c) = sin_cos(angle_rad);
     (*a, *b) = (*a * c + *b * s, *b * c - *a * s);
 }
 

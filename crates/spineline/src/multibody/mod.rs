@@ -14,6 +14,7 @@
 //! # References
 //! [petit-2004], [panjabi-1976], [jalalian-loa] section 2.
 
+mod carried;
 mod general;
 mod geometry;
 mod march;

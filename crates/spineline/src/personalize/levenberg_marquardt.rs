@@ -109,7 +109,7 @@ pub(super) fn minimize(
             let step = &next - &x;
             let small = (0..n).all(|i| step[i].abs() <= 1e-12 * (x[i].abs() + 1e-3));
             // What the linear model promises to take away.
-            let promised = -2.0 * step.dot(&gradient) - (&system.jacobian * &step).norm_squared();
+            let promised = -2.0 * step.dot(&gradient) - normal_form(&normal, &step);
             let evaluable = evaluate(&next, &mut trial);
             if evaluable && trial.cost() < cost {
                 // Nielsen's rule: trust grows with how much of the promise came true.
@@ -137,6 +137,11 @@ pub(super) fn minimize(
         }
     }
     Minimum { status, iterations, x, system }
+}
+
+/// `stepᵀ normal step`.
+fn normal_form(normal: &DMatrix<f64>, step: &DVector<f64>) -> f64 {
+    (0..step.len()).map(|i| step[i] * normal.column(i).dot(step)).sum()
 }
 
 #[cfg(test)]

@@ -18,6 +18,14 @@ use crate::spatial::{Angle, Frontal};
 const FERGUSON_UNIT: Angle = Angle::from_deg(1.0);
 const HELD: f64 = 1e3;
 
+/// What an evaluation fills.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Wanted {
+    Residuals,
+    /// Residuals and their derivatives.
+    Derivatives,
+}
+
 /// One film's data.
 struct FilmData {
     load: Load,
@@ -37,7 +45,7 @@ struct FilmData {
 
 impl FilmData {
     /// Equilibrium with derivatives at the film's amplitude: Newton on the force from its last value.
-    fn solve_at_amplitude(&mut self, statics: &Statics<'_>) -> bool {
+    fn solve_at_amplitude(&mut self, statics: &Statics<'_>, wanted: Wanted) -> bool {
         const LONGEST_STEP_RAD: f64 = 0.15;
         for _ in 0..15 {
             statics.solve(&self.load, &self.magnitude, &[Parameter::Load(0)], &mut self.solution);
@@ -50,11 +58,20 @@ impl FilmData {
             self.magnitude[0] -= step.clamp(-longest, longest);
             // What Newton leaves after such a step is its square.
             if miss.abs() < 1e-7 {
-                statics.solve(&self.load, &self.magnitude, &self.parameters, &mut self.solution);
-                return self.solution.converged;
+                return self.solve_at_magnitude(statics, wanted);
             }
         }
         false
+    }
+
+    /// Equilibrium under the load's last value.
+    fn solve_at_magnitude(&mut self, statics: &Statics<'_>, wanted: Wanted) -> bool {
+        let parameters = match wanted {
+            Wanted::Residuals => &[],
+            Wanted::Derivatives => self.parameters.as_slice(),
+        };
+        statics.solve(&self.load, &self.magnitude, parameters, &mut self.solution);
+        self.solution.converged
     }
 }
 
@@ -185,7 +202,7 @@ impl<'a> Problem<'a> {
 
     fn cost(&mut self, start: &Start, system: &mut System) -> f64 {
         let x = self.begin(start);
-        if self.evaluate(&x, system) { system.cost() } else { f64::INFINITY }
+        if self.fill(&x, system, Wanted::Residuals) { system.cost() } else { f64::INFINITY }
     }
 
     fn free_depth_mm(&self) -> Option<f64> {
@@ -268,25 +285,24 @@ impl<'a> Problem<'a> {
         [bound(MULTIPLIER_BOUNDS[0], f64::NEG_INFINITY), bound(MULTIPLIER_BOUNDS[1], f64::INFINITY)]
     }
 
+    /// Residuals and derivatives; answers whether every film has an equilibrium that counts.
     pub fn evaluate(&mut self, x: &DVector<f64>, system: &mut System) -> bool {
+        self.fill(x, system, Wanted::Derivatives)
+    }
+
+    /// A derivative that is zero for one set of unknowns is zero for all, and is left as [`System::new`] made it.
+    fn fill(&mut self, x: &DVector<f64>, system: &mut System, wanted: Wanted) -> bool {
         let g = self.groups.len();
         let statics = self.statics(&x.as_slice()[..g]);
         let rows = self.rows_per_film();
         let Self { films, settings, .. } = self;
-        system.jacobian.fill(0.0);
         for (index, film) in films.iter_mut().enumerate() {
             let solved = match film.first {
-                None => film.solve_at_amplitude(&statics),
+                None => film.solve_at_amplitude(&statics, wanted),
                 Some(first) => {
                     let components = film.magnitude.len();
                     film.magnitude.copy_from_slice(&x.as_slice()[first..first + components]);
-                    statics.solve(
-                        &film.load,
-                        &film.magnitude,
-                        &film.parameters,
-                        &mut film.solution,
-                    );
-                    film.solution.converged
+                    film.solve_at_magnitude(&statics, wanted)
                 }
             };
             if !solved || film.solution.deformed.largest_hinge_rad() > LARGEST_HINGE_RAD {
@@ -294,9 +310,9 @@ impl<'a> Problem<'a> {
             }
             match settings.target {
                 FitTarget::Ferguson => {
-                    ferguson_rows(film, &settings.regions.bounds, g, index * rows, system)
+                    ferguson_rows(film, &settings.regions.bounds, g, index * rows, system, wanted)
                 }
-                FitTarget::Shape => shape_rows(film, g, index * rows, system),
+                FitTarget::Shape => shape_rows(film, g, index * rows, system, wanted),
             }
         }
         // The gauge: the mean of ln α is held at zero, unless frozen forces fix the level.
@@ -320,8 +336,16 @@ impl<'a> Problem<'a> {
 
     /// The load components that belong to given unknowns.
     pub fn loads_at(&mut self, x: &DVector<f64>) -> Vec<Vec<f64>> {
-        let mut system = System::new(self.rows(), self.unknowns());
-        self.evaluate(x, &mut system);
+        if self.films.iter().any(|film| film.first.is_none()) {
+            let mut system = System::new(self.rows(), self.unknowns());
+            self.fill(x, &mut system, Wanted::Residuals);
+        }
+        for film in &mut self.films {
+            if let Some(first) = film.first {
+                let components = film.magnitude.len();
+                film.magnitude.copy_from_slice(&x.as_slice()[first..first + components]);
+            }
+        }
         self.films.iter().map(|film| film.magnitude.clone()).collect()
     }
 
@@ -361,62 +385,92 @@ fn ferguson_rows(
     groups: usize,
     row: usize,
     system: &mut System,
+    wanted: Wanted,
 ) {
     let unit = FERGUSON_UNIT.rad();
     let solution = &film.solution;
     let place = |i: usize| solution.deformed.location(i);
-    let force = groups;
     for (k, bounds) in regions.iter().enumerate() {
         let upper = place(bounds.superior) - place(bounds.apex);
         let lower = place(bounds.apex) - place(bounds.inferior);
         let angle = (upper.lean() - lower.lean()).wrapped();
         system.residuals[row + k] = (angle - film.ferguson[k]).wrapped().rad() / unit;
-        let rate = |p: usize| {
-            let at = |i: usize| solution.location_rate(p, i);
-            let turn = |v: Frontal, dv: Frontal| v.cross(dv) / v.dot(v);
-            turn(upper, at(bounds.superior) - at(bounds.apex))
-                - turn(lower, at(bounds.apex) - at(bounds.inferior))
-        };
-        let by_force = rate(force);
-        for p in 0..groups {
-            // The force follows the amplitude where that holds it.
-            let follow = match film.first {
-                None => -solution.lean_rate(p) / solution.lean_rate(force),
-                Some(_) => 0.0,
-            };
-            system.jacobian[(row + k, p)] = (rate(p) + by_force * follow) / unit;
-        }
-        if let Some(first) = film.first {
-            system.jacobian[(row + k, first)] = by_force / unit;
+        if wanted == Wanted::Derivatives {
+            ferguson_rates(film, bounds, groups, row + k, system);
         }
     }
     if let Some(first) = film.first {
         let row = row + regions.len();
         system.residuals[row] = (solution.deformed.lean() - film.lean).wrapped().rad() / unit;
-        for p in 0..=groups {
-            let column = if p == force { first } else { p };
-            system.jacobian[(row, column)] = solution.lean_rate(p) / unit;
+        if wanted == Wanted::Derivatives {
+            for p in 0..=groups {
+                let column = if p == groups { first } else { p };
+                system.jacobian[(row, column)] = solution.lean_rate(p) / unit;
+            }
         }
     }
 }
 
+/// Derivatives of one Ferguson angle.
+fn ferguson_rates(
+    film: &FilmData,
+    bounds: &RegionBounds,
+    groups: usize,
+    row: usize,
+    system: &mut System,
+) {
+    let unit = FERGUSON_UNIT.rad();
+    let solution = &film.solution;
+    let force = groups;
+    let place = |i: usize| solution.deformed.location(i);
+    let upper = place(bounds.superior) - place(bounds.apex);
+    let lower = place(bounds.apex) - place(bounds.inferior);
+    let rate = |p: usize| {
+        let at = |i: usize| solution.location_rate(p, i);
+        let turn = |v: Frontal, dv: Frontal| v.cross(dv) / v.dot(v);
+        turn(upper, at(bounds.superior) - at(bounds.apex))
+            - turn(lower, at(bounds.apex) - at(bounds.inferior))
+    };
+    let by_force = rate(force);
+    for p in 0..groups {
+        // The force follows the amplitude where that holds it.
+        let follow = match film.first {
+            None => -solution.lean_rate(p) / solution.lean_rate(force),
+            Some(_) => 0.0,
+        };
+        system.jacobian[(row, p)] = (rate(p) + by_force * follow) / unit;
+    }
+    if let Some(first) = film.first {
+        system.jacobian[(row, first)] = by_force / unit;
+    }
+}
+
 /// Locations and tilts of every mobile vertebra, in standard deviations.
-fn shape_rows(film: &FilmData, groups: usize, row: usize, system: &mut System) {
+fn shape_rows(film: &FilmData, groups: usize, row: usize, system: &mut System, wanted: Wanted) {
     let solution = &film.solution;
     let first = film.first.expect("the loads of a whole shape are unknown");
-    for i in 1..film.locations.len() {
-        let row = row + 3 * (i - 1);
+    let rows = 3 * (film.locations.len() - 1);
+    let residuals = &mut system.residuals.as_mut_slice()[row..row + rows];
+    for (i, residuals) in (1..).zip(residuals.chunks_exact_mut(3)) {
         let off = solution.deformed.location(i) - film.locations[i];
-        system.residuals[row] = off.y_mm / film.location_sd_mm;
-        system.residuals[row + 1] = off.z_mm / film.location_sd_mm;
         let turn = (solution.deformed.tilt(i) - film.tilts[i]).wrapped().rad();
-        system.residuals[row + 2] = turn / film.tilt_sd_rad;
-        for p in 0..film.parameters.len() {
+        residuals[0] = off.y_mm / film.location_sd_mm;
+        residuals[1] = off.z_mm / film.location_sd_mm;
+        residuals[2] = turn / film.tilt_sd_rad;
+    }
+    if wanted == Wanted::Residuals {
+        return;
+    }
+    let per_mm = 1.0 / film.location_sd_mm;
+    for p in 0..film.parameters.len() {
+        let column = if p < groups { p } else { first + p - groups };
+        let start = column * system.jacobian.nrows() + row;
+        let column = &mut system.jacobian.as_mut_slice()[start..start + rows];
+        for (i, rates) in (1..).zip(column.chunks_exact_mut(3)) {
             let rate = solution.location_rate(p, i);
-            let column = if p < groups { p } else { first + p - groups };
-            system.jacobian[(row, column)] = rate.y_mm / film.location_sd_mm;
-            system.jacobian[(row + 1, column)] = rate.z_mm / film.location_sd_mm;
-            system.jacobian[(row + 2, column)] = solution.tilt_rate(p, i) / film.tilt_sd_rad;
+            rates[0] = rate.y_mm * per_mm;
+            rates[1] = rate.z_mm * per_mm;
+            rates[2] = solution.tilt_rate(p, i) / film.tilt_sd_rad;
         }
     }
 }

@@ -64,6 +64,9 @@ impl Angle {
     /// The same direction in (-π, π].
     #[must_use]
     pub fn wrapped(self) -> Self {
+        if self.0 > -std::f64::consts::PI && self.0 <= std::f64::consts::PI {
+            return self;
+        }
         Self::from_sin_cos(self.0.sin(), self.0.cos())
     }
 

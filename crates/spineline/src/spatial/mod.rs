@@ -8,9 +8,11 @@
 
 mod angle;
 mod frontal;
+mod sine;
 
 pub use angle::Angle;
 pub use frontal::{Frontal, Pixel};
+pub use sine::sin_cos;
 
 /// A vector of three components; millimetres, newtons or newton millimetres as its name says.
 pub type Vec3 = nalgebra::Vector3<f64>;
