@@ -126,10 +126,11 @@ def least_ratios(cells, task, engines, names, methods=""):
 
 def ratios(cells, names):
     python = ("pinocchio", "mujoco", "opensim", "numpy")
+    both = "tuned: multipliers and forces together; "
     lines = [
         ("personalisation, fastest engine from Python, usual", "personalisation", python, "usual"),
-        ("personalisation, fastest engine from Python, tuned, nominal start", "personalisation", python, "tuned: multipliers and forces together; nominal"),
-        ("personalisation, fastest engine from Python, tuned, start given", "personalisation", python, "tuned: multipliers and forces together; closed-form"),
+        ("personalisation, fastest engine from Python, tuned, nominal start", "personalisation", python, f"{both}nominal"),
+        ("personalisation, fastest engine from Python, tuned, start given", "personalisation", python, f"{both}closed-form"),
         ("personalisation, Octave, nominal start", "personalisation", ("octave",), "nominal"),
         ("personalisation, Octave, start given", "personalisation", ("octave",), "closed-form"),
         ("Newton from a nearby start against Pinocchio's C++ kernels, usual", "equilibrium_near", ("pinocchio C++",), "usual"),

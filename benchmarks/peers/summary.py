@@ -30,7 +30,11 @@ def over_cases(by_case):
 
 def fastest(cells, task, engine, way):
     """Of an engine's rows that were done one way: the one right in most cases, and of those the fastest."""
-    found = [over_cases(by_case) for (t, e, method), by_case in cells.items() if (t, e) == (task, engine) and method.startswith(way)]
+    found = [
+        over_cases(by_case)
+        for (of_task, of_engine, method), by_case in cells.items()
+        if (of_task, of_engine) == (task, engine) and method.startswith(way)
+    ]
     return min(found, key=lambda one: (-one[1], one[0] or 0.0), default=None)
 
 
