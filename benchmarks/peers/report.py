@@ -9,6 +9,7 @@ TASKS = {
     "personalisation": "Personalisation: three multipliers and two forces from two bends",
 }
 TASKS_OF = {"pinocchio C++": ("equilibrium", "equilibrium_near")}
+WAYS = ("usual", "tuned")
 MIDPOINT_MM = 1e-6
 MIDPOINT_MM_OF = {"opensim": 1e-3}
 FORCE = 1e-6  # relative
@@ -43,19 +44,24 @@ def reference_of(answers, case, task):
     return next(row for row in rows if row["task"] == task)
 
 
+def way_of(method):
+    """Usual or tuned, where a method says so."""
+    return next((way for way in WAYS if method.startswith(way)), "")
+
+
 def agreement(answers, truth):
-    """Per engine, the largest disagreements with Spineline's midpoints and with the true multipliers."""
+    """Per engine and way, the largest disagreements with Spineline's midpoints and with the true multipliers."""
     lines = ["## Agreement", "", "| engine | midpoints, mm | multipliers |", "|---|---|---|"]
-    for engine in dict.fromkeys(answer["engine"] for answer in answers):
-        off = {"midpoints_mm": [], "multipliers": []}
-        for answer in (answer for answer in answers if answer["engine"] == engine):
-            for row in answer["rows"]:
-                ours = reference_of(answers, answer["case"], row["task"]) | {"multipliers": truth[answer["case"]]}
-                for what, found in off.items():
-                    if what in row:
-                        found.append(largest(ours[what], row[what]))
-        cells = (f"{max(found):.0e}" if found else "-" for found in off.values())
-        lines.append(f"| {engine} | {' | '.join(cells)} |")
+    off = {}
+    for answer in answers:
+        for row in answer["rows"]:
+            ours = reference_of(answers, answer["case"], row["task"]) | {"multipliers": truth[answer["case"]]}
+            found = off.setdefault((answer["engine"], way_of(row["method"])), {"midpoints_mm": [], "multipliers": []})
+            for what in found.keys() & row.keys():
+                found[what].append(largest(ours[what], row[what]))
+    for (engine, way), found in off.items():
+        cells = (f"{max(values):.0e}" if values else "-" for values in found.values())
+        lines.append(f"| {engine}{', ' if way else ''}{way} | {' | '.join(cells)} |")
     return lines + [""]
 
 

@@ -140,7 +140,7 @@ def main():
     (folder / "results.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
     text = report.write(results, truth, NAMES)
     (folder / "results.md").write_text(text, encoding="utf-8")
-    short = summary.write(results, truth, NAMES)
+    short = summary.write(results, truth)
     (folder / "summary.md").write_text(short, encoding="utf-8")
     print(f"\n{text}\n{short}")
     print(f"written to {folder}")

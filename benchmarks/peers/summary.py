@@ -19,59 +19,57 @@ ENGINES = {
     "numpy": "numpy (Python)",
     "octave": "Octave",
 }
-WAYS = ("usual", "tuned")
 
 
-def over_cases(by_case):
-    """Median over the cases in which the result is right, and how many those are."""
-    right = [value for value in by_case.values() if not isinstance(value, str)]
-    return (median(right) if right else None), len(right)
+def over_cases(by_case, own):
+    """Median over the cases in which the result is right, its ratio to Spineline's in the same cases, and their number."""
+    right = [case for case, value in by_case.items() if not isinstance(value, str)]
+    if not right:
+        return None, None, 0
+    seconds = median(by_case[case] for case in right)
+    return seconds, seconds / median(own[case] for case in right), len(right)
 
 
-def fastest(cells, task, engine, way):
-    """Of an engine's rows that were done one way: the one right in most cases, and of those the fastest."""
+def part(cells, task, engine, way):
+    """Of an engine's rows that were done one way, the one right in most cases, and of those the fastest."""
+    own = report.own_times(cells, task)
     found = [
-        over_cases(by_case)
+        over_cases(by_case, own)
         for (of_task, of_engine, method), by_case in cells.items()
         if (of_task, of_engine) == (task, engine) and method.startswith(way)
     ]
-    return min(found, key=lambda one: (-one[1], one[0] or 0.0), default=None)
-
-
-def part(found, own, cases):
-    """A time, its ratio, and what is not right."""
-    if found is None:
+    if not found:
         return None
-    seconds, right = found
+    seconds, ratio, right = min(found, key=lambda one: (-one[2], one[0] or 0.0))
     if seconds is None:
         return "wrong"
-    text = f"{report.seconds_text(seconds)} ({report.ratio_text(seconds / own)})"
-    return text if right == cases else f"{text}, right in {right} of {cases}"
+    text = f"{report.seconds_text(seconds)} ({report.ratio_text(ratio)})"
+    return text if right == len(own) else f"{text}, right in {right} of {len(own)}"
 
 
-def cell(cells, task, engine, missing, cases):
+def cell(cells, task, engine, missing):
     if engine in missing:
         return missing[engine].split(":")[0] if task in report.TASKS_OF.get(engine, ROWS) else "-"
-    own, _ = over_cases(report.own_times(cells, task))
     if engine == "spineline":
-        return report.seconds_text(own)
-    parts = [part(fastest(cells, task, engine, way), own, cases) for way in WAYS]
+        return report.seconds_text(median(report.own_times(cells, task).values()))
+    parts = [part(cells, task, engine, way) for way in report.WAYS]
     if parts == [None, None]:
-        parts = [part(fastest(cells, task, engine, ""), own, cases)]
+        parts = [part(cells, task, engine, "")]
     return " / ".join(one for one in parts if one) or "-"
 
 
-def write(results, truth, names):
+def write(results, truth):
     """The table as Markdown, with machine and date, and what each engine could not do."""
     cells = report.gather(results["answers"], truth)
     head = ["", *ENGINES.values()]
     lines = [f"| {' | '.join(head)} |", f"|{'---|' * len(head)}"]
     for task, label in ROWS.items():
-        row = [cell(cells, task, engine, results["missing"], len(names)) for engine in ENGINES]
+        row = [cell(cells, task, engine, results["missing"]) for engine in ENGINES]
         lines.append(f"| {' | '.join([label, *row])} |")
     lines += [
         "",
         "Time, and in brackets how many times Spineline's: usual / tuned. Medians over the cases in which the result is right.",
+        "Where the usual fit is wrong, the published method is, whichever the engine: see the README of this comparison.",
         f"Machine: {results['machine']}, {results['cores']} cores; one thread.",
         f"Date: {results['date']}.",
         "",
