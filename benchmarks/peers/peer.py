@@ -9,6 +9,7 @@ from time import process_time
 import numpy as np
 
 import spine as spines
+import usual
 from statics import NotFound, Statics, personalise
 
 
@@ -32,9 +33,9 @@ def attempt(task, method, work):
         return row | {"failed": str(reason)}
 
 
-def equilibria(kinematics, spine, near):
+def equilibria(statics, spine, near):
     """Both bends, from the erect spine or from the equilibrium at 95 % of the force."""
-    statics = Statics(kinematics, spine.true_stiffness)
+    kinematics = statics.kinematics
     starts, shapes = [], []
     for bend in spine.bends:
         erect = np.zeros_like(spine.nominal)
@@ -49,18 +50,16 @@ def equilibria(kinematics, spine, near):
     return {"midpoints_mm": shapes, "seconds": timed(work) / 2}
 
 
-def amplitude(kinematics, spine):
-    statics = Statics(kinematics, spine.true_stiffness)
-
+def amplitude(statics, spine):
     def work():
-        return [statics.match(bend.unit, bend.lean) for bend in spine.bends]
+        return [statics.match(bend.unit, bend.lean)[0] for bend in spine.bends]
 
     return {"forces_n": work(), "seconds": timed(work) / 2}
 
 
-def personalisation(kinematics, spine, start):
-    multipliers, forces = personalise(kinematics, spine, start)
-    seconds = timed(lambda: personalise(kinematics, spine, start), seconds=2.0)
+def personalisation(work):
+    multipliers, forces = work()
+    seconds = timed(work, seconds=2.0)
     return {"multipliers": multipliers.tolist(), "forces_n": forces.tolist(), "seconds": seconds}
 
 
@@ -68,14 +67,20 @@ def main(engine, path, name):
     module = importlib.import_module(f"with_{engine}")
     spine = spines.read(path, name)
     kinematics = module.Kinematics(spine)
-    rows = [
-        attempt("equilibrium", "Newton", lambda: equilibria(kinematics, spine, near=False)),
-        attempt("equilibrium_near", "Newton", lambda: equilibria(kinematics, spine, near=True)),
-        attempt("amplitude", "continuation, bordered Newton", lambda: amplitude(kinematics, spine)),
-    ]
+    rows = []
+    ways = (("usual", "dense solve", usual.UsualStatics), ("tuned", "triangular solve", Statics))
+    for way, solve, kind in ways:
+        statics = kind(kinematics, spine.true_stiffness)
+        for task, near in (("equilibrium", False), ("equilibrium_near", True)):
+            rows.append(attempt(task, f"{way}: Newton, {solve}", lambda: equilibria(statics, spine, near)))
+        method = f"{way}: continuation, bordered Newton, {solve}"
+        rows.append(attempt("amplitude", method, lambda: amplitude(statics, spine)))
+    method = "usual: amplitudes met in every evaluation; nominal start"
+    rows.append(attempt("personalisation", method, lambda: personalisation(lambda: usual.personalise(kinematics, spine))))
     for start in spine.starts:
-        method = f"Newton, implicit derivatives, MINPACK; {start.replace('_', '-')} start"
-        rows.append(attempt("personalisation", method, lambda: personalisation(kinematics, spine, start)))
+        method = f"tuned: multipliers and forces together; {start.replace('_', '-')} start"
+        work = lambda: personalise(kinematics, spine, start)
+        rows.append(attempt("personalisation", method, lambda: personalisation(work)))
     said = {"engine": module.NAME, "version": module.VERSION, "case": name, "cannot": module.CANNOT, "rows": rows}
     print(json.dumps(said))
 

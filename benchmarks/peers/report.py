@@ -8,6 +8,8 @@ TASKS = {
     "amplitude": "The smallest positive force that gives a lean",
     "personalisation": "Personalisation: three multipliers and two forces from two bends",
 }
+TASKS_OF = {"pinocchio C++": ("equilibrium", "equilibrium_near")}
+WAYS = ("usual", "tuned")
 MIDPOINT_MM = 1e-6
 MIDPOINT_MM_OF = {"opensim": 1e-3}
 FORCE = 1e-6  # relative
@@ -36,25 +38,30 @@ def fault(row, engine, reference, truth):
 
 
 def reference_of(answers, case, task):
-    """Spineline's row. Its march needs no start, so that both equilibria have the same one."""
+    """Spineline's first row; for both equilibria that is the march's."""
     task = "equilibrium" if task == "equilibrium_near" else task
     rows = (row for a in answers if (a["engine"], a["case"]) == ("spineline", case) for row in a["rows"])
     return next(row for row in rows if row["task"] == task)
 
 
+def way_of(method):
+    """Usual or tuned, where a method says so."""
+    return next((way for way in WAYS if method.startswith(way)), "")
+
+
 def agreement(answers, truth):
-    """Per engine, the largest disagreements with Spineline's midpoints and with the true multipliers."""
+    """Per engine and way, the largest disagreements with Spineline's midpoints and with the true multipliers."""
     lines = ["## Agreement", "", "| engine | midpoints, mm | multipliers |", "|---|---|---|"]
-    for engine in dict.fromkeys(answer["engine"] for answer in answers):
-        off = {"midpoints_mm": [], "multipliers": []}
-        for answer in (answer for answer in answers if answer["engine"] == engine):
-            for row in answer["rows"]:
-                ours = reference_of(answers, answer["case"], row["task"]) | {"multipliers": truth[answer["case"]]}
-                for what, found in off.items():
-                    if what in row:
-                        found.append(largest(ours[what], row[what]))
-        cells = (f"{max(found):.0e}" if found else "-" for found in off.values())
-        lines.append(f"| {engine} | {' | '.join(cells)} |")
+    off = {}
+    for answer in answers:
+        for row in answer["rows"]:
+            ours = reference_of(answers, answer["case"], row["task"]) | {"multipliers": truth[answer["case"]]}
+            found = off.setdefault((answer["engine"], way_of(row["method"])), {"midpoints_mm": [], "multipliers": []})
+            for what in found.keys() & row.keys():
+                found[what].append(largest(ours[what], row[what]))
+    for (engine, way), found in off.items():
+        cells = (f"{max(values):.0e}" if values else "-" for values in found.values())
+        lines.append(f"| {engine}{', ' if way else ''}{way} | {' | '.join(cells)} |")
     return lines + [""]
 
 
@@ -81,26 +88,31 @@ def seconds_text(seconds):
 
 
 def own_times(cells, task):
-    task = "equilibrium" if task == "equilibrium_near" else task
+    """Spineline's times: its first row of a task, so that from a nearby start Newton is compared with Newton."""
     return next(by_case for (t, engine, _), by_case in cells.items() if (t, engine) == (task, "spineline"))
+
+
+def ratio_text(ratio):
+    return f"{ratio:.1f}×" if ratio < 10 else f"{ratio:,.0f}×"
 
 
 def cell_text(value, own, engine):
     if isinstance(value, str):
         return value
-    ratio = "" if engine == "spineline" else f" ({value / own:,.0f}×)"
+    ratio = "" if engine == "spineline" else f" ({ratio_text(value / own)})"
     return seconds_text(value) + ratio
 
 
-def table(cells, task, names):
+def table(cells, task, names, missing):
     lines = [f"## {TASKS[task]}", "", f"| engine | method | {' | '.join(names)} |", f"|---|---|{'---|' * len(names)}"]
     own = own_times(cells, task)
-    if task == "equilibrium_near":
-        cells = {(task, "spineline", "explicit march (needs no start)"): own} | cells
     for (of_task, engine, method), by_case in cells.items():
         if of_task == task:
             values = " | ".join(cell_text(by_case[name], own[name], engine) for name in names)
             lines.append(f"| {engine} | {method} | {values} |")
+    for engine, reason in missing.items():
+        if task in TASKS_OF.get(engine, TASKS):
+            lines.append(f"| {engine} | {reason} | {' | '.join('-' for _ in names)} |")
     return lines + [""]
 
 
@@ -114,22 +126,35 @@ def least_ratios(cells, task, engines, names, methods=""):
             for (of_task, engine, method), by_case in cells.items()
             if of_task == task and engine in engines and methods in method and not isinstance(by_case[name], str)
         ]
-        ratios.append(f"{min(times) / own[name]:,.0f}×" if times else "none")
+        ratios.append(f"{ratio_text(min(times) / own[name])}" if times else "none")
     return ", ".join(ratios)
 
 
-def summary(cells, names):
+def ratios(cells, names):
     python = ("pinocchio", "mujoco", "opensim", "numpy")
+    both = "tuned: multipliers and forces together; "
     lines = [
-        ("personalisation, fastest engine from Python, start given", "personalisation", python, "closed-form"),
-        ("personalisation, fastest engine from Python, nominal start", "personalisation", python, "nominal"),
-        ("personalisation, Octave, start given", "personalisation", ("octave",), "closed-form"),
+        ("personalisation, fastest engine from Python, usual", "personalisation", python, "usual"),
+        ("personalisation, fastest engine from Python, tuned, nominal start", "personalisation", python, f"{both}nominal"),
+        ("personalisation, fastest engine from Python, tuned, start given", "personalisation", python, f"{both}closed-form"),
         ("personalisation, Octave, nominal start", "personalisation", ("octave",), "nominal"),
-        ("equilibrium, Pinocchio's C++ kernels, dense LU", "equilibrium", ("pinocchio C++",), "dense"),
-        ("equilibrium, Pinocchio's C++ kernels, triangular solve", "equilibrium", ("pinocchio C++",), "triangular"),
+        ("personalisation, Octave, start given", "personalisation", ("octave",), "closed-form"),
+        ("Newton from a nearby start against Pinocchio's C++ kernels, usual", "equilibrium_near", ("pinocchio C++",), "usual"),
+        ("Newton from a nearby start against Pinocchio's C++ kernels, tuned", "equilibrium_near", ("pinocchio C++",), "tuned"),
+        ("march against Pinocchio's C++ kernels, usual", "equilibrium", ("pinocchio C++",), "usual"),
+        ("march against Pinocchio's C++ kernels, tuned", "equilibrium", ("pinocchio C++",), "tuned"),
     ]
     head = ["## How many times Spineline's time", "", f"In the order {', '.join(names)}.", ""]
     return head + [f"- {what}: {least_ratios(cells, t, e, names, m)}" for what, t, e, m in lines] + [""]
+
+
+def cannot(results):
+    """What each engine could not do, and which engines there were not."""
+    said = {(a["engine"], a["version"]): a.get("cannot", []) for a in results["answers"]}
+    lines = [
+        f"- {engine} {version}" + (": " + "; ".join(faults) if faults else "") for (engine, version), faults in said.items()
+    ]
+    return lines + [f"- {engine}: {reason}" for engine, reason in results["missing"].items()]
 
 
 def write(results, truth, names):
@@ -140,11 +165,8 @@ def write(results, truth, names):
     lines += [f"{results['machine']}, Python {results['python']}, one thread. Medians; in brackets the ratio to Spineline.", ""]
     lines += agreement(answers, truth)
     for task in TASKS:
-        lines += table(cells, task, names)
-    lines += summary(cells, names)
+        lines += table(cells, task, names, results["missing"])
+    lines += ratios(cells, names)
     lines += ["## What the engines could not do", ""]
-    said = {(a["engine"], a["version"]): a.get("cannot", []) for a in answers}
-    for (engine, version), faults in said.items():
-        lines += [f"- {engine} {version}" + (": " + "; ".join(faults) if faults else "")]
-    lines += [f"- {engine}: {reason}" for engine, reason in results["missing"].items()]
+    lines += cannot(results)
     return "\n".join(lines) + "\n"

@@ -1,6 +1,6 @@
 """Runs Spineline and other engines on the same cases, one after the other, and prints what they took.
 
-    python run.py [--rounds N] [--without-octave]
+`cargo xtask peers [--rounds N] [--without-octave]` builds what is needed and calls this.
 
 Every engine is a program that is given a case and prints JSON, in a fresh process with one thread. A round is every case,
 and for each case every engine in turn, so that a busy minute of the machine meets them all. Octave, which needs minutes,
@@ -8,6 +8,7 @@ takes part in the first round only.
 """
 
 import argparse
+import datetime
 import importlib.util
 import json
 import os
@@ -18,23 +19,12 @@ import sys
 from pathlib import Path
 
 import report
+import summary
 
 HERE = Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
 NAMES = ("mild", "severe", "extreme")
 PYTHON_ENGINES = {"pinocchio": "pinocchio", "mujoco": "mujoco", "opensim": "opensim", "numpy": "scipy"}
 ONE_THREAD = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
-
-
-def target_folder():
-    command = ["cargo", "metadata", "--no-deps", "--format-version", "1"]
-    answer = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
-    return Path(json.loads(answer)["target_directory"])
-
-
-def build_spineline(target):
-    subprocess.run(["cargo", "build", "--release", "--package", "spineline-peers"], cwd=ROOT, check=True)
-    return target / "release" / "spineline-peers"
 
 
 def build_pinocchio_cpp(folder):
@@ -83,6 +73,10 @@ def commands(spineline, folder, with_octave):
     return found, missing
 
 
+class Broken(Exception):
+    """An engine that is there and does not work."""
+
+
 def run(command, cases, name):
     """What an engine says of one case."""
     ended = subprocess.run(
@@ -90,7 +84,7 @@ def run(command, cases, name):
     )
     lines = ended.stdout.strip().splitlines()
     if not lines or not lines[-1].startswith("{"):
-        raise SystemExit(f"{command} failed on {name}:\n{ended.stderr}")
+        raise Broken((ended.stderr.strip().splitlines() or [f"it ended with {ended.returncode}"])[-1])
     return json.loads(lines[-1])
 
 
@@ -102,32 +96,53 @@ def machine():
         return platform.processor() or platform.machine()
 
 
+def rounds(engines, missing, cases, count):
+    """All answers; an engine that does not work joins the missing ones, but for Spineline."""
+    answers = []
+    for turn in range(count):
+        for name in NAMES:
+            for engine, command in list(engines.items()):
+                if engine == "octave" and turn > 0:
+                    continue
+                print(f"round {turn + 1}, {name}: {engine}", flush=True)
+                try:
+                    answers.append(run(command, cases, name))
+                except Broken as reason:
+                    if engine == "spineline":
+                        raise SystemExit(f"spineline failed on {name}: {reason}") from reason
+                    missing[engine] = f"does not work here: {reason}"
+                    del engines[engine]
+    return [answer for answer in answers if answer["engine"] not in missing]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--program", type=Path, required=True, help="spineline-peers, built in release")
+    parser.add_argument("--out", type=Path, required=True, help="folder of the results")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--without-octave", action="store_true")
     arguments = parser.parse_args()
-    target = target_folder()
-    spineline = build_spineline(target)
-    folder = target / "peers"
+    spineline, folder = arguments.program, arguments.out
     folder.mkdir(parents=True, exist_ok=True)
     cases = folder / "cases.json"
     subprocess.run([spineline, "cases", cases], check=True)
     engines, missing = commands(spineline, folder, not arguments.without_octave)
-    answers = []
-    for turn in range(arguments.rounds):
-        for name in NAMES:
-            for engine, command in engines.items():
-                if engine == "octave" and turn > 0:
-                    continue
-                print(f"round {turn + 1}, {name}: {engine}", flush=True)
-                answers.append(run(command, cases, name))
+    answers = rounds(engines, missing, cases, arguments.rounds)
     truth = {case["name"]: case["multipliers"] for case in json.loads(cases.read_text(encoding="utf-8"))["cases"]}
-    results = {"machine": machine(), "python": platform.python_version(), "missing": missing, "answers": answers}
+    results = {
+        "machine": machine(),
+        "cores": os.cpu_count(),
+        "date": datetime.date.today().isoformat(),
+        "python": platform.python_version(),
+        "missing": missing,
+        "answers": answers,
+    }
     (folder / "results.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
     text = report.write(results, truth, NAMES)
     (folder / "results.md").write_text(text, encoding="utf-8")
-    print("\n" + text)
+    short = summary.write(results, truth)
+    (folder / "summary.md").write_text(short, encoding="utf-8")
+    print(f"\n{text}\n{short}")
     print(f"written to {folder}")
 
 

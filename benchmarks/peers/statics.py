@@ -9,6 +9,8 @@ An engine gives its kinematics as an object with three methods:
 A force along a line fixed in space is a constant spatial wrench `w`, so the generalised load is `Sᵀw`. A hinge moves all
 screws above it: `dS_i/dq_k = S_k × S_i` for `k < i`. Hence `d(Sᵀw)/dq` is the strictly lower triangle of `Sᵀ X S`, with a
 6 × 6 matrix `X` of the wrench alone, and the tangent is lower triangular, which LAPACK's `trtrs` makes use of.
+
+What is here is the tuned way; `usual.py` has the usual one.
 """
 
 import numpy as np
@@ -43,6 +45,11 @@ class Statics:
         self.below = np.tri(len(stiffness), k=-1)
         self.diagonal = np.diag_indices(len(stiffness))
 
+    @staticmethod
+    def solve(tangent, right):
+        """The tangent is lower triangular under a wrench fixed in space."""
+        return dtrtrs(tangent, right, lower=1)[0]
+
     def system(self, q, wrench, rate):
         """Screws, residual and tangent at hinge angles `q`; `rate` is `load_rate(wrench)`."""
         screws = self.kinematics.place(q)
@@ -56,7 +63,7 @@ class Statics:
         rate = load_rate(wrench)
         for _ in range(MOST_STEPS):
             screws, residual, tangent = self.system(q, wrench, rate)
-            step, _ = dtrtrs(tangent, residual, lower=1)
+            step = self.solve(tangent, residual)
             q = q - step
             if np.abs(step).max() < LAST_STEP_RAD:
                 return q, screws, tangent
@@ -70,13 +77,13 @@ class Statics:
         return np.arctan2(-y, z), rate
 
     def match(self, unit, lean):
-        """The first force, from zero upwards, at which the line L4→T2 has a given lean."""
+        """The first force, from zero upwards, at which the line L4→T2 has a given lean; with it what `polish` returns."""
         unit_rate = load_rate(unit)
         q, force = np.zeros_like(self.stiffness), 0.0
         before = None
         for _ in range(MOST_STEPS):
             q, screws, tangent = self.equilibrium(force * unit, q)
-            by_force, _ = dtrtrs(tangent, unit @ screws, lower=1)
+            by_force = self.solve(tangent, unit @ screws)
             now, rate = self.lean(screws)
             miss, slope = now - lean, rate @ by_force
             if before is not None and miss * before < 0.0:
@@ -84,22 +91,53 @@ class Statics:
             longest = LARGEST_TURN_RAD / np.abs(by_force).max()
             newton = -miss / slope
             if 0.0 < newton < longest:
-                return self.polish(unit, unit_rate, lean, q + by_force * newton, force + newton)
+                try:
+                    return self.polish(unit, unit_rate, lean, q + by_force * newton, force + newton)
+                except NotFound:
+                    pass  # the lean turns back before it: on with the path
             q, force, before = q + by_force * longest, force + longest, miss
         raise NotFound("the amplitude is not reached")
 
     def polish(self, unit, unit_rate, lean, q, force):
-        """Newton for hinges and force together: equilibrium bordered by the amplitude, solved by blocks."""
+        """Newton for hinges and force together: equilibrium bordered by the amplitude, solved by blocks.
+
+        Returns force and hinge angles, and screws and tangent of the last step.
+        """
         for _ in range(MOST_STEPS):
             screws, residual, tangent = self.system(q, force * unit, force * unit_rate)
-            both, _ = dtrtrs(tangent, np.column_stack([residual, unit @ screws]), lower=1)
+            both = self.solve(tangent, np.column_stack([residual, unit @ screws]))
             now, rate = self.lean(screws)
             more = (rate @ both[:, 0] - (now - lean)) / (rate @ both[:, 1])
             step = more * both[:, 1] - both[:, 0]
             q, force = q + step, force + more
             if np.abs(step).max() < LAST_STEP_RAD:
-                return force
+                return force, q, screws, tangent
         raise NotFound("the amplitude is not met")
+
+
+class Observed:
+    """Residuals of a bend's locations and tilts, and their derivatives, in standard deviations."""
+
+    def __init__(self, kinematics, spine):
+        self.kinematics = kinematics
+        self.scale = np.array([spine.location_sd, spine.location_sd, spine.tilt_sd])[:, None]
+
+    def compare(self, bend, screws, rates):
+        """(42,) and (3, 14, n), of the shape as last placed, whose hinges turn by the columns of `rates`."""
+        # Twists of the vertebrae per unit of each unknown: sums over the hinges below.
+        hinges = screws[:, :, None] * rates
+        twists = hinges.reshape(6, 14, 3, -1).sum(axis=2).cumsum(axis=1)
+        wx, wy, wz, _, vy, vz = twists
+        place, cranial = self.kinematics.midpoints()[1:], self.kinematics.cranial()[1:]
+        x, y, z = place.T[:, :, None]
+        cx, cy, cz = cranial.T[:, :, None]
+        turn = (cy * (wx * cy - wy * cx) - cz * (wz * cx - wx * cz)) / (cy * cy + cz * cz)
+        jacobian = np.array([vy + wz * x - wx * z, vz + wx * y - wy * x, turn])
+        tilt = np.arctan2(-cranial[:, 1], cranial[:, 2])
+        residual = np.array(
+            [place[:, 1] - bend.locations[1:, 0], place[:, 2] - bend.locations[1:, 1], tilt - bend.tilts[1:]]
+        )
+        return (residual / self.scale).ravel(), jacobian / self.scale[:, :, None]
 
 
 class Fit:
@@ -113,9 +151,9 @@ class Fit:
     def __init__(self, kinematics, spine):
         self.spine = spine
         self.statics = Statics(kinematics, spine.nominal)
+        self.observed = Observed(kinematics, spine)
         self.groups = self.FREE[spine.region]
         self.shapes = [np.zeros_like(spine.nominal) for _ in spine.bends]
-        self.scale = np.array([spine.location_sd, spine.location_sd, spine.tilt_sd])[:, None]
         self.at = None
 
     def evaluate(self, x):
@@ -137,22 +175,10 @@ class Fit:
         right = np.zeros((len(q), 3))
         right[::3, :2] = -(self.statics.stiffness[::3] * q[::3])[:, None] * self.groups
         right[:, 2] = bend.unit @ screws
-        rates, _ = dtrtrs(tangent, right, lower=1)
-        # Twists of the vertebrae per unit of each unknown: sums over the hinges below.
-        hinges = screws[:, :, None] * rates
-        twists = hinges.reshape(6, 14, 3, 3).sum(axis=2).cumsum(axis=1)
-        wx, wy, wz, _, vy, vz = twists
-        place, cranial = self.statics.kinematics.midpoints()[1:], self.statics.kinematics.cranial()[1:]
-        x, y, z = place.T[:, :, None]
-        cx, cy, cz = cranial.T[:, :, None]
-        turn = (cy * (wx * cy - wy * cx) - cz * (wz * cx - wx * cz)) / (cy * cy + cz * cz)
+        residual, rates = self.observed.compare(bend, screws, self.statics.solve(tangent, right))
         jacobian = np.zeros((3, 14, 4))
-        jacobian[:, :, [0, 1, 2 + i]] = [vy + wz * x - wx * z, vz + wx * y - wy * x, turn]
-        tilt = np.arctan2(-cranial[:, 1], cranial[:, 2])
-        residual = np.array(
-            [place[:, 1] - bend.locations[1:, 0], place[:, 2] - bend.locations[1:, 1], tilt - bend.tilts[1:]]
-        )
-        return (residual / self.scale).ravel(), (jacobian / self.scale[:, :, None]).reshape(-1, 4)
+        jacobian[:, :, [0, 1, 2 + i]] = rates
+        return residual, jacobian.reshape(-1, 4)
 
     def residuals(self, x):
         self.evaluate(x)

@@ -2,6 +2,7 @@
 
 mod engines;
 mod oracle;
+mod peers;
 mod python;
 mod tidy;
 
@@ -17,6 +18,8 @@ cargo xtask COMMAND
   tidy     house rules that no compiler knows
   engines  exported models in MuJoCo, Pinocchio and OpenSim (needs Python, and a network the first time)
   bench    benchmarks of the core
+  peers [--rounds N] [--without-octave]
+           times beside those of MuJoCo, Pinocchio, OpenSim, numpy and Octave (minutes; needs what `engines` needs)
   oracle CASE.json… --out DIR
            spines solved by other programs, solved by the march and by Newton
 ";
@@ -27,9 +30,11 @@ type Step = fn(&Path) -> Result<(), String>;
 fn main() -> ExitCode {
     let command = env::args().nth(1).unwrap_or_default();
     let root = root();
-    if command == "oracle" {
-        let arguments: Vec<String> = env::args().skip(2).collect();
-        return ended(&command, oracle::run(&arguments));
+    let arguments: Vec<String> = env::args().skip(2).collect();
+    match command.as_str() {
+        "oracle" => return ended(&command, oracle::run(&arguments)),
+        "peers" => return ended(&command, peers::compare(&root, &arguments)),
+        _ => {}
     }
     let steps: &[Step] = match command.as_str() {
         "test" => &[format, lint, tidy::run, test, doctest, docs, engines::compare],

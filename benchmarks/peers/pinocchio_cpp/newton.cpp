@@ -166,8 +166,8 @@ static double median_seconds(Newton &newton, const Spine &spine, const std::vect
 static void print_row(const Spine &spine, Solve solve, bool near, bool first) {
   Newton newton(spine, solve);
   std::vector<VectorXd> starts;
-  std::printf("%s{\"task\": \"%s\", \"method\": \"Newton, %s\", ", first ? "" : ", ",
-              near ? "equilibrium_near" : "equilibrium", solve == Solve::dense ? "dense LU" : "triangular solve");
+  const char *method = solve == Solve::dense ? "usual: Newton, dense LU" : "tuned: Newton, triangular solve";
+  std::printf("%s{\"task\": \"%s\", \"method\": \"%s\", ", first ? "" : ", ", near ? "equilibrium_near" : "equilibrium", method);
   std::printf("\"midpoints_mm\": [");
   for (const auto &wrench : spine.wrenches) {
     starts.push_back(VectorXd::Zero(spine.model.nq));

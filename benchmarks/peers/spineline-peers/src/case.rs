@@ -148,6 +148,14 @@ impl Case {
         self.multipliers.map(f64::ln)
     }
 
+    /// The true springs of every joint.
+    pub fn stiffness(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
+        self.joints.iter().map(|joint| {
+            let [x, y, z] = joint.stiffness_nmm_per_rad;
+            [x * self.multipliers[joint.region], y, z]
+        })
+    }
+
     /// One multiplier per region.
     pub fn groups(&self) -> JointGroups {
         JointGroups::regional(&self.regions())

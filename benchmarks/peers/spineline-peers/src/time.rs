@@ -7,12 +7,13 @@ use serde::Serialize;
 use spineline::clinical::Regions;
 use spineline::measure::Outline;
 use spineline::multibody::{
-    ForceSign, JointGroups, Load, Solution, SpineModel, Statics, StiffnessLibrary, Support,
-    match_amplitude,
+    BodyLoad, ForceSign, GeneralStatics, JointGroups, Load, Loading, Solution, SpineModel, Statics,
+    StiffnessLibrary, Support, match_amplitude,
 };
 use spineline::personalize::{
     FitFilm, FitSettings, FitTarget, Gauge, Personalization, personalize,
 };
+use spineline::spatial::{Mat3, Vec3};
 
 use crate::case::Case;
 
@@ -33,6 +34,9 @@ struct Row {
     method: &'static str,
     /// Median time of one solution: of one bend, but for the personalisation, which is of both.
     seconds: f64,
+    /// Why the time does not count.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    failed: Option<&'static str>,
     /// Midpoints per bend and vertebra, to be compared.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     midpoints_mm: Vec<Vec<[f64; 3]>>,
@@ -46,7 +50,7 @@ struct Row {
 
 /// What the other engines can and the timed functions cannot.
 const CANNOT: [&str; 2] = [
-    "the march is for one force on T2, along a line fixed in space or at T2; other loads need another solver",
+    "the march is for one force on T2, along a line fixed in space or at T2; other loads need the general Newton",
     "no contact, no muscles, no dynamics, no joint but three hinges in series",
 ];
 
@@ -58,8 +62,14 @@ pub fn times(case: &Case) -> Times {
     let (model, library, groups) = (case.model(), case.library(), case.groups());
     let logs = case.log_multipliers();
     let statics = Statics::new(&model, &library, &groups, &logs, Support::Free);
-    // The general Newton solver, from the erect spine and from a nearby start, has its rows here once the core has it.
-    let rows = vec![equilibrium(case, &statics), amplitude(case, &statics), personalisation(case)];
+    // The march comes first: all others are compared with its shapes.
+    let rows = vec![
+        equilibrium(case, &statics),
+        newton(case, &model, Start::Erect),
+        newton(case, &model, Start::Near),
+        amplitude(case, &statics),
+        personalisation(case),
+    ];
     Times {
         engine: "spineline",
         version: env!("CARGO_PKG_VERSION"),
@@ -88,6 +98,57 @@ fn equilibrium(case: &Case, statics: &Statics<'_>) -> Row {
         task: "equilibrium",
         method: "explicit march",
         seconds,
+        midpoints_mm,
+        ..Default::default()
+    }
+}
+
+/// Where Newton starts.
+#[derive(Clone, Copy)]
+enum Start {
+    /// The erect spine.
+    Erect,
+    /// The equilibrium at 95 % of the force.
+    Near,
+}
+
+/// The general solver, which is for any load, given the same line; every call starts from the same hinge angles.
+fn newton(case: &Case, model: &SpineModel, start: Start) -> Row {
+    let springs = case.stiffness().map(|k| Mat3::from_diagonal(&Vec3::from(k)));
+    let statics = GeneralStatics::new(model, springs, Support::Free).expect("springs are positive");
+    let mut converged = true;
+    let mut bends = case.bends.each_ref().map(|bend| {
+        let line = BodyLoad::ForceOnLine {
+            force_n: Vec3::from(bend.direction) * bend.force_n,
+            point_mm: Vec3::from(bend.point_mm),
+        };
+        let loading = Loading::single(case.vertebrae.len() - 1, line);
+        let mut work = statics.work(&loading).expect("a line can be applied to T2");
+        if matches!(start, Start::Near) {
+            converged &= statics.solve_near(&loading, 0.95, &mut work).converged;
+        }
+        let hinges = work.hinges_mut().to_vec();
+        (loading, work, hinges)
+    });
+    let midpoints_mm = bends.iter_mut().map(|(loading, work, _)| {
+        converged &= statics.solve_near(loading, 1.0, work).converged;
+        work.midpoints_mm().iter().map(|&midpoint| midpoint.into()).collect()
+    });
+    let midpoints_mm = midpoints_mm.collect();
+    let seconds = median_seconds(1000, 10, |i| {
+        let (loading, work, hinges) = &mut bends[i % 2];
+        let factor = 1.0 - WOBBLE * (i % 64) as f64 / 64.0;
+        work.hinges_mut().copy_from_slice(black_box(hinges));
+        black_box(statics.solve_near(loading, black_box(factor), work));
+    });
+    Row {
+        task: match start {
+            Start::Erect => "equilibrium",
+            Start::Near => "equilibrium_near",
+        },
+        method: "general Newton",
+        seconds,
+        failed: (!converged).then_some("Newton did not converge"),
         midpoints_mm,
         ..Default::default()
     }
