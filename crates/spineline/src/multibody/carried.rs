@@ -1,7 +1,7 @@
 //! What the march carries from joint to joint.
 
 use super::{SpineModel, Wrench};
-use crate::spatial::{Mat3, Vec3, sin_cos};
+use crate::spatial::{Mat3, Vec3, sin_cos, small_sin_cos};
 
 /// An axis in `G`, and in the fourth place the force along it.
 type Axis = nalgebra::Vector4<f64>;
@@ -39,18 +39,20 @@ impl Carried {
     }
 
     /// Three hinges in series; each turns the axes that come after it. Gives their angles, and their axes in `G`.
+    ///
+    /// With `SMALL` the axes are right only if all three angles are small.
     #[inline]
-    pub fn turn(&mut self, compliance: &[f64; 3]) -> ([f64; 3], [Vec3; 3]) {
+    pub fn turn<const SMALL: bool>(&mut self, compliance: &[f64; 3]) -> ([f64; 3], [Vec3; 3]) {
         let Self { axes: [x, y, z], moment_nmm: [mx, my, mz] } = self;
         let (hinge_x, angle_x) = (*x, compliance[0] * *mx);
-        turn_pair(y, z, my, mz, angle_x);
+        turn_pair::<SMALL>(y, z, my, mz, angle_x);
         if compliance[1] == 0.0 && compliance[2] == 0.0 {
             return ([angle_x, 0.0, 0.0], [hinge_x.xyz(), y.xyz(), z.xyz()]);
         }
         let (hinge_y, angle_y) = (*y, compliance[1] * *my);
-        turn_pair(z, x, mz, mx, angle_y);
+        turn_pair::<SMALL>(z, x, mz, mx, angle_y);
         let (hinge_z, angle_z) = (*z, compliance[2] * *mz);
-        turn_pair(x, y, mx, my, angle_z);
+        turn_pair::<SMALL>(x, y, mx, my, angle_z);
         ([angle_x, angle_y, angle_z], [hinge_x.xyz(), hinge_y.xyz(), hinge_z.xyz()])
     }
 
@@ -78,8 +80,14 @@ fn combine([x, y, z]: &[Axis; 3], by: &Vec3) -> Axis {
 
 /// Turns two axes by an angle about the third, `a` towards `b`, and the moments along them.
 #[inline(always)]
-fn turn_pair(a: &mut Axis, b: &mut Axis, ma: &mut f64, mb: &mut f64, angle_rad: f64) {
-    let (s, c) = sin_cos(angle_rad);
+fn turn_pair<const SMALL: bool>(
+    a: &mut Axis,
+    b: &mut Axis,
+    ma: &mut f64,
+    mb: &mut f64,
+    angle_rad: f64,
+) {
+    let (s, c) = if SMALL { small_sin_cos(angle_rad) } else { sin_cos(angle_rad) };
     (*ma, *mb) = (*ma * c + *mb * s, *mb * c - *ma * s);
     (*a, *b) = (*a * c + *b * s, *b * c - *a * s);
 }

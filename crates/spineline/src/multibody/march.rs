@@ -1,7 +1,7 @@
 use super::carried::Carried;
 use super::{JointGroups, SpineModel, StiffnessLibrary, Support};
 use crate::action::{Application, LineOfAction};
-use crate::spatial::{Angle, Frontal, Mat3, Vec3, sin_cos};
+use crate::spatial::{Angle, Frontal, Mat3, Vec3, is_small, sin_cos};
 
 /// A force and its moment about the origin of `G`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -336,12 +336,36 @@ impl<'a> Statics<'a> {
         solution: &mut Solution,
     ) {
         self.reset(parameters.len(), solution);
+        // Small angles are the rule; a pass that meets a large one is done again.
+        let whole = if parameters.is_empty() {
+            self.pass::<false, true>(wrench, units, parameters, solution)
+                || self.pass::<false, false>(wrench, units, parameters, solution)
+        } else {
+            self.pass::<true, true>(wrench, units, parameters, solution)
+                || self.pass::<true, false>(wrench, units, parameters, solution)
+        };
+        debug_assert!(whole, "only a pass for small angles ends early");
+    }
+
+    /// The march itself. Answers whether it came to T2: with `SMALL` it ends at the first large angle.
+    ///
+    /// Compiled on its own without derivatives and for small angles, which are faster without what the others need.
+    fn pass<const DERIVATIVES: bool, const SMALL: bool>(
+        &self,
+        wrench: &Wrench,
+        units: &[Wrench],
+        parameters: &[Parameter],
+        solution: &mut Solution,
+    ) -> bool {
         let mut carried = Carried::new(self.model, wrench);
         let mut midpoint = self.model.midpoints_mm[0];
         for (j, (joint, hinges)) in self.model.joints.iter().zip(&self.hinges).enumerate() {
             let arm = carried.in_g(&joint.centre_in_inferior_mm);
             let centre = midpoint + arm;
-            let (turns, directions) = carried.turn(&hinges.compliance);
+            let (turns, directions) = carried.turn::<SMALL>(&hinges.compliance);
+            if SMALL && !turns.iter().all(|turn| is_small(*turn)) {
+                return false;
+            }
             let rise = carried.in_g(&joint.rise_in_inferior_mm);
             carried.pass_on(&hinges.to_next_mm, &joint.inferior_from_superior);
             midpoint = centre + rise;
@@ -349,14 +373,16 @@ impl<'a> Statics<'a> {
             deformed.axes[j + 1] = carried.axes();
             deformed.midpoints_mm[j + 1] = midpoint;
             deformed.hinges_rad[j] = turns;
-            if !parameters.is_empty() {
+            if DERIVATIVES {
                 let step = Step { joint: j, wrench, turns, directions, centre, arm, rise };
                 self.differentiate(&step, units, parameters, solution);
             }
         }
+        true
     }
 
     /// The derivatives of one joint's superior vertebra from those of its inferior one.
+    #[inline(always)]
     fn differentiate(
         &self,
         step: &Step<'_>,
@@ -383,6 +409,13 @@ impl<'a> Statics<'a> {
                 }
                 Parameter::LogStiffness(group) if self.group_of_joint[j] == group => {
                     stretch = -turns[0];
+                }
+                // What is softer above moves nothing below.
+                Parameter::LogStiffness(_)
+                    if turn == Vec3::zeros() && midpoints[j] == Vec3::zeros() =>
+                {
+                    (turned[j + 1], midpoints[j + 1]) = (turn, midpoints[j]);
+                    continue;
                 }
                 Parameter::LogStiffness(_) => {}
             }

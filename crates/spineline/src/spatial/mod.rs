@@ -12,7 +12,7 @@ mod sine;
 
 pub use angle::Angle;
 pub use frontal::{Frontal, Pixel};
-pub use sine::sin_cos;
+pub use sine::{is_small, sin_cos, small_sin_cos};
 
 /// A vector of three components; millimetres, newtons or newton millimetres as its name says.
 pub type Vec3 = nalgebra::Vector3<f64>;

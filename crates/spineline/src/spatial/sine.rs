@@ -27,24 +27,26 @@ const SERIES: [Vector2<f64>; 7] = [
 #[inline]
 #[must_use]
 pub fn sin_cos(angle_rad: f64) -> (f64, f64) {
-    if angle_rad.abs() <= SMALL_RAD { series(angle_rad) } else { library(angle_rad) }
+    if is_small(angle_rad) { small_sin_cos(angle_rad) } else { angle_rad.sin_cos() }
 }
 
-/// Both series at once. The terms are added in pairs that do not wait for one another.
+/// Whether [`small_sin_cos`] may be used.
 #[inline]
-fn series(x: f64) -> (f64, f64) {
-    let u = x * x;
+#[must_use]
+pub fn is_small(angle_rad: f64) -> bool {
+    angle_rad.abs() <= SMALL_RAD
+}
+
+/// Sine and cosine of a small angle in rad ([`is_small`]), without a branch; of a larger one the result is wrong.
+#[inline]
+#[must_use]
+pub fn small_sin_cos(angle_rad: f64) -> (f64, f64) {
+    let (x, u) = (angle_rad, angle_rad * angle_rad);
     let (u2, u4) = (u * u, (u * u) * (u * u));
+    // Added in pairs that do not wait for one another.
     let [a, b, c, d, e, f, g] = SERIES;
     let sums = ((a + b * u) + (c + d * u) * u2) + ((e + f * u) + g * u2) * u4;
     (x + x * u * sums.x, 1.0 + u * sums.y)
-}
-
-/// Out of line, so that the march need not keep its numbers in memory for the sake of a rare call.
-#[cold]
-#[inline(never)]
-fn library(angle_rad: f64) -> (f64, f64) {
-    angle_rad.sin_cos()
 }
 
 #[cfg(test)]
