@@ -1,12 +1,10 @@
-use std::ops::ControlFlow;
-
 use super::balance::{Balance, Factors, State};
-use super::loading::{BodyLoad, Loading, LoadingError, Timing};
-use super::newton::{Closing, Newton, NewtonEnding, force_and_moment_at};
-use super::path::{Goal, OnPoint, PathOptions, Stop, Walk};
+use super::loading::{BodyLoad, Timing};
+use super::newton::force_and_moment_at;
+use super::path::Stop;
 use super::stability::smallest_singular_value;
-use crate::multibody::{Deformed, SpineModel, Support};
-use crate::spatial::{Mat3, Vec3};
+use crate::multibody::Deformed;
+use crate::spatial::Vec3;
 
 /// How a search for equilibria ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -194,7 +192,7 @@ impl EquilibriumPath {
         self.equilibria.first().filter(|_| self.ending.is_usable())
     }
 
-    fn ending(&self, stop: Stop) -> PathEnding {
+    pub(super) fn ending(&self, stop: Stop) -> PathEnding {
         let limit_points = self.count(BranchEventKind::LimitPoint) > 0;
         match (&self.equilibria[..], stop) {
             (_, Stop::Interrupted) => PathEnding::Interrupted,
@@ -211,195 +209,5 @@ impl EquilibriumPath {
             ([], Stop::Limit | Stop::RodOutOfReach) => PathEnding::Unreachable,
             ([], Stop::Enough | Stop::Stuck) => PathEnding::NotConverged,
         }
-    }
-}
-
-/// A spring matrix that cannot be used.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SpringError {
-    /// Not symmetric and positive definite: it would give energy away.
-    #[error("the stiffness of joint {joint} is not symmetric and positive definite")]
-    NotPositive {
-        /// Which joint, from the fixed vertebra upwards.
-        joint: usize,
-    },
-    /// Not one per joint.
-    #[error("there are {given} joint stiffnesses for {joints} joints")]
-    Count {
-        /// How many there are.
-        given: usize,
-        /// How many there must be.
-        joints: usize,
-    },
-}
-
-/// A spine with springs under any loads: the general solver beside the explicit march.
-///
-/// Newton on the hinge angles with an analytic, unsymmetric tangent ([`GeneralStatics::solve_near`]), and pseudo-arclength
-/// continuation of the branch that starts at the erect spine ([`GeneralStatics::follow`]).
-#[derive(Debug, Clone)]
-pub struct GeneralStatics<'a> {
-    model: &'a SpineModel,
-    stiffness: Vec<Mat3>,
-    support: Support,
-}
-
-/// How Newton from a nearby start ended.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NearbyReport {
-    /// Whether hinges and rods balance.
-    pub converged: bool,
-    /// Newton's iterations.
-    pub iterations: u32,
-    /// Largest angle by which a hinge misses the one that its moment asks for; NaN where the shape was lost.
-    pub residual_rad: f64,
-}
-
-/// Newton's buffers for one spine under one loading: made once, used for many starts and factors.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NewtonWork(Newton);
-
-impl NewtonWork {
-    /// Hinge angles, in and out.
-    pub fn hinges_mut(&mut self) -> &mut [Vec3] {
-        &mut self.0.state.hinges
-    }
-
-    /// Midpoints of the last shape.
-    #[must_use]
-    pub fn midpoints_mm(&self) -> &[Vec3] {
-        &self.0.state.midpoints
-    }
-
-    /// The last shape.
-    #[must_use]
-    pub fn deformed(&self) -> Deformed {
-        self.0.state.deformed()
-    }
-}
-
-impl<'a> GeneralStatics<'a> {
-    /// Springs of every joint about its hinges x, y and z, in N·mm/rad; off the diagonal they couple the hinges.
-    ///
-    /// # Errors
-    /// [`SpringError`].
-    pub fn new(
-        model: &'a SpineModel,
-        nmm_per_rad: impl IntoIterator<Item = Mat3>,
-        support: Support,
-    ) -> Result<Self, SpringError> {
-        let mut stiffness: Vec<Mat3> = nmm_per_rad.into_iter().collect();
-        let (given, joints) = (stiffness.len(), model.joints.len());
-        if given != joints {
-            return Err(SpringError::Count { given, joints });
-        }
-        for (joint, matrix) in stiffness.iter_mut().enumerate() {
-            let symmetric = (*matrix - matrix.transpose()).amax() <= 1e-9 * matrix.amax();
-            let finite = matrix.iter().all(|entry| entry.is_finite());
-            if !(finite && symmetric && matrix.cholesky().is_some()) {
-                return Err(SpringError::NotPositive { joint });
-            }
-            if support == Support::Frontal {
-                // Locked hinges neither turn nor take part.
-                *matrix = Mat3::from_diagonal(&matrix.diagonal());
-            }
-        }
-        Ok(Self { model, stiffness, support })
-    }
-
-    fn balance<'b>(&'b self, loading: &'b Loading) -> Balance<'b> {
-        Balance { model: self.model, stiffness: &self.stiffness, support: self.support, loading }
-    }
-
-    /// Buffers for [`GeneralStatics::solve_near`], at the erect spine.
-    ///
-    /// # Errors
-    /// [`LoadingError`] where a load cannot be applied to this spine.
-    pub fn work(&self, loading: &Loading) -> Result<NewtonWork, LoadingError> {
-        loading.check(self.model)?;
-        Ok(NewtonWork(Newton::new(&self.balance(loading))))
-    }
-
-    /// Equilibrium under a loading whose growing loads are multiplied by a factor, by Newton from the hinge angles in
-    /// `work`. No allocation.
-    ///
-    /// The start must be near: nothing tells which branch was found. `work` must have been made for this loading.
-    ///
-    /// # Accuracy
-    /// Newton stops once a step is below 1e-9 rad, so what is left is of the order of its square, and rounding.
-    pub fn solve_near(
-        &self,
-        loading: &Loading,
-        factor: f64,
-        work: &mut NewtonWork,
-    ) -> NearbyReport {
-        let mut factors = Factors { held: 1.0, growing: factor, varies: Timing::Growing };
-        let report = work.0.correct(&self.balance(loading), &mut factors, &Closing::Factor);
-        NearbyReport {
-            converged: report.ending == NewtonEnding::Balanced,
-            iterations: report.iterations,
-            residual_rad: report.residual_rad,
-        }
-    }
-
-    /// Follows the branch of equilibria from the erect spine: first while the held loads come, then as the growing ones do.
-    ///
-    /// The branch is followed past limit points; the solver never steps to another branch without saying so.
-    ///
-    /// # Errors
-    /// [`LoadingError`] where a load cannot be applied to this spine.
-    pub fn follow(
-        &self,
-        loading: &Loading,
-        goal: Goal,
-        options: &PathOptions,
-    ) -> Result<EquilibriumPath, LoadingError> {
-        self.follow_with(loading, goal, options, &mut |_| ControlFlow::Continue(()))
-    }
-
-    /// As [`GeneralStatics::follow`], telling of every point as it is found; the caller may break off.
-    ///
-    /// # Errors
-    /// [`LoadingError`] where a load cannot be applied to this spine.
-    pub fn follow_with(
-        &self,
-        loading: &Loading,
-        goal: Goal,
-        options: &PathOptions,
-        on_point: OnPoint<'_>,
-    ) -> Result<EquilibriumPath, LoadingError> {
-        let NewtonWork(mut newton) = self.work(loading)?;
-        let balance = self.balance(loading);
-        let mut path = EquilibriumPath {
-            ending: PathEnding::NotConverged,
-            points: Vec::new(),
-            equilibria: Vec::new(),
-            events: Vec::new(),
-            iterations: 0,
-        };
-        if loading.has_held() {
-            let factors = Factors { held: 0.0, growing: 0.0, varies: Timing::Held };
-            let once = PathOptions {
-                sign: crate::multibody::ForceSign::Positive,
-                largest_factor: 1.0,
-                look_beyond: false,
-                ..*options
-            };
-            let stage = (factors, Goal::FullLoad);
-            let stop = Walk::new(balance, &mut newton, stage, &once, &mut path, on_point).run();
-            path.ending = path.ending(stop);
-            let stands = path.result().is_some() && stop != Stop::Interrupted;
-            // These shapes do not meet the goal, whatever came of them.
-            path.equilibria.clear();
-            if !stands {
-                return Ok(path);
-            }
-        }
-        let factors = Factors { held: 1.0, growing: 0.0, varies: Timing::Growing };
-        let stop =
-            Walk::new(balance, &mut newton, (factors, goal), options, &mut path, on_point).run();
-        path.ending = path.ending(stop);
-        Ok(path)
     }
 }

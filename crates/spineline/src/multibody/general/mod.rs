@@ -16,14 +16,15 @@ mod loading;
 mod newton;
 mod path;
 mod singular;
+mod solver;
 mod stability;
 #[cfg(test)]
 mod tests;
 mod wrench;
 
 pub use equilibrium::{
-    BranchEvent, BranchEventKind, Equilibrium, EquilibriumPath, GeneralStatics, NearbyReport,
-    NewtonWork, PathEnding, PathPoint, SpringError,
+    BranchEvent, BranchEventKind, Equilibrium, EquilibriumPath, PathEnding, PathPoint,
 };
 pub use loading::{BodyLoad, LoadItem, Loading, LoadingError, Rod, Timing};
 pub use path::{Goal, OnPoint, PathOptions};
+pub use solver::{GeneralStatics, NearbyReport, NewtonWork, SpringError};
