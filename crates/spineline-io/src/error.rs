@@ -113,6 +113,19 @@ pub enum FileError {
         /// The vertebra above it.
         upper: Level,
     },
+    /// Axes of a vertebra that are no rotation.
+    #[error(
+        "{level}: its axes depart from unit length and right angles by {departure:.2e}{}; a vertebra's pose needs a rotation",
+        if *right_handed { "" } else { " and are left-handed" }
+    )]
+    ModelAxes {
+        /// The vertebra.
+        level: Level,
+        /// Largest element of `RᵀR - 1`.
+        departure: f64,
+        /// Whether they are right-handed.
+        right_handed: bool,
+    },
     /// A region that ends outside of its model.
     #[error("the region {region} names {level}, which is no vertebra of this model")]
     Region {
@@ -178,6 +191,7 @@ impl FileError {
             Self::ModelShape { .. }
             | Self::ModelOrder { .. }
             | Self::ModelJoint { .. }
+            | Self::ModelAxes { .. }
             | Self::Region { .. }
             | Self::RegionOrder { .. } => {
                 "write the model again with `spineline analyze CASE --model FILE`"

@@ -13,6 +13,8 @@ use crate::keys::{LevelKey, PostureKey, RegionKey};
 
 const FORMAT: &str = "spineline-model";
 const VERSION: u32 = 1;
+/// How far the axes of a vertebra may be from those of a rotation.
+const AXES_TOLERANCE: f64 = 1e-6;
 
 /// A personalised model alone: vertebrae, joints, springs, and the loads that were found. `G`: x anterior, y left, z
 /// cranial, origin at L4's midpoint; mm, N, N·mm/rad.
@@ -311,6 +313,13 @@ pub fn parse_model(text: &str) -> Result<StoredModel, FileError> {
         file.vertebrae.iter().map(|v| Vec3::from(v.midpoint_mm)).collect();
     let axes: Vec<Mat3> =
         file.vertebrae.iter().map(|v| Mat3::from_columns(&v.axes.map(Vec3::from))).collect();
+    for (&level, axes) in levels.iter().zip(&axes) {
+        let departure = (axes.transpose() * axes - Mat3::identity()).abs().max();
+        let right_handed = axes.determinant() > 0.0;
+        if departure > AXES_TOLERANCE || !right_handed {
+            return Err(FileError::ModelAxes { level, departure, right_handed });
+        }
+    }
     let centres: Vec<Vec3> = file
         .joints
         .iter()

@@ -138,7 +138,8 @@ struct PathRecord {
     /// Which loads are varied here.
     timing: TimingKey,
     factor: f64,
-    /// Length of the path up to here: hinges in rad, a factor of one counting as 0.1.
+    /// Length of the path up to here: hinges in rad, and a factor of one as much as it turns the unloaded hinges. Lengths
+    /// of paths with different loads do not compare.
     arc_rad: f64,
     limit_points: usize,
     branch_points: usize,

@@ -196,3 +196,16 @@ fn a_joint_in_another_joints_place_is_refused() {
     let error = parse_model(&json.to_string()).expect_err("joints out of order");
     assert_eq!(error.to_string(), "joint T12/T11 stands where L1/T12 should");
 }
+
+#[test]
+fn axes_that_are_no_rotation_are_refused() {
+    let refused = |factor: f64| {
+        let mut json: serde_json::Value = serde_json::from_str(&model_text()).expect("JSON");
+        for number in json["vertebrae"][5]["axes"][1].as_array_mut().expect("an axis") {
+            *number = (number.as_f64().expect("a number") * factor).into();
+        }
+        parse_model(&json.to_string()).expect_err("no rotation").to_string()
+    };
+    assert!(refused(1.001).starts_with("T11: its axes depart"), "{}", refused(1.001));
+    assert!(refused(-1.0).contains("left-handed"), "{}", refused(-1.0));
+}

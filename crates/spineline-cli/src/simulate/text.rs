@@ -69,6 +69,9 @@ fn head(outcome: &Outcome) -> String {
 fn ending_text(outcome: &Outcome) -> String {
     let ending = outcome.response.ending;
     let meaning = match ending {
+        PathEnding::Converged if !outcome.response.is_complete() => {
+            "a shape that meets the goal, reached from the erect spine; the path was lost beyond it, where there may be more"
+        }
         PathEnding::Converged => {
             "the only shape that meets the goal within the limits, reached from the erect spine"
         }
@@ -86,7 +89,7 @@ fn ending_text(outcome: &Outcome) -> String {
              lower the loads or the lean, or load another vertebra"
         }
         PathEnding::NotConverged => {
-            "NO RESULT: the path of equilibria could not be followed to an end; smaller loads may tell where it is lost"
+            "NO RESULT: the path of equilibria was lost, along or against the loads, before what may come first was seen; smaller loads may tell where"
         }
         PathEnding::Interrupted => "NO RESULT: broken off; the path so far is in the files",
     };

@@ -21,6 +21,11 @@ pub fn warnings(
         let text = "broken off; the path so far is kept, and nothing of it is a result";
         all.push(warning("interrupted", text));
     }
+    if response.ending != PathEnding::Interrupted && !response.is_complete() {
+        let text =
+            "a path of equilibria was lost on its way: there may be more shapes that meet the goal";
+        all.push(warning("path_lost", text));
+    }
     if response.ending == PathEnding::SeveralEquilibria {
         let text = format!(
             "{} shapes meet the goal; the result is the least loaded one that the erect spine reaches without snapping or buckling",

@@ -53,7 +53,7 @@ struct SimulationRecord {
     line: LineRecord,
     /// Why this force and no other: `fitted`, `only_one`, `least_ferguson_error`, `smallest_near_t2`, or `nearest_miss`.
     choice: String,
-    /// Forces near which the amplitude is met, but whose equilibrium was lost.
+    /// How often the search for forces was lost: there may be more alternatives.
     lost_forces: usize,
     /// Other forces that meet the same amplitude.
     alternatives: Vec<AlternativeRecord>,

@@ -1,6 +1,6 @@
 //! A stored model as bodies, joint frames and hinges in SI units: what all formats have in common.
 
-use spineline::anatomy::{Level, Morphometry};
+use spineline::anatomy::Morphometry;
 use spineline::spatial::{Mat3, Vec3};
 
 use super::ExportError;
@@ -11,8 +11,6 @@ use crate::StoredModel;
 pub(super) const NOMINAL_MASS_KG: f64 = 0.1;
 /// See [`NOMINAL_MASS_KG`].
 pub(super) const NOMINAL_INERTIA_KG_M2: f64 = 1e-4;
-/// How far the axes of a vertebra may be from those of a rotation.
-const AXES_TOLERANCE: f64 = 1e-6;
 
 /// The three hinges of a joint, in the order in which they follow one another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,7 +123,6 @@ impl Assembly {
             if model.levels[..i].contains(&level) {
                 return Err(ExportError::LevelTwice { level });
             }
-            check_axes(level, &spine.axes[i])?;
             let scale = drawn_scale(model, i);
             let typical = Morphometry::of(level);
             vertebrae.push(Vertebra {
@@ -167,7 +164,7 @@ fn hinges(model: &StoredModel, j: usize, joint: &str) -> Result<Vec<Hinge>, Expo
     if Mat3::from_diagonal(&matrix.diagonal()) != *matrix {
         return Err(ExportError::Coupled { inferior, superior });
     }
-    let springs = Axis::ALL.into_iter().zip(model.stiffness_nmm_per_rad[j]);
+    let springs = Axis::ALL.into_iter().zip([matrix[(0, 0)], matrix[(1, 1)], matrix[(2, 2)]]);
     springs
         .map(|(axis, nmm_per_rad)| {
             if !(nmm_per_rad > 0.0 && nmm_per_rad.is_finite()) {
@@ -186,15 +183,6 @@ fn hinges(model: &StoredModel, j: usize, joint: &str) -> Result<Vec<Hinge>, Expo
             })
         })
         .collect()
-}
-
-fn check_axes(level: Level, axes: &Mat3) -> Result<(), ExportError> {
-    let departure = (axes.transpose() * axes - Mat3::identity()).abs().max();
-    if departure < AXES_TOLERANCE && axes.determinant() > 0.0 {
-        Ok(())
-    } else {
-        Err(ExportError::Axes { level, departure, right_handed: axes.determinant() > 0.0 })
-    }
 }
 
 /// The patient's size over a typical one, as the distance to the neighbouring vertebra tells it. For drawing only.

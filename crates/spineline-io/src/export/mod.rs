@@ -39,19 +39,6 @@ pub enum ExportError {
         /// The vertebra.
         level: Level,
     },
-    /// Axes that are no rotation.
-    #[error(
-        "{level}: its axes depart from unit length and right angles by {departure:.2e}{}; a body's pose needs a rotation",
-        if *right_handed { "" } else { " and are left-handed" }
-    )]
-    Axes {
-        /// The vertebra.
-        level: Level,
-        /// Largest element of `RᵀR - 1`.
-        departure: f64,
-        /// Whether they are right-handed.
-        right_handed: bool,
-    },
     /// A spring that is no spring.
     #[error(
         "joint {inferior}/{superior}: {axis} stiffness is {value} N·mm/rad, and must be positive and finite"
@@ -91,7 +78,7 @@ impl ExportError {
     #[must_use]
     pub const fn help(&self) -> &'static str {
         match self {
-            Self::LevelTwice { .. } | Self::Axes { .. } | Self::Spring { .. } => {
+            Self::LevelTwice { .. } | Self::Spring { .. } => {
                 "write the model again with `spineline analyze CASE --model FILE`"
             }
             Self::Coupled { .. } => {

@@ -120,7 +120,7 @@ pub enum AppliedLoad {
         #[serde(default)]
         timing: TimingKey,
     },
-    /// A strap to a point of the ground, slack on the erect spine and then shortened: a linear spring along itself.
+    /// A strap to a point of the ground, unstretched on the erect spine and then shortened: a linear spring along itself.
     Strap {
         /// Vertebra.
         level: LevelKey,

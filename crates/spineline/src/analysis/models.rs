@@ -435,7 +435,7 @@ fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
         }
         if simulation.lost_forces > 0 {
             let text = format!(
-                "{}: {} further forces come near the amplitude, and their equilibria were lost",
+                "{}: the search for forces that meet the amplitude was lost {} times: there may be more",
                 model.kind, simulation.lost_forces
             );
             warnings.film(Step::Evaluate, "forces_lost", simulation.posture, text);

@@ -24,7 +24,7 @@ pub enum Target {
 pub enum ForceChoice {
     /// It was fitted together with the stiffness.
     Fitted,
-    /// No other force of either sign, up to the cap, meets the amplitude.
+    /// No other force of either sign, up to the cap, was found to meet the amplitude.
     OnlyOne,
     /// Of all that meet the amplitude, its shape has the lowest sum of squared Ferguson errors.
     LeastFergusonError,
@@ -86,7 +86,7 @@ pub struct Simulation {
     pub residual: f64,
     /// Why this force and no other.
     pub choice: ForceChoice,
-    /// Forces near which the amplitude is met, but whose equilibrium was lost: the choice may not know the best one.
+    /// How often the search for forces was lost, at a force or on its way: the choice may not know the best one.
     pub lost_forces: usize,
     /// Every other force up to the cap that meets the amplitude, with what speaks against it.
     pub alternatives: Vec<Alternative>,

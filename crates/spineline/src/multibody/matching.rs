@@ -119,14 +119,23 @@ pub fn match_amplitude(
 
 /// Finds every force of either sign, up to the largest force and hinge angle, at which the line L4→T2 has a given lean.
 ///
-/// Where there is none, the nearest shape comes back as [`MatchStatus::Unreachable`]; the list is never empty.
+/// Where there is none, the nearest shape comes back as [`MatchStatus::Unreachable`]; the list is never empty. Where a
+/// path was lost on its way, the last entry is [`MatchStatus::NotConverged`].
 #[must_use]
 pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> Vec<ForceMatch> {
     let mut path = Path::new(statics, load, amplitude_goal(target));
     for sign in ForceSign::BOTH {
         path.follow(sign, usize::MAX);
     }
-    if path.found.is_empty() { vec![path.first_or_nearest()] } else { path.found }
+    if path.found.is_empty() {
+        return vec![path.first_or_nearest()];
+    }
+    if !path.converged {
+        // A path that was lost may have hidden another force.
+        let (residual, force_n) = path.nearest;
+        path.record(MatchStatus::NotConverged, force_n, residual);
+    }
+    path.found
 }
 
 /// Finds the force of the given signs that brings T2 nearest to a place.
@@ -244,6 +253,11 @@ impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
         goal
     }
 
+    /// Whether no hinge of the last shape turns too far.
+    fn is_plausible(&self) -> bool {
+        self.solution.deformed.largest_hinge_rad() <= LARGEST_HINGE_RAD
+    }
+
     fn record(&mut self, status: MatchStatus, force_n: f64, residual: f64) {
         let (evaluations, solution) = (self.evaluations, self.solution.clone());
         self.found.push(ForceMatch { status, force_n, residual, evaluations, solution });
@@ -267,6 +281,7 @@ impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
                 force_n += sign * 1e-3 * now.step_n.min(cap_n);
                 now = self.at(force_n);
                 if now.met {
+                    self.converged = false;
                     return;
                 }
             }
@@ -278,9 +293,13 @@ impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
                 self.converged = false;
                 return;
             }
-            let stops = next_n.abs() >= cap_n
-                || self.solution.deformed.largest_hinge_rad() > LARGEST_HINGE_RAD;
-            if !next.met {
+            let plausible = self.is_plausible();
+            let stops = next_n.abs() >= cap_n || !plausible;
+            if next.met {
+                if stops && plausible {
+                    self.record(MatchStatus::Matched, next_n, next.residual);
+                }
+            } else {
                 let before = self.evaluations;
                 zeros_between(&now.sample(force_n), &next.sample(next_n), self);
                 if self.found.len() >= self.enough {
@@ -319,6 +338,9 @@ impl<G: Fn(&Solution) -> Goal> Along for Path<'_, G> {
     }
 
     fn found(&mut self, zero: Result<Sample, Lost>) -> bool {
+        if zero.is_ok() && !self.is_plausible() {
+            return true;
+        }
         let (status, residual) = (
             if zero.is_ok() { MatchStatus::Matched } else { MatchStatus::NotConverged },
             (self.goal)(&self.solution).residual,

@@ -29,6 +29,9 @@ fn turns_within(from: &Sample, to: &Sample) -> bool {
     from.value * from.rate * sense < 0.0 && to.value * to.rate * sense > 0.0
 }
 
+/// Where a bracket has no width left, a value that is not below this part of its ends is a jump.
+const JUMP: f64 = 1e-6;
+
 /// Newton between two places with values of opposite sign, by bisection where Newton leaves the bracket or gains little;
 /// nothing where the value jumps.
 fn bracketed_root(
@@ -41,7 +44,7 @@ fn bracketed_root(
     let mut at =
         if inside(guess, low.at, high.at) { guess } else { f64::midpoint(low.at, high.at) };
     let mut before = f64::INFINITY;
-    let least = low.value.abs().min(high.value.abs());
+    let small = JUMP * low.value.abs().max(high.value.abs());
     for _ in 0..120 {
         let now = sample(at).ok_or(Lost)?;
         if now.met {
@@ -49,7 +52,7 @@ fn bracketed_root(
         }
         if (high.at - low.at).abs() <= 4.0 * f64::EPSILON * at.abs() {
             // A jump, as that of an angle past half a turn, changes the sign and is no zero.
-            return Ok((now.value.abs() < least).then_some(now));
+            return Ok((now.value.abs() <= small).then_some(now));
         }
         if now.value * low.value > 0.0 {
             low = now;

@@ -7,6 +7,8 @@ use crate::multibody::{
 };
 use crate::spatial::Mat3;
 
+/// A goal that is met at a smaller factor is met by the unloaded spine.
+const NO_LOAD: f64 = 1e-9;
 /// Loads given in small units take many points; more than these lead nowhere.
 const MOST_POINTS: usize = 20_000;
 
@@ -76,6 +78,12 @@ impl Response {
     #[must_use]
     pub fn result(&self) -> Option<&Equilibrium> {
         self.met.first().filter(|_| self.ending.is_usable()).map(|met| &met.equilibrium)
+    }
+
+    /// Whether every path was followed to its end; else there may be more shapes that meet the goal.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.paths.iter().all(|signed| signed.path.is_complete)
     }
 
     /// The point of the paths that comes nearest to the goal; `None` where no path could be started.
@@ -169,7 +177,8 @@ pub fn respond(
         })?;
         let grew = path.points.last().is_some_and(|point| point.timing == Timing::Growing);
         // What balances while the held loads come does not meet the goal; a goal met at no load is met once.
-        let counts = |e: &&Equilibrium| grew && !(sign == ForceSign::Negative && e.factor == 0.0);
+        let counts =
+            |e: &&Equilibrium| grew && !(sign == ForceSign::Negative && e.factor.abs() < NO_LOAD);
         met.extend(path.equilibria.iter().filter(counts).map(|equilibrium| {
             let verdict = if equilibrium.limit_points > 0 {
                 Verdict::BeyondLimitPoint
@@ -199,7 +208,13 @@ pub fn respond(
 }
 
 fn ending(met: &[Met], paths: &[SignedPath]) -> PathEnding {
+    // A path that was lost at smaller loads may hide a shape that is reached first.
+    let lost_before = |factor: f64| {
+        let lost = paths.iter().filter(|signed| !signed.path.is_complete);
+        lost.filter_map(|signed| signed.path.points.last()).any(|last| last.factor.abs() < factor)
+    };
     match met {
+        [first, ..] if lost_before(first.equilibrium.factor.abs()) => PathEnding::NotConverged,
         [first, ..] if first.verdict == Verdict::BeyondLimitPoint => PathEnding::LimitPoint,
         [first, ..] if first.verdict == Verdict::BeyondBranchPoint => PathEnding::BranchPoint,
         [_] => PathEnding::Converged,

@@ -179,6 +179,9 @@ pub struct EquilibriumPath {
     pub events: Vec<BranchEvent>,
     /// Newton's iterations altogether.
     pub iterations: u64,
+    /// Whether it was followed to its end: a largest factor or hinge, a rod's reach, or as far as was asked. Else there may
+    /// be more shapes that meet the goal.
+    pub is_complete: bool,
 }
 
 impl EquilibriumPath {
@@ -194,6 +197,7 @@ impl EquilibriumPath {
 
     pub(super) fn ending(&self, stop: Stop) -> PathEnding {
         let limit_points = self.count(BranchEventKind::LimitPoint) > 0;
+        let branch_points = self.count(BranchEventKind::BranchPoint) > 0;
         match (&self.equilibria[..], stop) {
             (_, Stop::Interrupted) => PathEnding::Interrupted,
             ([first, others @ ..], _) if first.is_on_erect_branch() => {
@@ -206,6 +210,7 @@ impl EquilibriumPath {
             ([first, ..], _) if first.limit_points > 0 => PathEnding::LimitPoint,
             ([_, ..], _) => PathEnding::BranchPoint,
             ([], _) if limit_points => PathEnding::LimitPoint,
+            ([], _) if branch_points => PathEnding::BranchPoint,
             ([], Stop::Limit | Stop::RodOutOfReach) => PathEnding::Unreachable,
             ([], Stop::Enough | Stop::Stuck) => PathEnding::NotConverged,
         }

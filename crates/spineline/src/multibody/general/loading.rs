@@ -60,7 +60,7 @@ pub enum BodyLoad {
     },
 }
 
-/// When a load comes.
+/// When a load comes. Pads, straps and rods stand from the start: this is when they are advanced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Timing {
     /// First, and then it stays: gravity, say.
@@ -84,7 +84,8 @@ pub struct LoadItem {
 /// Two vertebrae whose relative pose is prescribed, as a rod screwed to both does.
 ///
 /// Joints turn and do not stretch, so a chain between the two is nearly as long in every shape: a pose that asks for much
-/// more or less distance is out of reach, and the path says so.
+/// more or less distance is out of reach, and the path ends before it (as unreachable, or as not converged). A rod holds
+/// from the start; `timing` says when its pose is brought from the erect to the prescribed one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rod {
     /// Lower vertebra.

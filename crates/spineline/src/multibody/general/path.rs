@@ -55,10 +55,14 @@ const SHORTEST_STEP_RAD: f64 = 1e-7;
 /// column does not turn at all.
 const LEAST_FACTOR_RAD: f64 = 0.1;
 const MOST_FACTOR_RAD: f64 = 0.5;
+/// The path to the largest factor is looked at in at least so many steps.
+const LEAST_STEPS: f64 = 20.0;
 /// From one point to the next, the branch turns by less than this cosine says: else it may be another branch.
 const LEAST_COSINE: f64 = 0.9;
 /// Newton moves a point sideways by at most this part of the step, for the same reason.
 const MOST_DEPARTURE: f64 = 0.5;
+/// A place of the goal that is nearer to a point that meets it is that point.
+const TOLD_RAD: f64 = 1e-7;
 /// A lean so near to the wanted one meets it; a factor is met exactly.
 const LEAN_MET_RAD: f64 = 1e-10;
 
@@ -170,9 +174,7 @@ impl<'w, 'b> Walk<'w, 'b> {
             if self.push_point(iterations).is_break() {
                 return Stop::Interrupted;
             }
-            if self.newton.state.largest_hinge_rad() > self.options.largest_hinge_rad
-                || next.factor.abs() > self.options.largest_factor
-            {
+            if self.is_beyond_limits() {
                 return Stop::Limit;
             }
             base = next;
@@ -183,13 +185,21 @@ impl<'w, 'b> Walk<'w, 'b> {
         Stop::Stuck
     }
 
+    fn is_beyond_limits(&self) -> bool {
+        self.newton.state.largest_hinge_rad() > self.options.largest_hinge_rad
+            || self.factors.varied().abs() > self.options.largest_factor
+    }
+
     /// The first place, with a factor that counts as much as what it turns at first.
     fn start(&mut self, sign: f64) -> Option<Base> {
-        let mut outwards = Direction::of_factor(&self.balance, sign, LEAST_FACTOR_RAD);
+        // Loads in small units have a large factor to go, and must not take more steps for that.
+        let least =
+            LEAST_FACTOR_RAD.min(LEAST_STEPS * LONGEST_STEP_RAD / self.options.largest_factor);
+        let least = least.max(f64::MIN_POSITIVE.sqrt());
+        let mut outwards = Direction::of_factor(&self.balance, sign, least);
         let Direction { turns, factor, .. } = self.base(&outwards, 0.0)?.tangent;
         let turns: f64 = turns.iter().map(|turn| turn.norm_squared()).sum();
-        outwards.factor_rad =
-            (turns.sqrt() / factor.abs()).clamp(LEAST_FACTOR_RAD, MOST_FACTOR_RAD);
+        outwards.factor_rad = (turns.sqrt() / factor.abs()).clamp(least, MOST_FACTOR_RAD);
         self.base(&outwards, 0.0)
     }
 
@@ -273,6 +283,10 @@ impl<'w, 'b> Walk<'w, 'b> {
         let mut within = Within { walk: self, base, met: Vec::new(), lost: false };
         zeros_between(&base.goal, &next.goal, &mut within);
         let Within { mut met, lost, .. } = within;
+        if base.goal.met {
+            // The same place, told already.
+            met.retain(|sample| sample.at > TOLD_RAD);
+        }
         // The end of the step itself may meet the goal.
         if next.goal.met && !base.goal.met && met.is_empty() {
             met.push(next.goal);
@@ -290,7 +304,7 @@ impl<'w, 'b> Walk<'w, 'b> {
             if !self.land(base, sample.at) {
                 return Some(Stop::Stuck);
             }
-            if self.factors.varied().abs() > self.options.largest_factor {
+            if self.is_beyond_limits() {
                 break;
             }
             self.arc_rad += sample.at;

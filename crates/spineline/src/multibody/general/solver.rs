@@ -171,6 +171,7 @@ impl<'a> GeneralStatics<'a> {
             equilibria: Vec::new(),
             events: Vec::new(),
             iterations: 0,
+            is_complete: false,
         };
         if loading.has_held() {
             let factors = Factors { held: 0.0, growing: 0.0, varies: Timing::Held };
@@ -194,6 +195,7 @@ impl<'a> GeneralStatics<'a> {
         let stop =
             Walk::new(balance, &mut newton, (factors, goal), options, &mut path, on_point).run();
         path.ending = path.ending(stop);
+        path.is_complete = !matches!(stop, Stop::Stuck | Stop::Interrupted);
         Ok(path)
     }
 }
