@@ -145,3 +145,45 @@ fn angles_and_acting_loads_are_those_of_the_shape() {
     }
     assert!(after.lean < before.lean);
 }
+
+#[test]
+fn loads_in_small_units_lean_a_spine_like_large_ones() {
+    // Oracle: a force is a force, in newtons or in units of ten micronewtons.
+    let model = spine(0).1;
+    let springs = springs(&model);
+    let goal = Goal::Lean(Angle::from_deg(-20.0));
+    let shape = |size: f64| {
+        let response = push(&model, &springs, Vec3::new(0.0, size, 0.0), goal).1;
+        let factor = response.result().expect("a result").factor;
+        let points: usize = response.paths.iter().map(|signed| signed.path.points.len()).sum();
+        (factor * size, points)
+    };
+    let ((force_n, _), (small_n, points)) = (shape(100.0), shape(1e-5));
+    assert!((force_n - small_n).abs() < 1e-6 * force_n, "{force_n} and {small_n}");
+    assert!(points < 500, "{points} points");
+}
+
+#[test]
+fn the_lean_of_the_unloaded_spine_is_met_once() {
+    // Oracle: no load at all meets it; along and against a force that is the same shape.
+    let model = spine(0).1;
+    let springs = springs(&model);
+    let top = model.midpoints_mm[14];
+    let goal = Goal::Lean(Angle::from_sin_cos(-top.y, top.z));
+    let response = push(&model, &springs, Vec3::new(0.0, 50.0, 0.0), goal).1;
+    let unloaded = response.met.iter().filter(|met| met.equilibrium.factor.abs() < 1e-6);
+    assert_eq!(unloaded.count(), 1, "{:?}", response.ending);
+}
+
+#[test]
+fn a_straight_column_that_must_buckle_to_lean_says_so() {
+    // Oracle: pressed along its axis it stays straight up to the first branch point, and only that branch leans.
+    let midpoints = (0..15).map(|i| Vec3::new(0.0, 0.0, 28.0 * f64::from(i))).collect();
+    let centres = [Vec3::new(0.0, 0.0, 14.0); 14];
+    let model = SpineModel::from_poses(midpoints, vec![Mat3::identity(); 15], &centres);
+    let springs = springs(&model);
+    let goal = Goal::Lean(Angle::from_deg(-10.0));
+    let response = push(&model, &springs, Vec3::new(0.0, 0.0, -300.0), goal).1;
+    assert_eq!(response.ending, PathEnding::BranchPoint);
+    assert!(response.result().is_none());
+}
