@@ -59,7 +59,7 @@ pub(super) fn header(model: &StoredModel, generator: &str, dialect: &Dialect) ->
     ));
     if !model.loads.is_empty() {
         lines.push("Loads on the uppermost vertebra that this model needs for its films (not applied here):".to_owned());
-        lines.extend(model.loads.iter().map(|one| load(one, dialect)));
+        lines.extend(model.loads.iter().map(|one| load(one, model.force_unit(), dialect)));
     }
     lines.join("\n  ")
 }
@@ -81,7 +81,7 @@ const fn level(absolute: bool) -> &'static str {
     }
 }
 
-fn load(load: &LoadRecord, dialect: &Dialect) -> String {
+fn load(load: &LoadRecord, unit: &str, dialect: &Dialect) -> String {
     let force_n = (dialect.from_global)(&(Vec3::from(load.direction) * load.force_n));
     let place = match load.application {
         ApplicationKey::Fixed => {
@@ -91,5 +91,5 @@ fn load(load: &LoadRecord, dialect: &Dialect) -> String {
         ApplicationKey::AtT2 => "at the midpoint, wherever that goes".to_owned(),
     };
     let posture = spineline::anatomy::Posture::from(load.posture);
-    format!("  {}: {} N {place} ({})", posture.key(), vector(&force_n), load.status)
+    format!("  {}: {} ({unit}) {place} ({})", posture.key(), vector(&force_n), load.status)
 }

@@ -1,7 +1,7 @@
 use super::carried::Carried;
 use super::{JointGroups, SpineModel, StiffnessLibrary, Support};
 use crate::action::{Application, LineOfAction};
-use crate::spatial::{Angle, Frontal, Mat3, Vec3, is_small, sin_cos};
+use crate::spatial::{Angle, Frontal, Mat3, Vec3, is_small};
 
 /// A force and its moment about the origin of `G`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -458,16 +458,6 @@ struct Step<'a> {
     /// From the inferior midpoint to the centre, and from there to the superior midpoint.
     arm: Vec3,
     rise: Vec3,
-}
-
-/// Turns two axes by an angle about the third: `a` towards `b`.
-#[inline]
-pub(super) fn turn_pair(a: &mut Vec3, b: &mut Vec3, angle_rad: f64) {
-    if angle_rad == 0.0 {
-        return;
-    }
-    let (s, c) = sin_cos(angle_rad);
-    (*a, *b) = (*a * c + *b * s, *b * c - *a * s);
 }
 
 fn scaled(wrench: &Wrench, factor: f64) -> Wrench {

@@ -85,9 +85,11 @@ impl Angle {
     /// A frontal angle in words, such as `12.5° left`.
     #[must_use]
     pub fn leaning(self) -> String {
+        let size = self.abs().to_string();
         match self.side() {
-            Some(side) => format!("{} {side}", self.abs()),
-            None => "0.0°".to_owned(),
+            // What rounds to nothing leans to neither side.
+            Some(side) if size != "0.0°" => format!("{size} {side}"),
+            _ => size,
         }
     }
 }

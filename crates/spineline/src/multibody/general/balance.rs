@@ -1,8 +1,7 @@
 use super::loading::{Loading, Timing};
 use super::wrench::{Pose, Spatial, SpatialMatrix, first, second, spatial};
-use crate::multibody::march::turn_pair;
 use crate::multibody::{Deformed, SpineModel, Support};
-use crate::spatial::{Angle, Mat3, Vec3};
+use crate::spatial::{Angle, Mat3, Vec3, sin_cos};
 
 /// How much of the held and of the growing loads has come, and which of them the derivative is for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -228,4 +227,14 @@ fn rotation_vector(rotation: &Mat3) -> Vec3 {
         return sine;
     }
     sine * (Angle::from_sin_cos(size, 0.5 * (rotation.trace() - 1.0)).rad() / size)
+}
+
+/// Turns two axes by an angle about the third: `a` towards `b`.
+#[inline]
+fn turn_pair(a: &mut Vec3, b: &mut Vec3, angle_rad: f64) {
+    if angle_rad == 0.0 {
+        return;
+    }
+    let (s, c) = sin_cos(angle_rad);
+    (*a, *b) = (*a * c + *b * s, *b * c - *a * s);
 }
