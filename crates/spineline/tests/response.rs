@@ -7,7 +7,8 @@ use std::ops::ControlFlow;
 use common::spine;
 use spineline::clinical::CurvePlaces;
 use spineline::multibody::{
-    BodyLoad, ForceSign, GeneralStatics, Goal, Loading, PathEnding, SpineModel, Support,
+    BodyLoad, ForceSign, GeneralStatics, Goal, Loading, PathEnding, Rod, SpineModel, Support,
+    Timing,
 };
 use spineline::response::{
     ActingKind, Response, Verdict, acting_loads, erect_shape, largest_factor, measure_angles,
@@ -186,4 +187,32 @@ fn a_straight_column_that_must_buckle_to_lean_says_so() {
     let response = push(&model, &springs, Vec3::new(0.0, 0.0, -300.0), goal).1;
     assert_eq!(response.ending, PathEnding::BranchPoint);
     assert!(response.result().is_none());
+}
+
+#[test]
+fn a_path_that_is_lost_beyond_its_result_claims_no_completeness() {
+    // Oracle: joints do not stretch, so a rod cannot push its vertebrae 20 mm apart; the lean half-way there is met before.
+    let model = spine(0).1;
+    let springs = springs(&model);
+    let statics = GeneralStatics::new(&model, springs, Support::Free).expect("sound springs");
+    let shift_mm = Vec3::new(0.0, 0.0, 20.0);
+    let stretched = Rod {
+        inferior: 4,
+        superior: 10,
+        shift_mm,
+        turn_rad: Vec3::zeros(),
+        timing: Timing::Growing,
+    };
+    let loading = Loading { items: Vec::new(), rods: vec![stretched] };
+    let mut go_on = |_, _: &_| ControlFlow::Continue(());
+    let mut answer = |goal| respond(&statics, &loading, goal, 1.0, &mut go_on).expect("sound");
+    let full = answer(Goal::FullLoad);
+    assert!(full.result().is_none(), "{:?}", full.ending);
+    assert!(matches!(full.ending, PathEnding::NotConverged | PathEnding::Unreachable));
+    let points = &full.paths[0].path.points;
+    let lean = points[points.len() / 3].deformed.lean();
+    let found = answer(Goal::Lean(lean));
+    assert!(!found.met.is_empty());
+    // The same path is lost at the same place, result or not.
+    assert!(!full.is_complete() && !found.is_complete());
 }

@@ -119,3 +119,57 @@ pub(super) fn zeros_between(from: &Sample, to: &Sample, path: &mut impl Along) {
 fn tell(zero: Result<Option<Sample>, Lost>, path: &mut impl Along) -> bool {
     zero.transpose().is_none_or(|zero| path.found(zero))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A function with its derivative, and the zeros that are told of it.
+    struct Told<F>(F, Vec<f64>);
+
+    impl<F: Fn(f64) -> (f64, f64)> Along for Told<F> {
+        fn sample(&mut self, at: f64) -> Option<Sample> {
+            let (value, rate) = (self.0)(at);
+            Some(Sample { at, value, rate, met: value.abs() < 1e-12 })
+        }
+
+        fn found(&mut self, zero: Result<Sample, Lost>) -> bool {
+            self.1.extend(zero.ok().map(|zero| zero.at));
+            true
+        }
+    }
+
+    fn zeros(from: f64, to: f64, function: impl Fn(f64) -> (f64, f64)) -> Vec<f64> {
+        let mut told = Told(function, Vec::new());
+        let (from, to) = (told.sample(from).expect("a value"), told.sample(to).expect("a value"));
+        zeros_between(&from, &to, &mut told);
+        told.1
+    }
+
+    #[test]
+    fn one_zero_or_two_beyond_a_turn_are_found() {
+        // Oracle: x³ - 2 and (x - 1)² - 1/4 by hand.
+        let [root] = zeros(0.5, 2.0, |x| (x * x * x - 2.0, 3.0 * x * x))[..] else {
+            panic!("one zero")
+        };
+        assert!((root - 2_f64.cbrt()).abs() < 1e-12);
+        let both = zeros(0.0, 2.5, |x| ((x - 1.0) * (x - 1.0) - 0.25, 2.0 * (x - 1.0)));
+        assert!(both.len() == 2 && (both[0] - 0.5).abs() + (both[1] - 1.5).abs() < 1e-11);
+        assert!(zeros(0.0, 2.5, |x| ((x - 1.0) * (x - 1.0) + 0.25, 2.0 * (x - 1.0))).is_empty());
+    }
+
+    #[test]
+    fn a_jump_across_zero_is_no_zero_however_near_its_sides() {
+        // Oracle: these functions have no zero.
+        for (before, after) in [(3.0, -3.0), (0.5, -0.4), (1e-3, -1e-3)] {
+            let jump = move |x: f64| {
+                if x < 1.0 {
+                    (before + 2.0 * (1.0 - x), -2.0)
+                } else {
+                    (after - 2.0 * (x - 1.0), -2.0)
+                }
+            };
+            assert!(zeros(0.0, 2.3, jump).is_empty(), "{before} to {after}");
+        }
+    }
+}
