@@ -1,12 +1,11 @@
 use spineline::anatomy::Level;
-use spineline::multibody::{BodyLoad, LoadItem, Loading, LoadingError, Rod};
+use spineline::multibody::{
+    BodyLoad, LoadItem, LoadPlace, Loading, LoadingFault, Rod, UNIT_TOLERANCE,
+};
 use spineline::spatial::{Angle, Vec3};
 
 use super::{AppliedLoad, LoadFile};
 use crate::{FileError, StoredModel};
-
-/// A unit vector may be off by so much, as numbers written with seven places are.
-const UNIT_TOLERANCE: f64 = 1e-6;
 
 /// The loads of a file on the vertebrae of a model.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,18 +93,11 @@ impl LoadFile {
             placed.load_of_rod.resize(placed.loading.rods.len(), number);
         }
         placed.loading.check(&model.spine).map_err(|error| {
-            let number = match &error {
-                LoadingError::Rod { rod, .. } | LoadingError::RodPose { rod } => {
-                    placed.load_of_rod[*rod]
-                }
-                LoadingError::Vertebra { item, .. }
-                | LoadingError::NotFinite { item, .. }
-                | LoadingError::Direction { item, .. }
-                | LoadingError::Spring { item, .. }
-                | LoadingError::Strap { item, .. } => placed.load_of_item[*item],
-                _ => 0,
+            let number = match error.place {
+                LoadPlace::Item(place) => placed.load_of_item[place],
+                LoadPlace::Rod(place) => placed.load_of_rod[place],
             };
-            self.refused(number, &reason(&error, model), error.help())
+            self.refused(number, &reason(&error.fault, model), error.help())
         })?;
         Ok(placed)
     }
@@ -202,30 +194,17 @@ fn extent(model: &StoredModel) -> String {
 }
 
 /// What is wrong with a load, by names instead of places in lists.
-fn reason(error: &LoadingError, model: &StoredModel) -> String {
+fn reason(fault: &LoadingFault, model: &StoredModel) -> String {
     let name = |vertebra: &usize| model.levels.get(*vertebra).map_or("?", |level| level.name());
-    match error {
-        LoadingError::Vertebra { vertebra, .. } => {
+    match fault {
+        LoadingFault::Vertebra { vertebra, .. } => {
             format!("{} is the fixed vertebra, and a load on it moves nothing", name(vertebra))
         }
-        LoadingError::Rod { inferior, superior, .. } => format!(
+        LoadingFault::RodEnds { inferior, superior, .. } => format!(
             "a rod goes from a lower to an upper vertebra, and {} is not below {}",
             name(inferior),
             name(superior)
         ),
-        LoadingError::NotFinite { what, .. } => format!("{what} is not finite"),
-        LoadingError::Direction { length, .. } => {
-            format!("the direction has length {length}, and must be a unit vector")
-        }
-        LoadingError::Spring { n_per_mm, .. } => {
-            format!("its stiffness is {n_per_mm} N/mm, and must be positive")
-        }
-        LoadingError::Strap { length_mm, .. } => {
-            format!("the strap is {length_mm:.2} mm long on the erect spine, and needs 1 mm")
-        }
-        LoadingError::RodPose { .. } => {
-            "its shift or turn is not finite, or turns by more than 180°".to_owned()
-        }
         other => other.to_string(),
     }
 }

@@ -24,8 +24,8 @@ mod stiffness;
 
 pub use general::{
     BodyLoad, BranchEvent, BranchEventKind, Equilibrium, EquilibriumPath, GeneralStatics, Goal,
-    LoadItem, Loading, LoadingError, NearbyReport, NewtonWork, OnPoint, PathEnding, PathOptions,
-    PathPoint, Rod, SpringError, Timing,
+    LoadItem, LoadPlace, Loading, LoadingError, LoadingFault, NearbyReport, NewtonWork, OnPoint,
+    PathEnding, PathOptions, PathPoint, Rod, SpringError, Timing, UNIT_TOLERANCE,
 };
 pub use geometry::{Joint, SpineModel};
 pub use march::{Deformed, Load, Parameter, Solution, Statics, Wrench};

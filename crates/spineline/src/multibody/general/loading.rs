@@ -109,59 +109,76 @@ pub struct Loading {
     pub rods: Vec<Rod>,
 }
 
-/// A load that cannot be applied; `item` and `rod` count from zero.
+/// A unit vector may be off by so much, as numbers written with seven places are.
+pub const UNIT_TOLERANCE: f64 = 1e-6;
+
+/// Which part of a loading.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LoadPlace {
+    /// Place in [`Loading::items`].
+    Item(usize),
+    /// Place in [`Loading::rods`].
+    Rod(usize),
+}
+
+impl std::fmt::Display for LoadPlace {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Item(place) => write!(f, "load {place}"),
+            Self::Rod(place) => write!(f, "rod {place}"),
+        }
+    }
+}
+
+/// A load that cannot be applied.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{place}: {fault}")]
+pub struct LoadingError {
+    /// Which one, counted from zero.
+    pub place: LoadPlace,
+    /// Why.
+    pub fault: LoadingFault,
+}
+
+/// Why a load cannot be applied.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum LoadingError {
+pub enum LoadingFault {
     /// There is no such vertebra, or it is the fixed one.
-    #[error("load {item} is on vertebra {vertebra}; loads act on 1 to {last}, and 0 is fixed")]
+    #[error("it is on vertebra {vertebra}; loads act on 1 to {last}, and 0 is fixed")]
     Vertebra {
-        /// Which load.
-        item: usize,
         /// What was given.
         vertebra: usize,
         /// The uppermost vertebra.
         last: usize,
     },
     /// A number that is none.
-    #[error("load {item}: {what} is not finite")]
+    #[error("{what} is not finite")]
     NotFinite {
-        /// Which load.
-        item: usize,
         /// Which value.
         what: &'static str,
     },
     /// A direction of no length, or not of length one.
-    #[error("load {item}: the direction has length {length}, and must be a unit vector")]
+    #[error("the direction has length {length}, and must be a unit vector")]
     Direction {
-        /// Which load.
-        item: usize,
         /// Its length.
         length: f64,
     },
     /// A spring that is no spring.
-    #[error("load {item}: its stiffness is {n_per_mm} N/mm, and must be positive")]
+    #[error("its stiffness is {n_per_mm} N/mm, and must be positive")]
     Spring {
-        /// Which load.
-        item: usize,
         /// What was given.
         n_per_mm: f64,
     },
     /// A strap without a length.
-    #[error("load {item}: the strap is {length_mm:.2} mm long on the erect spine, and needs 1 mm")]
+    #[error("the strap is {length_mm:.2} mm long on the erect spine, and needs 1 mm")]
     Strap {
-        /// Which load.
-        item: usize,
         /// Its length.
         length_mm: f64,
     },
     /// A rod between vertebrae that are not there, or not in order.
-    #[error(
-        "rod {rod} joins vertebrae {inferior} and {superior}; it needs 0 ≤ lower < upper ≤ {last}"
-    )]
-    Rod {
-        /// Which rod.
-        rod: usize,
+    #[error("it joins vertebrae {inferior} and {superior}, and needs 0 ≤ lower < upper ≤ {last}")]
+    RodEnds {
         /// Lower vertebra.
         inferior: usize,
         /// Upper vertebra.
@@ -170,24 +187,23 @@ pub enum LoadingError {
         last: usize,
     },
     /// A rod whose pose is no pose.
-    #[error("rod {rod}: its shift or turn is not finite, or turns by more than 180°")]
-    RodPose {
-        /// Which rod.
-        rod: usize,
-    },
+    #[error("its shift or turn is not finite, or turns by more than 180°")]
+    RodPose,
 }
 
 impl LoadingError {
     /// What the user can do about it.
     #[must_use]
     pub const fn help(&self) -> &'static str {
-        match self {
-            Self::Vertebra { .. } => "loads act on the vertebrae above the fixed one, L3 to T2",
-            Self::NotFinite { .. } | Self::RodPose { .. } => "give finite numbers",
-            Self::Direction { .. } => "divide the direction by its length",
-            Self::Spring { .. } => "give the stiffness in N/mm, greater than zero",
-            Self::Strap { .. } => "tie the strap to a point away from the vertebra",
-            Self::Rod { .. } => "name the lower vertebra first",
+        match self.fault {
+            LoadingFault::Vertebra { .. } => {
+                "loads act on the vertebrae above the fixed one, L3 to T2"
+            }
+            LoadingFault::NotFinite { .. } | LoadingFault::RodPose => "give finite numbers",
+            LoadingFault::Direction { .. } => "divide the direction by its length",
+            LoadingFault::Spring { .. } => "give the stiffness in N/mm, greater than zero",
+            LoadingFault::Strap { .. } => "tie the strap to a point away from the vertebra",
+            LoadingFault::RodEnds { .. } => "name the lower vertebra first",
         }
     }
 }
@@ -239,35 +255,37 @@ impl Loading {
     /// [`LoadingError`], the first one found.
     pub fn check(&self, model: &SpineModel) -> Result<(), LoadingError> {
         let last = model.midpoints_mm.len() - 1;
-        for (item, LoadItem { vertebra, load, .. }) in self.items.iter().enumerate() {
-            if *vertebra == 0 || *vertebra > last {
-                return Err(LoadingError::Vertebra { item, vertebra: *vertebra, last });
-            }
-            load.check(item, model, *vertebra)?;
+        for (place, item) in self.items.iter().enumerate() {
+            item.check(model, last)
+                .map_err(|fault| LoadingError { place: LoadPlace::Item(place), fault })?;
         }
-        for (number, rod) in self.rods.iter().enumerate() {
-            let Rod { inferior, superior, shift_mm, turn_rad, .. } = *rod;
-            if inferior >= superior || superior > last {
-                return Err(LoadingError::Rod { rod: number, inferior, superior, last });
-            }
-            let turns = turn_rad.norm() <= std::f64::consts::PI;
-            if !(is_finite(&shift_mm) && is_finite(&turn_rad) && turns) {
-                return Err(LoadingError::RodPose { rod: number });
-            }
+        for (place, rod) in self.rods.iter().enumerate() {
+            rod.check(last)
+                .map_err(|fault| LoadingError { place: LoadPlace::Rod(place), fault })?;
         }
         Ok(())
     }
 }
 
+impl LoadItem {
+    fn check(&self, model: &SpineModel, last: usize) -> Result<(), LoadingFault> {
+        let vertebra = self.vertebra;
+        if vertebra == 0 || vertebra > last {
+            return Err(LoadingFault::Vertebra { vertebra, last });
+        }
+        self.load.check(model, vertebra)
+    }
+}
+
 impl BodyLoad {
-    fn check(&self, item: usize, model: &SpineModel, vertebra: usize) -> Result<(), LoadingError> {
+    fn check(&self, model: &SpineModel, vertebra: usize) -> Result<(), LoadingFault> {
         let finite = |what, vector: &Vec3| {
-            if is_finite(vector) { Ok(()) } else { Err(LoadingError::NotFinite { item, what }) }
+            if is_finite(vector) { Ok(()) } else { Err(LoadingFault::NotFinite { what }) }
         };
         let number = |what, value: f64| finite(what, &Vec3::new(value, 0.0, 0.0));
         let spring = |n_per_mm: f64| {
             let good = n_per_mm > 0.0 && n_per_mm.is_finite();
-            if good { Ok(()) } else { Err(LoadingError::Spring { item, n_per_mm }) }
+            if good { Ok(()) } else { Err(LoadingFault::Spring { n_per_mm }) }
         };
         match self {
             Self::ForceOnLine { force_n, point_mm } => {
@@ -288,8 +306,8 @@ impl BodyLoad {
                 number("the advance", *advance_mm)?;
                 spring(*n_per_mm)?;
                 let length = direction.norm();
-                let is_unit = (length - 1.0).abs() < 1e-6;
-                if is_unit { Ok(()) } else { Err(LoadingError::Direction { item, length }) }
+                let is_unit = (length - 1.0).abs() < UNIT_TOLERANCE;
+                if is_unit { Ok(()) } else { Err(LoadingFault::Direction { length }) }
             }
             Self::Strap { point_in_vertebra_mm, anchor_mm, n_per_mm, shortening_mm } => {
                 finite("its point", point_in_vertebra_mm)?;
@@ -299,7 +317,7 @@ impl BodyLoad {
                 let length_mm =
                     (anchor_mm - erect_place_mm(model, vertebra, point_in_vertebra_mm)).norm();
                 let has_length = length_mm >= 1.0;
-                if has_length { Ok(()) } else { Err(LoadingError::Strap { item, length_mm }) }
+                if has_length { Ok(()) } else { Err(LoadingFault::Strap { length_mm }) }
             }
         }
     }
@@ -325,6 +343,16 @@ impl Rod {
     #[must_use]
     pub fn locking(inferior: usize, superior: usize, timing: Timing) -> Self {
         Self { inferior, superior, shift_mm: Vec3::zeros(), turn_rad: Vec3::zeros(), timing }
+    }
+
+    fn check(&self, last: usize) -> Result<(), LoadingFault> {
+        let Self { inferior, superior, shift_mm, turn_rad, .. } = *self;
+        if inferior >= superior || superior > last {
+            return Err(LoadingFault::RodEnds { inferior, superior, last });
+        }
+        let turns = turn_rad.norm() <= std::f64::consts::PI;
+        let is_pose = is_finite(&shift_mm) && is_finite(&turn_rad) && turns;
+        if is_pose { Ok(()) } else { Err(LoadingFault::RodPose) }
     }
 
     /// The pose at a factor: from the erect one (0) to the prescribed one (1).

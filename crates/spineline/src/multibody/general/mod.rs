@@ -25,6 +25,8 @@ mod wrench;
 pub use equilibrium::{
     BranchEvent, BranchEventKind, Equilibrium, EquilibriumPath, PathEnding, PathPoint,
 };
-pub use loading::{BodyLoad, LoadItem, Loading, LoadingError, Rod, Timing};
+pub use loading::{
+    BodyLoad, LoadItem, LoadPlace, Loading, LoadingError, LoadingFault, Rod, Timing, UNIT_TOLERANCE,
+};
 pub use path::{Goal, OnPoint, PathOptions};
 pub use solver::{GeneralStatics, NearbyReport, NewtonWork, SpringError};
