@@ -1,16 +1,40 @@
 //! Python environments for checks against other programs: one per requirements file, below the target folder.
 
 use std::env;
+use std::env::consts::EXE_EXTENSION;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::run;
 
+/// Runs a script of a Python project with a program of ours, whose results go to a folder of that name below the target.
+pub fn project(
+    root: &Path,
+    name: &str,
+    script: &Path,
+    program: &Path,
+    passed_on: &[String],
+) -> Result<(), String> {
+    let folder = script.parent().expect("a script lies in its project");
+    let interpreter = environment(root, name, &folder.join("requirements.txt"))?;
+    let target = target()?;
+    let program = target.join(program).with_extension(EXE_EXTENSION);
+    let own = [
+        text(script)?,
+        "--program".to_owned(),
+        text(&program)?,
+        "--out".to_owned(),
+        text(&target.join(name))?,
+    ];
+    let arguments: Vec<&str> = own.iter().chain(passed_on).map(String::as_str).collect();
+    run(root, &text(&interpreter)?, &arguments, &[("PYTHONDONTWRITEBYTECODE", "1")])
+}
+
 /// The interpreter of an environment that holds what a requirements file asks for.
 ///
 /// The environment is made where it is missing, and filled where the file is not the one that filled it before; else
 /// nothing happens and no network is needed. `python3` makes it, or the program that `PYTHON` names.
-pub fn environment(root: &Path, name: &str, requirements: &Path) -> Result<PathBuf, String> {
+fn environment(root: &Path, name: &str, requirements: &Path) -> Result<PathBuf, String> {
     let wanted = fs::read_to_string(requirements)
         .map_err(|error| format!("{}: {error}", requirements.display()))?;
     let folder = target()?.join("python").join(name);
@@ -38,7 +62,7 @@ pub fn environment(root: &Path, name: &str, requirements: &Path) -> Result<PathB
 }
 
 /// The folder that cargo builds into: this program lies in one of its profiles.
-pub fn target() -> Result<PathBuf, String> {
+fn target() -> Result<PathBuf, String> {
     let own = env::current_exe().map_err(|error| format!("own path: {error}"))?;
     own.ancestors()
         .nth(2)
@@ -47,6 +71,6 @@ pub fn target() -> Result<PathBuf, String> {
 }
 
 /// A path as an argument.
-pub fn text(path: &Path) -> Result<String, String> {
+fn text(path: &Path) -> Result<String, String> {
     path.to_str().map(str::to_owned).ok_or_else(|| format!("{} is not UTF-8", path.display()))
 }

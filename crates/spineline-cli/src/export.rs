@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use spineline_io::{ExportFormat, export, parse_model, read_text};
+use spineline_io::{ExportFormat, export};
 
 use crate::analyze::{generator, write_or_print};
 use crate::failure::{Ending, Failure};
+use crate::model::read_model;
 
 /// How to come by a model file, and how each program opens what comes out.
 pub const EXAMPLES: &str = "\
@@ -59,9 +60,7 @@ impl FormatName {
 }
 
 pub fn run(args: &ExportArgs) -> Result<Ending, Failure> {
-    let model = read_text(&args.model)
-        .and_then(|text| parse_model(&text))
-        .map_err(|error| Failure::file(&args.model, &error))?;
+    let model = read_model(&args.model)?;
     let text = export(&model, args.to.format(), &generator())
         .map_err(|error| Failure::input(&args.model.display().to_string(), &error, error.help()))?;
     write_or_print(&args.out, &text)?;

@@ -6,6 +6,7 @@ mod check;
 mod cohort;
 mod export;
 mod failure;
+mod model;
 mod phantom;
 mod progress;
 mod report;

@@ -11,15 +11,14 @@ mod words;
 pub use args::{EXAMPLES, SimulateArgs};
 
 use std::ops::ControlFlow;
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use spineline::multibody::{ForceSign, PathPoint};
-use spineline_io::{FileError, StoredModel, parse_model, read_text};
 
 use crate::analyze::write_or_print;
 use crate::failure::{Ending, Failure};
+use crate::model::read_model;
 use crate::print;
 use outcome::Outcome;
 
@@ -47,27 +46,6 @@ pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
         eprint!("{}", text::warnings(&outcome));
     }
     Ok(if outcome.response.ending.is_usable() { Ending::Done } else { Ending::NotConverged })
-}
-
-fn read_model(path: &Path) -> Result<StoredModel, Failure> {
-    let model = read_text(path).and_then(|text| parse_model(&text));
-    let model = model.map_err(|error| match &error {
-        FileError::Format { .. } => Failure::input(
-            &path.display().to_string(),
-            &error,
-            "`simulate` loads a model; `spineline analyze CASE --model FILE` writes one",
-        ),
-        _ => Failure::file(path, &error),
-    })?;
-    if model.spine.joints.is_empty() {
-        let place = path.display().to_string();
-        return Err(Failure::input(
-            &place,
-            &"the model has no joint",
-            "give a model from L4 to T2",
-        ));
-    }
-    Ok(model)
 }
 
 /// Set by Ctrl-C.
@@ -118,7 +96,7 @@ mod tests {
     use clap::Parser;
     use spineline::analysis::{AnalysisOptions, analyze};
     use spineline::multibody::PathEnding;
-    use spineline_io::{ModelFile, to_text};
+    use spineline_io::{ModelFile, parse_model, to_text};
     use spineline_phantom::{Readers, Truth, generate};
 
     use crate::args::{Cli, Command};
