@@ -52,7 +52,7 @@ fn text(path: &Path, analysis: &Analysis) -> String {
             format!("{:.2}{assumed}", outline.noise.location_mm),
             format!("{:.2}{assumed}", outline.noise.tilt.deg()),
             if outline.iliac_normal.is_some() { "marked" } else { "none" }.to_owned(),
-            outline.spacing_plane.unit().to_owned(),
+            outline.scale.to_string(),
         ]);
     }
     text.push_str(&table.text());

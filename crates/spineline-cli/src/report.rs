@@ -13,7 +13,7 @@ const WIDTH: usize = 110;
 pub fn text(analysis: &Analysis) -> String {
     let mut text = String::new();
     let synthetic = if analysis.synthetic { " · SYNTHETIC" } else { "" };
-    let unit = analysis.erect().outline.spacing_plane.unit();
+    let unit = analysis.erect().outline.scale;
     let films = analysis.postures.len();
     let _ = writeln!(text, "{}{synthetic} · films: {films} · lengths in {unit}", analysis.case_id);
     for sentence in analysis.verdict() {

@@ -4,13 +4,13 @@ use spineline::analysis::{Case, Sex, Subject};
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{
     Corners, Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading, ReadingId,
-    SpacingPlane,
+    Spacing, SpacingPlane, SpacingSource,
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
 
 use crate::FileError;
 use crate::json::parse;
-use crate::keys::{ByLevel, LevelKey, PostureKey};
+use crate::keys::{ByLevel, LevelKey, PostureKey, SourceKey};
 
 const FORMAT: &str = "spineline-case";
 const VERSION: u32 = 1;
@@ -76,18 +76,32 @@ struct FilmRecord {
 struct ImageRecord {
     columns: u32,
     rows: u32,
-    /// Distance between neighbouring columns.
-    column_spacing_mm: f64,
+    /// Distance between neighbouring columns; absent, as that of rows, where nobody knows the scale.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    column_spacing_mm: Option<f64>,
     /// Distance between neighbouring rows.
-    row_spacing_mm: f64,
-    /// Plane in which the millimetres were measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    row_spacing_mm: Option<f64>,
+    /// Plane in which the millimetres were measured; `pixels` where there are none.
     #[serde(default)]
     spacing_plane: PlaneKey,
+    /// How the spacing became known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    spacing_source: Option<SourceKey>,
+    /// Standard deviation of the scale, as a part of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    spacing_relative_sd: Option<f64>,
     /// Side of the picture on which the patient's left is.
     patient_left: ImageSideKey,
     /// Picture file, beside the case file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     file: Option<String>,
+    /// SHA-256 of that file, in hexadecimal digits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    sha256: Option<String>,
+    /// Whether the picture is to be shown with black and white exchanged, against what its file says.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    inverted: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
@@ -97,6 +111,7 @@ enum PlaneKey {
     Detector,
     #[default]
     Unknown,
+    Pixels,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -154,7 +169,45 @@ pub fn parse_case(text: &str) -> Result<Case, FileError> {
     parse::<CaseFile>(text, FORMAT, VERSION)?.into_case()
 }
 
+/// The picture file behind a film of a case.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct FilmSource {
+    /// Its name, beside the case file.
+    pub file: Option<String>,
+    /// SHA-256 of its bytes, in hexadecimal digits.
+    pub sha256: Option<String>,
+    /// Whether it is to be shown with black and white exchanged, against what the file says.
+    pub inverted: bool,
+}
+
 impl CaseFile {
+    /// The picture file of a posture's film, where the case names one.
+    #[must_use]
+    pub fn source(&self, posture: Posture) -> Option<FilmSource> {
+        let film = self.films.iter().find(|film| Posture::from(film.posture) == posture)?;
+        let image = film.image.as_ref()?;
+        Some(FilmSource {
+            file: image.file.clone(),
+            sha256: image.sha256.clone(),
+            inverted: image.inverted,
+        })
+    }
+
+    /// The same case with the picture file of a posture's film named; a film without a picture stays as it is.
+    #[must_use]
+    pub fn with_source(mut self, posture: Posture, source: FilmSource) -> Self {
+        for film in &mut self.films {
+            if let Some(image) =
+                film.image.as_mut().filter(|_| Posture::from(film.posture) == posture)
+            {
+                image.file = source.file.clone();
+                image.sha256 = source.sha256.clone();
+                image.inverted = source.inverted;
+            }
+        }
+        self
+    }
+
     /// The case that this file holds.
     ///
     /// # Errors
@@ -234,7 +287,7 @@ impl FilmRecord {
         }
         let image = self.image.ok_or(FileError::NoImage { posture })?;
         let marks = FilmMarks::Landmarks {
-            image: image.geometry(),
+            image: image.geometry(posture)?,
             iliac_crests: self
                 .iliac_crests_px
                 .map(|crests| IliacCrests { left: pixel(crests.left), right: pixel(crests.right) }),
@@ -336,32 +389,51 @@ fn pair(place: Pixel) -> [f64; 2] {
 }
 
 impl ImageRecord {
-    fn geometry(&self) -> ImageGeometry {
-        ImageGeometry {
+    fn geometry(&self, posture: Posture) -> Result<ImageGeometry, FileError> {
+        let spacing = match (self.column_spacing_mm, self.row_spacing_mm, self.spacing_plane) {
+            (Some(_), Some(_), PlaneKey::Pixels) => {
+                return Err(FileError::SpacingOfPixels { posture });
+            }
+            (Some(column_mm), Some(row_mm), plane) => Some(Spacing {
+                column_mm,
+                row_mm,
+                plane: plane.into(),
+                source: self.spacing_source.map_or(SpacingSource::Stated, |key| key.0),
+                relative_sd: self.spacing_relative_sd,
+            }),
+            (None, None, PlaneKey::Pixels | PlaneKey::Unknown) => None,
+            _ => return Err(FileError::SpacingIncomplete { posture }),
+        };
+        Ok(ImageGeometry {
             columns: self.columns,
             rows: self.rows,
-            column_spacing_mm: self.column_spacing_mm,
-            row_spacing_mm: self.row_spacing_mm,
-            spacing_plane: self.spacing_plane.into(),
+            spacing,
             patient_left: match self.patient_left {
                 ImageSideKey::ImageLeft => ImageSide::Left,
                 ImageSideKey::ImageRight => ImageSide::Right,
             },
-        }
+        })
     }
 
     fn of(image: &ImageGeometry) -> Self {
+        let spacing = image.spacing;
         Self {
             columns: image.columns,
             rows: image.rows,
-            column_spacing_mm: image.column_spacing_mm,
-            row_spacing_mm: image.row_spacing_mm,
-            spacing_plane: image.spacing_plane.into(),
+            column_spacing_mm: spacing.map(|s| s.column_mm),
+            row_spacing_mm: spacing.map(|s| s.row_mm),
+            spacing_plane: spacing.map_or(PlaneKey::Pixels, |s| s.plane.into()),
+            spacing_source: spacing
+                .map(|s| SourceKey(s.source))
+                .filter(|source| source.0 != SpacingSource::Stated),
+            spacing_relative_sd: spacing.and_then(|s| s.relative_sd),
             patient_left: match image.patient_left {
                 ImageSide::Left => ImageSideKey::ImageLeft,
                 ImageSide::Right => ImageSideKey::ImageRight,
             },
             file: None,
+            sha256: None,
+            inverted: false,
         }
     }
 }
@@ -372,6 +444,7 @@ impl From<PlaneKey> for SpacingPlane {
             PlaneKey::Patient => Self::Patient,
             PlaneKey::Detector => Self::Detector,
             PlaneKey::Unknown => Self::Unknown,
+            PlaneKey::Pixels => Self::Pixels,
         }
     }
 }
@@ -382,6 +455,7 @@ impl From<SpacingPlane> for PlaneKey {
             SpacingPlane::Patient => Self::Patient,
             SpacingPlane::Detector => Self::Detector,
             SpacingPlane::Unknown => Self::Unknown,
+            SpacingPlane::Pixels => Self::Pixels,
         }
     }
 }

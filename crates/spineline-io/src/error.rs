@@ -82,6 +82,20 @@ pub enum FileError {
         /// Film.
         posture: Posture,
     },
+    /// A spacing in one direction only, or a plane without a spacing.
+    #[error(
+        "{posture} film: `column_spacing_mm`, `row_spacing_mm` and `spacing_plane` do not go together"
+    )]
+    SpacingIncomplete {
+        /// Film.
+        posture: Posture,
+    },
+    /// A spacing in millimetres for a film that is said to have none.
+    #[error("{posture} film: `spacing_plane` is `pixels`, and there is a spacing in mm")]
+    SpacingOfPixels {
+        /// Film.
+        posture: Posture,
+    },
     /// A stiffness table that the model cannot use.
     #[error(transparent)]
     Stiffness(#[from] spineline::multibody::StiffnessError),
@@ -184,6 +198,12 @@ impl FileError {
             }
             Self::NoImage { .. } => {
                 "add `image`: columns, rows, column_spacing_mm, row_spacing_mm, patient_left"
+            }
+            Self::SpacingIncomplete { .. } => {
+                "give both spacings and their plane (patient, detector or unknown), or neither and `pixels`"
+            }
+            Self::SpacingOfPixels { .. } => {
+                "leave the spacings out, or say in which plane they are: patient, detector or unknown"
             }
             Self::Stiffness(_) => {
                 "`spineline schema stiffness` prints the format; give every joint from L4/L3 to T3/T2 one row"

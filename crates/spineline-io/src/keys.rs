@@ -9,6 +9,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use spineline::anatomy::{Level, Posture, Region};
+use spineline::measure::SpacingSource;
 
 /// A vertebra as a key: `L4`, `T12` (`Th12` and `D12` are read too).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -106,6 +107,39 @@ impl From<Posture> for PostureKey {
             Posture::Neutral => Self::Neutral,
             Posture::Traction => Self::Traction,
         }
+    }
+}
+
+/// How a film's spacing became known, as a key.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SourceKey(pub SpacingSource);
+
+impl Serialize for SourceKey {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.key())
+    }
+}
+
+impl<'de> Deserialize<'de> for SourceKey {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        let known = SpacingSource::ALL.map(SpacingSource::key);
+        SpacingSource::ALL
+            .into_iter()
+            .find(|source| source.key() == text)
+            .map(Self)
+            .ok_or_else(|| D::Error::custom(format!("`{text}` is none of {}", known.join(", "))))
+    }
+}
+
+impl JsonSchema for SourceKey {
+    fn schema_name() -> Cow<'static, str> {
+        "SpacingSource".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let names = SpacingSource::ALL.map(SpacingSource::key);
+        json_schema!({ "type": "string", "enum": names, "description": "How a spacing became known" })
     }
 }
 

@@ -7,7 +7,8 @@ use rand_distr::{Distribution, Uniform};
 use spineline::analysis::{Case, Subject};
 use spineline::anatomy::{ImageSide, Level, Morphometry};
 use spineline::measure::{
-    Corners, Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Reading, ReadingId, SpacingPlane,
+    Corners, Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Reading, ReadingId, Spacing,
+    SpacingPlane,
 };
 use spineline::spatial::{Angle, Frontal};
 
@@ -73,9 +74,7 @@ fn film(
     let image = ImageGeometry {
         columns: count(high.y_mm - low.y_mm, 0.1),
         rows: count(high.z_mm - low.z_mm, row_spacing_mm),
-        column_spacing_mm: 0.1,
-        row_spacing_mm,
-        spacing_plane: SpacingPlane::Patient,
+        spacing: Some(Spacing::stated(0.1, row_spacing_mm, SpacingPlane::Patient)),
         patient_left,
     };
     // Pixel (0, 0) lies at the upper corner of the picture.

@@ -4,7 +4,9 @@ mod common;
 
 use std::mem::swap;
 
-use common::{analyzed, case_of, exact_case, film_mut, graph_film, landmarks, on_a_table, refused};
+use common::{
+    analyzed, case_of, exact_case, film_mut, graph_film, landmarks, on_a_table, refused, spacing,
+};
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{ImageSide, Level, Posture};
@@ -145,8 +147,8 @@ fn a_film_of_doubled_spacing_is_told_by_its_length() {
     // Oracle: a spine does not grow by 100 %.
     let mut case = exact_case(0);
     let (image, _, _) = landmarks(film_mut(&mut case, Posture::Traction));
-    image.column_spacing_mm *= 2.0;
-    image.row_spacing_mm *= 2.0;
+    spacing(image).column_mm *= 2.0;
+    spacing(image).row_mm *= 2.0;
     let analysis = analyzed(&case, &on_a_table());
     let warning = warned(&analysis, "lengths_differ", Some(Posture::Traction));
     assert!(
@@ -161,8 +163,8 @@ fn a_film_a_twentieth_as_long_cannot_share_a_chain() {
     // Oracle: equal segments need curves of about equal length.
     let mut case = exact_case(0);
     let (image, crests, _) = landmarks(film_mut(&mut case, Posture::Neutral));
-    image.column_spacing_mm *= 0.05;
-    image.row_spacing_mm *= 0.05;
+    spacing(image).column_mm *= 0.05;
+    spacing(image).row_mm *= 0.05;
     // Crests so near would be refused before.
     *crests = None;
     let error = refused(&case);

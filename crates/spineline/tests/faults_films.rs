@@ -4,7 +4,7 @@ mod common;
 
 use std::mem::swap;
 
-use common::{case_of, exact_case, film_mut, graph_film, landmarks, mark_mut, refused};
+use common::{case_of, exact_case, film_mut, graph_film, landmarks, mark_mut, refused, spacing};
 use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::error::Error;
@@ -164,11 +164,11 @@ fn a_spacing_that_is_no_positive_number_is_refused() {
     // Oracle: pixels have a distance; some real files say "0.000".
     for value in [0.0, -0.1, f64::NAN, f64::INFINITY, 1e-5] {
         let mut case = exact_case(0);
-        landmarks(film_mut(&mut case, Posture::Traction)).0.row_spacing_mm = value;
+        spacing(landmarks(film_mut(&mut case, Posture::Traction)).0).row_mm = value;
         let error = refused_in_measure(&case, &["traction", "row", &value.to_string()]);
         assert!(matches!(error, MeasureError::Spacing { direction: "row", .. }), "{error:?}");
         let mut case = exact_case(0);
-        landmarks(film_mut(&mut case, Posture::Erect)).0.column_spacing_mm = value;
+        spacing(landmarks(film_mut(&mut case, Posture::Erect)).0).column_mm = value;
         let error = refused_in_measure(&case, &["erect", "column", &value.to_string()]);
         assert!(matches!(error, MeasureError::Spacing { direction: "column", .. }), "{error:?}");
     }
@@ -211,11 +211,11 @@ fn two_vertebrae_with_exchanged_names_are_out_of_order() {
     let (t7, t6) = (vertebrae[&Level::T7], vertebrae[&Level::T6]);
     vertebrae.insert(Level::T7, t6);
     vertebrae.insert(Level::T6, t7);
-    let error = refused_in_measure(&case, &["erect", "T7", "T6", "mm"]);
+    let error = refused_in_measure(&case, &["erect", "T7", "T6", "%"]);
     match error {
-        MeasureError::OutOfOrder { inferior, superior, distance_mm, .. } => {
+        MeasureError::OutOfOrder { inferior, superior, share, .. } => {
             assert_eq!((inferior, superior), (Level::T7, Level::T6));
-            assert!(distance_mm < 0.0, "T6 is marked below T7: {distance_mm}");
+            assert!(share < 0.0, "T6 is marked below T7: {share}");
         }
         other => panic!("{other:?}"),
     }

@@ -4,7 +4,7 @@ mod common;
 
 use common::{
     analyzed, assert_near, case_of, landmarks, measured, move_landmarks, on_a_table, phantom,
-    placement_film,
+    placement_film, spacing,
 };
 use proptest::prelude::*;
 use spineline::action::LineKind;
@@ -215,8 +215,8 @@ proptest! {
         let mut large = case.clone();
         for film in &mut large.films {
             let (image, _, _) = landmarks(film);
-            image.column_spacing_mm *= 2.0;
-            image.row_spacing_mm *= 2.0;
+            spacing(image).column_mm *= 2.0;
+            spacing(image).row_mm *= 2.0;
         }
         let (a, b) = (analyzed(&case, &options(true)), analyzed(&large, &options(true)));
         for (a, b) in a.postures.iter().zip(&b.postures) {
@@ -286,7 +286,7 @@ proptest! {
         let mut stretched = case.clone();
         for film in &mut stretched.films {
             let (image, crests, readings) = landmarks(film);
-            image.row_spacing_mm *= factor;
+            spacing(image).row_mm *= factor;
             image.rows = (f64::from(image.rows) / factor).ceil() as u32 + 1;
             let stretch = |p: Pixel| Pixel::new(p.column_px, p.row_px / factor);
             for mark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {

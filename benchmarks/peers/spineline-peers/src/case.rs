@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use spineline::action::{Application, LineOfAction};
 use spineline::anatomy::{Level, Posture, Region};
 use spineline::clinical::{RegionBounds, Regions};
-use spineline::measure::{MeasuredVertebra, Noise, Outline, SpacingPlane};
+use spineline::measure::{LengthScale, MeasuredVertebra, Noise, Outline, SpacingPlane};
 use spineline::multibody::{
     Deformed, JointGroups, JointStiffness, Load, SpineModel, StiffnessLibrary,
 };
@@ -203,7 +203,7 @@ impl Case {
                 tilt: Angle::from_rad(self.noise.tilt_rad),
                 measured: false,
             },
-            spacing_plane: SpacingPlane::Patient,
+            scale: LengthScale::stated(SpacingPlane::Patient),
             readings: 1,
         }
     }

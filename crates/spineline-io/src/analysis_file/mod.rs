@@ -124,7 +124,7 @@ impl AnalysisFile {
             generator: generator.to_owned(),
             case_id: analysis.case_id.clone(),
             synthetic: analysis.synthetic,
-            length_unit: analysis.erect().outline.spacing_plane.unit().to_owned(),
+            length_unit: analysis.erect().outline.scale.plane.unit().to_owned(),
             options: options(analysis),
             chain: ChainRecord {
                 segments: analysis.chain.segments,

@@ -49,11 +49,11 @@ pub(super) fn check_outlines(
             );
             warnings.film(Step::Measure, "lengths_differ", film.posture, text);
         }
-        if film.spacing_plane != erect.spacing_plane {
+        if film.scale.plane != erect.scale.plane {
             let text = format!(
-                "its millimetres are {}, those of the erect film {}: lengths are compared as if they were the same",
-                film.spacing_plane.unit(),
-                erect.spacing_plane.unit()
+                "its lengths are in {}, those of the erect film {}: lengths are compared as if they were the same",
+                film.scale.plane.unit(),
+                erect.scale.plane.unit()
             );
             warnings.film(Step::Measure, "spacing_planes_differ", film.posture, text);
         }

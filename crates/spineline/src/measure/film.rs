@@ -1,32 +1,9 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use super::Corners;
+use super::{Corners, Spacing, SpacingPlane};
 use crate::anatomy::{ImageSide, Level, Posture};
 use crate::spatial::{Angle, Frontal, Pixel};
-
-/// The plane in which a film's millimetres were measured.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum SpacingPlane {
-    /// In the patient: calibrated.
-    Patient,
-    /// On the detector: larger than life by the magnification of the set-up.
-    Detector,
-    /// Not stated.
-    Unknown,
-}
-
-impl SpacingPlane {
-    /// The unit of a length from such a film, in words.
-    #[must_use]
-    pub const fn unit(self) -> &'static str {
-        match self {
-            Self::Patient => "mm (patient)",
-            Self::Detector => "mm (detector)",
-            Self::Unknown => "mm (plane not stated)",
-        }
-    }
-}
 
 /// How the picture lies: its size, the distance between its pixels, and where the patient's left is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,42 +12,42 @@ pub struct ImageGeometry {
     pub columns: u32,
     /// Number of rows.
     pub rows: u32,
-    /// Distance between neighbouring columns, so along a row.
-    pub column_spacing_mm: f64,
-    /// Distance between neighbouring rows, so down a column.
-    pub row_spacing_mm: f64,
-    /// Plane of these millimetres.
-    pub spacing_plane: SpacingPlane,
+    /// Distances between its pixels; `None` where nobody knows them: then pixels are the unit, and taken as square.
+    pub spacing: Option<Spacing>,
     /// The side of the picture on which the patient's left is.
     pub patient_left: ImageSide,
 }
 
 impl ImageGeometry {
-    /// A place of the picture in millimetres, `y` to the patient's left and `z` up the film.
+    /// A place of the picture in millimetres, `y` to the patient's left and `z` up the film; in pixels where the picture
+    /// has no spacing.
     ///
     /// ```
-    /// use spineline::{anatomy::ImageSide, measure::{ImageGeometry, SpacingPlane}, spatial::{Frontal, Pixel}};
+    /// use spineline::anatomy::ImageSide;
+    /// use spineline::measure::{ImageGeometry, Spacing, SpacingPlane};
+    /// use spineline::spatial::{Frontal, Pixel};
     /// let image = ImageGeometry {
-    ///     columns: 400, rows: 500, column_spacing_mm: 0.5, row_spacing_mm: 0.2,
-    ///     spacing_plane: SpacingPlane::Patient, patient_left: ImageSide::Left,
+    ///     columns: 400, rows: 500, patient_left: ImageSide::Left,
+    ///     spacing: Some(Spacing::stated(0.5, 0.2, SpacingPlane::Patient)),
     /// };
     /// assert_eq!(image.frontal(Pixel::new(10.0, 10.0)), Frontal::new(-5.0, -2.0));
     /// ```
     #[must_use]
     pub fn frontal(&self, place: Pixel) -> Frontal {
-        Frontal::new(
-            self.left_per_column() * self.column_spacing_mm * place.column_px,
-            -self.row_spacing_mm * place.row_px,
-        )
+        let (column_mm, row_mm) = self.steps();
+        Frontal::new(self.left_per_column() * column_mm * place.column_px, -row_mm * place.row_px)
     }
 
     /// The inverse of [`ImageGeometry::frontal`].
     #[must_use]
     pub fn pixel(&self, point: Frontal) -> Pixel {
-        Pixel::new(
-            point.y_mm / (self.left_per_column() * self.column_spacing_mm),
-            -point.z_mm / self.row_spacing_mm,
-        )
+        let (column_mm, row_mm) = self.steps();
+        Pixel::new(point.y_mm / (self.left_per_column() * column_mm), -point.z_mm / row_mm)
+    }
+
+    /// What one column and one row stand for.
+    fn steps(&self) -> (f64, f64) {
+        self.spacing.map_or((1.0, 1.0), |spacing| (spacing.column_mm, spacing.row_mm))
     }
 
     /// A lean against the image's vertical, positive clockwise as seen, as a tilt of the patient; its own inverse.

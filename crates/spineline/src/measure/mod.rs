@@ -11,15 +11,25 @@
 //! # References
 //! [jalalian-loa], section 2.1 and figure 3.
 
+mod calibration;
 mod corners;
+mod evidence;
 mod film;
 mod outline;
+mod spacing;
+mod view;
 
+pub use calibration::{Calibration, CalibrationError, Calibrator};
 pub use corners::{CornerFault, Corners};
-pub use film::{
-    Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading, ReadingId, SpacingPlane,
+pub use evidence::{
+    CalibrationType, SpacingEvidence, SpacingJudgement, SpacingRemark, judge_spacing,
 };
+pub use film::{Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading, ReadingId};
 pub use outline::{MeasuredVertebra, Noise, Outline, measure_film};
+pub use spacing::{LengthScale, Spacing, SpacingPlane, SpacingSource};
+pub use view::{
+    Direction, Stance, View, ViewEvidence, ViewJudgement, ViewPosition, ViewQuestion, judge_view,
+};
 
 use crate::anatomy::{Level, Posture};
 
@@ -127,7 +137,7 @@ pub enum MeasureError {
     },
     /// A vertebra is marked at or below the one that it should stand on.
     #[error(
-        "{posture} film: {superior} lies {distance_mm:.1} mm above {inferior} along its axis, and the least is {limit_mm:.1} mm"
+        "{posture} film: {superior} lies {:.0} % of the usual distance above {inferior}, and the least is {:.0} %", 100.0 * share, 100.0 * limit
     )]
     OutOfOrder {
         /// Film.
@@ -136,10 +146,10 @@ pub enum MeasureError {
         inferior: Level,
         /// Upper vertebra.
         superior: Level,
-        /// How far above, along the lower one's axis.
-        distance_mm: f64,
-        /// A fifth of the usual distance in this spine.
-        limit_mm: f64,
+        /// How far above along the axes of both, as a part of the usual distance in this spine.
+        share: f64,
+        /// The least.
+        limit: f64,
     },
     /// An angle of a vertebra beyond what a spine can show.
     #[error(

@@ -1,8 +1,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::spacing::is_spacing;
 use super::{
-    CornerFault, Film, FilmMarks, IliacCrests, ImageGeometry, Mark, MeasureError, Placement,
-    Reading, ReadingId, SpacingPlane,
+    CornerFault, Film, FilmMarks, IliacCrests, ImageGeometry, LengthScale, Mark, MeasureError,
+    Placement, Reading, ReadingId, SpacingPlane,
 };
 use crate::anatomy::{Level, Morphometry, Posture};
 use crate::spatial::{Angle, Frontal};
@@ -62,8 +63,8 @@ pub struct Outline {
     pub l4_on_film: Angle,
     /// Deviation of the measured values.
     pub noise: Noise,
-    /// Plane of the millimetres.
-    pub spacing_plane: SpacingPlane,
+    /// What its lengths are measured in.
+    pub scale: LengthScale,
     /// Number of readings.
     pub readings: usize,
 }
@@ -102,7 +103,7 @@ impl Outline {
 /// [`MeasureError`], which names film, reading, vertebra, value and limit. Nothing is repaired.
 pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, MeasureError> {
     let posture = film.posture;
-    let (placed, spacing_plane, iliac_normal) = match &film.marks {
+    let (placed, scale, iliac_normal) = match &film.marks {
         FilmMarks::Landmarks { image, iliac_crests, readings } => {
             check_spacing(posture, image)?;
             check_readings(posture, readings)?;
@@ -113,14 +114,21 @@ pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, Mea
             if let Some(crests) = iliac_crests {
                 check_crests(posture, image, crests)?;
             }
-            (placed, image.spacing_plane, iliac_crests.map(|crests| iliac_normal(image, crests)))
+            let normal = iliac_crests.map(|crests| iliac_normal(image, crests));
+            match image.spacing {
+                Some(spacing) => (placed, LengthScale::of(&spacing), normal),
+                None => {
+                    let (placed, scale) = scaled_from_pixels(posture, placed, warnings);
+                    (placed, scale, normal)
+                }
+            }
         }
         FilmMarks::Placements { spacing_plane, readings } => {
             check_readings(posture, readings)?;
             check_placements(posture, readings)?;
             (
                 readings.iter().map(|reading| reading.vertebrae.clone()).collect(),
-                *spacing_plane,
+                LengthScale::stated(*spacing_plane),
                 None,
             )
         }
@@ -144,7 +152,7 @@ pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, Mea
         })
         .collect::<Result<Vec<_>, _>>()?;
     let marked: Vec<MeasuredVertebra> = in_global.values().copied().collect();
-    check_order(posture, &marked, warnings)?;
+    check_order(posture, &marked, &scale, warnings)?;
     let iliac_normal = iliac_normal.map(|normal| (normal - base.tilt).wrapped());
     if let Some(normal) = iliac_normal.filter(|normal| normal.abs() > Angle::from_deg(60.0)) {
         let text = format!(
@@ -161,15 +169,15 @@ pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, Mea
         iliac_normal,
         l4_on_film: base.tilt,
         noise: noise(&placed, &on_film),
-        spacing_plane,
+        scale,
         readings: placed.len(),
     })
 }
 
 fn check_spacing(posture: Posture, image: &ImageGeometry) -> Result<(), MeasureError> {
-    for (direction, value) in [("column", image.column_spacing_mm), ("row", image.row_spacing_mm)] {
-        // Some real files carry a spacing of "0.000".
-        if !(value > 1e-4 && value.is_finite()) {
+    let Some(spacing) = image.spacing else { return Ok(()) };
+    for (direction, value) in [("column", spacing.column_mm), ("row", spacing.row_mm)] {
+        if !is_spacing(value) {
             return Err(MeasureError::Spacing { posture, direction, value });
         }
     }
@@ -267,6 +275,43 @@ fn place(
         .collect())
 }
 
+/// Readings in pixels, as if this spine had the typical length: no angle depends on it.
+fn scaled_from_pixels(
+    posture: Posture,
+    mut placed: Vec<BTreeMap<Level, Placement>>,
+    warnings: &mut Warnings,
+) -> (Vec<BTreeMap<Level, Placement>>, LengthScale) {
+    let text = "the film has no spacing: angles take its pixels as square, and no length is given in millimetres";
+    warnings.film(Step::Measure, "no_spacing", posture, text);
+    let means = average(&placed);
+    let (mut typical_mm, mut length_px) = (0.0, 0.0);
+    let marked: Vec<(Level, Frontal)> = means.iter().map(|(&l, (p, _))| (l, p.location)).collect();
+    for pair in marked.windows(2) {
+        // Vertebrae that nobody marked are passed over on both sides of the ratio.
+        typical_mm += typical_distance_mm(pair[0].0, pair[1].0);
+        length_px += pair[0].1.distance_mm(pair[1].1);
+    }
+    let pixels_per_mm =
+        if typical_mm > 0.0 && length_px > 0.0 { length_px / typical_mm } else { 1.0 };
+    for placement in placed.iter_mut().flat_map(BTreeMap::values_mut) {
+        placement.location = placement.location * (1.0 / pixels_per_mm);
+    }
+    let scale = LengthScale {
+        plane: SpacingPlane::Pixels,
+        source: None,
+        relative_sd: None,
+        pixels_per_mm: Some(pixels_per_mm),
+    };
+    (placed, scale)
+}
+
+/// Typical distance between two vertebrae that need not be neighbours.
+fn typical_distance_mm(inferior: Level, superior: Level) -> f64 {
+    let between: Vec<Level> =
+        Level::ALL.into_iter().filter(|level| (inferior..=superior).contains(level)).collect();
+    between.windows(2).map(|pair| Morphometry::spacing_mm(pair[0], pair[1])).sum()
+}
+
 /// Crests must lie on the picture, apart, and on their sides.
 fn check_crests(
     posture: Posture,
@@ -276,7 +321,8 @@ fn check_crests(
     const LEAST_MM: f64 = 50.0;
     let outside = [crests.left, crests.right].into_iter().any(|crest| !image.contains(crest));
     let apart_mm = image.frontal(crests.left).distance_mm(image.frontal(crests.right));
-    if outside || apart_mm < LEAST_MM {
+    // Without a spacing, how far apart they are says nothing.
+    if outside || (image.spacing.is_some() && apart_mm < LEAST_MM) || apart_mm == 0.0 {
         return Err(MeasureError::Crests { posture, outside, apart_mm, limit_mm: LEAST_MM });
     }
     Ok(())
@@ -354,8 +400,11 @@ fn noise(
 fn check_order(
     posture: Posture,
     vertebrae: &[MeasuredVertebra],
+    scale: &LengthScale,
     warnings: &mut Warnings,
 ) -> Result<(), MeasureError> {
+    /// A fifth of the usual distance is what an exchanged or doubled vertebra shows at most.
+    const LEAST_SHARE: f64 = 0.2;
     const TILT_LIMIT: Angle = Angle::from_deg(120.0);
     if let Some(v) = vertebrae.iter().find(|v| v.tilt.abs() > TILT_LIMIT) {
         let (tilt_deg, limit_deg) = (v.tilt.deg(), TILT_LIMIT.deg());
@@ -364,27 +413,22 @@ fn check_order(
     let spacing = |pair: &[MeasuredVertebra]| pair[0].location.distance_mm(pair[1].location);
     let typical: f64 =
         vertebrae.windows(2).map(|p| Morphometry::spacing_mm(p[0].level, p[1].level)).sum();
-    let scale = vertebrae.windows(2).map(spacing).sum::<f64>() / typical;
+    let longer = vertebrae.windows(2).map(spacing).sum::<f64>() / typical;
     for pair in vertebrae.windows(2) {
         let (inferior, superior) = (pair[0].level, pair[1].level);
         let axis = Frontal::leaning((pair[0].tilt + pair[1].tilt) * 0.5);
-        let distance_mm = (pair[1].location - pair[0].location).dot(axis);
-        let limit_mm = 0.2 * scale * Morphometry::spacing_mm(inferior, superior);
-        if distance_mm <= limit_mm {
-            return Err(MeasureError::OutOfOrder {
-                posture,
-                inferior,
-                superior,
-                distance_mm,
-                limit_mm,
-            });
+        let usual_mm = longer * Morphometry::spacing_mm(inferior, superior);
+        let share = (pair[1].location - pair[0].location).dot(axis) / usual_mm;
+        if share <= LEAST_SHARE {
+            let limit = LEAST_SHARE;
+            return Err(MeasureError::OutOfOrder { posture, inferior, superior, share, limit });
         }
         // Twice or half the usual distance is what a skipped or doubled vertebra looks like.
-        let ratio = spacing(pair) / (scale * Morphometry::spacing_mm(inferior, superior));
+        let ratio = spacing(pair) / usual_mm;
         if !(0.6..1.6).contains(&ratio) {
             let text = format!(
-                "{inferior} and {superior} are {:.1} mm apart, {ratio:.1} times the usual share of this spine: check that no vertebra was skipped or doubled",
-                spacing(pair)
+                "{inferior} and {superior} are {} apart, {ratio:.1} times the usual share of this spine: check that no vertebra was skipped or doubled",
+                scale.text(spacing(pair), 1)
             );
             warnings.vertebra(Step::Measure, "spacing_unusual", posture, superior, text);
         }

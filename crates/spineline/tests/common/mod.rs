@@ -7,8 +7,8 @@ use spineline::anatomy::{Level, Posture, Region, SagittalProfile};
 use spineline::clinical::{RegionBounds, Regions};
 use spineline::error::Error;
 use spineline::measure::{
-    Film, FilmMarks, IliacCrests, ImageGeometry, Mark, MeasuredVertebra, Noise, Outline, Placement,
-    Reading, ReadingId, SpacingPlane, measure_film,
+    Film, FilmMarks, IliacCrests, ImageGeometry, LengthScale, Mark, MeasuredVertebra, Noise,
+    Outline, Placement, Reading, ReadingId, Spacing, SpacingPlane, measure_film,
 };
 use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Angle, Frontal, Pixel};
@@ -101,6 +101,11 @@ pub fn landmarks(
         FilmMarks::Landmarks { image, iliac_crests, readings } => (image, iliac_crests, readings),
         FilmMarks::Placements { .. } => panic!("phantoms have landmarks"),
     }
+}
+
+/// The spacing of a picture that has one.
+pub fn spacing(image: &mut ImageGeometry) -> &mut Spacing {
+    image.spacing.as_mut().expect("phantoms have a spacing")
 }
 
 /// One mark of the first reading.
@@ -202,7 +207,7 @@ pub fn outline(posture: Posture, vertebrae: &[(Frontal, Angle)]) -> Outline {
         iliac_normal: None,
         l4_on_film: Angle::ZERO,
         noise: Noise::ONE_READING,
-        spacing_plane: SpacingPlane::Patient,
+        scale: LengthScale::stated(SpacingPlane::Patient),
         readings: 1,
     }
 }

@@ -1,0 +1,278 @@
+//! What a film's file says about its spacing, weighed; nothing is guessed.
+
+use super::spacing::is_spacing;
+use super::{Spacing, SpacingPlane, SpacingSource};
+
+/// How Pixel Spacing was calibrated, where the file says so (DICOM 0028,0A02).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CalibrationType {
+    /// By the known geometry of the set-up, for some depth in the patient.
+    Geometry,
+    /// By an object of known size in the picture.
+    Fiducial,
+}
+
+/// The attributes of a radiograph that speak of its spacing. Pairs are `[row, column]` as DICOM writes them: the distance
+/// between rows comes first.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SpacingEvidence {
+    /// Pixel Spacing (0028,0030).
+    pub pixel_mm: Option<[f64; 2]>,
+    /// Pixel Spacing Calibration Type (0028,0A02).
+    pub calibration: Option<CalibrationType>,
+    /// Imager Pixel Spacing (0018,1164), in the detector's plane.
+    pub imager_mm: Option<[f64; 2]>,
+    /// Estimated Radiographic Magnification Factor (0018,1114).
+    pub magnification: Option<f64>,
+    /// Distance Source to Detector (0018,1110).
+    pub source_to_detector_mm: Option<f64>,
+    /// Distance Source to Patient (0018,1111).
+    pub source_to_patient_mm: Option<f64>,
+    /// Nominal Scanned Pixel Spacing (0018,2010).
+    pub scanned_mm: Option<[f64; 2]>,
+}
+
+/// Something odd about a film's spacing, and what was done about it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum SpacingRemark {
+    /// An attribute holds values that cannot be meant, such as zero; it is not used.
+    Unusable {
+        /// Name of the attribute.
+        attribute: &'static str,
+        /// Its two values, row first; both the same for a single one.
+        values: [f64; 2],
+    },
+    /// A magnification below 1, or above 2; it is not used.
+    Magnification {
+        /// The value.
+        value: f64,
+        /// Whether it was stated, or follows from the distances.
+        stated: bool,
+    },
+    /// The stated magnification and the distances contradict one another; neither is used.
+    MagnificationsDisagree {
+        /// As stated.
+        stated: f64,
+        /// As the distances give it.
+        by_distances: f64,
+    },
+    /// Calibrated Pixel Spacing differs from what Imager Pixel Spacing and magnification give; the calibrated one is used.
+    SpacingsDisagree {
+        /// Calibrated over computed.
+        ratio: f64,
+    },
+    /// Pixel Spacing equals Imager Pixel Spacing although it claims to be calibrated: it is taken as calibrated.
+    CalibratedAsImager,
+    /// Pixel Spacing differs from Imager Pixel Spacing without a calibration type: who corrected it, and for what, is unknown.
+    CorrectionNotStated {
+        /// Imager over pixel spacing, the magnification that was taken out.
+        magnification: f64,
+    },
+    /// Pixel Spacing alone: for a projection it may be the detector's or the patient's.
+    PlaneNotStated,
+    /// Lengths are the detector's, larger than the patient's by an unknown magnification.
+    DetectorPlane,
+    /// Lengths are those of the film that was scanned.
+    ScannedFilm,
+    /// Pixels are not square; this is allowed, and rare.
+    NotSquare {
+        /// Height over width.
+        aspect: f64,
+    },
+    /// There is no usable spacing at all.
+    None,
+}
+
+/// The spacing that a file supports, with everything odd about it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpacingJudgement {
+    /// The spacing; `None` where only pixels are left.
+    pub spacing: Option<Spacing>,
+    /// What was odd.
+    pub remarks: Vec<SpacingRemark>,
+}
+
+/// Magnifications that a radiograph of a trunk can have; calibration beads of six systems showed 0.98 to 1.49
+/// [bioengineering-2025], and below 1 an object would lie behind the detector.
+const MAGNIFICATIONS: std::ops::RangeInclusive<f64> = 1.0..=2.0;
+
+/// Two values agree when they differ by no more than so much of themselves.
+const AGREEMENT: f64 = 0.01;
+
+/// Weighs what a file says about its spacing.
+///
+/// In this order: Pixel Spacing with a calibration type (patient); Imager Pixel Spacing reduced by the magnification
+/// factor or by the distances (patient); Pixel Spacing that differs from the imager's (not stated);
+/// Pixel Spacing equal to the imager's, or Imager Pixel Spacing alone (detector); Pixel Spacing alone (not stated);
+/// Nominal Scanned Pixel Spacing (not stated). Values of zero, below zero or not finite are no spacing.
+///
+/// # References
+/// DICOM PS3.3, sections 10.7 and C.8.11; correction proposal 2380.
+///
+/// ```
+/// use spineline::measure::{SpacingEvidence, SpacingPlane, judge_spacing};
+/// let evidence = SpacingEvidence {
+///     imager_mm: Some([0.2, 0.1]), magnification: Some(1.25), ..Default::default()
+/// };
+/// let spacing = judge_spacing(&evidence).spacing.expect("both are there");
+/// assert_eq!((spacing.row_mm, spacing.column_mm), (0.16, 0.08));
+/// assert_eq!(spacing.plane, SpacingPlane::Patient);
+/// ```
+#[must_use]
+pub fn judge_spacing(evidence: &SpacingEvidence) -> SpacingJudgement {
+    let mut remarks = Vec::new();
+    let pixel = usable("Pixel Spacing", evidence.pixel_mm, &mut remarks);
+    let imager = usable("Imager Pixel Spacing", evidence.imager_mm, &mut remarks);
+    let scanned = usable("Nominal Scanned Pixel Spacing", evidence.scanned_mm, &mut remarks);
+    let magnification = magnification(evidence, &mut remarks);
+    let spacing = if let Some((pixel, calibration)) = pixel.zip(evidence.calibration) {
+        let source = match calibration {
+            CalibrationType::Fiducial => SpacingSource::Fiducial,
+            CalibrationType::Geometry => SpacingSource::Geometry,
+        };
+        compare_with_imager(pixel, imager, magnification, &mut remarks);
+        Some((pixel, SpacingPlane::Patient, source))
+    } else if let Some((imager, (factor, source))) = imager.zip(magnification) {
+        Some((imager.map(|mm| mm / factor), SpacingPlane::Patient, source))
+    } else if let Some((pixel, imager)) = pixel.zip(imager) {
+        if agree(pixel[0], imager[0]) && agree(pixel[1], imager[1]) {
+            remarks.push(SpacingRemark::DetectorPlane);
+            Some((imager, SpacingPlane::Detector, SpacingSource::Imager))
+        } else {
+            let magnification = imager[1] / pixel[1];
+            remarks.push(SpacingRemark::CorrectionNotStated { magnification });
+            Some((pixel, SpacingPlane::Unknown, SpacingSource::Uncalibrated))
+        }
+    } else if let Some(imager) = imager {
+        remarks.push(SpacingRemark::DetectorPlane);
+        Some((imager, SpacingPlane::Detector, SpacingSource::Imager))
+    } else if let Some(pixel) = pixel {
+        remarks.push(SpacingRemark::PlaneNotStated);
+        Some((pixel, SpacingPlane::Unknown, SpacingSource::PixelSpacing))
+    } else if let Some(scanned) = scanned {
+        remarks.push(SpacingRemark::ScannedFilm);
+        Some((scanned, SpacingPlane::Unknown, SpacingSource::Scanned))
+    } else {
+        remarks.push(SpacingRemark::None);
+        None
+    };
+    let spacing = spacing.map(|([row_mm, column_mm], plane, source)| Spacing {
+        column_mm,
+        row_mm,
+        plane,
+        source,
+        relative_sd: None,
+    });
+    if let Some(spacing) = spacing.filter(|s| !agree(s.row_mm, s.column_mm)) {
+        remarks.push(SpacingRemark::NotSquare { aspect: spacing.row_mm / spacing.column_mm });
+    }
+    SpacingJudgement { spacing, remarks }
+}
+
+fn agree(a: f64, b: f64) -> bool {
+    (a / b - 1.0).abs() <= AGREEMENT
+}
+
+fn usable(
+    attribute: &'static str,
+    stated: Option<[f64; 2]>,
+    remarks: &mut Vec<SpacingRemark>,
+) -> Option<[f64; 2]> {
+    let values = stated?;
+    if values.into_iter().all(is_spacing) {
+        return Some(values);
+    }
+    remarks.push(SpacingRemark::Unusable { attribute, values });
+    None
+}
+
+/// The magnification to take out, where it is stated or follows from the distances, and nothing contradicts it.
+fn magnification(
+    evidence: &SpacingEvidence,
+    remarks: &mut Vec<SpacingRemark>,
+) -> Option<(f64, SpacingSource)> {
+    let mut checked = |value: f64, stated: bool| {
+        let good = MAGNIFICATIONS.contains(&value);
+        if !good {
+            remarks.push(SpacingRemark::Magnification { value, stated });
+        }
+        good.then_some(value)
+    };
+    let stated = evidence.magnification.and_then(|value| checked(value, true));
+    let by_distances = evidence
+        .source_to_detector_mm
+        .zip(evidence.source_to_patient_mm)
+        // Devices write zero where they do not know.
+        .filter(|(detector, patient)| *detector > 0.0 && *patient > 0.0)
+        .and_then(|(detector, patient)| checked(detector / patient, false));
+    match (stated, by_distances) {
+        (Some(stated), Some(by_distances)) if (stated / by_distances - 1.0).abs() > 0.02 => {
+            remarks.push(SpacingRemark::MagnificationsDisagree { stated, by_distances });
+            None
+        }
+        (Some(stated), _) => Some((stated, SpacingSource::Magnification)),
+        (None, Some(by_distances)) => Some((by_distances, SpacingSource::Distances)),
+        (None, None) => None,
+    }
+}
+
+fn compare_with_imager(
+    pixel: [f64; 2],
+    imager: Option<[f64; 2]>,
+    magnification: Option<(f64, SpacingSource)>,
+    remarks: &mut Vec<SpacingRemark>,
+) {
+    let Some(imager) = imager else { return };
+    if let Some((factor, _)) = magnification {
+        let ratio = pixel[1] * factor / imager[1];
+        if (ratio - 1.0).abs() > 0.05 {
+            remarks.push(SpacingRemark::SpacingsDisagree { ratio });
+        }
+    } else if agree(pixel[0], imager[0]) && agree(pixel[1], imager[1]) {
+        remarks.push(SpacingRemark::CalibratedAsImager);
+    }
+}
+
+impl std::fmt::Display for SpacingRemark {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match *self {
+            Self::Unusable { attribute, values: [row, column] } => {
+                write!(f, "{attribute} is {row}\\{column} mm, which is no spacing; it is not used")
+            }
+            Self::Magnification { value, stated } => write!(
+                f,
+                "the magnification {} is {value:.3}, and should be 1 to 2; it is not used",
+                if stated { "stated" } else { "from the distances" }
+            ),
+            Self::MagnificationsDisagree { stated, by_distances } => write!(
+                f,
+                "the stated magnification {stated:.3} and the one from the distances {by_distances:.3} contradict one another; neither is used"
+            ),
+            Self::SpacingsDisagree { ratio } => write!(
+                f,
+                "the calibrated Pixel Spacing is {ratio:.3} times what Imager Pixel Spacing and magnification give; the calibrated one is used"
+            ),
+            Self::CalibratedAsImager => f.write_str(
+                "Pixel Spacing claims to be calibrated and equals Imager Pixel Spacing: nothing was taken out",
+            ),
+            Self::CorrectionNotStated { magnification } => write!(
+                f,
+                "Pixel Spacing is Imager Pixel Spacing over {magnification:.3}, and nothing says why"
+            ),
+            Self::PlaneNotStated => f.write_str(
+                "Pixel Spacing has no calibration type: its millimetres may be the detector's or the patient's",
+            ),
+            Self::DetectorPlane => f.write_str(
+                "lengths are the detector's: larger than the patient's by a magnification that is not stated (usually 5 to 15 %)",
+            ),
+            Self::ScannedFilm => f.write_str("lengths are those of the film that was scanned, not the patient's"),
+            Self::NotSquare { aspect } => {
+                write!(f, "pixels are not square: {aspect:.3} times as high as wide")
+            }
+            Self::None => f.write_str(
+                "there is no usable spacing: angles take pixels as square, and lengths are in pixels",
+            ),
+        }
+    }
+}

@@ -1,0 +1,235 @@
+use std::fmt;
+
+/// What a length of a film is measured in.
+///
+/// A film carries it from its file to the report: a length in the detector's plane is larger than life by the
+/// magnification of the set-up (5 to 15 % on long films), and a length in pixels is no length of the patient at all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SpacingPlane {
+    /// Millimetres in the patient: calibrated.
+    Patient,
+    /// Millimetres on the detector: larger than life by the magnification of the set-up.
+    Detector,
+    /// Millimetres of which nobody said where.
+    Unknown,
+    /// No millimetres: pixels, taken as square. Angles can be measured, lengths cannot.
+    Pixels,
+}
+
+impl SpacingPlane {
+    /// The unit of a length from such a film, in words.
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Patient => "mm (patient)",
+            Self::Detector => "mm (detector)",
+            Self::Unknown => "mm (plane not stated)",
+            Self::Pixels => "pixels (taken as square)",
+        }
+    }
+}
+
+/// How a film's spacing became known.
+///
+/// # References
+/// Attributes of DICOM PS3.3, C.7.6.3, C.8.1.2, C.8.11.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SpacingSource {
+    /// Stated by whoever made the case.
+    Stated,
+    /// Pixel Spacing calibrated to an object of known size in the picture (FIDUCIAL).
+    Fiducial,
+    /// Pixel Spacing corrected by a known geometry of the set-up (GEOMETRY).
+    Geometry,
+    /// Pixel Spacing that differs from the detector's, without a word on why.
+    Uncalibrated,
+    /// Pixel Spacing alone: it may be the detector's or the patient's.
+    PixelSpacing,
+    /// Imager Pixel Spacing divided by the Estimated Radiographic Magnification Factor.
+    Magnification,
+    /// Imager Pixel Spacing multiplied by the distances from source to patient and to detector.
+    Distances,
+    /// Imager Pixel Spacing: the detector's.
+    Imager,
+    /// Nominal Scanned Pixel Spacing of a digitised film: that film's surface.
+    Scanned,
+    /// A ball of known diameter in the picture.
+    Ball,
+    /// A ruler in the picture.
+    Ruler,
+}
+
+impl SpacingSource {
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Stated => "stated",
+            Self::Fiducial => "fiducial",
+            Self::Geometry => "geometry",
+            Self::Uncalibrated => "uncalibrated",
+            Self::PixelSpacing => "pixel_spacing",
+            Self::Magnification => "magnification",
+            Self::Distances => "distances",
+            Self::Imager => "imager",
+            Self::Scanned => "scanned",
+            Self::Ball => "ball",
+            Self::Ruler => "ruler",
+        }
+    }
+
+    /// Every source.
+    pub const ALL: [Self; 11] = [
+        Self::Stated,
+        Self::Fiducial,
+        Self::Geometry,
+        Self::Uncalibrated,
+        Self::PixelSpacing,
+        Self::Magnification,
+        Self::Distances,
+        Self::Imager,
+        Self::Scanned,
+        Self::Ball,
+        Self::Ruler,
+    ];
+}
+
+impl fmt::Display for SpacingSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Stated => "stated in the case",
+            Self::Fiducial => "calibrated to an object in the picture",
+            Self::Geometry => "calibrated by the geometry of the set-up",
+            Self::Uncalibrated => "Pixel Spacing corrected in a way not stated",
+            Self::PixelSpacing => "Pixel Spacing without calibration type",
+            Self::Magnification => "Imager Pixel Spacing by the estimated magnification",
+            Self::Distances => "Imager Pixel Spacing by the distances of the set-up",
+            Self::Imager => "Imager Pixel Spacing",
+            Self::Scanned => "Nominal Scanned Pixel Spacing",
+            Self::Ball => "a ball in the picture",
+            Self::Ruler => "a ruler in the picture",
+        })
+    }
+}
+
+/// Distances between neighbouring pixels, and where they come from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spacing {
+    /// Between neighbouring columns, so along a row.
+    pub column_mm: f64,
+    /// Between neighbouring rows, so down a column.
+    pub row_mm: f64,
+    /// Plane of these millimetres; never [`SpacingPlane::Pixels`].
+    pub plane: SpacingPlane,
+    /// Where they come from.
+    pub source: SpacingSource,
+    /// Standard deviation of the scale, as a part of it, where it is known. All lengths of the film are wrong by the same
+    /// factor; its angles are not.
+    pub relative_sd: Option<f64>,
+}
+
+impl Spacing {
+    /// A spacing that whoever made the case stated.
+    #[must_use]
+    pub const fn stated(column_mm: f64, row_mm: f64, plane: SpacingPlane) -> Self {
+        Self { column_mm, row_mm, plane, source: SpacingSource::Stated, relative_sd: None }
+    }
+
+    /// Whether both distances can be meant: some real films carry a spacing of zero.
+    #[must_use]
+    pub fn is_plausible(&self) -> bool {
+        [self.column_mm, self.row_mm].into_iter().all(is_spacing)
+    }
+}
+
+/// A distance between pixels that can be meant: positive, finite, and not the `0.000` that some devices write.
+pub(crate) fn is_spacing(mm: f64) -> bool {
+    mm.is_finite() && mm > LEAST_SPACING_MM
+}
+
+/// No detector has finer pixels.
+pub(crate) const LEAST_SPACING_MM: f64 = 1e-4;
+
+/// The unit of a measured film: what its millimetres are, and how sure their size is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LengthScale {
+    /// Plane of the lengths.
+    pub plane: SpacingPlane,
+    /// Where the scale comes from; `None` for pixels.
+    pub source: Option<SpacingSource>,
+    /// Standard deviation of the scale, as a part of it.
+    pub relative_sd: Option<f64>,
+    /// For a film in pixels: how many of them one internal millimetre holds. Such a film is computed with as if its
+    /// spine had the typical length, which no angle depends on, and no length of it is shown in millimetres.
+    pub pixels_per_mm: Option<f64>,
+}
+
+impl LengthScale {
+    /// The scale of a spacing.
+    #[must_use]
+    pub const fn of(spacing: &Spacing) -> Self {
+        Self {
+            plane: spacing.plane,
+            source: Some(spacing.source),
+            relative_sd: spacing.relative_sd,
+            pixels_per_mm: None,
+        }
+    }
+
+    /// A scale that was stated by another program.
+    #[must_use]
+    pub const fn stated(plane: SpacingPlane) -> Self {
+        Self { plane, source: Some(SpacingSource::Stated), relative_sd: None, pixels_per_mm: None }
+    }
+
+    /// A length as millimetres, where it has any.
+    #[must_use]
+    pub fn mm(&self, length_mm: f64) -> Option<f64> {
+        self.pixels_per_mm.is_none().then_some(length_mm)
+    }
+
+    /// A length as pixels, where it has no millimetres.
+    #[must_use]
+    pub fn px(&self, length_mm: f64) -> Option<f64> {
+        self.pixels_per_mm.map(|factor| factor * length_mm)
+    }
+
+    /// What the scale alone makes unsure of a length.
+    #[must_use]
+    pub fn sd_mm(&self, length_mm: f64) -> Option<f64> {
+        self.relative_sd.map(|sd| sd * length_mm.abs())
+    }
+
+    /// A length in words: `371 mm`, `371 ± 4 mm` or `2840 px`.
+    ///
+    /// ```
+    /// use spineline::measure::{LengthScale, Spacing, SpacingPlane};
+    /// let mut spacing = Spacing::stated(0.14, 0.14, SpacingPlane::Patient);
+    /// assert_eq!(LengthScale::of(&spacing).text(371.4, 0), "371 mm");
+    /// spacing.relative_sd = Some(0.01);
+    /// assert_eq!(LengthScale::of(&spacing).text(371.4, 0), "371 ± 4 mm");
+    /// ```
+    #[must_use]
+    pub fn text(&self, length_mm: f64, places: usize) -> String {
+        if let Some(px) = self.px(length_mm) {
+            return format!("{px:.0} px");
+        }
+        match self.sd_mm(length_mm) {
+            Some(sd) => format!("{length_mm:.places$} ± {sd:.places$} mm"),
+            None => format!("{length_mm:.places$} mm"),
+        }
+    }
+}
+
+impl fmt::Display for LengthScale {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.plane.unit())?;
+        if let Some(source) = self.source.filter(|&source| source != SpacingSource::Stated) {
+            write!(f, ", {source}")?;
+        }
+        match self.relative_sd {
+            Some(sd) => write!(f, ", scale ± {:.1} %", 100.0 * sd),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! What a film's file says about how the patient is seen, weighed; what is absent or contradicts itself is asked about.
+
+use std::fmt;
+
+use crate::anatomy::{ImageSide, Posture};
+
+/// A direction in the patient, as Patient Orientation (0020,0020) names it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Direction {
+    Left,
+    Right,
+    Anterior,
+    Posterior,
+    Head,
+    Foot,
+}
+
+impl Direction {
+    /// The direction of a value of Patient Orientation: its first letter leads, as in `L`, `LF` or `PR`.
+    #[must_use]
+    pub fn from_dicom(value: &str) -> Option<Self> {
+        Some(match value.trim().chars().next()? {
+            'L' => Self::Left,
+            'R' => Self::Right,
+            'A' => Self::Anterior,
+            'P' => Self::Posterior,
+            'H' => Self::Head,
+            'F' => Self::Foot,
+            _ => return None,
+        })
+    }
+}
+
+/// View Position (0018,5101), as far as it matters here.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ViewPosition {
+    /// From the front to the back, or the reverse: `AP`, `PA`.
+    Frontal,
+    /// From side to side: `LL`, `RL`, `LATERAL` and the like.
+    Lateral,
+    /// Anything else.
+    Other,
+}
+
+impl ViewPosition {
+    /// The view of a value of the attribute, or of a View Code's meaning.
+    #[must_use]
+    pub fn from_dicom(value: &str) -> Self {
+        let value = value.trim().to_ascii_uppercase();
+        match value.as_str() {
+            "AP" | "PA" => Self::Frontal,
+            "LL" | "RL" | "LAT" | "LLD" | "RLD" => Self::Lateral,
+            _ if value.contains("LATERAL") && !value.contains("ANTERO") => Self::Lateral,
+            _ if value.contains("ANTERO-POSTERIOR") || value.contains("POSTERO-ANTERIOR") => {
+                Self::Frontal
+            }
+            _ => Self::Other,
+        }
+    }
+}
+
+/// How the patient is to gravity: Patient Orientation Code (0054,0410).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Stance {
+    Erect,
+    Recumbent,
+}
+
+/// The attributes of a radiograph that speak of its view.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ViewEvidence {
+    /// Patient Orientation: where the columns and the rows run to. The first value is the direction of increasing
+    /// columns, the second that of increasing rows.
+    pub orientation: Option<[Direction; 2]>,
+    /// View Position.
+    pub view_position: Option<ViewPosition>,
+    /// Patient Orientation Code.
+    pub stance: Option<Stance>,
+}
+
+/// From where the patient is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum View {
+    /// From the front or the back.
+    Frontal,
+    /// From a side: good for the sagittal profile only.
+    Lateral,
+}
+
+/// What has to be asked about a film.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ViewQuestion {
+    /// Nothing says whether the view is frontal or lateral.
+    View,
+    /// Patient Orientation and View Position name different views.
+    ViewsDisagree,
+    /// Nothing says on which side of the picture the patient's left is.
+    PatientLeft,
+    /// Nothing says on which side of a lateral picture the front is.
+    PatientAnterior,
+    /// Rows do not run to the feet: the film hangs upside down, or on its side.
+    NotUpright {
+        /// Where they run to.
+        rows: Direction,
+    },
+    /// The stance of the file does not fit the posture that the film was given.
+    Stance {
+        /// As the file says.
+        stance: Stance,
+        /// As the film was called.
+        posture: Posture,
+    },
+}
+
+impl fmt::Display for ViewQuestion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::View => {
+                f.write_str("the file does not say whether this is a frontal or a lateral view")
+            }
+            Self::ViewsDisagree => {
+                f.write_str("Patient Orientation and View Position name different views")
+            }
+            Self::PatientLeft => f.write_str(
+                "the file does not say on which side of the picture the patient's left is",
+            ),
+            Self::PatientAnterior => f.write_str(
+                "the file does not say on which side of the picture the patient's front is",
+            ),
+            Self::NotUpright { rows } => {
+                write!(
+                    f,
+                    "down the picture is towards {rows:?} of the patient, and should be towards the feet"
+                )
+            }
+            Self::Stance { stance, posture } => {
+                let stance = if *stance == Stance::Erect { "erect" } else { "recumbent" };
+                write!(
+                    f,
+                    "the file says that the patient was {stance}, and the film is called {posture}"
+                )
+            }
+        }
+    }
+}
+
+/// What a file supports, and what has to be asked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ViewJudgement {
+    /// The view; `None` where nothing or contradicting things are said.
+    pub view: Option<View>,
+    /// The side of a frontal picture on which the patient's left is.
+    pub patient_left: Option<ImageSide>,
+    /// The side of a lateral picture on which the patient's front is.
+    pub patient_anterior: Option<ImageSide>,
+    /// Absences and contradictions.
+    pub questions: Vec<ViewQuestion>,
+}
+
+/// Weighs what a file says about its view.
+///
+/// View Position alone never tells the side: it says how the beam went, not how the picture hangs.
+///
+/// # References
+/// DICOM PS3.3, C.7.6.1.1.1 (Patient Orientation), C.8.4.1 and C.8.11.5 (View Position, Patient Orientation Code).
+///
+/// ```
+/// use spineline::anatomy::ImageSide;
+/// use spineline::measure::{Direction, View, ViewEvidence, judge_view};
+/// let evidence = ViewEvidence {
+///     orientation: Some([Direction::Left, Direction::Foot]), ..Default::default()
+/// };
+/// let judgement = judge_view(&evidence, None);
+/// assert_eq!(judgement.view, Some(View::Frontal));
+/// assert_eq!(judgement.patient_left, Some(ImageSide::Right));
+/// assert!(judgement.questions.is_empty());
+/// ```
+#[must_use]
+pub fn judge_view(evidence: &ViewEvidence, posture: Option<Posture>) -> ViewJudgement {
+    let mut questions = Vec::new();
+    let columns = evidence.orientation.map(|[columns, _]| columns);
+    let by_orientation = columns.and_then(|columns| match columns {
+        Direction::Left | Direction::Right => Some(View::Frontal),
+        Direction::Anterior | Direction::Posterior => Some(View::Lateral),
+        Direction::Head | Direction::Foot => None,
+    });
+    let by_position = evidence.view_position.and_then(|position| match position {
+        ViewPosition::Frontal => Some(View::Frontal),
+        ViewPosition::Lateral => Some(View::Lateral),
+        ViewPosition::Other => None,
+    });
+    let view = match (by_orientation, by_position) {
+        (Some(a), Some(b)) if a != b => {
+            questions.push(ViewQuestion::ViewsDisagree);
+            None
+        }
+        (a, b) => a.or(b),
+    };
+    let rows = evidence.orientation.map(|[_, rows]| rows).filter(|&rows| rows != Direction::Foot);
+    if let Some(rows) = rows {
+        questions.push(ViewQuestion::NotUpright { rows });
+    }
+    let side = |far: Direction, near: Direction| match columns {
+        // A film that does not hang upright says nothing for an upright one.
+        _ if rows.is_some() => None,
+        Some(direction) if direction == far => Some(ImageSide::Right),
+        Some(direction) if direction == near => Some(ImageSide::Left),
+        _ => None,
+    };
+    let frontal = view == Some(View::Frontal);
+    let lateral = view == Some(View::Lateral);
+    let patient_left = side(Direction::Left, Direction::Right).filter(|_| frontal);
+    let patient_anterior = side(Direction::Anterior, Direction::Posterior).filter(|_| lateral);
+    if view.is_none() && !questions.contains(&ViewQuestion::ViewsDisagree) {
+        questions.push(ViewQuestion::View);
+    }
+    if !lateral && patient_left.is_none() {
+        questions.push(ViewQuestion::PatientLeft);
+    }
+    if lateral && patient_anterior.is_none() {
+        questions.push(ViewQuestion::PatientAnterior);
+    }
+    if let Some((stance, posture)) = evidence.stance.zip(posture) {
+        let fits = match posture {
+            Posture::Erect => stance == Stance::Erect,
+            // Bends and traction are taken lying as in the paper, or standing and hanging.
+            Posture::LeftBending | Posture::RightBending | Posture::Traction => true,
+            Posture::Neutral => stance == Stance::Recumbent,
+        };
+        if !fits {
+            questions.push(ViewQuestion::Stance { stance, posture });
+        }
+    }
+    ViewJudgement { view, patient_left, patient_anterior, questions }
+}
