@@ -9,6 +9,7 @@ use crate::analyze::{analyze_file, case_files};
 use crate::args::CheckArgs;
 use crate::failure::{Ending, Failure};
 use crate::print;
+use crate::report::fit_text;
 use crate::table::{Table, wrap};
 
 pub fn run(args: &CheckArgs) -> Result<Ending, Failure> {
@@ -34,9 +35,9 @@ fn text(path: &Path, analysis: &Analysis) -> String {
     let mut table = Table::new([
         "Film",
         "readings",
-        "L4-T2 (mm)",
+        "L4-T2",
         "leans",
-        "location sd (mm)",
+        "location sd",
         "tilt sd (°)",
         "iliac crests",
         "lengths",
@@ -47,9 +48,9 @@ fn text(path: &Path, analysis: &Analysis) -> String {
         table.row(vec![
             outline.posture.to_string(),
             outline.readings.to_string(),
-            format!("{:.0}", outline.polygon_mm()),
+            outline.scale.text(outline.polygon_mm(), 0),
             outline.amplitude().leaning(),
-            format!("{:.2}{assumed}", outline.noise.location_mm),
+            format!("{}{assumed}", fit_text(&outline.scale, outline.noise.location_mm)),
             format!("{:.2}{assumed}", outline.noise.tilt.deg()),
             if outline.iliac_normal.is_some() { "marked" } else { "none" }.to_owned(),
             outline.scale.to_string(),

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use spineline::analysis::{Analysis, LineModel};
+use spineline::measure::LengthScale;
 use spineline::personalize::{FitStatus, Gauge, StiffnessBound};
 
 use crate::table::{Table, wrap};
@@ -49,12 +50,15 @@ pub fn warnings(analysis: &Analysis) -> String {
 
 fn curve_text(analysis: &Analysis) -> String {
     let mut text = String::new();
+    let scale = analysis.scale();
     let places: Vec<String> = analysis
         .inflections
         .pair
         .iter()
         .flatten()
-        .map(|i| format!("{}/{} ({:.0} mm above L4)", i.between.0, i.between.1, i.erect.z_mm))
+        .map(|i| {
+            format!("{}/{} ({} above L4)", i.between.0, i.between.1, scale.text(i.erect.z_mm, 0))
+        })
         .collect();
     let lobes: Vec<String> = analysis.inflections.lobes.iter().map(|l| l.turn.leaning()).collect();
     let _ = writeln!(text, "Erect curve turns {}", lobes.join(", "));
@@ -62,7 +66,11 @@ fn curve_text(analysis: &Analysis) -> String {
         let _ = writeln!(text, "Inflections at {}", places.join(" and "));
     }
     let chain = &analysis.chain;
-    let _ = writeln!(text, "Chain of {} segments of {:.4} mm\n", chain.segments, chain.segment_mm);
+    let segment = scale.mm(chain.segment_mm).map_or_else(
+        || format!("{:.3} px", scale.px(chain.segment_mm).unwrap_or_default()),
+        |_| scale.text(chain.segment_mm, 4),
+    );
+    let _ = writeln!(text, "Chain of {} segments of {segment}\n", chain.segments);
     text
 }
 
@@ -101,7 +109,7 @@ fn motion_text(analysis: &Analysis) -> String {
         "Posture",
         "L4-T2 leans",
         "curve order",
-        "fit (mm)",
+        "fit",
         "fit (°)",
         "mean rotation (°)",
         "inflection to least rotating (segments)",
@@ -114,13 +122,21 @@ fn motion_text(analysis: &Analysis) -> String {
             p.outline.posture.to_string(),
             p.outline.amplitude().leaning(),
             p.fit.order.to_string(),
-            format!("{:.2}", p.fit.rmse_mm),
+            fit_text(&p.outline.scale, p.fit.rmse_mm),
             format!("{:.2}", p.fit.rmse_tilt.deg()),
             p.mean_rotation().map_or_else(String::new, |r| format!("{:.4}", r.deg())),
             distances.unwrap_or_default(),
         ]);
     }
     format!("{}\n", table.text())
+}
+
+/// A residual: the scale's own uncertainty says nothing of it.
+pub fn fit_text(scale: &LengthScale, rmse_mm: f64) -> String {
+    match scale.px(rmse_mm) {
+        Some(px) => format!("{px:.1} px"),
+        None => format!("{rmse_mm:.2} mm"),
+    }
 }
 
 fn models_text(analysis: &Analysis) -> String {

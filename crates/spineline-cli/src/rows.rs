@@ -5,6 +5,7 @@ use spineline::action::LineKind;
 use spineline::analysis::Analysis;
 use spineline::anatomy::Level;
 use spineline::evaluate::Simulation;
+use spineline::measure::LengthScale;
 
 use crate::failure::Failure;
 
@@ -18,6 +19,11 @@ pub fn finish(writer: Writer<Vec<u8>>) -> Result<String, Failure> {
     String::from_utf8(bytes).map_err(|e| failed(&e))
 }
 
+/// A length in millimetres; nothing for a film without a spacing.
+fn length(scale: &LengthScale, length_mm: f64, places: usize) -> String {
+    scale.mm(length_mm).map_or_else(String::new, |mm| format!("{mm:.places$}"))
+}
+
 /// One row per patient, posture and segment: the Denavit-Hartenberg table of the chain, and where its joints lie.
 pub fn chain_text(analyses: &[Analysis]) -> Result<String, Failure> {
     let mut writer = Writer::from_writer(Vec::new());
@@ -25,6 +31,7 @@ pub fn chain_text(analyses: &[Analysis]) -> Result<String, Failure> {
         "case_id",
         "synthetic",
         "posture",
+        "lengths",
         "segment",
         "a_mm",
         "alpha_deg",
@@ -37,18 +44,20 @@ pub fn chain_text(analyses: &[Analysis]) -> Result<String, Failure> {
     for analysis in analyses {
         for posture in &analysis.postures {
             let table = posture.pose.to_denavit_hartenberg(&analysis.chain);
+            let scale = &posture.outline.scale;
             for (segment, (row, joint)) in table.iter().zip(&posture.pose.joints).enumerate() {
                 let cells = [
                     analysis.case_id.clone(),
                     analysis.synthetic.to_string(),
                     posture.outline.posture.key().to_owned(),
+                    scale.plane.key().to_owned(),
                     segment.to_string(),
-                    format!("{:.9}", row.a_mm),
+                    length(scale, row.a_mm, 9),
                     format!("{}", row.alpha.deg()),
-                    format!("{}", row.d_mm),
+                    length(scale, row.d_mm, 0),
                     format!("{:.9}", row.theta.deg()),
-                    format!("{:.6}", joint.y_mm),
-                    format!("{:.6}", joint.z_mm),
+                    length(scale, joint.y_mm, 6),
+                    length(scale, joint.z_mm, 6),
                 ];
                 writer.write_record(&cells).map_err(|e| failed(&e))?;
             }
@@ -64,6 +73,7 @@ pub fn csv_text(analyses: &[Analysis]) -> Result<String, Failure> {
         "case_id",
         "synthetic",
         "posture",
+        "lengths",
         "level",
         "measured_y_mm",
         "measured_z_mm",
@@ -90,9 +100,10 @@ pub fn csv_text(analyses: &[Analysis]) -> Result<String, Failure> {
                     analysis.case_id.clone(),
                     analysis.synthetic.to_string(),
                     posture.outline.posture.key().to_owned(),
+                    posture.outline.scale.plane.key().to_owned(),
                     level.to_string(),
-                    format!("{:.4}", vertebra.location.y_mm),
-                    format!("{:.4}", vertebra.location.z_mm),
+                    length(&posture.outline.scale, vertebra.location.y_mm, 4),
+                    length(&posture.outline.scale, vertebra.location.z_mm, 4),
                     format!("{:.4}", vertebra.tilt.deg()),
                 ];
                 if simulated.is_empty() {

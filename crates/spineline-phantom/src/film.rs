@@ -35,6 +35,7 @@ pub(crate) fn photograph(
             lenke: Some(row.lenke.to_owned()),
         },
         films,
+        lateral: None,
     }
 }
 

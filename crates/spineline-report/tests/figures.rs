@@ -46,8 +46,13 @@ fn analysis(synthetic: bool, postures: &[Posture]) -> Analysis {
         Posture::Traction => film(posture, 0.6, -0.1),
     };
     let films = postures.iter().map(make).collect();
-    let case =
-        Case { id: "test <1> & co".to_owned(), synthetic, subject: Subject::default(), films };
+    let case = Case {
+        id: "test <1> & co".to_owned(),
+        synthetic,
+        subject: Subject::default(),
+        films,
+        lateral: None,
+    };
     analyze(&case, &AnalysisOptions::default()).expect("the case is sound")
 }
 

@@ -11,6 +11,7 @@ use spineline::analysis::{Analysis, Grouping};
 use spineline::anatomy::{Level, Posture};
 use spineline::clinical::ClinicalCurve;
 use spineline::curve::OrderRule;
+use spineline::measure::LengthScale;
 use spineline::multibody::Support;
 use spineline::personalize::FitTarget;
 use spineline::spatial::{Angle, Frontal};
@@ -31,7 +32,8 @@ pub struct AnalysisFile {
     case_id: String,
     /// Whether the films are made up: then every number here is.
     synthetic: bool,
-    /// What the millimetres are: in the patient, on the detector, or not stated.
+    /// What the lengths of the erect film, of its chain and curves are: mm in the patient, on the detector or not stated
+    /// where, or pixels.
     length_unit: String,
     options: OptionsRecord,
     chain: ChainRecord,
@@ -40,6 +42,8 @@ pub struct AnalysisFile {
     /// Stretches of the erect curve that turn to one side, caudal first.
     lobes: Vec<LobeRecord>,
     clinical: ClinicalRecord,
+    /// Where the spine's sagittal profile comes from: `measured` on the lateral film, or a `population`'s.
+    sagittal_profile: String,
     postures: BTreeMap<PostureKey, PostureRecord>,
     /// One model per line of action: `inflection_line`, `iliac_line`, `estimated_line`, `given_line`.
     models: BTreeMap<String, ModelRecord>,
@@ -63,8 +67,10 @@ struct OptionsRecord {
 struct ChainRecord {
     /// Number of segments on the erect curve: the paper's n.
     segments: usize,
-    /// Length of a link: the paper's l.
-    segment_mm: f64,
+    /// Length of a link: the paper's l; absent where films have no spacing.
+    segment_mm: Option<f64>,
+    /// What the scale of the erect film alone makes unsure of it, as one standard deviation.
+    segment_scale_sd_mm: Option<f64>,
     /// Segments by which the postures differ in sum.
     difference: u32,
 }
@@ -75,7 +81,10 @@ struct InflectionRecord {
     segment: usize,
     /// Vertebrae between which it lies, caudal first.
     between: [LevelKey; 2],
-    erect_mm: [f64; 2],
+    /// Absent where the erect film has no spacing.
+    erect_mm: Option<[f64; 2]>,
+    /// In pixels, where it has none.
+    erect_px: Option<[f64; 2]>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -100,7 +109,12 @@ struct ClinicalCurveRecord {
     convex: Option<String>,
     cobb_deg: BTreeMap<PostureKey, f64>,
     ferguson_deg: BTreeMap<PostureKey, f64>,
-    apical_translation_mm: f64,
+    /// Absent where the erect film has no spacing.
+    apical_translation_mm: Option<f64>,
+    /// What the scale of the erect film alone makes unsure of it, as one standard deviation.
+    apical_translation_scale_sd_mm: Option<f64>,
+    /// In pixels, where it has none.
+    apical_translation_px: Option<f64>,
     /// Part of the erect Cobb angle that the bend to the convex side takes away.
     flexibility: Option<f64>,
 }
@@ -118,17 +132,19 @@ impl AnalysisFile {
     /// The file of an analysis.
     #[must_use]
     pub fn new(analysis: &Analysis, generator: &str) -> Self {
+        let scale = analysis.scale();
         Self {
             format: "spineline-analysis".to_owned(),
             version: 1,
             generator: generator.to_owned(),
             case_id: analysis.case_id.clone(),
             synthetic: analysis.synthetic,
-            length_unit: analysis.erect().outline.scale.plane.unit().to_owned(),
+            length_unit: scale.plane.unit().to_owned(),
             options: options(analysis),
             chain: ChainRecord {
                 segments: analysis.chain.segments,
-                segment_mm: analysis.chain.segment_mm,
+                segment_mm: scale.mm(analysis.chain.segment_mm),
+                segment_scale_sd_mm: scale.sd_mm(analysis.chain.segment_mm),
                 difference: analysis.chain.difference,
             },
             inflections: inflections(analysis),
@@ -140,12 +156,14 @@ impl AnalysisFile {
                 .collect(),
             clinical: ClinicalRecord {
                 lenke_type: analysis.lenke.map(|lenke| lenke.number),
-                curves: analysis.clinical.iter().map(clinical_curve).collect(),
+                curves: analysis.clinical.iter().map(|c| clinical_curve(c, scale)).collect(),
             },
+            sagittal_profile: if analysis.lateral_measured { "measured" } else { "population" }
+                .to_owned(),
             postures: analysis
                 .postures
                 .iter()
-                .map(|p| (p.outline.posture.into(), PostureRecord::new(p)))
+                .map(|p| (p.outline.posture.into(), PostureRecord::new(p, scale)))
                 .collect(),
             models: analysis
                 .models
@@ -198,6 +216,7 @@ fn options(analysis: &Analysis) -> OptionsRecord {
 }
 
 fn inflections(analysis: &Analysis) -> Vec<InflectionRecord> {
+    let scale = analysis.scale();
     let pairs = analysis
         .inflections
         .pair
@@ -208,12 +227,13 @@ fn inflections(analysis: &Analysis) -> Vec<InflectionRecord> {
         .map(|(inflection, &segment)| InflectionRecord {
             segment,
             between: [LevelKey(inflection.between.0), LevelKey(inflection.between.1)],
-            erect_mm: point(inflection.erect),
+            erect_mm: point_mm(scale, inflection.erect),
+            erect_px: point_px(scale, inflection.erect),
         })
         .collect()
 }
 
-fn clinical_curve(curve: &ClinicalCurve) -> (String, ClinicalCurveRecord) {
+fn clinical_curve(curve: &ClinicalCurve, scale: &LengthScale) -> (String, ClinicalCurveRecord) {
     let angles = |all: &[(Posture, Angle)]| {
         all.iter().map(|(posture, angle)| ((*posture).into(), angle.deg())).collect()
     };
@@ -223,7 +243,9 @@ fn clinical_curve(curve: &ClinicalCurve) -> (String, ClinicalCurveRecord) {
         convex: curve.convex.map(|side| side.to_string()),
         cobb_deg: angles(&curve.cobb),
         ferguson_deg: angles(&curve.ferguson),
-        apical_translation_mm: curve.apical_translation_mm,
+        apical_translation_mm: scale.mm(curve.apical_translation_mm),
+        apical_translation_scale_sd_mm: scale.sd_mm(curve.apical_translation_mm),
+        apical_translation_px: scale.px(curve.apical_translation_mm),
         flexibility: curve.flexibility,
     };
     (curve.region.key().to_owned(), record)
@@ -231,6 +253,16 @@ fn clinical_curve(curve: &ClinicalCurve) -> (String, ClinicalCurveRecord) {
 
 fn point(p: Frontal) -> [f64; 2] {
     [p.y_mm, p.z_mm]
+}
+
+/// A point of a film that has a spacing.
+fn point_mm(scale: &LengthScale, p: Frontal) -> Option<[f64; 2]> {
+    Some([scale.mm(p.y_mm)?, scale.mm(p.z_mm)?])
+}
+
+/// A point of a film that has none, in pixels.
+fn point_px(scale: &LengthScale, p: Frontal) -> Option<[f64; 2]> {
+    Some([scale.px(p.y_mm)?, scale.px(p.z_mm)?])
 }
 
 fn by_level<T>(values: impl Iterator<Item = T>, levels: &[Level]) -> BTreeMap<LevelKey, T> {

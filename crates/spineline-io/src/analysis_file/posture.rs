@@ -5,20 +5,25 @@ use serde::{Deserialize, Serialize};
 use spineline::analysis::PostureAnalysis;
 use spineline::anatomy::Level;
 use spineline::curve::CurveForm;
+use spineline::measure::LengthScale;
 use spineline::motion::Estimate;
-use spineline::spatial::Angle;
+use spineline::spatial::{Angle, Frontal};
 
-use super::{by_level, point};
-use crate::keys::LevelKey;
+use super::{by_level, point_mm, point_px};
+use crate::keys::{LevelKey, SourceKey};
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(super) struct PostureRecord {
+    lengths: LengthsRecord,
     curve: CurveRecord,
     /// Segments of the chain on this curve: the paper's n_i.
     segments: usize,
     /// Length of the curve above the last joint.
-    leftover_mm: f64,
-    locations_mm: BTreeMap<LevelKey, [f64; 2]>,
+    leftover_mm: Option<f64>,
+    /// Absent where the film has no spacing.
+    locations_mm: Option<BTreeMap<LevelKey, [f64; 2]>>,
+    /// From L4's midpoint in the same directions, where the film has no spacing.
+    locations_px: Option<BTreeMap<LevelKey, [f64; 2]>>,
     tilts_deg: BTreeMap<LevelKey, f64>,
     /// Lean of the line L4→T2 against the normal of the iliac line, or L4's axis.
     amplitude_deg: f64,
@@ -27,6 +32,8 @@ pub(super) struct PostureRecord {
     mean_rotation_deg: Option<f64>,
     /// Where the two inflection segments lie.
     inflection_mm: Option<[[f64; 2]; 2]>,
+    /// The same in pixels, where the film has no spacing.
+    inflection_px: Option<[[f64; 2]; 2]>,
     /// The inflection segments against the least-rotating ones, caudal first.
     inflection_estimates: Option<[EstimateRecord; 2]>,
     /// MMS_Mean against the least-rotating ones.
@@ -35,12 +42,27 @@ pub(super) struct PostureRecord {
     line_comparison: Option<LineComparisonRecord>,
 }
 
+/// What the lengths of a film are. A wrong scale makes all of them wrong by the same factor, and no angle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct LengthsRecord {
+    /// `patient`, `detector`, `unknown` (millimetres of which nobody said where) or `pixels`.
+    plane: String,
+    /// How the spacing became known.
+    source: Option<SourceKey>,
+    /// Standard deviation of the scale, as a part of it.
+    relative_sd: Option<f64>,
+    /// Length of the line through the midpoints L4 to T2, and what the scale alone makes unsure of it.
+    spine_mm: Option<f64>,
+    spine_scale_sd_mm: Option<f64>,
+}
+
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct CurveRecord {
     order: usize,
     /// `graph` (y of z) or `parametric`.
     form: String,
-    rmse_mm: f64,
+    rmse_mm: Option<f64>,
+    rmse_px: Option<f64>,
     rmse_deg: f64,
     /// Root mean square error on vertebrae left out of the fit, in standard deviations.
     left_out: f64,
@@ -49,7 +71,8 @@ struct CurveRecord {
 /// Standard deviation of a measured value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct NoiseRecord {
-    location_mm: f64,
+    location_mm: Option<f64>,
+    location_px: Option<f64>,
     tilt_deg: f64,
     /// From the spread of readings; else assumed for one careful reading.
     measured: bool,
@@ -60,7 +83,7 @@ struct EstimateRecord {
     segment: usize,
     least_segment: usize,
     distance_segments: usize,
-    distance_mm: f64,
+    distance_mm: Option<f64>,
     rotation_deg: f64,
 }
 
@@ -75,7 +98,18 @@ struct LineComparisonRecord {
 }
 
 impl PostureRecord {
-    pub fn new(p: &PostureAnalysis) -> Self {
+    /// The record of a posture; distances between segments are those on the erect film, in its scale.
+    pub fn new(p: &PostureAnalysis, erect: &LengthScale) -> Self {
+        let scale = &p.outline.scale;
+        let spine_mm = p.outline.polygon_mm();
+        let points = |convert: fn(&LengthScale, Frontal) -> Option<[f64; 2]>| {
+            let points: Option<Vec<_>> = p.outline.locations().map(|l| convert(scale, l)).collect();
+            points.map(|points| by_level(points.into_iter(), &Level::MODEL))
+        };
+        let inflections = |convert: fn(&LengthScale, Frontal) -> Option<[f64; 2]>| {
+            let [caudal, cranial] = p.inflection_points?;
+            Some([convert(scale, caudal)?, convert(scale, cranial)?])
+        };
         let vertebrae = &p.outline.vertebrae;
         let estimates = |all: Option<[Estimate; 2]>| {
             all.map(|pair| {
@@ -83,12 +117,19 @@ impl PostureRecord {
                     segment: e.segment,
                     least_segment: e.least,
                     distance_segments: e.distance_segments,
-                    distance_mm: e.distance_mm,
+                    distance_mm: erect.mm(e.distance_mm),
                     rotation_deg: e.rotation.deg(),
                 })
             })
         };
         Self {
+            lengths: LengthsRecord {
+                plane: scale.plane.key().to_owned(),
+                source: scale.source.map(SourceKey),
+                relative_sd: scale.relative_sd,
+                spine_mm: scale.mm(spine_mm),
+                spine_scale_sd_mm: scale.sd_mm(spine_mm),
+            },
             curve: CurveRecord {
                 order: p.fit.order,
                 form: match p.fit.curve.form() {
@@ -96,22 +137,26 @@ impl PostureRecord {
                     CurveForm::Parametric => "parametric",
                 }
                 .to_owned(),
-                rmse_mm: p.fit.rmse_mm,
+                rmse_mm: scale.mm(p.fit.rmse_mm),
+                rmse_px: scale.px(p.fit.rmse_mm),
                 rmse_deg: p.fit.rmse_tilt.deg(),
                 left_out: p.fit.left_out,
             },
             segments: p.pose.segments(),
-            leftover_mm: p.pose.leftover_mm,
-            locations_mm: by_level(vertebrae.iter().map(|v| point(v.location)), &Level::MODEL),
+            leftover_mm: scale.mm(p.pose.leftover_mm),
+            locations_mm: points(point_mm),
+            locations_px: points(point_px),
             tilts_deg: by_level(vertebrae.iter().map(|v| v.tilt.deg()), &Level::MODEL),
             amplitude_deg: p.outline.amplitude().deg(),
             noise: NoiseRecord {
-                location_mm: p.outline.noise.location_mm,
+                location_mm: scale.mm(p.outline.noise.location_mm),
+                location_px: scale.px(p.outline.noise.location_mm),
                 tilt_deg: p.outline.noise.tilt.deg(),
                 measured: p.outline.noise.measured,
             },
             mean_rotation_deg: p.mean_rotation().map(Angle::deg),
-            inflection_mm: p.inflection_points.map(|points| points.map(point)),
+            inflection_mm: inflections(point_mm),
+            inflection_px: inflections(point_px),
             inflection_estimates: estimates(p.inflection_estimates),
             mean_least_estimates: estimates(p.mean_least_estimates),
             line_comparison: p.line_comparison.map(|c| LineComparisonRecord {

@@ -73,6 +73,16 @@ impl Extent {
     }
 }
 
+impl Panel {
+    /// Takes the numbers from the axes of a film without a spacing: nobody knows its millimetres.
+    pub fn without_scale(&mut self) {
+        for (axis, label) in [(&mut self.x, "lateral"), (&mut self.y, "cranial of L4")] {
+            axis.label = format!("{label} (no scale)");
+            axis.ticks = Ticks::Blank;
+        }
+    }
+}
+
 /// An empty panel of an extent at a scale.
 pub fn frontal_panel(extent: Extent, px_per_mm: f64) -> Panel {
     let step = [20.0, 50.0, 100.0, 200.0].into_iter().find(|step| step * px_per_mm >= 46.0);

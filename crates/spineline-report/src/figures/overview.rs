@@ -2,6 +2,7 @@
 
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, PostureAnalysis};
+use spineline::measure::SpacingPlane;
 use spineline::spatial::Frontal;
 
 use super::frontal::{Extent, VIEW, drawn, frontal_panel};
@@ -38,6 +39,9 @@ pub fn case_overview(analysis: &Analysis) -> String {
     for (posture, extent) in analysis.postures.iter().zip(extents) {
         let mut panel = frontal_panel(extent, px_per_mm);
         panel.y_written = panels.is_empty();
+        if posture.outline.scale.plane == SpacingPlane::Pixels {
+            panel.without_scale();
+        }
         fill(&mut panel, analysis, posture);
         panels.push(panel);
     }

@@ -20,6 +20,8 @@ pub enum Ticks {
     Numbers,
     /// Distances to the patient's sides: the axis holds `-y`, so that the patient's left is on the left.
     Sides,
+    /// Nothing: the axis has no scale.
+    Blank,
     /// Nothing: names are written below by [`Panel::names`].
     None,
 }
@@ -50,7 +52,7 @@ impl Axis {
                 let side = if x < 0.0 { " L" } else { " R" };
                 format!("{:.places$}{}", x.abs(), if x == 0.0 { "" } else { side })
             })),
-            Ticks::None => TickFormat::Custom(Arc::new(|_| String::new())),
+            Ticks::Blank | Ticks::None => TickFormat::Custom(Arc::new(|_| String::new())),
         }
     }
 }

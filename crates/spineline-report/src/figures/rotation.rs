@@ -30,8 +30,8 @@ pub fn rotations(analysis: &Analysis) -> Option<String> {
     let [first, second] = LEAST_WINDOWS.map(|(low, high)| format!("{low}–{high}"));
     page.notes.push(format!(
         "From the erect to every other posture. Markers: the least-rotating segments of {first} and {second}. \
-         Segment length {:.3} mm.",
-        analysis.chain.segment_mm
+         Segment length {}.",
+        analysis.scale().text(analysis.chain.segment_mm, 3)
     ));
     if analysis.inflection_segments.is_none() {
         page.notes.push("The erect curve has no pair of inflections.".to_owned());

@@ -6,7 +6,7 @@ use crate::chain::{Chain, ChainPose};
 use crate::clinical::{ClinicalCurve, LenkeType, Regions, lenke_type, measure_curves};
 use crate::curve::{CurveFit, InflectionChoice, Inflections, find_inflections, fit_curve};
 use crate::error::Error;
-use crate::measure::{Film, Outline, measure_film};
+use crate::measure::{Film, LengthScale, Outline, measure_film};
 use crate::motion::{Estimate, Motion, least_windows, mean_least};
 use crate::multibody::SpineModel;
 use crate::personalize::estimate::LineComparison;
@@ -62,6 +62,8 @@ pub struct Analysis {
     pub lenke: Option<LenkeType>,
     /// The unloaded spine.
     pub spine: SpineModel,
+    /// Whether its sagittal profile was measured on a lateral film; else it is a population's.
+    pub lateral_measured: bool,
     /// One personalised model per line of action.
     pub models: Vec<LineModel>,
     /// Choices.
@@ -81,6 +83,12 @@ impl Analysis {
     #[must_use]
     pub fn erect(&self) -> &PostureAnalysis {
         &self.postures[0]
+    }
+
+    /// What the lengths of the chain, its inflections and the clinical curves are measured in: they are the erect film's.
+    #[must_use]
+    pub fn scale(&self) -> &LengthScale {
+        &self.erect().outline.scale
     }
 }
 
@@ -122,7 +130,13 @@ pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error
         .pair
         .map(|pair| pair.map(|inflection| poses[0].nearest_segment(inflection.erect)));
     // 6 the unloaded spine: rotations of joints on the films need it
-    let spine = SpineModel::from_outline(&outlines[0], &options.profile);
+    let profile = match &case.lateral {
+        Some(film) => film.measure_profile(&options.profile, &mut warnings)?,
+        None => None,
+    };
+    let lateral_measured = profile.is_some();
+    let profile = profile.unwrap_or_else(|| options.profile.clone());
+    let spine = SpineModel::from_outline(&outlines[0], &profile);
     // 4 motion
     let windows = least_windows(&fits[0], &poses[0]);
     let erect = (outlines[0].clone(), poses[0].clone());
@@ -165,6 +179,7 @@ pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error
         clinical,
         lenke,
         spine,
+        lateral_measured,
         models: Vec::new(),
         options: options.clone(),
         warnings,

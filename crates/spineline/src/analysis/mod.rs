@@ -11,7 +11,7 @@ pub use models::LineModel;
 pub use options::{AnalysisOptions, Grouping};
 pub use verdict::probability;
 
-use crate::measure::Film;
+use crate::measure::{Film, LateralFilm};
 
 /// Sex of a patient as far as it was recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,4 +44,6 @@ pub struct Case {
     pub subject: Subject,
     /// The films, one per posture, in any order.
     pub films: Vec<Film>,
+    /// A film from the side, for the sagittal profile.
+    pub lateral: Option<LateralFilm>,
 }

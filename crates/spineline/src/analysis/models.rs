@@ -4,6 +4,7 @@ use super::{Analysis, Grouping, PostureAnalysis};
 use crate::action::{Application, LineKind, LineOfAction};
 use crate::anatomy::{Level, Posture};
 use crate::evaluate::{Simulation, Target, simulate};
+use crate::measure::SpacingPlane;
 use crate::multibody::{
     ForceSign, JointGroups, Load, MatchStatus, Solution, Statics, StiffnessLibrary,
 };
@@ -118,6 +119,14 @@ impl Analysis {
 /// Fits one model per line of action and evaluates it on every film.
 pub(super) fn fit_models(analysis: &mut Analysis) {
     let mut warnings = std::mem::take(&mut analysis.warnings);
+    let without = analysis.postures.iter().find(|p| p.outline.scale.plane == SpacingPlane::Pixels);
+    if let Some(film) = without {
+        let text =
+            "a film without a spacing has no lengths to put a model on: angles are all it gives";
+        warnings.film(Step::Multibody, "no_scale", film.outline.posture, text);
+        analysis.warnings = warnings;
+        return;
+    }
     compare_lines(analysis);
     let bends = analysis.postures.iter().filter(|p| p.outline.posture.bend().is_some()).count();
     if bends == 0 {

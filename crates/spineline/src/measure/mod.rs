@@ -15,6 +15,7 @@ mod calibration;
 mod corners;
 mod evidence;
 mod film;
+mod lateral;
 mod outline;
 mod spacing;
 mod view;
@@ -25,6 +26,7 @@ pub use evidence::{
     CalibrationType, SpacingEvidence, SpacingJudgement, SpacingRemark, judge_spacing,
 };
 pub use film::{Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading, ReadingId};
+pub use lateral::{LateralCorners, LateralFilm};
 pub use outline::{MeasuredVertebra, Noise, Outline, measure_film};
 pub use spacing::{LengthScale, Spacing, SpacingPlane, SpacingSource};
 pub use view::{
@@ -111,6 +113,19 @@ pub enum MeasureError {
         /// What is wrong with them.
         fault: CornerFault,
     },
+    /// Four corners on the lateral film that make no vertebral body.
+    #[error("lateral film, observer {id}, {level}: {}", match fault {
+        CornerFault::SidesExchanged => "its anterior and posterior corners are exchanged".to_owned(),
+        other => other.to_string(),
+    })]
+    Lateral {
+        /// Reading.
+        id: ReadingId,
+        /// Vertebra.
+        level: Level,
+        /// What is wrong with them.
+        fault: CornerFault,
+    },
     /// Iliac crests that give no line.
     #[error("{posture} film: the iliac crests {}", if *outside { "do not both lie on the picture".to_owned() } else { format!("are {apart_mm:.1} mm apart, and the least is {limit_mm:.0} mm") })]
     Crests {
@@ -190,6 +205,9 @@ impl MeasureError {
                 "mark the superior tips of both crests again, or leave `iliac_crests_px` out"
             }
             Self::Corners { fault, .. } => fault.help(),
+            Self::Lateral { .. } => {
+                "mark this vertebra's superior and inferior corners again, anterior ones on the side of `patient_anterior`"
+            }
             Self::FilmMirrored { .. } => {
                 "look for the lead marker, then correct `patient_left` of this film's image"
             }

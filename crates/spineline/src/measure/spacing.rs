@@ -17,6 +17,17 @@ pub enum SpacingPlane {
 }
 
 impl SpacingPlane {
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Patient => "patient",
+            Self::Detector => "detector",
+            Self::Unknown => "unknown",
+            Self::Pixels => "pixels",
+        }
+    }
+
     /// The unit of a length from such a film, in words.
     #[must_use]
     pub const fn unit(self) -> &'static str {

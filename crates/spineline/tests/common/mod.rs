@@ -164,7 +164,7 @@ pub fn graph_film(posture: Posture, height_mm: f64, shape: impl Fn(f64) -> (f64,
 }
 
 pub fn case_of(films: Vec<Film>) -> Case {
-    Case { id: "test".into(), synthetic: true, subject: Subject::default(), films }
+    Case { id: "test".into(), synthetic: true, subject: Subject::default(), films, lateral: None }
 }
 
 pub fn measured(film: &Film) -> Outline {

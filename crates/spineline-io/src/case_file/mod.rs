@@ -1,16 +1,24 @@
+//! What is known of one patient's films, as a file.
+
+mod image;
+mod lateral;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::analysis::{Case, Sex, Subject};
-use spineline::anatomy::{ImageSide, Posture};
+use spineline::anatomy::Posture;
 use spineline::measure::{
-    Corners, Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading, ReadingId,
-    Spacing, SpacingPlane, SpacingSource,
+    Corners, Film, FilmMarks, IliacCrests, Mark, Placement, Reading, ReadingId, SpacingPlane,
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
 
 use crate::FileError;
 use crate::json::parse;
-use crate::keys::{ByLevel, LevelKey, PostureKey, SourceKey};
+use crate::keys::{ByLevel, LevelKey, PostureKey};
+
+pub use image::FilmSource;
+use image::ImageRecord;
+use lateral::LateralRecord;
 
 const FORMAT: &str = "spineline-case";
 const VERSION: u32 = 1;
@@ -34,6 +42,9 @@ pub struct CaseFile {
     subject: Option<SubjectRecord>,
     /// One film per posture; only the erect one is needed.
     films: Vec<FilmRecord>,
+    /// A film from the side, for the sagittal profile.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    lateral: Option<LateralRecord>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -69,56 +80,6 @@ struct FilmRecord {
     iliac_crests_px: Option<CrestsRecord>,
     /// One entry per observer and repeat.
     readings: Vec<ReadingRecord>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct ImageRecord {
-    columns: u32,
-    rows: u32,
-    /// Distance between neighbouring columns; absent, as that of rows, where nobody knows the scale.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    column_spacing_mm: Option<f64>,
-    /// Distance between neighbouring rows.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    row_spacing_mm: Option<f64>,
-    /// Plane in which the millimetres were measured; `pixels` where there are none.
-    #[serde(default)]
-    spacing_plane: PlaneKey,
-    /// How the spacing became known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    spacing_source: Option<SourceKey>,
-    /// Standard deviation of the scale, as a part of it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    spacing_relative_sd: Option<f64>,
-    /// Side of the picture on which the patient's left is.
-    patient_left: ImageSideKey,
-    /// Picture file, beside the case file.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    file: Option<String>,
-    /// SHA-256 of that file, in hexadecimal digits.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    sha256: Option<String>,
-    /// Whether the picture is to be shown with black and white exchanged, against what its file says.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    inverted: bool,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-enum PlaneKey {
-    Patient,
-    Detector,
-    #[default]
-    Unknown,
-    Pixels,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-enum ImageSideKey {
-    ImageLeft,
-    ImageRight,
 }
 
 /// The patient's left and right crest, `[column, row]`.
@@ -169,28 +130,12 @@ pub fn parse_case(text: &str) -> Result<Case, FileError> {
     parse::<CaseFile>(text, FORMAT, VERSION)?.into_case()
 }
 
-/// The picture file behind a film of a case.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct FilmSource {
-    /// Its name, beside the case file.
-    pub file: Option<String>,
-    /// SHA-256 of its bytes, in hexadecimal digits.
-    pub sha256: Option<String>,
-    /// Whether it is to be shown with black and white exchanged, against what the file says.
-    pub inverted: bool,
-}
-
 impl CaseFile {
     /// The picture file of a posture's film, where the case names one.
     #[must_use]
     pub fn source(&self, posture: Posture) -> Option<FilmSource> {
         let film = self.films.iter().find(|film| Posture::from(film.posture) == posture)?;
-        let image = film.image.as_ref()?;
-        Some(FilmSource {
-            file: image.file.clone(),
-            sha256: image.sha256.clone(),
-            inverted: image.inverted,
-        })
+        Some(film.image.as_ref()?.source())
     }
 
     /// The same case with the picture file of a posture's film named; a film without a picture stays as it is.
@@ -200,10 +145,23 @@ impl CaseFile {
             if let Some(image) =
                 film.image.as_mut().filter(|_| Posture::from(film.posture) == posture)
             {
-                image.file = source.file.clone();
-                image.sha256 = source.sha256.clone();
-                image.inverted = source.inverted;
+                image.set_source(source.clone());
             }
+        }
+        self
+    }
+
+    /// The picture file of the lateral film, where the case has one.
+    #[must_use]
+    pub fn lateral_source(&self) -> Option<FilmSource> {
+        self.lateral.as_ref().map(LateralRecord::source)
+    }
+
+    /// The same case with the picture file of its lateral film named.
+    #[must_use]
+    pub fn with_lateral_source(mut self, source: FilmSource) -> Self {
+        if let Some(lateral) = &mut self.lateral {
+            lateral.set_source(source);
         }
         self
     }
@@ -223,7 +181,8 @@ impl CaseFile {
             lenke: subject.lenke,
         });
         let films = self.films.into_iter().map(FilmRecord::into_film).collect::<Result<_, _>>()?;
-        Ok(Case { id: self.case_id, synthetic: self.synthetic, subject, films })
+        let lateral = self.lateral.map(LateralRecord::film);
+        Ok(Case { id: self.case_id, synthetic: self.synthetic, subject, films, lateral })
     }
 
     /// The file of a case.
@@ -245,6 +204,7 @@ impl CaseFile {
                 lenke: subject.lenke.clone(),
             }),
             films: case.films.iter().map(FilmRecord::from_film).collect(),
+            lateral: case.lateral.as_ref().map(LateralRecord::of),
         }
     }
 }
@@ -281,8 +241,8 @@ impl FilmRecord {
             if marked.iter().any(|reading| !reading.vertebrae.is_empty()) {
                 return Err(FileError::MixedKinds { posture });
             }
-            let plane = self.image.map_or(PlaneKey::Unknown, |image| image.spacing_plane);
-            let marks = FilmMarks::Placements { spacing_plane: plane.into(), readings: measured };
+            let plane = self.image.map_or(SpacingPlane::Unknown, |image| image.plane());
+            let marks = FilmMarks::Placements { spacing_plane: plane, readings: measured };
             return Ok(Film { posture, marks });
         }
         let image = self.image.ok_or(FileError::NoImage { posture })?;
@@ -386,76 +346,4 @@ fn pixel([column, row]: [f64; 2]) -> Pixel {
 
 fn pair(place: Pixel) -> [f64; 2] {
     [place.column_px, place.row_px]
-}
-
-impl ImageRecord {
-    fn geometry(&self, posture: Posture) -> Result<ImageGeometry, FileError> {
-        let spacing = match (self.column_spacing_mm, self.row_spacing_mm, self.spacing_plane) {
-            (Some(_), Some(_), PlaneKey::Pixels) => {
-                return Err(FileError::SpacingOfPixels { posture });
-            }
-            (Some(column_mm), Some(row_mm), plane) => Some(Spacing {
-                column_mm,
-                row_mm,
-                plane: plane.into(),
-                source: self.spacing_source.map_or(SpacingSource::Stated, |key| key.0),
-                relative_sd: self.spacing_relative_sd,
-            }),
-            (None, None, PlaneKey::Pixels | PlaneKey::Unknown) => None,
-            _ => return Err(FileError::SpacingIncomplete { posture }),
-        };
-        Ok(ImageGeometry {
-            columns: self.columns,
-            rows: self.rows,
-            spacing,
-            patient_left: match self.patient_left {
-                ImageSideKey::ImageLeft => ImageSide::Left,
-                ImageSideKey::ImageRight => ImageSide::Right,
-            },
-        })
-    }
-
-    fn of(image: &ImageGeometry) -> Self {
-        let spacing = image.spacing;
-        Self {
-            columns: image.columns,
-            rows: image.rows,
-            column_spacing_mm: spacing.map(|s| s.column_mm),
-            row_spacing_mm: spacing.map(|s| s.row_mm),
-            spacing_plane: spacing.map_or(PlaneKey::Pixels, |s| s.plane.into()),
-            spacing_source: spacing
-                .map(|s| SourceKey(s.source))
-                .filter(|source| source.0 != SpacingSource::Stated),
-            spacing_relative_sd: spacing.and_then(|s| s.relative_sd),
-            patient_left: match image.patient_left {
-                ImageSide::Left => ImageSideKey::ImageLeft,
-                ImageSide::Right => ImageSideKey::ImageRight,
-            },
-            file: None,
-            sha256: None,
-            inverted: false,
-        }
-    }
-}
-
-impl From<PlaneKey> for SpacingPlane {
-    fn from(key: PlaneKey) -> Self {
-        match key {
-            PlaneKey::Patient => Self::Patient,
-            PlaneKey::Detector => Self::Detector,
-            PlaneKey::Unknown => Self::Unknown,
-            PlaneKey::Pixels => Self::Pixels,
-        }
-    }
-}
-
-impl From<SpacingPlane> for PlaneKey {
-    fn from(plane: SpacingPlane) -> Self {
-        match plane {
-            SpacingPlane::Patient => Self::Patient,
-            SpacingPlane::Detector => Self::Detector,
-            SpacingPlane::Unknown => Self::Unknown,
-            SpacingPlane::Pixels => Self::Pixels,
-        }
-    }
 }

@@ -1,0 +1,168 @@
+//! The picture of a film: its size, its spacing, its sides, and the file that holds it.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use spineline::anatomy::{ImageSide, Posture};
+use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
+
+use crate::FileError;
+use crate::keys::SourceKey;
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ImageRecord {
+    columns: u32,
+    rows: u32,
+    /// Distance between neighbouring columns; absent, as that of rows, where nobody knows the scale.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    column_spacing_mm: Option<f64>,
+    /// Distance between neighbouring rows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    row_spacing_mm: Option<f64>,
+    /// Plane in which the millimetres were measured; `pixels` where there are none.
+    #[serde(default)]
+    spacing_plane: PlaneKey,
+    /// How the spacing became known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    spacing_source: Option<SourceKey>,
+    /// Standard deviation of the scale, as a part of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    spacing_relative_sd: Option<f64>,
+    /// Side of the picture on which the patient's left is.
+    patient_left: ImageSideKey,
+    /// Picture file, beside the case file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    file: Option<String>,
+    /// SHA-256 of that file, in hexadecimal digits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    sha256: Option<String>,
+    /// Whether the picture is to be shown with black and white exchanged, against what its file says.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    inverted: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum PlaneKey {
+    Patient,
+    Detector,
+    #[default]
+    Unknown,
+    Pixels,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum ImageSideKey {
+    ImageLeft,
+    ImageRight,
+}
+
+/// The picture file behind a film of a case.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct FilmSource {
+    /// Its name, beside the case file.
+    pub file: Option<String>,
+    /// SHA-256 of its bytes, in hexadecimal digits.
+    pub sha256: Option<String>,
+    /// Whether it is to be shown with black and white exchanged, against what the file says.
+    pub inverted: bool,
+}
+
+impl ImageRecord {
+    pub fn source(&self) -> FilmSource {
+        FilmSource { file: self.file.clone(), sha256: self.sha256.clone(), inverted: self.inverted }
+    }
+
+    pub fn set_source(&mut self, source: FilmSource) {
+        self.file = source.file;
+        self.sha256 = source.sha256;
+        self.inverted = source.inverted;
+    }
+
+    pub fn plane(&self) -> SpacingPlane {
+        self.spacing_plane.into()
+    }
+
+    pub fn geometry(&self, posture: Posture) -> Result<ImageGeometry, FileError> {
+        let spacing = match (self.column_spacing_mm, self.row_spacing_mm, self.spacing_plane) {
+            (Some(_), Some(_), PlaneKey::Pixels) => {
+                return Err(FileError::SpacingOfPixels { posture });
+            }
+            (Some(column_mm), Some(row_mm), plane) => Some(Spacing {
+                column_mm,
+                row_mm,
+                plane: plane.into(),
+                source: self.spacing_source.map_or(SpacingSource::Stated, |key| key.0),
+                relative_sd: self.spacing_relative_sd,
+            }),
+            (None, None, PlaneKey::Pixels | PlaneKey::Unknown) => None,
+            _ => return Err(FileError::SpacingIncomplete { posture }),
+        };
+        Ok(ImageGeometry {
+            columns: self.columns,
+            rows: self.rows,
+            spacing,
+            patient_left: self.patient_left.into(),
+        })
+    }
+
+    pub fn of(image: &ImageGeometry) -> Self {
+        let spacing = image.spacing;
+        Self {
+            columns: image.columns,
+            rows: image.rows,
+            column_spacing_mm: spacing.map(|s| s.column_mm),
+            row_spacing_mm: spacing.map(|s| s.row_mm),
+            spacing_plane: spacing.map_or(PlaneKey::Pixels, |s| s.plane.into()),
+            spacing_source: spacing
+                .map(|s| SourceKey(s.source))
+                .filter(|source| source.0 != SpacingSource::Stated),
+            spacing_relative_sd: spacing.and_then(|s| s.relative_sd),
+            patient_left: image.patient_left.into(),
+            file: None,
+            sha256: None,
+            inverted: false,
+        }
+    }
+}
+
+impl From<PlaneKey> for SpacingPlane {
+    fn from(key: PlaneKey) -> Self {
+        match key {
+            PlaneKey::Patient => Self::Patient,
+            PlaneKey::Detector => Self::Detector,
+            PlaneKey::Unknown => Self::Unknown,
+            PlaneKey::Pixels => Self::Pixels,
+        }
+    }
+}
+
+impl From<SpacingPlane> for PlaneKey {
+    fn from(plane: SpacingPlane) -> Self {
+        match plane {
+            SpacingPlane::Patient => Self::Patient,
+            SpacingPlane::Detector => Self::Detector,
+            SpacingPlane::Unknown => Self::Unknown,
+            SpacingPlane::Pixels => Self::Pixels,
+        }
+    }
+}
+
+impl From<ImageSideKey> for ImageSide {
+    fn from(key: ImageSideKey) -> Self {
+        match key {
+            ImageSideKey::ImageLeft => Self::Left,
+            ImageSideKey::ImageRight => Self::Right,
+        }
+    }
+}
+
+impl From<ImageSide> for ImageSideKey {
+    fn from(side: ImageSide) -> Self {
+        match side {
+            ImageSide::Left => Self::ImageLeft,
+            ImageSide::Right => Self::ImageRight,
+        }
+    }
+}

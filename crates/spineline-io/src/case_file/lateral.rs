@@ -1,0 +1,153 @@
+//! The lateral film of a case: it gives the sagittal profile.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use spineline::measure::{LateralCorners, LateralFilm, Reading, ReadingId, Spacing, SpacingPlane};
+
+use super::image::{FilmSource, ImageSideKey};
+use super::{pair, pixel};
+use crate::keys::{ByLevel, LevelKey};
+
+/// A film from the side, of the standing patient.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LateralRecord {
+    image: LateralImageRecord,
+    /// One entry per observer and repeat; none where nobody has marked it yet.
+    #[serde(default)]
+    readings: Vec<LateralReadingRecord>,
+}
+
+/// Only angles are taken from this picture, so the plane of its spacing does not matter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct LateralImageRecord {
+    columns: u32,
+    rows: u32,
+    /// Distance between neighbouring columns; absent, as that of rows, where nobody knows the scale.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    column_spacing_mm: Option<f64>,
+    /// Distance between neighbouring rows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    row_spacing_mm: Option<f64>,
+    /// Side of the picture on which the patient's front is.
+    patient_anterior: ImageSideKey,
+    /// Picture file, beside the case file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    file: Option<String>,
+    /// SHA-256 of that file, in hexadecimal digits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    sha256: Option<String>,
+    /// Whether the picture is to be shown with black and white exchanged, against what its file says.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    inverted: bool,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct LateralReadingRecord {
+    observer: String,
+    /// 1 for the first time.
+    repeat: u32,
+    vertebrae: ByLevel<LateralVertebraRecord>,
+}
+
+/// Four corners in pixels, `[column, row]`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct LateralVertebraRecord {
+    superior_anterior: [f64; 2],
+    superior_posterior: [f64; 2],
+    inferior_anterior: [f64; 2],
+    inferior_posterior: [f64; 2],
+}
+
+impl LateralRecord {
+    pub fn film(self) -> LateralFilm {
+        let image = self.image;
+        let spacing = image.column_spacing_mm.zip(image.row_spacing_mm);
+        let readings = self.readings.into_iter().map(|reading| Reading {
+            id: ReadingId::new(reading.observer, reading.repeat),
+            vertebrae: reading
+                .vertebrae
+                .0
+                .into_iter()
+                .map(|(LevelKey(level), corners)| (level, corners.corners()))
+                .collect(),
+        });
+        LateralFilm {
+            columns: image.columns,
+            rows: image.rows,
+            spacing: spacing.map(|(column_mm, row_mm)| {
+                Spacing::stated(column_mm, row_mm, SpacingPlane::Unknown)
+            }),
+            patient_anterior: image.patient_anterior.into(),
+            readings: readings.collect(),
+        }
+    }
+
+    pub fn of(film: &LateralFilm) -> Self {
+        Self {
+            image: LateralImageRecord {
+                columns: film.columns,
+                rows: film.rows,
+                column_spacing_mm: film.spacing.map(|s| s.column_mm),
+                row_spacing_mm: film.spacing.map(|s| s.row_mm),
+                patient_anterior: film.patient_anterior.into(),
+                file: None,
+                sha256: None,
+                inverted: false,
+            },
+            readings: film.readings.iter().map(LateralReadingRecord::of).collect(),
+        }
+    }
+
+    pub fn set_source(&mut self, source: FilmSource) {
+        self.image.file = source.file;
+        self.image.sha256 = source.sha256;
+        self.image.inverted = source.inverted;
+    }
+
+    pub fn source(&self) -> FilmSource {
+        FilmSource {
+            file: self.image.file.clone(),
+            sha256: self.image.sha256.clone(),
+            inverted: self.image.inverted,
+        }
+    }
+}
+
+impl LateralReadingRecord {
+    fn of(reading: &Reading<LateralCorners>) -> Self {
+        let vertebrae = reading.vertebrae.iter();
+        Self {
+            observer: reading.id.observer.clone(),
+            repeat: reading.id.repeat,
+            vertebrae: ByLevel(
+                vertebrae
+                    .map(|(&level, corners)| (LevelKey(level), LateralVertebraRecord::of(corners)))
+                    .collect(),
+            ),
+        }
+    }
+}
+
+impl LateralVertebraRecord {
+    fn corners(self) -> LateralCorners {
+        LateralCorners {
+            superior_anterior: pixel(self.superior_anterior),
+            superior_posterior: pixel(self.superior_posterior),
+            inferior_anterior: pixel(self.inferior_anterior),
+            inferior_posterior: pixel(self.inferior_posterior),
+        }
+    }
+
+    fn of(corners: &LateralCorners) -> Self {
+        Self {
+            superior_anterior: pair(corners.superior_anterior),
+            superior_posterior: pair(corners.superior_posterior),
+            inferior_anterior: pair(corners.inferior_anterior),
+            inferior_posterior: pair(corners.inferior_posterior),
+        }
+    }
+}
