@@ -31,7 +31,6 @@ pub fn chain_text(analyses: &[Analysis]) -> Result<String, Failure> {
         "case_id",
         "synthetic",
         "posture",
-        "lengths",
         "segment",
         "a_mm",
         "alpha_deg",
@@ -39,6 +38,7 @@ pub fn chain_text(analyses: &[Analysis]) -> Result<String, Failure> {
         "theta_deg",
         "joint_y_mm",
         "joint_z_mm",
+        "lengths",
     ];
     writer.write_record(heading).map_err(|e| failed(&e))?;
     for analysis in analyses {
@@ -50,7 +50,6 @@ pub fn chain_text(analyses: &[Analysis]) -> Result<String, Failure> {
                     analysis.case_id.clone(),
                     analysis.synthetic.to_string(),
                     posture.outline.posture.key().to_owned(),
-                    scale.plane.key().to_owned(),
                     segment.to_string(),
                     length(scale, row.a_mm, 9),
                     format!("{}", row.alpha.deg()),
@@ -58,6 +57,7 @@ pub fn chain_text(analyses: &[Analysis]) -> Result<String, Failure> {
                     format!("{:.9}", row.theta.deg()),
                     length(scale, joint.y_mm, 6),
                     length(scale, joint.z_mm, 6),
+                    scale.plane.key().to_owned(),
                 ];
                 writer.write_record(&cells).map_err(|e| failed(&e))?;
             }
@@ -73,7 +73,6 @@ pub fn csv_text(analyses: &[Analysis]) -> Result<String, Failure> {
         "case_id",
         "synthetic",
         "posture",
-        "lengths",
         "level",
         "measured_y_mm",
         "measured_z_mm",
@@ -85,10 +84,12 @@ pub fn csv_text(analyses: &[Analysis]) -> Result<String, Failure> {
         "simulated_z_mm",
         "simulated_tilt_deg",
         "location_error_mm",
+        "lengths",
     ];
     writer.write_record(heading).map_err(|e| failed(&e))?;
     for analysis in analyses {
         for posture in &analysis.postures {
+            let scale = &posture.outline.scale;
             let simulated: Vec<(LineKind, &Simulation)> = analysis
                 .models
                 .iter()
@@ -100,14 +101,14 @@ pub fn csv_text(analyses: &[Analysis]) -> Result<String, Failure> {
                     analysis.case_id.clone(),
                     analysis.synthetic.to_string(),
                     posture.outline.posture.key().to_owned(),
-                    posture.outline.scale.plane.key().to_owned(),
                     level.to_string(),
-                    length(&posture.outline.scale, vertebra.location.y_mm, 4),
-                    length(&posture.outline.scale, vertebra.location.z_mm, 4),
+                    length(scale, vertebra.location.y_mm, 4),
+                    length(scale, vertebra.location.z_mm, 4),
                     format!("{:.4}", vertebra.tilt.deg()),
                 ];
                 if simulated.is_empty() {
-                    measured.resize(heading.len(), String::new());
+                    measured.resize(heading.len() - 1, String::new());
+                    measured.push(scale.plane.key().to_owned());
                     writer.write_record(&measured).map_err(|e| failed(&e))?;
                 }
                 for (kind, s) in &simulated {
@@ -122,6 +123,7 @@ pub fn csv_text(analyses: &[Analysis]) -> Result<String, Failure> {
                         format!("{:.4}", s.locations[i].z_mm),
                         format!("{:.4}", s.tilts[i].deg()),
                         error.unwrap_or_default(),
+                        scale.plane.key().to_owned(),
                     ]);
                     writer.write_record(&row).map_err(|e| failed(&e))?;
                 }

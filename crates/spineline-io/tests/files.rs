@@ -1,11 +1,16 @@
 //! Files: what is written is read back the same, and what is wrong is told by place and name.
 
 use spineline::analysis::{AnalysisOptions, analyze};
-use spineline::anatomy::Posture;
+use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::measure::{
+    FilmMarks, LateralCorners, LateralFilm, Reading, ReadingId, Spacing, SpacingPlane,
+    SpacingSource,
+};
 use spineline::multibody::{Load, Solution, Statics, StiffnessLibrary};
+use spineline::spatial::Pixel;
 use spineline_io::{
-    AnalysisFile, CaseFile, FileError, ModelFile, StiffnessFile, parse_case, parse_model,
-    parse_stiffness, to_text,
+    AnalysisFile, CaseFile, FileError, FilmSource, ModelFile, StiffnessFile, parse_case,
+    parse_model, parse_stiffness, to_text,
 };
 use spineline_phantom::{Phantom, Readers, Truth, generate};
 
@@ -32,6 +37,73 @@ fn a_case_comes_back_as_it_was_written() {
     assert_eq!(case.films.len(), read.films.len());
     let exact = phantom(&Readers::exact()).case;
     assert_eq!(parse_case(&to_text(&CaseFile::from_case(&exact))).expect("our own file"), exact);
+}
+
+#[test]
+fn spacing_provenance_picture_file_and_lateral_film_come_back() {
+    let mut case = phantom(&Readers::exact()).case;
+    let spacing = |source, relative_sd| Spacing {
+        column_mm: 0.14,
+        row_mm: 0.15,
+        plane: SpacingPlane::Detector,
+        source,
+        relative_sd,
+    };
+    for (film, spacing) in case.films.iter_mut().zip([
+        Some(spacing(SpacingSource::Ball, Some(0.012))),
+        Some(spacing(SpacingSource::Distances, None)),
+        None,
+    ]) {
+        match &mut film.marks {
+            FilmMarks::Landmarks { image, .. } => image.spacing = spacing,
+            FilmMarks::Placements { .. } => panic!("phantoms have landmarks"),
+        }
+    }
+    let corners = LateralCorners {
+        superior_anterior: Pixel::new(100.0, 200.0),
+        superior_posterior: Pixel::new(400.0, 210.5),
+        inferior_anterior: Pixel::new(90.0, 400.0),
+        inferior_posterior: Pixel::new(395.25, 405.0),
+    };
+    case.lateral = Some(LateralFilm {
+        columns: 2000,
+        rows: 4000,
+        spacing: Some(Spacing::stated(0.1, 0.2, SpacingPlane::Unknown)),
+        patient_anterior: ImageSide::Right,
+        readings: vec![Reading {
+            id: ReadingId::new("A", 2),
+            vertebrae: [(Level::L3, corners)].into(),
+        }],
+    });
+    let source = |file: &str| FilmSource {
+        file: Some(file.to_owned()),
+        sha256: Some("ab".repeat(32)),
+        inverted: true,
+    };
+    let file = CaseFile::from_case(&case)
+        .with_source(Posture::Erect, source("erect.dcm"))
+        .with_lateral_source(source("side.dcm"));
+    let text = to_text(&file);
+    assert_eq!(parse_case(&text).expect("our own file"), case);
+    let read: CaseFile = serde_json::from_str(&text).expect("our own file");
+    assert_eq!(read.source(Posture::Erect), Some(source("erect.dcm")));
+    assert_eq!(read.source(Posture::Neutral), Some(FilmSource::default()));
+    assert_eq!(read.lateral_source(), Some(source("side.dcm")));
+}
+
+#[test]
+fn a_spacing_and_its_plane_must_go_together() {
+    let one = text().replacen("\"column_spacing_mm\": 0.1,", "", 1);
+    assert!(matches!(refused(&one), FileError::SpacingIncomplete { .. }));
+    let pixels =
+        text().replacen("\"spacing_plane\": \"patient\"", "\"spacing_plane\": \"pixels\"", 1);
+    assert!(matches!(refused(&pixels), FileError::SpacingOfPixels { .. }));
+    let source = text().replacen(
+        "\"spacing_plane\": \"patient\"",
+        "\"spacing_plane\": \"patient\", \"spacing_source\": \"bal\"",
+        1,
+    );
+    assert!(refused(&source).to_string().contains("ball"), "{}", refused(&source));
 }
 
 #[test]

@@ -15,10 +15,12 @@ impl Analysis {
     pub fn verdict(&self) -> Vec<String> {
         let mut sentences = Vec::new();
         if self.models.is_empty() {
-            sentences.push(
+            let why = if self.warnings.has("no_scale") {
+                "Without a spacing on every film there are angles, but no lengths and no model."
+            } else {
                 "No bending film: the curve is measured, but no stiffness can be fitted."
-                    .to_owned(),
-            );
+            };
+            sentences.push(why.to_owned());
             return sentences;
         }
         match self.models.iter().find(|model| model.kind == LineKind::Inflection) {
