@@ -7,7 +7,7 @@
 //! the store must look like now, which is what [`Store::verify`](super::Store::verify) checks.
 
 use rusqlite::types::ValueRef;
-use rusqlite::{Connection, OptionalExtension, Params, Row, Transaction, params};
+use rusqlite::{Connection, OptionalExtension, Params, Row, Statement, Transaction, params};
 use serde::Serialize;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -84,9 +84,9 @@ pub(super) fn digest(row: &Row<'_>) -> Result<Hash, StoreError> {
             ValueRef::Null => Value::Null,
             ValueRef::Integer(integer) => integer.into(),
             ValueRef::Real(_) => return Err(StoreError::Damaged { object: None }),
-            ValueRef::Text(text) => std::str::from_utf8(text)
-                .map_err(|_| StoreError::Damaged { object: None })?
-                .into(),
+            ValueRef::Text(text) => {
+                std::str::from_utf8(text).map_err(|_| StoreError::Damaged { object: None })?.into()
+            }
             ValueRef::Blob(bytes) => Hash::of(bytes).0.into(),
         })
     });
@@ -94,18 +94,25 @@ pub(super) fn digest(row: &Row<'_>) -> Result<Hash, StoreError> {
     Ok(Hash::of(Value::from(cells).to_string().as_bytes()))
 }
 
-/// The digest that the log has for an object.
-pub(super) fn sealed(connection: &Connection, object: &str) -> Result<Option<String>, StoreError> {
-    let mut query = connection.prepare(
-        "SELECT digest FROM audit WHERE object = ?1 ORDER BY sequence DESC LIMIT 1",
-    )?;
-    Ok(query.query_row([object], |row| row.get(0)).optional()?)
+/// What the log says last of an object, as one statement for many objects.
+struct Seals<'a>(Statement<'a>);
+
+impl<'a> Seals<'a> {
+    fn of(connection: &'a Connection) -> Result<Self, StoreError> {
+        let last = "SELECT digest FROM audit WHERE object = ?1 ORDER BY sequence DESC LIMIT 1";
+        Ok(Self(connection.prepare(last)?))
+    }
+
+    fn holds(&mut self, object: &str, digest: &Hash) -> Result<bool, StoreError> {
+        let sealed: Option<String> = self.0.query_row([object], |row| row.get(0)).optional()?;
+        Ok(sealed.as_deref() == Some(digest.as_str()))
+    }
 }
 
 /// The end of the log, and the time of its last entry.
 pub(super) fn head(connection: &Connection) -> Result<(Head, i64), StoreError> {
-    let (entries, hash, last_ms): (i64, String, i64) = connection
-        .query_row("SELECT entries, hash, last_ms FROM head", [], |row| {
+    let (entries, hash, last_ms): (i64, String, i64) =
+        connection.query_row("SELECT entries, hash, last_ms FROM head", [], |row| {
             Ok((row.get(0)?, row.get(1)?, row.get(2)?))
         })?;
     Ok((Head { entries: entries.unsigned_abs(), hash: Hash(hash) }, last_ms))
@@ -149,13 +156,14 @@ impl Ledger<'_> {
 
     /// Seals every row that no longer is what its last entry says; a migration changes rows wholesale.
     pub fn seal_all(&self, action: &str) -> Result<(), StoreError> {
+        let mut seals = Seals::of(self.transaction)?;
         for (table, word, column) in TABLES {
             let query = format!("SELECT {column}, * FROM {table} ORDER BY {column}");
             let mut statement = self.transaction.prepare(&query)?;
             let mut rows = statement.query([])?;
             while let Some(row) = rows.next()? {
                 let (object, digest) = (object_of(word, row)?, digest(row)?);
-                if sealed(self.transaction, &object)?.as_deref() != Some(digest.as_str()) {
+                if !seals.holds(&object, &digest)? {
                     self.append(action, &object, digest.as_str())?;
                 }
             }
@@ -207,12 +215,13 @@ pub(super) fn load<T>(
 ) -> Result<Vec<T>, StoreError> {
     let &(_, word, column) = table_named(table);
     let query = format!("SELECT {column}, * FROM {table} {condition}");
+    let mut seals = Seals::of(connection)?;
     let mut statement = connection.prepare(&query)?;
     let mut rows = statement.query(parameters)?;
     let mut loaded = Vec::new();
     while let Some(row) = rows.next()? {
         let object = object_of(word, row)?;
-        if sealed(connection, &object)?.as_deref() != Some(digest(row)?.as_str()) {
+        if !seals.holds(&object, &digest(row)?)? {
             return Err(StoreError::damaged(object));
         }
         loaded.push(read(row)?);

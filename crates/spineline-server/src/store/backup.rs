@@ -51,16 +51,16 @@ fn beside(path: &Path, suffix: &str) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// The final name is reserved first and filled last, by renaming: under that name there is never half a copy.
+/// The final name is reserved first and filled last, by renaming: under that name there is never half a copy. A process
+/// that is killed here leaves an empty file of that name and a `.part` beside it, which nobody mistakes for a store.
 fn copy(source: &Connection, target: &Path) -> Result<Verification, StoreError> {
-    let failed = |source| StoreError::File { path: target.to_owned(), source };
-    if let Err(error) = OpenOptions::new().write(true).create_new(true).open(target) {
-        return Err(match error.kind() {
-            ErrorKind::AlreadyExists => StoreError::AlreadyExists { path: target.to_owned() },
-            _ => failed(error),
-        });
-    }
     let part = beside(target, ".part");
+    reserve(target)?;
+    if let Err(error) = reserve(&part) {
+        let _ = fs::remove_file(target);
+        return Err(error);
+    }
+    let failed = |source| StoreError::File { path: target.to_owned(), source };
     let filled = fill(source, &part).and_then(|verification| {
         File::open(&part).and_then(|file| file.sync_all()).map_err(failed)?;
         fs::rename(&part, target).map_err(failed)?;
@@ -75,15 +75,19 @@ fn copy(source: &Connection, target: &Path) -> Result<Verification, StoreError> 
     filled
 }
 
-fn fill(source: &Connection, part: &Path) -> Result<Verification, StoreError> {
-    // What an interrupted copy left under our own reserved name is of no use to anyone.
-    if let Err(error) = fs::remove_file(part)
-        && error.kind() != ErrorKind::NotFound
-    {
-        return Err(StoreError::File { path: part.to_owned(), source: error });
+/// Makes an empty file where there is none.
+fn reserve(path: &Path) -> Result<(), StoreError> {
+    match OpenOptions::new().write(true).create_new(true).open(path) {
+        Ok(_) => Ok(()),
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+            Err(StoreError::AlreadyExists { path: path.to_owned() })
+        }
+        Err(source) => Err(StoreError::File { path: path.to_owned(), source }),
     }
-    let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_CREATE;
-    let mut copy = schema::connect(part, flags)?;
+}
+
+fn fill(source: &Connection, part: &Path) -> Result<Verification, StoreError> {
+    let mut copy = schema::connect(part, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
     schema::settle(&copy)?;
     {
         let backup = Backup::new(source, &mut copy)?;

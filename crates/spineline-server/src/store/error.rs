@@ -136,7 +136,9 @@ pub enum StoreError {
     #[error("the description of an image must be a JSON object")]
     ImageNotAnObject,
     /// The state on which a change was based is no longer the newest. The change was kept as a conflict.
-    #[error("{object} is at revision {found}, not {expected}; what lost was kept as conflict {conflict}")]
+    #[error(
+        "{object} is at revision {found}, not {expected}; what lost was kept as conflict {conflict}"
+    )]
     Conflict {
         /// Such as `reading/4`.
         object: String,
@@ -228,14 +230,22 @@ impl StoreError {
                 "give this user the right to write the file and its folder, or copy the store elsewhere"
             }
             Self::Full => "make room on the disk and repeat the step",
-            Self::Busy => "try again; if it lasts, look for another program that has the store open",
-            Self::Disk { .. } | Self::File { .. } => "check the disk, its cable or its network, and repeat",
+            Self::Busy => {
+                "try again; if it lasts, look for another program that has the store open"
+            }
+            Self::Disk { .. } | Self::File { .. } => {
+                "check the disk, its cable or its network, and repeat"
+            }
             Self::Database { .. } => "report this as a bug, with the code",
             Self::BadName { .. } => "use a code such as `S-017`, without the patient's name",
             Self::AlreadyKnown { .. } => "check whether one picture was exported under two names",
             Self::TooLarge { .. } => "split it, or leave out what is not needed",
-            Self::ImageNotAnObject => "give columns, rows, spacing and `patient_left` as a JSON object",
-            Self::Conflict { .. } => "look at both versions, and repeat the change on the newest one",
+            Self::ImageNotAnObject => {
+                "give columns, rows, spacing and `patient_left` as a JSON object"
+            }
+            Self::Conflict { .. } => {
+                "look at both versions, and repeat the change on the newest one"
+            }
             Self::Finished { .. } => "a correction is a new repeat",
             Self::NotYours { .. } => "open your own reading of this film",
             Self::BadEvent { .. } => "look at the reading as it is now",

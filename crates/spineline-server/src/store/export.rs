@@ -123,8 +123,11 @@ fn film_json(film: &FilmRecord, finished: &[(&ReadingRecord, ReadingState)]) -> 
 }
 
 fn vertebra_json(marks: &VertebraMarks) -> Value {
-    let mut vertebra: Map<String, Value> =
-        marks.corners.iter().map(|(corner, place)| (corner.key().to_owned(), json!(place))).collect();
+    let mut vertebra: Map<String, Value> = marks
+        .corners
+        .iter()
+        .map(|(corner, place)| (corner.key().to_owned(), json!(place)))
+        .collect();
     if let Some(axis_deg) = marks.axis_deg {
         vertebra.insert("axis_deg".to_owned(), axis_deg.into());
     }
@@ -143,7 +146,6 @@ fn mean_crests(finished: &[(&ReadingRecord, ReadingState)]) -> Option<Value> {
     let mean = |side: usize, axis: usize| {
         pairs.iter().map(|pair| pair[side][axis]).sum::<f64>() / pairs.len() as f64
     };
-    (!pairs.is_empty()).then(|| {
-        json!({ "left": [mean(0, 0), mean(0, 1)], "right": [mean(1, 0), mean(1, 1)] })
-    })
+    (!pairs.is_empty())
+        .then(|| json!({ "left": [mean(0, 0), mean(0, 1)], "right": [mean(1, 0), mean(1, 1)] }))
 }

@@ -172,7 +172,8 @@ impl Store {
             if now.revision != expected_revision {
                 let change = edit.json().to_string();
                 let object = film.to_string();
-                return keep_lost(ledger, object, expected_revision, now.revision, &change).map(Err);
+                return keep_lost(ledger, object, expected_revision, now.revision, &change)
+                    .map(Err);
             }
             let (column, value): (_, &dyn rusqlite::ToSql) = match &edit {
                 FilmEdit::Posture(posture) => ("posture", &posture.key()),

@@ -21,9 +21,8 @@ fn a_full_disk_loses_nothing_acknowledged_and_the_session_goes_on_when_there_is_
         let path = folder.path().join(format!("limit-{pages}"));
         let mut store = session::create(&path);
         limit_pages(&store, pages);
-        let outcome = (0..session::STEPS).try_for_each(|step| {
-            session::run(&mut store, step).map_err(|error| (step, error))
-        });
+        let outcome = (0..session::STEPS)
+            .try_for_each(|step| session::run(&mut store, step).map_err(|error| (step, error)));
         let Err((step, error)) = outcome else { break };
         refusals += 1;
         assert!(matches!(error, StoreError::Full), "{pages} pages, step {step}: {error}");

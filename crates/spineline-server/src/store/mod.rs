@@ -3,8 +3,8 @@
 //! A [`Store`] is one SQLite file. Everything that is acknowledged is committed and flushed to the disk. Readings are
 //! append-only journals of [`Event`]s; their state is a fold over the journal, so that undo survives a reload. Nothing is
 //! overwritten: a change based on an old revision is refused **and kept** ([`StoreError::Conflict`], [`Store::conflicts`]).
-//! Every change has an entry in a hash-chained log, and every row that is read is compared with its entry, so that a
-//! damaged file gives errors and never other readings; [`Store::verify`] looks at all of it.
+//! Every change has an entry in a hash-chained log. A row that is read is compared with its entry, so that a damaged row
+//! is an error and never another reading; rows that are gone, and the log itself, are the business of [`Store::verify`].
 //!
 //! The bytes of films lie in the database too, once for all films that share them: one file is one thing to copy, to back up
 //! and to lock, and no crash can part a film from its record.

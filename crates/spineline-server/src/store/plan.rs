@@ -247,7 +247,8 @@ impl ObserverView<'_> {
 
 impl Slot {
     fn is(&self, reading: &ReadingRecord) -> bool {
-        (self.film, self.repeat, &self.observer) == (reading.film, reading.repeat, &reading.observer)
+        (self.film, self.repeat, &self.observer)
+            == (reading.film, reading.repeat, &reading.observer)
     }
 }
 
@@ -370,7 +371,8 @@ fn next(
             return Ok(Next::Continue(film, reading.id));
         }
         let before = own.get(&(slot.film, slot.repeat.saturating_sub(1)));
-        let released = before.and_then(|reading| reading.rest_from).map(|t| t.plus_days(washout_days));
+        let released =
+            before.and_then(|reading| reading.rest_from).map(|t| t.plus_days(washout_days));
         return Ok(match released {
             Some(until) if now < until => Next::Wait(until),
             _ => Next::Begin(film),

@@ -99,7 +99,8 @@ pub(super) fn begin(
 ) -> Result<ReadingId, StoreError> {
     let (transaction, who) = (ledger.transaction, ledger.by.who.as_str());
     let condition = "WHERE film = ?1 AND observer = ?2 AND repeat = ?3";
-    let known = audit::load(transaction, "readings", condition, params![film.0, who, repeat], read)?;
+    let known =
+        audit::load(transaction, "readings", condition, params![film.0, who, repeat], read)?;
     if let Some(reading) = known.first() {
         return Err(StoreError::Exists { object: reading.id.to_string() });
     }

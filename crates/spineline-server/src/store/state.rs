@@ -131,7 +131,10 @@ impl ReadingState {
             }
             Event::Scale { from_px, to_px, length_mm } => {
                 let long = length_mm.is_finite() && *length_mm > 0.0 && from_px != to_px;
-                (long && on_film(from_px) && on_film(to_px), "a scale has a length, in pixels and in mm")
+                (
+                    long && on_film(from_px) && on_film(to_px),
+                    "a scale has a length, in pixels and in mm",
+                )
             }
             Event::Undo => (self.can_undo, "nothing to undo"),
             Event::Redo => (self.can_redo, "nothing to redo"),

@@ -160,7 +160,8 @@ fn integrity(connection: &Connection, findings: &mut Vec<Finding>) -> Result<(),
 
 fn definitions(connection: &Connection, findings: &mut Vec<Finding>) -> Result<(), StoreError> {
     let schema = schema::number(connection, "user_version")?;
-    let mut expected = schema::expected_definitions(schema)?.into_iter().collect::<BTreeMap<_, _>>();
+    let mut expected =
+        schema::expected_definitions(schema)?.into_iter().collect::<BTreeMap<_, _>>();
     for (name, sql) in schema::definitions(connection)? {
         if expected.remove(&name) != Some(sql) {
             findings.push(Finding::Definition { name });
@@ -208,7 +209,8 @@ fn rows(connection: &Connection, findings: &mut Vec<Finding>) -> Result<(), Stor
         if !present.exists([table])? {
             continue;
         }
-        let mut query = connection.prepare(&format!("SELECT {column}, * FROM {table} NOT INDEXED"))?;
+        let mut query =
+            connection.prepare(&format!("SELECT {column}, * FROM {table} NOT INDEXED"))?;
         let mut rows = query.query([])?;
         while let Some(row) = rows.next()? {
             let object = audit::object_of(word, row)?;

@@ -19,6 +19,7 @@ const LARGEST_FILE: &str = "SPINELINE_TEST_LARGEST_FILE_BYTES";
 #[ignore = "runs as a child of the crash tests"]
 fn child_session() {
     let path = std::env::var(STORE).expect("the path of a store");
+    #[cfg(unix)]
     if let Ok(bytes) = std::env::var(LARGEST_FILE) {
         let bytes = bytes.parse().expect("a number");
         rlimit::setrlimit(rlimit::Resource::CORE, 0, 0).expect("a limit");
@@ -116,7 +117,8 @@ fn a_process_killed_while_it_writes_loses_at_most_what_it_had_not_acknowledged()
         let kept = steps_kept(&path, &reference, seen + later, &format!("killed in {steps}"));
         in_flight += usize::from(kept == steps);
     }
-    assert!(in_flight > 0, "every step was finished before its process died");
+    assert!(in_flight > 1, "{in_flight} of {STEPS} steps were cut off");
+    println!("{in_flight} of {STEPS} steps were cut off");
 }
 
 /// The kernel ends a process that writes beyond the largest file allowed, in mid-write and before the commit.
@@ -129,7 +131,7 @@ fn a_process_that_dies_at_any_byte_of_the_write_ahead_log_has_kept_what_it_ackno
     let reference = reference(&folder.path().join("reference"));
     let mut stopped_at = std::collections::BTreeSet::new();
     // The index beside the log has 32 KiB; whoever may write less cannot start.
-    for largest_bytes in (33_000_u64..).step_by(9_973) {
+    for largest_bytes in (33_000_u64..).step_by(14_983) {
         let path = folder.path().join(format!("store-{largest_bytes}"));
         drop(create(&path));
         let mut child = start(&path, Some(largest_bytes));
@@ -167,12 +169,14 @@ fn a_write_ahead_log_cut_off_anywhere_gives_a_state_that_was_once_acknowledged()
     for bytes in (0..=log.len()).step_by(512).chain([log.len()]) {
         fs::copy(&path, &cut).expect("a copy");
         fs::write(&cut_log, &log[..bytes]).expect("a log");
-        let store = Store::open(&cut).expect("a store");
-        let print = fingerprint(&store);
+        // A view replays the log without writing it into the file.
+        let print = fingerprint(&Store::view(&cut).expect("a store"));
         let kept = reference.iter().position(|known| *known == print);
         let kept = kept.unwrap_or_else(|| panic!("{bytes} bytes: a state of no step"));
         assert!(kept >= last, "{bytes} bytes: {kept} steps after {last}");
         if kept > last || bytes == 0 {
+            let store = Store::open(&cut).expect("a store");
+            assert_eq!(fingerprint(&store), print, "{bytes} bytes");
             assert!(store.verify(None).expect("verifiable").is_clean(), "{bytes} bytes");
         }
         last = kept;

@@ -126,7 +126,9 @@ fn a_log_without_its_end_is_found() {
 #[test]
 fn edited_removed_and_smuggled_rows_are_found_in_every_table() {
     let object = |text: &str| text.to_owned();
-    let found = findings_after("UPDATE events SET event = replace(event, '400.25', '401.25') WHERE sequence = 1");
+    let found = findings_after(
+        "UPDATE events SET event = replace(event, '400.25', '401.25') WHERE sequence = 1",
+    );
     assert_eq!(found, [Finding::RowChanged { object: object("event/1") }]);
     let found = findings_after("DELETE FROM events WHERE sequence = 23");
     assert_eq!(found, [Finding::RowMissing { object: object("event/23") }]);

@@ -72,7 +72,10 @@ fn threads_that_race_for_every_revision_win_it_once_and_lose_it_visibly() {
     let store = Store::open(&path).expect("a store");
     let won: usize = outcomes.iter().map(|outcome| outcome.0).sum();
     let lost: usize = outcomes.iter().map(|outcome| outcome.1).sum();
-    assert_eq!((won + lost, store.reading_state(READING).expect("a state").revision), (40, won as u64));
+    assert_eq!(
+        (won + lost, store.reading_state(READING).expect("a state").revision),
+        (40, won as u64)
+    );
     assert_eq!(store.conflicts_of_reading(READING).expect("conflicts").len(), lost);
     assert!(store.verify(None).expect("verifiable").is_clean());
 }
@@ -107,7 +110,10 @@ impl Drop for WriteProtection<'_> {
     fn drop(&mut self) {
         let _ = Command::new("chattr").arg("-i").arg(self.path).output();
         let mut permissions = fs::metadata(self.path).expect("a file").permissions();
-        #[allow(clippy::permissions_set_readonly_false, reason = "a folder that is removed at once")]
+        #[allow(
+            clippy::permissions_set_readonly_false,
+            reason = "a folder that is removed at once"
+        )]
         permissions.set_readonly(false);
         fs::set_permissions(self.path, permissions).expect("permissions");
     }
@@ -150,7 +156,10 @@ fn a_read_only_folder_is_told_apart_and_a_backup_in_it_can_be_read() {
         assert!(matches!(refused, StoreError::File { .. }), "{refused:?}");
         let refused = Store::open(&copy).expect_err("read-only");
         assert!(
-            matches!(refused, StoreError::CannotOpen | StoreError::ReadOnly | StoreError::Disk { .. }),
+            matches!(
+                refused,
+                StoreError::CannotOpen | StoreError::ReadOnly | StoreError::Disk { .. }
+            ),
             "{refused:?}"
         );
         assert_eq!(fingerprint(&Store::view(&copy).expect("readable")), expected);
@@ -182,7 +191,11 @@ fn files_of_something_else_are_refused_and_not_changed() {
     for bytes in [&b""[..], b"{}", &[0; 100_000], &database] {
         fs::write(&path, bytes).expect("a file");
         let refused = Store::open(&path).expect_err("not a store");
-        assert!(matches!(refused, StoreError::NotAStore { .. }), "{} bytes: {refused:?}", bytes.len());
+        assert!(
+            matches!(refused, StoreError::NotAStore { .. }),
+            "{} bytes: {refused:?}",
+            bytes.len()
+        );
         assert!(fs::read(&path).expect("bytes") == bytes);
         if !bytes.is_empty() {
             let refused = Store::create(&path, &by("lead", 0)).expect_err("there is a file");

@@ -8,3 +8,4 @@ mod locks;
 mod migration;
 mod plan;
 mod session;
+mod small_disk;

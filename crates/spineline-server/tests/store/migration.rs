@@ -54,35 +54,51 @@ fn write_v1(path: &Path, films: i64) {
     use serde_json::json;
     let raw = Connection::open(path).expect("a database");
     raw.execute_batch(V1).expect("schema 1");
-    raw.execute_batch("PRAGMA application_id = 1399870324; PRAGMA user_version = 1; BEGIN").expect("marks");
+    raw.execute_batch("PRAGMA application_id = 1399870324; PRAGMA user_version = 1; BEGIN")
+        .expect("marks");
     let mut writer = Writer { raw, entries: 0, hash: String::new() };
     writer.log("store", "");
-    writer.add("INSERT INTO studies VALUES ('S-1', 'Doe', 1)", "study/S-1", &json!(["S-1", "S-1", "Doe", 1]));
+    writer.add(
+        "INSERT INTO studies VALUES ('S-1', 'Doe', 1)",
+        "study/S-1",
+        &json!(["S-1", "S-1", "Doe", 1]),
+    );
     for film in 1..=films {
         let bytes = film_bytes(u32::try_from(film).expect("few"));
         let (hash, image) = (sha256(&bytes), image().to_string());
-        writer.raw.execute("INSERT INTO contents VALUES (?1, ?2)", params![hash, bytes]).expect("bytes");
+        writer
+            .raw
+            .execute("INSERT INTO contents VALUES (?1, ?2)", params![hash, bytes])
+            .expect("bytes");
         let digested = json!([hash, hash, hash]);
         writer.log(&format!("content/{hash}"), &sha256(digested.to_string()));
         let posture = Posture::ALL[film as usize % 5].key();
-        let sql = format!("INSERT INTO films VALUES ({film}, 'S-1', '{posture}', '{hash}', '{image}', 0)");
+        let sql = format!(
+            "INSERT INTO films VALUES ({film}, 'S-1', '{posture}', '{hash}', '{image}', 0)"
+        );
         let digested = json!([film, film, "S-1", posture, hash, image, 0]);
         writer.add(&sql, &format!("film/{film}"), &digested);
         let (begun, finished) = (TIME_MS, TIME_MS + 1000);
-        let sql = format!("INSERT INTO readings VALUES ({film}, {film}, 'A', 1, {begun}, {finished})");
+        let sql =
+            format!("INSERT INTO readings VALUES ({film}, {film}, 'A', 1, {begun}, {finished})");
         let digested = json!([film, film, film, "A", 1, begun, finished]);
         writer.add(&sql, &format!("reading/{film}"), &digested);
         // The last click came after the finish, by a clock that went back.
         for (revision, corner) in (1..).zip(Corner::ALL) {
             let event = json!({ "kind": "place_corner", "level": "L4", "corner": corner.key(), "column_px": revision, "row_px": film }).to_string();
             let (number, time) = ((film - 1) * 4 + revision, TIME_MS + revision * 1000);
-            let sql = format!("INSERT INTO events VALUES ({number}, {film}, {revision}, {time}, '{event}')");
+            let sql = format!(
+                "INSERT INTO events VALUES ({number}, {film}, {revision}, {time}, '{event}')"
+            );
             let digested = json!([number, number, film, revision, time, event]);
             writer.add(&sql, &format!("event/{number}"), &digested);
         }
     }
     let (entries, hash) = (writer.entries, writer.hash.clone());
-    writer.raw.execute("INSERT INTO head VALUES (1, ?1, ?2, ?3)", params![entries, hash, TIME_MS]).expect("a head");
+    writer
+        .raw
+        .execute("INSERT INTO head VALUES (1, ?1, ?2, ?3)", params![entries, hash, TIME_MS])
+        .expect("a head");
     writer.raw.execute_batch("COMMIT; PRAGMA journal_mode = WAL").expect("committed");
 }
 
@@ -132,7 +148,10 @@ fn an_old_store_that_was_tampered_with_is_not_sealed_by_a_migration() {
     raw.execute("UPDATE readings SET observer = 'B' WHERE id = 1", []).expect("an edit");
     drop(raw);
     let refused = Store::open(&path);
-    assert!(matches!(refused, Err(StoreError::MigrationRefused { schema: 1, findings: 1 })), "{refused:?}");
+    assert!(
+        matches!(refused, Err(StoreError::MigrationRefused { schema: 1, findings: 1 })),
+        "{refused:?}"
+    );
     assert_eq!(schema_of(&path), 1);
 }
 
@@ -142,12 +161,16 @@ fn a_store_of_a_newer_program_is_refused_and_not_changed() {
     let path = folder.path().join("store");
     drop(crate::session::create(&path));
     let raw = Connection::open(&path).expect("a database");
-    raw.execute_batch("PRAGMA user_version = 3; PRAGMA journal_mode = DELETE").expect("a newer schema");
+    raw.execute_batch("PRAGMA user_version = 3; PRAGMA journal_mode = DELETE")
+        .expect("a newer schema");
     drop(raw);
     let before = fs::read(&path).expect("bytes");
     for refused in [Store::open(&path), Store::view(&path)] {
         let refused = refused.expect_err("newer");
-        assert!(matches!(refused, StoreError::NewerSchema { found: 3, supported: 2 }), "{refused:?}");
+        assert!(
+            matches!(refused, StoreError::NewerSchema { found: 3, supported: 2 }),
+            "{refused:?}"
+        );
     }
     assert!(fs::read(&path).expect("bytes") == before);
 }
@@ -164,7 +187,7 @@ fn child_migration() {
 fn a_migration_killed_at_any_time_leaves_the_old_store_or_the_new_one() {
     let folder = tempfile::tempdir().expect("a folder");
     let original = folder.path().join("original");
-    write_v1(&original, 150);
+    write_v1(&original, 80);
     let start = |path: &Path| {
         Command::new(std::env::current_exe().expect("this program"))
             .args(["--exact", "migration::child_migration", "--ignored", "--nocapture"])
@@ -180,7 +203,7 @@ fn a_migration_killed_at_any_time_leaves_the_old_store_or_the_new_one() {
     assert!(start(&whole).wait().expect("an end").success());
     let duration = begun.elapsed();
     let (mut old, mut new) = (0, 0);
-    let kills = 25;
+    let kills = 20;
     for kill in 0..kills {
         let path = folder.path().join(format!("store-{kill}"));
         fs::copy(&original, &path).expect("a copy");
@@ -196,8 +219,8 @@ fn a_migration_killed_at_any_time_leaves_the_old_store_or_the_new_one() {
         }
         let store = Store::open(&path).expect("a store, migrated now at the latest");
         assert!(store.verify(None).expect("verifiable").is_clean(), "kill {kill}");
-        assert_eq!(store.readings(&name("S-1")).expect("readings").len(), 150);
-        let refused = store.reading_state(ReadingId(151));
+        assert_eq!(store.readings(&name("S-1")).expect("readings").len(), 80);
+        let refused = store.reading_state(ReadingId(81));
         assert!(matches!(refused, Err(StoreError::Unknown { .. })), "{refused:?}");
     }
     println!("killed within {duration:?}: {old} old, {new} new");

@@ -17,7 +17,9 @@ fn planned(folder: &tempfile::TempDir, file: &str, study: &str, design: PlanDesi
     let mut store = create(&folder.path().join(file));
     let id = name(study);
     let label = Some("Doe, Jane".to_owned());
-    store.add_study(&Study { id: id.clone(), label, synthetic: true }, &by("lead", 1)).expect("a study");
+    store
+        .add_study(&Study { id: id.clone(), label, synthetic: true }, &by("lead", 1))
+        .expect("a study");
     for (seed, posture) in (0..).zip(Posture::ALL) {
         store.add_film(&id, posture, &film_bytes(seed), &image(), &by("lead", 2)).expect("a film");
     }
@@ -82,7 +84,8 @@ fn every_film_is_read_once_a_round_and_again_no_sooner_than_the_washout() {
         assert_eq!(round.iter().map(|(content, _)| content).collect::<BTreeSet<_>>().len(), 5);
     }
     for film in &films {
-        let times: Vec<i64> = order.iter().filter(|read| read.0 == *film).map(|read| read.1).collect();
+        let times: Vec<i64> =
+            order.iter().filter(|read| read.0 == *film).map(|read| read.1).collect();
         assert!(times.windows(2).all(|pair| pair[1] - pair[0] >= 14 * DAY), "{times:?}");
     }
     assert!(store.verify(None).expect("verifiable").is_clean());
@@ -97,7 +100,8 @@ fn a_repeat_begun_early_or_out_of_turn_is_refused() {
     let Next::Begin(film) = next(&store, "A", minute(10)) else { panic!("a film") };
     let refused = store.begin_planned(&film.code, &by("B", 10));
     assert!(matches!(refused, Err(StoreError::OutOfTurn)), "a code of another: {refused:?}");
-    let refused = store.begin_reading(store.films(&name("S-1")).expect("films")[0].id, 9, &by("A", 10));
+    let refused =
+        store.begin_reading(store.films(&name("S-1")).expect("films")[0].id, 9, &by("A", 10));
     assert!(matches!(refused, Err(StoreError::PlanGoverns { .. })), "{refused:?}");
     let refused = store.add_film(&name("S-1"), Posture::Erect, b"late", &image(), &by("lead", 10));
     assert!(matches!(refused, Err(StoreError::PlanGoverns { .. })), "{refused:?}");
@@ -148,7 +152,8 @@ fn a_blinded_reader_sees_codes_and_own_readings_until_all_is_read() {
     assert_eq!(store.observer(&a).reading_state(first).expect("own").revision, 2);
     let refused = store.observer(&b).reading_state(first);
     assert!(matches!(refused, Err(StoreError::NotYours { .. })), "{refused:?}");
-    let visible = |store: &Store, who: &Name| store.observer(who).readings(&study).expect("readings");
+    let visible =
+        |store: &Store, who: &Name| store.observer(who).readings(&study).expect("readings");
     assert_eq!(visible(&store, &b), VisibleReadings::Blinded(Vec::new()));
     let VisibleReadings::Blinded(own) = visible(&store, &a) else { panic!("not yet open") };
     assert_eq!((own.len(), own[0].id, own[0].code.clone()), (1, first, film.code));
@@ -168,7 +173,9 @@ fn codes_are_never_used_twice_even_by_plans_of_one_seed() {
     let study = Study { id: name("S-2"), label: None, synthetic: true };
     store.add_study(&study, &lead).expect("a study");
     store.add_film(&study.id, Posture::Erect, b"x", &image(), &lead).expect("a film");
-    store.reading_plan(&study.id, &[name("A")], PlanDesign { repeats: 900, ..DESIGN }, &lead).expect("a plan");
+    store
+        .reading_plan(&study.id, &[name("A")], PlanDesign { repeats: 900, ..DESIGN }, &lead)
+        .expect("a plan");
     let codes: BTreeSet<String> = store
         .audit_log()
         .expect("a log")
@@ -183,12 +190,16 @@ fn a_plan_of_nothing_or_beside_readings_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = create(&folder.path().join("store"));
     let (study, lead) = (name("S-1"), by("lead", 1));
-    store.add_study(&Study { id: study.clone(), label: None, synthetic: true }, &lead).expect("a study");
+    store
+        .add_study(&Study { id: study.clone(), label: None, synthetic: true }, &lead)
+        .expect("a study");
     let refused = store.reading_plan(&study, &[name("A")], DESIGN, &lead);
     assert!(matches!(refused, Err(StoreError::BadPlan { .. })), "no films: {refused:?}");
     let film = store.add_film(&study, Posture::Erect, b"x", &image(), &lead).expect("a film").film;
-    for (observers, repeats) in [(&[][..], 2), (&[name("A")][..], 0), (&[name("A")][..], u32::MAX)] {
-        let refused = store.reading_plan(&study, observers, PlanDesign { repeats, ..DESIGN }, &lead);
+    for (observers, repeats) in [(&[][..], 2), (&[name("A")][..], 0), (&[name("A")][..], u32::MAX)]
+    {
+        let refused =
+            store.reading_plan(&study, observers, PlanDesign { repeats, ..DESIGN }, &lead);
         assert!(matches!(refused, Err(StoreError::BadPlan { .. })), "{refused:?}");
     }
     store.begin_reading(film, 1, &by("A", 2)).expect("a reading");
