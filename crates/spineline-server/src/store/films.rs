@@ -159,7 +159,7 @@ impl Store {
     /// Changes a film's record, if it still is at the expected revision.
     ///
     /// # Errors
-    /// [`StoreError::Conflict`], and then the edit is among [`Store::conflicts`]; [`StoreError::Unknown`].
+    /// [`StoreError::Conflict`], and then the edit is among [`Store::conflicts_of_film`]; [`StoreError::Unknown`].
     pub fn edit_film(
         &mut self,
         film: FilmId,

@@ -157,7 +157,7 @@ impl Store {
     /// Adds an event to a reading, if it still is at the expected revision. What is acknowledged is on the disk.
     ///
     /// # Errors
-    /// [`StoreError::Conflict`], and then the event is among [`Store::conflicts`]; [`StoreError::NotYours`],
+    /// [`StoreError::Conflict`], and then the event is among [`Store::conflicts_of_reading`]; [`StoreError::NotYours`],
     /// [`StoreError::Finished`], [`StoreError::BadEvent`], [`StoreError::TooLarge`], [`StoreError::Unknown`].
     pub fn record(
         &mut self,

@@ -2,7 +2,7 @@
 //!
 //! A [`Store`] is one SQLite file. Everything that is acknowledged is committed and flushed to the disk. Readings are
 //! append-only journals of [`Event`]s; their state is a fold over the journal, so that undo survives a reload. Nothing is
-//! overwritten: a change based on an old revision is refused **and kept** ([`StoreError::Conflict`], [`Store::conflicts`]).
+//! overwritten: a change based on an old revision is refused **and kept** ([`StoreError::Conflict`], [`Store::conflicts_of_reading`]).
 //! Every change has an entry in a hash-chained log. A row that is read is compared with its entry, so that a damaged row
 //! is an error and never another reading; rows that are gone, and the log itself, are the business of [`Store::verify`].
 //!
