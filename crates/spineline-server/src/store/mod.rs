@@ -118,10 +118,11 @@ impl Store {
         Ok(Self { connection })
     }
 
-    /// How long a write waits while another program writes, before it gives up as [`StoreError::Busy`]; 5 s at first.
+    /// How long a write waits while another program writes, before it gives up as [`StoreError::Busy`]: 5 s at
+    /// first, and a day at most.
     ///
     /// # Errors
-    /// [`StoreError::Database`] for a time beyond the range of milliseconds in 32 bits.
+    /// [`StoreError::Database`], if SQLite refuses.
     pub fn set_busy_timeout(&self, timeout: Duration) -> Result<(), StoreError> {
         let longest = Duration::from_secs(24 * 60 * 60);
         Ok(self.connection.busy_timeout(timeout.min(longest))?)

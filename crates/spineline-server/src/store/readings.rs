@@ -31,13 +31,16 @@ impl Store {
     /// Begins a reading of a study without a plan. The observer is who signs.
     ///
     /// # Errors
-    /// [`StoreError::PlanGoverns`], [`StoreError::Exists`], [`StoreError::Unknown`].
+    /// [`StoreError::PlanGoverns`], [`StoreError::Exists`], [`StoreError::Unknown`]; [`StoreError::BadPlan`] for repeat 0.
     pub fn begin_reading(
         &mut self,
         film: FilmId,
         repeat: u32,
         by: &Signature,
     ) -> Result<ReadingId, StoreError> {
+        if repeat == 0 {
+            return Err(StoreError::BadPlan { needs: "repeats counted from 1" });
+        }
         self.write(by, |ledger| {
             let study = films::film(ledger.transaction, film)?.study;
             if plan::exists(ledger.transaction, &study)? {

@@ -126,6 +126,8 @@ fn a_finished_reading_is_immutable_and_an_unfinished_one_belongs_to_its_observer
     assert!(matches!(refused, Err(StoreError::NotYours { .. })), "{refused:?}");
     let refused = store.begin_reading(FILM, 1, &by("A", 90));
     assert!(matches!(refused, Err(StoreError::Exists { .. })), "{refused:?}");
+    let refused = store.begin_reading(FILM, 0, &by("A", 90));
+    assert!(matches!(refused, Err(StoreError::BadPlan { .. })), "{refused:?}");
     assert_eq!(fingerprint(&store), before);
 }
 
