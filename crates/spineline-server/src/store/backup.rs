@@ -1,0 +1,116 @@
+//! Copies of a store, whole, flushed and verified, which never replace a file.
+
+use std::ffi::OsString;
+use std::fs::{self, File, OpenOptions};
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use rusqlite::backup::{Backup, StepResult};
+use rusqlite::{Connection, OpenFlags};
+
+use super::verify::{Verification, verify};
+use super::{Store, StoreError, schema};
+
+impl Store {
+    /// Copies the store, as it is at this moment, into a new file, flushes it to the disk and verifies the copy.
+    ///
+    /// A damaged store is copied too: what the copy's verification says is for the caller to look at.
+    ///
+    /// # Errors
+    /// [`StoreError::AlreadyExists`]; [`StoreError::Full`], [`StoreError::File`] and the like, which leave no file.
+    pub fn backup_to(&self, path: &Path) -> Result<Verification, StoreError> {
+        copy(&self.connection, path)
+    }
+}
+
+/// Puts `NAME.backup-vN` beside a store of schema N, or `NAME.backup-vN-2` and so on where that is taken.
+pub(super) fn before_migration(
+    connection: &Connection,
+    path: &Path,
+    found: i64,
+) -> Result<PathBuf, StoreError> {
+    for count in 1_u32.. {
+        let suffix = if count == 1 { String::new() } else { format!("-{count}") };
+        let target = beside(path, &format!(".backup-v{found}{suffix}"));
+        match copy(connection, &target) {
+            Err(StoreError::AlreadyExists { .. }) => {}
+            Err(other) => return Err(other),
+            Ok(verification) if verification.is_clean() => return Ok(target),
+            Ok(verification) => {
+                let findings = verification.findings.len();
+                return Err(StoreError::MigrationRefused { schema: found, findings });
+            }
+        }
+    }
+    Err(StoreError::AlreadyExists { path: path.to_owned() })
+}
+
+fn beside(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = OsString::from(path);
+    name.push(suffix);
+    PathBuf::from(name)
+}
+
+/// The final name is reserved first and filled last, by renaming: under that name there is never half a copy. A process
+/// that is killed here leaves an empty file of that name and a `.part` beside it, which nobody mistakes for a store.
+fn copy(source: &Connection, target: &Path) -> Result<Verification, StoreError> {
+    let part = beside(target, ".part");
+    reserve(target)?;
+    if let Err(error) = reserve(&part) {
+        let _ = fs::remove_file(target);
+        return Err(error);
+    }
+    let failed = |source| StoreError::File { path: target.to_owned(), source };
+    let filled = fill(source, &part).and_then(|verification| {
+        File::open(&part).and_then(|file| file.sync_all()).map_err(failed)?;
+        fs::rename(&part, target).map_err(failed)?;
+        sync_folder(target).map_err(failed)?;
+        Ok(verification)
+    });
+    if filled.is_err() {
+        // What failed is told; that its remains cannot be removed either would hide it.
+        let _ = fs::remove_file(&part);
+        let _ = fs::remove_file(target);
+    }
+    filled
+}
+
+/// Makes an empty file where there is none.
+fn reserve(path: &Path) -> Result<(), StoreError> {
+    match OpenOptions::new().write(true).create_new(true).open(path) {
+        Ok(_) => Ok(()),
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+            Err(StoreError::AlreadyExists { path: path.to_owned() })
+        }
+        Err(source) => Err(StoreError::File { path: path.to_owned(), source }),
+    }
+}
+
+fn fill(source: &Connection, part: &Path) -> Result<Verification, StoreError> {
+    let mut copy = schema::connect(part, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
+    schema::settle(&copy)?;
+    {
+        let backup = Backup::new(source, &mut copy)?;
+        // All pages in one step are one snapshot.
+        if backup.step(-1)? != StepResult::Done {
+            return Err(StoreError::Busy);
+        }
+    }
+    // One file alone, which can be read from a read-only disk too.
+    copy.pragma_update_and_check(None, "journal_mode", "DELETE", |_| Ok(()))?;
+    let verification = verify(&copy, None)?;
+    copy.close().map_err(|(_, error)| error)?;
+    Ok(verification)
+}
+
+/// Makes a new name outlive a loss of power, where folders can be flushed.
+fn sync_folder(path: &Path) -> std::io::Result<()> {
+    #[cfg(unix)]
+    {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        File::open(folder.unwrap_or(Path::new(".")))?.sync_all()?;
+    }
+    #[cfg(not(unix))]
+    let _ = path;
+    Ok(())
+}

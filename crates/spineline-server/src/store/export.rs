@@ -1,0 +1,151 @@
+//! A study as a case file.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Map, Value, json};
+use spineline::anatomy::{Posture, Side};
+
+use super::films::{self, FilmRecord};
+use super::journal;
+use super::names::{Name, ReadingId};
+use super::readings::{self, ReadingRecord};
+use super::state::{ReadingState, VertebraMarks};
+use super::{Store, StoreError};
+
+/// A case file and what it could not hold.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ExportedCase {
+    /// Text of the case file, which `spineline_io::parse_case` has read.
+    pub text: String,
+    /// What was left out.
+    pub remarks: Vec<ExportRemark>,
+}
+
+/// Something of the study that is not in its case file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ExportRemark {
+    /// A reading that is not finished.
+    Unfinished {
+        /// Reading.
+        reading: ReadingId,
+    },
+    /// A scale read off the film. The image's own spacing stands.
+    ScaleLeftOut {
+        /// Reading.
+        reading: ReadingId,
+    },
+    /// A reading with one iliac crest only.
+    OneCrest {
+        /// Reading.
+        reading: ReadingId,
+    },
+}
+
+impl Store {
+    /// The case of a study: its finished readings, by posture, observer and repeat. The same store gives the same bytes.
+    ///
+    /// A case file has one pair of iliac crests per film; it gets the mean of the pairs of all readings. Labels and notes stay in the store.
+    ///
+    /// # Errors
+    /// [`StoreError::PostureTwice`]; [`StoreError::Case`] where the images' descriptions are not those of a case file;
+    /// [`StoreError::Unknown`], [`StoreError::Damaged`].
+    pub fn export_case(&self, study: &Name) -> Result<ExportedCase, StoreError> {
+        let snapshot = self.connection.unchecked_transaction()?;
+        let synthetic = films::study(&snapshot, study)?.synthetic;
+        let mut by_posture: BTreeMap<Posture, FilmRecord> = BTreeMap::new();
+        for film in films::films(&snapshot, study)? {
+            if let Some(other) = by_posture.insert(film.posture, film) {
+                let (study, posture) = (study.clone(), other.posture);
+                return Err(StoreError::PostureTwice { study, posture });
+            }
+        }
+        let mut remarks = Vec::new();
+        let readings = readings::of_study(&snapshot, study)?;
+        let mut records = Vec::new();
+        for film in by_posture.values() {
+            let mut finished = Vec::new();
+            for reading in readings.iter().filter(|reading| reading.film == film.id) {
+                if reading.finished_at.is_none() {
+                    remarks.push(ExportRemark::Unfinished { reading: reading.id });
+                    continue;
+                }
+                let state = journal::state(&snapshot, reading)?;
+                remarks.extend(left_out(reading.id, &state));
+                finished.push((reading, state));
+            }
+            records.push(film_json(film, &finished));
+        }
+        let case = json!({
+            "format": "spineline-case", "version": 1, "case_id": study.as_str(),
+            "synthetic": synthetic, "films": records,
+        });
+        let text = spineline_io::to_text(&case);
+        spineline_io::parse_case(&text)?;
+        Ok(ExportedCase { text, remarks })
+    }
+}
+
+fn left_out(reading: ReadingId, state: &ReadingState) -> Vec<ExportRemark> {
+    let mut remarks = Vec::new();
+    if state.scale.is_some() {
+        remarks.push(ExportRemark::ScaleLeftOut { reading });
+    }
+    if state.iliac_crests_px.len() == 1 {
+        remarks.push(ExportRemark::OneCrest { reading });
+    }
+    remarks
+}
+
+fn film_json(film: &FilmRecord, finished: &[(&ReadingRecord, ReadingState)]) -> Value {
+    let mut record = Map::new();
+    record.insert("posture".to_owned(), film.posture.key().into());
+    record.insert("image".to_owned(), film.image.clone());
+    if let Some(crests) = mean_crests(finished) {
+        record.insert("iliac_crests_px".to_owned(), crests);
+    }
+    let readings: Vec<Value> = finished
+        .iter()
+        .map(|(reading, state)| {
+            let vertebrae: Map<String, Value> = state
+                .vertebrae
+                .iter()
+                .map(|(level, marks)| (level.name().to_owned(), vertebra_json(marks)))
+                .collect();
+            json!({
+                "observer": reading.observer.as_str(), "repeat": reading.repeat,
+                "vertebrae": vertebrae,
+            })
+        })
+        .collect();
+    record.insert("readings".to_owned(), readings.into());
+    Value::Object(record)
+}
+
+fn vertebra_json(marks: &VertebraMarks) -> Value {
+    let mut vertebra: Map<String, Value> = marks
+        .corners
+        .iter()
+        .map(|(corner, place)| (corner.key().to_owned(), json!(place)))
+        .collect();
+    if let Some(axis_deg) = marks.axis_deg {
+        vertebra.insert("axis_deg".to_owned(), axis_deg.into());
+    }
+    Value::Object(vertebra)
+}
+
+/// The mean of the readings that have both crests, summed in their order.
+fn mean_crests(finished: &[(&ReadingRecord, ReadingState)]) -> Option<Value> {
+    let pairs: Vec<[[f64; 2]; 2]> = finished
+        .iter()
+        .filter_map(|(_, state)| {
+            let crest = |side| state.iliac_crests_px.get(&side).copied();
+            Some([crest(Side::Left)?, crest(Side::Right)?])
+        })
+        .collect();
+    let mean = |side: usize, axis: usize| {
+        pairs.iter().map(|pair| pair[side][axis]).sum::<f64>() / pairs.len() as f64
+    };
+    (!pairs.is_empty())
+        .then(|| json!({ "left": [mean(0, 0), mean(0, 1)], "right": [mean(1, 0), mean(1, 1)] }))
+}

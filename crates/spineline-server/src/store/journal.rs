@@ -1,0 +1,312 @@
+//! Every click, kept; and the clicks that lost a race, kept too.
+
+use rusqlite::{Connection, params};
+use serde::{Deserialize, Serialize};
+use spineline_io::LevelKey;
+
+use super::audit::{self, Ledger};
+use super::films::limit;
+use super::names::{FilmId, Name, ReadingId, Signature, Timestamp};
+use super::readings::{self, ReadingRecord};
+use super::state::ReadingState;
+use super::{Store, StoreError};
+
+/// Longest note, in characters.
+const LONGEST_NOTE: usize = 4_000;
+
+/// A corner of a vertebral body, by endplate and by the patient's side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Corner {
+    /// Superior endplate, patient's left.
+    SuperiorLeft,
+    /// Superior endplate, patient's right.
+    SuperiorRight,
+    /// Inferior endplate, patient's left.
+    InferiorLeft,
+    /// Inferior endplate, patient's right.
+    InferiorRight,
+}
+
+impl Corner {
+    /// All four.
+    pub const ALL: [Self; 4] =
+        [Self::SuperiorLeft, Self::SuperiorRight, Self::InferiorLeft, Self::InferiorRight];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::SuperiorLeft => "superior_left",
+            Self::SuperiorRight => "superior_right",
+            Self::InferiorLeft => "inferior_left",
+            Self::InferiorRight => "inferior_right",
+        }
+    }
+}
+
+/// The patient's side of an iliac crest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CrestSide {
+    /// The patient's left.
+    Left,
+    /// The patient's right.
+    Right,
+}
+
+/// One thing that a reader did, as JSON with a `kind`. Places are in pixels of the film, column and row, sub-pixel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Event {
+    /// A corner set, wherever it was before.
+    PlaceCorner {
+        /// Vertebra.
+        level: LevelKey,
+        /// Which corner.
+        corner: Corner,
+        /// Column.
+        column_px: f64,
+        /// Row.
+        row_px: f64,
+    },
+    /// A placed corner moved.
+    MoveCorner {
+        /// Vertebra.
+        level: LevelKey,
+        /// Which corner.
+        corner: Corner,
+        /// Column.
+        column_px: f64,
+        /// Row.
+        row_px: f64,
+    },
+    /// An axis turned by hand, or given back to the corners.
+    SetAxis {
+        /// Vertebra.
+        level: LevelKey,
+        /// Against the image's vertical, positive clockwise as seen; none to follow the corners.
+        axis_deg: Option<f64>,
+    },
+    /// A vertebra taken off the film.
+    RemoveVertebra {
+        /// Vertebra.
+        level: LevelKey,
+    },
+    /// The superior tip of an iliac crest.
+    PlaceIliacCrest {
+        /// The patient's side.
+        side: CrestSide,
+        /// Column.
+        column_px: f64,
+        /// Row.
+        row_px: f64,
+    },
+    /// The scale tool: a line of known length.
+    Scale {
+        /// One end.
+        from_px: [f64; 2],
+        /// The other end.
+        to_px: [f64; 2],
+        /// Length.
+        length_mm: f64,
+    },
+    /// Dark and bright exchanged for this reading, or not.
+    Invert {
+        /// Whether they are.
+        inverted: bool,
+    },
+    /// The last edit taken back; notes are not edits.
+    Undo,
+    /// What was taken back last, done again.
+    Redo,
+    /// Free text, which leaves the store in the reading's state only.
+    Note {
+        /// Text.
+        text: String,
+    },
+}
+
+/// A change that is committed and flushed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Acknowledged {
+    /// Number of its entry in the audit log: the order of all changes.
+    pub sequence: u64,
+    /// Revision of the reading or film after it.
+    pub revision: u64,
+}
+
+/// A change that was based on an old revision, kept beside the one that won.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LostChange {
+    /// Number.
+    pub id: i64,
+    /// Who.
+    pub who: Name,
+    /// When.
+    pub at: Timestamp,
+    /// Revision that they saw.
+    pub base_revision: u64,
+    /// Revision that there was.
+    pub found_revision: u64,
+    /// The [`Event`], edit or finish, as JSON.
+    pub change: String,
+}
+
+impl Store {
+    /// Adds an event to a reading, if it still is at the expected revision. What is acknowledged is on the disk.
+    ///
+    /// # Errors
+    /// [`StoreError::Conflict`], and then the event is among [`Store::conflicts_of_reading`]; [`StoreError::NotYours`],
+    /// [`StoreError::Finished`], [`StoreError::BadEvent`], [`StoreError::TooLarge`], [`StoreError::Unknown`].
+    pub fn record(
+        &mut self,
+        reading: ReadingId,
+        event: &Event,
+        expected_revision: u64,
+        by: &Signature,
+    ) -> Result<Acknowledged, StoreError> {
+        if let Event::Note { text } = event {
+            limit("the note (in characters)", text.chars().count(), LONGEST_NOTE)?;
+        }
+        let json = serde_json::to_string(event).expect("string keys only");
+        self.write(by, |ledger| {
+            let state = match current(ledger, reading, expected_revision, &json)? {
+                Ok((_, state)) => state,
+                Err(lost) => return Ok(Err(lost)),
+            };
+            if let Some(reason) = state.objection(event) {
+                return Err(StoreError::BadEvent { reading, reason });
+            }
+            let revision = state.revision + 1;
+            let number = next_id(ledger.transaction, "events", "sequence")?;
+            ledger.transaction.execute(
+                "INSERT INTO events VALUES (?1, ?2, ?3, ?4, ?5)",
+                params![number, reading.0, signed(revision)?, by.at.unix_ms(), json],
+            )?;
+            let sequence = ledger.seal("record", "events", &number)?;
+            Ok(Ok(Acknowledged { sequence, revision }))
+        })?
+    }
+
+    /// A reading after all its events, for the one who leads the study; readers look through [`Store::observer`].
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`], [`StoreError::Damaged`].
+    pub fn reading_state(&self, reading: ReadingId) -> Result<ReadingState, StoreError> {
+        let snapshot = self.connection.unchecked_transaction()?;
+        let record = readings::reading(&snapshot, reading)?;
+        state(&snapshot, &record)
+    }
+
+    /// The changes of a reading that lost a race, oldest first.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`].
+    pub fn conflicts_of_reading(&self, reading: ReadingId) -> Result<Vec<LostChange>, StoreError> {
+        lost_changes(&self.connection, &reading.to_string())
+    }
+
+    /// The edits of a film that lost a race, oldest first.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`].
+    pub fn conflicts_of_film(&self, film: FilmId) -> Result<Vec<LostChange>, StoreError> {
+        lost_changes(&self.connection, &film.to_string())
+    }
+}
+
+/// The reading that someone wants to change, if it is theirs, at the revision that they saw, and not finished.
+/// The inner error is a conflict, which has been kept.
+pub(super) fn current(
+    ledger: &Ledger<'_>,
+    reading: ReadingId,
+    expected: u64,
+    change: &str,
+) -> Result<Result<(ReadingRecord, ReadingState), StoreError>, StoreError> {
+    let record = readings::reading(ledger.transaction, reading)?;
+    if record.observer != ledger.by.who {
+        return Err(StoreError::NotYours { reading });
+    }
+    let state = state(ledger.transaction, &record)?;
+    if state.revision != expected {
+        return keep_lost(ledger, reading.to_string(), expected, state.revision, change).map(Err);
+    }
+    if state.finished {
+        return Err(StoreError::Finished { reading });
+    }
+    Ok(Ok((record, state)))
+}
+
+/// Keeps a change that lost; returns the error that says so.
+pub(super) fn keep_lost(
+    ledger: &Ledger<'_>,
+    object: String,
+    expected: u64,
+    found: u64,
+    change: &str,
+) -> Result<StoreError, StoreError> {
+    let conflict = next_id(ledger.transaction, "conflicts", "id")?;
+    let by = ledger.by;
+    ledger.transaction.execute(
+        "INSERT INTO conflicts VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)",
+        params![
+            conflict,
+            object,
+            by.who.as_str(),
+            by.at.unix_ms(),
+            // A caller may name any revision.
+            i64::try_from(expected).unwrap_or(i64::MAX),
+            signed(found)?,
+            change
+        ],
+    )?;
+    ledger.seal("keep_conflict", "conflicts", &conflict)?;
+    Ok(StoreError::Conflict { object, expected, found, conflict })
+}
+
+pub(super) fn state(
+    connection: &Connection,
+    record: &ReadingRecord,
+) -> Result<ReadingState, StoreError> {
+    let condition = "WHERE reading = ?1 ORDER BY revision";
+    let mut next = 1;
+    let events = audit::load(connection, "events", condition, [record.id.0], |row| {
+        let (sequence, revision, json): (i64, i64, String) =
+            (row.get("sequence")?, row.get("revision")?, row.get("event")?);
+        let event = serde_json::from_str(&json).ok().filter(|_| revision == next);
+        next += 1;
+        event.ok_or_else(|| StoreError::damaged(format!("event/{sequence}")))
+    })?;
+    Ok(ReadingState::replay(&events, record.finished_at.is_some()))
+}
+
+fn lost_changes(connection: &Connection, object: &str) -> Result<Vec<LostChange>, StoreError> {
+    audit::load(connection, "conflicts", "WHERE object = ?1 ORDER BY id", [object], |row| {
+        let id: i64 = row.get("id")?;
+        let at = Timestamp::from_unix_ms(row.get("time_ms")?);
+        Ok(LostChange {
+            id,
+            who: Name::new(&row.get::<_, String>("actor")?)?,
+            at: at.ok_or_else(|| StoreError::damaged(format!("conflict/{id}")))?,
+            base_revision: row.get::<_, i64>("base_revision")?.unsigned_abs(),
+            found_revision: row.get::<_, i64>("found_revision")?.unsigned_abs(),
+            change: row.get("change")?,
+        })
+    })
+}
+
+/// The number of a new row. Rows are never deleted, so that numbers are never used twice.
+pub(super) fn next_id(
+    connection: &Connection,
+    table: &str,
+    column: &str,
+) -> Result<i64, StoreError> {
+    let query = format!("SELECT coalesce(max({column}), 0) FROM {table}");
+    let last: i64 = connection.query_row(&query, [], |row| row.get(0))?;
+    last.checked_add(1).ok_or_else(|| StoreError::damaged(table))
+}
+
+fn signed(revision: u64) -> Result<i64, StoreError> {
+    i64::try_from(revision).map_err(|_| StoreError::damaged("events"))
+}
