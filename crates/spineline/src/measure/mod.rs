@@ -14,12 +14,14 @@
 mod corners;
 mod film;
 mod outline;
+mod readings;
 
 pub use corners::{CornerFault, Corners};
 pub use film::{
     Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading, ReadingId, SpacingPlane,
 };
 pub use outline::{MeasuredVertebra, Noise, Outline, measure_film};
+pub use readings::{FilmReadings, measure_readings};
 
 use crate::anatomy::{Level, Posture};
 

@@ -2,7 +2,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::{
     CornerFault, Film, FilmMarks, IliacCrests, ImageGeometry, Mark, MeasureError, Placement,
-    Reading, ReadingId, SpacingPlane,
+    Reading, ReadingId, SpacingPlane, measure_readings,
 };
 use crate::anatomy::{Level, Morphometry, Posture};
 use crate::spatial::{Angle, Frontal};
@@ -102,28 +102,16 @@ impl Outline {
 /// [`MeasureError`], which names film, reading, vertebra, value and limit. Nothing is repaired.
 pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, MeasureError> {
     let posture = film.posture;
-    let (placed, spacing_plane, iliac_normal) = match &film.marks {
-        FilmMarks::Landmarks { image, iliac_crests, readings } => {
-            check_spacing(posture, image)?;
-            check_readings(posture, readings)?;
-            let placed = readings
-                .iter()
-                .map(|reading| place(posture, image, reading))
-                .collect::<Result<Vec<_>, _>>()?;
+    let placed: Vec<BTreeMap<Level, Placement>> =
+        measure_readings(film)?.into_iter().map(|reading| reading.vertebrae).collect();
+    let (spacing_plane, iliac_normal) = match &film.marks {
+        FilmMarks::Landmarks { image, iliac_crests, .. } => {
             if let Some(crests) = iliac_crests {
                 check_crests(posture, image, crests)?;
             }
-            (placed, image.spacing_plane, iliac_crests.map(|crests| iliac_normal(image, crests)))
+            (image.spacing_plane, iliac_crests.map(|crests| iliac_normal(image, crests)))
         }
-        FilmMarks::Placements { spacing_plane, readings } => {
-            check_readings(posture, readings)?;
-            check_placements(posture, readings)?;
-            (
-                readings.iter().map(|reading| reading.vertebrae.clone()).collect(),
-                *spacing_plane,
-                None,
-            )
-        }
+        FilmMarks::Placements { spacing_plane, .. } => (*spacing_plane, None),
     };
     let on_film = average(&placed);
     let base =
@@ -166,7 +154,7 @@ pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, Mea
     })
 }
 
-fn check_spacing(posture: Posture, image: &ImageGeometry) -> Result<(), MeasureError> {
+pub(super) fn check_spacing(posture: Posture, image: &ImageGeometry) -> Result<(), MeasureError> {
     for (direction, value) in [("column", image.column_spacing_mm), ("row", image.row_spacing_mm)] {
         // Some real files carry a spacing of "0.000".
         if !(value > 1e-4 && value.is_finite()) {
@@ -176,7 +164,10 @@ fn check_spacing(posture: Posture, image: &ImageGeometry) -> Result<(), MeasureE
     Ok(())
 }
 
-fn check_readings<T>(posture: Posture, readings: &[Reading<T>]) -> Result<(), MeasureError> {
+pub(super) fn check_readings<T>(
+    posture: Posture,
+    readings: &[Reading<T>],
+) -> Result<(), MeasureError> {
     if readings.is_empty() {
         return Err(MeasureError::NoReading { posture });
     }
@@ -187,7 +178,10 @@ fn check_readings<T>(posture: Posture, readings: &[Reading<T>]) -> Result<(), Me
     }
 }
 
-fn check_placements(posture: Posture, readings: &[Reading<Placement>]) -> Result<(), MeasureError> {
+pub(super) fn check_placements(
+    posture: Posture,
+    readings: &[Reading<Placement>],
+) -> Result<(), MeasureError> {
     for reading in readings {
         for (&level, placement) in &reading.vertebrae {
             if !(placement.location.is_finite() && placement.tilt.rad().is_finite()) {
@@ -199,7 +193,7 @@ fn check_placements(posture: Posture, readings: &[Reading<Placement>]) -> Result
 }
 
 /// One reading in millimetres of the film: midpoints and tilts.
-fn place(
+pub(super) fn place(
     posture: Posture,
     image: &ImageGeometry,
     reading: &Reading<Mark>,
