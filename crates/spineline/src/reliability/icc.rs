@@ -80,14 +80,12 @@ impl MeanSquares {
         let largest = ratings.rows().iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
         // Smaller squares are the rounding of the readings.
         let rounding = (1e-14 * largest).powi(2);
+        if ![rounding, k * n * (rows + columns + error)].iter().all(|x| x.is_finite()) {
+            return Err(Undefined::NotFinite);
+        }
         let [rows, columns, error] =
             [rows, columns, error].map(|square| if square <= rounding { 0.0 } else { square });
-        let found = Self { n, k, rows, columns, error };
-        if [rows, columns, error, k * n * (rows + columns + error)].iter().all(|x| x.is_finite()) {
-            Ok(found)
-        } else {
-            Err(Undefined::NotFinite)
-        }
+        Ok(Self { n, k, rows, columns, error })
     }
 
     /// Whether all raters said the same of every subject.

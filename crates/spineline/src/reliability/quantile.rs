@@ -1,15 +1,23 @@
 //! Quantiles of F, chi-squared and Student's t, by bisection on their tails.
 //!
-//! The tails are those of statrs; its own quantile of F is a Newton iteration without a limit.
+//! The tails are statrs's. Its own quantile of F is a Newton iteration without a limit, and its upper tail of F a
+//! difference from one, which is useless where few degrees of freedom make the quantile large.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
+use statrs::function::beta::checked_beta_reg;
 
 /// Normal quantile of a two-sided 95 % interval.
 pub(super) const NORMAL_975: f64 = 1.959_963_984_540_054;
 
 /// 97.5 % quantile of F; `None` where it cannot be written as a number.
 pub(super) fn f_975(freedom_1: f64, freedom_2: f64) -> Option<f64> {
-    positive(&FisherSnedecor::new(freedom_1, freedom_2).ok()?, 0.025)
+    if !(freedom_1 > 0.0 && freedom_2 > 0.0) {
+        return None;
+    }
+    root(|x| {
+        let part = freedom_2 / (freedom_2 + freedom_1 * x);
+        checked_beta_reg(0.5 * freedom_2, 0.5 * freedom_1, part).is_ok_and(|tail| tail > 0.025)
+    })
 }
 
 /// 2.5 % and 97.5 % quantile of chi-squared.
@@ -26,18 +34,19 @@ pub(super) fn t_975(freedom: f64) -> Option<f64> {
 /// Where the upper tail of a distribution comes down to `tail`, on the positive axis.
 fn positive(distribution: &impl ContinuousCDF<f64, f64>, tail: f64) -> Option<f64> {
     // Either tail is exact where it is small.
-    let beyond = |ln: f64| {
-        let x = ln.exp();
-        if tail < 0.5 { distribution.sf(x) > tail } else { distribution.cdf(x) < 1.0 - tail }
-    };
+    root(|x| if tail < 0.5 { distribution.sf(x) > tail } else { distribution.cdf(x) < 1.0 - tail })
+}
+
+/// Where something ceases to be true on the positive axis; `None` where it does not between e^-200 and e^200.
+fn root(below: impl Fn(f64) -> bool) -> Option<f64> {
     let (mut low, mut high) = (-200.0_f64, 200.0_f64);
-    if !beyond(low) || beyond(high) {
+    if !below(low.exp()) || below(high.exp()) {
         return None;
     }
     // Until the two are neighbours in double precision.
     for _ in 0..70 {
         let middle = 0.5 * (low + high);
-        if beyond(middle) {
+        if below(middle.exp()) {
             low = middle;
         } else {
             high = middle;
@@ -62,7 +71,7 @@ mod tests {
         near(Some(low), -2.0 * 0.975_f64.ln());
         near(Some(high), -2.0 * 0.025_f64.ln());
         near(t_975(1.0), (std::f64::consts::PI * 0.475).tan());
-        near(t_975(1e9), NORMAL_975 * (1.0 + 1.2103e-9));
+        near(t_975(2.0), 0.95 / (2.0_f64 * 0.975 * 0.025).sqrt());
     }
 
     #[test]
