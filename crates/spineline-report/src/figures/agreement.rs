@@ -56,8 +56,8 @@ fn panel(pair: &BlandAltman, unit: &str, width_px: f64, point: Marker) -> Panel 
     let drawn = bounds.chain(pair.limits).chain([0.0]);
     let y = pair.points.iter().map(|point| point[1]).chain(drawn);
     let x = pair.points.iter().map(|point| point[0]);
-    let x = axis(format!("mean of both ({unit})"), x);
-    let y = axis(format!("difference ({unit})"), y);
+    let x = axis(format!("mean of both in {unit}"), x);
+    let y = axis(format!("difference in {unit}"), y);
     let mut panel = Panel::new(x, y, [width_px, 300.0]);
     let [lower, upper] = pair.limits.map(shown_measure);
     panel.headings = vec![

@@ -10,8 +10,8 @@ use crate::spatial::Angle;
 /// Name and meaning of a quantity; the first two rows of each unit are what the paper correlated.
 const LENGTHS: [(&str, &str); 4] = [
     (
-        "lateral_step",
-        "lateral distance of a midpoint from the one below, film's frame; subjects: film × pair of neighbours",
+        "lateral_bow",
+        "lateral distance of a midpoint from the middle of its two neighbours, film's frame; subjects: film × inner vertebra",
     ),
     ("spacing", "distance of neighbouring midpoints; subjects: film × pair of neighbours"),
     (
@@ -35,9 +35,10 @@ const ANGLES: [(&str, &str); 2] = [
 ///
 /// The paper correlated locations and tilts over all vertebrae. Heights of vertebrae span 400 mm, so that any reader who
 /// knows the order of the vertebrae has r = 0.999: such quantities are named `…_as_paper`, and of them only SEM, MDC95
-/// and limits of agreement speak of the readers. Beside them stand steps from vertebra to vertebra, from which the
-/// position along the spine, the film's frame and the patient's lean have dropped out: their spread is that of the
-/// spine's shape, which is what an ICC should compare the error with. An error of a step holds those of two vertebrae.
+/// and limits of agreement speak of the readers. Beside them stand local quantities, from which the position along the
+/// spine and the film's frame have dropped out, and, but for the spacing, the patient's lean: their spread is that of the
+/// spine's shape, which is what an ICC should compare the error with. (A lateral step from vertebra to vertebra would
+/// still hold the lean: bends of both sides make it span 40 mm.) An error of these holds those of two or three vertebrae.
 ///
 /// Subjects are nested: vertebrae in films, films in cases. An observer of the same name is one observer in all cases.
 /// Readings of one case that are given twice are left as they were first.
@@ -101,9 +102,13 @@ fn insert(
         let [below, above] = [pair[0], pair[1]].map(|level| reading.vertebrae.get(&level));
         let (Some(below), Some(above)) = (below, above) else { continue };
         let subject = format!("{place}/{}-{}", pair[0], pair[1]);
-        let step = above.location - below.location;
-        set("lateral_step", &subject, step.y_mm);
-        set("spacing", &subject, step.norm_mm());
+        set("spacing", &subject, above.location.distance_mm(below.location));
         set("tilt_step", &subject, (above.tilt - below.tilt).wrapped().deg());
+    }
+    for triple in Level::ALL.windows(3) {
+        let places = [triple[0], triple[1], triple[2]].map(|level| reading.vertebrae.get(&level));
+        let [Some(below), Some(inner), Some(above)] = places else { continue };
+        let bow = inner.location - (below.location + above.location) * 0.5;
+        set("lateral_bow", &format!("{place}/{}", triple[1]), bow.y_mm);
     }
 }

@@ -90,7 +90,10 @@ impl fmt::Display for Remark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Dropped { dropped, subjects } => {
-                write!(f, "{dropped} of {subjects} subjects were not read by all and are left out")
+                write!(
+                    f,
+                    "{dropped} of {subjects} subjects were not read by all, as often as any, and are left out"
+                )
             }
             Self::UnequalRepeats { repeats: [few, many] } => write!(
                 f,
