@@ -187,7 +187,8 @@ def compare_icc(c: Comparison, name: str, table: np.ndarray, ours: dict, squares
             c.same(name, f"{key} in pingouin", found["value"], package.loc[form, "ICC"])
         if found["interval_95"] is None:
             turns_over = key == "icc_2_k" and 1.0 + (k - 1) * min(single) <= 1e-9
-            no_freedom = not np.all(np.isfinite(single))
+            # Quantiles of F beyond 1e299: next to no degrees of freedom, and scipy's bounds leave out the estimate.
+            no_freedom = not single[0] <= formulas["icc_2_1"][0] <= single[1]
             c.undefined(name, f"{key} interval", "no_interval", turns_over or no_freedom)
         else:
             c.same(name, f"{key} interval", found["interval_95"], formulas[key][1])

@@ -9,7 +9,7 @@ pub struct FilmReadings {
     pub posture: Posture,
     /// What the millimetres are.
     pub length_unit: String,
-    /// Midpoints and tilts, all in one frame of the film.
+    /// Midpoints and tilts, all in one frame of the film; by observer and repeat, whatever order the film had.
     pub readings: Vec<Reading<Placement>>,
 }
 
@@ -23,7 +23,8 @@ impl FilmReadings {
             FilmMarks::Landmarks { image, .. } => image.spacing_plane,
             FilmMarks::Placements { spacing_plane, .. } => *spacing_plane,
         };
-        let readings = measure_readings(film)?;
+        let mut readings = measure_readings(film)?;
+        readings.sort_by(|a, b| a.id.cmp(&b.id));
         Ok(Self { posture: film.posture, length_unit: plane.unit().to_owned(), readings })
     }
 }
