@@ -4,6 +4,7 @@ mod engines;
 mod oracle;
 mod peers;
 mod python;
+mod reliability;
 mod tidy;
 
 use std::env;
@@ -13,10 +14,12 @@ use std::process::{Command, ExitCode};
 const HELP: &str = "\
 cargo xtask COMMAND
 
-  test     everything: format, lints, tidy, tests, documentation and its examples, engines
+  test     everything: format, lints, tidy, tests, documentation and its examples, engines, reliability
   check    the quick part: format, lints, tidy
   tidy     house rules that no compiler knows
   engines  exported models in MuJoCo, Pinocchio and OpenSim (needs Python, and a network the first time)
+  reliability
+           ICC, errors and correlations beside those of pingouin and scipy (needs Python, and a network the first time)
   bench    benchmarks of the core
   peers [--rounds N] [--without-octave]
            times beside those of MuJoCo, Pinocchio, OpenSim, numpy and Octave (minutes; needs what `engines` needs)
@@ -37,10 +40,13 @@ fn main() -> ExitCode {
         _ => {}
     }
     let steps: &[Step] = match command.as_str() {
-        "test" => &[format, lint, tidy::run, test, doctest, docs, engines::compare],
+        "test" => {
+            &[format, lint, tidy::run, test, doctest, docs, engines::compare, reliability::compare]
+        }
         "check" => &[format, lint, tidy::run],
         "tidy" => &[tidy::run],
         "engines" => &[engines::compare],
+        "reliability" => &[reliability::compare],
         "bench" => &[bench],
         _ => {
             eprint!("{HELP}");

@@ -4,11 +4,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules of the core; each uses only those before it.
-const MODULES: [&str; 16] = [
+const MODULES: [&str; 17] = [
     "anatomy",
     "spatial",
     "warning",
     "measure",
+    "reliability",
     "curve",
     "clinical",
     "chain",

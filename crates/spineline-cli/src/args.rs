@@ -14,6 +14,7 @@ use spineline::spatial::{Angle, Frontal};
 
 use crate::export::{EXAMPLES, ExportArgs};
 use crate::failure::Failure;
+use crate::reliability::{self, ReliabilityArgs};
 use crate::simulate;
 
 /// Turns frontal radiographs of a scoliotic spine into a personalised multibody model.
@@ -35,6 +36,9 @@ pub enum Command {
     Analyze(AnalyzeArgs),
     /// Tell what case files hold, what is odd about them, and what can be made of them
     Check(CheckArgs),
+    /// Tell how well readings repeat: errors, limits of agreement, ICC and Pearson, within and between observers
+    #[command(after_help = reliability::EXAMPLES)]
+    Reliability(ReliabilityArgs),
     /// Load a personalised model: forces, moments, weight, pads, straps and rods, or a force for a wanted lean
     #[command(after_help = simulate::EXAMPLES)]
     Simulate(simulate::SimulateArgs),
@@ -65,6 +69,7 @@ pub enum SchemaName {
     Analysis,
     Model,
     Load,
+    Reliability,
     Simulation,
     Stiffness,
 }
@@ -76,6 +81,7 @@ impl SchemaName {
             Self::Analysis => "analysis",
             Self::Model => "model",
             Self::Load => "load",
+            Self::Reliability => "reliability",
             Self::Simulation => "simulation",
             Self::Stiffness => "stiffness",
         }

@@ -9,6 +9,7 @@ mod failure;
 mod model;
 mod phantom;
 mod progress;
+mod reliability;
 mod report;
 mod reproduce;
 mod rows;
@@ -40,6 +41,7 @@ fn run(command: Command) -> Result<Ending, Failure> {
         Command::Analyze(args) => analyze::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Simulate(args) => simulate::run(&args),
+        Command::Reliability(args) => reliability::run(&args),
         Command::Phantom(args) => phantom::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Schema { name } => print_schema(name),

@@ -156,6 +156,20 @@ pub enum FileError {
         /// Region.
         region: Region,
     },
+    /// A table whose heading does not fit.
+    #[error("line 1: {reason}")]
+    Column {
+        /// Why.
+        reason: String,
+    },
+    /// A row of a table that does not fit.
+    #[error("line {line}: {reason}")]
+    Row {
+        /// Line, from 1.
+        line: u64,
+        /// Why.
+        reason: String,
+    },
     /// A load file without loads.
     #[error("`loads` is empty")]
     NoLoads,
@@ -215,6 +229,9 @@ impl FileError {
             | Self::Region { .. }
             | Self::RegionOrder { .. } => {
                 "write the model again with `spineline analyze CASE --model FILE`"
+            }
+            Self::Column { .. } | Self::Row { .. } => {
+                "a table of readings is CSV with the columns quantity, unit, subject, observer, repeat, value; one reading per row"
             }
             Self::NoLoads => "give at least one; `spineline schema load` prints every kind",
             Self::Load { help, .. } => help,

@@ -1,5 +1,6 @@
-//! Files of Spineline: cases, analyses, personalised models, loads, simulations and stiffness tables, all JSON with a
-//! format and a version; and models as other multibody programs read them ([`export`]).
+//! Files of Spineline: cases, analyses, personalised models, loads, simulations, reliabilities and stiffness tables, all JSON with a
+//! format and a version; models as other multibody programs read them ([`export`]); and
+//! tables of readings as CSV ([`parse_readings`]).
 //!
 //! The types here are what the files look like; [`spineline`]'s own types are what is computed with. Every file format
 //! has a JSON schema, generated from the types. Unknown keys are errors that name the nearest known one, a level given
@@ -19,6 +20,8 @@ mod json;
 mod keys;
 mod load_file;
 mod model_file;
+mod readings_table;
+mod reliability_file;
 mod simulation_file;
 mod stiffness_file;
 
@@ -29,6 +32,8 @@ pub use export::{ExportError, ExportFormat, export};
 pub use keys::LevelKey;
 pub use load_file::{AppliedLoad, LoadFile, PlacedLoads, TimingKey, parse_load};
 pub use model_file::{ApplicationKey, LoadRecord, ModelFile, StoredModel, parse_model};
+pub use readings_table::{ReadingsTable, parse_readings};
+pub use reliability_file::ReliabilityFile;
 pub use simulation_file::{SimulationFile, SimulationWarning};
 pub use stiffness_file::{StiffnessFile, parse_stiffness};
 
@@ -45,7 +50,7 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
         .map_err(|source| FileError::Read { path: path.to_owned(), source })
 }
 
-/// A file format by name: `case`, `analysis`, `model`, `load`, `simulation` or `stiffness`.
+/// A file format by name: `case`, `analysis`, `model`, `load`, `reliability`, `simulation` or `stiffness`.
 #[must_use]
 pub fn schema(name: &str) -> Option<Schema> {
     match name {
@@ -53,6 +58,7 @@ pub fn schema(name: &str) -> Option<Schema> {
         "analysis" => Some(schemars::schema_for!(AnalysisFile)),
         "model" => Some(schemars::schema_for!(ModelFile)),
         "load" => Some(schemars::schema_for!(LoadFile)),
+        "reliability" => Some(schemars::schema_for!(ReliabilityFile)),
         "simulation" => Some(schemars::schema_for!(SimulationFile)),
         "stiffness" => Some(schemars::schema_for!(StiffnessFile)),
         _ => None,

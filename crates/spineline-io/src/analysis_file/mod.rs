@@ -17,6 +17,7 @@ use spineline::personalize::FitTarget;
 use spineline::spatial::{Angle, Frontal};
 
 use crate::keys::{LevelKey, PostureKey};
+use crate::reliability_file::QuantityRecord;
 use model::ModelRecord;
 use posture::PostureRecord;
 
@@ -45,6 +46,8 @@ pub struct AnalysisFile {
     /// Where the spine's sagittal profile comes from: `measured` on the lateral film, or a `population`'s.
     sagittal_profile: String,
     postures: BTreeMap<PostureKey, PostureRecord>,
+    /// How well the readings repeat, by quantity; `null` where every film was read once.
+    reliability: Option<Vec<QuantityRecord>>,
     /// One model per line of action: `inflection_line`, `iliac_line`, `estimated_line`, `given_line`.
     models: BTreeMap<String, ModelRecord>,
     warnings: Vec<WarningRecord>,
@@ -165,6 +168,9 @@ impl AnalysisFile {
                 .iter()
                 .map(|p| (p.outline.posture.into(), PostureRecord::new(p, scale)))
                 .collect(),
+            reliability: Some(analysis.reliability())
+                .filter(|found| !found.is_empty())
+                .map(|found| found.iter().map(QuantityRecord::new).collect()),
             models: analysis
                 .models
                 .iter()

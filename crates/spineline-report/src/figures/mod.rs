@@ -8,6 +8,7 @@
 //! | [`measured_and_simulated`] | 9 |
 //! | [`least_rotating_estimates`] | 10 |
 //! | [`force_path`] | 11 |
+//! | [`bland_altman`] | none: readings of two raters against one another |
 //! | [`case_overview`] | none: all postures of one patient side by side |
 //! | [`loaded_spine`] | none: a model under loads, from behind and from the right |
 //!
@@ -21,6 +22,7 @@
 //! kuva draws axes, grids and curves; this module lays out panels, legends, boxes and markers. Element ids derive from
 //! the title, so that several figures can stand in one HTML page.
 
+mod agreement;
 mod arrows;
 mod boxes;
 mod cohort;
@@ -33,6 +35,7 @@ mod rotation;
 mod spines;
 mod style;
 
+pub use agreement::bland_altman;
 pub use cohort::{
     EstimateGroup, EstimateSample, InflectionSample, LocationErrorSample, inflection_distances,
     least_rotating_estimates, location_errors,

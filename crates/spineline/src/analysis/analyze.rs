@@ -6,11 +6,12 @@ use crate::chain::{Chain, ChainPose};
 use crate::clinical::{ClinicalCurve, LenkeType, Regions, lenke_type, measure_curves};
 use crate::curve::{CurveFit, InflectionChoice, Inflections, find_inflections, fit_curve};
 use crate::error::Error;
-use crate::measure::{Film, LengthScale, Outline, measure_film};
+use crate::measure::{Film, FilmReadings, LengthScale, Outline, measure_film};
 use crate::motion::{Estimate, Motion, least_windows, mean_least};
 use crate::multibody::SpineModel;
 use crate::personalize::estimate::LineComparison;
 use crate::personalize::evidence::FilmEvidence;
+use crate::reliability::{QuantityReliability, assess, film_quantities};
 use crate::spatial::{Angle, Frontal};
 use crate::warning::{Step, Warnings};
 
@@ -44,6 +45,8 @@ pub struct Analysis {
     pub case_id: String,
     /// Whether the films are made up.
     pub synthetic: bool,
+    /// Every reading of every film by itself, the erect one first.
+    pub readings: Vec<FilmReadings>,
     /// Postures that have a film, the erect one first.
     pub postures: Vec<PostureAnalysis>,
     /// Inflections and lobes of the erect curve.
@@ -79,6 +82,17 @@ impl Analysis {
         self.postures.iter().find(|p| p.outline.posture == posture)
     }
 
+    /// How well the readings repeat, by quantity; empty where every film was read once.
+    ///
+    /// Computed when it is asked for, since no other result depends on it.
+    #[must_use]
+    pub fn reliability(&self) -> Vec<QuantityReliability> {
+        if is_read_once(&self.readings) {
+            return Vec::new();
+        }
+        film_quantities(&[(&self.case_id, &self.readings)]).iter().map(assess).collect()
+    }
+
     /// The erect posture.
     #[must_use]
     pub fn erect(&self) -> &PostureAnalysis {
@@ -106,9 +120,15 @@ pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error
     let mut films: Vec<&Film> = case.films.iter().collect();
     films.sort_by_key(|film| film.posture);
     let outlines = films
-        .into_iter()
+        .iter()
         .map(|film| measure_film(film, &mut warnings))
         .collect::<Result<Vec<Outline>, _>>()?;
+    let readings =
+        films.into_iter().map(FilmReadings::measure).collect::<Result<Vec<FilmReadings>, _>>()?;
+    if is_read_once(&readings) {
+        let text = "every film was read once, so how well readings repeat is not known: let a second observer read, or read again";
+        warnings.push(Step::Measure, "reliability_one_reading", text);
+    }
     check_outlines(&outlines, &mut warnings)?;
     // 2 curve
     let fits = outlines
@@ -170,6 +190,7 @@ pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error
     let mut analysis = Analysis {
         case_id: case.id.clone(),
         synthetic: case.synthetic,
+        readings,
         postures,
         inflections,
         inflection_segments,
@@ -187,6 +208,11 @@ pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error
     // 5, 7 and 8: lines of action, personalisation, evaluation
     fit_models(&mut analysis);
     Ok(analysis)
+}
+
+/// Whether no film has a second reading.
+fn is_read_once(films: &[FilmReadings]) -> bool {
+    films.iter().all(|film| film.readings.len() < 2)
 }
 
 fn inflections_of(

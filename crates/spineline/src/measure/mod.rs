@@ -17,6 +17,7 @@ mod evidence;
 mod film;
 mod lateral;
 mod outline;
+mod readings;
 mod spacing;
 mod view;
 
@@ -28,6 +29,7 @@ pub use evidence::{
 pub use film::{Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading, ReadingId};
 pub use lateral::{LateralCorners, LateralFilm};
 pub use outline::{MeasuredVertebra, Noise, Outline, measure_film};
+pub use readings::{FilmReadings, measure_readings};
 pub use spacing::{LengthScale, Spacing, SpacingPlane, SpacingSource};
 pub use view::{
     Direction, Stance, View, ViewEvidence, ViewJudgement, ViewPosition, ViewQuestion, judge_view,

@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::spacing::is_spacing;
 use super::{
     CornerFault, Film, FilmMarks, IliacCrests, ImageGeometry, LengthScale, Mark, MeasureError,
-    Placement, Reading, ReadingId, SpacingPlane,
+    Placement, Reading, ReadingId, SpacingPlane, measure_readings,
 };
 use crate::anatomy::{Level, Morphometry, Posture};
 use crate::spatial::{Angle, Frontal};
@@ -103,14 +103,10 @@ impl Outline {
 /// [`MeasureError`], which names film, reading, vertebra, value and limit. Nothing is repaired.
 pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, MeasureError> {
     let posture = film.posture;
+    let placed: Vec<BTreeMap<Level, Placement>> =
+        measure_readings(film)?.into_iter().map(|reading| reading.vertebrae).collect();
     let (placed, scale, iliac_normal) = match &film.marks {
-        FilmMarks::Landmarks { image, iliac_crests, readings } => {
-            check_spacing(posture, image)?;
-            check_readings(posture, readings)?;
-            let placed = readings
-                .iter()
-                .map(|reading| place(posture, image, reading))
-                .collect::<Result<Vec<_>, _>>()?;
+        FilmMarks::Landmarks { image, iliac_crests, .. } => {
             if let Some(crests) = iliac_crests {
                 check_crests(posture, image, crests)?;
             }
@@ -123,14 +119,8 @@ pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, Mea
                 }
             }
         }
-        FilmMarks::Placements { spacing_plane, readings } => {
-            check_readings(posture, readings)?;
-            check_placements(posture, readings)?;
-            (
-                readings.iter().map(|reading| reading.vertebrae.clone()).collect(),
-                LengthScale::stated(*spacing_plane),
-                None,
-            )
+        FilmMarks::Placements { spacing_plane, .. } => {
+            (placed, LengthScale::stated(*spacing_plane), None)
         }
     };
     let on_film = average(&placed);
@@ -174,7 +164,7 @@ pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, Mea
     })
 }
 
-fn check_spacing(posture: Posture, image: &ImageGeometry) -> Result<(), MeasureError> {
+pub(super) fn check_spacing(posture: Posture, image: &ImageGeometry) -> Result<(), MeasureError> {
     let Some(spacing) = image.spacing else { return Ok(()) };
     for (direction, value) in [("column", spacing.column_mm), ("row", spacing.row_mm)] {
         if !is_spacing(value) {
@@ -184,7 +174,10 @@ fn check_spacing(posture: Posture, image: &ImageGeometry) -> Result<(), MeasureE
     Ok(())
 }
 
-fn check_readings<T>(posture: Posture, readings: &[Reading<T>]) -> Result<(), MeasureError> {
+pub(super) fn check_readings<T>(
+    posture: Posture,
+    readings: &[Reading<T>],
+) -> Result<(), MeasureError> {
     if readings.is_empty() {
         return Err(MeasureError::NoReading { posture });
     }
@@ -195,7 +188,10 @@ fn check_readings<T>(posture: Posture, readings: &[Reading<T>]) -> Result<(), Me
     }
 }
 
-fn check_placements(posture: Posture, readings: &[Reading<Placement>]) -> Result<(), MeasureError> {
+pub(super) fn check_placements(
+    posture: Posture,
+    readings: &[Reading<Placement>],
+) -> Result<(), MeasureError> {
     for reading in readings {
         for (&level, placement) in &reading.vertebrae {
             if !(placement.location.is_finite() && placement.tilt.rad().is_finite()) {
@@ -207,7 +203,7 @@ fn check_placements(posture: Posture, readings: &[Reading<Placement>]) -> Result
 }
 
 /// One reading in millimetres of the film: midpoints and tilts.
-fn place(
+pub(super) fn place(
     posture: Posture,
     image: &ImageGeometry,
     reading: &Reading<Mark>,

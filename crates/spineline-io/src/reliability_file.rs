@@ -1,0 +1,168 @@
+//! How well readings repeat, as a file, and as a part of an analysis file.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use spineline::reliability::{
+    BlandAltman, Design, DesignReliability, QuantityReliability, Statistic,
+};
+
+/// Reliability and error of readings. Lengths in the unit of their quantity, angles in degrees.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(title = "Spineline reliability, version 1")]
+pub struct ReliabilityFile {
+    format: String,
+    version: u32,
+    /// Program that wrote it.
+    generator: String,
+    /// Whether any reading is of made-up films.
+    synthetic: bool,
+    quantities: Vec<QuantityRecord>,
+}
+
+/// One quantity in all designs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub(crate) struct QuantityRecord {
+    quantity: String,
+    unit: String,
+    /// What it is, and what its subjects are.
+    meaning: String,
+    designs: Vec<DesignRecord>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct DesignRecord {
+    /// `inter_observer_means`, `inter_observer_single` or `intra_observer`.
+    design: String,
+    /// Of `intra_observer`: whose repeats are compared.
+    observer: Option<String>,
+    /// Of `inter_observer_single`: which repeat is compared.
+    repeat: Option<u32>,
+    raters: Vec<String>,
+    /// Readings in one rater's value, by rater.
+    repeats: Vec<usize>,
+    /// Subjects that all raters rated.
+    subjects: usize,
+    /// Subjects that are left out because somebody did not read them.
+    dropped: usize,
+    statistics: Vec<StatisticRecord>,
+    bland_altman: Vec<BlandAltmanRecord>,
+    remarks: Vec<RemarkRecord>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct StatisticRecord {
+    statistic: String,
+    /// Symbol, model, definition and unit in words.
+    name: String,
+    /// Formula.
+    definition: String,
+    /// Unit of its value; `null` for a coefficient.
+    unit: Option<String>,
+    value: Option<f64>,
+    /// Over the pairs of raters, where it is a mean over several.
+    sd: Option<f64>,
+    interval_95: Option<[f64; 2]>,
+    /// Why there is no value.
+    undefined: Option<ReasonRecord>,
+    /// Why there is no interval.
+    interval_undefined: Option<ReasonRecord>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct BlandAltmanRecord {
+    /// Differences are the second minus the first.
+    raters: [String; 2],
+    bias: f64,
+    sd: f64,
+    /// Bias -1.96 and +1.96 standard deviations.
+    limits: [f64; 2],
+    bias_interval_95: Option<[f64; 2]>,
+    limit_intervals_95: Option<[[f64; 2]; 2]>,
+    interval_undefined: Option<ReasonRecord>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct ReasonRecord {
+    code: String,
+    message: String,
+}
+
+type RemarkRecord = ReasonRecord;
+
+impl ReliabilityFile {
+    /// The file of what was found.
+    #[must_use]
+    pub fn new(quantities: &[QuantityReliability], synthetic: bool, generator: &str) -> Self {
+        Self {
+            format: "spineline-reliability".to_owned(),
+            version: 1,
+            generator: generator.to_owned(),
+            synthetic,
+            quantities: quantities.iter().map(QuantityRecord::new).collect(),
+        }
+    }
+}
+
+impl QuantityRecord {
+    pub(crate) fn new(quantity: &QuantityReliability) -> Self {
+        Self {
+            quantity: quantity.key.clone(),
+            unit: quantity.unit.clone(),
+            meaning: quantity.meaning.clone(),
+            designs: quantity.designs.iter().map(|d| design(d, &quantity.unit)).collect(),
+        }
+    }
+}
+
+fn design(found: &DesignReliability, unit: &str) -> DesignRecord {
+    let (observer, repeat) = match &found.design {
+        Design::InterObserverMeans => (None, None),
+        Design::InterObserverSingle { repeat } => (None, Some(*repeat)),
+        Design::IntraObserver { observer } => (Some(observer.clone()), None),
+    };
+    let remark = |code: &str, message: String| ReasonRecord { code: code.to_owned(), message };
+    DesignRecord {
+        design: found.design.key().to_owned(),
+        observer,
+        repeat,
+        raters: found.raters.clone(),
+        repeats: found.repeats.clone(),
+        subjects: found.subjects,
+        dropped: found.dropped,
+        statistics: found.statistics.iter().map(|s| statistic(s, unit)).collect(),
+        bland_altman: found.bland_altman.iter().map(bland_altman).collect(),
+        remarks: found.remarks.iter().map(|r| remark(r.key(), r.to_string())).collect(),
+    }
+}
+
+fn statistic(found: &Statistic, unit: &str) -> StatisticRecord {
+    let kind = found.kind;
+    let interval = found.outcome.map(|estimate| estimate.interval);
+    StatisticRecord {
+        statistic: kind.key().to_owned(),
+        name: kind.name().to_owned(),
+        definition: kind.definition().to_owned(),
+        unit: kind.has_unit().then(|| unit.to_owned()),
+        value: found.outcome.ok().map(|estimate| estimate.value),
+        sd: found.outcome.ok().and_then(|estimate| estimate.sd),
+        interval_95: interval.ok().and_then(Result::ok),
+        undefined: found.outcome.err().map(reason),
+        interval_undefined: interval.ok().and_then(Result::err).map(reason),
+    }
+}
+
+fn bland_altman(found: &BlandAltman) -> BlandAltmanRecord {
+    BlandAltmanRecord {
+        raters: found.raters.clone(),
+        bias: found.bias,
+        sd: found.sd,
+        limits: found.limits,
+        bias_interval_95: found.bias_interval.ok(),
+        limit_intervals_95: found.limit_intervals.ok(),
+        interval_undefined: found.bias_interval.err().map(reason),
+    }
+}
+
+fn reason(why: spineline::reliability::Undefined) -> ReasonRecord {
+    ReasonRecord { code: why.key().to_owned(), message: why.to_string() }
+}

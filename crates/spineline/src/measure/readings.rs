@@ -1,0 +1,58 @@
+use super::outline::{check_placements, check_readings, check_spacing, place};
+use super::{Film, FilmMarks, MeasureError, Placement, Reading, SpacingPlane};
+use crate::anatomy::Posture;
+
+/// Every reading of one film by itself, for questions about the readers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FilmReadings {
+    /// Position of the patient.
+    pub posture: Posture,
+    /// What the millimetres are.
+    pub length_unit: String,
+    /// Midpoints and tilts, all in one frame of the film; by observer and repeat, whatever order the film had.
+    pub readings: Vec<Reading<Placement>>,
+}
+
+impl FilmReadings {
+    /// Of a film.
+    ///
+    /// # Errors
+    /// As [`measure_readings`].
+    pub fn measure(film: &Film) -> Result<Self, MeasureError> {
+        let plane = match &film.marks {
+            FilmMarks::Landmarks { image, .. } => {
+                image.spacing.map_or(SpacingPlane::Pixels, |spacing| spacing.plane)
+            }
+            FilmMarks::Placements { spacing_plane, .. } => *spacing_plane,
+        };
+        let mut readings = measure_readings(film)?;
+        readings.sort_by(|a, b| a.id.cmp(&b.id));
+        Ok(Self { posture: film.posture, length_unit: plane.unit().to_owned(), readings })
+    }
+}
+
+/// Every reading of one film by itself: midpoints and tilts in the film's own frame, before they are averaged.
+///
+/// # Errors
+/// [`MeasureError`], which names film, reading, vertebra, value and limit. Nothing is repaired.
+pub fn measure_readings(film: &Film) -> Result<Vec<Reading<Placement>>, MeasureError> {
+    let posture = film.posture;
+    match &film.marks {
+        FilmMarks::Landmarks { image, readings, .. } => {
+            check_spacing(posture, image)?;
+            check_readings(posture, readings)?;
+            readings
+                .iter()
+                .map(|reading| {
+                    let vertebrae = place(posture, image, reading)?;
+                    Ok(Reading { id: reading.id.clone(), vertebrae })
+                })
+                .collect()
+        }
+        FilmMarks::Placements { readings, .. } => {
+            check_readings(posture, readings)?;
+            check_placements(posture, readings)?;
+            Ok(readings.clone())
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Marked films → quantities whose readings can be compared.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::Quantity;
+use crate::anatomy::Level;
+use crate::measure::{FilmReadings, Placement, Reading};
+use crate::spatial::Angle;
+
+/// Name and meaning of a quantity; the first two rows of each unit are what the paper correlated.
+const LENGTHS: [(&str, &str); 4] = [
+    (
+        "lateral_bow",
+        "lateral distance of a midpoint from the middle of its two neighbours, film's frame; subjects: film × inner vertebra",
+    ),
+    ("spacing", "distance of neighbouring midpoints; subjects: film × pair of neighbours"),
+    (
+        "location_y_as_paper",
+        "lateral coordinate of a midpoint, film's frame; subjects: film × vertebra, pooled as the paper did: correlations contain where the film lay and how the patient leaned",
+    ),
+    (
+        "location_z_as_paper",
+        "height of a midpoint, film's frame; subjects: film × vertebra, pooled as the paper did: correlations contain the length of the spine and are near 1 whatever the readers do",
+    ),
+];
+const ANGLES: [(&str, &str); 2] = [
+    ("tilt_step", "tilt of a vertebra against the one below; subjects: film × pair of neighbours"),
+    (
+        "tilt_as_paper",
+        "tilt of a vertebra against the film; subjects: film × vertebra, pooled as the paper did: correlations contain how the patient leaned",
+    ),
+];
+
+/// The quantities of one or more cases, each given by its identifier and films.
+///
+/// The paper correlated locations and tilts over all vertebrae. Heights of vertebrae span 400 mm, so that any reader who
+/// knows the order of the vertebrae has r = 0.999: such quantities are named `…_as_paper`, and of them only SEM, MDC95
+/// and limits of agreement speak of the readers. Beside them stand local quantities, from which the position along the
+/// spine and the film's frame have dropped out, and, but for the spacing, the patient's lean: their spread is that of the
+/// spine's shape, which is what an ICC should compare the error with. (A lateral step from vertebra to vertebra would
+/// still hold the lean: bends of both sides make it span 40 mm.) An error of these holds those of two or three vertebrae.
+///
+/// Subjects are nested: vertebrae in films, films in cases. An observer of the same name is one observer in all cases.
+/// Readings of one case that are given twice are left as they were first.
+#[must_use]
+pub fn film_quantities(cases: &[(&str, &[FilmReadings])]) -> Vec<Quantity> {
+    let units: BTreeSet<&str> = cases
+        .iter()
+        .flat_map(|(_, films)| films.iter())
+        .map(|film| film.length_unit.as_str())
+        .collect();
+    let unit = match Vec::from_iter(units)[..] {
+        [one] => one.to_owned(),
+        _ => "mm (planes differ)".to_owned(),
+    };
+    let lengths = LENGTHS.map(|(key, meaning)| Quantity::new(key, unit.clone(), meaning));
+    let angles = ANGLES.map(|(key, meaning)| Quantity::new(key, "deg", meaning));
+    let mut all: Vec<Quantity> = lengths.into_iter().chain(angles).collect();
+    for (case, films) in cases {
+        for film in *films {
+            let place = format!("{case}/{}", film.posture.key());
+            let references = references(&film.readings);
+            for reading in &film.readings {
+                insert(&mut all, &place, reading, &references);
+            }
+        }
+    }
+    all
+}
+
+/// A tilt of each vertebra, against which all readings of it are unwrapped: a film may be held upside down.
+fn references(readings: &[Reading<Placement>]) -> BTreeMap<Level, Angle> {
+    let mut sorted: Vec<&Reading<Placement>> = readings.iter().collect();
+    sorted.sort_by(|a, b| b.id.cmp(&a.id));
+    sorted.iter().flat_map(|r| r.vertebrae.iter().map(|(&level, v)| (level, v.tilt))).collect()
+}
+
+/// One reading's values of all quantities.
+fn insert(
+    all: &mut [Quantity],
+    place: &str,
+    reading: &Reading<Placement>,
+    references: &BTreeMap<Level, Angle>,
+) {
+    let mut set = |key: &str, subject: &str, value: f64| {
+        let quantity = all.iter_mut().find(|quantity| quantity.key == key);
+        let quantity = quantity.expect("every key is one of the table's");
+        // A case that is given twice adds nothing.
+        let _ = quantity.insert(subject, &reading.id.observer, reading.id.repeat, value);
+    };
+    let tilt_deg = |level: Level, tilt: Angle| {
+        let reference = references[&level];
+        (reference + (tilt - reference).wrapped()).deg()
+    };
+    for (&level, vertebra) in &reading.vertebrae {
+        let subject = format!("{place}/{level}");
+        set("location_y_as_paper", &subject, vertebra.location.y_mm);
+        set("location_z_as_paper", &subject, vertebra.location.z_mm);
+        set("tilt_as_paper", &subject, tilt_deg(level, vertebra.tilt));
+    }
+    for pair in Level::ALL.windows(2) {
+        let [below, above] = [pair[0], pair[1]].map(|level| reading.vertebrae.get(&level));
+        let (Some(below), Some(above)) = (below, above) else { continue };
+        let subject = format!("{place}/{}-{}", pair[0], pair[1]);
+        set("spacing", &subject, above.location.distance_mm(below.location));
+        set("tilt_step", &subject, (above.tilt - below.tilt).wrapped().deg());
+    }
+    for triple in Level::ALL.windows(3) {
+        let places = [triple[0], triple[1], triple[2]].map(|level| reading.vertebrae.get(&level));
+        let [Some(below), Some(inner), Some(above)] = places else { continue };
+        let bow = inner.location - (below.location + above.location) * 0.5;
+        set("lateral_bow", &format!("{place}/{}", triple[1]), bow.y_mm);
+    }
+}

@@ -1,0 +1,193 @@
+//! Step 1, how well readings repeat: readings of the same subjects → reliability and measurement error.
+//!
+//! The paper's Pearson correlations stand beside what answers the question that they do not: whether readings *agree*
+//! (ICC for absolute agreement), and by how much they miss (SEM, MDC95, limits of agreement). A correlation is blind to
+//! a constant difference between readers, and it and every ICC grow with the spread of the subjects. The errors do not:
+//! they are the headline.
+//!
+//! A [`Quantity`] is a table of subjects × observers × repeats; [`assess`] asks of it, for every [`Design`], every
+//! [`StatisticKind`]. What has no value says why ([`Undefined`]); nothing here is ever NaN. [`film_quantities`] makes the
+//! tables of marked films.
+//!
+//! # Departures from the paper
+//! Subjects are pooled over films and vertebrae, as the paper did, though vertebrae of one film are not independent:
+//! intervals are narrower than those of so many independent subjects would be.
+//!
+//! # References
+//! [shrout-fleiss-1979], [mcgraw-wong-1996], [koo-li-2016], [bland-altman-1986], [de-vet-2006].
+
+mod agreement;
+mod films;
+mod icc;
+mod quantile;
+mod ratings;
+mod study;
+#[cfg(test)]
+mod tests;
+mod words;
+
+pub use agreement::{BlandAltman, SemKind};
+pub use films::film_quantities;
+pub use icc::Icc;
+pub use ratings::Quantity;
+pub use study::{Design, DesignReliability, QuantityReliability, Remark, assess};
+pub use words::{shown_coefficient, shown_measure};
+
+/// Why a statistic has no value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Undefined {
+    /// Nobody to compare an observer with.
+    #[error("one observer only: give readings of a second one")]
+    OneObserver,
+    /// Nothing to compare a reading with.
+    #[error("one repeat only: let the observer read again")]
+    OneRepeat,
+    /// No spread between the subjects, or between the readings of one rater: the ratio is 0/0.
+    #[error("the readings have no variance to compare with")]
+    ZeroVariance,
+    /// Fewer subjects than the statistic needs.
+    #[error("{n} subjects, and at least {least} are needed")]
+    TooFewSubjects {
+        /// Subjects that all raters rated.
+        n: usize,
+        /// The least number.
+        least: usize,
+    },
+    /// Too few subjects were rated by all raters.
+    #[error("only {complete} of {subjects} subjects were read by all: fill the gaps")]
+    MissingCells {
+        /// Subjects that all raters rated.
+        complete: usize,
+        /// All subjects.
+        subjects: usize,
+    },
+    /// The estimated variances add up to zero or less, so that their ratio is no coefficient.
+    #[error(
+        "the estimated variances add up to nothing: raters disagree more within than between subjects"
+    )]
+    VarianceNotPositive,
+    /// The interval's equation has no finite solution.
+    #[error("the interval's equation has no finite solution for so few or so discordant readings")]
+    NoInterval,
+    /// A mean over pairs that share raters has no simple interval.
+    #[error("the pairs share raters, so their mean has no simple interval; see the pairs")]
+    DependentPairs,
+    /// A reading is no finite number, or the numbers are too large to be squared.
+    #[error("a reading is not a number, or too large to compute with")]
+    NotFinite,
+}
+
+impl Undefined {
+    /// Stable name.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::OneObserver => "one_observer",
+            Self::OneRepeat => "one_repeat",
+            Self::ZeroVariance => "zero_variance",
+            Self::TooFewSubjects { .. } => "too_few_subjects",
+            Self::MissingCells { .. } => "missing_cells",
+            Self::VarianceNotPositive => "variance_not_positive",
+            Self::NoInterval => "no_interval",
+            Self::DependentPairs => "dependent_pairs",
+            Self::NotFinite => "not_finite",
+        }
+    }
+}
+
+/// What is estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StatisticKind {
+    /// Standard error of measurement.
+    Sem(SemKind),
+    /// Smallest change between two readings that is more than error, with 95 % confidence.
+    Mdc95(SemKind),
+    /// Intraclass correlation.
+    Icc(Icc),
+    /// Pearson's correlation, mean over the pairs of raters: the paper's.
+    Pearson,
+}
+
+impl StatisticKind {
+    /// All, the errors first.
+    pub const ALL: [Self; 8] = [
+        Self::Sem(SemKind::Agreement),
+        Self::Mdc95(SemKind::Agreement),
+        Self::Sem(SemKind::Consistency),
+        Self::Mdc95(SemKind::Consistency),
+        Self::Icc(Icc::AgreementSingle),
+        Self::Icc(Icc::ConsistencySingle),
+        Self::Icc(Icc::AgreementAverage),
+        Self::Pearson,
+    ];
+
+    /// Stable name.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Sem(SemKind::Agreement) => "sem_agreement",
+            Self::Sem(SemKind::Consistency) => "sem_consistency",
+            Self::Mdc95(SemKind::Agreement) => "mdc95_agreement",
+            Self::Mdc95(SemKind::Consistency) => "mdc95_consistency",
+            Self::Icc(Icc::AgreementSingle) => "icc_2_1",
+            Self::Icc(Icc::ConsistencySingle) => "icc_3_1",
+            Self::Icc(Icc::AgreementAverage) => "icc_2_k",
+            Self::Pearson => "pearson",
+        }
+    }
+
+    /// The symbol and its full name: model, definition, unit.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Sem(SemKind::Agreement) => "SEM, agreement",
+            Self::Sem(SemKind::Consistency) => "SEM, consistency",
+            Self::Mdc95(SemKind::Agreement) => "MDC95, agreement",
+            Self::Mdc95(SemKind::Consistency) => "MDC95, consistency",
+            Self::Icc(icc) => icc.name(),
+            Self::Pearson => "Pearson r, mean over pairs of raters (the paper's)",
+        }
+    }
+
+    /// Its formula. MSR, MSC and MSE are the mean squares of subjects, raters and rest of the two-way table of n subjects
+    /// and k raters.
+    #[must_use]
+    pub const fn definition(self) -> &'static str {
+        match self {
+            Self::Sem(SemKind::Agreement) => {
+                "sqrt(MSE + (MSC - MSE)/n): raters' offsets and scatter"
+            }
+            Self::Sem(SemKind::Consistency) => "sqrt(MSE): scatter alone, without raters' offsets",
+            Self::Mdc95(_) => "1.96 sqrt(2) SEM",
+            Self::Icc(icc) => icc.definition(),
+            Self::Pearson => "covariance over the product of standard deviations",
+        }
+    }
+
+    /// Whether it carries the unit of the readings; else it has none.
+    #[must_use]
+    pub const fn has_unit(self) -> bool {
+        matches!(self, Self::Sem(_) | Self::Mdc95(_))
+    }
+}
+
+/// A statistic that could be estimated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// Its value.
+    pub value: f64,
+    /// Standard deviation over the pairs of raters, where it is a mean over more than one.
+    pub sd: Option<f64>,
+    /// Its 95 % confidence interval.
+    pub interval: Result<[f64; 2], Undefined>,
+}
+
+/// One statistic of one design.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Statistic {
+    /// Which.
+    pub kind: StatisticKind,
+    /// Its value, or why there is none.
+    pub outcome: Result<Estimate, Undefined>,
+}

@@ -1,0 +1,281 @@
+use std::fmt;
+
+use super::agreement::{bland_altman, mdc95, pairs, pearson, sem};
+use super::icc::MeanSquares;
+use super::ratings::{Ratings, Reader};
+use super::{BlandAltman, Estimate, Quantity, Statistic, StatisticKind, Undefined};
+
+/// Who is compared with whom.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Design {
+    /// Observers, each by the mean over his repeats: the paper's inter-observer design.
+    InterObserverMeans,
+    /// Observers, each by one reading: how far two people's single readings are apart.
+    InterObserverSingle {
+        /// The repeat that is taken of each.
+        repeat: u32,
+    },
+    /// The repeats of one observer.
+    IntraObserver {
+        /// Which observer.
+        observer: String,
+    },
+}
+
+impl Design {
+    /// Stable name.
+    #[must_use]
+    pub const fn key(&self) -> &'static str {
+        match self {
+            Self::InterObserverMeans => "inter_observer_means",
+            Self::InterObserverSingle { .. } => "inter_observer_single",
+            Self::IntraObserver { .. } => "intra_observer",
+        }
+    }
+}
+
+impl fmt::Display for Design {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::InterObserverMeans => write!(f, "between observers, means of repeats"),
+            Self::InterObserverSingle { repeat } => {
+                write!(f, "between observers, repeat {repeat} alone")
+            }
+            Self::IntraObserver { observer } => write!(f, "within observer {observer}"),
+        }
+    }
+}
+
+/// What a reader of the numbers should know.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Remark {
+    /// Subjects that somebody did not read are left out.
+    Dropped {
+        /// How many.
+        dropped: usize,
+        /// Of how many.
+        subjects: usize,
+    },
+    /// Observers' means rest on different numbers of repeats, so their errors differ.
+    UnequalRepeats {
+        /// Fewest and most repeats.
+        repeats: [usize; 2],
+    },
+    /// Limits between means are narrower than those between single readings.
+    MeansAreSteadier,
+    /// A coefficient is negative: raters differ more within subjects than between them. It is shown as it is.
+    NegativeIcc,
+    /// All raters agree to the last digit, so the error's size is not known; rounding may hide it.
+    PerfectAgreement,
+    /// Two subjects make an interval that says next to nothing.
+    TwoSubjects,
+}
+
+impl Remark {
+    /// Stable name.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Dropped { .. } => "subjects_dropped",
+            Self::UnequalRepeats { .. } => "unequal_repeats",
+            Self::MeansAreSteadier => "means_are_steadier",
+            Self::NegativeIcc => "negative_icc",
+            Self::PerfectAgreement => "perfect_agreement",
+            Self::TwoSubjects => "two_subjects",
+        }
+    }
+}
+
+impl fmt::Display for Remark {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Dropped { dropped, subjects } => {
+                write!(
+                    f,
+                    "{dropped} of {subjects} subjects were not read by all, as often as any, and are left out"
+                )
+            }
+            Self::UnequalRepeats { repeats: [few, many] } => write!(
+                f,
+                "observers read {few} to {many} times, so their means are not equally steady"
+            ),
+            Self::MeansAreSteadier => write!(
+                f,
+                "SEM, MDC95 and limits are those of means over repeats; single readings differ by more"
+            ),
+            Self::NegativeIcc => write!(
+                f,
+                "a negative ICC: raters differ more within subjects than subjects differ; shown as it is"
+            ),
+            Self::PerfectAgreement => write!(
+                f,
+                "all raters agree to the last digit, so the size of the error is not known"
+            ),
+            Self::TwoSubjects => write!(f, "two subjects: the intervals say next to nothing"),
+        }
+    }
+}
+
+/// All statistics of one quantity in one design.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DesignReliability {
+    /// Who is compared.
+    pub design: Design,
+    /// Names of the raters: observers, or one observer's repeats.
+    pub raters: Vec<String>,
+    /// Subjects that all raters rated: the n of every statistic.
+    pub subjects: usize,
+    /// Subjects that were left out because somebody did not read them.
+    pub dropped: usize,
+    /// Readings in one rater's value, by rater.
+    pub repeats: Vec<usize>,
+    /// In the order of [`StatisticKind::ALL`].
+    pub statistics: Vec<Statistic>,
+    /// One per pair of raters; empty where the statistics say why.
+    pub bland_altman: Vec<BlandAltman>,
+    /// What to know about them.
+    pub remarks: Vec<Remark>,
+}
+
+impl DesignReliability {
+    /// One statistic.
+    ///
+    /// # Errors
+    /// Why it has no value.
+    pub fn statistic(&self, kind: StatisticKind) -> Result<Estimate, Undefined> {
+        let found = self.statistics.iter().find(|statistic| statistic.kind == kind);
+        found.expect("every design has every statistic").outcome
+    }
+}
+
+/// One quantity in every design that its readings allow, and in those that they do not, with the reason.
+#[derive(Debug, Clone, PartialEq)]
+pub struct QuantityReliability {
+    /// Stable name of the quantity.
+    pub key: String,
+    /// Unit of its readings, and of SEM, MDC95 and limits of agreement.
+    pub unit: String,
+    /// What it is, and what its subjects are.
+    pub meaning: String,
+    /// Between observers first, then within each.
+    pub designs: Vec<DesignReliability>,
+}
+
+/// Asks every statistic of every design of a table of readings.
+#[must_use]
+pub fn assess(quantity: &Quantity) -> QuantityReliability {
+    let readers = quantity.readers();
+    let all = |observer: &str, repeats: &[u32]| -> Vec<Reader> {
+        repeats.iter().map(|&repeat| (observer.to_owned(), repeat)).collect()
+    };
+    let names: Vec<String> = readers.keys().map(|&name| name.to_owned()).collect();
+    let means = readers.iter().map(|(name, repeats)| all(name, repeats)).collect();
+    let mut designs =
+        vec![assess_design(quantity, Design::InterObserverMeans, names.clone(), means)];
+    if readers.values().any(|repeats| repeats.len() > 1) {
+        // The first that all made; without one the table has gaps, and says so.
+        let shared = readers
+            .values()
+            .flatten()
+            .copied()
+            .filter(|repeat| readers.values().all(|repeats| repeats.contains(repeat)));
+        let repeat = shared.min().unwrap_or(1);
+        let raters = names.iter().map(|name| all(name, &[repeat])).collect();
+        let design = Design::InterObserverSingle { repeat };
+        designs.push(assess_design(quantity, design, names, raters));
+    }
+    for (name, repeats) in &readers {
+        let raters = repeats.iter().map(|&repeat| all(name, &[repeat])).collect();
+        let names = repeats.iter().map(|repeat| format!("{name}, repeat {repeat}")).collect();
+        let design = Design::IntraObserver { observer: (*name).to_owned() };
+        designs.push(assess_design(quantity, design, names, raters));
+    }
+    let (key, unit) = (quantity.key.clone(), quantity.unit.clone());
+    QuantityReliability { key, unit, meaning: quantity.meaning.clone(), designs }
+}
+
+fn assess_design(
+    quantity: &Quantity,
+    design: Design,
+    names: Vec<String>,
+    raters: Vec<Vec<Reader>>,
+) -> DesignReliability {
+    let rows = quantity.complete(&raters);
+    let (subjects, of) = (rows.len(), quantity.subjects());
+    let table = match (&design, raters.len() < 2) {
+        (Design::IntraObserver { .. }, true) => Err(Undefined::OneRepeat),
+        (_, true) => Err(Undefined::OneObserver),
+        (_, false) => Ratings::new(rows, of),
+    };
+    let squares = table.as_ref().map_err(|reason| *reason).and_then(MeanSquares::of);
+    let statistics: Vec<Statistic> = StatisticKind::ALL
+        .into_iter()
+        .map(|kind| Statistic { kind, outcome: outcome(kind, &table, squares) })
+        .collect();
+    let bland_altman = table.as_ref().map_or_else(
+        |_| Vec::new(),
+        |table| {
+            pairs(names.len()).filter_map(|pair| bland_altman(table, &names, pair).ok()).collect()
+        },
+    );
+    let repeats: Vec<usize> = raters.iter().map(Vec::len).collect();
+    let mut found = DesignReliability {
+        design,
+        raters: names,
+        subjects,
+        dropped: of - subjects,
+        repeats,
+        statistics,
+        bland_altman,
+        remarks: Vec::new(),
+    };
+    found.remarks = remarks(&found, squares.is_ok_and(|squares| squares.is_perfect()));
+    found
+}
+
+fn outcome(
+    kind: StatisticKind,
+    table: &Result<Ratings, Undefined>,
+    squares: Result<MeanSquares, Undefined>,
+) -> Result<Estimate, Undefined> {
+    let squares = squares?;
+    match kind {
+        StatisticKind::Sem(part) => Ok(sem(&squares, part)),
+        StatisticKind::Mdc95(part) => Ok(mdc95(sem(&squares, part))),
+        StatisticKind::Icc(icc) => squares.icc(icc),
+        StatisticKind::Pearson => pearson(table.as_ref().map_err(|reason| *reason)?),
+    }
+}
+
+fn remarks(found: &DesignReliability, perfect: bool) -> Vec<Remark> {
+    let mut remarks = Vec::new();
+    if found.raters.len() < 2 {
+        return remarks;
+    }
+    if found.dropped > 0 {
+        let subjects = found.subjects + found.dropped;
+        remarks.push(Remark::Dropped { dropped: found.dropped, subjects });
+    }
+    let fewest = found.repeats.iter().copied().min().unwrap_or(0);
+    let most = found.repeats.iter().copied().max().unwrap_or(0);
+    if fewest < most {
+        remarks.push(Remark::UnequalRepeats { repeats: [fewest, most] });
+    }
+    if most > 1 {
+        remarks.push(Remark::MeansAreSteadier);
+    }
+    let negative = |statistic: &Statistic| {
+        matches!(statistic.kind, StatisticKind::Icc(_))
+            && statistic.outcome.is_ok_and(|estimate| estimate.value < 0.0)
+    };
+    if found.statistics.iter().any(negative) {
+        remarks.push(Remark::NegativeIcc);
+    }
+    if perfect {
+        remarks.push(Remark::PerfectAgreement);
+    }
+    if found.subjects == 2 {
+        remarks.push(Remark::TwoSubjects);
+    }
+    remarks
+}

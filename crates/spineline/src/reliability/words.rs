@@ -1,0 +1,65 @@
+//! Numbers as people read them: what is not zero never looks like zero, and what is not one never like one.
+
+/// A correlation: three decimals, and more where these would say 0 or ±1 of a number that is neither.
+///
+/// ```
+/// use spineline::reliability::shown_coefficient;
+/// assert_eq!(shown_coefficient(0.7148), "0.715");
+/// assert_eq!(shown_coefficient(0.999_96), "0.99996");
+/// assert_eq!(shown_coefficient(0.000_04), "4.0e-5");
+/// assert_eq!(shown_coefficient(1.0), "1");
+/// ```
+#[must_use]
+pub fn shown_coefficient(value: f64) -> String {
+    if value == 0.0 || value.abs() == 1.0 {
+        return format!("{value:.0}");
+    }
+    if value.abs() < 0.000_5 {
+        return format!("{value:.1e}");
+    }
+    let rounded = |places: usize| format!("{value:.places$}");
+    let is_one = |text: &str| text.parse::<f64>().is_ok_and(|shown| shown.abs() == 1.0);
+    // The last of seventeen places tells every double apart from one.
+    (3..17).map(rounded).find(|text| !is_one(text)).unwrap_or_else(|| rounded(17))
+}
+
+/// A value with a unit: three digits that count, and a power of ten where it is very small or large.
+///
+/// ```
+/// use spineline::reliability::shown_measure;
+/// assert_eq!(shown_measure(0.1234), "0.123");
+/// assert_eq!(shown_measure(-12.345), "-12.3");
+/// assert_eq!(shown_measure(0.000_012_34), "1.23e-5");
+/// assert_eq!(shown_measure(1234.5), "1234");
+/// ```
+#[must_use]
+pub fn shown_measure(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let size = value.abs();
+    if !(1e-3..1e6).contains(&size) {
+        return format!("{value:.2e}");
+    }
+    let places = (2.0 - size.log10().floor()).clamp(0.0, 5.0) as usize;
+    format!("{value:.places$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_but_zero_looks_like_zero_and_nothing_but_one_like_one() {
+        for value in [1e-300, -3e-9, 4.9e-4, 5.1e-4, 0.04, 0.999_499, 0.999_999_9, -0.999_96] {
+            for text in [shown_coefficient(value), shown_measure(value)] {
+                let back: f64 = text.parse().expect("a number");
+                assert!(back != 0.0, "{value} shows as {text}");
+            }
+        }
+        for value in [0.999_96, 1.000_04, 1.0 - f64::EPSILON, -0.999_999_9] {
+            let text = shown_coefficient(value);
+            assert!(text.parse::<f64>().expect("a number").abs() != 1.0, "{value} shows as {text}");
+        }
+    }
+}
