@@ -1,5 +1,5 @@
 //! Files of Spineline: cases, analyses, personalised models, loads, simulations and stiffness tables, all JSON with a
-//! format and a version; and models as other multibody programs read them ([`export`]).
+//! format and a version; models as other multibody programs read them ([`export`]); and radiographs ([`film`]).
 //!
 //! The types here are what the files look like; [`spineline`]'s own types are what is computed with. Every file format
 //! has a JSON schema, generated from the types. Unknown keys are errors that name the nearest known one, a level given
@@ -15,6 +15,7 @@ mod analysis_file;
 mod case_file;
 mod error;
 mod export;
+pub mod film;
 mod json;
 mod keys;
 mod load_file;
