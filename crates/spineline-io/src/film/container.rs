@@ -97,7 +97,8 @@ pub(super) fn sniff(bytes: &[u8]) -> Result<FilmKind, FilmError> {
     if let Some((_, kind)) = kinds.into_iter().find(|(magic, _)| at(0, magic)) {
         return Ok(kind);
     }
-    if guess_encoding(bytes).is_some() || at(0, &[2, 0, 0, 0, b'U', b'L']) {
+    let letters = bytes.get(4..6).is_some_and(|vr| vr.iter().all(u8::is_ascii_uppercase));
+    if guess_encoding(bytes).is_some() || at(0, &[2, 0]) && letters {
         return Ok(FilmKind::Dicom);
     }
     let others: [(usize, &[u8], Lookalike); 12] = [

@@ -1,5 +1,7 @@
 //! Grey values for the screen.
 
+use image::ImageEncoder;
+
 use super::lookup::{ModalityTransform, Voi, Window, WindowFunction};
 use super::{FilmFile, Photometric, StoredPixels};
 
@@ -12,6 +14,21 @@ pub struct Display {
     pub rows: u32,
     /// Brightness row by row from the top left: 0 is black.
     pub grey: Vec<u8>,
+}
+
+impl Display {
+    /// The picture as a PNG file with nothing but pixels.
+    ///
+    /// # Panics
+    /// If there are not as many pixels as `columns` by `rows`.
+    #[must_use]
+    pub fn to_png(&self) -> Vec<u8> {
+        let mut png = Vec::new();
+        image::codecs::png::PngEncoder::new(&mut png)
+            .write_image(&self.grey, self.columns, self.rows, image::ExtendedColorType::L8)
+            .expect("pixels fill the picture, and memory takes all that is written");
+        png
+    }
 }
 
 /// Values for a viewer that sets window and level by itself. Greater is brighter, whatever the file's polarity.

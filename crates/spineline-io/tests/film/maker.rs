@@ -13,9 +13,12 @@ pub struct Syntax {
     pub big_endian: bool,
 }
 
-pub const IMPLICIT: Syntax = Syntax { uid: "1.2.840.10008.1.2", explicit: false, big_endian: false };
-pub const EXPLICIT: Syntax = Syntax { uid: "1.2.840.10008.1.2.1", explicit: true, big_endian: false };
-pub const BIG_ENDIAN: Syntax = Syntax { uid: "1.2.840.10008.1.2.2", explicit: true, big_endian: true };
+pub const IMPLICIT: Syntax =
+    Syntax { uid: "1.2.840.10008.1.2", explicit: false, big_endian: false };
+pub const EXPLICIT: Syntax =
+    Syntax { uid: "1.2.840.10008.1.2.1", explicit: true, big_endian: false };
+pub const BIG_ENDIAN: Syntax =
+    Syntax { uid: "1.2.840.10008.1.2.2", explicit: true, big_endian: true };
 pub const DEFLATED: Syntax = Syntax { uid: "1.2.840.10008.1.2.1.99", ..EXPLICIT };
 pub const JPEG: Syntax = Syntax { uid: "1.2.840.10008.1.2.4.50", ..EXPLICIT };
 pub const JPEG_EXTENDED: Syntax = Syntax { uid: "1.2.840.10008.1.2.4.51", ..EXPLICIT };
@@ -60,7 +63,10 @@ impl Maker {
         maker.text((0x0020, 0x000D), "UI", "1.2.3.4.5.2");
         maker.text((0x0020, 0x000E), "UI", "1.2.3.4.5.3");
         maker.text((0x0028, 0x0004), "CS", "MONOCHROME2");
-        maker.word((0x0028, 0x0002), 1).word((0x0028, 0x0010), rows).word((0x0028, 0x0011), columns);
+        maker
+            .word((0x0028, 0x0002), 1)
+            .word((0x0028, 0x0010), rows)
+            .word((0x0028, 0x0011), columns);
         maker.word((0x0028, 0x0100), 16).word((0x0028, 0x0101), 12).word((0x0028, 0x0102), 11);
         maker.word((0x0028, 0x0103), 0);
         maker.text((0x0028, 0x0301), "CS", "NO");
@@ -118,8 +124,10 @@ impl Maker {
 }
 
 fn write(elements: &BTreeMap<Tag, (&'static str, Value)>, syntax: Syntax, to: &mut Vec<u8>) {
-    let word = |value: u16| if syntax.big_endian { value.to_be_bytes() } else { value.to_le_bytes() };
-    let long = |value: u32| if syntax.big_endian { value.to_be_bytes() } else { value.to_le_bytes() };
+    let word =
+        |value: u16| if syntax.big_endian { value.to_be_bytes() } else { value.to_le_bytes() };
+    let long =
+        |value: u32| if syntax.big_endian { value.to_be_bytes() } else { value.to_le_bytes() };
     let mark = |element: u16, length: u32, to: &mut Vec<u8>| {
         to.extend(word(0xFFFE));
         to.extend(word(element));
@@ -139,7 +147,9 @@ fn write(elements: &BTreeMap<Tag, (&'static str, Value)>, syntax: Syntax, to: &m
         };
         if syntax.explicit {
             to.extend(vr.as_bytes());
-            if ["OB", "OD", "OF", "OL", "OV", "OW", "SQ", "UC", "UN", "UR", "UT", "UV", "SV"].contains(vr) {
+            if ["OB", "OD", "OF", "OL", "OV", "OW", "SQ", "UC", "UN", "UR", "UT", "UV", "SV"]
+                .contains(vr)
+            {
                 to.extend([0, 0]);
                 to.extend(long(length));
             } else {
@@ -314,5 +324,7 @@ pub fn jpeg_ls(columns: u16, rows: u16, bits: u8, pixels: &[u16]) -> Vec<u8> {
     let mut options = jpegls::EncodeOptions::default();
     let (columns, rows) = (u32::from(columns), u32::from(rows));
     options.precision = Some(bits);
-    jpegls::encode_with_options(pixels, columns, rows, &options).unwrap()
+    let mut bytes = Vec::new();
+    jpegls::encode_with_options(pixels, columns, rows, &options, &mut bytes).unwrap();
+    bytes
 }
