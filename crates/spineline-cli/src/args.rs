@@ -15,6 +15,7 @@ use spineline::spatial::{Angle, Frontal};
 use crate::export::{EXAMPLES, ExportArgs};
 use crate::failure::Failure;
 use crate::reliability::{self, ReliabilityArgs};
+use crate::film::FilmArgs;
 use crate::simulate;
 
 /// Turns frontal radiographs of a scoliotic spine into a personalised multibody model.
@@ -47,6 +48,11 @@ pub enum Command {
     /// Write a personalised model as MuJoCo, OpenSim or URDF programs read it
     #[command(after_long_help = EXAMPLES)]
     Export(ExportArgs),
+    /// Tell what radiographs are, what their spacing and view are worth, and show them
+    Film(FilmArgs),
+    /// Decode the film on the standard input, with caps on memory and time
+    #[command(hide = true)]
+    DecodeFilm,
     /// Print the JSON schema of a file format
     Schema {
         /// Which format

@@ -4,8 +4,10 @@ mod analyze;
 mod args;
 mod check;
 mod cohort;
+mod decode;
 mod export;
 mod failure;
+mod film;
 mod model;
 mod phantom;
 mod progress;
@@ -44,6 +46,8 @@ fn run(command: Command) -> Result<Ending, Failure> {
         Command::Reliability(args) => reliability::run(&args),
         Command::Phantom(args) => phantom::run(&args),
         Command::Export(args) => export::run(&args),
+        Command::Film(args) => film::run(&args),
+        Command::DecodeFilm => decode::run(),
         Command::Schema { name } => print_schema(name),
         Command::Stiffness => {
             let library = spineline::multibody::StiffnessLibrary::default();

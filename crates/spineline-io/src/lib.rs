@@ -1,6 +1,6 @@
-//! Files of Spineline: cases, analyses, personalised models, loads, simulations, reliabilities and stiffness tables, all JSON with a
-//! format and a version; models as other multibody programs read them ([`export`]); and
-//! tables of readings as CSV ([`parse_readings`]).
+//! Files of Spineline: cases, analyses, personalised models, loads, simulations, reliabilities and stiffness tables, all
+//! JSON with a format and a version; tables of readings as CSV ([`parse_readings`]); models as other multibody programs
+//! read them ([`export`]); and radiographs ([`film`]).
 //!
 //! The types here are what the files look like; [`spineline`]'s own types are what is computed with. Every file format
 //! has a JSON schema, generated from the types. Unknown keys are errors that name the nearest known one, a level given
@@ -16,6 +16,7 @@ mod analysis_file;
 mod case_file;
 mod error;
 mod export;
+pub mod film;
 mod json;
 mod keys;
 mod load_file;

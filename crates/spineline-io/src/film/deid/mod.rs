@@ -1,0 +1,340 @@
+//! Films without their patients, after the Basic Application Level Confidentiality Profile of DICOM PS3.15, annex E.
+//!
+//! What is kept is listed (the `policy` module), and each kept value is checked to be what it should be: a number, a word
+//! of the standard, a direction. So no text of the file reaches the output. Pixels are copied to the byte: lead markers
+//! stay, and so does text that is burned in, which only eyes can find; the report says so.
+
+mod policy;
+mod write;
+
+use std::borrow::Cow;
+use std::io::Cursor;
+
+use dicom_core::VR;
+use image::{ExtendedColorType, ImageEncoder};
+use sha2::{Digest, Sha256};
+
+use super::container::{self, Container};
+use super::element::{self, DataSet, Element, Value};
+use super::error::{Codec, CodecFault, FilmError, Measure};
+use super::tags::{self, STANCES, VIEW_CODES, is_uid};
+use super::{Attribute, FilmKind, FilmLimits, FilmRemark, StoredPixels, lookup, pixels, raster};
+use policy::{Rule, TERMS, rule};
+use write::{Out, OutValue};
+
+/// How to de-identify.
+#[derive(Clone)]
+pub struct DeidOptions {
+    /// Stands for the patient's name and number: 1 to 64 letters, digits, dots, dashes or underscores.
+    pub case_id: String,
+    /// A secret: with the same one, the same old UID becomes the same new UID, so that the films of a study stay together;
+    /// without it, nobody finds the old UID.
+    pub salt: [u8; 32],
+    /// Keep sex and age (90 years at most), the Retain Patient Characteristics Option.
+    pub retain_sex_and_age: bool,
+}
+
+impl std::fmt::Debug for DeidOptions {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut shown = f.debug_struct("DeidOptions");
+        shown.field("case_id", &self.case_id).field("retain_sex_and_age", &self.retain_sex_and_age);
+        // The salt would undo the exchange of UIDs.
+        shown.finish_non_exhaustive()
+    }
+}
+
+/// What was done with an attribute.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DeidAction {
+    /// Kept, its value being harmless.
+    Kept,
+    /// Removed with its value.
+    Removed,
+    /// There, without a value.
+    Emptied,
+    /// There, with a value that names the case.
+    Replaced,
+    /// A new UID for the old one.
+    UidReplaced,
+    /// Was not there before.
+    Added,
+}
+
+/// One attribute of the report. There is never a value in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DeidEntry {
+    /// Which.
+    pub attribute: Attribute,
+    /// What was done.
+    pub action: DeidAction,
+}
+
+/// What was done with a film.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct DeidReport {
+    /// Every attribute of the data set and of the file meta information; a sequence stands for all within.
+    pub entries: Vec<DeidEntry>,
+    /// What is left for eyes.
+    pub remarks: Vec<FilmRemark>,
+}
+
+/// A film without its patient.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Deidentified {
+    /// The new file: DICOM for DICOM, PNG for pictures.
+    pub bytes: Vec<u8>,
+    /// What was done.
+    pub report: DeidReport,
+}
+
+const METHOD: Attribute = Attribute(0x0012, 0x0063);
+const METHOD_CODES: Attribute = Attribute(0x0012, 0x0064);
+
+/// Writes a film anew, without its patient.
+///
+/// The transfer syntax stays, but for deflated files, which become Explicit VR Little Endian; the pixels are the same to the
+/// byte. Pictures are decoded and written as PNG of 8 or 16 bits, with nothing but pixels.
+///
+/// # Errors
+/// [`FilmError::CaseId`], and all that reading a film can end with, but for what is wrong inside of compressed pixels.
+pub fn deidentify(
+    bytes: &[u8],
+    options: &DeidOptions,
+    limits: &FilmLimits,
+) -> Result<Deidentified, FilmError> {
+    let id = &options.case_id;
+    let harmless = |b: u8| b.is_ascii_alphanumeric() || b"._-".contains(&b);
+    if id.is_empty() || id.len() > 64 || !id.bytes().all(harmless) {
+        return Err(FilmError::CaseId);
+    }
+    let found = bytes.len() as u64;
+    if found > limits.file_bytes {
+        let limit = limits.file_bytes;
+        return Err(FilmError::TooLarge { what: Measure::FileBytes, found, limit });
+    }
+    match container::sniff(bytes)? {
+        FilmKind::Dicom => dicom(bytes, options, limits),
+        kind => picture(bytes, kind, limits),
+    }
+}
+
+fn picture(bytes: &[u8], kind: FilmKind, limits: &FilmLimits) -> Result<Deidentified, FilmError> {
+    let film = raster::read(bytes, kind, limits)?;
+    let StoredPixels::Unsigned(words) = &film.stored else {
+        unreachable!("pictures are unsigned");
+    };
+    let mut png = Vec::new();
+    let encoder = image::codecs::png::PngEncoder::new(Cursor::new(&mut png));
+    let written = if film.tags.bits_stored == 8 {
+        let bytes: Vec<u8> = words.iter().map(|&word| word as u8).collect();
+        encoder.write_image(&bytes, film.columns, film.rows, ExtendedColorType::L8)
+    } else {
+        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_ne_bytes()).collect();
+        encoder.write_image(&bytes, film.columns, film.rows, ExtendedColorType::L16)
+    };
+    let fault = CodecFault::Unsupported;
+    written.map_err(|_| FilmError::Codec { codec: Codec::Raster, fault })?;
+    let report = DeidReport { entries: Vec::new(), remarks: film.remarks };
+    Ok(Deidentified { bytes: png, report })
+}
+
+fn dicom(
+    bytes: &[u8],
+    options: &DeidOptions,
+    limits: &FilmLimits,
+) -> Result<Deidentified, FilmError> {
+    let Container { syntax, body, .. } = container::open(bytes, limits)?;
+    let data = element::parse(&body, syntax.encoding, limits)?;
+    // Refuses what is no film; the remarks of reading are not those of this.
+    let (film, _) = tags::read(&data, syntax.name, &mut Vec::new())?;
+    let mut report = DeidReport::default();
+    report.remarks.extend(match film.burned_in_annotation {
+        Some(true) => Some(FilmRemark::BurnedIn),
+        None => Some(FilmRemark::BurnedInUnknown),
+        Some(false) => None,
+    });
+    let mut out = Vec::new();
+    for element in &data.elements {
+        let tag = element.tag;
+        // Of attributes that are there twice, the first counts; group lengths are of the old file.
+        let twice = out.iter().any(|other: &Out<'_>| other.tag == tag);
+        let kept = if twice { None } else { keep(element, &data, options, limits)? };
+        let action = kept.as_ref().map_or(DeidAction::Removed, |&(_, action)| action);
+        report.entries.push(DeidEntry { attribute: tag, action });
+        out.extend(kept.map(|(out, _)| out));
+    }
+    for added in additions(options) {
+        let known = out.iter().position(|other| other.tag == added.tag);
+        if let Some(index) = known {
+            out[index] = added;
+        } else {
+            let entry = DeidEntry { attribute: added.tag, action: DeidAction::Added };
+            report.entries.push(entry);
+            out.push(added);
+        }
+    }
+    out.sort_by_key(|element| element.tag);
+    let uid_of = |tag: Attribute| {
+        let found = out.iter().find(|element| element.tag == tag)?;
+        match &found.value {
+            OutValue::Bytes(bytes) => std::str::from_utf8(bytes).ok().map(str::to_owned),
+            _ => None,
+        }
+    };
+    let uids = [Attribute(0x0008, 0x0016), Attribute(0x0008, 0x0018)].map(uid_of);
+    let [class, instance] = &uids;
+    let written_as = if syntax.deflated { container::EXPLICIT } else { syntax };
+    let uids = [class.as_deref(), instance.as_deref()];
+    let bytes = write::file(&out, written_as.encoding, uids, written_as.uid);
+    Ok(Deidentified { bytes, report })
+}
+
+/// What is left of an element; `None` if it goes.
+fn keep<'a>(
+    element: &Element<'a>,
+    data: &DataSet<'a>,
+    options: &DeidOptions,
+    limits: &FilmLimits,
+) -> Result<Option<(Out<'a>, DeidAction)>, FilmError> {
+    let &Element { tag, vr, .. } = element;
+    let text = || data.text(tag).filter(|text| text.len() <= 1024);
+    let kept = |value: OutValue<'a>| Some((Out { tag, vr, value }, DeidAction::Kept));
+    let as_text = |vr: VR, text: &str| {
+        Some((Out::text(tag, vr, text.trim_end_matches([' ', '\0'])), DeidAction::Kept))
+    };
+    Ok(match rule(tag) {
+        Rule::Remove => None,
+        Rule::Empty => Some((Out::text(tag, vr, ""), DeidAction::Emptied)),
+        Rule::Case => {
+            let vr = if tag.1 == 0x0010 { VR::PN } else { VR::LO };
+            Some((Out::text(tag, vr, options.case_id.as_str()), DeidAction::Replaced))
+        }
+        Rule::Uid => text()
+            .filter(|text| is_uid(text))
+            .map(|text| (Out::text(tag, VR::UI, new_uid(text, options)), DeidAction::UidReplaced)),
+        Rule::StandardUid => text()
+            .filter(|text| is_uid(text) && text.starts_with("1.2.840.10008."))
+            .and_then(|text| as_text(VR::UI, text)),
+        Rule::Terms => text()
+            .filter(|text| text.split('\\').all(|term| TERMS.contains(&term.trim())))
+            // Rescale Type is a long string in the standard.
+            .and_then(|text| as_text(if vr == VR::LO { VR::LO } else { VR::CS }, text)),
+        Rule::Direction => text()
+            .filter(|text| text.bytes().all(|b| b"LRAPHF\\".contains(&b)) && text.len() <= 7)
+            .and_then(|text| as_text(VR::CS, text)),
+        Rule::Number => match (vr, &element.value) {
+            (VR::DS | VR::IS, Value::Bytes(_)) => {
+                text().filter(|text| is_numeric(text)).and_then(|text| as_text(vr, text))
+            }
+            (VR::US | VR::SS | VR::UL | VR::SL | VR::FL | VR::FD, Value::Bytes(bytes)) => {
+                (bytes.len() <= 8).then(|| OutValue::Bytes(Cow::Borrowed(bytes))).and_then(kept)
+            }
+            _ => None,
+        },
+        Rule::Code => data.item(tag).and_then(known_code).map(|item| {
+            (Out { tag, vr: VR::SQ, value: OutValue::Items(vec![item]) }, DeidAction::Kept)
+        }),
+        Rule::Table => data
+            .item(tag)
+            .and_then(lookup::whole_table)
+            .map(|parts| table(tag, parts))
+            .map(|out| (out, DeidAction::Kept)),
+        Rule::Sex if options.retain_sex_and_age => {
+            text().filter(|t| ["M", "F", "O"].contains(t)).and_then(|t| as_text(VR::CS, t))
+        }
+        Rule::Sex => Some((Out::text(tag, VR::CS, ""), DeidAction::Emptied)),
+        Rule::Age if options.retain_sex_and_age => {
+            text().and_then(age).and_then(|age| as_text(VR::AS, &age))
+        }
+        Rule::Age => None,
+        Rule::Pixels => match &element.value {
+            Value::Bytes(bytes) => {
+                let length = pixels::native_length(data, limits)?.min(bytes.len());
+                // Bytes beyond the picture are nobody's.
+                let vr = if vr == VR::OB { VR::OB } else { VR::OW };
+                let value = OutValue::Bytes(Cow::Borrowed(&bytes[..length]));
+                Some((Out { tag, vr, value }, DeidAction::Kept))
+            }
+            Value::Fragments { table, fragments } => {
+                let fragments = fragments.clone();
+                let value = OutValue::Fragments { table, fragments };
+                Some((Out { tag, vr: VR::OB, value }, DeidAction::Kept))
+            }
+            Value::Items(_) => None,
+        },
+    })
+}
+
+fn is_numeric(text: &str) -> bool {
+    text.split('\\').all(|part| {
+        let part = part.trim();
+        let plain = part.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
+        plain && (part.is_empty() || part.parse::<f64>().is_ok())
+    })
+}
+
+/// Three digits and a unit; 90 years and more are 90.
+fn age(text: &str) -> Option<String> {
+    let digits = text.get(..3)?.parse::<u16>().ok().filter(|_| text.len() == 4)?;
+    let plain = text.bytes().take(3).all(|b| b.is_ascii_digit());
+    let unit = text.chars().last().filter(|unit| plain && "DWMY".contains(*unit))?;
+    Some(if unit == 'Y' && digits > 90 { "090Y".to_owned() } else { format!("{digits:03}{unit}") })
+}
+
+/// An item for a code that this program knows, in words of its own.
+fn known_code<'a>(item: &DataSet<'a>) -> Option<Vec<Out<'a>>> {
+    let code = item.text(Attribute(0x0008, 0x0100))?;
+    let views = VIEW_CODES.iter().map(|&(value, meaning, _)| (value, meaning));
+    let stances = STANCES.iter().map(|&(value, meaning, _)| (value, meaning));
+    let (value, meaning) = views.chain(stances).find(|&(value, _)| value == code)?;
+    let scheme = if value.contains('-') { "SRT" } else { "SCT" };
+    Some(code_item(value, scheme, meaning))
+}
+
+fn code_item<'a>(value: &str, scheme: &str, meaning: &str) -> Vec<Out<'a>> {
+    vec![
+        Out::text(Attribute(0x0008, 0x0100), VR::SH, value),
+        Out::text(Attribute(0x0008, 0x0102), VR::SH, scheme),
+        Out::text(Attribute(0x0008, 0x0104), VR::LO, meaning),
+    ]
+}
+
+fn table<'a>(tag: Attribute, [descriptor, values]: [&'a [u8]; 2]) -> Out<'a> {
+    let part = |element, vr, bytes| Out {
+        tag: Attribute(0x0028, element),
+        vr,
+        value: OutValue::Bytes(Cow::Borrowed(bytes)),
+    };
+    let mut item = vec![part(0x3002, VR::US, descriptor)];
+    if tag.1 == 0x3000 {
+        // Its type is required; "unspecified" is always true.
+        item.push(Out::text(Attribute(0x0028, 0x3004), VR::LO, "US"));
+    }
+    item.push(part(0x3006, VR::OW, values));
+    Out { tag, vr: VR::SQ, value: OutValue::Items(vec![item]) }
+}
+
+fn additions<'a>(options: &DeidOptions) -> Vec<Out<'a>> {
+    // DICOM PS3.16, CID 7050. Pixels are not cleaned, and no such option is claimed.
+    let mut codes = vec![code_item("113100", "DCM", "Basic Application Confidentiality Profile")];
+    if options.retain_sex_and_age {
+        codes.push(code_item("113108", "DCM", "Retain Patient Characteristics Option"));
+    }
+    let case = options.case_id.as_str();
+    vec![
+        Out::text(Attribute(0x0010, 0x0010), VR::PN, case),
+        Out::text(Attribute(0x0010, 0x0020), VR::LO, case),
+        Out::text(Attribute(0x0012, 0x0062), VR::CS, "YES"),
+        Out::text(METHOD, VR::LO, "Spineline: allow-list, PS3.15 Annex E Basic Profile"),
+        Out { tag: METHOD_CODES, vr: VR::SQ, value: OutValue::Items(codes) },
+        Out::text(Attribute(0x0028, 0x0303), VR::CS, "REMOVED"),
+    ]
+}
+
+/// `2.25.` and 128 bits of the SHA-256 of salt and old UID.
+fn new_uid(old: &str, options: &DeidOptions) -> String {
+    let hash = Sha256::new().chain_update(options.salt).chain_update(old).finalize();
+    let mut bits = [0; 16];
+    bits.copy_from_slice(&hash[..16]);
+    format!("2.25.{}", u128::from_be_bytes(bits))
+}

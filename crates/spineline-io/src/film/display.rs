@@ -1,0 +1,173 @@
+//! Grey values for the screen.
+
+use image::ImageEncoder;
+
+use super::lookup::{ModalityTransform, Voi, Window, WindowFunction};
+use super::{FilmFile, Photometric, StoredPixels};
+
+/// A picture that is ready for the screen.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Display {
+    /// Pixels in a row.
+    pub columns: u32,
+    /// Rows.
+    pub rows: u32,
+    /// Brightness row by row from the top left: 0 is black.
+    pub grey: Vec<u8>,
+}
+
+impl Display {
+    /// The picture as a PNG file with nothing but pixels.
+    ///
+    /// # Panics
+    /// If there are not as many pixels as `columns` by `rows`.
+    #[must_use]
+    pub fn to_png(&self) -> Vec<u8> {
+        let mut png = Vec::new();
+        image::codecs::png::PngEncoder::new(&mut png)
+            .write_image(&self.grey, self.columns, self.rows, image::ExtendedColorType::L8)
+            .expect("pixels fill the picture, and memory takes all that is written");
+        png
+    }
+}
+
+/// Values for a viewer that sets window and level by itself. Greater is brighter, whatever the file's polarity.
+///
+/// A value stands for `modality_offset + modality_step · value` of the device, so a window with centre `c` and width `w`
+/// is one with centre `(c - modality_offset) / modality_step` and width `w / |modality_step|` here.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScreenValues {
+    /// Pixels in a row.
+    pub columns: u32,
+    /// Rows.
+    pub rows: u32,
+    /// Values row by row from the top left.
+    pub values: Vec<u16>,
+    /// The device's value of 0.
+    pub modality_offset: f64,
+    /// The device's difference between neighbouring values; negative where small ones are bright.
+    pub modality_step: f64,
+    /// Brightness of every value from 0 to the largest one, by the file's own table or window.
+    pub default_grey: Vec<u8>,
+}
+
+impl FilmFile {
+    /// Whether small values are bright. Photometric interpretation decides; a Presentation LUT Shape that says the same
+    /// does not invert once more, and one that contradicts it has a remark.
+    #[must_use]
+    pub fn is_inverted(&self) -> bool {
+        self.tags.photometric == Photometric::Monochrome1
+    }
+
+    /// What is shown where the user asks for nothing else: the first table or window of the file, or the whole range of
+    /// values but for padding.
+    #[must_use]
+    pub fn default_voi(&self) -> Voi {
+        self.look.voi.first().cloned().unwrap_or_else(|| Voi::Window(self.whole_range()))
+    }
+
+    /// The window from the smallest to the largest value of the picture, padding apart.
+    #[must_use]
+    pub fn whole_range(&self) -> Window {
+        let is_padding =
+            |value: i32| self.look.padding.is_some_and(|[low, high]| (low..=high).contains(&value));
+        let (mut low, mut high) = self.stored.range();
+        if is_padding(low) || is_padding(high) {
+            let within = || self.stored.iter().filter(|&value| !is_padding(value));
+            // A picture of padding alone keeps its own range.
+            low = within().min().unwrap_or(low);
+            high = within().max().unwrap_or(high);
+        }
+        // A table need not ascend.
+        let values = (low..=high).map(|value| self.look.modality.apply(value));
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
+        let width = (high - low).max(f64::MIN_POSITIVE);
+        Window { center: f64::midpoint(low, high), width, function: WindowFunction::LinearExact }
+    }
+
+    /// The picture as the standard orders it: modality, values of interest, polarity.
+    ///
+    /// `window` is used instead of the file's own where it is given and valid; `inverted` turns black and white around
+    /// once more, for eyes and for devices that lie about their polarity.
+    #[must_use]
+    pub fn display(&self, window: Option<&Window>, inverted: bool) -> Display {
+        let voi = match window.filter(|window| window.is_valid()) {
+            Some(window) => Voi::Window(*window),
+            None => self.default_voi(),
+        };
+        let invert = self.is_inverted() != inverted;
+        let (low, high) = self.stored.range();
+        let table: Vec<u8> = (low..=high)
+            .map(|stored| grey(&voi, self.look.modality.apply(stored), invert))
+            .collect();
+        let grey = self.map(low, &table);
+        Display { columns: self.columns, rows: self.rows, grey }
+    }
+
+    /// Values for a viewer that sets window and level by itself, and the file's own look for it.
+    #[must_use]
+    pub fn screen_values(&self) -> ScreenValues {
+        let (low, high) = self.stored.range();
+        let invert = self.is_inverted();
+        let modality = &self.look.modality;
+        let voi = self.default_voi();
+        let as_is = match modality {
+            ModalityTransform::Rescale { slope, .. } => (*slope > 0.0) != invert,
+            ModalityTransform::Lut(_) => !invert,
+        };
+        // Stored values and those of a table are whole numbers: both need no rounding.
+        let whole: Vec<i32> = (low..=high)
+            .map(|stored| match modality {
+                ModalityTransform::Rescale { .. } => stored,
+                ModalityTransform::Lut(lut) => i32::from(lut.apply(stored)),
+            })
+            .collect();
+        let least = whole.iter().copied().min().unwrap_or_default();
+        let most = whole.iter().copied().max().unwrap_or_default();
+        let code = |value: i32| if as_is { value - least } else { most - value };
+        let table: Vec<u16> =
+            whole.iter().map(|&value| u16::try_from(code(value)).unwrap_or(u16::MAX)).collect();
+        let (zero, sign) = if as_is { (least, 1.0) } else { (most, -1.0) };
+        let (modality_offset, modality_step) = match modality {
+            ModalityTransform::Rescale { slope, .. } => (modality.apply(zero), sign * slope),
+            ModalityTransform::Lut(_) => (f64::from(zero), sign),
+        };
+        let default_grey = (0..=most - least)
+            .map(|value| grey(&voi, modality_offset + modality_step * f64::from(value), invert))
+            .collect();
+        ScreenValues {
+            columns: self.columns,
+            rows: self.rows,
+            values: self.map(low, &table),
+            modality_offset,
+            modality_step,
+            default_grey,
+        }
+    }
+
+    /// Every stored value looked up in a table that starts at the smallest one.
+    fn map<T: Copy>(&self, low: i32, table: &[T]) -> Vec<T> {
+        let at =
+            |value: i32| table[usize::try_from(value - low).expect("low is the smallest value")];
+        match &self.stored {
+            StoredPixels::Unsigned(values) => values.iter().map(|&v| at(i32::from(v))).collect(),
+            StoredPixels::Signed(values) => values.iter().map(|&v| at(i32::from(v))).collect(),
+        }
+    }
+}
+
+/// Brightness of a value of the device.
+fn grey(voi: &Voi, value: f64, invert: bool) -> u8 {
+    let part = match voi {
+        Voi::Window(window) => window.apply(value),
+        Voi::Lut(lut) => {
+            // The cast saturates; no table reaches beyond 17 bits.
+            let top = f64::from((1_u32 << lut.bits) - 1);
+            (f64::from(lut.apply(value.round() as i32)) / top).min(1.0)
+        }
+    };
+    let part = if invert { 1.0 - part } else { part };
+    (255.0 * part).round() as u8
+}

@@ -1,0 +1,402 @@
+use serde::{Deserialize, Serialize};
+
+use super::Attribute;
+
+/// What a file that is no radiograph looks like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Lookalike {
+    /// No bytes at all.
+    Empty,
+    /// A ZIP archive, or a document that is one inside.
+    Zip,
+    /// A gzip archive.
+    Gzip,
+    /// A PDF document.
+    Pdf,
+    /// A HEIC or AVIF photograph, or a film in the cinema's sense.
+    Heic,
+    /// A GIF picture.
+    Gif,
+    /// A BMP picture.
+    Bmp,
+    /// A WebP picture.
+    Webp,
+    /// An executable program.
+    Program,
+    /// Text, such as XML or JSON.
+    Text,
+    /// Nothing known.
+    Unknown,
+}
+
+impl std::fmt::Display for Lookalike {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Empty => "is empty",
+            Self::Zip => "looks like a ZIP archive or an office document",
+            Self::Gzip => "looks like a gzip archive",
+            Self::Pdf => "looks like a PDF document",
+            Self::Heic => "looks like a HEIC or AVIF picture, or a video",
+            Self::Gif => "looks like a GIF picture",
+            Self::Bmp => "looks like a BMP picture",
+            Self::Webp => "looks like a WebP picture",
+            Self::Program => "looks like a program",
+            Self::Text => "looks like text",
+            Self::Unknown => "has no known beginning",
+        })
+    }
+}
+
+/// How pixels are packed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[allow(missing_docs)]
+#[non_exhaustive]
+pub enum Codec {
+    Rle,
+    Jpeg,
+    JpegLossless,
+    JpegLs,
+    Jpeg2000,
+    Deflate,
+    Raster,
+}
+
+impl std::fmt::Display for Codec {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Rle => "RLE",
+            Self::Jpeg => "JPEG",
+            Self::JpegLossless => "JPEG lossless",
+            Self::JpegLs => "JPEG-LS",
+            Self::Jpeg2000 => "JPEG 2000",
+            Self::Deflate => "deflate",
+            Self::Raster => "picture",
+        })
+    }
+}
+
+/// What is wrong with compressed pixels. The text of a decoding library is never passed on: it may quote the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum CodecFault {
+    /// The data end before the picture does.
+    Truncated,
+    /// Headers that contradict the format.
+    Header,
+    /// The compressed picture has another size than the data set says.
+    Size {
+        /// Columns and rows of the compressed picture.
+        coded: [u32; 2],
+        /// Columns and Rows of the data set.
+        stated: [u32; 2],
+    },
+    /// A number of bits per sample that the data set's cannot hold, or that is not supported.
+    Precision {
+        /// Bits of the compressed picture.
+        bits: u8,
+    },
+    /// A number of components other than what the data set says.
+    Components {
+        /// Components of the compressed picture.
+        count: u16,
+    },
+    /// A part of the format that is not supported.
+    Unsupported,
+    /// Data that the decoder refuses.
+    Corrupt,
+    /// The decoding library gave up in a way that it should not.
+    Panicked,
+}
+
+impl std::fmt::Display for CodecFault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Truncated => f.write_str("they end too early"),
+            Self::Header => f.write_str("their header contradicts the format"),
+            Self::Size { coded: [a, b], stated: [c, d] } => {
+                write!(f, "they are {a} columns by {b} rows, and the file says {c} by {d}")
+            }
+            Self::Precision { bits } => write!(
+                f,
+                "they have {bits} bits per sample, which their decoder or the file's Bits Allocated does not hold"
+            ),
+            Self::Components { count } => write!(f, "they have {count} components"),
+            Self::Unsupported => f.write_str("they use a part of the format that is not supported"),
+            Self::Corrupt => f.write_str("the decoder refuses them"),
+            Self::Panicked => f.write_str("the decoder gave up"),
+        }
+    }
+}
+
+/// A file that cannot be read as a film. Texts hold attributes, numbers and words of our own; never a value that may
+/// name a patient.
+#[derive(Debug, Clone, PartialEq, thiserror::Error, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum FilmError {
+    /// Another kind of file.
+    #[error("not a radiograph: the file {looks_like}")]
+    NotAFilm {
+        /// What it looks like.
+        looks_like: Lookalike,
+    },
+    /// A limit of [`FilmLimits`](super::FilmLimits).
+    #[error("{what}: {found} is more than the limit of {limit}")]
+    TooLarge {
+        /// What is too large.
+        what: Measure,
+        /// How large it is, or at least is.
+        found: u64,
+        /// How large it may be.
+        limit: u64,
+    },
+    /// The file ends before its data set does.
+    #[error("the file is cut off: it ends {place}")]
+    Truncated {
+        /// Where.
+        place: Place,
+    },
+    /// An element that claims more bytes than there are.
+    #[error(
+        "{attribute} claims {length} bytes, and {remaining} are left: the file is cut off or damaged"
+    )]
+    Length {
+        /// Which.
+        attribute: Attribute,
+        /// What it claims.
+        length: u64,
+        /// What there is.
+        remaining: u64,
+    },
+    /// An element whose form contradicts the standard.
+    #[error("{attribute} is damaged: {fault}")]
+    Element {
+        /// Which.
+        attribute: Attribute,
+        /// How.
+        fault: ElementFault,
+    },
+    /// A transfer syntax that cannot be read.
+    #[error("its transfer syntax {} cannot be read", .uid.as_deref().unwrap_or("(malformed)"))]
+    TransferSyntax {
+        /// The UID, if it is one of the standard's.
+        uid: Option<String>,
+    },
+    /// No radiograph, by its modality.
+    #[error("its modality is {}, and a radiograph is wanted", .modality.as_deref().unwrap_or("unknown"))]
+    Modality {
+        /// The modality, if the standard knows it.
+        modality: Option<String>,
+    },
+    /// A data set without a picture.
+    #[error("there is no picture: {missing} is missing")]
+    NoPixels {
+        /// What is missing.
+        missing: Attribute,
+    },
+    /// More than one frame.
+    #[error("it holds {frames} frames, and a film is one")]
+    Frames {
+        /// How many; 0 if the value is damaged.
+        frames: u32,
+    },
+    /// Colours that are no grey.
+    #[error("its photometric interpretation {photometric} is not supported")]
+    Photometric {
+        /// What it is.
+        photometric: UnsupportedPhotometric,
+    },
+    /// An arrangement of bits that is not supported.
+    #[error("{attribute} is {value}, which is not supported")]
+    PixelFormat {
+        /// Which attribute.
+        attribute: Attribute,
+        /// Its value.
+        value: u32,
+    },
+    /// Fewer pixels than declared.
+    #[error("the picture needs {needed} bytes, and has {found}")]
+    PixelsMissing {
+        /// Rows by columns by bytes of a sample.
+        needed: u64,
+        /// What there is.
+        found: u64,
+    },
+    /// Compressed pixels that cannot be undone.
+    #[error("the {codec} pixels cannot be decoded: {fault}")]
+    Codec {
+        /// How they are compressed.
+        codec: Codec,
+        /// Why.
+        fault: CodecFault,
+    },
+    /// The case identifier of a de-identified film has other characters than letters, digits, dot, dash, underscore,
+    /// or more than 64 of them.
+    #[error("the case identifier must be 1 to 64 letters, digits, dots, dashes or underscores")]
+    CaseId,
+    /// A file that cannot be opened; its name is the caller's to tell.
+    #[error("the file cannot be read ({kind})")]
+    Unreadable {
+        /// The system's word for it.
+        kind: String,
+    },
+    /// The decoder could not be started.
+    #[error("the decoder cannot be started ({kind})")]
+    DecoderStart {
+        /// The system's word for it.
+        kind: String,
+    },
+    /// The decoder died on this film.
+    #[error("the decoder died on this film ({})", .signal.map_or_else(|| "no answer".to_owned(), |s| format!("signal {s}")))]
+    DecoderDied {
+        /// The signal that ended it, where there was one.
+        signal: Option<i32>,
+    },
+    /// The decoder took too long.
+    #[error("the decoder took more than its {limit_s:.1} s")]
+    DecoderTimeout {
+        /// The limit.
+        limit_s: f64,
+    },
+    /// The decoder needed too much memory.
+    #[error("the decoder needed more than its {limit_bytes} bytes of memory")]
+    DecoderMemory {
+        /// The limit.
+        limit_bytes: u64,
+    },
+    /// The decoder's answer is no answer.
+    #[error("the decoder's answer cannot be understood")]
+    DecoderAnswer,
+}
+
+/// What is limited.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[allow(missing_docs)]
+#[non_exhaustive]
+pub enum Measure {
+    FileBytes,
+    InflatedBytes,
+    Pixels,
+    Depth,
+    Elements,
+    AnswerBytes,
+}
+
+impl std::fmt::Display for Measure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::FileBytes => "bytes of the file",
+            Self::InflatedBytes => "bytes of the inflated data set",
+            Self::Pixels => "pixels of the picture",
+            Self::Depth => "depth of nested sequences",
+            Self::Elements => "elements of the data set",
+            Self::AnswerBytes => "bytes of the decoder's answer",
+        })
+    }
+}
+
+/// Where a file ends too early.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[allow(missing_docs)]
+#[non_exhaustive]
+pub enum Place {
+    InPreamble,
+    InMeta,
+    InElement,
+    InSequence,
+    InFragments,
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::InPreamble => "in its preamble",
+            Self::InMeta => "in its file meta information",
+            Self::InElement => "in the header of an element",
+            Self::InSequence => "in a sequence",
+            Self::InFragments => "in the compressed picture",
+        })
+    }
+}
+
+/// How an element is damaged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[allow(missing_docs)]
+#[non_exhaustive]
+pub enum ElementFault {
+    /// Its value representation is no pair of capital letters.
+    ValueRepresentation,
+    /// An undefined length where there may be none.
+    UndefinedLength,
+    /// Something else than an item inside of a sequence.
+    NotAnItem,
+    /// A value of another type or length than the standard gives it.
+    Value,
+}
+
+impl std::fmt::Display for ElementFault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::ValueRepresentation => "it has no value representation",
+            Self::UndefinedLength => "its length may not be undefined",
+            Self::NotAnItem => "a sequence holds something else than items",
+            Self::Value => "its value has another type or length than the standard gives it",
+        })
+    }
+}
+
+/// Colours that are refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[allow(missing_docs)]
+#[non_exhaustive]
+pub enum UnsupportedPhotometric {
+    Palette,
+    Compressed,
+    Unknown,
+}
+
+impl std::fmt::Display for UnsupportedPhotometric {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Palette => "PALETTE COLOR",
+            Self::Compressed => "(colour in this transfer syntax)",
+            Self::Unknown => "(unknown)",
+        })
+    }
+}
+
+impl FilmError {
+    /// What the user can do about it.
+    #[must_use]
+    pub fn help(&self) -> &'static str {
+        match self {
+            Self::NotAFilm { .. } => {
+                "films are DICOM, PNG, JPEG or TIFF files; unpack archives first, export documents as PNG"
+            }
+            Self::TooLarge { .. } => "export the film alone, uncropped, at its own resolution",
+            Self::Truncated { .. } | Self::Length { .. } | Self::PixelsMissing { .. } => {
+                "fetch the file again: it was cut off on its way"
+            }
+            Self::Element { .. } => "export the film again from its archive",
+            Self::TransferSyntax { .. } | Self::Codec { .. } => {
+                "export the film uncompressed or as JPEG lossless, JPEG-LS or JPEG 2000"
+            }
+            Self::Modality { .. } => {
+                "choose a radiograph: CR, DX, RG, RF, XA, MG, or a digitised film (SC, OT, HC)"
+            }
+            Self::NoPixels { .. } => "choose the image object of the study, not its report or plan",
+            Self::Frames { .. } => "export the one frame that is the film",
+            Self::Photometric { .. } | Self::PixelFormat { .. } => {
+                "export the film as 8 or 16 bit greyscale"
+            }
+            Self::CaseId => "use a short pseudonym without blanks",
+            Self::Unreadable { .. } => "check the path and its permissions",
+            Self::DecoderStart { .. } | Self::DecoderAnswer => {
+                "check that the program is whole and of this version"
+            }
+            Self::DecoderDied { .. } | Self::DecoderTimeout { .. } | Self::DecoderMemory { .. } => {
+                "this film is damaged or made to do harm; export it again, uncompressed"
+            }
+        }
+    }
+}

@@ -1,0 +1,243 @@
+//! Tables and windows that turn stored values into grey, as a file states them.
+
+use serde::{Deserialize, Serialize};
+
+use super::element::DataSet;
+use super::tags::{number, numbers};
+use super::{Attribute, FilmRemark};
+
+/// A table of up to 65536 values.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Lut {
+    /// The input to which the first value belongs; what lies below it gets the same.
+    pub first: i32,
+    /// Bits of an output: 8 to 16.
+    pub bits: u8,
+    /// Outputs. Never empty.
+    pub values: Vec<u16>,
+}
+
+impl Lut {
+    /// The output for an input; inputs beyond either end get the value of that end.
+    #[must_use]
+    pub fn apply(&self, input: i32) -> u16 {
+        let last = self.values.len().saturating_sub(1);
+        let index = usize::try_from(input.saturating_sub(self.first)).unwrap_or(0).min(last);
+        self.values.get(index).copied().unwrap_or_default()
+    }
+}
+
+/// From stored values to those of the device: the first step of the pipeline.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum ModalityTransform {
+    /// `slope · stored + intercept`.
+    Rescale {
+        /// Never zero.
+        slope: f64,
+        /// Added.
+        intercept: f64,
+    },
+    /// A table.
+    Lut(Lut),
+}
+
+impl ModalityTransform {
+    /// Nothing to do.
+    pub const IDENTITY: Self = Self::Rescale { slope: 1.0, intercept: 0.0 };
+
+    /// The value of the device for a stored one.
+    #[must_use]
+    pub fn apply(&self, stored: i32) -> f64 {
+        match self {
+            Self::Rescale { slope, intercept } => slope * f64::from(stored) + intercept,
+            Self::Lut(lut) => f64::from(lut.apply(stored)),
+        }
+    }
+}
+
+/// Shape of a window: VOI LUT Function (0028,1056).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[allow(missing_docs)]
+pub enum WindowFunction {
+    Linear,
+    LinearExact,
+    Sigmoid,
+}
+
+/// Which values are shown between black and white, after the modality's transform.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Window {
+    /// Window Center (0028,1050).
+    pub center: f64,
+    /// Window Width (0028,1051).
+    pub width: f64,
+    /// Its shape.
+    pub function: WindowFunction,
+}
+
+impl Window {
+    /// Whether centre and width can be meant: finite, and a width of at least 1, or above 0 where the function allows.
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        let least = match self.function {
+            WindowFunction::Linear => self.width >= 1.0,
+            WindowFunction::LinearExact | WindowFunction::Sigmoid => self.width > 0.0,
+        };
+        least && self.width.is_finite() && self.center.is_finite()
+    }
+
+    /// Brightness of a value, 0 to 1.
+    ///
+    /// # References
+    /// DICOM PS3.3, C.11.2.1.2 and C.11.2.1.3.
+    #[must_use]
+    pub fn apply(&self, value: f64) -> f64 {
+        let Self { center, width, function } = *self;
+        match function {
+            // A width of 1 is a step: no value lies between its two ends.
+            WindowFunction::Linear if value <= center - 0.5 - (width - 1.0) / 2.0 => 0.0,
+            WindowFunction::Linear if value > center - 0.5 + (width - 1.0) / 2.0 => 1.0,
+            WindowFunction::Linear => (value - (center - 0.5)) / (width - 1.0) + 0.5,
+            WindowFunction::LinearExact => ((value - center) / width + 0.5).clamp(0.0, 1.0),
+            WindowFunction::Sigmoid => 1.0 / (1.0 + (-4.0 * (value - center) / width).exp()),
+        }
+    }
+}
+
+/// The second step of the pipeline: values of interest.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Voi {
+    /// A table.
+    Lut(Lut),
+    /// A window.
+    Window(Window),
+}
+
+/// How a film's values become grey, as its file says.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Look {
+    /// From stored values to those of the device.
+    pub modality: ModalityTransform,
+    /// What to show, in the file's order, tables first; the first one is the default. Empty: the whole range.
+    pub voi: Vec<Voi>,
+    /// Stored values that stand for no picture, both ends included.
+    pub padding: Option<[i32; 2]>,
+}
+
+impl Look {
+    /// Of a picture that says nothing.
+    #[must_use]
+    pub const fn plain() -> Self {
+        Self { modality: ModalityTransform::IDENTITY, voi: Vec::new(), padding: None }
+    }
+}
+
+const MODALITY_LUT: Attribute = Attribute(0x0028, 0x3000);
+const VOI_LUT: Attribute = Attribute(0x0028, 0x3010);
+const DESCRIPTOR: Attribute = Attribute(0x0028, 0x3002);
+const LUT_DATA: Attribute = Attribute(0x0028, 0x3006);
+const WINDOW_CENTER: Attribute = Attribute(0x0028, 0x1050);
+const WINDOW_WIDTH: Attribute = Attribute(0x0028, 0x1051);
+const VOI_FUNCTION: Attribute = Attribute(0x0028, 0x1056);
+const INTERCEPT: Attribute = Attribute(0x0028, 0x1052);
+const SLOPE: Attribute = Attribute(0x0028, 0x1053);
+const REPRESENTATION: Attribute = Attribute(0x0028, 0x0103);
+const PADDING: Attribute = Attribute(0x0028, 0x0120);
+const PADDING_LIMIT: Attribute = Attribute(0x0028, 0x0121);
+
+/// Reads the tables and windows of a data set; what cannot be meant gets a remark.
+pub(super) fn look(data: &DataSet<'_>, remarks: &mut Vec<FilmRemark>) -> Look {
+    let signed = matches!(data.word(REPRESENTATION), Ok(Some(1)));
+    let modality = modality(data, signed, remarks);
+    let below_zero = match modality {
+        ModalityTransform::Rescale { slope, intercept } => signed || intercept < 0.0 || slope < 0.0,
+        ModalityTransform::Lut(_) => false,
+    };
+    let mut voi = Vec::new();
+    if let Some(item) = data.item(VOI_LUT) {
+        match lut(item, below_zero) {
+            Some(table) => voi.push(Voi::Lut(table)),
+            None => remarks.push(FilmRemark::LookupUnusable { attribute: VOI_LUT }),
+        }
+    }
+    voi.extend(windows(data, remarks).into_iter().map(Voi::Window));
+    let padding = data.word(PADDING).ok().flatten().map(|value| {
+        let limit = data.word(PADDING_LIMIT).ok().flatten().unwrap_or(value);
+        let [a, b] = [value, limit].map(|word| signed_word(word, signed));
+        [a.min(b), a.max(b)]
+    });
+    Look { modality, voi, padding }
+}
+
+fn modality(data: &DataSet<'_>, signed: bool, remarks: &mut Vec<FilmRemark>) -> ModalityTransform {
+    if let Some(item) = data.item(MODALITY_LUT) {
+        match lut(item, signed) {
+            Some(table) => return ModalityTransform::Lut(table),
+            None => remarks.push(FilmRemark::LookupUnusable { attribute: MODALITY_LUT }),
+        }
+    }
+    let slope = match number(data, SLOPE, remarks) {
+        Some(slope) if slope.abs() < 1e-12 || slope.abs() > 1e12 => {
+            remarks.push(FilmRemark::Unusable { attribute: SLOPE });
+            return ModalityTransform::IDENTITY;
+        }
+        slope => slope.unwrap_or(1.0),
+    };
+    let intercept = number(data, INTERCEPT, remarks).unwrap_or(0.0);
+    ModalityTransform::Rescale { slope, intercept }
+}
+
+fn windows(data: &DataSet<'_>, remarks: &mut Vec<FilmRemark>) -> Vec<Window> {
+    let function = match data.text(VOI_FUNCTION) {
+        None | Some("LINEAR") => WindowFunction::Linear,
+        Some("LINEAR_EXACT") => WindowFunction::LinearExact,
+        Some("SIGMOID") => WindowFunction::Sigmoid,
+        Some(_) => {
+            remarks.push(FilmRemark::LookupUnusable { attribute: VOI_FUNCTION });
+            return Vec::new();
+        }
+    };
+    let centers = numbers(data, WINDOW_CENTER, remarks).unwrap_or_default();
+    let widths = numbers(data, WINDOW_WIDTH, remarks).unwrap_or_default();
+    let windows: Vec<_> = centers
+        .iter()
+        .zip(&widths)
+        .map(|(&center, &width)| Window { center, width, function })
+        .collect();
+    if centers.len() != widths.len() || !windows.iter().all(Window::is_valid) {
+        remarks.push(FilmRemark::LookupUnusable { attribute: WINDOW_WIDTH });
+    }
+    windows.into_iter().filter(Window::is_valid).collect()
+}
+
+fn signed_word(word: u16, signed: bool) -> i32 {
+    if signed { i32::from(word.cast_signed()) } else { i32::from(word) }
+}
+
+/// The table of one item of a LUT sequence; `None` if its descriptor and its data do not fit together.
+///
+/// # References
+/// DICOM PS3.3, C.11.1.1 and C.11.2.1.1: 0 entries are 65536; entries of 8 bits may be packed two to a word.
+fn lut(item: &DataSet<'_>, signed: bool) -> Option<Lut> {
+    let [entries, first, bits] = item.words(DESCRIPTOR)?[..] else { return None };
+    let entries = if entries == 0 { 65536 } else { usize::from(entries) };
+    let bits = u8::try_from(bits).ok().filter(|bits| (8..=16).contains(bits))?;
+    let data = item.bytes(LUT_DATA)?;
+    let values: Vec<u16> = if data.len() == 2 * entries {
+        item.words(LUT_DATA)?
+    } else if bits == 8 && (data.len() == entries || data.len() == entries + 1) {
+        // Packed: the low byte of a word comes first.
+        let swap = usize::from(item.encoding.big_endian);
+        let byte = |index: usize| data.get(index ^ swap).or(data.get(index)).copied();
+        (0..entries).map(|index| u16::from(byte(index).unwrap_or_default())).collect()
+    } else {
+        return None;
+    };
+    Some(Lut { first: signed_word(first, signed), bits, values })
+}
+
+/// Descriptor and data of an item of a LUT sequence, as they are, if they make a table.
+pub(super) fn whole_table<'a>(item: &DataSet<'a>) -> Option<[&'a [u8]; 2]> {
+    lut(item, false)?;
+    Some([item.bytes(DESCRIPTOR)?, item.bytes(LUT_DATA)?])
+}

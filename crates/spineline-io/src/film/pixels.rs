@@ -1,0 +1,276 @@
+//! Pixels of a DICOM data set, exact.
+
+use dicom_core::VR;
+
+use super::codec;
+use super::container::{Packing, Syntax};
+use super::element::{DataSet, PIXEL_DATA, Value};
+use super::error::{FilmError, Measure, UnsupportedPhotometric};
+use super::{Attribute, Codec, CodecFault, FilmLimits, FilmRemark, Photometric, StoredPixels};
+
+const SAMPLES: Attribute = Attribute(0x0028, 0x0002);
+const PHOTOMETRIC: Attribute = Attribute(0x0028, 0x0004);
+const PLANAR: Attribute = Attribute(0x0028, 0x0006);
+const ROWS: Attribute = Attribute(0x0028, 0x0010);
+const COLUMNS: Attribute = Attribute(0x0028, 0x0011);
+const BITS_ALLOCATED: Attribute = Attribute(0x0028, 0x0100);
+const BITS_STORED: Attribute = Attribute(0x0028, 0x0101);
+const HIGH_BIT: Attribute = Attribute(0x0028, 0x0102);
+const REPRESENTATION: Attribute = Attribute(0x0028, 0x0103);
+
+/// What the image pixel module says, checked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Format {
+    pub columns: u16,
+    pub rows: u16,
+    /// 1, or 3 for colour.
+    pub samples: u8,
+    /// All samples of one kind, then all of the next.
+    pub planar: bool,
+    /// The first of three samples is the luminance.
+    pub luminance_first: bool,
+    /// 8 or 16.
+    pub allocated: u8,
+    pub stored: u8,
+    pub high: u8,
+    pub signed: bool,
+}
+
+impl Format {
+    pub fn pixels(self) -> usize {
+        usize::from(self.columns) * usize::from(self.rows)
+    }
+}
+
+pub(super) struct Picture {
+    pub columns: u32,
+    pub rows: u32,
+    pub bits_stored: u8,
+    pub stored: StoredPixels,
+}
+
+pub(super) fn read(
+    data: &DataSet<'_>,
+    syntax: &Syntax,
+    photometric: Photometric,
+    limits: &FilmLimits,
+    remarks: &mut Vec<FilmRemark>,
+) -> Result<Picture, FilmError> {
+    let format = format(data, photometric, limits)?;
+    let no_pixels = FilmError::NoPixels { missing: PIXEL_DATA };
+    let element = data.get(PIXEL_DATA).ok_or_else(|| no_pixels.clone())?;
+    let words = match (syntax.packing, &element.value) {
+        (Packing::Native, Value::Bytes(bytes)) => {
+            let swapped = data.encoding.big_endian && element.vr == VR::OW;
+            native(bytes, format, data.encoding.big_endian, swapped, remarks)?
+        }
+        (Packing::Codec(codec), Value::Fragments { fragments, .. }) => {
+            let coded = codec::decode(codec, fragments, format)?;
+            coded.into_words(codec, format, remarks)?
+        }
+        _ => return Err(no_pixels),
+    };
+    let bits_stored = format.stored;
+    let stored = if format.signed {
+        StoredPixels::Signed(signed(words, bits_stored, remarks))
+    } else {
+        if words.iter().any(|&word| word > top(bits_stored)) {
+            remarks.push(FilmRemark::BeyondBitsStored { bits_stored });
+        }
+        StoredPixels::Unsigned(words)
+    };
+    let (columns, rows) = (u32::from(format.columns), u32::from(format.rows));
+    Ok(Picture { columns, rows, bits_stored, stored })
+}
+
+/// The largest unsigned value of so many bits.
+const fn top(bits: u8) -> u16 {
+    u16::MAX >> (16 - bits)
+}
+
+/// Two's complement of so many bits; of all 16 where a value does not fit.
+fn signed(words: Vec<u16>, bits_stored: u8, remarks: &mut Vec<FilmRemark>) -> Vec<i16> {
+    let shift = 16 - u32::from(bits_stored);
+    let extend = |word: u16| (word << shift).cast_signed() >> shift;
+    let fits = |word: u16| word <= top(bits_stored) || extend(word).cast_unsigned() == word;
+    if words.iter().all(|&word| fits(word)) {
+        return words.into_iter().map(extend).collect();
+    }
+    remarks.push(FilmRemark::BeyondBitsStored { bits_stored });
+    words.into_iter().map(u16::cast_signed).collect()
+}
+
+fn format(
+    data: &DataSet<'_>,
+    photometric: Photometric,
+    limits: &FilmLimits,
+) -> Result<Format, FilmError> {
+    let needed = |attribute: Attribute| {
+        data.word(attribute)?.ok_or(FilmError::NoPixels { missing: attribute })
+    };
+    let wrong = |attribute: Attribute, value: u16| FilmError::PixelFormat {
+        attribute,
+        value: u32::from(value),
+    };
+    let (rows, columns) = (needed(ROWS)?, needed(COLUMNS)?);
+    for (attribute, value) in [(ROWS, rows), (COLUMNS, columns)] {
+        if value == 0 {
+            return Err(wrong(attribute, value));
+        }
+    }
+    let found = u64::from(rows) * u64::from(columns);
+    if found > limits.pixels {
+        return Err(FilmError::TooLarge { what: Measure::Pixels, found, limit: limits.pixels });
+    }
+    let samples = data.word(SAMPLES)?.unwrap_or(1);
+    let colour = photometric == Photometric::Colour;
+    if samples != if colour { 3 } else { 1 } {
+        return Err(wrong(SAMPLES, samples));
+    }
+    let allocated = needed(BITS_ALLOCATED)?;
+    if !(allocated == 8 || allocated == 16 && !colour) {
+        return Err(wrong(BITS_ALLOCATED, allocated));
+    }
+    let stored = data.word(BITS_STORED)?.unwrap_or(allocated);
+    if stored == 0 || stored > allocated || colour && stored != 8 {
+        return Err(wrong(BITS_STORED, stored));
+    }
+    let high = data.word(HIGH_BIT)?.unwrap_or(stored - 1);
+    if high >= allocated || high + 1 < stored {
+        return Err(wrong(HIGH_BIT, high));
+    }
+    let signed = match data.word(REPRESENTATION)?.unwrap_or(0) {
+        0 => false,
+        1 if !colour => true,
+        other => return Err(wrong(REPRESENTATION, other)),
+    };
+    let planar = colour && data.word(PLANAR)?.unwrap_or(0) == 1;
+    // All of these are at most 16 by now.
+    let [samples, allocated, stored, high] = [samples, allocated, stored, high].map(|v| v as u8);
+    let luminance_first = colour && data.text(PHOTOMETRIC).is_some_and(|p| p.starts_with("YBR"));
+    Ok(Format { columns, rows, samples, planar, luminance_first, allocated, stored, high, signed })
+}
+
+/// Uncompressed samples: cut to their bits, or, in colour, to their luminance.
+fn native(
+    bytes: &[u8],
+    format: Format,
+    big_endian: bool,
+    swapped: bool,
+    remarks: &mut Vec<FilmRemark>,
+) -> Result<Vec<u16>, FilmError> {
+    let samples = format.pixels() * usize::from(format.samples);
+    let needed = samples * usize::from(format.allocated / 8);
+    if bytes.len() < needed {
+        let found = bytes.len() as u64;
+        return Err(FilmError::PixelsMissing { needed: needed as u64, found });
+    }
+    // One byte more makes the length even, as it has to be.
+    let surplus = bytes.len() - needed;
+    if surplus > needed % 2 {
+        remarks.push(FilmRemark::PixelsLeftOver { bytes: surplus as u64 });
+    }
+    let (whole, bytes) = (bytes, &bytes[..needed]);
+    if format.samples == 3 {
+        let bytes = if swapped { swap(bytes) } else { bytes.to_vec() };
+        let pixels = by_pixel(&bytes, format.pixels(), format.planar);
+        return Ok(if format.luminance_first {
+            first_samples(&pixels, remarks)
+        } else {
+            luminance(&pixels, remarks)
+        });
+    }
+    let shift = format.high + 1 - format.stored;
+    let mask = top(format.stored);
+    let cut = |word: u16| (word >> shift) & mask;
+    if format.allocated == 8 {
+        let bytes = if swapped { swap(whole) } else { bytes.to_vec() };
+        return Ok(bytes[..needed].iter().map(|&byte| cut(u16::from(byte))).collect());
+    }
+    let pairs = bytes.as_chunks::<2>().0;
+    Ok(if big_endian {
+        pairs.iter().map(|&pair| cut(u16::from_be_bytes(pair))).collect()
+    } else {
+        pairs.iter().map(|&pair| cut(u16::from_le_bytes(pair))).collect()
+    })
+}
+
+/// Bytes of big-endian words in the order of pixels.
+fn swap(bytes: &[u8]) -> Vec<u8> {
+    let (pairs, rest) = bytes.as_chunks::<2>();
+    let swapped = pairs.iter().flat_map(|&[a, b]| [b, a]);
+    swapped.chain(rest.iter().copied()).collect()
+}
+
+/// Samples of colour, pixel by pixel.
+pub(super) fn by_pixel(bytes: &[u8], pixels: usize, planar: bool) -> Vec<[u8; 3]> {
+    if planar {
+        (0..pixels).map(|i| [bytes[i], bytes[pixels + i], bytes[2 * pixels + i]]).collect()
+    } else {
+        bytes.as_chunks::<3>().0.to_vec()
+    }
+}
+
+/// Luminance of pixels that carry it first, and two colour differences around 128.
+fn first_samples(pixels: &[[u8; 3]], remarks: &mut Vec<FilmRemark>) -> Vec<u16> {
+    let difference = |&[_, b, r]: &[u8; 3]| b.abs_diff(128).max(r.abs_diff(128)).saturating_mul(2);
+    let largest_difference = pixels.iter().map(difference).max().unwrap_or(0);
+    remarks.push(FilmRemark::Colour { largest_difference });
+    pixels.iter().map(|&[luminance, ..]| u16::from(luminance)).collect()
+}
+
+/// Luminance of red, green and blue as ITU-R BT.601 weighs them.
+pub(super) fn luminance(pixels: &[[u8; 3]], remarks: &mut Vec<FilmRemark>) -> Vec<u16> {
+    let difference = |[r, g, b]: &[u8; 3]| r.max(g).max(b) - r.min(g).min(b);
+    let largest_difference = pixels.iter().map(difference).max().unwrap_or(0);
+    remarks.push(FilmRemark::Colour { largest_difference });
+    let weigh = |&[r, g, b]: &[u8; 3]| {
+        let sum = 299 * u32::from(r) + 587 * u32::from(g) + 114 * u32::from(b);
+        // At most 255.
+        ((sum + 500) / 1000) as u16
+    };
+    pixels.iter().map(weigh).collect()
+}
+
+/// What a codec gave back.
+pub(super) enum Coded {
+    /// Words of one sample each, as many as there are pixels.
+    Words(Vec<u16>),
+    /// Red, green and blue.
+    Colour(Vec<[u8; 3]>),
+    /// Luminance and two colour differences.
+    Luminance(Vec<[u8; 3]>),
+}
+
+impl Coded {
+    fn into_words(
+        self,
+        codec: Codec,
+        format: Format,
+        remarks: &mut Vec<FilmRemark>,
+    ) -> Result<Vec<u16>, FilmError> {
+        match self {
+            Self::Words(words) if words.len() == format.pixels() && format.samples == 1 => {
+                Ok(words)
+            }
+            Self::Colour(pixels) if pixels.len() == format.pixels() && format.samples == 3 => {
+                Ok(luminance(&pixels, remarks))
+            }
+            Self::Luminance(pixels) if pixels.len() == format.pixels() && format.samples == 3 => {
+                Ok(first_samples(&pixels, remarks))
+            }
+            Self::Colour(_) if format.samples == 1 => {
+                let photometric = UnsupportedPhotometric::Compressed;
+                Err(FilmError::Photometric { photometric })
+            }
+            _ => Err(FilmError::Codec { codec, fault: CodecFault::Corrupt }),
+        }
+    }
+}
+
+/// Bytes of the uncompressed picture of a data set.
+pub(super) fn native_length(data: &DataSet<'_>, limits: &FilmLimits) -> Result<usize, FilmError> {
+    let photometric = Photometric::read(data.text(PHOTOMETRIC))?;
+    let format = format(data, photometric, limits)?;
+    Ok(format.pixels() * usize::from(format.samples) * usize::from(format.allocated / 8))
+}

@@ -1,0 +1,101 @@
+//! Pictures without a data set: PNG, JPEG and TIFF. They have no spacing and no view; both have to be asked for.
+
+use std::io::Cursor;
+
+use image::metadata::Orientation;
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use spineline::measure::{SpacingEvidence, ViewEvidence};
+
+use super::codec::foreign;
+use super::error::{Codec, CodecFault, FilmError, Measure};
+use super::pixels::luminance;
+use super::{
+    FilmFile, FilmKind, FilmLimits, FilmRemark, FilmTags, FilmUids, Look, Photometric, StoredPixels,
+};
+
+pub(super) fn read(
+    bytes: &[u8],
+    kind: FilmKind,
+    limits: &FilmLimits,
+) -> Result<FilmFile, FilmError> {
+    let mut remarks = vec![FilmRemark::NoModality, FilmRemark::BurnedInUnknown];
+    let image = decode(bytes, kind, limits, &mut remarks)?;
+    let (columns, rows) = (image.width(), image.height());
+    if image.color().has_alpha() {
+        remarks.push(FilmRemark::Transparency);
+    }
+    let (photometric, bits_stored, words) = match image {
+        DynamicImage::ImageLuma8(_) | DynamicImage::ImageLumaA8(_) => {
+            let words = image.into_luma8().into_raw().into_iter().map(u16::from).collect();
+            (Photometric::Monochrome2, 8, words)
+        }
+        DynamicImage::ImageLuma16(_) | DynamicImage::ImageLumaA16(_) => {
+            (Photometric::Monochrome2, 16, image.into_luma16().into_raw())
+        }
+        DynamicImage::ImageRgb8(_) | DynamicImage::ImageRgba8(_) => {
+            let bytes = image.into_rgb8().into_raw();
+            (Photometric::Colour, 8, luminance(bytes.as_chunks::<3>().0, &mut remarks))
+        }
+        // Floating point and colour of 16 bits.
+        _ => {
+            let fault = CodecFault::Unsupported;
+            return Err(FilmError::Codec { codec: Codec::Raster, fault });
+        }
+    };
+    let tags = FilmTags {
+        modality: None,
+        spacing: SpacingEvidence::default(),
+        view: ViewEvidence::default(),
+        photometric,
+        presentation_lut_shape: None,
+        burned_in_annotation: None,
+        uids: FilmUids::default(),
+        transfer_syntax: None,
+        bits_stored,
+    };
+    let stored = StoredPixels::Unsigned(words);
+    // The whole range of the file's bits is what every other program shows.
+    let full = f64::from(u16::MAX >> (16 - u32::from(bits_stored)));
+    let window = super::Window {
+        center: full / 2.0,
+        width: full,
+        function: super::WindowFunction::LinearExact,
+    };
+    let look = Look { voi: vec![super::Voi::Window(window)], ..Look::plain() };
+    Ok(FilmFile { kind, columns, rows, stored, tags, look, remarks })
+}
+
+fn decode(
+    bytes: &[u8],
+    kind: FilmKind,
+    limits: &FilmLimits,
+    remarks: &mut Vec<FilmRemark>,
+) -> Result<DynamicImage, FilmError> {
+    let format = match kind {
+        FilmKind::Jpeg => ImageFormat::Jpeg,
+        FilmKind::Tiff => ImageFormat::Tiff,
+        FilmKind::Png | FilmKind::Dicom => ImageFormat::Png,
+    };
+    let fault = |fault| FilmError::Codec { codec: Codec::Raster, fault };
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut caps = Limits::default();
+    // Two copies of four samples of 16 bits.
+    caps.max_alloc = Some(limits.pixels.saturating_mul(16));
+    reader.limits(caps);
+    let mut decoder = foreign(|| reader.into_decoder()).map_err(fault)?;
+    let (columns, rows) = decoder.dimensions();
+    let found = u64::from(columns) * u64::from(rows);
+    if found > limits.pixels {
+        return Err(FilmError::TooLarge { what: Measure::Pixels, found, limit: limits.pixels });
+    }
+    if found == 0 {
+        return Err(fault(CodecFault::Header));
+    }
+    let orientation = foreign(|| decoder.orientation()).unwrap_or(Orientation::NoTransforms);
+    let mut image = foreign(|| DynamicImage::from_decoder(decoder)).map_err(fault)?;
+    if orientation != Orientation::NoTransforms {
+        image.apply_orientation(orientation);
+        remarks.push(FilmRemark::CameraOrientation);
+    }
+    Ok(image)
+}

@@ -1,0 +1,119 @@
+use std::borrow::Cow;
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::Attribute;
+
+/// Something odd about a film's file, and what was done about it. Holds no text of the file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum FilmRemark {
+    /// The file has no DICOM preamble.
+    NoPreamble,
+    /// The file does not say how it is encoded; this is what fits its first bytes.
+    TransferSyntaxGuessed {
+        /// Name of the transfer syntax.
+        name: Cow<'static, str>,
+    },
+    /// The file does not say by which kind of device it was made.
+    NoModality,
+    /// An attribute whose value cannot be meant; it is not used.
+    Unusable {
+        /// Which.
+        attribute: Attribute,
+    },
+    /// The picture was in colour, and is its luminance now.
+    Colour {
+        /// Largest difference between red, green and blue of a pixel: 0 if the picture was grey all along.
+        largest_difference: u8,
+    },
+    /// The picture was compressed with losses at some time.
+    Lossy,
+    /// Raw data FOR PROCESSING: a detector's, not yet a picture for eyes.
+    ForProcessing,
+    /// More bytes of pixels than declared; the surplus is not used.
+    PixelsLeftOver {
+        /// Surplus bytes.
+        bytes: u64,
+    },
+    /// Compressed pixels hold values beyond the declared bits; they are used as they are.
+    BeyondBitsStored {
+        /// Declared bits.
+        bits_stored: u8,
+    },
+    /// Photometric interpretation and Presentation LUT Shape contradict one another; the former decides.
+    PolarityContradicted,
+    /// Neither MONOCHROME1 nor MONOCHROME2 is stated: large values are taken as bright.
+    PolarityNotStated,
+    /// A table or window that cannot be meant; the whole range of values is shown instead.
+    LookupUnusable {
+        /// Which.
+        attribute: Attribute,
+    },
+    /// Pixels are said not to be square, without a spacing; it is not used.
+    AspectNotUsed,
+    /// Somebody says that text is burned into the picture: it may name the patient.
+    BurnedIn,
+    /// Nobody says whether text is burned into the picture: look at it before it is passed on.
+    BurnedInUnknown,
+    /// The picture was turned or mirrored as its camera's orientation tag asks.
+    CameraOrientation,
+    /// The picture had transparent parts; transparency is not used.
+    Transparency,
+}
+
+impl fmt::Display for FilmRemark {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoPreamble => f.write_str("the file has no DICOM preamble"),
+            Self::TransferSyntaxGuessed { name } => write!(
+                f,
+                "the file does not say how it is encoded; {name} fits its first bytes"
+            ),
+            Self::NoModality => f.write_str("the file does not say which kind of device made it"),
+            Self::Unusable { attribute } => {
+                write!(f, "{attribute} holds a value that cannot be meant; it is not used")
+            }
+            Self::Colour { largest_difference: 0 } => {
+                f.write_str("the picture was stored in colour and is grey all over")
+            }
+            Self::Colour { largest_difference } => write!(
+                f,
+                "the picture was in colour (up to {largest_difference} of 255 apart); its luminance is used"
+            ),
+            Self::Lossy => f.write_str("the picture was compressed with losses"),
+            Self::ForProcessing => {
+                f.write_str("these are a detector's raw data (FOR PROCESSING), not a picture for eyes")
+            }
+            Self::PixelsLeftOver { bytes } => {
+                write!(f, "{bytes} bytes follow the picture; they are not used")
+            }
+            Self::BeyondBitsStored { bits_stored } => {
+                write!(f, "some pixels are larger than {bits_stored} bits can say; they are used as they are")
+            }
+            Self::PolarityContradicted => f.write_str(
+                "Photometric Interpretation and Presentation LUT Shape contradict one another; the first decides what is bright",
+            ),
+            Self::PolarityNotStated => {
+                f.write_str("the file does not say whether large values are bright; they are taken so")
+            }
+            Self::LookupUnusable { attribute } => {
+                write!(f, "{attribute} cannot be used for display")
+            }
+            Self::AspectNotUsed => f.write_str(
+                "Pixel Aspect Ratio says that pixels are not square, and no spacing does; it is not used",
+            ),
+            Self::BurnedIn => {
+                f.write_str("text is burned into the picture: it must be looked at before it is passed on")
+            }
+            Self::BurnedInUnknown => f.write_str(
+                "the file does not say whether text is burned into the picture: burned-in text must be looked at",
+            ),
+            Self::CameraOrientation => {
+                f.write_str("the picture was turned or mirrored as its orientation tag asks")
+            }
+            Self::Transparency => f.write_str("the picture had a transparency, which is not used"),
+        }
+    }
+}

@@ -1,0 +1,279 @@
+//! What a film's attributes say, as far as measuring needs it.
+
+use spineline::measure::{
+    CalibrationType, Direction, SpacingEvidence, Stance, ViewEvidence, ViewPosition,
+};
+
+use super::element::{DataSet, PIXEL_DATA, Value};
+use super::error::FilmError;
+use super::lookup::{Look, look};
+use super::{Attribute, FilmRemark, FilmTags, FilmUids, Photometric, PresentationShape};
+
+const IMAGE_TYPE_LOSSY: Attribute = Attribute(0x0028, 0x2110);
+const SOP_CLASS: Attribute = Attribute(0x0008, 0x0016);
+const SOP_INSTANCE: Attribute = Attribute(0x0008, 0x0018);
+const MODALITY: Attribute = Attribute(0x0008, 0x0060);
+const INTENT: Attribute = Attribute(0x0008, 0x0068);
+const VIEW_POSITION: Attribute = Attribute(0x0018, 0x5101);
+const STUDY_INSTANCE: Attribute = Attribute(0x0020, 0x000D);
+const SERIES_INSTANCE: Attribute = Attribute(0x0020, 0x000E);
+const ORIENTATION: Attribute = Attribute(0x0020, 0x0020);
+const PHOTOMETRIC: Attribute = Attribute(0x0028, 0x0004);
+const FRAMES: Attribute = Attribute(0x0028, 0x0008);
+const PIXEL_SPACING: Attribute = Attribute(0x0028, 0x0030);
+const ASPECT: Attribute = Attribute(0x0028, 0x0034);
+const BURNED_IN: Attribute = Attribute(0x0028, 0x0301);
+const CALIBRATION: Attribute = Attribute(0x0028, 0x0A02);
+const STANCE: Attribute = Attribute(0x0054, 0x0410);
+const VIEW_CODE: Attribute = Attribute(0x0054, 0x0220);
+const CODE_VALUE: Attribute = Attribute(0x0008, 0x0100);
+const SHAPE: Attribute = Attribute(0x2050, 0x0020);
+
+/// Modalities whose pictures can be radiographs: devices, scanned films, and captures of either.
+const RADIOGRAPHS: [&str; 10] = ["CR", "DX", "RG", "RF", "XA", "MG", "OT", "SC", "HC", "XC"];
+
+/// Other modalities of DICOM PS3.3, C.7.3.1.1.1, that an error may name.
+pub(super) const OTHER_MODALITIES: [&str; 29] = [
+    "CT", "MR", "NM", "PT", "US", "ES", "SM", "SR", "PR", "KO", "SEG", "REG", "DOC", "ECG", "IO",
+    "IVUS", "OCT", "OP", "PX", "BMD", "BDUS", "RTIMAGE", "RTDOSE", "RTPLAN", "RTSTRUCT",
+    "RTRECORD", "AU", "HD", "GM",
+];
+
+pub(super) fn is_radiograph(modality: &str) -> bool {
+    RADIOGRAPHS.contains(&modality)
+}
+
+/// Reads the attributes, and refuses what is no single grey radiograph.
+pub(super) fn read(
+    data: &DataSet<'_>,
+    syntax_name: &'static str,
+    remarks: &mut Vec<FilmRemark>,
+) -> Result<(FilmTags, Look), FilmError> {
+    let modality = modality(data, remarks)?;
+    refuse_other_pixels(data)?;
+    let photometric = Photometric::read(data.text(PHOTOMETRIC))?;
+    let shape = data.text(SHAPE).and_then(|text| match text {
+        "IDENTITY" => Some(PresentationShape::Identity),
+        "INVERSE" => Some(PresentationShape::Inverse),
+        _ => {
+            remarks.push(FilmRemark::Unusable { attribute: SHAPE });
+            None
+        }
+    });
+    match (photometric, shape) {
+        (Photometric::Monochrome1, Some(PresentationShape::Identity))
+        | (Photometric::Monochrome2, Some(PresentationShape::Inverse)) => {
+            remarks.push(FilmRemark::PolarityContradicted);
+        }
+        (Photometric::NotStated, _) => remarks.push(FilmRemark::PolarityNotStated),
+        _ => {}
+    }
+    if data.text(IMAGE_TYPE_LOSSY) == Some("01") {
+        remarks.push(FilmRemark::Lossy);
+    }
+    if data.text(INTENT) == Some("FOR PROCESSING") {
+        remarks.push(FilmRemark::ForProcessing);
+    }
+    let burned_in = match data.text(BURNED_IN) {
+        Some("YES") => Some(true),
+        Some("NO") => Some(false),
+        _ => None,
+    };
+    match burned_in {
+        Some(true) => remarks.push(FilmRemark::BurnedIn),
+        Some(false) => {}
+        None => remarks.push(FilmRemark::BurnedInUnknown),
+    }
+    let spacing = spacing(data, remarks);
+    let square = data.text(ASPECT).is_none_or(|text| match text.split_once('\\') {
+        Some((a, b)) => a.trim() == b.trim(),
+        None => false,
+    });
+    if !square && spacing == SpacingEvidence::default() {
+        remarks.push(FilmRemark::AspectNotUsed);
+    }
+    let tags = FilmTags {
+        modality,
+        spacing,
+        view: view(data, remarks),
+        photometric,
+        presentation_lut_shape: shape,
+        burned_in_annotation: burned_in,
+        uids: FilmUids {
+            sop_class: uid(data, SOP_CLASS, remarks),
+            sop_instance: uid(data, SOP_INSTANCE, remarks),
+            study_instance: uid(data, STUDY_INSTANCE, remarks),
+            series_instance: uid(data, SERIES_INSTANCE, remarks),
+        },
+        transfer_syntax: Some(syntax_name.into()),
+        bits_stored: 0,
+    };
+    Ok((tags, look(data, remarks)))
+}
+
+fn modality(
+    data: &DataSet<'_>,
+    remarks: &mut Vec<FilmRemark>,
+) -> Result<Option<String>, FilmError> {
+    match data.text(MODALITY) {
+        Some(text) if is_radiograph(text) => Ok(Some(text.to_owned())),
+        Some(text) => {
+            let known = OTHER_MODALITIES.contains(&text);
+            Err(FilmError::Modality { modality: known.then(|| text.to_owned()) })
+        }
+        None => {
+            remarks.push(FilmRemark::NoModality);
+            Ok(None)
+        }
+    }
+}
+
+fn refuse_other_pixels(data: &DataSet<'_>) -> Result<(), FilmError> {
+    if let Some(text) = data.text(FRAMES) {
+        match text.parse::<u32>() {
+            Ok(1) => {}
+            Ok(frames) => return Err(FilmError::Frames { frames }),
+            Err(_) => return Err(FilmError::Frames { frames: 0 }),
+        }
+    }
+    match data.get(PIXEL_DATA) {
+        None => Err(FilmError::NoPixels { missing: PIXEL_DATA }),
+        Some(element) if matches!(element.value, Value::Items(_)) => {
+            Err(FilmError::NoPixels { missing: PIXEL_DATA })
+        }
+        Some(_) => Ok(()),
+    }
+}
+
+/// A decimal string: digits, sign, point and exponent of ten. A comma, a text, or an overflow is none.
+fn decimal(text: &str) -> Option<f64> {
+    let text = text.trim_matches(|c: char| c == ' ' || c == '\0');
+    let plain = text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
+    // Not `inf` nor `nan`, which Rust would read.
+    text.parse::<f64>().ok().filter(|value| plain && value.is_finite())
+}
+
+/// One number; a remark if there is something else.
+pub(super) fn number(
+    data: &DataSet<'_>,
+    attribute: Attribute,
+    remarks: &mut Vec<FilmRemark>,
+) -> Option<f64> {
+    numbers(data, attribute, remarks).and_then(|values| match values[..] {
+        [value] => Some(value),
+        _ => {
+            remarks.push(FilmRemark::Unusable { attribute });
+            None
+        }
+    })
+}
+
+/// All numbers of an attribute; a remark if one of them is none.
+pub(super) fn numbers(
+    data: &DataSet<'_>,
+    attribute: Attribute,
+    remarks: &mut Vec<FilmRemark>,
+) -> Option<Vec<f64>> {
+    let bytes = data.bytes(attribute)?;
+    if bytes.iter().all(|&b| b == b' ' || b == 0) {
+        return None;
+    }
+    let values = data.text(attribute).and_then(|text| text.split('\\').map(decimal).collect());
+    if values.is_none() {
+        remarks.push(FilmRemark::Unusable { attribute });
+    }
+    values
+}
+
+fn pair(
+    data: &DataSet<'_>,
+    attribute: Attribute,
+    remarks: &mut Vec<FilmRemark>,
+) -> Option<[f64; 2]> {
+    let values = numbers(data, attribute, remarks)?;
+    if let [row, column] = values[..] {
+        return Some([row, column]);
+    }
+    remarks.push(FilmRemark::Unusable { attribute });
+    None
+}
+
+fn spacing(data: &DataSet<'_>, remarks: &mut Vec<FilmRemark>) -> SpacingEvidence {
+    let calibration = data.text(CALIBRATION).and_then(|text| match text {
+        "GEOMETRY" => Some(CalibrationType::Geometry),
+        "FIDUCIAL" => Some(CalibrationType::Fiducial),
+        _ => {
+            remarks.push(FilmRemark::Unusable { attribute: CALIBRATION });
+            None
+        }
+    });
+    SpacingEvidence {
+        pixel_mm: pair(data, PIXEL_SPACING, remarks),
+        calibration,
+        imager_mm: pair(data, Attribute(0x0018, 0x1164), remarks),
+        magnification: number(data, Attribute(0x0018, 0x1114), remarks),
+        source_to_detector_mm: number(data, Attribute(0x0018, 0x1110), remarks),
+        source_to_patient_mm: number(data, Attribute(0x0018, 0x1111), remarks),
+        scanned_mm: pair(data, Attribute(0x0018, 0x2010), remarks),
+    }
+}
+
+fn view(data: &DataSet<'_>, remarks: &mut Vec<FilmRemark>) -> ViewEvidence {
+    let orientation = data.text(ORIENTATION).and_then(|text| {
+        let known = |part: &str| {
+            let part = part.trim();
+            let letters = part.len() <= 3 && part.bytes().all(|b| b"LRAPHF".contains(&b));
+            Direction::from_dicom(part).filter(|_| letters)
+        };
+        let pair = text.split_once('\\').and_then(|(a, b)| known(a).zip(known(b)));
+        if pair.is_none() {
+            remarks.push(FilmRemark::Unusable { attribute: ORIENTATION });
+        }
+        pair.map(|(columns, rows)| [columns, rows])
+    });
+    let by_code = || {
+        let code = data.item(VIEW_CODE)?.text(CODE_VALUE)?;
+        VIEW_CODES.iter().find(|(value, _, _)| *value == code).map(|&(_, _, view)| view)
+    };
+    ViewEvidence {
+        orientation,
+        view_position: data.text(VIEW_POSITION).map(ViewPosition::from_dicom).or_else(by_code),
+        stance: data.item(STANCE).and_then(|item| {
+            let code = item.text(CODE_VALUE)?;
+            STANCES.iter().find(|(value, _, _)| *value == code).map(|&(_, _, stance)| stance)
+        }),
+    }
+}
+
+/// Codes of DICOM PS3.16, CID 4010, in SNOMED RT and CT, with their meanings.
+pub(super) const VIEW_CODES: [(&str, &str, ViewPosition); 6] = [
+    ("R-10206", "antero-posterior", ViewPosition::Frontal),
+    ("R-10214", "postero-anterior", ViewPosition::Frontal),
+    ("R-10236", "left lateral", ViewPosition::Lateral),
+    ("R-10232", "right lateral", ViewPosition::Lateral),
+    ("399348003", "antero-posterior", ViewPosition::Frontal),
+    ("272479007", "postero-anterior", ViewPosition::Frontal),
+];
+
+/// Codes of DICOM PS3.16, CID 19, in SNOMED RT and CT, with their meanings.
+pub(super) const STANCES: [(&str, &str, Stance); 4] = [
+    ("F-10440", "erect", Stance::Erect),
+    ("F-10450", "recumbent", Stance::Recumbent),
+    ("10904000", "erect", Stance::Erect),
+    ("102538003", "recumbent", Stance::Recumbent),
+];
+
+fn uid(data: &DataSet<'_>, attribute: Attribute, remarks: &mut Vec<FilmRemark>) -> Option<String> {
+    let text = data.text(attribute)?;
+    if is_uid(text) {
+        return Some(text.to_owned());
+    }
+    remarks.push(FilmRemark::Unusable { attribute });
+    None
+}
+
+/// Digits and dots, at most 64 of them, no empty component.
+pub(super) fn is_uid(text: &str) -> bool {
+    text.len() <= 64
+        && text.split('.').all(|part| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit()))
+}

@@ -1,0 +1,9 @@
+//! Films: made by hand, and the public samples with what an independent program read from them.
+
+mod child;
+mod deid;
+mod display;
+mod faults;
+mod maker;
+mod reading;
+mod samples;
