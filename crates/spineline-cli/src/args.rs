@@ -14,9 +14,11 @@ use spineline::spatial::{Angle, Frontal};
 
 use crate::export::{EXAMPLES, ExportArgs};
 use crate::failure::Failure;
-use crate::reliability::{self, ReliabilityArgs};
 use crate::film::FilmArgs;
+use crate::import::{self, ImportArgs};
+use crate::reliability::{self, ReliabilityArgs};
 use crate::simulate;
+use crate::study::{self, StudyArgs};
 
 /// Turns frontal radiographs of a scoliotic spine into a personalised multibody model.
 ///
@@ -43,6 +45,12 @@ pub enum Command {
     /// Load a personalised model: forces, moments, weight, pads, straps and rods, or a force for a wanted lean
     #[command(after_help = simulate::EXAMPLES)]
     Simulate(simulate::SimulateArgs),
+    /// Find films in folders and archives, and make a case of them
+    #[command(after_help = import::EXAMPLES)]
+    Import(Box<ImportArgs>),
+    /// Keep films, blinded readings and every click in one file that proves its own history
+    #[command(after_help = study::EXAMPLES)]
+    Study(StudyArgs),
     /// Make synthetic patients with known truth
     Phantom(PhantomArgs),
     /// Write a personalised model as MuJoCo, OpenSim or URDF programs read it

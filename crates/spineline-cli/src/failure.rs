@@ -2,6 +2,9 @@ use std::fmt;
 use std::path::Path;
 use std::process::ExitCode;
 
+use spineline_io::intake::IntakeError;
+use spineline_server::store::StoreError;
+
 /// How a command that ran to its end came out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
@@ -55,6 +58,18 @@ impl Failure {
             _ => format!("{}: {error}", path.display()),
         };
         Self { code: 3, what, help: Some(error.help().to_owned()) }
+    }
+
+    /// A store that refused.
+    pub fn store(path: &Path, error: &StoreError) -> Self {
+        let code = if matches!(error, StoreError::Full | StoreError::Disk { .. }) { 1 } else { 3 };
+        let what = format!("{}: {error}", path.display());
+        Self { code, what, help: Some(error.help().to_owned()) }
+    }
+
+    /// Films that could not be found or read.
+    pub fn intake(error: &IntakeError) -> Self {
+        Self { code: 3, what: error.to_string(), help: Some(error.help().to_owned()) }
     }
 
     /// Something that should not happen.

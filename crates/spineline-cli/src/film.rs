@@ -10,6 +10,7 @@ use spineline_io::film::{
     ChildLimits, FilmError, FilmFile, ModalityTransform, Voi, Window, WindowFunction,
     decode_in_child,
 };
+use spineline_io::intake::{IntakeLimits, Place, read};
 
 use crate::args::number;
 use crate::failure::{Ending, Failure};
@@ -76,7 +77,9 @@ pub fn run(args: &FilmArgs) -> Result<Ending, Failure> {
 fn decode(path: &Path) -> Result<Result<FilmFile, FilmError>, Failure> {
     let program = std::env::current_exe()
         .map_err(|error| Failure::internal(format!("this program cannot find itself: {error}")))?;
-    Ok(decode_in_child(&program, &["decode-film"], path, &ChildLimits::default()))
+    let place = Place::File(path.to_owned());
+    let bytes = read(&place, &IntakeLimits::default()).map_err(|error| Failure::intake(&error))?;
+    Ok(decode_in_child(&program, &["decode-film"], bytes, &ChildLimits::default()))
 }
 
 fn as_text(path: &Path, film: &FilmFile) -> String {

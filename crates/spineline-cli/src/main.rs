@@ -8,6 +8,7 @@ mod decode;
 mod export;
 mod failure;
 mod film;
+mod import;
 mod model;
 mod phantom;
 mod progress;
@@ -16,6 +17,7 @@ mod report;
 mod reproduce;
 mod rows;
 mod simulate;
+mod study;
 mod table;
 
 use std::io::Write;
@@ -42,6 +44,8 @@ fn run(command: Command) -> Result<Ending, Failure> {
         Command::Reproduce(args) => reproduce::run(&args),
         Command::Analyze(args) => analyze::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Import(args) => import::run(&args),
+        Command::Study(args) => study::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Reliability(args) => reliability::run(&args),
         Command::Phantom(args) => phantom::run(&args),

@@ -5,6 +5,23 @@ use rayon::prelude::*;
 
 use crate::failure::Failure;
 
+/// A bar of so many steps.
+pub fn bar(what: &str, steps: usize) -> ProgressBar {
+    styled(ProgressBar::new(steps as u64), "{msg} {wide_bar} {pos}/{len} ({eta})", what)
+}
+
+/// A count of what has been seen, where nobody knows how much there is.
+pub fn spinner(what: &str) -> ProgressBar {
+    styled(ProgressBar::no_length(), "{msg} {spinner} {pos}", what)
+}
+
+fn styled(bar: ProgressBar, template: &str, what: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template(template);
+    bar.set_style(style.expect("the template is well-formed"));
+    bar.set_message(what.to_owned());
+    bar
+}
+
 /// Runs a function on all items with so many threads (0: all cores), in parallel, and keeps their order.
 ///
 /// # Errors
@@ -19,10 +36,7 @@ pub fn map_all<T: Sync, R: Send>(
         .num_threads(threads)
         .build()
         .map_err(|error| Failure::internal(format!("threads could not be started: {error}")))?;
-    let bar = ProgressBar::new(items.len() as u64);
-    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} ({eta})");
-    bar.set_style(style.expect("the template is well-formed"));
-    bar.set_message(what.to_owned());
+    let bar = bar(what, items.len());
     let results = pool.install(|| {
         items
             .par_iter()

@@ -23,20 +23,17 @@ fn write(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
 
 #[test]
 fn a_film_comes_through_the_child_as_it_is() {
-    let folder = tempfile::tempdir().unwrap();
     let mut maker = Maker::new(37, 23, &ramp(37, 23));
     maker.text((0x20, 0x20), "CS", "L\\F").text((0x18, 0x1164), "DS", "0.2\\0.1");
     maker.text((0x28, 0x30), "DS", "0,1").word((0x28, 0x103), 1);
     let bytes = maker.file(EXPLICIT);
-    let path = write(folder.path(), "film.dcm", &bytes);
-    let film =
-        decode_in_child(&program(), &["decode-film"], &path, &ChildLimits::default()).unwrap();
+    let limits = ChildLimits::default();
+    let film = decode_in_child(&program(), &["decode-film"], bytes.clone(), &limits).unwrap();
     assert_eq!(film, read_film(&bytes, &FilmLimits::default()).unwrap());
 }
 
 #[test]
 fn errors_of_the_film_come_through_the_child_as_they_are() {
-    let folder = tempfile::tempdir().unwrap();
     let film = Maker::new(6, 4, &ramp(6, 4));
     let mut bomb = film.clone();
     bomb.set((9, 0x1010), "OB", Value::Bytes(vec![0; 40 << 20]));
@@ -49,8 +46,8 @@ fn errors_of_the_film_come_through_the_child_as_they_are() {
     }
     let whole = film.file(EXPLICIT);
     for bytes in [&b"%PDF"[..], &whole[..300], &bomb.file(DEFLATED), &deep] {
-        let path = write(folder.path(), "bad", bytes);
-        let error = decode_in_child(&program(), &["decode-film"], &path, &limits).unwrap_err();
+        let error =
+            decode_in_child(&program(), &["decode-film"], bytes.to_vec(), &limits).unwrap_err();
         assert_eq!(error, read_film(bytes, &limits.film).unwrap_err());
     }
 }
@@ -58,7 +55,6 @@ fn errors_of_the_film_come_through_the_child_as_they_are() {
 #[cfg(unix)]
 #[test]
 fn f62_a_film_that_needs_more_memory_than_allowed_is_an_error_and_soon() {
-    let folder = tempfile::tempdir().unwrap();
     // 81 million equal pixels take a few MB as run lengths, and hundreds unpacked.
     let side = 9000_u16;
     let plane: Vec<u8> = (0..81_000_000 / 128 + 1).flat_map(|_| [129_u8, 7]).collect();
@@ -70,13 +66,13 @@ fn f62_a_film_that_needs_more_memory_than_allowed_is_an_error_and_soon() {
     coded.extend(&plane);
     coded.extend(&plane);
     let mut maker = Maker::new(side, side, &[]);
-    let path = write(folder.path(), "film.dcm", &maker.fragments(vec![coded]).file(RLE));
+    let bytes = maker.fragments(vec![coded]).file(RLE);
     let start = Instant::now();
     let limits = ChildLimits { memory_bytes: 150 << 20, ..ChildLimits::default() };
-    let error = decode_in_child(&program(), &["decode-film"], &path, &limits).unwrap_err();
+    let error = decode_in_child(&program(), &["decode-film"], bytes.clone(), &limits).unwrap_err();
     assert_eq!(error, FilmError::DecoderMemory { limit_bytes: 150 << 20 });
     let limits = ChildLimits { wall_s: 0.01, ..ChildLimits::default() };
-    let error = decode_in_child(&program(), &["decode-film"], &path, &limits).unwrap_err();
+    let error = decode_in_child(&program(), &["decode-film"], bytes.clone(), &limits).unwrap_err();
     assert_eq!(error, FilmError::DecoderTimeout { limit_s: 0.01 });
     assert!(start.elapsed().as_secs() < 20);
 }

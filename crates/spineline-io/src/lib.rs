@@ -14,9 +14,11 @@
 
 mod analysis_file;
 mod case_file;
+mod digest;
 mod error;
 mod export;
 pub mod film;
+pub mod intake;
 mod json;
 mod keys;
 mod load_file;
@@ -27,7 +29,8 @@ mod simulation_file;
 mod stiffness_file;
 
 pub use analysis_file::AnalysisFile;
-pub use case_file::{CaseFile, FilmSource, parse_case};
+pub use case_file::{CaseFile, FilmSource, parse_case, written_axis_deg};
+pub use digest::sha256_hex;
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};
 pub use keys::LevelKey;

@@ -325,8 +325,7 @@ impl VertebraRecord {
             superior_right: Some(pair(mark.corners.superior_right)),
             inferior_left: Some(pair(mark.corners.inferior_left)),
             inferior_right: Some(pair(mark.corners.inferior_right)),
-            // Hand-set axes come in steps of 0.1°; nine digits keep them and drop the rounding of radians.
-            axis_deg: mark.axis_clockwise.map(|axis| (axis.deg() * 1e9).round() / 1e9),
+            axis_deg: mark.axis_clockwise.map(written_axis_deg),
             ..Self::default()
         }
     }
@@ -338,6 +337,13 @@ impl VertebraRecord {
             ..Self::default()
         }
     }
+}
+
+/// A hand-set axis in degrees as files have it: axes come in steps of 0.1°, and nine digits keep them and drop the
+/// rounding of radians.
+#[must_use]
+pub fn written_axis_deg(axis: Angle) -> f64 {
+    (axis.deg() * 1e9).round() / 1e9
 }
 
 fn pixel([column, row]: [f64; 2]) -> Pixel {

@@ -1,12 +1,11 @@
 //! Films decoded in another process, with caps on memory, time and files. Whatever a film does to its decoder, the parent
 //! gets a [`FilmError`].
 //!
-//! The parent gives the file as the standard input and its [`ChildLimits`] in one environment variable, the only one that
+//! The parent gives the film as the standard input and its [`ChildLimits`] in one environment variable, the only one that
 //! the child has. The child answers on the standard output: `SPLNFILM`, a version (16 bits), the length of a header (32
 //! bits), the header as JSON, and the pixels as 16-bit words, all little-endian. What the child writes to its standard
 //! error is never shown: a decoder may quote the file there.
 
-use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -73,27 +72,31 @@ struct FilmHeader {
 pub fn decode_in_child(
     program: &Path,
     arguments: &[&str],
-    source: &Path,
+    bytes: Vec<u8>,
     limits: &ChildLimits,
 ) -> Result<FilmFile, FilmError> {
-    let unreadable = |error: io::Error| FilmError::Unreadable { kind: error.kind().to_string() };
-    let file = File::open(source).map_err(unreadable)?;
-    let found = file.metadata().map_err(unreadable)?.len();
+    let found = bytes.len() as u64;
     if found > limits.film.file_bytes {
         let limit = limits.film.file_bytes;
         return Err(FilmError::TooLarge { what: Measure::FileBytes, found, limit });
     }
     let stated = serde_json::to_string(limits).expect("numbers only");
     let start = Instant::now();
-    let child = Command::new(program)
+    let mut child = Command::new(program)
         .args(arguments)
         .env_clear()
         .env(VARIABLE, stated)
-        .stdin(Stdio::from(file))
+        .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .map_err(|error| FilmError::DecoderStart { kind: error.kind().to_string() })?;
+    let pipe = child.stdin.take();
+    // In a thread of its own: a child that does not read must not hold its parent.
+    thread::spawn(move || {
+        // A child that is gone, or has seen enough, closes the pipe; its answer says why.
+        pipe.map(|mut pipe| pipe.write_all(&bytes))
+    });
     await_answer(child, start, limits)
 }
 

@@ -80,7 +80,7 @@ pub(super) struct Container<'a> {
 ///
 /// # Errors
 /// [`FilmError::NotAFilm`].
-pub(super) fn sniff(bytes: &[u8]) -> Result<FilmKind, FilmError> {
+pub fn sniff(bytes: &[u8]) -> Result<FilmKind, FilmError> {
     let at = |offset: usize, magic: &[u8]| {
         bytes.get(offset..).is_some_and(|rest| rest.starts_with(magic))
     };

@@ -234,12 +234,6 @@ pub enum FilmError {
     /// or more than 64 of them.
     #[error("the case identifier must be 1 to 64 letters, digits, dots, dashes or underscores")]
     CaseId,
-    /// A file that cannot be opened; its name is the caller's to tell.
-    #[error("the file cannot be read ({kind})")]
-    Unreadable {
-        /// The system's word for it.
-        kind: String,
-    },
     /// The decoder could not be started.
     #[error("the decoder cannot be started ({kind})")]
     DecoderStart {
@@ -390,7 +384,6 @@ impl FilmError {
                 "export the film as 8 or 16 bit greyscale"
             }
             Self::CaseId => "use a short pseudonym without blanks",
-            Self::Unreadable { .. } => "check the path and its permissions",
             Self::DecoderStart { .. } | Self::DecoderAnswer => {
                 "check that the program is whole and of this version"
             }

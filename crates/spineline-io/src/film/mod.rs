@@ -38,6 +38,7 @@ use spineline::measure::{SpacingEvidence, ViewEvidence};
 
 pub use attribute::Attribute;
 pub use child::{ChildLimits, decode_in_child, serve_child};
+pub use container::sniff;
 pub use deid::{DeidAction, DeidEntry, DeidOptions, DeidReport, Deidentified, deidentify};
 pub use display::{Display, ScreenValues};
 pub use error::{

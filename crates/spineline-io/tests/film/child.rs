@@ -10,14 +10,12 @@ use crate::maker::{EXPLICIT, Maker, ramp};
 #[cfg(unix)]
 #[test]
 fn f62_children_that_hang_die_or_talk_too_much_are_errors() {
-    let folder = tempfile::tempdir().unwrap();
-    let film = folder.path().join("film.dcm");
-    std::fs::write(&film, Maker::new(6, 4, &ramp(6, 4)).file(EXPLICIT)).unwrap();
+    let film = Maker::new(6, 4, &ramp(6, 4)).file(EXPLICIT);
     let mut limits = ChildLimits { wall_s: 1.0, ..ChildLimits::default() };
     limits.film.pixels = 1000;
     let run = |script: &str| {
         let start = Instant::now();
-        let result = decode_in_child(Path::new("/bin/sh"), &["-c", script], &film, &limits);
+        let result = decode_in_child(Path::new("/bin/sh"), &["-c", script], film.clone(), &limits);
         assert!(start.elapsed() < Duration::from_secs(8), "{script}");
         result.unwrap_err()
     };
@@ -36,9 +34,6 @@ fn f62_children_that_hang_die_or_talk_too_much_are_errors() {
         run("test -z \"$HOME$PATH_TO\" || exit 0; kill -KILL $$"),
         FilmError::DecoderDied { signal: Some(9) }
     );
-    let start = decode_in_child(Path::new("/nonexistent/program"), &[], &film, &limits);
+    let start = decode_in_child(Path::new("/nonexistent/program"), &[], film.clone(), &limits);
     assert!(matches!(start, Err(FilmError::DecoderStart { .. })));
-    let missing = folder.path().join("Doe_John.dcm");
-    let error = decode_in_child(Path::new("/bin/sh"), &[], &missing, &limits).unwrap_err();
-    assert!(matches!(error, FilmError::Unreadable { .. }) && !error.to_string().contains("Doe"));
 }

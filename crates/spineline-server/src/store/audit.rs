@@ -39,6 +39,22 @@ pub struct Head {
     pub hash: Hash,
 }
 
+impl Head {
+    /// A head as it was kept outside of the store: a number and 64 hexadecimal digits.
+    #[must_use]
+    pub fn parse(entries: &str, hash: &str) -> Option<Self> {
+        let digits = hash.len() == 64 && hash.bytes().all(|byte| byte.is_ascii_hexdigit());
+        let entries = entries.parse().ok()?;
+        digits.then(|| Self { entries, hash: Hash(hash.to_ascii_lowercase()) })
+    }
+}
+
+impl std::fmt::Display for Head {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}:{}", self.entries, self.hash)
+    }
+}
+
 /// One entry, in the order of its JSON keys.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct AuditEntry {

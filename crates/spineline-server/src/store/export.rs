@@ -42,6 +42,23 @@ pub enum ExportRemark {
     },
 }
 
+impl std::fmt::Display for ExportRemark {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Unfinished { reading } => {
+                write!(f, "{reading} is not finished, and not in the case")
+            }
+            Self::ScaleLeftOut { reading } => write!(
+                f,
+                "{reading} holds a scale read off the film; the image's own spacing stands in the case"
+            ),
+            Self::OneCrest { reading } => {
+                write!(f, "{reading} has one iliac crest only, which is not in the case")
+            }
+        }
+    }
+}
+
 impl Store {
     /// The case of a study: its finished readings, by posture, observer and repeat. The same store gives the same bytes.
     ///

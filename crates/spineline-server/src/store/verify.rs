@@ -75,6 +75,38 @@ pub enum Finding {
     },
 }
 
+impl std::fmt::Display for Finding {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Integrity { message } => write!(f, "the file itself is damaged: {message}"),
+            Self::ForeignKey { table } => {
+                write!(f, "a row of `{table}` refers to one that is not there")
+            }
+            Self::Unreadable { part } => write!(f, "{part} cannot be read at all"),
+            Self::Definition { name } => write!(f, "{name} is not the one of this schema"),
+            Self::EntryMissing { sequence } => write!(f, "entry {sequence} of the log is gone"),
+            Self::EntryChanged { sequence } => {
+                write!(f, "entry {sequence} of the log was edited, exchanged or moved")
+            }
+            Self::Length { expected, found } => {
+                write!(f, "the log has {found} entries, and should have {expected}")
+            }
+            Self::HeadChanged => f.write_str("the log does not end as its head says"),
+            Self::Rewritten => f.write_str(
+                "the log does not contain the head that was kept outside: it was rewritten since",
+            ),
+            Self::RowMissing { object } => write!(f, "{object} is gone"),
+            Self::RowChanged { object } => {
+                write!(f, "{object} is not what the log says it was when it was written")
+            }
+            Self::RowUnknown { object } => write!(f, "{object} is in no entry of the log"),
+            Self::ContentChanged { content } => {
+                write!(f, "the bytes of a film are not those of its hash {content}")
+            }
+        }
+    }
+}
+
 /// What verifying a store found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Verification {

@@ -1,0 +1,115 @@
+//! `spineline import`: films from wherever they lie into a case.
+
+mod args;
+mod candidates;
+mod dialogue;
+mod role;
+mod settle;
+mod text;
+mod write;
+
+pub use args::{EXAMPLES, ImportArgs};
+
+use spineline::anatomy::ImageSide;
+
+use candidates::{Candidates, Seen};
+use role::Role;
+use settle::{Question, Settled, check_together, same_identifier, settle};
+
+use crate::failure::{Ending, Failure};
+use crate::print;
+
+pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
+    let (Some(folder), Some(case_id), false) = (&args.out, &args.case_id, args.list) else {
+        return print(&text::list(&Candidates::find(args)?));
+    };
+    write::check_free(folder)?;
+    let candidates = Candidates::find(args)?;
+    let mut chosen = chosen(args, &candidates)?;
+    let ask = dialogue::possible();
+    if ask && chosen.is_empty() {
+        dialogue::choose_films(&candidates, &mut chosen)?;
+    }
+    if chosen.is_empty() {
+        eprint!("{}", text::list(&candidates));
+        return Err(Failure::usage(
+            "which film shows which posture? Say it by number, as in --film erect=1 --film left-bending=2",
+        ));
+    }
+    chosen.sort_unstable();
+    let seen = chosen
+        .iter()
+        .map(|&(role, index)| Ok((role, index, candidates.seen(index)?)))
+        .collect::<Result<Vec<(Role, usize, &Seen)>, Failure>>()?;
+    check_together(&seen)?;
+    let mut films = settle_all(args, &seen, ask)?;
+    if let Some(first) = films.first_mut() {
+        first.notes.extend(same_identifier(&seen));
+    }
+    write::write(args, folder, case_id, &candidates, &films, |_| Vec::new())?;
+    print(&text::outcome(&films, folder, 0))
+}
+
+/// The films that the command line chooses.
+fn chosen(args: &ImportArgs, candidates: &Candidates) -> Result<Vec<(Role, usize)>, Failure> {
+    let mut chosen = Vec::new();
+    if args.films().len() < args.film.len() {
+        return Err(Failure::usage("--film gives one posture two films; a case holds one of each"));
+    }
+    for (posture, choice) in args.films() {
+        chosen.push((Role::Frontal(posture), candidates.index(choice)?));
+    }
+    if let Some(choice) = &args.lateral {
+        chosen.push((Role::Lateral, candidates.index(choice)?));
+    }
+    Ok(chosen)
+}
+
+/// Settles every film; what is open is asked at the terminal, or listed whole with the words that answer it.
+fn settle_all(
+    args: &ImportArgs,
+    seen: &[(Role, usize, &Seen)],
+    ask: bool,
+) -> Result<Vec<Settled>, Failure> {
+    let mut films = Vec::new();
+    let mut open: Vec<Question> = Vec::new();
+    for &(role, index, seen) in seen {
+        match settle(args, role, index, seen, None)? {
+            Ok(film) => films.push(film),
+            Err(questions) if ask => {
+                films.push(settle_by_asking(args, role, index, seen, &questions)?)
+            }
+            Err(questions) => open.extend(questions),
+        }
+    }
+    if open.is_empty() {
+        return Ok(films);
+    }
+    let mut text = format!("{} to answer before these films make a case", counted(open.len()));
+    for question in &open {
+        text.push_str(&format!("\n  {question}\n    {}", question.answer()));
+    }
+    Err(Failure::usage(text))
+}
+
+fn settle_by_asking(
+    args: &ImportArgs,
+    role: Role,
+    index: usize,
+    seen: &Seen,
+    questions: &[Question],
+) -> Result<Settled, Failure> {
+    let mut side: Option<ImageSide> = None;
+    for question in questions {
+        side = dialogue::ask(question)?.or(side);
+    }
+    // Every contradiction was looked at and confirmed.
+    let accepted = ImportArgs { accept: true, ..args.clone() };
+    settle(&accepted, role, index, seen, side)?.map_err(|open| {
+        Failure::internal(format!("{} still open after asking", counted(open.len())))
+    })
+}
+
+fn counted(questions: usize) -> String {
+    if questions == 1 { "one question is".to_owned() } else { format!("{questions} questions are") }
+}

@@ -1,0 +1,133 @@
+//! The words of `spineline study`.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand};
+use spineline_server::store::Head;
+
+/// What a user types.
+pub const EXAMPLES: &str = "\
+Examples:
+  spineline study create clinic.spineline
+  spineline study add clinic.spineline p07/case.json
+  spineline study plan clinic.spineline P07 --observers A,B --repeats 3 --washout-days 14
+  spineline study next clinic.spineline P07 --observer A
+  spineline study export clinic.spineline P07 --out p07-read.json
+  spineline study verify clinic.spineline
+  spineline study backup clinic.spineline clinic-2026-11-21.spineline";
+
+#[derive(Args)]
+pub struct StudyArgs {
+    #[command(subcommand)]
+    pub command: StudyCommand,
+    /// Who does this, for the log: a code, not a patient's name
+    #[arg(long, global = true, value_name = "NAME", default_value = "cli")]
+    pub by: String,
+}
+
+#[derive(Subcommand)]
+pub enum StudyCommand {
+    /// Make an empty store
+    Create {
+        /// File of the store
+        store: PathBuf,
+    },
+    /// Put cases with their films and readings into a store
+    Add {
+        /// File of the store
+        store: PathBuf,
+        /// Case files, as `import` writes them
+        #[arg(required = true, value_name = "CASE")]
+        cases: Vec<PathBuf>,
+    },
+    /// Tell what is in a store
+    List {
+        /// File of the store
+        store: PathBuf,
+    },
+    /// Plan blinded readings: every observer reads every film again and again, in random order, with a washout
+    Plan {
+        /// File of the store
+        store: PathBuf,
+        /// Identifier of the study: the case's
+        #[arg(value_name = "CASE_ID")]
+        study: String,
+        /// Codes of the observers
+        #[arg(long, required = true, value_delimiter = ',', value_name = "NAME,NAME")]
+        observers: Vec<String>,
+        /// How often everybody reads every film
+        #[arg(long, default_value_t = 3)]
+        repeats: u32,
+        /// Days between two readings of one film by one observer
+        #[arg(long, default_value_t = 14)]
+        washout_days: u32,
+        /// Seed of the order
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+    },
+    /// Tell an observer which film comes next, and nothing else about it
+    Next {
+        /// File of the store
+        store: PathBuf,
+        /// Identifier of the study
+        #[arg(value_name = "CASE_ID")]
+        study: String,
+        /// Code of the observer
+        #[arg(long, value_name = "NAME")]
+        observer: String,
+    },
+    /// Write a study with its finished readings as a case file
+    Export {
+        /// File of the store
+        store: PathBuf,
+        /// Identifier of the study
+        #[arg(value_name = "CASE_ID")]
+        study: String,
+        /// File to write (`-`: standard output)
+        #[arg(long, value_name = "FILE", default_value = "-")]
+        out: PathBuf,
+    },
+    /// Print the log of everything that was changed
+    Log {
+        /// File of the store
+        store: PathBuf,
+    },
+    /// Find damage, and entries of the log that were edited, removed or exchanged
+    Verify {
+        /// File of the store
+        store: PathBuf,
+        /// End of the log as `verify` printed it once, kept elsewhere
+        #[arg(long, value_name = "N:HASH", value_parser = head)]
+        head: Option<Head>,
+    },
+    /// Copy a store, even while it is in use, and verify the copy
+    Backup {
+        /// File of the store
+        store: PathBuf,
+        /// File to write; it must not exist
+        #[arg(value_name = "FILE")]
+        out: PathBuf,
+    },
+}
+
+impl StudyCommand {
+    pub fn store(&self) -> &Path {
+        match self {
+            Self::Create { store }
+            | Self::Add { store, .. }
+            | Self::List { store }
+            | Self::Plan { store, .. }
+            | Self::Next { store, .. }
+            | Self::Export { store, .. }
+            | Self::Log { store }
+            | Self::Verify { store, .. }
+            | Self::Backup { store, .. } => store,
+        }
+    }
+}
+
+fn head(text: &str) -> Result<Head, String> {
+    let expected = || "expected N:HASH as `verify` prints it".to_owned();
+    let (entries, hash) = text.split_once(':').ok_or_else(expected)?;
+    Head::parse(entries, hash).ok_or_else(expected)
+}
