@@ -15,6 +15,7 @@ mod analysis_file;
 mod case_file;
 mod error;
 mod export;
+mod film;
 mod json;
 mod keys;
 mod load_file;
@@ -26,6 +27,9 @@ pub use analysis_file::AnalysisFile;
 pub use case_file::{CaseFile, parse_case};
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};
+pub use film::{
+    DicomFilm, Encoding, FilmPolarity, View, WriteFilmError, pixels_sha256, write_dicom,
+};
 pub use keys::LevelKey;
 pub use load_file::{AppliedLoad, LoadFile, PlacedLoads, TimingKey, parse_load};
 pub use model_file::{ApplicationKey, LoadRecord, ModelFile, StoredModel, parse_model};
