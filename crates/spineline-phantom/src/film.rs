@@ -36,7 +36,7 @@ pub struct TrueFilm {
     /// The patient's side that the lead marker names and lies on.
     pub marker: Side,
     /// Of everything in the radiograph that is drawn at random.
-    pub(crate) seed: u64,
+    pub seed: u64,
 }
 
 /// Takes a film of every posture and has it read.

@@ -37,7 +37,7 @@ pub(super) fn rough(x: f32, y: f32, octaves: u32, seed: u32) -> f32 {
 }
 
 /// Quanta that reach a pixel behind nothing.
-const QUANTA: f32 = 2.2e5;
+const QUANTA: f32 = 1.3e5;
 
 /// The scatter of the quanta of one row: a stream of its own, so that rows may be drawn in any order.
 pub(super) struct Quanta {
