@@ -29,7 +29,8 @@ mod tests {
         for name in ["", "a", "phantom-rod-01 erect"] {
             let uid = from_name(name);
             assert!(uid.len() <= 64);
-            let number: u128 = uid.strip_prefix("2.25.").unwrap().parse().unwrap();
+            let digits = uid.strip_prefix("2.25.").expect("the root");
+            let number: u128 = digits.parse().expect("decimal digits");
             assert_eq!(number >> 76 & 0xF, 8);
             assert_eq!(number >> 62 & 0x3, 2);
         }

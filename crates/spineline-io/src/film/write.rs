@@ -220,11 +220,10 @@ fn sequence(object: &mut InMemDicomObject, tag: Tag, items: Vec<InMemDicomObject
     object.put(DataElement::new(tag, VR::SQ, DataSetSequence::new(items, Length::UNDEFINED)));
 }
 
-/// A decimal of at most 16 characters.
+/// A decimal of at most 16 characters, to ten places.
 fn decimal(value: f64) -> String {
-    let places = (0..=10)
-        .find(|&places| format!("{value:.places$}").parse::<f64>().is_ok_and(|read| read == value));
-    format!("{value:.*}", places.unwrap_or(8))
+    let text = format!("{value:.10}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 fn little_endian(pixels: &[u16]) -> Vec<u8> {
