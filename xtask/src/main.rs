@@ -1,6 +1,7 @@
 //! The project's own commands: `cargo xtask test` runs everything that must hold.
 
 mod engines;
+mod films;
 mod oracle;
 mod peers;
 mod python;
@@ -14,12 +15,13 @@ use std::process::{Command, ExitCode};
 const HELP: &str = "\
 cargo xtask COMMAND
 
-  test     everything: format, lints, tidy, tests, documentation and its examples, engines, reliability
+  test     everything: format, lints, tidy, tests, documentation and its examples, engines, reliability, films
   check    the quick part: format, lints, tidy
   tidy     house rules that no compiler knows
   engines  exported models in MuJoCo, Pinocchio and OpenSim (needs Python, and a network the first time)
   reliability
            ICC, errors and correlations beside those of pingouin and scipy (needs Python, and a network the first time)
+  films    films of phantoms in pydicom (needs Python, and a network the first time)
   bench    benchmarks of the core
   peers [--rounds N] [--without-octave]
            times beside those of MuJoCo, Pinocchio, OpenSim, numpy and Octave (minutes; needs what `engines` needs)
@@ -40,13 +42,22 @@ fn main() -> ExitCode {
         _ => {}
     }
     let steps: &[Step] = match command.as_str() {
-        "test" => {
-            &[format, lint, tidy::run, test, doctest, docs, engines::compare, reliability::compare]
-        }
+        "test" => &[
+            format,
+            lint,
+            tidy::run,
+            test,
+            doctest,
+            docs,
+            engines::compare,
+            reliability::compare,
+            films::compare,
+        ],
         "check" => &[format, lint, tidy::run],
         "tidy" => &[tidy::run],
         "engines" => &[engines::compare],
-        "reliability" => &[reliability::compare],
+        "reliability" => &[reliability::compare, films::compare],
+        "films" => &[films::compare],
         "bench" => &[bench],
         _ => {
             eprint!("{HELP}");

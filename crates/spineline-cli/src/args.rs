@@ -146,6 +146,27 @@ pub struct PhantomArgs {
     /// Factor on the deviations of the virtual readers (two observers, three repeats); 0 lets one reader see the truth
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     pub noise: f64,
+    /// Draw the radiographs too: one DICOM file per posture beside each case, which then names them; about 10 MB each
+    #[arg(long)]
+    pub films: bool,
+    /// How `--films` stores pixels; no way loses anything
+    #[arg(long, value_enum, default_value_t = EncodingName::Mixed, requires = "films")]
+    pub film_encoding: EncodingName,
+    /// Threads for `--films`; 0 uses all cores. The files do not depend on it
+    #[arg(long, default_value = "0", value_parser = threads, requires = "films")]
+    pub threads: usize,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum EncodingName {
+    /// JPEG-LS, and RLE for every fifth film, as archives mix them
+    Mixed,
+    /// JPEG-LS Lossless, the smallest
+    JpegLs,
+    /// RLE Lossless
+    Rle,
+    /// Not compressed, about 30 MB each
+    Plain,
 }
 
 #[derive(Clone, Copy, ValueEnum)]

@@ -1,4 +1,6 @@
-//! `spineline phantom`: synthetic patients as case files.
+//! `spineline phantom`: synthetic patients as case files, and their films as DICOM files.
+
+mod films;
 
 use std::collections::BTreeMap;
 
@@ -30,17 +32,30 @@ pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
         }
         None => 1..=SUBJECTS.len(),
     };
+    let phantoms: Vec<Phantom> = subjects
+        .map(|number| generate(number - 1, truth, &readers, args.seed))
+        .collect::<Result<_, _>>()
+        .map_err(|error| Failure::internal(error.to_string()))?;
+    let films = if args.films { films::write(&phantoms, args)? } else { BTreeMap::new() };
     let mut text = String::new();
-    for number in subjects {
-        let phantom = generate(number - 1, truth, &readers, args.seed)
-            .map_err(|error| Failure::internal(error.to_string()))?;
+    for phantom in &phantoms {
         let path = args.out.join(format!("{}.json", phantom.case.id));
-        write_file(&path, &spineline_io::to_text(&CaseFile::from_case(&phantom.case)))?;
-        write_file(
-            &path.with_extension("truth.json"),
-            &spineline_io::to_text(&TruthFile::new(&phantom)),
-        )?;
+        let own = films.get(&phantom.case.id);
+        let case = CaseFile::from_case(&phantom.case);
+        let case = match own {
+            Some(own) => films::with_files(case, own),
+            None => case,
+        };
+        write_file(&path, &spineline_io::to_text(&case))?;
+        let truth = TruthFile { films: own.cloned(), ..TruthFile::new(phantom) };
+        write_file(&path.with_extension("truth.json"), &spineline_io::to_text(&truth))?;
         text.push_str(&format!("{} (synthetic; its truth is beside it)\n", path.display()));
+    }
+    let all: Vec<_> = films.values().flat_map(BTreeMap::values).collect();
+    if !all.is_empty() {
+        let mb = all.iter().map(|film| film.bytes).sum::<usize>() as f64 / 1e6;
+        let films = all.len();
+        text.push_str(&format!("{films} synthetic films beside the cases, {mb:.0} MB in all\n"));
     }
     print(&text)
 }
@@ -62,6 +77,9 @@ struct TruthFile {
     truth: &'static str,
     lateral_multipliers: BTreeMap<&'static str, f64>,
     postures: BTreeMap<&'static str, TruePosture>,
+    /// Where `--films` drew them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    films: Option<films::Listing>,
 }
 
 #[derive(Serialize)]
@@ -96,6 +114,7 @@ impl TruthFile {
                 .zip(phantom.multipliers)
                 .collect(),
             postures: phantom.postures.iter().map(|p| (p.posture.key(), posture(p))).collect(),
+            films: None,
         }
     }
 }

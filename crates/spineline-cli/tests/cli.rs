@@ -309,3 +309,28 @@ fn a_model_is_exported_for_three_engines_and_other_words_are_told() {
     assert_eq!(code, 3);
     assert!(error.contains("wrong.json: `case_id`") && error.contains("help:"), "{error}");
 }
+
+#[test]
+fn films_of_a_phantom_lie_beside_the_case_that_names_them() {
+    let here = folder();
+    let command = ["phantom", "--subject", "5", "--films", "--threads", "1", "--out", "cases"];
+    let (text, _, code) = run(here.path(), &command);
+    assert_eq!(code, 0);
+    assert!(text.contains("5 synthetic films beside the cases"), "{text}");
+    let cases = here.path().join("cases");
+    let json = |name: &str| -> serde_json::Value {
+        let text = std::fs::read_to_string(cases.join(name)).expect("a file");
+        serde_json::from_str(&text).expect("JSON")
+    };
+    let (case, truth) = (json("phantom-rod-05.json"), json("phantom-rod-05.truth.json"));
+    for film in case["films"].as_array().expect("a list") {
+        let file = film["image"]["file"].as_str().expect("text");
+        let bytes = std::fs::read(cases.join(file)).expect("the film");
+        assert_eq!(&bytes[128..132], b"DICM");
+        let stated = &truth["films"][film["posture"].as_str().expect("text")];
+        assert_eq!(stated["file"], file);
+        assert_eq!(stated["vertebrae_px"].as_object().expect("an object").len(), 17);
+    }
+    let (_, _, code) = run(here.path(), &["check", "cases/phantom-rod-05.json"]);
+    assert_eq!(code, 0);
+}

@@ -1,22 +1,48 @@
-//! True postures → films with landmarks.
+//! True postures → films: how each lies on its film, and the landmarks that readers mark there.
 
 use std::collections::BTreeMap;
 
 use rand_chacha::ChaCha12Rng;
+use rand_chacha::rand_core::Rng;
 use rand_distr::{Distribution, Uniform};
 use spineline::analysis::{Case, Subject};
-use spineline::anatomy::{ImageSide, Level, Morphometry};
+use spineline::anatomy::{ImageSide, Level, Morphometry, Posture, Side};
 use spineline::measure::{
     Corners, Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Reading, ReadingId, Spacing,
     SpacingPlane,
 };
-use spineline::spatial::{Angle, Frontal};
+use spineline::spatial::{Angle, Frontal, Pixel};
 
 use crate::erect::ErectSpine;
+use crate::radiograph::Polarity;
 use crate::readers::{Deviation, Readers};
 use crate::{TableRow, TruePosture, Truth};
 
+/// One film as it truly lies: what a reader without error would mark on it, and what its radiograph shows.
+///
+/// Vertebrae of the model have the places of their posture; L5 and T1, which no reader marks, are carried on from their
+/// neighbours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrueFilm {
+    /// The posture.
+    pub posture: Posture,
+    /// How the picture lies.
+    pub image: ImageGeometry,
+    /// Superior tips of the iliac crests.
+    pub iliac_crests: IliacCrests,
+    /// Corners of the bodies of L5…T1.
+    pub vertebrae: BTreeMap<Level, Corners<Pixel>>,
+    /// What large stored values stand for.
+    pub polarity: Polarity,
+    /// The patient's side that the lead marker names and lies on.
+    pub marker: Side,
+    /// Of everything in the radiograph that is drawn at random.
+    pub seed: u64,
+}
+
 /// Takes a film of every posture and has it read.
+///
+/// The readers draw from `rng`, the radiographs' seeds come from `look`.
 pub(crate) fn photograph(
     row: &TableRow,
     truth: Truth,
@@ -24,9 +50,16 @@ pub(crate) fn photograph(
     postures: &[TruePosture],
     readers: &Readers,
     rng: &mut ChaCha12Rng,
-) -> Case {
-    let films = postures.iter().map(|posture| film(row, spine, posture, readers, rng)).collect();
-    Case {
+    look: &mut ChaCha12Rng,
+) -> (Case, Vec<TrueFilm>) {
+    let (films, true_films) = postures
+        .iter()
+        .map(|posture| {
+            let placed = Placed::new(row, spine, posture, rng);
+            (placed.read(readers, rng), placed.true_film(row, look.next_u64()))
+        })
+        .unzip();
+    let case = Case {
         id: format!("phantom-{}-{:02}", truth.key(), row.number),
         synthetic: true,
         subject: Subject {
@@ -36,30 +69,97 @@ pub(crate) fn photograph(
         },
         films,
         lateral: None,
+    };
+    (case, true_films)
+}
+
+/// A vertebral body: corners and tilt.
+type Body = (Level, Corners<Frontal>, Angle);
+
+/// A posture on its film, in millimetres from the centre of the film's first pixel.
+struct Placed {
+    posture: Posture,
+    image: ImageGeometry,
+    /// L4…T2.
+    bodies: Vec<Body>,
+    /// L5 and T1.
+    neighbours: [Body; 2],
+    /// The left and the right iliac crest.
+    crests: [Frontal; 2],
+}
+
+impl Placed {
+    fn new(
+        row: &TableRow,
+        spine: &ErectSpine,
+        posture: &TruePosture,
+        rng: &mut ChaCha12Rng,
+    ) -> Self {
+        // Patients never stand quite straight before the detector.
+        let pose = Angle::from_deg(Uniform::new(-3.0, 3.0).expect("a range").sample(rng));
+        let on_film = |point: Frontal| point.rotated(pose);
+        let stands: Vec<(Frontal, Angle)> = posture
+            .locations
+            .iter()
+            .zip(&posture.tilts)
+            .map(|(&location, &tilt)| (on_film(location), tilt + pose))
+            .collect();
+        let bodies: Vec<Body> = Level::MODEL
+            .into_iter()
+            .zip(&stands)
+            .map(|(level, &(location, tilt))| (level, body(level, location, tilt, spine), tilt))
+            .collect();
+        let scale = body_scale(spine);
+        let crests =
+            [1.0, -1.0].map(|left| on_film(Frontal::new(left * 110.0 * scale, -5.0 * scale)));
+        let (image, origin) = picture(row, &bodies, crests);
+        let moved = |(level, corners, tilt): Body| (level, corners.map(|p| p - origin), tilt);
+        Self {
+            posture: posture.posture,
+            image,
+            bodies: bodies.into_iter().map(moved).collect(),
+            neighbours: neighbours(&stands, spine).map(moved),
+            crests: crests.map(|crest| crest - origin),
+        }
+    }
+
+    fn iliac_crests(&self) -> IliacCrests {
+        let [left, right] = self.crests.map(|crest| self.image.pixel(crest));
+        IliacCrests { left, right }
+    }
+
+    fn read(&self, readers: &Readers, rng: &mut ChaCha12Rng) -> Film {
+        let marks = FilmMarks::Landmarks {
+            image: self.image,
+            iliac_crests: Some(self.iliac_crests()),
+            readings: read(&self.bodies, &self.image, readers, rng),
+        };
+        Film { posture: self.posture, marks }
+    }
+
+    fn true_film(&self, row: &TableRow, seed: u64) -> TrueFilm {
+        let vertebrae = self
+            .bodies
+            .iter()
+            .chain(&self.neighbours)
+            .map(|(level, corners, _)| (*level, corners.map(|p| self.image.pixel(p))))
+            .collect();
+        // Every fourth patient's films are stored with bone dark, every seventh's carry an R.
+        let inverted = row.number.is_multiple_of(4);
+        TrueFilm {
+            posture: self.posture,
+            image: self.image,
+            iliac_crests: self.iliac_crests(),
+            vertebrae,
+            polarity: if inverted { Polarity::Monochrome1 } else { Polarity::Monochrome2 },
+            marker: if row.number.is_multiple_of(7) { Side::Right } else { Side::Left },
+            seed,
+        }
     }
 }
 
-fn film(
-    row: &TableRow,
-    spine: &ErectSpine,
-    posture: &TruePosture,
-    readers: &Readers,
-    rng: &mut ChaCha12Rng,
-) -> Film {
-    // Patients never stand quite straight before the detector.
-    let pose = Angle::from_deg(Uniform::new(-3.0, 3.0).expect("a range").sample(rng));
-    let on_film = |point: Frontal| point.rotated(pose);
-    let bodies: Vec<(Level, Corners<Frontal>, Angle)> = Level::MODEL
-        .into_iter()
-        .zip(posture.locations.iter().zip(&posture.tilts))
-        .map(|(level, (&location, &tilt))| {
-            let tilt = tilt + pose;
-            (level, body(level, on_film(location), tilt, spine), tilt)
-        })
-        .collect();
-    let scale = body_scale(spine);
-    let crests = [1.0, -1.0].map(|left| on_film(Frontal::new(left * 110.0 * scale, -5.0 * scale)));
-    // The picture holds spine and crests with a margin.
+/// The picture that holds spine and crests with a margin, and where its first pixel lies.
+fn picture(row: &TableRow, bodies: &[Body], crests: [Frontal; 2]) -> (ImageGeometry, Frontal) {
     let points = bodies.iter().flat_map(|(_, corners, _)| corners.points()).chain(crests);
     let (mut low, mut high) = (crests[0], crests[0]);
     for p in points {
@@ -83,20 +183,29 @@ fn film(
         ImageSide::Left => high.y_mm + MARGIN_MM,
         ImageSide::Right => low.y_mm - MARGIN_MM,
     };
-    let origin = Frontal::new(corner_y, high.z_mm + MARGIN_MM);
-    let placed: Vec<_> =
-        bodies.iter().map(|(level, c, tilt)| (*level, c.map(|p| p - origin), *tilt)).collect();
-    let [left, right] = crests.map(|crest| image.pixel(crest - origin));
-    let marks = FilmMarks::Landmarks {
-        image,
-        iliac_crests: Some(IliacCrests { left, right }),
-        readings: read(&placed, &image, readers, rng),
+    (image, Frontal::new(corner_y, high.z_mm + MARGIN_MM))
+}
+
+/// L5 and T1, which the model does not have: one typical distance on, L5 as tilted as L4, T1 turning on as T2 does.
+fn neighbours(stands: &[(Frontal, Angle)], spine: &ErectSpine) -> [Body; 2] {
+    let scale = body_scale(spine);
+    let last = stands.len() - 1;
+    let next = |level: Level, from: Level, (location, tilt): (Frontal, Angle), turn: Angle| {
+        let (sense, low, high) =
+            if level < from { (-1.0, level, from) } else { (1.0, from, level) };
+        let way = sense * scale * Morphometry::spacing_mm(low, high);
+        let location = location + Frontal::leaning(tilt + turn * 0.5) * way;
+        (level, body(level, location, tilt + turn, spine), tilt + turn)
     };
-    Film { posture: posture.posture, marks }
+    let turn = (stands[last].1 - stands[last - 1].1) * 0.5;
+    [
+        next(Level::L5, Level::L4, stands[0], Angle::ZERO),
+        next(Level::T1, Level::T2, stands[last], turn),
+    ]
 }
 
 fn read(
-    bodies: &[(Level, Corners<Frontal>, Angle)],
+    bodies: &[Body],
     image: &ImageGeometry,
     readers: &Readers,
     rng: &mut ChaCha12Rng,

@@ -10,6 +10,9 @@
 //!   inflections: what clinicians see;
 //! - [`Truth::Pull`]: the same rod under a horizontal force at T2, Petit's hypothesis; its traction is a cranial one.
 //!
+//! A [`TrueFilm`] is how a posture lies on its film. The readers mark it, and [`Phantom::radiograph`] draws it, so that the
+//! two agree to a part of a pixel.
+//!
 //! ```
 //! use spineline_phantom::{Readers, Truth, generate};
 //! let phantom = generate(0, Truth::Rod, &Readers::exact(), 1)?;
@@ -20,11 +23,14 @@
 
 mod erect;
 mod film;
+mod radiograph;
 mod readers;
 mod rod;
 mod subjects;
 mod truth;
 
+pub use film::TrueFilm;
+pub use radiograph::{Polarity, Radiograph};
 pub use readers::Readers;
 pub use subjects::{SUBJECTS, TableRow};
 
@@ -99,6 +105,8 @@ pub struct Phantom {
     pub postures: Vec<TruePosture>,
     /// True lateral stiffness multipliers per region, caudal first.
     pub multipliers: [f64; 3],
+    /// How the postures truly lie on their films, in the same order.
+    pub films: Vec<TrueFilm>,
 }
 
 /// A phantom that cannot be made.
@@ -147,8 +155,11 @@ pub fn generate(
     let spine = erect::ErectSpine::draw(row, &mut anatomy_rng)?;
     let mut rng = stream(seed, 8 * index as u64 + 1 + truth as u64);
     let (postures, multipliers) = truth::postures(row, truth, &spine, &mut rng)?;
-    let case = film::photograph(row, truth, &spine, &postures, readers, &mut rng);
-    Ok(Phantom { case, truth, postures, multipliers })
+    // What radiographs draw at random moves no landmark.
+    let mut look = stream(seed, 8 * index as u64 + 5 + truth as u64);
+    let (case, films) =
+        film::photograph(row, truth, &spine, &postures, readers, &mut rng, &mut look);
+    Ok(Phantom { case, truth, postures, multipliers, films })
 }
 
 fn stream(seed: u64, number: u64) -> ChaCha12Rng {
@@ -162,6 +173,18 @@ impl Phantom {
     #[must_use]
     pub fn posture(&self, posture: Posture) -> Option<&TruePosture> {
         self.postures.iter().find(|p| p.posture == posture)
+    }
+
+    /// How a posture truly lies on its film.
+    #[must_use]
+    pub fn film(&self, posture: Posture) -> Option<&TrueFilm> {
+        self.films.iter().find(|film| film.posture == posture)
+    }
+
+    /// The radiograph of a posture, drawn from its true film; fifteen million pixels or so.
+    #[must_use]
+    pub fn radiograph(&self, posture: Posture) -> Option<Radiograph> {
+        self.film(posture).map(Radiograph::of)
     }
 }
 

@@ -29,7 +29,10 @@ mod pixels;
 mod raster;
 mod record;
 mod remark;
+mod rle;
 mod tags;
+mod uid;
+mod write;
 
 use std::borrow::Cow;
 
@@ -47,6 +50,9 @@ pub use error::{
 pub use limits::FilmLimits;
 pub use lookup::{Look, Lut, ModalityTransform, Voi, Window, WindowFunction};
 pub use remark::FilmRemark;
+pub use write::{
+    DicomFilm, Encoding, FilmPolarity, View, WriteFilmError, pixels_sha256, write_dicom,
+};
 
 /// What kind of file a film came from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -12,12 +12,12 @@ use std::io::Cursor;
 
 use dicom_core::VR;
 use image::{ExtendedColorType, ImageEncoder};
-use sha2::{Digest, Sha256};
 
 use super::container::{self, Container};
 use super::element::{self, DataSet, Element, Value};
 use super::error::{Codec, CodecFault, FilmError, Measure};
 use super::tags::{self, STANCES, VIEW_CODES, is_uid};
+use super::uid;
 use super::{Attribute, FilmKind, FilmLimits, FilmRemark, StoredPixels, lookup, pixels, raster};
 use policy::{Rule, TERMS, rule};
 use write::{Out, OutValue};
@@ -331,10 +331,7 @@ fn additions<'a>(options: &DeidOptions) -> Vec<Out<'a>> {
     ]
 }
 
-/// `2.25.` and 128 bits of the SHA-256 of salt and old UID.
+/// The UID of salt and old UID together.
 fn new_uid(old: &str, options: &DeidOptions) -> String {
-    let hash = Sha256::new().chain_update(options.salt).chain_update(old).finalize();
-    let mut bits = [0; 16];
-    bits.copy_from_slice(&hash[..16]);
-    format!("2.25.{}", u128::from_be_bytes(bits))
+    uid::from_bytes(&[options.salt.as_slice(), old.as_bytes()].concat())
 }
