@@ -41,10 +41,8 @@ pub fn list(candidates: &Candidates) -> String {
     } else {
         text.push_str(&table.text());
     }
-    for (index, film) in candidates.films.iter().enumerate() {
-        for note in notes(film) {
-            text.push_str(&wrap(&format!("! film {}: {note}", index + 1), WIDTH, "  "));
-        }
+    for (note, films) in shared_notes(candidates) {
+        text.push_str(&wrap(&format!("! {}: {note}", numbered(&films)), WIDTH, "  "));
     }
     text.push_str(&passed_over(candidates));
     text
@@ -94,6 +92,37 @@ fn lengths(spacing: Option<&Spacing>) -> String {
 
 fn round(mm: f64) -> f64 {
     (mm * 1e4).round() / 1e4
+}
+
+/// Every note once, with the numbers of the films that it is about, in the order of the first of them.
+fn shared_notes(candidates: &Candidates) -> Vec<(String, Vec<usize>)> {
+    let mut shared: Vec<(String, Vec<usize>)> = Vec::new();
+    for (index, film) in candidates.films.iter().enumerate() {
+        for note in notes(film) {
+            match shared.iter_mut().find(|(other, _)| *other == note) {
+                Some((_, films)) => films.push(index + 1),
+                None => shared.push((note, vec![index + 1])),
+            }
+        }
+    }
+    shared
+}
+
+/// Numbers of films in words: `film 3`, `films 1-4, 7`.
+fn numbered(films: &[usize]) -> String {
+    let mut runs: Vec<(usize, usize)> = Vec::new();
+    for &film in films {
+        match runs.last_mut() {
+            Some((_, last)) if *last + 1 == film => *last = film,
+            _ => runs.push((film, film)),
+        }
+    }
+    let run = |&(first, last): &(usize, usize)| match last - first {
+        0 => first.to_string(),
+        _ => format!("{first}-{last}"),
+    };
+    let word = if films.len() == 1 { "film" } else { "films" };
+    format!("{word} {}", runs.iter().map(run).collect::<Vec<_>>().join(", "))
 }
 
 /// What is odd about a film, or why it cannot be used.
