@@ -64,12 +64,12 @@ fn a_store_verifies_itself_and_tells_when_it_was_edited() {
     assert_eq!(run(here.path(), &["study", "verify", "copy.db", "--head", &head]).2, 0);
     let connection = rusqlite::Connection::open(here.path().join("copy.db")).expect("SQLite");
     connection
-        .execute_batch("UPDATE readings SET observer = 'Z' WHERE id = 2")
+        .execute_batch("UPDATE studies SET synthetic = 0")
         .expect("an edit behind the program's back");
     drop(connection);
     let (out, _, code) = run(here.path(), &["study", "verify", "copy.db"]);
     assert_eq!(code, 3);
-    assert!(out.contains("reading/2 is not what the log says"), "{out}");
+    assert!(out.contains("study/phantom-rod-01 is not what the log says"), "{out}");
 }
 
 #[test]
