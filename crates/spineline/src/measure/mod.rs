@@ -25,7 +25,7 @@ pub use evidence::{
     CalibrationType, SpacingEvidence, SpacingJudgement, SpacingRemark, judge_spacing,
 };
 pub use film::{Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading, ReadingId};
-pub use outline::{MeasuredVertebra, Noise, Outline, measure_film};
+pub use outline::{MeasuredVertebra, Noise, Outline, check_marks, measure_film};
 pub use spacing::{LengthScale, Spacing, SpacingPlane, SpacingSource};
 pub use view::{
     Direction, Stance, View, ViewEvidence, ViewJudgement, ViewPosition, ViewQuestion, judge_view,

@@ -103,36 +103,7 @@ impl Outline {
 /// [`MeasureError`], which names film, reading, vertebra, value and limit. Nothing is repaired.
 pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, MeasureError> {
     let posture = film.posture;
-    let (placed, scale, iliac_normal) = match &film.marks {
-        FilmMarks::Landmarks { image, iliac_crests, readings } => {
-            check_spacing(posture, image)?;
-            check_readings(posture, readings)?;
-            let placed = readings
-                .iter()
-                .map(|reading| place(posture, image, reading))
-                .collect::<Result<Vec<_>, _>>()?;
-            if let Some(crests) = iliac_crests {
-                check_crests(posture, image, crests)?;
-            }
-            let normal = iliac_crests.map(|crests| iliac_normal(image, crests));
-            match image.spacing {
-                Some(spacing) => (placed, LengthScale::of(&spacing), normal),
-                None => {
-                    let (placed, scale) = scaled_from_pixels(posture, placed, warnings);
-                    (placed, scale, normal)
-                }
-            }
-        }
-        FilmMarks::Placements { spacing_plane, readings } => {
-            check_readings(posture, readings)?;
-            check_placements(posture, readings)?;
-            (
-                readings.iter().map(|reading| reading.vertebrae.clone()).collect(),
-                LengthScale::stated(*spacing_plane),
-                None,
-            )
-        }
-    };
+    let PlacedFilm { readings: placed, scale, iliac_normal } = place_film(film, warnings)?;
     let on_film = average(&placed);
     let base =
         on_film.get(&Level::L4).ok_or(MeasureError::LevelMissing { posture, level: Level::L4 })?.0;
@@ -171,6 +142,59 @@ pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, Mea
         noise: noise(&placed, &on_film),
         scale,
         readings: placed.len(),
+    })
+}
+
+/// The readings of a film in millimetres, each in the film's own frame.
+struct PlacedFilm {
+    readings: Vec<BTreeMap<Level, Placement>>,
+    scale: LengthScale,
+    iliac_normal: Option<Angle>,
+}
+
+/// Checks all marks of a film, of whichever vertebrae: what [`measure_film`] refuses before it asks whether all are there.
+///
+/// # Errors
+/// As [`measure_film`], but for what concerns several vertebrae in their order.
+pub fn check_marks(film: &Film) -> Result<(), MeasureError> {
+    place_film(film, &mut Warnings::default()).map(|_| ())
+}
+
+fn place_film(film: &Film, warnings: &mut Warnings) -> Result<PlacedFilm, MeasureError> {
+    let posture = film.posture;
+    Ok(match &film.marks {
+        FilmMarks::Landmarks { image, iliac_crests, readings } => {
+            check_spacing(posture, image)?;
+            check_readings(posture, readings)?;
+            let placed = readings
+                .iter()
+                .map(|reading| place(posture, image, reading))
+                .collect::<Result<Vec<_>, _>>()?;
+            if let Some(crests) = iliac_crests {
+                check_crests(posture, image, crests)?;
+            }
+            let normal = iliac_crests.map(|crests| iliac_normal(image, crests));
+            match image.spacing {
+                Some(spacing) => PlacedFilm {
+                    readings: placed,
+                    scale: LengthScale::of(&spacing),
+                    iliac_normal: normal,
+                },
+                None => {
+                    let (readings, scale) = scaled_from_pixels(posture, placed, warnings);
+                    PlacedFilm { readings, scale, iliac_normal: normal }
+                }
+            }
+        }
+        FilmMarks::Placements { spacing_plane, readings } => {
+            check_readings(posture, readings)?;
+            check_placements(posture, readings)?;
+            PlacedFilm {
+                readings: readings.iter().map(|reading| reading.vertebrae.clone()).collect(),
+                scale: LengthScale::stated(*spacing_plane),
+                iliac_normal: None,
+            }
+        }
     })
 }
 
