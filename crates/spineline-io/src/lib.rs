@@ -17,6 +17,7 @@ mod error;
 mod export;
 mod json;
 mod keys;
+pub mod landmarks;
 mod load_file;
 mod model_file;
 mod simulation_file;
