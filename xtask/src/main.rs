@@ -1,6 +1,7 @@
 //! The project's own commands: `cargo xtask test` runs everything that must hold.
 
 mod engines;
+mod exchange;
 mod oracle;
 mod peers;
 mod python;
@@ -13,10 +14,11 @@ use std::process::{Command, ExitCode};
 const HELP: &str = "\
 cargo xtask COMMAND
 
-  test     everything: format, lints, tidy, tests, documentation and its examples, engines
+  test     everything: format, lints, tidy, tests, documentation and its examples, engines, exchange
   check    the quick part: format, lints, tidy
   tidy     house rules that no compiler knows
   engines  exported models in MuJoCo, Pinocchio and OpenSim (needs Python, and a network the first time)
+  exchange exported landmarks in highdicom, pydicom, DCMTK and Python (needs Python, and a network the first time)
   bench    benchmarks of the core
   peers [--rounds N] [--without-octave]
            times beside those of MuJoCo, Pinocchio, OpenSim, numpy and Octave (minutes; needs what `engines` needs)
@@ -37,10 +39,13 @@ fn main() -> ExitCode {
         _ => {}
     }
     let steps: &[Step] = match command.as_str() {
-        "test" => &[format, lint, tidy::run, test, doctest, docs, engines::compare],
+        "test" => {
+            &[format, lint, tidy::run, test, doctest, docs, engines::compare, exchange::compare]
+        }
         "check" => &[format, lint, tidy::run],
         "tidy" => &[tidy::run],
         "engines" => &[engines::compare],
+        "exchange" => &[exchange::compare],
         "bench" => &[bench],
         _ => {
             eprint!("{HELP}");

@@ -40,7 +40,7 @@ pub enum Command {
     Simulate(simulate::SimulateArgs),
     /// Make synthetic patients with known truth
     Phantom(PhantomArgs),
-    /// Write a personalised model as MuJoCo, OpenSim or URDF programs read it
+    /// Write a model as MuJoCo, OpenSim or URDF programs read it, or landmarks as CSV, for 3D Slicer or as DICOM SR
     #[command(after_long_help = EXAMPLES)]
     Export(ExportArgs),
     /// Print the JSON schema of a file format

@@ -24,7 +24,7 @@ mod simulation_file;
 mod stiffness_file;
 
 pub use analysis_file::AnalysisFile;
-pub use case_file::{CaseFile, FilmSource, parse_case};
+pub use case_file::{CaseFile, FilmSource, parse_case, parse_case_file};
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};
 pub use keys::LevelKey;
