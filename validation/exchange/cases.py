@@ -35,7 +35,7 @@ class Spineline:
 
     def run(self, *arguments: object) -> None:
         """One call that has to succeed."""
-        subprocess.run([self.program, *map(str, arguments)], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([self.program, *map(str, arguments)], check=True, capture_output=True)
 
     def cases(self) -> list[Exported]:
         """Two phantoms, each on both sides of the picture."""
@@ -43,7 +43,7 @@ class Spineline:
         for truth, subject in (("rod", 3), ("pull", 8)):
             folder = self.out / f"{truth}-{subject}"
             self.run("phantom", "--truth", truth, "--subject", subject, "--out", folder / "phantom")
-            (path,) = sorted((folder / "phantom").glob("*.json"))
+            path = folder / "phantom" / f"phantom-{truth}-{subject:02}.json"
             case = json.loads(path.read_text(encoding="utf-8"))
             for side in ("image_left", "image_right"):
                 found.append(self.exported(hung(case, side), folder / side))

@@ -2,7 +2,7 @@
 
 use spineline::anatomy::{Level, Posture, Region, Side};
 
-/// Designator of our own coding scheme.
+/// Designator of our own coding scheme; its values have at most the 16 characters of a Code Value.
 pub const SCHEME: &str = "99SPINELINE";
 pub const SCHEME_NAME: &str = "Spineline";
 
@@ -96,11 +96,9 @@ pub const fn posture(posture: Posture) -> Code {
 /// A region with a curve.
 pub const fn region(region: Region) -> Code {
     match region {
-        Region::ThoracolumbarLumbar => {
-            Code("thoracolumbar_lumbar", SCHEME, "Thoracolumbar or lumbar curve")
-        }
-        Region::MainThoracic => Code("main_thoracic", SCHEME, "Main thoracic curve"),
-        Region::ProximalThoracic => Code("proximal_thoracic", SCHEME, "Proximal thoracic curve"),
+        Region::ThoracolumbarLumbar => Code("curve-tl-l", SCHEME, "Thoracolumbar or lumbar curve"),
+        Region::MainThoracic => Code("curve-mt", SCHEME, "Main thoracic curve"),
+        Region::ProximalThoracic => Code("curve-pt", SCHEME, "Proximal thoracic curve"),
     }
 }
 

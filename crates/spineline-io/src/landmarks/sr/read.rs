@@ -36,7 +36,7 @@ pub fn read_sr(bytes: &[u8]) -> Result<MarkedFilm, LandmarkError> {
     }
     let person = content.iter().find(|item| is_named(item, codes::PERSON_NAME));
     let name = person.and_then(|item| text(item, tags::PERSON_NAME)).unwrap_or_default();
-    let name = observer(&name, "Person Observer Name")?;
+    let name = observer(name.strip_suffix('^').unwrap_or(&name), "Person Observer Name")?;
     let groups = content
         .iter()
         .find(|item| is_named(item, codes::MEASUREMENTS))

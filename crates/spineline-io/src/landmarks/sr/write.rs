@@ -188,7 +188,8 @@ fn content(report: &ReportOf<'_>) -> Result<Vec<InMemDicomObject>, LandmarkExpor
     Ok(vec![
         code(Modifier, codes::LANGUAGE, codes::ENGLISH),
         code(ObservationContext, codes::OBSERVER_TYPE, codes::PERSON),
-        person(ObservationContext, codes::PERSON_NAME, &report.reading.id.observer),
+        // A name of one component is marked as such by a caret.
+        person(ObservationContext, codes::PERSON_NAME, &format!("{}^", report.reading.id.observer)),
         code(ObservationContext, codes::OBSERVER_TYPE, codes::DEVICE),
         uid_reference(ObservationContext, codes::DEVICE_UID, &uid(&[b"device", MODEL.as_bytes()])),
         text(ObservationContext, codes::DEVICE_NAME, codes::SCHEME_NAME),
