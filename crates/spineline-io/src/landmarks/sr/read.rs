@@ -40,7 +40,7 @@ pub fn read_sr(bytes: &[u8]) -> Result<MarkedFilm, LandmarkError> {
     let groups = content
         .iter()
         .find(|item| is_named(item, codes::MEASUREMENTS))
-        .map(|item| children(item))
+        .map(children)
         .unwrap_or_default();
     Report::default().read(groups, name)
 }
