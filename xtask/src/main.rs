@@ -1,11 +1,10 @@
 //! The project's own commands: `cargo xtask test` runs everything that must hold.
 
-mod engines;
-mod films;
+mod fuzz;
 mod oracle;
+mod outside;
 mod peers;
 mod python;
-mod reliability;
 mod tidy;
 
 use std::env;
@@ -15,13 +14,16 @@ use std::process::{Command, ExitCode};
 const HELP: &str = "\
 cargo xtask COMMAND
 
-  test     everything: format, lints, tidy, tests, documentation and its examples, engines, reliability, films
+  test     everything: format, lints, tidy, tests, documentation and its examples, other programs, fuzzing for seconds
   check    the quick part: format, lints, tidy
   tidy     house rules that no compiler knows
-  engines  exported models in MuJoCo, Pinocchio and OpenSim (needs Python, and a network the first time)
+  engines  exported models in MuJoCo, Pinocchio and OpenSim (this and the next three need Python, and a network once)
   reliability
-           ICC, errors and correlations beside those of pingouin and scipy (needs Python, and a network the first time)
-  films    films of phantoms in pydicom (needs Python, and a network the first time)
+           ICC, errors and correlations in pingouin and scipy
+  films    films of phantoms in pydicom
+  exchange exported landmarks in highdicom, pydicom and DCMTK
+  fuzz [SECONDS]
+           every parser on random input, 60 seconds each (needs a nightly compiler)
   bench    benchmarks of the core
   peers [--rounds N] [--without-octave]
            times beside those of MuJoCo, Pinocchio, OpenSim, numpy and Octave (minutes; needs what `engines` needs)
@@ -39,6 +41,11 @@ fn main() -> ExitCode {
     match command.as_str() {
         "oracle" => return ended(&command, oracle::run(&arguments)),
         "peers" => return ended(&command, peers::compare(&root, &arguments)),
+        "fuzz" => {
+            let seconds = arguments.first().map_or(Some(60), |text| text.parse().ok());
+            let result = seconds.ok_or_else(|| "SECONDS is a number".to_owned());
+            return ended(&command, result.and_then(|seconds| fuzz::all(&root, seconds)));
+        }
         _ => {}
     }
     let steps: &[Step] = match command.as_str() {
@@ -49,15 +56,18 @@ fn main() -> ExitCode {
             test,
             doctest,
             docs,
-            engines::compare,
-            reliability::compare,
-            films::compare,
+            outside::engines,
+            outside::reliability,
+            outside::films,
+            outside::exchange,
+            fuzz_for_seconds,
         ],
         "check" => &[format, lint, tidy::run],
         "tidy" => &[tidy::run],
-        "engines" => &[engines::compare],
-        "reliability" => &[reliability::compare, films::compare],
-        "films" => &[films::compare],
+        "engines" => &[outside::engines],
+        "reliability" => &[outside::reliability],
+        "films" => &[outside::films],
+        "exchange" => &[outside::exchange],
         "bench" => &[bench],
         _ => {
             eprint!("{HELP}");
@@ -134,6 +144,11 @@ fn doctest(root: &Path) -> Result<(), String> {
 fn docs(root: &Path) -> Result<(), String> {
     let arguments = ["doc", "--workspace", "--no-deps", "--locked", "--quiet"];
     run(root, "cargo", &arguments, &[("RUSTDOCFLAGS", "--deny warnings")])
+}
+
+/// Long enough to meet what is easy to break, short enough for every change.
+fn fuzz_for_seconds(root: &Path) -> Result<(), String> {
+    fuzz::all(root, 8)
 }
 
 fn bench(root: &Path) -> Result<(), String> {

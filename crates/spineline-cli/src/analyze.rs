@@ -147,13 +147,8 @@ fn write_files(args: &AnalyzeArgs, analyses: &[Analysis], many: bool) -> Result<
     Ok(())
 }
 
-/// Writes a text file as a whole: a reader never sees half of it.
-pub fn write_file(path: &Path, text: &str) -> Result<(), Failure> {
-    write_bytes(path, text.as_bytes())
-}
-
 /// Writes a file as a whole: a reader never sees half of it.
-pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+pub fn write_file(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Failure> {
     let failed = |error: &std::io::Error| Failure::write(&path.display().to_string(), error);
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         fs::create_dir_all(folder).map_err(|error| failed(&error))?;
@@ -161,7 +156,7 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(".part");
     let part = path.with_file_name(name);
-    fs::write(&part, bytes).and_then(|()| fs::rename(&part, path)).map_err(|error| failed(&error))
+    fs::write(&part, content).and_then(|()| fs::rename(&part, path)).map_err(|error| failed(&error))
 }
 
 /// Writes a file, or to the standard output for `-`.

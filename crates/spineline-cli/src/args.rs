@@ -53,7 +53,7 @@ pub enum Command {
     Study(StudyArgs),
     /// Make synthetic patients with known truth
     Phantom(PhantomArgs),
-    /// Write a personalised model as MuJoCo, OpenSim or URDF programs read it
+    /// Write a model as MuJoCo, OpenSim or URDF programs read it, or landmarks as CSV, for 3D Slicer or as DICOM SR
     #[command(after_long_help = EXAMPLES)]
     Export(ExportArgs),
     /// Tell what radiographs are, what their spacing and view are worth, and show them

@@ -334,3 +334,46 @@ fn films_of_a_phantom_lie_beside_the_case_that_names_them() {
     let (_, _, code) = run(here.path(), &["check", "cases/phantom-rod-05.json"]);
     assert_eq!(code, 0);
 }
+
+#[test]
+fn landmarks_are_exported_for_image_programs() {
+    let here = folder();
+    phantom(here.path(), "rod", "3");
+    let case = "cases/rod-03.json";
+    let case = if here.path().join(case).exists() { case } else { "cases/phantom-rod-03.json" };
+    let (table, error, code) = run(here.path(), &["export", case, "--to", "csv"]);
+    assert_eq!(code, 0, "{error}");
+    assert!(
+        table.starts_with("posture,observer,repeat,vertebra,superior_left_column_px"),
+        "{table}"
+    );
+    let (list, error, code) =
+        run(here.path(), &["export", case, "--to", "slicer", "--posture", "erect"]);
+    assert_eq!(code, 0, "{error}");
+    assert!(list.contains("\"coordinateSystem\": \"LPS\""), "{list}");
+    let (_, error, code) = run(here.path(), &["export", case, "--to", "slicer"]);
+    assert!(code == 2 && error.contains("folder"), "{error}");
+    let out = ["export", case, "--to", "slicer", "--out", "lists"];
+    assert_eq!(run(here.path(), &out).2, 0);
+    assert!(here.path().join("lists/left_bending.mrk.json").exists());
+    // Phantoms have no pictures, so there is nothing that a report could be about.
+    let out = ["export", case, "--to", "dicom-sr", "--out", "reports"];
+    let (_, error, code) = run(here.path(), &out);
+    assert!(code == 3 && error.contains("DICOM file"), "{error}");
+}
+
+#[test]
+fn a_model_has_no_landmarks_and_a_case_no_springs() {
+    let here = folder();
+    phantom(here.path(), "rod", "3");
+    let case = "cases/rod-03.json";
+    let case = if here.path().join(case).exists() { case } else { "cases/phantom-rod-03.json" };
+    assert_eq!(run(here.path(), &["analyze", case, "--model", "model.json"]).2, 0);
+    let (_, error, code) = run(here.path(), &["export", "model.json", "--to", "slicer"]);
+    assert!(
+        code == 3 && error.contains("spineline-model") && error.contains("of a case"),
+        "{error}"
+    );
+    let (_, error, code) = run(here.path(), &["export", case, "--to", "mjcf"]);
+    assert!(code == 3 && error.contains("takes a model"), "{error}");
+}

@@ -21,6 +21,7 @@ pub mod film;
 pub mod intake;
 mod json;
 mod keys;
+pub mod landmarks;
 mod load_file;
 mod model_file;
 mod readings_table;
@@ -29,7 +30,7 @@ mod simulation_file;
 mod stiffness_file;
 
 pub use analysis_file::AnalysisFile;
-pub use case_file::{CaseFile, FilmSource, parse_case, written_axis_deg};
+pub use case_file::{CaseFile, FilmSource, parse_case, parse_case_file, written_axis_deg};
 pub use digest::sha256_hex;
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};

@@ -15,7 +15,7 @@ use super::args::ImportArgs;
 use super::candidates::Candidates;
 use super::role::Role;
 use super::settle::Settled;
-use crate::analyze::{generator, write_bytes, write_file};
+use crate::analyze::{generator, write_file};
 use crate::failure::Failure;
 
 /// What was taken out of a film, and what was odd about it.
@@ -141,7 +141,7 @@ fn write_film(
         (clean.bytes, kind, Some(DeidRecord::of(&clean.report)))
     };
     let file = format!("{}.{}", film.role.key(), extension(kind));
-    write_bytes(&folder.join(&file), &bytes)?;
+    write_file(&folder.join(&file), &bytes)?;
     let sha256 = sha256_hex(&bytes);
     let source = FilmSource {
         file: Some(file.clone()),

@@ -10,7 +10,7 @@ use spineline_io::film::{DicomFilm, Encoding, FilmPolarity, View, pixels_sha256,
 use spineline_io::{CaseFile, FilmSource, sha256_hex};
 use spineline_phantom::{Phantom, Polarity, TrueFilm};
 
-use crate::analyze::write_bytes;
+use crate::analyze::write_file;
 use crate::args::{EncodingName, PhantomArgs};
 use crate::failure::Failure;
 use crate::progress::map_all;
@@ -105,7 +105,7 @@ fn write_film(
     .map_err(|error| Failure::internal(error.to_string()))?;
     let file = format!("{}-{}.dcm", phantom.case.id, film.posture.key());
     let path = folder.join(&file);
-    write_bytes(&path, &bytes)?;
+    write_file(&path, &bytes)?;
     Ok(FilmRecord {
         file,
         sha256: sha256_hex(&bytes),

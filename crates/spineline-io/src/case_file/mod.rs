@@ -127,7 +127,15 @@ struct VertebraRecord {
 /// # Errors
 /// [`FileError`], which says where in the file.
 pub fn parse_case(text: &str) -> Result<Case, FileError> {
-    parse::<CaseFile>(text, FORMAT, VERSION)?.into_case()
+    parse_case_file(text)?.into_case()
+}
+
+/// Reads a case with what only its file knows, such as the names of its pictures.
+///
+/// # Errors
+/// [`FileError`], which says where in the file.
+pub fn parse_case_file(text: &str) -> Result<CaseFile, FileError> {
+    parse::<CaseFile>(text, FORMAT, VERSION)
 }
 
 impl CaseFile {

@@ -101,6 +101,33 @@ impl Corners<Frontal> {
         self.axis().lean()
     }
 
+    /// Lean of the body as its two endplates show it: that of the normal of the line through the midpoints of its left and
+    /// right wall, which runs along the mean of the endplates.
+    ///
+    /// It differs from [`Corners::measure_tilt`] for a body whose walls do not stand square on its endplates.
+    ///
+    /// # References
+    /// [wu-boostnet-2017]: the angles that come with those landmarks are differences of this tilt.
+    ///
+    /// ```
+    /// use spineline::{measure::Corners, spatial::Frontal};
+    /// let sheared = Corners {
+    ///     superior_left: Frontal::new(25.0, 10.0),
+    ///     superior_right: Frontal::new(-15.0, 10.0),
+    ///     inferior_left: Frontal::new(20.0, -10.0),
+    ///     inferior_right: Frontal::new(-20.0, -10.0),
+    /// };
+    /// assert_eq!(sheared.measure_endplate_tilt().deg(), 0.0);
+    /// assert!(sheared.measure_tilt().deg() < -10.0);
+    /// ```
+    #[must_use]
+    pub fn measure_endplate_tilt(&self) -> Angle {
+        let to_left =
+            (self.superior_left + self.inferior_left) - (self.superior_right + self.inferior_right);
+        // A quarter turn about +X carries the patient's left (+Y) to cranial (+Z).
+        Frontal::new(-to_left.z_mm, to_left.y_mm).lean()
+    }
+
     /// Whether the corners run the way in which a patient's left and right lie on this film.
     pub(super) fn sides_agree(&self) -> bool {
         let to_left =

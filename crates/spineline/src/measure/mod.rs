@@ -28,7 +28,7 @@ pub use evidence::{
 };
 pub use film::{Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading, ReadingId};
 pub use lateral::{LateralCorners, LateralFilm};
-pub use outline::{MeasuredVertebra, Noise, Outline, measure_film};
+pub use outline::{MeasuredVertebra, Noise, Outline, check_marks, measure_film};
 pub use readings::{FilmReadings, measure_readings};
 pub use spacing::{LengthScale, Spacing, SpacingPlane, SpacingSource};
 pub use view::{

@@ -103,26 +103,7 @@ impl Outline {
 /// [`MeasureError`], which names film, reading, vertebra, value and limit. Nothing is repaired.
 pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, MeasureError> {
     let posture = film.posture;
-    let placed: Vec<BTreeMap<Level, Placement>> =
-        measure_readings(film)?.into_iter().map(|reading| reading.vertebrae).collect();
-    let (placed, scale, iliac_normal) = match &film.marks {
-        FilmMarks::Landmarks { image, iliac_crests, .. } => {
-            if let Some(crests) = iliac_crests {
-                check_crests(posture, image, crests)?;
-            }
-            let normal = iliac_crests.map(|crests| iliac_normal(image, crests));
-            match image.spacing {
-                Some(spacing) => (placed, LengthScale::of(&spacing), normal),
-                None => {
-                    let (placed, scale) = scaled_from_pixels(posture, placed, warnings);
-                    (placed, scale, normal)
-                }
-            }
-        }
-        FilmMarks::Placements { spacing_plane, .. } => {
-            (placed, LengthScale::stated(*spacing_plane), None)
-        }
-    };
+    let PlacedFilm { readings: placed, scale, iliac_normal } = place_film(film, warnings)?;
     let on_film = average(&placed);
     let base =
         on_film.get(&Level::L4).ok_or(MeasureError::LevelMissing { posture, level: Level::L4 })?.0;
@@ -162,6 +143,42 @@ pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, Mea
         scale,
         readings: placed.len(),
     })
+}
+
+/// The readings of a film in millimetres, each in the film's own frame.
+struct PlacedFilm {
+    readings: Vec<BTreeMap<Level, Placement>>,
+    scale: LengthScale,
+    iliac_normal: Option<Angle>,
+}
+
+/// Checks all marks of a film, of whichever vertebrae: what [`measure_film`] refuses before it asks whether all are there.
+///
+/// # Errors
+/// As [`measure_film`], but for what concerns several vertebrae in their order.
+pub fn check_marks(film: &Film) -> Result<(), MeasureError> {
+    place_film(film, &mut Warnings::default()).map(|_| ())
+}
+
+fn place_film(film: &Film, warnings: &mut Warnings) -> Result<PlacedFilm, MeasureError> {
+    let posture = film.posture;
+    let readings = measure_readings(film)?.into_iter().map(|reading| reading.vertebrae).collect();
+    let (image, iliac_crests) = match &film.marks {
+        FilmMarks::Landmarks { image, iliac_crests, .. } => (image, iliac_crests),
+        FilmMarks::Placements { spacing_plane, .. } => {
+            let scale = LengthScale::stated(*spacing_plane);
+            return Ok(PlacedFilm { readings, scale, iliac_normal: None });
+        }
+    };
+    if let Some(crests) = iliac_crests {
+        check_crests(posture, image, crests)?;
+    }
+    let iliac_normal = iliac_crests.map(|crests| iliac_normal(image, crests));
+    let (readings, scale) = match image.spacing {
+        Some(spacing) => (readings, LengthScale::of(&spacing)),
+        None => scaled_from_pixels(posture, readings, warnings),
+    };
+    Ok(PlacedFilm { readings, scale, iliac_normal })
 }
 
 pub(super) fn check_spacing(posture: Posture, image: &ImageGeometry) -> Result<(), MeasureError> {

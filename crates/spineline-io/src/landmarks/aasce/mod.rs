@@ -1,0 +1,65 @@
+//! The landmarks of the AASCE challenge (SpineWeb, dataset 16): 68 corners, T1 to L5, on each of 609 frontal films.
+//!
+//! They come as MATLAB files with a variable `p2` of 68 × 2 pixels, or as a folder of tables: `filenames.csv` with a name
+//! per row, `landmarks.csv` with 68 columns and then 68 rows per row, divided by the picture's width and height, and,
+//! if it is there, `angles.csv`. Each vertebra has its corners in the order upper left, upper right, lower left, lower right
+//! of the *picture*, so the patient's left has to be known. Nothing says whether the first pixel is 0 or 1; no angle depends
+//! on it, and places are taken as they stand.
+//!
+//! The set has faults that are known ([`AasceVerdict`]): nothing should be computed from such a film without a look at it.
+//!
+//! # References
+//! [wu-boostnet-2017].
+
+mod labels;
+mod mat;
+mod verdict;
+
+pub use labels::{AasceRow, AasceRows, image_sizes};
+pub use mat::parse_mat;
+pub use verdict::{AasceFault, AasceVerdict, judge_aasce};
+
+use std::collections::BTreeMap;
+
+use spineline::anatomy::{ImageSide, Level};
+use spineline::measure::{Mark, Reading};
+use spineline::spatial::Pixel;
+
+use super::film::{from_image_sides, pixel};
+use super::{LandmarkError, LandmarkHint, LandmarkReadings, MarkedFilm};
+
+/// Corners of a film: four of 17 vertebrae.
+const CORNERS: usize = 68;
+
+/// The film of 68 corners in their order.
+fn film_of(
+    points: &[[f64; 2]; CORNERS],
+    hint: &LandmarkHint,
+    patient_left: ImageSide,
+    at: &str,
+) -> Result<MarkedFilm, LandmarkError> {
+    let mut vertebrae = BTreeMap::new();
+    // The set counts from T1 downwards.
+    for (four, level) in points.chunks_exact(4).zip(Level::ALL.into_iter().rev()) {
+        let mut places = [Pixel::new(0.0, 0.0); 4];
+        for (place, &[column, row]) in places.iter_mut().zip(four) {
+            *place = pixel(column, row, &format!("{at}, {level}"))?;
+        }
+        let corners = from_image_sides(places, patient_left);
+        vertebrae.insert(level, Mark { corners, axis_clockwise: None });
+    }
+    Ok(MarkedFilm {
+        posture: hint.posture,
+        picture: None,
+        size: None,
+        iliac_crests: None,
+        marks: LandmarkReadings::Corners(vec![Reading { id: hint.reading.clone(), vertebrae }]),
+    })
+}
+
+fn patient_left(hint: &LandmarkHint) -> Result<ImageSide, LandmarkError> {
+    hint.patient_left().ok_or(LandmarkError::Needs {
+        format: "a film of AASCE",
+        what: "the side of the picture on which the patient's left is",
+    })
+}

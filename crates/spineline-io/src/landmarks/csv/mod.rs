@@ -1,0 +1,45 @@
+//! Landmarks as a table, one row per vertebra, read by people, spreadsheets and statistics programs.
+//!
+//! Columns are found by their names, in any order. `vertebra` and the eight corner columns have to be there; `posture`,
+//! `observer`, `repeat` and `axis_clockwise_deg` need not. A row whose vertebra is `iliac_crests` holds the tips of the
+//! patient's left and right crest in the `superior_left` and `superior_right` columns, and nothing in the other corners.
+//! A film that another program measured has `location_left_mm`, `location_cranial_mm` and `tilt_right_deg` in place of
+//! corners.
+//!
+//! # Separators
+//! The heading decides: commas, semicolons or tabs, and only one of them. Beside commas the decimal mark is a point. Beside
+//! semicolons and tabs it may be a comma or a point, but the same one in the whole file, and nothing separates thousands.
+
+mod read;
+mod write;
+
+pub(super) use read::looks_like_csv;
+pub use read::parse_csv;
+pub(super) use write::write;
+
+/// Most rows that are read; every film of a patient with a thousand readings has fewer.
+pub const MAX_ROWS: u64 = 100_000;
+
+pub(super) const POSTURE: &str = "posture";
+pub(super) const OBSERVER: &str = "observer";
+pub(super) const REPEAT: &str = "repeat";
+pub(super) const VERTEBRA: &str = "vertebra";
+pub(super) const CRESTS: &str = "iliac_crests";
+pub(super) const AXIS: &str = "axis_clockwise_deg";
+pub(super) const PLACED: [&str; 3] = ["location_left_mm", "location_cranial_mm", "tilt_right_deg"];
+/// Column and row of each corner, in the order of the patient's corners.
+pub(super) const CORNERS: [&str; 8] = [
+    "superior_left_column_px",
+    "superior_left_row_px",
+    "superior_right_column_px",
+    "superior_right_row_px",
+    "inferior_left_column_px",
+    "inferior_left_row_px",
+    "inferior_right_column_px",
+    "inferior_right_row_px",
+];
+
+/// What makes a spreadsheet take a cell for a formula.
+pub(super) fn starts_formula(cell: &str) -> bool {
+    cell.starts_with(['=', '+', '-', '@', '\t', '\r'])
+}

@@ -1,0 +1,238 @@
+use std::path::PathBuf;
+
+use spineline::anatomy::Level;
+use spineline::measure::MeasureError;
+
+/// A file of landmarks that cannot be read as one.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LandmarkError {
+    /// The file could not be opened.
+    #[error("{}: {source}", path.display())]
+    Read {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// More than any file of landmarks holds.
+    #[error("{what}: {found}, and at most {limit} are read")]
+    TooLarge {
+        /// What there is too much of.
+        what: &'static str,
+        /// How much there is, as far as it was counted.
+        found: u64,
+        /// How much is read.
+        limit: u64,
+    },
+    /// Nothing in the file says which format it has.
+    #[error("no known format of landmarks: {reason}")]
+    Unrecognised {
+        /// What was looked for.
+        reason: String,
+    },
+    /// The text is not what its format asks for.
+    #[error("{at}: {reason}")]
+    Syntax {
+        /// Where in the file.
+        at: String,
+        /// Why.
+        reason: String,
+    },
+    /// A column, key or name that the format does not know.
+    #[error("{at}: unknown {what} `{name}`{}", nearest.as_ref().map(|n| format!("; did you mean `{n}`?")).unwrap_or_default())]
+    Unknown {
+        /// Where in the file.
+        at: String,
+        /// What kind of name.
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// The known one that it resembles most.
+        nearest: Option<String>,
+    },
+    /// Something that the format needs is not there.
+    #[error("{at}: {what} is missing")]
+    Missing {
+        /// Where in the file.
+        at: String,
+        /// What is missing.
+        what: String,
+    },
+    /// A cell or value that is no number, or none that can be meant.
+    #[error("{at}: `{value}` is not {expected}")]
+    Value {
+        /// Where in the file.
+        at: String,
+        /// What stands there.
+        value: String,
+        /// What should stand there.
+        expected: &'static str,
+    },
+    /// A name that is no vertebra from T1 to L5.
+    #[error("{at}: `{name}` is not a vertebra from T1 to L5{}", hint.map(|hint| format!(": {hint}")).unwrap_or_default())]
+    Vertebra {
+        /// Where in the file.
+        at: String,
+        /// The name.
+        name: String,
+        /// What it probably is.
+        hint: Option<&'static str>,
+    },
+    /// Something given twice within one reading of one film.
+    #[error("{at}: {what} is given twice{}", first.as_ref().map(|first| format!(", first at {first}")).unwrap_or_default())]
+    Duplicate {
+        /// Where it stands for the second time.
+        at: String,
+        /// What it is.
+        what: String,
+        /// Where it stands first.
+        first: Option<String>,
+    },
+    /// A vertebra, or the pair of iliac crests, without all of its points.
+    #[error("{what}: {} not marked", missing.join(", "))]
+    Incomplete {
+        /// Reading and vertebra.
+        what: String,
+        /// Points that are not there.
+        missing: Vec<String>,
+    },
+    /// The file can be understood in more than one way.
+    #[error("{at}: {reason}")]
+    Ambiguous {
+        /// Where in the file.
+        at: String,
+        /// Which ways.
+        reason: String,
+    },
+    /// Something about the picture that the file does not say and the caller did not.
+    #[error("{format} needs {what}, which the file does not hold")]
+    Needs {
+        /// Format of the file.
+        format: &'static str,
+        /// What is needed.
+        what: &'static str,
+    },
+    /// The picture that the points lie on is another one.
+    #[error(
+        "the landmarks belong to a picture of {} × {} pixels, and this one has {} × {}", stated.0, stated.1, given.0, given.1
+    )]
+    OtherPicture {
+        /// Columns and rows that the file states.
+        stated: (u32, u32),
+        /// Columns and rows of the picture.
+        given: (u32, u32),
+    },
+    /// Points in space that lie in no plane of a frontal film.
+    #[error("{at}: {reason}")]
+    Plane {
+        /// Markups node.
+        at: String,
+        /// What their coordinates are like.
+        reason: String,
+    },
+    /// A DICOM object that is no report of landmarks of ours.
+    #[error("the DICOM object is not a report of landmarks by Spineline: {reason}")]
+    Report {
+        /// Why.
+        reason: String,
+    },
+    /// Marks from which no measurement can be made.
+    #[error(transparent)]
+    Marks(#[from] MeasureError),
+}
+
+impl LandmarkError {
+    /// What the user can do about it.
+    #[must_use]
+    pub fn help(&self) -> &'static str {
+        match self {
+            Self::Read { .. } => "check the path and that the file can be read",
+            Self::TooLarge { .. } => "give the landmarks of one patient in one file",
+            Self::Unrecognised { .. } => {
+                "give CSV, Slicer markups, labelme or COCO JSON, an AASCE .mat or folder, or a DICOM report of Spineline"
+            }
+            Self::Syntax { .. } => "correct the file at that place, or export it again",
+            Self::Unknown { .. } => "correct the name, or take it out of the file",
+            Self::Missing { .. } => "add it to the file",
+            Self::Value { .. } => "correct the value; numbers are plain, without units or formulas",
+            Self::Vertebra { .. } => {
+                "name vertebrae T1 to T12 and L1 to L5 (Th12 and D12 are read too)"
+            }
+            Self::Duplicate { .. } => {
+                "name each vertebra once per reading; a second reading needs its own observer or repeat"
+            }
+            Self::Incomplete { .. } => "mark the missing points, or leave the vertebra out",
+            Self::Ambiguous { .. } => "say which is meant: the file alone does not",
+            Self::Needs { .. } => "give it beside the file",
+            Self::OtherPicture { .. } => "give the picture on which the points were marked",
+            Self::Plane { .. } => {
+                "mark all points of a film in one slice view, without turning the picture"
+            }
+            Self::Report { .. } => "give a report that `spineline export --to dicom-sr` wrote",
+            Self::Marks(error) => error.help(),
+        }
+    }
+}
+
+/// A case that a format of landmarks cannot hold.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LandmarkExportError {
+    /// No film of that posture.
+    #[error("the case has no {0} film")]
+    NoFilm(spineline::anatomy::Posture),
+    /// Locations and tilts instead of corners.
+    #[error("{0} film: it holds locations and tilts of another program, and no corners")]
+    NoCorners(spineline::anatomy::Posture),
+    /// Films with corners and films with locations do not go into one table.
+    #[error("some films hold corners and some hold locations, and a table holds one kind")]
+    MixedKinds,
+    /// The name of an observer that a format cannot hold.
+    #[error("the observer `{name}` cannot be written: {reason}")]
+    Observer {
+        /// The name.
+        name: String,
+        /// Why.
+        reason: &'static str,
+    },
+    /// A reading without any vertebra.
+    #[error("{what}: nothing is marked")]
+    Nothing {
+        /// Film and reading.
+        what: String,
+    },
+    /// A coordinate that a format cannot hold.
+    #[error("{what}, {level}: a corner is no number, or lies outside of the picture")]
+    Corner {
+        /// Film and reading.
+        what: String,
+        /// Vertebra.
+        level: Level,
+    },
+    /// The picture that the landmarks were marked on does not go with them.
+    #[error("{0}")]
+    Source(String),
+    /// The DICOM writer refused.
+    #[error("the report could not be encoded: {0}")]
+    Encode(String),
+}
+
+impl LandmarkExportError {
+    /// What the user can do about it.
+    #[must_use]
+    pub fn help(&self) -> &'static str {
+        match self {
+            Self::NoFilm(_) => "name a posture that the case has a film of",
+            Self::NoCorners(_) => {
+                "give a case whose vertebrae have corners, or export as CSV or Slicer"
+            }
+            Self::MixedKinds => "export one posture at a time",
+            Self::Observer { .. } => "give the observer a short code without control characters",
+            Self::Nothing { .. } => "mark a vertebra, or leave the reading out of the case",
+            Self::Corner { .. } => "`spineline check CASE` tells what is wrong with the marks",
+            Self::Source(_) => "name the film's DICOM file as `file` of its `image` in the case",
+            Self::Encode(_) => "take unusual characters out of the names in the case",
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Landmarks of a case for other programs.
+
+use std::collections::BTreeMap;
+
+use spineline::analysis::Case;
+use spineline::anatomy::{Posture, Region};
+use spineline::clinical::CobbEnds;
+use spineline::measure::{Film, FilmMarks};
+
+use super::{LandmarkExportError, ReportOf, SourceImage, csv, slicer, write_sr};
+
+/// What landmarks are written as.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LandmarkTarget<'a> {
+    /// One table of all films.
+    Csv,
+    /// Point lists of 3D Slicer, one file per film.
+    Slicer,
+    /// DICOM reports, one per reading: a report is by one observer.
+    DicomSr {
+        /// The radiographs that the films were marked on.
+        sources: &'a BTreeMap<Posture, SourceImage>,
+        /// Between which vertebrae Cobb angles are measured.
+        curves: &'a [(Region, CobbEnds)],
+        /// Date and time of the reports in UTC, as DICOM writes them: `20260131` and `235959`.
+        written: [&'a str; 2],
+    },
+}
+
+/// One file of an export.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExportedFile {
+    /// A name for it among the files of the export, without anything of the patient or an observer.
+    pub name: String,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+}
+
+/// The landmarks of a case, of one posture or of all. The same case gives the same bytes.
+///
+/// # Errors
+/// [`LandmarkExportError`] for what the format cannot hold.
+pub fn export_landmarks(
+    case: &Case,
+    posture: Option<Posture>,
+    target: LandmarkTarget<'_>,
+) -> Result<Vec<ExportedFile>, LandmarkExportError> {
+    let mut films: Vec<&Film> =
+        case.films.iter().filter(|film| posture.is_none_or(|p| p == film.posture)).collect();
+    films.sort_by_key(|film| film.posture);
+    if films.is_empty() {
+        return Err(LandmarkExportError::NoFilm(posture.unwrap_or(Posture::Erect)));
+    }
+    for film in &films {
+        check(film)?;
+    }
+    match target {
+        LandmarkTarget::Csv => {
+            let bytes = csv::write(&films)?.into_bytes();
+            Ok(vec![ExportedFile { name: "landmarks.csv".to_owned(), bytes }])
+        }
+        LandmarkTarget::Slicer => films
+            .into_iter()
+            .map(|film| {
+                let name = format!("{}.mrk.json", film.posture.key());
+                Ok(ExportedFile { name, bytes: slicer::write(film)?.into_bytes() })
+            })
+            .collect(),
+        LandmarkTarget::DicomSr { sources, curves, written } => {
+            let mut files = Vec::new();
+            for film in films {
+                let source = sources.get(&film.posture).ok_or_else(|| {
+                    LandmarkExportError::Source(format!(
+                        "{} film: the case names no DICOM file for it",
+                        film.posture
+                    ))
+                })?;
+                files.extend(reports(film, source, curves, written)?);
+            }
+            Ok(files)
+        }
+    }
+}
+
+fn reports(
+    film: &Film,
+    source: &SourceImage,
+    curves: &[(Region, CobbEnds)],
+    written: [&str; 2],
+) -> Result<Vec<ExportedFile>, LandmarkExportError> {
+    let posture = film.posture;
+    let FilmMarks::Landmarks { image, iliac_crests, readings } = &film.marks else {
+        return Err(LandmarkExportError::NoCorners(posture));
+    };
+    let mut files = Vec::new();
+    for (place, reading) in readings.iter().enumerate() {
+        let report = ReportOf {
+            posture,
+            image,
+            iliac_crests: *iliac_crests,
+            reading,
+            curves,
+            source,
+            written,
+        };
+        let name = format!("{}-{}.dcm", posture.key(), place + 1);
+        files.push(ExportedFile { name, bytes: write_sr(&report)? });
+    }
+    Ok(files)
+}
+
+/// What every format needs: readings, vertebrae, and numbers.
+fn check(film: &Film) -> Result<(), LandmarkExportError> {
+    let what = |id: &dyn std::fmt::Display| format!("{} film, observer {id}", film.posture);
+    let nothing = |what| Err(LandmarkExportError::Nothing { what });
+    match &film.marks {
+        FilmMarks::Landmarks { readings, .. } => {
+            if readings.is_empty() {
+                return nothing(format!("{} film", film.posture));
+            }
+            for reading in readings {
+                if reading.vertebrae.is_empty() {
+                    return nothing(what(&reading.id));
+                }
+                for (&level, mark) in &reading.vertebrae {
+                    if !mark.corners.points().iter().all(|point| point.is_finite()) {
+                        return Err(LandmarkExportError::Corner { what: what(&reading.id), level });
+                    }
+                }
+            }
+        }
+        FilmMarks::Placements { readings, .. } => {
+            if readings.is_empty() {
+                return nothing(format!("{} film", film.posture));
+            }
+            for reading in readings {
+                if reading.vertebrae.is_empty() {
+                    return nothing(what(&reading.id));
+                }
+                for (&level, placed) in &reading.vertebrae {
+                    if !(placed.location.is_finite() && placed.tilt.rad().is_finite()) {
+                        return Err(LandmarkExportError::Corner { what: what(&reading.id), level });
+                    }
+                }
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,258 @@
+//! What every format is read into.
+
+use std::collections::BTreeMap;
+
+use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::measure::{
+    Corners, Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading, ReadingId,
+    SpacingPlane, check_marks,
+};
+use spineline::spatial::Pixel;
+
+use super::LandmarkError;
+use super::names::{Corner, PointName, coordinate};
+
+/// The landmarks of one radiograph as some file holds them; sides are the patient's.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MarkedFilm {
+    /// Position of the patient, where the file says it.
+    pub posture: Option<Posture>,
+    /// Name of the picture, where the file says it.
+    pub picture: Option<String>,
+    /// Columns and rows of the picture, where the file says them.
+    pub size: Option<(u32, u32)>,
+    /// Tips of the iliac crests, in pixels.
+    pub iliac_crests: Option<IliacCrests>,
+    /// The readings.
+    pub marks: LandmarkReadings,
+}
+
+/// What was read of the vertebrae of a film.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LandmarkReadings {
+    /// Corners in pixels.
+    Corners(Vec<Reading<Mark>>),
+    /// Locations and tilts in millimetres of any frontal frame.
+    Placements(Vec<Reading<Placement>>),
+}
+
+/// What the caller knows of landmarks that their file may not hold.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LandmarkHint {
+    /// Position of the patient.
+    pub posture: Option<Posture>,
+    /// Side of the picture on which the patient's left is: needed by formats that name sides of the picture.
+    pub patient_left: Option<ImageSide>,
+    /// The picture, where there is one.
+    pub image: Option<ImageGeometry>,
+    /// Who marked, for formats without a word on it.
+    pub reading: ReadingId,
+    /// Frame of a file of Slicer that does not say it.
+    pub slicer_frame: Option<super::SlicerFrame>,
+}
+
+impl Default for LandmarkHint {
+    fn default() -> Self {
+        Self {
+            posture: None,
+            patient_left: None,
+            image: None,
+            reading: ReadingId::new("A", 1),
+            slicer_frame: None,
+        }
+    }
+}
+
+impl LandmarkHint {
+    /// The side of the picture on which the patient's left is, from either place where it may be given.
+    pub(super) fn patient_left(&self) -> Option<ImageSide> {
+        self.patient_left.or(self.image.map(|image| image.patient_left))
+    }
+}
+
+impl MarkedFilm {
+    /// The film of a case. Corners need the picture, for its size and sides; `posture` counts where the file has none.
+    ///
+    /// # Errors
+    /// [`LandmarkError::Needs`], [`LandmarkError::OtherPicture`], [`LandmarkError::Ambiguous`] for another posture, and
+    /// whatever the core finds wrong with the marks ([`LandmarkError::Marks`]).
+    pub fn into_film(
+        self,
+        posture: Option<Posture>,
+        image: Option<ImageGeometry>,
+    ) -> Result<Film, LandmarkError> {
+        let posture = match (self.posture, posture) {
+            (Some(stated), Some(given)) if stated != given => {
+                return Err(LandmarkError::Ambiguous {
+                    at: "the film".to_owned(),
+                    reason: format!("the file says {stated}, and it was given as {given}"),
+                });
+            }
+            (stated, given) => stated.or(given).ok_or(LandmarkError::Needs {
+                format: "a film",
+                what: "the posture of the patient",
+            })?,
+        };
+        let marks = match self.marks {
+            LandmarkReadings::Corners(readings) => {
+                let image = image.ok_or(LandmarkError::Needs {
+                    format: "a film with corners",
+                    what: "the size and sides of its picture",
+                })?;
+                let given = (image.columns, image.rows);
+                if let Some(stated) = self.size.filter(|&stated| stated != given) {
+                    return Err(LandmarkError::OtherPicture { stated, given });
+                }
+                FilmMarks::Landmarks { image, iliac_crests: self.iliac_crests, readings }
+            }
+            LandmarkReadings::Placements(readings) => {
+                FilmMarks::Placements { spacing_plane: SpacingPlane::Unknown, readings }
+            }
+        };
+        let film = Film { posture, marks };
+        check_marks(&film)?;
+        Ok(film)
+    }
+
+    /// Number of vertebrae over all readings.
+    #[must_use]
+    pub fn vertebrae(&self) -> usize {
+        match &self.marks {
+            LandmarkReadings::Corners(readings) => {
+                readings.iter().map(|reading| reading.vertebrae.len()).sum()
+            }
+            LandmarkReadings::Placements(readings) => {
+                readings.iter().map(|reading| reading.vertebrae.len()).sum()
+            }
+        }
+    }
+}
+
+/// Points of one reading, gathered by name.
+#[derive(Debug, Default)]
+pub(super) struct Points<P> {
+    found: BTreeMap<PointName, (P, String)>,
+}
+
+impl<P: Copy> Points<P> {
+    pub const fn new() -> Self {
+        Self { found: BTreeMap::new() }
+    }
+
+    pub fn insert(&mut self, name: PointName, point: P, at: &str) -> Result<(), LandmarkError> {
+        if let Some((_, first)) = self.found.get(&name) {
+            return Err(LandmarkError::Duplicate {
+                at: at.to_owned(),
+                what: name.to_string(),
+                first: Some(first.clone()),
+            });
+        }
+        self.found.insert(name, (point, at.to_owned()));
+        Ok(())
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.found.is_empty()
+    }
+
+    pub fn points(&self) -> impl Iterator<Item = P> {
+        self.found.values().map(|(point, _)| *point)
+    }
+
+    /// Vertebrae with all four corners; one with fewer is an error, not left out.
+    pub fn bodies(&self, reading: &str) -> Result<BTreeMap<Level, Corners<P>>, LandmarkError> {
+        let mut bodies = BTreeMap::new();
+        for name in self.found.keys() {
+            let PointName::Corner(level, _) = *name else { continue };
+            let get = |corner| self.found.get(&PointName::Corner(level, corner)).map(|p| p.0);
+            if let [Some(sl), Some(sr), Some(il), Some(ir)] = Corner::ALL.map(get) {
+                bodies.insert(
+                    level,
+                    Corners {
+                        superior_left: sl,
+                        superior_right: sr,
+                        inferior_left: il,
+                        inferior_right: ir,
+                    },
+                );
+                continue;
+            }
+            let missing = Corner::ALL.into_iter().filter(|&corner| get(corner).is_none());
+            return Err(LandmarkError::Incomplete {
+                what: format!("{reading}, {level}"),
+                missing: missing.map(|corner| corner.name().to_owned()).collect(),
+            });
+        }
+        Ok(bodies)
+    }
+
+    /// Both crests or none.
+    pub fn crests(&self, reading: &str) -> Result<Option<[P; 2]>, LandmarkError> {
+        let get = |name| self.found.get(&name).map(|point| point.0);
+        match (get(PointName::CrestLeft), get(PointName::CrestRight)) {
+            (Some(left), Some(right)) => Ok(Some([left, right])),
+            (None, None) => Ok(None),
+            (left, _) => Err(LandmarkError::Incomplete {
+                what: format!("{reading}, iliac crests"),
+                missing: vec![
+                    if left.is_none() { PointName::CrestLeft } else { PointName::CrestRight }
+                        .to_string(),
+                ],
+            }),
+        }
+    }
+}
+
+impl Points<Pixel> {
+    pub fn marks(&self, reading: &str) -> Result<BTreeMap<Level, Mark>, LandmarkError> {
+        let bodies = self.bodies(reading)?.into_iter();
+        Ok(bodies.map(|(level, corners)| (level, Mark { corners, axis_clockwise: None })).collect())
+    }
+
+    pub fn iliac_crests(&self, reading: &str) -> Result<Option<IliacCrests>, LandmarkError> {
+        Ok(self.crests(reading)?.map(|[left, right]| IliacCrests { left, right }))
+    }
+}
+
+/// A pixel whose coordinates can be meant.
+pub(super) fn pixel(column: f64, row: f64, at: &str) -> Result<Pixel, LandmarkError> {
+    Ok(Pixel::new(coordinate(column, at)?, coordinate(row, at)?))
+}
+
+/// Four corners of a quadrilateral by sides of the picture, as corners of the patient.
+pub(super) fn from_image_sides(
+    [upper_left, upper_right, lower_left, lower_right]: [Pixel; 4],
+    patient_left: ImageSide,
+) -> Corners<Pixel> {
+    let (superior, inferior) = match patient_left {
+        ImageSide::Left => ([upper_left, upper_right], [lower_left, lower_right]),
+        ImageSide::Right => ([upper_right, upper_left], [lower_right, lower_left]),
+    };
+    Corners {
+        superior_left: superior[0],
+        superior_right: superior[1],
+        inferior_left: inferior[0],
+        inferior_right: inferior[1],
+    }
+}
+
+/// The crests of a film, once.
+pub(super) fn merge_crests(
+    all: &mut Option<IliacCrests>,
+    found: Option<IliacCrests>,
+    at: &str,
+) -> Result<(), LandmarkError> {
+    match (&*all, found) {
+        (_, None) => {}
+        (Some(first), Some(second)) if *first == second => {}
+        (Some(_), Some(_)) => {
+            return Err(LandmarkError::Duplicate {
+                at: at.to_owned(),
+                what: "the pair of iliac crests of a film".to_owned(),
+                first: None,
+            });
+        }
+        (None, Some(found)) => *all = Some(found),
+    }
+    Ok(())
+}

@@ -1,0 +1,126 @@
+//! Annotations of labelme: points named as in Slicer's lists, or quadrilaterals named by their vertebra.
+//!
+//! labelme counts from the corner of the first pixel, so its places are moved by half a pixel. A quadrilateral names no
+//! corner: its superior endplate is its uppermost side, and which side of the picture is the patient's left has to be known.
+//! One whose uppermost side leans more than 40° could be meant in two ways, and is refused; so is a mixture of points and
+//! quadrilaterals for one vertebra.
+
+use serde::Deserialize;
+use spineline::anatomy::ImageSide;
+use spineline::measure::Reading;
+use spineline::spatial::Pixel;
+
+use super::film::{Points, from_image_sides, pixel};
+use super::json::parse_foreign;
+use super::names::{Corner, PointName, parse_level, shown};
+use super::{
+    LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm,
+};
+
+/// Beyond it, the next side of a nearly square body may lie as high.
+const STEEPEST_DEG: f64 = 40.0;
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Annotation {
+    shapes: Vec<Shape>,
+    image_path: Option<String>,
+    image_height: Option<u32>,
+    image_width: Option<u32>,
+}
+
+#[derive(Deserialize)]
+struct Shape {
+    label: String,
+    points: Vec<[f64; 2]>,
+    #[serde(default)]
+    shape_type: Option<String>,
+}
+
+/// Reads an annotation of labelme ([`labelme`](self)).
+///
+/// # Errors
+/// [`LandmarkError`], which names the shape.
+pub fn parse_labelme(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, LandmarkError> {
+    let annotation: Annotation = parse_foreign(bytes)?;
+    let mut points = Points::new();
+    for (place, shape) in annotation.shapes.iter().enumerate() {
+        let at = format!("shapes[{place}] `{}`", shown(&shape.label));
+        let places = shape
+            .points
+            .iter()
+            .take(5)
+            .map(|&[x, y]| pixel(x - 0.5, y - 0.5, &at))
+            .collect::<Result<Vec<Pixel>, _>>()?;
+        match (shape.shape_type.as_deref(), &places[..]) {
+            (Some("point"), &[point]) => {
+                points.insert(PointName::parse(&shape.label, &at)?, point, &at)?;
+            }
+            (Some("polygon") | None, &[a, b, c, d]) => {
+                let level = parse_level(&shape.label, &at)?;
+                let patient_left = hint.patient_left().ok_or(LandmarkError::Needs {
+                    format: "a quadrilateral of labelme",
+                    what: "the side of the picture on which the patient's left is",
+                })?;
+                let corners = corners_of([a, b, c, d], patient_left, &at)?;
+                for (corner, point) in Corner::ALL.into_iter().zip(corners) {
+                    points.insert(PointName::Corner(level, corner), point, &at)?;
+                }
+            }
+            (kind, _) => {
+                return Err(LandmarkError::Syntax {
+                    at,
+                    reason: format!(
+                        "a {} of {} points, and only points and polygons of four are landmarks",
+                        shown(kind.unwrap_or("shape")),
+                        shape.points.len()
+                    ),
+                });
+            }
+        }
+    }
+    if points.is_empty() {
+        return Err(LandmarkError::Missing {
+            at: "shapes".to_owned(),
+            what: "a landmark".to_owned(),
+        });
+    }
+    let marks = Reading { id: hint.reading.clone(), vertebrae: points.marks("the annotation")? };
+    let film = MarkedFilm {
+        posture: hint.posture,
+        picture: annotation.image_path.map(|path| shown(&path)),
+        size: annotation.image_width.zip(annotation.image_height),
+        iliac_crests: points.iliac_crests("the annotation")?,
+        marks: LandmarkReadings::Corners(vec![marks]),
+    };
+    Ok(LandmarkFile { format: LandmarkFormat::Labelme, films: vec![film], remarks: Vec::new() })
+}
+
+/// The corners of a quadrilateral drawn around a body, in either sense and from any corner.
+fn corners_of(
+    points: [Pixel; 4],
+    patient_left: ImageSide,
+    at: &str,
+) -> Result<[Pixel; 4], LandmarkError> {
+    let height = |i: usize| points[i].row_px + points[(i + 1) % 4].row_px;
+    let top = (0..4).min_by(|&a, &b| height(a).total_cmp(&height(b))).unwrap_or(0);
+    let turned = |i: usize| points[(top + i) % 4];
+    let leans = |a: Pixel, b: Pixel| {
+        let (across, down) = ((b.column_px - a.column_px).abs(), (b.row_px - a.row_px).abs());
+        // Written so that two points in one place lean too far.
+        !(down <= STEEPEST_DEG.to_radians().tan() * across && across > 0.0)
+    };
+    if leans(turned(0), turned(1)) || leans(turned(2), turned(3)) {
+        return Err(LandmarkError::Ambiguous {
+            at: at.to_owned(),
+            reason: format!(
+                "its uppermost or lowest side leans more than {STEEPEST_DEG:.0}°, so which one is the superior endplate \
+                 is not certain; name its four points instead"
+            ),
+        });
+    }
+    let ordered = |a: Pixel, b: Pixel| if a.column_px < b.column_px { [a, b] } else { [b, a] };
+    let [upper_left, upper_right] = ordered(turned(0), turned(1));
+    let [lower_left, lower_right] = ordered(turned(2), turned(3));
+    Ok(from_image_sides([upper_left, upper_right, lower_left, lower_right], patient_left).points())
+}

@@ -1,0 +1,164 @@
+//! Landmarks in the files of other programs, in and out.
+//!
+//! Everything is read into one intermediate, [`MarkedFilm`]: corners in pixels, named by the **patient's** sides, or, where a
+//! file knows no picture, locations and tilts. [`MarkedFilm::into_film`] makes a film of a case of it and lets the core check
+//! it. Nothing is guessed: what a file does not say comes from the caller ([`LandmarkHint`]) or is an error.
+//!
+//! Every reader takes bytes, never panics, and allocates no more than in proportion to them.
+
+mod aasce;
+mod coco;
+mod csv;
+mod error;
+mod export;
+mod film;
+mod json;
+mod labelme;
+mod names;
+mod slicer;
+mod sr;
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+pub use aasce::{
+    AasceFault, AasceRow, AasceRows, AasceVerdict, image_sizes, judge_aasce, parse_mat,
+};
+pub use coco::parse_coco;
+pub use csv::{MAX_ROWS, parse_csv};
+pub use error::{LandmarkError, LandmarkExportError};
+pub use export::{ExportedFile, LandmarkTarget, export_landmarks};
+pub use film::{LandmarkHint, LandmarkReadings, MarkedFilm};
+pub use labelme::parse_labelme;
+pub use slicer::{SlicerFrame, parse_slicer};
+pub use sr::{ReportOf, SourceImage, read_source, read_sr, write_sr};
+
+/// Largest file of landmarks that is read.
+pub const MAX_BYTES: u64 = 64 << 20;
+
+/// The formats that are read, for people.
+pub const LANDMARK_FORMATS: &str = "\
+Landmark files, told apart by their content:
+  CSV           one row per vertebra: posture, observer, repeat, vertebra, superior_left_column_px, superior_left_row_px,
+                and so on for superior_right, inferior_left, inferior_right; axis_clockwise_deg if set by hand. A row whose
+                vertebra is iliac_crests has the left and right tip in the superior columns. Commas, or semicolons with
+                decimal commas. At most 100000 rows.
+  3D Slicer     point lists (.mrk.json) with labels such as T12_superior_left or T12 SL, iliac_crest_left and _right.
+                coordinateSystem, LPS or RAS, has to be there.
+  labelme       points with such labels, or polygons of four points labelled T12.
+  COCO          keypoints: a category per vertebra (superior_left, …), or names such as T12_superior_left.
+  AASCE         a .mat file with p2, or the folder with filenames.csv, landmarks.csv and image_sizes.csv.
+  DICOM SR      a report that `spineline export --to dicom-sr` wrote.
+Left and right are the patient's. AASCE and polygons name sides of the picture, so they need to be told on which side of it
+the patient's left is. Pixels count from the centre of the first pixel, which is 0.";
+
+/// A format of landmarks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LandmarkFormat {
+    /// Our own table.
+    Csv,
+    /// Point lists of 3D Slicer.
+    Slicer,
+    /// labelme.
+    Labelme,
+    /// Keypoints of COCO.
+    Coco,
+    /// A MATLAB file of AASCE.
+    AasceMat,
+    /// A folder of AASCE.
+    AasceFolder,
+    /// A DICOM report of ours.
+    DicomSr,
+}
+
+/// The landmarks of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LandmarkFile {
+    /// Format of the file.
+    pub format: LandmarkFormat,
+    /// Films, at least one.
+    pub films: Vec<MarkedFilm>,
+    /// What was passed over, in words.
+    pub remarks: Vec<String>,
+}
+
+/// Reads landmarks of any known format from the bytes of a file, by what they look like.
+///
+/// # Errors
+/// [`LandmarkError`].
+pub fn parse_landmarks(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, LandmarkError> {
+    if bytes.len() as u64 > MAX_BYTES {
+        let (found, limit) = (bytes.len() as u64, MAX_BYTES);
+        return Err(LandmarkError::TooLarge { what: "bytes", found, limit });
+    }
+    if bytes.get(128..132) == Some(b"DICM") {
+        let film = read_sr(bytes)?;
+        return Ok(LandmarkFile {
+            format: LandmarkFormat::DicomSr,
+            films: vec![film],
+            remarks: Vec::new(),
+        });
+    }
+    if bytes.starts_with(b"MATLAB 5.0 MAT-file") {
+        return parse_mat(bytes, hint);
+    }
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+    if text.starts_with(b"{") {
+        let outline: json::Outline = json::parse_foreign(bytes)?;
+        return match outline {
+            json::Outline { format: Some(_), .. } => Err(LandmarkError::Unrecognised {
+                reason: "it is a file of Spineline, and no file of landmarks".to_owned(),
+            }),
+            json::Outline { markups: Some(_), .. } => parse_slicer(bytes, hint),
+            json::Outline { shapes: Some(_), .. } => parse_labelme(bytes, hint),
+            json::Outline { annotations: Some(_), .. } => parse_coco(bytes, hint),
+            _ => Err(LandmarkError::Unrecognised {
+                reason: "the JSON has none of `markups`, `shapes` and `annotations`".to_owned(),
+            }),
+        };
+    }
+    if csv::looks_like_csv(bytes) {
+        return parse_csv(bytes, hint);
+    }
+    Err(LandmarkError::Unrecognised {
+        reason: "it is neither DICOM, nor MATLAB, nor JSON, nor a table with a column `vertebra`"
+            .to_owned(),
+    })
+}
+
+/// Reads landmarks of any known format from a file, or from a folder of AASCE.
+///
+/// # Errors
+/// [`LandmarkError`].
+pub fn read_landmarks(path: &Path, hint: &LandmarkHint) -> Result<LandmarkFile, LandmarkError> {
+    if path.is_dir() {
+        return read_folder(path, hint);
+    }
+    parse_landmarks(&read_bytes(path)?, hint)
+}
+
+fn read_folder(folder: &Path, hint: &LandmarkHint) -> Result<LandmarkFile, LandmarkError> {
+    let file = |name: &str| read_bytes(&folder.join(name));
+    let (names, landmarks) = (file("filenames.csv")?, file("landmarks.csv")?);
+    let sizes = image_sizes(&file("image_sizes.csv")?)?;
+    let rows = AasceRows::new(&names, &landmarks, &sizes, hint)?;
+    let films = rows.map(|row| row.map(|row| row.film)).collect::<Result<Vec<_>, _>>()?;
+    if films.is_empty() {
+        let at = "landmarks.csv".to_owned();
+        return Err(LandmarkError::Missing { at, what: "a film".to_owned() });
+    }
+    Ok(LandmarkFile { format: LandmarkFormat::AasceFolder, films, remarks: Vec::new() })
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>, LandmarkError> {
+    let failed = |source| LandmarkError::Read { path: path.to_owned(), source };
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(failed)?;
+    file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > MAX_BYTES {
+        let (found, limit) = (bytes.len() as u64, MAX_BYTES);
+        return Err(LandmarkError::TooLarge { what: "bytes", found, limit });
+    }
+    Ok(bytes)
+}

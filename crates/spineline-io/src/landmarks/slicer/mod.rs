@@ -1,0 +1,55 @@
+//! Point lists of 3D Slicer (`.mrk.json`).
+//!
+//! # Frames
+//! The file has to say `LPS` or `RAS` in `coordinateSystem`: a file in one that is read as the other is mirrored. Points lie
+//! in one of two planes ([`SlicerFrame`]): that of a picture as Slicer loads one that has no position in the patient, or a
+//! coronal plane of the patient. Points in no such plane are refused.
+//!
+//! # Names
+//! Control points are labelled `T12_superior_left`, by the patient's side (or `T12 SL`), and `iliac_crest_left`,
+//! `iliac_crest_right`. Points that were never placed are passed over with a remark.
+//!
+//! # What Slicer keeps
+//! Slicer drops keys that it does not know when it saves a list, but keeps the description of every point. What the list is
+//! about therefore stands there, as a small JSON object: film, observer, repeat, frame and pixel spacing.
+//!
+//! # References
+//! Slicer's schema of markups, version 1.0.3.
+
+mod read;
+mod write;
+
+use serde::{Deserialize, Serialize};
+
+pub use read::parse_slicer;
+pub(super) use write::write;
+
+/// In which plane the points of a list lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SlicerFrame {
+    /// A picture without a position in the patient, as DX and CR films are: the first pixel is the origin, the columns run
+    /// along `L` and the rows along `P` of LPS, each by its spacing, or by 1 mm where the picture has none. These
+    /// directions are nominal: they say nothing of the patient.
+    Image,
+    /// A coronal plane of the patient: `L` of LPS is the patient's left, `S` is cranial.
+    Patient,
+}
+
+/// What our own lists say of themselves in the description of every point.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Description {
+    /// Version of this description.
+    spineline: u32,
+    film: String,
+    observer: String,
+    repeat: u32,
+    frame: SlicerFrame,
+    /// Column and row spacing that the coordinates were made with, in the image's frame.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    spacing_mm: Option<[f64; 2]>,
+}
+
+/// Points may be off their plane by rounding only.
+const PLANE_TOLERANCE_MM: f64 = 0.1;

@@ -1,0 +1,82 @@
+//! DICOM reports of landmarks: Comprehensive SR after the template TID 1500 (Measurement Report), one per reading.
+//!
+//! A report holds one measurement group (TID 1501) per vertebra with its site, its tilt and its location, inferred from the
+//! four corners on the radiograph; one for the iliac line; and one per curve with its Cobb angle. The observer is the code that
+//! the case has for a reader, so that a report is no more personal than the radiograph that it is about.
+//!
+//! Places of a spatial coordinate count from the *corner* of the first pixel; ours count from its centre, so half a pixel is
+//! added and taken off again. They are single-precision numbers, which keep 1e-4 of a pixel.
+//!
+//! # References
+//! DICOM PS3.3, C.18.6 (spatial coordinates); PS3.16, TID 300, 320, 1001, 1500, 1501, 1600; CID 7603 (vertebrae), CID 7550
+//! (Cobb angle). Codes of 99SPINELINE are ours.
+
+mod codes;
+mod item;
+mod nesting;
+mod read;
+mod source;
+mod write;
+
+pub use read::read_sr;
+pub use source::read_source;
+pub use write::write_sr;
+
+use spineline::anatomy::{Posture, Region};
+use spineline::clinical::CobbEnds;
+use spineline::measure::{IliacCrests, ImageGeometry, Mark, Reading};
+
+/// What a report takes over from the radiograph that it is about.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct SourceImage {
+    /// SOP Class UID.
+    pub sop_class_uid: String,
+    /// SOP Instance UID.
+    pub sop_instance_uid: String,
+    /// Study Instance UID.
+    pub study_instance_uid: String,
+    /// Series Instance UID.
+    pub series_instance_uid: String,
+    /// Modality, such as `DX`.
+    pub modality: String,
+    /// Columns and rows.
+    pub size: (u32, u32),
+    /// Patient's Name, as it stands there.
+    pub patient_name: String,
+    /// Patient ID.
+    pub patient_id: String,
+    /// Patient's Birth Date.
+    pub patient_birth_date: String,
+    /// Patient's Sex.
+    pub patient_sex: String,
+    /// Study Date.
+    pub study_date: String,
+    /// Study Time.
+    pub study_time: String,
+    /// Study ID.
+    pub study_id: String,
+    /// Accession Number.
+    pub accession_number: String,
+}
+
+/// What a report is made of.
+#[derive(Debug, Clone, Copy)]
+pub struct ReportOf<'a> {
+    /// Position of the patient.
+    pub posture: Posture,
+    /// The picture.
+    pub image: &'a ImageGeometry,
+    /// Tips of the iliac crests.
+    pub iliac_crests: Option<IliacCrests>,
+    /// The reading.
+    pub reading: &'a Reading<Mark>,
+    /// Between which vertebrae Cobb angles are measured.
+    pub curves: &'a [(Region, CobbEnds)],
+    /// The radiograph.
+    pub source: &'a SourceImage,
+    /// Date and time of the report in UTC, as DICOM writes them.
+    pub written: [&'a str; 2],
+}
+
+/// From the centre of the first pixel to its corner.
+const HALF_PIXEL: f64 = 0.5;

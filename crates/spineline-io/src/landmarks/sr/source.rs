@@ -1,0 +1,48 @@
+use std::path::Path;
+
+use dicom_core::Tag;
+use dicom_dictionary_std::tags;
+use dicom_object::{InMemDicomObject, OpenFileOptions};
+
+use super::SourceImage;
+use crate::landmarks::LandmarkExportError;
+
+/// What a report takes over from the DICOM file of a radiograph; pixels are not read.
+///
+/// # Errors
+/// [`LandmarkExportError::Source`] for a file that is no DICOM or has no identifiers.
+pub fn read_source(path: &Path) -> Result<SourceImage, LandmarkExportError> {
+    let unfit = |reason: &str| LandmarkExportError::Source(format!("{}: {reason}", path.display()));
+    let object = OpenFileOptions::new()
+        .read_until(tags::PIXEL_DATA)
+        .open_file(path)
+        // The library's words may hold what is in the file.
+        .map_err(|_| unfit("it cannot be read as DICOM"))?;
+    let object: &InMemDicomObject = &object;
+    let text = |tag: Tag| -> String {
+        let value = object.get(tag).and_then(|element| element.to_str().ok());
+        value.map(|text| text.trim_matches(['\0', ' ']).to_owned()).unwrap_or_default()
+    };
+    let side = |tag: Tag| object.get(tag).and_then(|element| element.to_int::<u32>().ok());
+    let size = side(tags::COLUMNS).zip(side(tags::ROWS));
+    let source = SourceImage {
+        sop_class_uid: text(tags::SOP_CLASS_UID),
+        sop_instance_uid: text(tags::SOP_INSTANCE_UID),
+        study_instance_uid: text(tags::STUDY_INSTANCE_UID),
+        series_instance_uid: text(tags::SERIES_INSTANCE_UID),
+        modality: text(tags::MODALITY),
+        size: size.ok_or_else(|| unfit("it holds no picture"))?,
+        patient_name: text(tags::PATIENT_NAME),
+        patient_id: text(tags::PATIENT_ID),
+        patient_birth_date: text(tags::PATIENT_BIRTH_DATE),
+        patient_sex: text(tags::PATIENT_SEX),
+        study_date: text(tags::STUDY_DATE),
+        study_time: text(tags::STUDY_TIME),
+        study_id: text(tags::STUDY_ID),
+        accession_number: text(tags::ACCESSION_NUMBER),
+    };
+    if source.sop_instance_uid.is_empty() || source.study_instance_uid.is_empty() {
+        return Err(unfit("it has no identifiers of its study and itself"));
+    }
+    Ok(source)
+}

@@ -1,0 +1,31 @@
+use crate::spatial::Angle;
+
+/// The largest Cobb angle that any two vertebrae of a film make: the most right-leaning tilt minus the most left-leaning one;
+/// `None` without a tilt, or where one is no number.
+///
+/// With tilts of mean endplates ([`Corners::measure_endplate_tilt`](crate::measure::Corners::measure_endplate_tilt)) of
+/// T1 to L5 it is the main angle of public landmark sets. Regions play no part in it.
+///
+/// # References
+/// [wu-boostnet-2017].
+///
+/// ```
+/// use spineline::{clinical::tilt_range, spatial::Angle};
+/// let tilts = [-12.0, 3.0, 21.0, -4.0].map(Angle::from_deg);
+/// assert!((tilt_range(tilts).unwrap().deg() - 33.0).abs() < 1e-12);
+/// assert_eq!(tilt_range([]), None);
+/// ```
+#[must_use]
+pub fn tilt_range(tilts: impl IntoIterator<Item = Angle>) -> Option<Angle> {
+    let mut tilts = tilts.into_iter();
+    let first = tilts.next().filter(|tilt| tilt.rad().is_finite())?;
+    let (mut least, mut greatest) = (first, first);
+    for tilt in tilts {
+        if !tilt.rad().is_finite() {
+            return None;
+        }
+        least = if tilt < least { tilt } else { least };
+        greatest = if tilt > greatest { tilt } else { greatest };
+    }
+    Some(greatest - least)
+}

@@ -1,0 +1,39 @@
+"""Reads what `spineline export` writes of landmarks with other programs, and compares it with the case.
+
+Usage: python compare.py --program path/to/spineline --out folder
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import sys
+from pathlib import Path
+
+import lists
+import reports
+import tables
+from cases import Spineline
+
+
+def main() -> int:
+    """0 where everything agrees; an assertion tells what does not."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--program", type=Path, required=True, help="the spineline program")
+    parser.add_argument("--out", type=Path, required=True, help="folder for cases and exports")
+    options = parser.parse_args()
+    shutil.rmtree(options.out, ignore_errors=True)
+    for exported in Spineline(options.program, options.out).cases():
+        counts = (
+            f"{reports.compare(exported)} reports",
+            f"{lists.compare(exported)} points",
+            f"{tables.compare(exported)} rows",
+        )
+        print(f"{exported.name}: {', '.join(counts)} agree")
+    if shutil.which("dsrdump") is None:
+        print("dsrdump was not there: reports were not read by DCMTK")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
