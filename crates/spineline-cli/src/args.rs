@@ -46,7 +46,7 @@ pub enum Command {
     #[command(after_help = simulate::EXAMPLES)]
     Simulate(simulate::SimulateArgs),
     /// Find films in folders and archives, and make a case of them
-    #[command(after_help = import::EXAMPLES)]
+    #[command(after_help = import::EXAMPLES, after_long_help = import::long_help())]
     Import(Box<ImportArgs>),
     /// Keep films, blinded readings and every click in one file that proves its own history
     #[command(after_help = study::EXAMPLES)]

@@ -27,7 +27,7 @@ Examples:
       a picture with a 25 mm ball: two clicks and its diameter give the scale
 
 Films that have a case but no marks yet are marked in the browser app, or elsewhere: --landmarks reads CSV, 3D Slicer, AASCE, \
-labelme and COCO files. Names, numbers and dates of the patient are taken out of DICOM files unless you keep them; look at \
+labelme, COCO and DICOM SR files. Names, numbers and dates of the patient are taken out of DICOM files unless you keep them; look at \
 the pictures for burned-in text yourself.";
 
 #[derive(Args, Clone)]
@@ -42,7 +42,7 @@ pub struct ImportArgs {
     #[arg(long, value_name = "DIR", required_unless_present = "list")]
     pub out: Option<PathBuf>,
     /// Identifier of the patient in this study: letters, digits, `-`, `_`; never a name or a hospital's number
-    #[arg(long, value_name = "ID", required_unless_present = "list", value_parser = case_id)]
+    #[arg(long, value_name = "ID", required_unless_present_any = ["list", "aasce"], value_parser = case_id)]
     pub case_id: Option<String>,
     /// Which film shows which posture: POSTURE=N with the number that `--list` prints, or POSTURE=FILE; may be repeated
     #[arg(long, value_name = "POSTURE=FILM", value_parser = film_choice)]
@@ -68,6 +68,17 @@ pub struct ImportArgs {
     /// A ruler in the picture: two clicks on it, and the length between them; as `--ball`
     #[arg(long, value_name = "POSTURE=COLUMN,ROW,COLUMN,ROW,MM", value_parser = clicks)]
     pub ruler: Vec<(Posture, Clicks)>,
+    /// Landmarks that another program made, of all films or of one as in erect=erect.mrk.json; may be repeated. `--help`
+    /// lists the formats
+    #[arg(long, value_name = "[POSTURE=]FILE", value_parser = landmarks)]
+    pub landmarks: Vec<OfFilm<PathBuf>>,
+    /// The paths are folders of AASCE landmarks (filenames.csv, landmarks.csv): judge every row, and write a case for each
+    /// one without fault
+    #[arg(long, conflicts_with_all = ["film", "lateral", "landmarks", "case_id"])]
+    pub aasce: bool,
+    /// Sizes of the pictures of such a set [default: image_sizes.csv in its folder]
+    #[arg(long, value_name = "FILE", requires = "aasce")]
+    pub sizes: Option<PathBuf>,
     /// Show this film with black and white exchanged, against what its file says; may be repeated
     #[arg(long, value_name = "POSTURE", value_parser = posture)]
     pub invert: Vec<Posture>,
@@ -191,6 +202,14 @@ fn of_film<T>(text: &str, value: impl Fn(&str) -> Result<T, String>) -> Result<O
     Ok(match text.split_once('=') {
         Some((name, rest)) => OfFilm { posture: Some(posture(name)?), value: value(rest)? },
         None => OfFilm { posture: None, value: value(text)? },
+    })
+}
+
+fn landmarks(text: &str) -> Result<OfFilm<PathBuf>, String> {
+    // A file's own name may hold an equals sign; a posture before it may not be misspelt unseen.
+    of_film(text, |file| match file {
+        "" => Err("expected a file".to_owned()),
+        file => Ok(PathBuf::from(file)),
     })
 }
 

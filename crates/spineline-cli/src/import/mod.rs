@@ -1,8 +1,10 @@
 //! `spineline import`: films from wherever they lie into a case.
 
+mod aasce;
 mod args;
 mod candidates;
 mod dialogue;
+mod marks;
 mod role;
 mod settle;
 mod text;
@@ -20,6 +22,9 @@ use crate::failure::{Ending, Failure};
 use crate::print;
 
 pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
+    if args.aasce {
+        return aasce::run(args);
+    }
     let (Some(folder), Some(case_id), false) = (&args.out, &args.case_id, args.list) else {
         return print(&text::list(&Candidates::find(args)?));
     };
@@ -46,8 +51,9 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
     if let Some(first) = films.first_mut() {
         first.notes.extend(same_identifier(&seen));
     }
-    write::write(args, folder, case_id, &candidates, &films, |_| Vec::new())?;
-    print(&text::outcome(&films, folder, 0))
+    let marks = marks::bring(args, &films)?;
+    write::write(args, folder, case_id, &candidates, &films, &marks)?;
+    print(&text::outcome(&films, folder, marks.len()))
 }
 
 /// The films that the command line chooses.
@@ -112,4 +118,9 @@ fn settle_by_asking(
 
 fn counted(questions: usize) -> String {
     if questions == 1 { "one question is".to_owned() } else { format!("{questions} questions are") }
+}
+
+/// Examples, and the formats of landmarks.
+pub fn long_help() -> String {
+    format!("{EXAMPLES}\n\n{}", spineline_io::landmarks::LANDMARK_FORMATS)
 }

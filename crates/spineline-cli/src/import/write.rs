@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use spineline::analysis::{Case, Subject};
-use spineline::measure::{Film, FilmMarks, ImageGeometry, LateralFilm};
+use spineline::measure::{Film, FilmMarks, LateralFilm};
 use spineline_io::film::{DeidAction, DeidOptions, DeidReport, FilmKind, FilmLimits, deidentify};
 use spineline_io::intake::{IntakeLimits, read};
 use spineline_io::{CaseFile, FilmSource, sha256_hex};
 
 use super::args::ImportArgs;
 use super::candidates::Candidates;
+use super::marks::Marks;
 use super::role::Role;
 use super::settle::Settled;
 use crate::analyze::{generator, write_file};
@@ -85,7 +86,7 @@ pub fn write(
     case_id: &str,
     candidates: &Candidates,
     films: &[Settled],
-    marks: impl Fn(Role) -> Vec<spineline::measure::Reading<spineline::measure::Mark>>,
+    marks: &Marks,
 ) -> Result<(), Failure> {
     let secret = secret(args)?;
     let mut reports = Vec::new();
@@ -162,21 +163,15 @@ const fn extension(kind: FilmKind) -> &'static str {
 }
 
 /// The case: pictures, sides and scales, with the marks that were brought along.
-pub fn case(
-    case_id: &str,
-    films: &[Settled],
-    marks: impl Fn(Role) -> Vec<spineline::measure::Reading<spineline::measure::Mark>>,
-) -> Case {
+fn case(case_id: &str, films: &[Settled], marks: &Marks) -> Case {
     let frontal = films.iter().filter_map(|film| {
         let posture = film.role.posture()?;
-        let image = ImageGeometry {
-            columns: film.columns,
-            rows: film.rows,
-            spacing: film.spacing,
-            patient_left: film.side,
+        let unmarked = || FilmMarks::Landmarks {
+            image: film.image(),
+            iliac_crests: None,
+            readings: Vec::new(),
         };
-        let readings = marks(film.role);
-        Some(Film { posture, marks: FilmMarks::Landmarks { image, iliac_crests: None, readings } })
+        Some(Film { posture, marks: marks.get(&posture).cloned().unwrap_or_else(unmarked) })
     });
     let lateral = films.iter().find(|film| film.role == Role::Lateral);
     Case {
