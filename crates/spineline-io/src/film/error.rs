@@ -109,6 +109,12 @@ pub enum CodecFault {
     Panicked,
 }
 
+impl CodecFault {
+    pub(super) const fn of(self, codec: Codec) -> FilmError {
+        FilmError::Codec { codec, fault: self }
+    }
+}
+
 impl std::fmt::Display for CodecFault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {

@@ -65,7 +65,7 @@ pub(super) fn read(
             native(bytes, format, data.encoding.big_endian, swapped, remarks)?
         }
         (Packing::Codec(codec), Value::Fragments { fragments, .. }) => {
-            let coded = codec::decode(codec, fragments, format)?;
+            let coded = codec::decode(codec, syntax.uid, fragments, format)?;
             coded.into_words(codec, format, remarks)?
         }
         _ => return Err(no_pixels),
@@ -180,19 +180,24 @@ fn native(
             luminance(&pixels, remarks)
         });
     }
-    let shift = format.high + 1 - format.stored;
-    let mask = top(format.stored);
-    let cut = |word: u16| (word >> shift) & mask;
     if format.allocated == 8 {
         let bytes = if swapped { swap(whole) } else { bytes.to_vec() };
-        return Ok(bytes[..needed].iter().map(|&byte| cut(u16::from(byte))).collect());
+        return Ok(cut(bytes[..needed].iter().map(|&byte| u16::from(byte)).collect(), format));
     }
     let pairs = bytes.as_chunks::<2>().0;
-    Ok(if big_endian {
-        pairs.iter().map(|&pair| cut(u16::from_be_bytes(pair))).collect()
+    let words = if big_endian {
+        pairs.iter().map(|&pair| u16::from_be_bytes(pair)).collect()
     } else {
-        pairs.iter().map(|&pair| cut(u16::from_le_bytes(pair))).collect()
-    })
+        pairs.iter().map(|&pair| u16::from_le_bytes(pair)).collect()
+    };
+    Ok(cut(words, format))
+}
+
+/// The stored bits of words.
+fn cut(mut words: Vec<u16>, format: Format) -> Vec<u16> {
+    let shift = format.high + 1 - format.stored;
+    words.iter_mut().for_each(|word| *word = (*word >> shift) & top(format.stored));
+    words
 }
 
 /// Bytes of big-endian words in the order of pixels.
@@ -251,7 +256,8 @@ impl Coded {
     ) -> Result<Vec<u16>, FilmError> {
         match self {
             Self::Words(words) if words.len() == format.pixels() && format.samples == 1 => {
-                Ok(words)
+                // Run lengths keep all bits of a word; the other codecs have none but those of the sample.
+                Ok(if codec == Codec::Rle { cut(words, format) } else { words })
             }
             Self::Colour(pixels) if pixels.len() == format.pixels() && format.samples == 3 => {
                 Ok(luminance(&pixels, remarks))

@@ -35,7 +35,7 @@ fn f1_a_film_cut_anywhere_is_an_error_or_the_same_picture() {
         odd.file(EXPLICIT),
         packed(rle(&pixels)).file(RLE),
         packed(jpeg_ls(6, 4, 12, &pixels)).file(JPEG_LS),
-        packed(jpeg_lossless(6, 4, 12, &pixels, 1, 2, 0)).file(JPEG_LOSSLESS_1),
+        packed(jpeg_lossless(6, 4, 12, &pixels, 1, 0, 0)).file(JPEG_LOSSLESS_1),
     ] {
         let whole = read(&file).unwrap();
         for end in 0..file.len() {
@@ -52,7 +52,7 @@ fn f1_compressed_pixels_cut_anywhere_or_with_a_bit_turned_never_panic() {
     let coded: [(Syntax, Vec<u8>); 3] = [
         (RLE, rle(&pixels)),
         (JPEG_LS, jpeg_ls(6, 4, 12, &pixels)),
-        (JPEG_LOSSLESS_1, jpeg_lossless(6, 4, 12, &pixels, 4, 2, 0)),
+        (JPEG_LOSSLESS_1, jpeg_lossless(6, 4, 12, &pixels, 4, 0, 0)),
     ];
     let mut refused = 0;
     for (syntax, bytes) in coded {

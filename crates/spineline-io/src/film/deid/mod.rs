@@ -227,7 +227,7 @@ fn keep<'a>(
                 text().filter(|text| is_numeric(text)).and_then(|text| as_text(vr, text))
             }
             (VR::US | VR::SS | VR::UL | VR::SL | VR::FL | VR::FD, Value::Bytes(bytes)) => {
-                (bytes.len() <= 8).then(|| OutValue::Bytes(Cow::Borrowed(bytes))).and_then(kept)
+                (bytes.len() <= 8).then_some(OutValue::Bytes(Cow::Borrowed(bytes))).and_then(kept)
             }
             _ => None,
         },
