@@ -182,6 +182,9 @@ pub enum FilmError {
         /// How.
         fault: ElementFault,
     },
+    /// A data set that dicom-rs refuses.
+    #[error("its data set is damaged")]
+    DataSet,
     /// A transfer syntax that cannot be read.
     #[error("its transfer syntax {} cannot be read", .uid.as_deref().unwrap_or("(malformed)"))]
     TransferSyntax {
@@ -377,7 +380,7 @@ impl FilmError {
             Self::Truncated { .. } | Self::Length { .. } | Self::PixelsMissing { .. } => {
                 "fetch the file again: it was cut off on its way"
             }
-            Self::Element { .. } => "export the film again from its archive",
+            Self::Element { .. } | Self::DataSet => "export the film again from its archive",
             Self::TransferSyntax { .. } | Self::Codec { .. } => {
                 "export the film uncompressed or as JPEG lossless, JPEG-LS or JPEG 2000"
             }
