@@ -192,7 +192,7 @@ fn write(object: InMemDicomObject, transfer_syntax: &str) -> Result<Vec<u8>, Fil
         .implementation_version_name("SPINELINE");
     let mut bytes = Vec::new();
     let file = object.with_meta(meta).map_err(|_| FilmError::DataSet)?;
-    foreign(|| file.write_all(&mut bytes)).map_err(|_| FilmError::DataSet)?;
+    foreign(|| file.write_all(&mut bytes).map_err(drop)).map_err(|_| FilmError::DataSet)?;
     Ok(bytes)
 }
 
