@@ -22,14 +22,6 @@ pub(super) struct Encoding {
 impl Encoding {
     pub const IMPLICIT: Self = Self { explicit: false, big_endian: false };
     pub const EXPLICIT: Self = Self { explicit: true, big_endian: false };
-
-    pub fn u16(self, bytes: [u8; 2]) -> u16 {
-        if self.big_endian { u16::from_be_bytes(bytes) } else { u16::from_le_bytes(bytes) }
-    }
-
-    pub fn u32(self, bytes: [u8; 4]) -> u32 {
-        if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) }
-    }
 }
 
 pub(super) const PIXEL_DATA: Attribute = Attribute(0x7FE0, 0x0010);
