@@ -68,10 +68,6 @@ fn films(c: &mut Criterion) {
             });
         });
     }
-    let coded = jpeg_lossless(COLUMNS, ROWS, 12, &pixels, 1, 0, 0);
-    group.bench_function("jpeg_lossless by jpeg-decoder, without display", |b| {
-        b.iter(|| jpeg_decoder::Decoder::new(black_box(&coded[..])).decode());
-    });
     group.finish();
 }
 

@@ -50,7 +50,7 @@ const GRACE: Duration = Duration::from_secs(2);
 
 #[derive(Serialize, Deserialize)]
 enum Header {
-    Film(FilmHeader),
+    Film(Box<FilmHeader>),
     Error(FilmError),
 }
 
@@ -204,7 +204,7 @@ fn parse(bytes: &[u8]) -> Result<FilmFile, FilmError> {
     let (header, pixels) = split().ok_or(FilmError::DecoderAnswer)?;
     let header = serde_json::from_slice(header).map_err(|_| FilmError::DecoderAnswer)?;
     let header: FilmHeader = match header {
-        Header::Film(header) => header,
+        Header::Film(header) => *header,
         Header::Error(error) => return Err(error),
     };
     let words = pixels.as_chunks::<2>().0;
@@ -259,7 +259,7 @@ fn answer(film: Result<FilmFile, FilmError>, output: &mut dyn Write) -> io::Resu
         Ok(FilmFile { kind, columns, rows, stored, tags, look, remarks }) => {
             let signed = matches!(stored, StoredPixels::Signed(_));
             let header = FilmHeader { kind, columns, rows, signed, tags, look, remarks };
-            (Header::Film(header), stored)
+            (Header::Film(Box::new(header)), stored)
         }
         Err(error) => (Header::Error(error), StoredPixels::Unsigned(Vec::new())),
     };

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::io::Read;
 
-use super::element::{Encoding, parse_meta};
+use super::element::{Attributes, Encoding, parse_meta};
 use super::error::{Codec, CodecFault, FilmError, Lookalike, Measure, Place};
 use super::{Attribute, FilmKind, FilmLimits, FilmRemark};
 
@@ -150,13 +150,13 @@ pub(super) fn open<'a>(bytes: &'a [u8], limits: &FilmLimits) -> Result<Container
     let rest = &bytes[start..];
     let (meta, length) = parse_meta(rest, limits)?;
     let body = &rest[length..];
-    let syntax = match meta.text(TRANSFER_SYNTAX) {
+    let syntax = match meta.object.text(TRANSFER_SYNTAX) {
         Some(uid) => SYNTAXES.into_iter().find(|syntax| syntax.uid == uid).ok_or_else(|| {
             let known = uid.starts_with("1.2.840.10008.") && uid.len() <= 64;
             let clean = uid.bytes().all(|b| b.is_ascii_digit() || b == b'.');
-            FilmError::TransferSyntax { uid: (known && clean).then(|| uid.to_owned()) }
+            FilmError::TransferSyntax { uid: (known && clean).then_some(uid) }
         })?,
-        None if meta.get(TRANSFER_SYNTAX).is_some() => {
+        None if !meta.is_without(TRANSFER_SYNTAX) => {
             return Err(FilmError::TransferSyntax { uid: None });
         }
         None => {

@@ -109,6 +109,12 @@ pub enum CodecFault {
     Panicked,
 }
 
+impl CodecFault {
+    pub(super) const fn of(self, codec: Codec) -> FilmError {
+        FilmError::Codec { codec, fault: self }
+    }
+}
+
 impl std::fmt::Display for CodecFault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -176,6 +182,9 @@ pub enum FilmError {
         /// How.
         fault: ElementFault,
     },
+    /// A data set that dicom-rs refuses.
+    #[error("its data set is damaged")]
+    DataSet,
     /// A transfer syntax that cannot be read.
     #[error("its transfer syntax {} cannot be read", .uid.as_deref().unwrap_or("(malformed)"))]
     TransferSyntax {
@@ -371,7 +380,7 @@ impl FilmError {
             Self::Truncated { .. } | Self::Length { .. } | Self::PixelsMissing { .. } => {
                 "fetch the file again: it was cut off on its way"
             }
-            Self::Element { .. } => "export the film again from its archive",
+            Self::Element { .. } | Self::DataSet => "export the film again from its archive",
             Self::TransferSyntax { .. } | Self::Codec { .. } => {
                 "export the film uncompressed or as JPEG lossless, JPEG-LS or JPEG 2000"
             }

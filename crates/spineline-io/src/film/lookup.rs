@@ -1,8 +1,10 @@
 //! Tables and windows that turn stored values into grey, as a file states them.
 
+use dicom_core::value::PrimitiveValue;
+use dicom_object::InMemDicomObject;
 use serde::{Deserialize, Serialize};
 
-use super::element::DataSet;
+use super::element::Attributes;
 use super::tags::{number, numbers};
 use super::{Attribute, FilmRemark};
 
@@ -146,7 +148,7 @@ const PADDING: Attribute = Attribute(0x0028, 0x0120);
 const PADDING_LIMIT: Attribute = Attribute(0x0028, 0x0121);
 
 /// Reads the tables and windows of a data set; what cannot be meant gets a remark.
-pub(super) fn look(data: &DataSet<'_>, remarks: &mut Vec<FilmRemark>) -> Look {
+pub(super) fn look(data: &InMemDicomObject, remarks: &mut Vec<FilmRemark>) -> Look {
     let signed = matches!(data.word(REPRESENTATION), Ok(Some(1)));
     let modality = modality(data, signed, remarks);
     let below_zero = match modality {
@@ -169,7 +171,11 @@ pub(super) fn look(data: &DataSet<'_>, remarks: &mut Vec<FilmRemark>) -> Look {
     Look { modality, voi, padding }
 }
 
-fn modality(data: &DataSet<'_>, signed: bool, remarks: &mut Vec<FilmRemark>) -> ModalityTransform {
+fn modality(
+    data: &InMemDicomObject,
+    signed: bool,
+    remarks: &mut Vec<FilmRemark>,
+) -> ModalityTransform {
     if let Some(item) = data.item(MODALITY_LUT) {
         match lut(item, signed) {
             Some(table) => return ModalityTransform::Lut(table),
@@ -187,8 +193,8 @@ fn modality(data: &DataSet<'_>, signed: bool, remarks: &mut Vec<FilmRemark>) -> 
     ModalityTransform::Rescale { slope, intercept }
 }
 
-fn windows(data: &DataSet<'_>, remarks: &mut Vec<FilmRemark>) -> Vec<Window> {
-    let function = match data.text(VOI_FUNCTION) {
+fn windows(data: &InMemDicomObject, remarks: &mut Vec<FilmRemark>) -> Vec<Window> {
+    let function = match data.text(VOI_FUNCTION).as_deref() {
         None | Some("LINEAR") => WindowFunction::Linear,
         Some("LINEAR_EXACT") => WindowFunction::LinearExact,
         Some("SIGMOID") => WindowFunction::Sigmoid,
@@ -218,26 +224,29 @@ fn signed_word(word: u16, signed: bool) -> i32 {
 ///
 /// # References
 /// DICOM PS3.3, C.11.1.1 and C.11.2.1.1: 0 entries are 65536; entries of 8 bits may be packed two to a word.
-fn lut(item: &DataSet<'_>, signed: bool) -> Option<Lut> {
+fn lut(item: &InMemDicomObject, signed: bool) -> Option<Lut> {
     let [entries, first, bits] = item.words(DESCRIPTOR)?[..] else { return None };
     let entries = if entries == 0 { 65536 } else { usize::from(entries) };
     let bits = u8::try_from(bits).ok().filter(|bits| (8..=16).contains(bits))?;
-    let data = item.bytes(LUT_DATA)?;
-    let values: Vec<u16> = if data.len() == 2 * entries {
-        item.words(LUT_DATA)?
-    } else if bits == 8 && (data.len() == entries || data.len() == entries + 1) {
+    let values: Vec<u16> = match item.primitive(LUT_DATA)?.1 {
+        PrimitiveValue::U16(words) if words.len() == entries => words.to_vec(),
         // Packed: the low byte of a word comes first.
-        let swap = usize::from(item.encoding.big_endian);
-        let byte = |index: usize| data.get(index ^ swap).or(data.get(index)).copied();
-        (0..entries).map(|index| u16::from(byte(index).unwrap_or_default())).collect()
-    } else {
-        return None;
+        PrimitiveValue::U16(words) if bits == 8 && words.len() == entries.div_ceil(2) => {
+            let pairs = words.iter().flat_map(|word| [word & 0xFF, word >> 8]);
+            pairs.take(entries).collect()
+        }
+        PrimitiveValue::U8(bytes) if bytes.len() == 2 * entries => item.words(LUT_DATA)?,
+        PrimitiveValue::U8(bytes) if bits == 8 && bytes.len().abs_diff(entries) <= 1 => {
+            bytes.get(..entries)?.iter().map(|&byte| u16::from(byte)).collect()
+        }
+        _ => return None,
     };
     Some(Lut { first: signed_word(first, signed), bits, values })
 }
 
 /// Descriptor and data of an item of a LUT sequence, as they are, if they make a table.
-pub(super) fn whole_table<'a>(item: &DataSet<'a>) -> Option<[&'a [u8]; 2]> {
+pub(super) fn whole_table(item: &InMemDicomObject) -> Option<[PrimitiveValue; 2]> {
     lut(item, false)?;
-    Some([item.bytes(DESCRIPTOR)?, item.bytes(LUT_DATA)?])
+    let part = |attribute| item.primitive(attribute).map(|(_, value)| value.clone());
+    Some([part(DESCRIPTOR)?, part(LUT_DATA)?])
 }

@@ -30,6 +30,7 @@ mod raster;
 mod record;
 mod remark;
 mod rle;
+mod scan;
 mod tags;
 mod uid;
 mod write;

@@ -1,10 +1,12 @@
 //! Pixels of a DICOM data set, exact.
 
 use dicom_core::VR;
+use dicom_core::value::Value;
+use dicom_object::InMemDicomObject;
 
 use super::codec;
 use super::container::{Packing, Syntax};
-use super::element::{DataSet, PIXEL_DATA, Value};
+use super::element::{Attributes, DataSet, PIXEL_DATA};
 use super::error::{FilmError, Measure, UnsupportedPhotometric};
 use super::{Attribute, Codec, CodecFault, FilmLimits, FilmRemark, Photometric, StoredPixels};
 
@@ -56,19 +58,19 @@ pub(super) fn read(
     limits: &FilmLimits,
     remarks: &mut Vec<FilmRemark>,
 ) -> Result<Picture, FilmError> {
-    let format = format(data, photometric, limits)?;
-    let no_pixels = FilmError::NoPixels { missing: PIXEL_DATA };
-    let element = data.get(PIXEL_DATA).ok_or_else(|| no_pixels.clone())?;
-    let words = match (syntax.packing, &element.value) {
-        (Packing::Native, Value::Bytes(bytes)) => {
-            let swapped = data.encoding.big_endian && element.vr == VR::OW;
-            native(bytes, format, data.encoding.big_endian, swapped, remarks)?
+    let format = format(&data.object, photometric, limits)?;
+    let packed = data.object.get(PIXEL_DATA.into()).map(|element| element.value());
+    let words = match (syntax.packing, data.native, packed) {
+        (Packing::Native, Some(pixels), _) => {
+            let big_endian = syntax.encoding.big_endian;
+            let swapped = big_endian && pixels.vr == VR::OW;
+            native(pixels.bytes, format, big_endian, swapped, remarks)?
         }
-        (Packing::Codec(codec), Value::Fragments { fragments, .. }) => {
-            let coded = codec::decode(codec, fragments, format)?;
+        (Packing::Codec(codec), None, Some(Value::PixelSequence(sequence))) => {
+            let coded = codec::decode(codec, syntax.uid, sequence.fragments(), format)?;
             coded.into_words(codec, format, remarks)?
         }
-        _ => return Err(no_pixels),
+        _ => return Err(FilmError::NoPixels { missing: PIXEL_DATA }),
     };
     let bits_stored = format.stored;
     let stored = if format.signed {
@@ -101,7 +103,7 @@ fn signed(words: Vec<u16>, bits_stored: u8, remarks: &mut Vec<FilmRemark>) -> Ve
 }
 
 fn format(
-    data: &DataSet<'_>,
+    data: &InMemDicomObject,
     photometric: Photometric,
     limits: &FilmLimits,
 ) -> Result<Format, FilmError> {
@@ -180,19 +182,24 @@ fn native(
             luminance(&pixels, remarks)
         });
     }
-    let shift = format.high + 1 - format.stored;
-    let mask = top(format.stored);
-    let cut = |word: u16| (word >> shift) & mask;
     if format.allocated == 8 {
         let bytes = if swapped { swap(whole) } else { bytes.to_vec() };
-        return Ok(bytes[..needed].iter().map(|&byte| cut(u16::from(byte))).collect());
+        return Ok(cut(bytes[..needed].iter().map(|&byte| u16::from(byte)).collect(), format));
     }
     let pairs = bytes.as_chunks::<2>().0;
-    Ok(if big_endian {
-        pairs.iter().map(|&pair| cut(u16::from_be_bytes(pair))).collect()
+    let words = if big_endian {
+        pairs.iter().map(|&pair| u16::from_be_bytes(pair)).collect()
     } else {
-        pairs.iter().map(|&pair| cut(u16::from_le_bytes(pair))).collect()
-    })
+        pairs.iter().map(|&pair| u16::from_le_bytes(pair)).collect()
+    };
+    Ok(cut(words, format))
+}
+
+/// The stored bits of words.
+fn cut(mut words: Vec<u16>, format: Format) -> Vec<u16> {
+    let shift = format.high + 1 - format.stored;
+    words.iter_mut().for_each(|word| *word = (*word >> shift) & top(format.stored));
+    words
 }
 
 /// Bytes of big-endian words in the order of pixels.
@@ -251,7 +258,8 @@ impl Coded {
     ) -> Result<Vec<u16>, FilmError> {
         match self {
             Self::Words(words) if words.len() == format.pixels() && format.samples == 1 => {
-                Ok(words)
+                // Run lengths keep all bits of a word; the other codecs have none but those of the sample.
+                Ok(if codec == Codec::Rle { cut(words, format) } else { words })
             }
             Self::Colour(pixels) if pixels.len() == format.pixels() && format.samples == 3 => {
                 Ok(luminance(&pixels, remarks))
@@ -269,8 +277,11 @@ impl Coded {
 }
 
 /// Bytes of the uncompressed picture of a data set.
-pub(super) fn native_length(data: &DataSet<'_>, limits: &FilmLimits) -> Result<usize, FilmError> {
-    let photometric = Photometric::read(data.text(PHOTOMETRIC))?;
+pub(super) fn native_length(
+    data: &InMemDicomObject,
+    limits: &FilmLimits,
+) -> Result<usize, FilmError> {
+    let photometric = Photometric::read(data.text(PHOTOMETRIC).as_deref())?;
     let format = format(data, photometric, limits)?;
     Ok(format.pixels() * usize::from(format.samples) * usize::from(format.allocated / 8))
 }

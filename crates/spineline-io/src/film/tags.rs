@@ -1,10 +1,12 @@
 //! What a film's attributes say, as far as measuring needs it.
 
+use dicom_core::value::Value;
+use dicom_object::InMemDicomObject;
 use spineline::measure::{
     CalibrationType, Direction, SpacingEvidence, Stance, ViewEvidence, ViewPosition,
 };
 
-use super::element::{DataSet, PIXEL_DATA, Value};
+use super::element::{Attributes, DataSet, PIXEL_DATA};
 use super::error::FilmError;
 use super::lookup::{Look, look};
 use super::{Attribute, FilmRemark, FilmTags, FilmUids, Photometric, PresentationShape};
@@ -49,10 +51,12 @@ pub(super) fn read(
     syntax_name: &'static str,
     remarks: &mut Vec<FilmRemark>,
 ) -> Result<(FilmTags, Look), FilmError> {
+    let with_pixels = data;
+    let data = &data.object;
     let modality = modality(data, remarks)?;
-    refuse_other_pixels(data)?;
-    let photometric = Photometric::read(data.text(PHOTOMETRIC))?;
-    let shape = data.text(SHAPE).and_then(|text| match text {
+    refuse_other_pixels(with_pixels)?;
+    let photometric = Photometric::read(data.text(PHOTOMETRIC).as_deref())?;
+    let shape = data.text(SHAPE).and_then(|text| match text.as_str() {
         "IDENTITY" => Some(PresentationShape::Identity),
         "INVERSE" => Some(PresentationShape::Inverse),
         _ => {
@@ -68,13 +72,13 @@ pub(super) fn read(
         (Photometric::NotStated, _) => remarks.push(FilmRemark::PolarityNotStated),
         _ => {}
     }
-    if data.text(IMAGE_TYPE_LOSSY) == Some("01") {
+    if data.text(IMAGE_TYPE_LOSSY).as_deref() == Some("01") {
         remarks.push(FilmRemark::Lossy);
     }
-    if data.text(INTENT) == Some("FOR PROCESSING") {
+    if data.text(INTENT).as_deref() == Some("FOR PROCESSING") {
         remarks.push(FilmRemark::ForProcessing);
     }
-    let burned_in = match data.text(BURNED_IN) {
+    let burned_in = match data.text(BURNED_IN).as_deref() {
         Some("YES") => Some(true),
         Some("NO") => Some(false),
         _ => None,
@@ -112,14 +116,14 @@ pub(super) fn read(
 }
 
 fn modality(
-    data: &DataSet<'_>,
+    data: &InMemDicomObject,
     remarks: &mut Vec<FilmRemark>,
 ) -> Result<Option<String>, FilmError> {
     match data.text(MODALITY) {
-        Some(text) if is_radiograph(text) => Ok(Some(text.to_owned())),
+        Some(text) if is_radiograph(&text) => Ok(Some(text)),
         Some(text) => {
-            let known = OTHER_MODALITIES.contains(&text);
-            Err(FilmError::Modality { modality: known.then(|| text.to_owned()) })
+            let known = OTHER_MODALITIES.contains(&text.as_str());
+            Err(FilmError::Modality { modality: known.then_some(text) })
         }
         None => {
             remarks.push(FilmRemark::NoModality);
@@ -129,19 +133,18 @@ fn modality(
 }
 
 fn refuse_other_pixels(data: &DataSet<'_>) -> Result<(), FilmError> {
-    if let Some(text) = data.text(FRAMES) {
-        match text.parse::<u32>() {
-            Ok(1) => {}
-            Ok(frames) => return Err(FilmError::Frames { frames }),
-            Err(_) => return Err(FilmError::Frames { frames: 0 }),
+    if !data.object.is_blank(FRAMES) {
+        match data.object.text(FRAMES).and_then(|text| text.parse::<u32>().ok()) {
+            Some(1) => {}
+            frames => return Err(FilmError::Frames { frames: frames.unwrap_or(0) }),
         }
     }
-    match data.get(PIXEL_DATA) {
-        None => Err(FilmError::NoPixels { missing: PIXEL_DATA }),
-        Some(element) if matches!(element.value, Value::Items(_)) => {
-            Err(FilmError::NoPixels { missing: PIXEL_DATA })
-        }
-        Some(_) => Ok(()),
+    let element = data.object.get(PIXEL_DATA.into());
+    let is_packed = matches!(element.map(|e| e.value()), Some(Value::PixelSequence(_)));
+    if data.native.is_some() || is_packed {
+        Ok(())
+    } else {
+        Err(FilmError::NoPixels { missing: PIXEL_DATA })
     }
 }
 
@@ -155,7 +158,7 @@ fn decimal(text: &str) -> Option<f64> {
 
 /// One number; a remark if there is something else.
 pub(super) fn number(
-    data: &DataSet<'_>,
+    data: &InMemDicomObject,
     attribute: Attribute,
     remarks: &mut Vec<FilmRemark>,
 ) -> Option<f64> {
@@ -170,12 +173,11 @@ pub(super) fn number(
 
 /// All numbers of an attribute; a remark if one of them is none.
 pub(super) fn numbers(
-    data: &DataSet<'_>,
+    data: &InMemDicomObject,
     attribute: Attribute,
     remarks: &mut Vec<FilmRemark>,
 ) -> Option<Vec<f64>> {
-    let bytes = data.bytes(attribute)?;
-    if bytes.iter().all(|&b| b == b' ' || b == 0) {
+    if data.is_blank(attribute) {
         return None;
     }
     let values = data.text(attribute).and_then(|text| text.split('\\').map(decimal).collect());
@@ -186,7 +188,7 @@ pub(super) fn numbers(
 }
 
 fn pair(
-    data: &DataSet<'_>,
+    data: &InMemDicomObject,
     attribute: Attribute,
     remarks: &mut Vec<FilmRemark>,
 ) -> Option<[f64; 2]> {
@@ -198,8 +200,8 @@ fn pair(
     None
 }
 
-fn spacing(data: &DataSet<'_>, remarks: &mut Vec<FilmRemark>) -> SpacingEvidence {
-    let calibration = data.text(CALIBRATION).and_then(|text| match text {
+fn spacing(data: &InMemDicomObject, remarks: &mut Vec<FilmRemark>) -> SpacingEvidence {
+    let calibration = data.text(CALIBRATION).and_then(|text| match text.as_str() {
         "GEOMETRY" => Some(CalibrationType::Geometry),
         "FIDUCIAL" => Some(CalibrationType::Fiducial),
         _ => {
@@ -218,7 +220,7 @@ fn spacing(data: &DataSet<'_>, remarks: &mut Vec<FilmRemark>) -> SpacingEvidence
     }
 }
 
-fn view(data: &DataSet<'_>, remarks: &mut Vec<FilmRemark>) -> ViewEvidence {
+fn view(data: &InMemDicomObject, remarks: &mut Vec<FilmRemark>) -> ViewEvidence {
     let orientation = data.text(ORIENTATION).and_then(|text| {
         let known = |part: &str| {
             let part = part.trim();
@@ -237,7 +239,10 @@ fn view(data: &DataSet<'_>, remarks: &mut Vec<FilmRemark>) -> ViewEvidence {
     };
     ViewEvidence {
         orientation,
-        view_position: data.text(VIEW_POSITION).map(ViewPosition::from_dicom).or_else(by_code),
+        view_position: data
+            .text(VIEW_POSITION)
+            .map(|text| ViewPosition::from_dicom(&text))
+            .or_else(by_code),
         stance: data.item(STANCE).and_then(|item| {
             let code = item.text(CODE_VALUE)?;
             STANCES.iter().find(|(value, _, _)| *value == code).map(|&(_, _, stance)| stance)
@@ -263,10 +268,14 @@ pub(super) const STANCES: [(&str, &str, Stance); 4] = [
     ("102538003", "recumbent", Stance::Recumbent),
 ];
 
-fn uid(data: &DataSet<'_>, attribute: Attribute, remarks: &mut Vec<FilmRemark>) -> Option<String> {
+fn uid(
+    data: &InMemDicomObject,
+    attribute: Attribute,
+    remarks: &mut Vec<FilmRemark>,
+) -> Option<String> {
     let text = data.text(attribute)?;
-    if is_uid(text) {
-        return Some(text.to_owned());
+    if is_uid(&text) {
+        return Some(text);
     }
     remarks.push(FilmRemark::Unusable { attribute });
     None

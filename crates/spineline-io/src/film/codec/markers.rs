@@ -1,4 +1,4 @@
-//! The markers of JPEG and JPEG-LS up to the first scan.
+//! The markers of JPEG and JPEG-LS up to the first scan: what a picture says of itself, before a decoder believes it.
 
 use super::super::error::CodecFault;
 use super::super::pixels::Format;
@@ -6,7 +6,7 @@ use super::super::pixels::Format;
 /// Start of frame of JPEG-LS.
 pub(super) const JPEG_LS: u8 = 0xF7;
 /// Start of frame of lossless JPEG with Huffman codes.
-pub(super) const LOSSLESS: u8 = 0xC3;
+const LOSSLESS: u8 = 0xC3;
 
 /// A frame header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,16 +37,65 @@ impl Frame {
     }
 }
 
+/// Bits of a sample that the decoder gives back.
+const fn decoded_bits(frame: Frame) -> u8 {
+    if frame.bits == 8 { 8 } else { 16 }
+}
+
+/// That a picture with losses is what the data set says; the bits of its decoded samples.
+pub(super) fn check_lossy(data: &[u8], format: Format) -> Result<u8, CodecFault> {
+    let (segments, start) = segments(data)?;
+    let frame = only_frame(&segments)?;
+    if !matches!(frame.kind, 0xC0..=0xC2) {
+        return Err(CodecFault::Unsupported);
+    }
+    frame.check(format, format.samples)?;
+    if frame.bits != 8 {
+        return Err(CodecFault::Precision { bits: frame.bits });
+    }
+    has_end(&data[start..])?;
+    Ok(decoded_bits(frame))
+}
+
+/// That a lossless picture is what the data set says, and nothing that the decoder gets wrong: restart markers, after
+/// which the prediction begins anew, and dropped low bits. The bits of its decoded samples.
+pub(super) fn check_lossless(data: &[u8], format: Format) -> Result<u8, CodecFault> {
+    let (segments, start) = segments(data)?;
+    let frame = only_frame(&segments)?;
+    if frame.kind != LOSSLESS {
+        return Err(CodecFault::Unsupported);
+    }
+    frame.check(format, 1)?;
+    let restarts = segments.iter().filter(|segment| segment.kind == 0xDD).any(|segment| {
+        let interval = segment.body.first_chunk::<2>().map_or(0, |&pair| u16::from_be_bytes(pair));
+        interval != 0 && usize::from(interval) < format.pixels()
+    });
+    let Some(&[1, _, _, 1..=7, 0, shifts]) = segments.last().map(|s| s.body) else {
+        return Err(CodecFault::Unsupported);
+    };
+    if restarts || shifts & 0x0F != 0 {
+        return Err(CodecFault::Unsupported);
+    }
+    has_end(&data[start..])?;
+    Ok(decoded_bits(frame))
+}
+
+/// That the end of the image is there: the decoder makes up what is cut off. Nothing else looks like it within a scan.
+fn has_end(scan: &[u8]) -> Result<(), CodecFault> {
+    let found = scan.windows(2).rev().any(|pair| pair == [0xFF, 0xD9]);
+    if found { Ok(()) } else { Err(CodecFault::Truncated) }
+}
+
 /// One marker segment: its kind, and what it holds.
-pub(super) struct Segment<'a> {
-    pub kind: u8,
-    pub body: &'a [u8],
+struct Segment<'a> {
+    kind: u8,
+    body: &'a [u8],
     /// Where the next one begins.
-    pub end: usize,
+    end: usize,
 }
 
 /// The segment that begins at a place.
-pub(super) fn segment(data: &[u8], start: usize) -> Result<Segment<'_>, CodecFault> {
+fn segment(data: &[u8], start: usize) -> Result<Segment<'_>, CodecFault> {
     let mut at = start;
     if data.get(at).ok_or(CodecFault::Truncated)? != &0xFF {
         return Err(CodecFault::Header);
@@ -70,7 +119,7 @@ pub(super) fn segment(data: &[u8], start: usize) -> Result<Segment<'_>, CodecFau
 }
 
 /// All segments up to the first scan, its header included; then where its data begin.
-pub(super) fn segments(data: &[u8]) -> Result<(Vec<Segment<'_>>, usize), CodecFault> {
+fn segments(data: &[u8]) -> Result<(Vec<Segment<'_>>, usize), CodecFault> {
     if !data.starts_with(&[0xFF, 0xD8]) {
         return Err(CodecFault::Header);
     }
@@ -97,7 +146,7 @@ pub(super) fn frame(data: &[u8]) -> Result<Frame, CodecFault> {
     only_frame(&segments)
 }
 
-pub(super) fn only_frame(segments: &[Segment<'_>]) -> Result<Frame, CodecFault> {
+fn only_frame(segments: &[Segment<'_>]) -> Result<Frame, CodecFault> {
     let is_frame = |kind: u8| {
         kind == JPEG_LS || matches!(kind, 0xC0..=0xCF) && !matches!(kind, 0xC4 | 0xC8 | 0xCC)
     };

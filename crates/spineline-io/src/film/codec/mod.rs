@@ -1,39 +1,43 @@
-//! Compressed pictures. Their headers are read by hand and compared with the data set before a decoder, own or foreign,
-//! sees them; a foreign decoder that panics ends in an error.
+//! Compressed pictures, decoded by the codecs of dicom-rs, and JPEG-LS by `jpegls`. Both trust what a picture says of
+//! itself: so its header is read here first, and compared with the data set. What a codec is known to decode wrongly is
+//! refused, and a codec that panics ends in an error.
 
-mod huffman;
-mod jpeg;
-mod jpeg2000;
-mod lossless;
 mod markers;
-mod rle;
+mod runs;
+mod wavelets;
 
 use std::borrow::Cow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use dicom_encoding::Codec as Packing;
+use dicom_encoding::adapters::{PixelDataObject, RawPixelData};
+use dicom_transfer_syntax_registry::{TransferSyntaxIndex, TransferSyntaxRegistry};
+
 use super::error::{Codec, CodecFault, FilmError};
 use super::pixels::{Coded, Format};
 
-/// Undoes the compression of one frame.
-pub(super) fn decode(
+/// Undoes the compression of one frame, whose fragments are `fragments`.
+pub(super) fn decode<B: AsRef<[u8]>>(
     codec: Codec,
-    fragments: &[&[u8]],
+    transfer_syntax: &str,
+    fragments: &[B],
     format: Format,
 ) -> Result<Coded, FilmError> {
     let data: Cow<'_, [u8]> = match fragments {
         [] => return Err(FilmError::Codec { codec, fault: CodecFault::Truncated }),
-        [one] => Cow::Borrowed(one),
-        many => Cow::Owned(many.concat()),
+        [one] => Cow::Borrowed(one.as_ref()),
+        many => Cow::Owned(many.iter().flat_map(|part| part.as_ref()).copied().collect()),
     };
     let coded = match codec {
-        Codec::Rle => rle::decode(&data, format),
-        Codec::JpegLossless => lossless::decode(&data, format),
-        Codec::Jpeg => jpeg::decode(&data, format),
-        Codec::JpegLs => jpeg_ls(&data, format),
-        Codec::Jpeg2000 => jpeg2000::decode(&data, format),
+        Codec::Rle => runs::check(&data, format).map(|()| format.allocated),
+        Codec::JpegLossless => markers::check_lossless(&data, format),
+        Codec::Jpeg => markers::check_lossy(&data, format),
+        Codec::JpegLs => return jpeg_ls(&data, format).map_err(|fault| fault.of(codec)),
+        Codec::Jpeg2000 => wavelets::check(&data, format).map(|()| format.allocated),
         Codec::Deflate | Codec::Raster => Err(CodecFault::Unsupported),
     };
-    coded.map_err(|fault| FilmError::Codec { codec, fault })
+    let frame = coded.map(|bits| Frame { transfer_syntax, data: &data, format, bits });
+    frame.and_then(|frame| frame.decode(codec)).map_err(|fault| fault.of(codec))
 }
 
 /// Calls a foreign decoder; its error, or its panic, becomes a fault without its words.
@@ -54,4 +58,88 @@ fn jpeg_ls(data: &[u8], format: Format) -> Result<Coded, CodecFault> {
     let (columns, rows) = (u32::from(format.columns), u32::from(format.rows));
     let (words, _, _) = foreign(|| jpegls::decode(data, columns, rows))?;
     Ok(Coded::Words(words))
+}
+
+/// A picture whose header was checked, as the codecs of dicom-rs want it.
+struct Frame<'a> {
+    transfer_syntax: &'a str,
+    data: &'a [u8],
+    format: Format,
+    /// Bits of a sample that the codec gives back: 8 or 16, whatever the data set allocates.
+    bits: u8,
+}
+
+impl Frame<'_> {
+    fn decode(&self, codec: Codec) -> Result<Coded, CodecFault> {
+        let syntax = TransferSyntaxRegistry.get(self.transfer_syntax);
+        let Some(Packing::EncapsulatedPixelData(Some(reader), _)) = syntax.map(|ts| ts.codec())
+        else {
+            return Err(CodecFault::Unsupported);
+        };
+        let mut bytes = Vec::new();
+        foreign(|| reader.decode_frame(self, 0, &mut bytes))?;
+        Ok(match (self.format.samples, self.bits) {
+            (3, 8) if codec == Codec::Rle && self.format.luminance_first => {
+                Coded::Luminance(bytes.as_chunks::<3>().0.to_vec())
+            }
+            (3, 8) => Coded::Colour(bytes.as_chunks::<3>().0.to_vec()),
+            (1, 8) => Coded::Words(bytes.into_iter().map(u16::from).collect()),
+            (1, 16) => {
+                let pairs = bytes.as_chunks::<2>().0;
+                Coded::Words(pairs.iter().map(|&pair| u16::from_le_bytes(pair)).collect())
+            }
+            (samples, _) => return Err(CodecFault::Components { count: u16::from(samples) }),
+        })
+    }
+}
+
+impl PixelDataObject for Frame<'_> {
+    fn transfer_syntax_uid(&self) -> &str {
+        self.transfer_syntax
+    }
+
+    fn rows(&self) -> Option<u16> {
+        Some(self.format.rows)
+    }
+
+    fn cols(&self) -> Option<u16> {
+        Some(self.format.columns)
+    }
+
+    fn samples_per_pixel(&self) -> Option<u16> {
+        Some(u16::from(self.format.samples))
+    }
+
+    fn bits_allocated(&self) -> Option<u16> {
+        Some(u16::from(self.bits))
+    }
+
+    fn bits_stored(&self) -> Option<u16> {
+        Some(u16::from(self.format.stored))
+    }
+
+    fn photometric_interpretation(&self) -> Option<&str> {
+        None
+    }
+
+    fn number_of_frames(&self) -> Option<u32> {
+        Some(1)
+    }
+
+    fn number_of_fragments(&self) -> Option<u32> {
+        Some(1)
+    }
+
+    fn fragment(&self, fragment: usize) -> Option<Cow<'_, [u8]>> {
+        (fragment == 0).then_some(Cow::Borrowed(self.data))
+    }
+
+    fn offset_table(&self) -> Option<Cow<'_, [u32]>> {
+        None
+    }
+
+    fn raw_pixel_data(&self) -> Option<RawPixelData> {
+        let fragments = std::iter::once(self.data.to_vec()).collect();
+        Some(RawPixelData { fragments, offset_table: std::iter::empty().collect() })
+    }
 }

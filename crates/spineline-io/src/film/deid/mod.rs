@@ -5,22 +5,26 @@
 //! stay, and so does text that is burned in, which only eyes can find; the report says so.
 
 mod policy;
-mod write;
 
-use std::borrow::Cow;
 use std::io::Cursor;
 
-use dicom_core::VR;
+use dicom_core::dictionary::{DataDictionary, DataDictionaryEntry};
+use dicom_core::header::Length;
+use dicom_core::value::{DataSetSequence, PrimitiveValue, Value};
+use dicom_core::{DataElement, VR};
+use dicom_dictionary_std::StandardDataDictionary;
+use dicom_object::mem::InMemElement;
+use dicom_object::{FileMetaTableBuilder, InMemDicomObject};
 use image::{ExtendedColorType, ImageEncoder};
 
+use super::codec::foreign;
 use super::container::{self, Container};
-use super::element::{self, DataSet, Element, Value};
+use super::element::{self, Attributes, DataSet, PIXEL_DATA};
 use super::error::{Codec, CodecFault, FilmError, Measure};
 use super::tags::{self, STANCES, VIEW_CODES, is_uid};
 use super::uid;
 use super::{Attribute, FilmKind, FilmLimits, FilmRemark, StoredPixels, lookup, pixels, raster};
 use policy::{Rule, TERMS, rule};
-use write::{Out, OutValue};
 
 /// How to de-identify.
 #[derive(Clone)]
@@ -153,116 +157,132 @@ fn dicom(
         None => Some(FilmRemark::BurnedInUnknown),
         Some(false) => None,
     });
-    let mut out = Vec::new();
-    for element in &data.elements {
-        let tag = element.tag;
-        // Of attributes that are there twice, the first counts; group lengths are of the old file.
-        let twice = out.iter().any(|other: &Out<'_>| other.tag == tag);
-        let kept = if twice { None } else { keep(element, &data, options, limits)? };
+    let mut out = InMemDicomObject::new_empty();
+    let native = data.native.map(|native| (PIXEL_DATA, native.vr));
+    let elements = data.object.iter().map(|element| (element.header().tag.into(), element.vr()));
+    for (tag, vr) in elements.chain(native) {
+        let kept = keep(tag, vr, &data, options, limits)?;
         let action = kept.as_ref().map_or(DeidAction::Removed, |&(_, action)| action);
         report.entries.push(DeidEntry { attribute: tag, action });
-        out.extend(kept.map(|(out, _)| out));
+        if let Some((element, _)) = kept {
+            out.put(element);
+        }
     }
+    let gone = |&attribute| DeidEntry { attribute, action: DeidAction::Removed };
+    report.entries.extend(data.left_out.iter().map(gone));
     for added in additions(options) {
-        let known = out.iter().position(|other| other.tag == added.tag);
-        if let Some(index) = known {
-            out[index] = added;
-        } else {
-            let entry = DeidEntry { attribute: added.tag, action: DeidAction::Added };
-            report.entries.push(entry);
-            out.push(added);
+        let attribute = added.header().tag.into();
+        if out.put(added).is_none() {
+            report.entries.push(DeidEntry { attribute, action: DeidAction::Added });
         }
     }
-    out.sort_by_key(|element| element.tag);
-    let uid_of = |tag: Attribute| {
-        let found = out.iter().find(|element| element.tag == tag)?;
-        match &found.value {
-            OutValue::Bytes(bytes) => std::str::from_utf8(bytes).ok().map(str::to_owned),
-            _ => None,
-        }
-    };
-    let uids = [Attribute(0x0008, 0x0016), Attribute(0x0008, 0x0018)].map(uid_of);
-    let [class, instance] = &uids;
+    report.entries.sort_by_key(|entry| entry.attribute);
     let written_as = if syntax.deflated { container::EXPLICIT } else { syntax };
-    let uids = [class.as_deref(), instance.as_deref()];
-    let bytes = write::file(&out, written_as.encoding, uids, written_as.uid);
-    Ok(Deidentified { bytes, report })
+    Ok(Deidentified { bytes: write(out, written_as.uid)?, report })
+}
+
+/// A whole file: an empty preamble, file meta information with nothing of the old one, and the data set.
+fn write(object: InMemDicomObject, transfer_syntax: &str) -> Result<Vec<u8>, FilmError> {
+    let uid_of = |element| object.text(Attribute(0x0008, element)).unwrap_or_default();
+    let meta = FileMetaTableBuilder::new()
+        .transfer_syntax(transfer_syntax)
+        .media_storage_sop_class_uid(uid_of(0x0016))
+        .media_storage_sop_instance_uid(uid_of(0x0018))
+        .implementation_class_uid(uid::from_name("implementation"))
+        .implementation_version_name("SPINELINE");
+    let mut bytes = Vec::new();
+    let file = object.with_meta(meta).map_err(|_| FilmError::DataSet)?;
+    foreign(|| file.write_all(&mut bytes).map_err(drop)).map_err(|_| FilmError::DataSet)?;
+    Ok(bytes)
 }
 
 /// What is left of an element; `None` if it goes.
-fn keep<'a>(
-    element: &Element<'a>,
-    data: &DataSet<'a>,
+fn keep(
+    tag: Attribute,
+    stated: VR,
+    data: &DataSet<'_>,
     options: &DeidOptions,
     limits: &FilmLimits,
-) -> Result<Option<(Out<'a>, DeidAction)>, FilmError> {
-    let &Element { tag, vr, .. } = element;
-    let text = || data.text(tag).filter(|text| text.len() <= 1024);
-    let kept = |value: OutValue<'a>| Some((Out { tag, vr, value }, DeidAction::Kept));
-    let as_text = |vr: VR, text: &str| {
-        Some((Out::text(tag, vr, text.trim_end_matches([' ', '\0'])), DeidAction::Kept))
-    };
+) -> Result<Option<(InMemElement, DeidAction)>, FilmError> {
+    let object = &data.object;
+    let vr = known_vr(tag, stated);
+    let text = || object.text(tag).filter(|text| text.len() <= 1024);
+    let as_text = |vr: VR, text: &str| (element(tag, vr, text), DeidAction::Kept);
     Ok(match rule(tag) {
         Rule::Remove => None,
-        Rule::Empty => Some((Out::text(tag, vr, ""), DeidAction::Emptied)),
+        Rule::Empty => Some((DataElement::empty(tag.into(), vr), DeidAction::Emptied)),
         Rule::Case => {
             let vr = if tag.1 == 0x0010 { VR::PN } else { VR::LO };
-            Some((Out::text(tag, vr, options.case_id.as_str()), DeidAction::Replaced))
+            Some((element(tag, vr, options.case_id.as_str()), DeidAction::Replaced))
         }
         Rule::Uid => text()
             .filter(|text| is_uid(text))
-            .map(|text| (Out::text(tag, VR::UI, new_uid(text, options)), DeidAction::UidReplaced)),
+            .map(|text| (element(tag, VR::UI, new_uid(&text, options)), DeidAction::UidReplaced)),
         Rule::StandardUid => text()
             .filter(|text| is_uid(text) && text.starts_with("1.2.840.10008."))
-            .and_then(|text| as_text(VR::UI, text)),
+            .map(|text| as_text(VR::UI, &text)),
         Rule::Terms => text()
             .filter(|text| text.split('\\').all(|term| TERMS.contains(&term.trim())))
             // Rescale Type is a long string in the standard.
-            .and_then(|text| as_text(if vr == VR::LO { VR::LO } else { VR::CS }, text)),
+            .map(|text| as_text(if vr == VR::LO { VR::LO } else { VR::CS }, &text)),
         Rule::Direction => text()
             .filter(|text| text.bytes().all(|b| b"LRAPHF\\".contains(&b)) && text.len() <= 7)
-            .and_then(|text| as_text(VR::CS, text)),
-        Rule::Number => match (vr, &element.value) {
-            (VR::DS | VR::IS, Value::Bytes(_)) => {
-                text().filter(|text| is_numeric(text)).and_then(|text| as_text(vr, text))
+            .map(|text| as_text(VR::CS, &text)),
+        Rule::Number => match (vr, object.primitive(tag)) {
+            (VR::DS | VR::IS, Some(_)) => {
+                text().filter(|text| is_numeric(text)).map(|text| as_text(vr, &text))
             }
-            (VR::US | VR::SS | VR::UL | VR::SL | VR::FL | VR::FD, Value::Bytes(bytes)) => {
-                (bytes.len() <= 8).then(|| OutValue::Bytes(Cow::Borrowed(bytes))).and_then(kept)
+            (VR::US | VR::SS | VR::UL | VR::SL | VR::FL | VR::FD, Some((_, value))) => {
+                let short = value.calculate_byte_len() <= 8;
+                short.then(|| (element(tag, vr, value.clone()), DeidAction::Kept))
             }
             _ => None,
         },
-        Rule::Code => data.item(tag).and_then(known_code).map(|item| {
-            (Out { tag, vr: VR::SQ, value: OutValue::Items(vec![item]) }, DeidAction::Kept)
-        }),
-        Rule::Table => data
+        Rule::Code => {
+            let item = object.item(tag).and_then(known_code);
+            item.map(|item| (sequence(tag, vec![item]), DeidAction::Kept))
+        }
+        Rule::Table => object
             .item(tag)
             .and_then(lookup::whole_table)
-            .map(|parts| table(tag, parts))
-            .map(|out| (out, DeidAction::Kept)),
+            .map(|parts| (table(tag, parts), DeidAction::Kept)),
         Rule::Sex if options.retain_sex_and_age => {
-            text().filter(|t| ["M", "F", "O"].contains(t)).and_then(|t| as_text(VR::CS, t))
+            let known = text().filter(|text| ["M", "F", "O"].contains(&text.as_str()));
+            known.map(|text| as_text(VR::CS, &text))
         }
-        Rule::Sex => Some((Out::text(tag, VR::CS, ""), DeidAction::Emptied)),
+        Rule::Sex => Some((DataElement::empty(tag.into(), VR::CS), DeidAction::Emptied)),
         Rule::Age if options.retain_sex_and_age => {
-            text().and_then(age).and_then(|age| as_text(VR::AS, &age))
+            text().and_then(|text| age(&text)).map(|age| as_text(VR::AS, &age))
         }
         Rule::Age => None,
-        Rule::Pixels => match &element.value {
-            Value::Bytes(bytes) => {
-                let length = pixels::native_length(data, limits)?.min(bytes.len());
-                // Bytes beyond the picture are nobody's.
-                let vr = if vr == VR::OB { VR::OB } else { VR::OW };
-                let value = OutValue::Bytes(Cow::Borrowed(&bytes[..length]));
-                Some((Out { tag, vr, value }, DeidAction::Kept))
-            }
-            Value::Fragments { table, fragments } => {
-                let fragments = fragments.clone();
-                let value = OutValue::Fragments { table, fragments };
-                Some((Out { tag, vr: VR::OB, value }, DeidAction::Kept))
-            }
-            Value::Items(_) => None,
-        },
+        Rule::Pixels => pixel_data(data, limits)?.map(|element| (element, DeidAction::Kept)),
     })
+}
+
+/// The value representation, of unknown ones that of the standard.
+fn known_vr(tag: Attribute, stated: VR) -> VR {
+    let known = StandardDataDictionary.by_tag(tag.into()).map(|entry| entry.vr().relaxed());
+    known.filter(|_| stated == VR::UN).unwrap_or(stated)
+}
+
+/// Pixels to the byte, without what lies beyond the picture, which is nobody's.
+fn pixel_data(data: &DataSet<'_>, limits: &FilmLimits) -> Result<Option<InMemElement>, FilmError> {
+    if let Some(native) = data.native {
+        let length = pixels::native_length(&data.object, limits)?.min(native.bytes.len());
+        let vr = if native.vr == VR::OB { VR::OB } else { VR::OW };
+        let bytes = PrimitiveValue::U8(native.bytes[..length].into());
+        return Ok(Some(element(PIXEL_DATA, vr, bytes)));
+    }
+    let packed = data.object.get(PIXEL_DATA.into());
+    Ok(packed.filter(|element| matches!(element.value(), Value::PixelSequence(_))).cloned())
+}
+
+fn element(tag: Attribute, vr: VR, value: impl Into<PrimitiveValue>) -> InMemElement {
+    DataElement::new(tag.into(), vr, value.into())
+}
+
+fn sequence(tag: Attribute, items: Vec<InMemDicomObject>) -> InMemElement {
+    DataElement::new(tag.into(), VR::SQ, DataSetSequence::new(items, Length::UNDEFINED))
 }
 
 fn is_numeric(text: &str) -> bool {
@@ -282,7 +302,7 @@ fn age(text: &str) -> Option<String> {
 }
 
 /// An item for a code that this program knows, in words of its own.
-fn known_code<'a>(item: &DataSet<'a>) -> Option<Vec<Out<'a>>> {
+fn known_code(item: &InMemDicomObject) -> Option<InMemDicomObject> {
     let code = item.text(Attribute(0x0008, 0x0100))?;
     let views = VIEW_CODES.iter().map(|&(value, meaning, _)| (value, meaning));
     let stances = STANCES.iter().map(|&(value, meaning, _)| (value, meaning));
@@ -291,30 +311,27 @@ fn known_code<'a>(item: &DataSet<'a>) -> Option<Vec<Out<'a>>> {
     Some(code_item(value, scheme, meaning))
 }
 
-fn code_item<'a>(value: &str, scheme: &str, meaning: &str) -> Vec<Out<'a>> {
-    vec![
-        Out::text(Attribute(0x0008, 0x0100), VR::SH, value),
-        Out::text(Attribute(0x0008, 0x0102), VR::SH, scheme),
-        Out::text(Attribute(0x0008, 0x0104), VR::LO, meaning),
-    ]
+fn code_item(value: &str, scheme: &str, meaning: &str) -> InMemDicomObject {
+    InMemDicomObject::from_element_iter([
+        element(Attribute(0x0008, 0x0100), VR::SH, value),
+        element(Attribute(0x0008, 0x0102), VR::SH, scheme),
+        element(Attribute(0x0008, 0x0104), VR::LO, meaning),
+    ])
 }
 
-fn table<'a>(tag: Attribute, [descriptor, values]: [&'a [u8]; 2]) -> Out<'a> {
-    let part = |element, vr, bytes| Out {
-        tag: Attribute(0x0028, element),
-        vr,
-        value: OutValue::Bytes(Cow::Borrowed(bytes)),
-    };
-    let mut item = vec![part(0x3002, VR::US, descriptor)];
+fn table(tag: Attribute, [descriptor, values]: [PrimitiveValue; 2]) -> InMemElement {
+    let mut item = InMemDicomObject::new_empty();
+    item.put(element(Attribute(0x0028, 0x3002), VR::US, descriptor));
     if tag.1 == 0x3000 {
         // Its type is required; "unspecified" is always true.
-        item.push(Out::text(Attribute(0x0028, 0x3004), VR::LO, "US"));
+        item.put(element(Attribute(0x0028, 0x3004), VR::LO, "US"));
     }
-    item.push(part(0x3006, VR::OW, values));
-    Out { tag, vr: VR::SQ, value: OutValue::Items(vec![item]) }
+    let vr = if matches!(values, PrimitiveValue::U8(_)) { VR::OB } else { VR::OW };
+    item.put(element(Attribute(0x0028, 0x3006), vr, values));
+    sequence(tag, vec![item])
 }
 
-fn additions<'a>(options: &DeidOptions) -> Vec<Out<'a>> {
+fn additions(options: &DeidOptions) -> Vec<InMemElement> {
     // DICOM PS3.16, CID 7050. Pixels are not cleaned, and no such option is claimed.
     let mut codes = vec![code_item("113100", "DCM", "Basic Application Confidentiality Profile")];
     if options.retain_sex_and_age {
@@ -322,12 +339,12 @@ fn additions<'a>(options: &DeidOptions) -> Vec<Out<'a>> {
     }
     let case = options.case_id.as_str();
     vec![
-        Out::text(Attribute(0x0010, 0x0010), VR::PN, case),
-        Out::text(Attribute(0x0010, 0x0020), VR::LO, case),
-        Out::text(Attribute(0x0012, 0x0062), VR::CS, "YES"),
-        Out::text(METHOD, VR::LO, "Spineline: allow-list, PS3.15 Annex E Basic Profile"),
-        Out { tag: METHOD_CODES, vr: VR::SQ, value: OutValue::Items(codes) },
-        Out::text(Attribute(0x0028, 0x0303), VR::CS, "REMOVED"),
+        element(Attribute(0x0010, 0x0010), VR::PN, case),
+        element(Attribute(0x0010, 0x0020), VR::LO, case),
+        element(Attribute(0x0012, 0x0062), VR::CS, "YES"),
+        element(METHOD, VR::LO, "Spineline: allow-list, PS3.15 Annex E Basic Profile"),
+        sequence(METHOD_CODES, codes),
+        element(Attribute(0x0028, 0x0303), VR::CS, "REMOVED"),
     ]
 }
 

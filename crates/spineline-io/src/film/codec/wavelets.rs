@@ -1,31 +1,19 @@
-//! JPEG 2000, by openjp2.
-
-use jpeg2k::{DecodeParameters, Image};
+//! What the header of a JPEG 2000 picture says of it, before the decoder allocates by it.
 
 use super::super::error::CodecFault;
-use super::super::pixels::{Coded, Format};
-use super::foreign;
+use super::super::pixels::Format;
 
 /// Tiles that a codestream may have: a film has one, or a few hundred; each costs memory of its own.
 const MOST_TILES: u64 = 4096;
 
-pub(super) fn decode(data: &[u8], format: Format) -> Result<Coded, CodecFault> {
-    let size = Size::read(data)?;
-    size.check(format)?;
-    let parameters = DecodeParameters::new().strict(true);
-    let image = foreign(|| Image::from_bytes_with(data, parameters))?;
-    let [component] = image.components() else {
-        return Err(CodecFault::Components { count: size.components });
-    };
-    let values = component.data();
-    if values.len() != format.pixels() {
-        return Err(CodecFault::Corrupt);
+/// That a picture is what the data set says, and has an end: the decoder makes up what is cut off.
+pub(super) fn check(data: &[u8], format: Format) -> Result<(), CodecFault> {
+    Size::read(data)?.check(format)?;
+    if data.windows(2).rev().any(|pair| pair == [0xFF, 0xD9]) {
+        Ok(())
+    } else {
+        Err(CodecFault::Truncated)
     }
-    if !format.signed && values.iter().any(|&value| value < 0) {
-        return Err(CodecFault::Unsupported);
-    }
-    // Two's complement of the low 16 bits; the component has no more.
-    Ok(Coded::Words(values.iter().map(|&value| value as u16).collect()))
 }
 
 /// The image and tile size segment (ITU-T T.800, A.5.1).
@@ -35,6 +23,7 @@ struct Size {
     tile: [u32; 2],
     components: u16,
     bits: u8,
+    signed: bool,
     sub_sampled: bool,
 }
 
@@ -57,6 +46,7 @@ impl Size {
             tile: [at(4), at(5)],
             components: u16::from_be_bytes([body[34], body[35]]),
             bits: (body[36] & 0x7F).saturating_add(1),
+            signed: body[36] & 0x80 != 0,
             sub_sampled: body[37..39] != [1, 1],
         })
     }
@@ -72,6 +62,10 @@ impl Size {
         }
         if self.bits > format.allocated {
             return Err(CodecFault::Precision { bits: self.bits });
+        }
+        // Negative values would become large ones.
+        if self.signed && !format.signed {
+            return Err(CodecFault::Unsupported);
         }
         if self.tile.contains(&0) || self.sub_sampled {
             return Err(CodecFault::Header);
