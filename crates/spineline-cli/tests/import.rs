@@ -118,6 +118,71 @@ fn films_become_a_case_without_their_patient() {
 }
 
 #[test]
+fn films_of_phantoms_make_a_synthetic_case_and_one_of_a_patient_does_not() {
+    let here = Here::new();
+    let mut phantom = film(1);
+    phantom.text((0x28, 0x300), "CS", "YES");
+    put(&here, "a.dcm", &phantom);
+    put(&here, "b.dcm", &film(2));
+    let arguments = [".", "--case-id", "A", "--film", "erect=1", "--out"];
+    let (out, error, code) = here.import(&[&arguments[..], &["a"]].concat());
+    assert_eq!(code, 0, "{error}{out}");
+    assert_eq!(here.json("a/case.json")["synthetic"], true);
+    let both = [&arguments[..], &["b", "--film", "left-bending=2"]].concat();
+    assert_eq!(here.import(&both).2, 0);
+    assert_eq!(here.json("b/case.json")["synthetic"], false);
+    // De-identification keeps the mark.
+    let again = ["a", "--case-id", "A", "--film", "erect=1", "--out", "c"];
+    assert_eq!(here.import(&again).2, 0);
+    assert_eq!(here.json("c/case.json")["synthetic"], true);
+}
+
+#[test]
+fn landmarks_of_another_program_lie_on_their_films() {
+    let here = Here::new();
+    let program = || assert_cmd::Command::cargo_bin("spineline").expect("the program");
+    let make = ["phantom", "--subject", "1", "--out", "p", "--noise", "0"];
+    program().current_dir(here.path("")).args(make).assert().success();
+    let case = fs::read_to_string(here.path("p/phantom-rod-01.json")).expect("written");
+    let case: Json = serde_json::from_str(&case).expect("JSON");
+    let image = &case["films"][0]["image"];
+    let side = |key: &str| image[key].as_u64().expect("a number") as u16;
+    let (columns, rows) = (side("columns"), side("rows"));
+    // As large as the phantom's film, and as empty as a film can be.
+    let pixels = vec![7; usize::from(columns) * usize::from(rows)];
+    let mut blank = Maker::new(columns, rows, &pixels);
+    let left = if image["patient_left"] == "image_left" { "R\\F" } else { "L\\F" };
+    blank.text((0x20, 0x20), "CS", left).text((0x28, 0x30), "DS", "0.1\\0.1");
+    put(&here, "erect.dcm", &blank);
+    for (to, file) in [("csv", "marks.csv"), ("slicer", "marks.mrk.json")] {
+        let export =
+            ["export", "p/phantom-rod-01.json", "--to", to, "--posture", "erect", "--out", file];
+        program().current_dir(here.path("")).args(export).assert().success();
+        let (_, error, code) = here.import(&[
+            "erect.dcm",
+            "--case-id",
+            "A",
+            "--out",
+            to,
+            "--film",
+            "erect=1",
+            "--landmarks",
+            file,
+        ]);
+        assert_eq!(code, 0, "{error}");
+        let found = here.json(&format!("{to}/case.json"));
+        let marks = |case: &Json| {
+            case["films"][0]["readings"][0]["vertebrae"]["T12"]["superior_left"].clone()
+        };
+        let (found, truth) = (marks(&found), marks(&case));
+        for i in 0..2 {
+            let apart = found[i].as_f64().expect("a number") - truth[i].as_f64().expect("a number");
+            assert!(apart.abs() < 1e-9, "{to}: {found} against {truth}");
+        }
+    }
+}
+
+#[test]
 fn the_same_secret_maps_the_same_identifiers_to_the_same_new_ones() {
     let here = Here::new();
     put(&here, "a.dcm", &film(1));

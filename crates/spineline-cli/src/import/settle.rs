@@ -21,6 +21,8 @@ pub struct Settled {
     /// Patient's left of a frontal film, the patient's front of the lateral one.
     pub side: ImageSide,
     pub inverted: bool,
+    /// Whether its file says that it is a phantom's.
+    pub is_phantom: bool,
     /// What was odd, and what was done about it.
     pub notes: Vec<String>,
 }
@@ -128,8 +130,8 @@ pub fn settle(
     }
     let spacing = spacing(args, role, &seen.spacing(), &mut notes)?;
     let inverted = role.posture().is_some_and(|posture| args.invert.contains(&posture));
-    let (columns, rows) = (seen.columns, seen.rows);
-    Ok(Ok(Settled { role, index, columns, rows, spacing, side, inverted, notes }))
+    let (columns, rows, is_phantom) = (seen.columns, seen.rows, seen.tags.is_phantom);
+    Ok(Ok(Settled { role, index, columns, rows, spacing, side, inverted, is_phantom, notes }))
 }
 
 /// What a file says against its role. What it leaves out, the role answers.

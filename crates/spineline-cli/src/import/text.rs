@@ -61,9 +61,10 @@ pub fn line(candidates: &Candidates, index: usize) -> String {
 }
 
 fn kind(film: &Candidate, seen: &Seen) -> String {
+    let phantom = if seen.tags.is_phantom { " (phantom)" } else { "" };
     match &seen.tags.modality {
-        Some(modality) => format!("{} {modality}", film.found.kind),
-        None => film.found.kind.to_string(),
+        Some(modality) => format!("{} {modality}{phantom}", film.found.kind),
+        None => format!("{}{phantom}", film.found.kind),
     }
 }
 

@@ -176,7 +176,8 @@ fn case(case_id: &str, films: &[Settled], marks: &Marks) -> Case {
     let lateral = films.iter().find(|film| film.role == Role::Lateral);
     Case {
         id: case_id.to_owned(),
-        synthetic: false,
+        // One film of a patient makes the case a patient's.
+        synthetic: films.iter().all(|film| film.is_phantom),
         subject: Subject::default(),
         films: frontal.collect(),
         lateral: lateral.map(|film| LateralFilm {

@@ -157,6 +157,9 @@ pub struct FilmTags {
     pub presentation_lut_shape: Option<PresentationShape>,
     /// Burned In Annotation (0028,0301), where it is stated.
     pub burned_in_annotation: Option<bool>,
+    /// Whether the file says that its picture is of a phantom: Quality Control Image (0028,0300). Films of synthetic
+    /// patients say so.
+    pub is_phantom: bool,
     /// Identifiers of the film.
     pub uids: FilmUids,
     /// Name of the transfer syntax of a DICOM file.

@@ -49,6 +49,7 @@ pub(super) fn read(
         photometric,
         presentation_lut_shape: None,
         burned_in_annotation: None,
+        is_phantom: false,
         uids: FilmUids::default(),
         transfer_syntax: None,
         bits_stored,

@@ -24,6 +24,7 @@ const PHOTOMETRIC: Attribute = Attribute(0x0028, 0x0004);
 const FRAMES: Attribute = Attribute(0x0028, 0x0008);
 const PIXEL_SPACING: Attribute = Attribute(0x0028, 0x0030);
 const ASPECT: Attribute = Attribute(0x0028, 0x0034);
+const QUALITY_CONTROL: Attribute = Attribute(0x0028, 0x0300);
 const BURNED_IN: Attribute = Attribute(0x0028, 0x0301);
 const CALIBRATION: Attribute = Attribute(0x0028, 0x0A02);
 const STANCE: Attribute = Attribute(0x0054, 0x0410);
@@ -89,12 +90,15 @@ pub(super) fn read(
         None => remarks.push(FilmRemark::BurnedInUnknown),
     }
     let spacing = spacing(data, remarks);
-    let square = data.text(ASPECT).is_none_or(|text| match text.split_once('\\') {
-        Some((a, b)) => a.trim() == b.trim(),
-        None => false,
-    });
-    if !square && spacing == SpacingEvidence::default() {
-        remarks.push(FilmRemark::AspectNotUsed);
+    match data.text(ASPECT).as_deref().map(|text| text.split_once('\\')) {
+        None => {}
+        Some(None) => remarks.push(FilmRemark::Unusable { attribute: ASPECT }),
+        Some(Some((down, across)))
+            if down.trim() != across.trim() && spacing == SpacingEvidence::default() =>
+        {
+            remarks.push(FilmRemark::AspectNotUsed);
+        }
+        Some(Some(_)) => {}
     }
     let tags = FilmTags {
         modality,
@@ -103,6 +107,7 @@ pub(super) fn read(
         photometric,
         presentation_lut_shape: shape,
         burned_in_annotation: burned_in,
+        is_phantom: data.text(QUALITY_CONTROL).as_deref() == Some("YES"),
         uids: FilmUids {
             sop_class: uid(data, SOP_CLASS, remarks),
             sop_instance: uid(data, SOP_INSTANCE, remarks),

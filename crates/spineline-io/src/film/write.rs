@@ -374,6 +374,8 @@ impl DicomFilm<'_> {
         empty(object, tags::CONTENT_DATE, VR::DA);
         empty(object, tags::CONTENT_TIME, VR::TM);
         // The word and the lead marker in the picture identify nobody.
+        // An image of a phantom, in the standard's words.
+        text(object, tags::QUALITY_CONTROL_IMAGE, VR::CS, "YES");
         text(object, tags::BURNED_IN_ANNOTATION, VR::CS, "NO");
         text(object, tags::LOSSY_IMAGE_COMPRESSION, VR::CS, "00");
         let (photometric, shape) = match self.polarity {

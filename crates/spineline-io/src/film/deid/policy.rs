@@ -60,7 +60,7 @@ pub(super) fn rule(attribute: Attribute) -> Rule {
 }
 
 /// Attributes whose values are defined terms: what the picture is, and how it was taken.
-const TERM_ATTRIBUTES: [(u16, u16); 25] = [
+const TERM_ATTRIBUTES: [(u16, u16); 26] = [
     (0x0008, 0x0008), // Image Type
     (0x0008, 0x0060), // Modality
     (0x0008, 0x0064), // Conversion Type
@@ -78,6 +78,7 @@ const TERM_ATTRIBUTES: [(u16, u16); 25] = [
     (0x0020, 0x0060), // Laterality
     (0x0020, 0x0062), // Image Laterality
     (0x0028, 0x0004), // Photometric Interpretation
+    (0x0028, 0x0300), // Quality Control Image
     (0x0028, 0x0301), // Burned In Annotation
     (0x0028, 0x0A02), // Pixel Spacing Calibration Type
     (0x0028, 0x1040), // Pixel Intensity Relationship
