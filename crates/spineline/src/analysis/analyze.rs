@@ -1,4 +1,4 @@
-use super::checks::{check_outlines, check_postures};
+use super::checks::{check_outlines, check_postures, warn_of_shifted_levels};
 use super::models::fit_models;
 use super::{AnalysisOptions, Case, LineModel};
 use crate::anatomy::Posture;
@@ -123,6 +123,9 @@ pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error
         .iter()
         .map(|film| measure_film(film, &mut warnings))
         .collect::<Result<Vec<Outline>, _>>()?;
+    for film in &films[1..] {
+        warn_of_shifted_levels(films[0], film, &mut warnings);
+    }
     let readings =
         films.into_iter().map(FilmReadings::measure).collect::<Result<Vec<FilmReadings>, _>>()?;
     if is_read_once(&readings) {

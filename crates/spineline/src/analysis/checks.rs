@@ -1,8 +1,8 @@
 //! What the films of one patient say about one another before anything is computed from them together.
 
-use crate::anatomy::{Posture, Side};
+use crate::anatomy::{Level, Posture, Side};
 use crate::error::CaseError;
-use crate::measure::{Film, Outline};
+use crate::measure::{Film, FilmMarks, Outline};
 use crate::spatial::Angle;
 use crate::warning::{Step, Warnings};
 
@@ -97,4 +97,54 @@ fn warn_of_mirror(erect: &Outline, film: &Outline, warnings: &mut Warnings) {
         let text = "it shows the mirror image of the erect spine: this film or the erect one has a wrong `patient_left`";
         warnings.film(Step::Measure, "film_looks_mirrored", film.posture, text);
     }
+}
+
+/// Body widths of one film against those of the erect one: a film whose vertebrae all carry the name of their neighbour
+/// shows the same sequence, one place off. A common factor, such as another magnification, makes no difference.
+///
+/// # References
+/// Widths grow unevenly from T4 to L5 [panjabi-1991], [panjabi-1992], so that a shifted sequence is no scaled one.
+pub(super) fn warn_of_shifted_levels(erect: &Film, film: &Film, warnings: &mut Warnings) {
+    let (Some(reference), Some(widths)) = (body_widths_mm(erect), body_widths_mm(film)) else {
+        return;
+    };
+    let misfit = |shift: isize| {
+        let logs: Vec<f64> = reference
+            .iter()
+            .enumerate()
+            .filter_map(|(i, erect)| {
+                let other = widths.get(i.checked_add_signed(shift)?)?;
+                Some((other / erect).ln())
+            })
+            .collect();
+        let mean = logs.iter().sum::<f64>() / logs.len() as f64;
+        logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>() / logs.len() as f64
+    };
+    for (shift, side) in [(1, "above"), (-1, "below")] {
+        // A quarter of the variance is half of the deviation: far from what the scatter of marks does.
+        if misfit(-shift) < 0.25 * misfit(0) {
+            let text = format!(
+                "its vertebrae are as wide as their neighbours {side} on the erect film: their names may be one level off"
+            );
+            warnings.film(Step::Measure, "levels_may_be_shifted", film.posture, text);
+        }
+    }
+}
+
+/// Mean width of the bodies L4 to T2 over endplates and readings, in mm or pixels; `None` where corners are missing.
+fn body_widths_mm(film: &Film) -> Option<Vec<f64>> {
+    let FilmMarks::Landmarks { image, readings, .. } = &film.marks else { return None };
+    let width = |level: Level| {
+        let marks = readings.iter().filter_map(|reading| reading.vertebrae.get(&level));
+        let widths: Vec<f64> = marks
+            .map(|mark| {
+                let corners = mark.corners.map(|corner| image.frontal(corner));
+                let upper = corners.superior_left.distance_mm(corners.superior_right);
+                let lower = corners.inferior_left.distance_mm(corners.inferior_right);
+                0.5 * (upper + lower)
+            })
+            .collect();
+        (!widths.is_empty()).then(|| widths.iter().sum::<f64>() / widths.len() as f64)
+    };
+    Level::MODEL.into_iter().map(width).collect()
 }

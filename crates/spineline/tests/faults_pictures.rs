@@ -1,8 +1,11 @@
-//! Films in pixels give angles and no lengths; lateral films give the sagittal profile.
+//! Films in pixels give angles and no lengths; lateral films give the sagittal profile; films that do not fit their names
+//! or were not stitched well are told.
 
 mod common;
 
-use common::{analyzed, assert_near, exact_case, film_mut, landmarks, on_a_table, spacing};
+use common::{
+    analyzed, assert_near, exact_case, film_mut, landmarks, on_a_table, phantom, spacing,
+};
 use spineline::analysis::{Analysis, Case};
 use spineline::anatomy::{ImageSide, Level, Posture, SagittalProfile};
 use spineline::measure::{
@@ -11,6 +14,7 @@ use spineline::measure::{
 };
 use spineline::spatial::Pixel;
 use spineline::warning::Warnings;
+use spineline_phantom::{Readers, Truth};
 
 /// A case whose films have square pixels, and the same one without any spacing.
 fn with_and_without() -> (Case, Case) {
@@ -180,4 +184,55 @@ fn exchanged_corners_on_a_lateral_film_are_named() {
         text.contains("lateral") && text.contains("T7") && text.contains("A (repeat 1)"),
         "{text}"
     );
+}
+
+/// The true corners of a phantom's film under the names of other vertebrae, so many levels lower.
+fn renamed(phantom: &spineline_phantom::Phantom, posture: Posture, down: usize) -> Case {
+    let mut case = phantom.case.clone();
+    let truth = phantom.film(posture).expect("every posture has a film");
+    let (_, _, readings) = landmarks(film_mut(&mut case, posture));
+    readings.truncate(1);
+    for (place, level) in Level::ALL.into_iter().enumerate() {
+        let Some(mark) = readings[0].vertebrae.get_mut(&level) else { continue };
+        mark.corners = truth.vertebrae[&Level::ALL[place + down]];
+        mark.axis_clockwise = None;
+    }
+    case
+}
+
+#[test]
+fn a_film_whose_vertebrae_are_all_called_by_their_neighbours_names_is_told() {
+    for (subject, truth) in [(0, Truth::Rod), (4, Truth::Bend), (8, Truth::Pull)] {
+        let phantom = phantom(subject, truth, &Readers::default());
+        for posture in Posture::MOVED {
+            let found = |down: usize| {
+                let analysis = analyzed(&renamed(&phantom, posture, down), &on_a_table());
+                let warnings = analysis.warnings.all().iter();
+                let shifted: Vec<_> = warnings
+                    .filter(|w| w.code == "levels_may_be_shifted")
+                    .filter_map(|w| w.posture)
+                    .collect();
+                shifted
+            };
+            assert_eq!(found(0), [], "{subject} {posture}: named rightly");
+            assert_eq!(found(1), [posture], "{subject} {posture}: T1 is called T2");
+        }
+    }
+}
+
+#[test]
+fn a_seam_that_leaves_a_gap_shows_between_two_vertebrae() {
+    // Films of the whole spine are put together from two or three; here the upper one lies 25 mm too high.
+    let mut case = exact_case(0);
+    let (image, _, readings) = landmarks(film_mut(&mut case, Posture::Erect));
+    let rows = 25.0 / spacing(image).row_mm;
+    image.rows += rows as u32;
+    for (level, mark) in &mut readings[0].vertebrae {
+        let lower = if *level <= Level::T10 { rows } else { 0.0 };
+        mark.corners = mark.corners.map(|p| Pixel::new(p.column_px, p.row_px + lower));
+    }
+    let analysis = analyzed(&case, &on_a_table());
+    let warning = analysis.warnings.all().iter().find(|w| w.code == "spacing_unusual");
+    let warning = warning.expect("the gap is twice the usual distance");
+    assert_eq!((warning.posture, warning.level), (Some(Posture::Erect), Some(Level::T9)));
 }
