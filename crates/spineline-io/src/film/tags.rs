@@ -56,6 +56,7 @@ pub(super) fn read(
     let data = &data.object;
     let modality = modality(data, remarks)?;
     refuse_other_pixels(with_pixels)?;
+    name_left_out(with_pixels, remarks);
     let photometric = Photometric::read(data.text(PHOTOMETRIC).as_deref())?;
     let shape = data.text(SHAPE).and_then(|text| match text.as_str() {
         "IDENTITY" => Some(PresentationShape::Identity),
@@ -133,6 +134,16 @@ fn modality(
         None => {
             remarks.push(FilmRemark::NoModality);
             Ok(None)
+        }
+    }
+}
+
+/// Remarks on what is in the file and cannot be read: of geometry, pixels and view; nothing else is used.
+fn name_left_out(data: &DataSet<'_>, remarks: &mut Vec<FilmRemark>) {
+    let used = |group| matches!(group, 0x0018 | 0x0020 | 0x0028 | 0x0054);
+    for &attribute in data.left_out.iter().filter(|attribute| used(attribute.0)) {
+        if data.object.get(attribute.into()).is_none() {
+            remarks.push(FilmRemark::Unusable { attribute });
         }
     }
 }

@@ -216,3 +216,16 @@ fn text_in_a_spacing_is_named_and_not_used() {
         assert!(film.remarks[0].to_string().contains("PixelSpacing (0028,0030)"));
     }
 }
+
+#[test]
+fn a_table_that_cannot_be_read_is_named() {
+    let mut table = std::collections::BTreeMap::new();
+    // A value of UL has four bytes; these are six, and a reader that takes four is out of step.
+    table.insert((0x28, 0x1199), ("UL", Value::Words(vec![0; 3])));
+    let mut maker = Maker::new(2, 2, &[0; 4]);
+    maker.set((0x28, 0x3010), "SQ", Value::Items(vec![table]));
+    let film = read(&maker.file(EXPLICIT)).unwrap();
+    assert_eq!(film.look.voi, []);
+    let attribute = Attribute(0x28, 0x3010);
+    assert_eq!(film.remarks, [FilmRemark::Unusable { attribute }]);
+}

@@ -76,7 +76,9 @@ impl Frame<'_> {
         else {
             return Err(CodecFault::Unsupported);
         };
-        let mut bytes = Vec::new();
+        // Here, so that a lack of memory ends as one: the codecs report it like damaged data.
+        let samples = self.format.pixels() * usize::from(self.format.samples);
+        let mut bytes = Vec::with_capacity(samples * usize::from(self.bits / 8));
         foreign(|| reader.decode_frame(self, 0, &mut bytes))?;
         Ok(match (self.format.samples, self.bits) {
             (3, 8) if codec == Codec::Rle && self.format.luminance_first => {
