@@ -124,7 +124,7 @@ fn films_of_phantoms_make_a_synthetic_case_and_one_of_a_patient_does_not() {
     phantom.text((0x28, 0x300), "CS", "YES");
     put(&here, "a.dcm", &phantom);
     put(&here, "b.dcm", &film(2));
-    let arguments = [".", "--case-id", "A", "--film", "erect=1", "--out"];
+    let arguments = ["a.dcm", "b.dcm", "--case-id", "A", "--film", "erect=1", "--out"];
     let (out, error, code) = here.import(&[&arguments[..], &["a"]].concat());
     assert_eq!(code, 0, "{error}{out}");
     assert_eq!(here.json("a/case.json")["synthetic"], true);

@@ -8,9 +8,10 @@ use spineline::measure::{
 };
 use spineline::spatial::Pixel;
 
-fn judged(
-    evidence: SpacingEvidence,
-) -> (Option<(f64, f64, SpacingPlane, SpacingSource)>, Vec<SpacingRemark>) {
+/// Distances of rows and columns, their plane and source.
+type Found = (f64, f64, SpacingPlane, SpacingSource);
+
+fn judged(evidence: SpacingEvidence) -> (Option<Found>, Vec<SpacingRemark>) {
     let judgement = judge_spacing(&evidence);
     let spacing = judgement.spacing.map(|s| (s.row_mm, s.column_mm, s.plane, s.source));
     (spacing, judgement.remarks)
