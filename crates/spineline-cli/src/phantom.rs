@@ -46,9 +46,9 @@ pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
             Some(own) => films::with_files(case, own),
             None => case,
         };
-        write_file(&path, &spineline_io::to_text(&case))?;
+        write_file(&path, spineline_io::to_text(&case))?;
         let truth = TruthFile { films: own.cloned(), ..TruthFile::new(phantom) };
-        write_file(&path.with_extension("truth.json"), &spineline_io::to_text(&truth))?;
+        write_file(&path.with_extension("truth.json"), spineline_io::to_text(&truth))?;
         text.push_str(&format!("{} (synthetic; its truth is beside it)\n", path.display()));
     }
     let all: Vec<_> = films.values().flat_map(BTreeMap::values).collect();

@@ -1,5 +1,7 @@
 //! `spineline film` and the decoder behind it.
 
+#![allow(clippy::unwrap_used)]
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;

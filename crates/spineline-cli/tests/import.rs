@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use serde_json::Value as Json;
 use spineline_io::film::{FilmLimits, read_film};
 
-#[allow(dead_code)]
 #[path = "../../spineline-io/tests/film/maker.rs"]
 mod maker;
 use maker::{EXPLICIT, Maker, Value, ramp, text};

@@ -111,9 +111,9 @@ pub fn write(
         identity_kept: args.keep_identity,
         films: reports,
     };
-    write_file(&folder.join("import.json"), &spineline_io::to_text(&report))?;
+    write_file(&folder.join("import.json"), spineline_io::to_text(&report))?;
     // The case comes last: where it is, everything that it names is.
-    write_file(&folder.join("case.json"), &spineline_io::to_text(&case))
+    write_file(&folder.join("case.json"), spineline_io::to_text(&case))
 }
 
 fn write_film(

@@ -29,7 +29,7 @@ pub fn write(
         noise: args.noise,
         rows: sections.iter().flat_map(records).collect(),
     };
-    write_file(&out.join("summary.json"), &spineline_io::to_text(&summary))?;
+    write_file(&out.join("summary.json"), spineline_io::to_text(&summary))?;
     for run in runs {
         let support = support_name(run.support);
         let name = format!("errors-{}-{support}.csv", run.truth.key());

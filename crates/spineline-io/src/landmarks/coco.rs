@@ -51,7 +51,7 @@ struct Annotation {
     keypoints: Vec<f64>,
 }
 
-/// Reads keypoints of COCO ([`coco`](self)); one film per picture.
+/// Reads keypoints of COCO; one film per picture.
 ///
 /// # Errors
 /// [`LandmarkError`], which names the annotation.

@@ -37,7 +37,7 @@ struct Shape {
     shape_type: Option<String>,
 }
 
-/// Reads an annotation of labelme ([`labelme`](self)).
+/// Reads an annotation of labelme.
 ///
 /// # Errors
 /// [`LandmarkError`], which names the shape.

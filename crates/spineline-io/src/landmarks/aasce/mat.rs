@@ -19,7 +19,7 @@ const COMPRESSED: u32 = 15;
 /// The variable with the corners.
 const VARIABLE: &[u8] = b"p2";
 
-/// Reads the corners of one film ([`aasce`](super)) from the bytes of a MATLAB file.
+/// Reads the corners of one film from the bytes of a MATLAB file.
 ///
 /// # Errors
 /// [`LandmarkError::Needs`] without the side of the patient's left; [`LandmarkError`] for anything else than a real matrix

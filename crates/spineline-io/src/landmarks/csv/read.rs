@@ -15,7 +15,7 @@ use crate::landmarks::{
     LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm,
 };
 
-/// Reads a table of landmarks ([`csv`](super)) from the bytes of its file.
+/// Reads a table of landmarks from the bytes of its file.
 ///
 /// # Errors
 /// [`LandmarkError`], which names line and column. A row too many or too few, a cell that is no number, an unknown column

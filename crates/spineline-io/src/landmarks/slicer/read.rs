@@ -49,7 +49,7 @@ struct ControlPoint {
 /// A place in LPS, in millimetres.
 type Lps = [f64; 3];
 
-/// Reads point lists of Slicer ([`slicer`](super)).
+/// Reads point lists of Slicer.
 ///
 /// The image's frame needs the pixel spacing: that of the file where it is ours, else the hint's picture's.
 ///
