@@ -37,6 +37,7 @@ mod write;
 
 use std::borrow::Cow;
 
+use dicom_object::InMemDicomObject;
 use serde::{Deserialize, Serialize};
 use spineline::measure::{SpacingEvidence, ViewEvidence};
 
@@ -249,6 +250,16 @@ pub fn read_film(bytes: &[u8], limits: &FilmLimits) -> Result<FilmFile, FilmErro
         FilmKind::Dicom => read_dicom(bytes, limits),
         kind => raster::read(bytes, kind, limits),
     }
+}
+
+/// The data set of any DICOM file, without uncompressed pixels, after the same checks as a film.
+///
+/// # Errors
+/// [`FilmError`] for what is no DICOM file, or not a sound one.
+pub(crate) fn read_data_set(bytes: &[u8]) -> Result<InMemDicomObject, FilmError> {
+    let limits = FilmLimits::default();
+    let container::Container { syntax, body, .. } = container::open(bytes, &limits)?;
+    Ok(element::parse(&body, syntax.encoding, &limits)?.object)
 }
 
 fn read_dicom(bytes: &[u8], limits: &FilmLimits) -> Result<FilmFile, FilmError> {

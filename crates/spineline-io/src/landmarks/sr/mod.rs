@@ -13,7 +13,6 @@
 
 mod codes;
 mod item;
-mod nesting;
 mod read;
 mod source;
 mod write;

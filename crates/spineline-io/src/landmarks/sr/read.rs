@@ -7,8 +7,9 @@ use spineline::anatomy::{Level, Posture};
 use spineline::measure::{Corners, IliacCrests, Mark, Reading, ReadingId};
 use spineline::spatial::{Angle, Pixel};
 
+use super::HALF_PIXEL;
 use super::codes::{self, Code};
-use super::{HALF_PIXEL, nesting};
+use crate::film::read_data_set;
 use crate::landmarks::film::pixel;
 use crate::landmarks::names::observer;
 use crate::landmarks::{LandmarkError, LandmarkReadings, MarkedFilm};
@@ -21,9 +22,7 @@ pub fn read_sr(bytes: &[u8]) -> Result<MarkedFilm, LandmarkError> {
     if bytes.get(128..132) != Some(b"DICM") {
         return Err(foreign("it is no DICOM file"));
     }
-    nesting::check(bytes).map_err(foreign)?;
-    let file = dicom_object::from_reader(bytes).map_err(|_| foreign("it cannot be read"))?;
-    let document: &InMemDicomObject = &file;
+    let document = &read_data_set(bytes).map_err(|error| foreign(&error.to_string()))?;
     if text(document, tags::SOP_CLASS_UID).as_deref() != Some(uids::COMPREHENSIVE_SR_STORAGE)
         || !is_named(document, codes::REPORT)
     {

@@ -2,9 +2,10 @@ use std::path::Path;
 
 use dicom_core::Tag;
 use dicom_dictionary_std::tags;
-use dicom_object::{InMemDicomObject, OpenFileOptions};
 
 use super::SourceImage;
+use crate::film::read_data_set;
+use crate::intake::{IntakeLimits, Place, read};
 use crate::landmarks::LandmarkExportError;
 
 /// What a report takes over from the DICOM file of a radiograph; pixels are not read.
@@ -13,12 +14,10 @@ use crate::landmarks::LandmarkExportError;
 /// [`LandmarkExportError::Source`] for a file that is no DICOM or has no identifiers.
 pub fn read_source(path: &Path) -> Result<SourceImage, LandmarkExportError> {
     let unfit = |reason: &str| LandmarkExportError::Source(format!("{}: {reason}", path.display()));
-    let object = OpenFileOptions::new()
-        .read_until(tags::PIXEL_DATA)
-        .open_file(path)
-        // The library's words may hold what is in the file.
-        .map_err(|_| unfit("it cannot be read as DICOM"))?;
-    let object: &InMemDicomObject = &object;
+    let place = Place::File(path.to_owned());
+    let bytes = read(&place, &IntakeLimits::default())
+        .map_err(|error| LandmarkExportError::Source(error.to_string()))?;
+    let object = read_data_set(&bytes).map_err(|error| unfit(&error.to_string()))?;
     let text = |tag: Tag| -> String {
         let value = object.get(tag).and_then(|element| element.to_str().ok());
         value.map(|text| text.trim_matches(['\0', ' ']).to_owned()).unwrap_or_default()
