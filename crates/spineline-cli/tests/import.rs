@@ -391,8 +391,33 @@ fn a_case_is_never_overwritten() {
     let before = everything(&here.path("a"));
     let (_, error, code) = here.import(&arguments);
     assert_eq!(code, 3);
-    assert!(error.contains("there is a case already"), "{error}");
+    assert!(error.contains("overwrites nothing"), "{error}");
     assert_eq!(before, everything(&here.path("a")));
+    // Nor are the patient's own films, where they have the names that a case would give them.
+    fs::create_dir(here.path("own")).expect("a folder");
+    put(&here, "own/left_bending.dcm", &film(3));
+    let into = ["own", "--case-id", "A", "--out", "own", "--film", "erect=1"];
+    let (_, error, code) = here.import(&into);
+    assert_eq!(code, 3);
+    assert!(error.contains("own/left_bending.dcm"), "{error}");
+    assert_eq!(fs::read(here.path("own/left_bending.dcm")).expect("there"), film(3).file(EXPLICIT));
+}
+
+#[test]
+fn two_answers_to_one_question_and_answers_about_no_film_are_refused() {
+    let here = Here::new();
+    put(&here, "a.dcm", &film(1));
+    let refused = |more: &[&str]| {
+        let base = ["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"];
+        let (_, error, code) = here.import(&[&base[..], more].concat());
+        assert_eq!(code, 2, "{error}");
+        error
+    };
+    let twice = ["--patient-left", "image-right", "--patient-left", "image-left"];
+    assert!(refused(&twice).contains("--patient-left is given twice"));
+    let both = ["--ball", "erect=1,1,40,1,25", "--ruler", "erect=1,1,40,1,100"];
+    assert!(refused(&both).contains("the erect film"));
+    assert!(refused(&["--invert", "traction"]).contains("--film traction="));
 }
 
 #[test]

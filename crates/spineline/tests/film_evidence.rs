@@ -88,14 +88,26 @@ fn magnification_is_taken_out_of_the_imagers_spacing() {
     // 1800 / 1500 = 1.2.
     let (row, column, plane, source) = spacing.expect("two distances");
     assert!((row - 0.2 / 1.2).abs() < 1e-15 && (column - 0.1 / 1.2).abs() < 1e-15);
-    assert_eq!((plane, source), (SpacingPlane::Patient, SpacingSource::Distances));
+    assert_eq!((plane, source), (SpacingPlane::Unknown, SpacingSource::Distances));
+}
+
+#[test]
+fn pixel_spacing_that_is_passed_over_is_remarked_on() {
+    let (spacing, remarks) = judged(SpacingEvidence {
+        pixel_mm: Some([0.175; 2]),
+        imager_mm: Some([0.2; 2]),
+        magnification: Some(1.25),
+        ..Default::default()
+    });
+    assert_eq!(spacing, Some((0.16, 0.16, SpacingPlane::Patient, SpacingSource::Magnification)));
+    assert!(matches!(remarks[..], [SpacingRemark::PixelSpacingPassedOver { .. }]), "{remarks:?}");
 }
 
 #[test]
 fn impossible_or_contradicting_magnifications_leave_the_detectors_plane() {
     let imager_mm = Some([0.1; 2]);
     let detector = Some((0.1, 0.1, SpacingPlane::Detector, SpacingSource::Imager));
-    for value in [0.9, 0.0, -1.0, 2.5, f64::NAN] {
+    for value in [1.0, 0.9, 0.0, -1.0, 2.5, f64::NAN] {
         let (spacing, remarks) =
             judged(SpacingEvidence { imager_mm, magnification: Some(value), ..Default::default() });
         assert_eq!(spacing, detector, "{value}");
@@ -234,6 +246,16 @@ fn what_is_absent_or_contradicts_itself_is_asked_and_never_guessed() {
     let judged = judge_view(&orientation("L", "H"), None);
     assert_eq!(judged.patient_left, None);
     assert!(judged.questions.contains(&ViewQuestion::NotUpright { rows: Direction::Head }));
+}
+
+#[test]
+fn a_patient_who_lies_on_a_side_is_not_seen_from_it() {
+    for word in ["LLD", "RLD", "LEFT LATERAL DECUBITUS", "POSTERO-LATERAL"] {
+        assert_eq!(ViewPosition::from_dicom(word), ViewPosition::Other, "{word}");
+    }
+    for word in ["LL", "RL", "LATERAL", "left lateral"] {
+        assert_eq!(ViewPosition::from_dicom(word), ViewPosition::Lateral, "{word}");
+    }
 }
 
 #[test]

@@ -23,6 +23,9 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
             "these landmarks name sides of the picture: say once for all of them where the patient's left is, with --patient-left image-right or image-left",
         ));
     };
+    if side.posture.is_some() {
+        return Err(Failure::usage("--patient-left is for all of these films: give it no posture"));
+    }
     for folder in &args.paths {
         import(args, folder, side.value.side())?;
     }
@@ -31,6 +34,13 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
 
 fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failure> {
     let name = folder.file_name().map_or_else(|| "aasce".into(), |name| name.to_string_lossy());
+    let verdicts = args.out.as_ref().filter(|_| !args.list);
+    let verdicts = verdicts.map(|out| out.join(format!("{name}-verdicts.csv")));
+    if let Some(there) = verdicts.as_ref().filter(|path| path.exists()) {
+        let help = "choose another folder with --out, one for each set of this name";
+        let what = "a set of this name was imported here already";
+        return Err(Failure::input(&there.display().to_string(), &what, help));
+    }
     let mut table = csv::Writer::from_writer(Vec::new());
     table
         .write_record(["row", "case_id", "verdict", "main_angle_deg", "faults"])
@@ -65,8 +75,7 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
         "{}: {clean} of {all} rows without fault; the others are not made into cases\n",
         folder.display()
     ));
-    if let Some(out) = args.out.as_ref().filter(|_| !args.list) {
-        let verdicts = out.join(format!("{name}-verdicts.csv"));
+    if let Some(verdicts) = verdicts {
         write_file(&verdicts, finish(table)?)?;
         text.push_str(&format!("{} holds every verdict\n", verdicts.display()));
     }

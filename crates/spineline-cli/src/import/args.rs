@@ -11,6 +11,7 @@ use spineline::spatial::Pixel;
 
 use super::role::Role;
 use crate::args::{number, posture};
+use crate::failure::Failure;
 
 /// What a user types.
 pub const EXAMPLES: &str = "\
@@ -165,6 +166,42 @@ impl ImportArgs {
         };
         let ball = of(&self.ball).map(|clicks| (Calibrator::Ball, clicks));
         ball.or_else(|| of(&self.ruler).map(|clicks| (Calibrator::Ruler, clicks)))
+    }
+
+    /// Refuses two answers to one question.
+    pub fn check_answers(&self) -> Result<(), Failure> {
+        let twice = |option: &str, postures: &[Option<Posture>]| {
+            let repeated = postures.iter().enumerate().find(|(i, p)| postures[..*i].contains(p));
+            match repeated {
+                None => Ok(()),
+                Some((_, posture)) => {
+                    let film =
+                        posture.map_or_else(|| "all films".to_owned(), |p| format!("the {p} film"));
+                    Err(Failure::usage(format!("{option} is given twice for {film}")))
+                }
+            }
+        };
+        let of = |all: &[(Posture, Clicks)]| all.iter().map(|(p, _)| Some(*p)).collect::<Vec<_>>();
+        let calibrators = [of(&self.ball), of(&self.ruler)].concat();
+        twice("--patient-left", &self.patient_left.iter().map(|o| o.posture).collect::<Vec<_>>())?;
+        twice("--spacing", &self.spacing.iter().map(|o| o.posture).collect::<Vec<_>>())?;
+        twice("a scale by --ball or --ruler", &calibrators)?;
+        twice("--invert", &self.invert.iter().copied().map(Some).collect::<Vec<_>>())
+    }
+
+    /// Refuses answers about a film that was not chosen.
+    pub fn check_postures(&self, chosen: &[Posture]) -> Result<(), Failure> {
+        let sides = self.patient_left.iter().filter_map(|o| o.posture);
+        let spacings = self.spacing.iter().filter_map(|o| o.posture);
+        let scales = self.ball.iter().chain(&self.ruler).map(|(posture, _)| *posture);
+        let mut named = sides.chain(spacings).chain(scales).chain(self.invert.iter().copied());
+        match named.find(|posture| !chosen.contains(posture)) {
+            None => Ok(()),
+            Some(posture) => Err(Failure::usage(format!(
+                "something is said of the {posture} film, and no such film was chosen: add --film {}=…",
+                posture.key().replace('_', "-")
+            ))),
+        }
     }
 
     /// The postures that were given a film.

@@ -22,6 +22,8 @@ pub struct Seen {
     pub rows: u32,
     pub tags: FilmTags,
     pub remarks: Vec<FilmRemark>,
+    /// Of the file's bytes, to notice a file that changes while it is imported.
+    pub source: String,
     /// Of the decoded pixels: the same film in two files has the same.
     pub picture: String,
 }
@@ -101,6 +103,7 @@ impl Candidates {
 
 fn see(found: &Found, program: &std::path::Path, limits: &IntakeLimits) -> Result<Seen, String> {
     let bytes = read(&found.place, limits).map_err(|error| error.to_string())?;
+    let source = sha256_hex(&bytes);
     let film = decode_in_child(program, &["decode-film"], bytes, &ChildLimits::default())
         .map_err(|error| error.to_string())?;
     let picture: Vec<u8> = film.stored.iter().flat_map(i32::to_le_bytes).collect();
@@ -109,6 +112,7 @@ fn see(found: &Found, program: &std::path::Path, limits: &IntakeLimits) -> Resul
         rows: film.rows,
         tags: film.tags,
         remarks: film.remarks,
+        source,
         picture: sha256_hex(&picture),
     })
 }

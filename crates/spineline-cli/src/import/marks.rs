@@ -53,6 +53,14 @@ pub fn bring(args: &ImportArgs, films: &[Settled]) -> Result<Marks, Failure> {
             let film = films.iter().find(|f| posture.is_some() && f.role.posture() == posture);
             let image = film.map(Settled::image);
             let film = marked.into_film(hint.posture, image).map_err(|error| fail(&error))?;
+            if matches!(film.marks, FilmMarks::Placements { .. }) {
+                let what = format!(
+                    "it holds locations and tilts of the {} film, and no corners that could lie on its picture",
+                    film.posture
+                );
+                let help = "a case of such locations needs no picture: write them into a case file";
+                return Err(Failure::input(&of.value.display().to_string(), &what, help));
+            }
             if marks.insert(film.posture, film.marks).is_some() {
                 let what = format!("it marks the {} film, which is marked already", film.posture);
                 let help = "give one file of landmarks per film";

@@ -29,6 +29,7 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
         return print(&text::list(&Candidates::find(args)?));
     };
     write::check_free(folder)?;
+    args.check_answers()?;
     let candidates = Candidates::find(args)?;
     let mut chosen = chosen(args, &candidates)?;
     let ask = dialogue::possible();
@@ -47,6 +48,7 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
         .map(|&(role, index)| Ok((role, index, candidates.seen(index)?)))
         .collect::<Result<Vec<(Role, usize, &Seen)>, Failure>>()?;
     check_together(&seen)?;
+    args.check_postures(&chosen.iter().filter_map(|(role, _)| role.posture()).collect::<Vec<_>>())?;
     let mut films = settle_all(args, &seen, ask)?;
     if let Some(first) = films.first_mut() {
         first.notes.extend(same_identifier(&seen));

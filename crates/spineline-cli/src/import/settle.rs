@@ -23,6 +23,8 @@ pub struct Settled {
     pub inverted: bool,
     /// Whether its file says that it is a phantom's.
     pub is_phantom: bool,
+    /// SHA-256 of the file that was looked at.
+    pub source: String,
     /// What was odd, and what was done about it.
     pub notes: Vec<String>,
 }
@@ -131,7 +133,19 @@ pub fn settle(
     let spacing = spacing(args, role, &seen.spacing(), &mut notes)?;
     let inverted = role.posture().is_some_and(|posture| args.invert.contains(&posture));
     let (columns, rows, is_phantom) = (seen.columns, seen.rows, seen.tags.is_phantom);
-    Ok(Ok(Settled { role, index, columns, rows, spacing, side, inverted, is_phantom, notes }))
+    let source = seen.source.clone();
+    Ok(Ok(Settled {
+        role,
+        index,
+        columns,
+        rows,
+        spacing,
+        side,
+        inverted,
+        is_phantom,
+        source,
+        notes,
+    }))
 }
 
 /// What a file says against its role. What it leaves out, the role answers.

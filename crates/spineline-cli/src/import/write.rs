@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use spineline::analysis::{Case, Subject};
+use spineline::anatomy::Posture;
 use spineline::measure::{Film, FilmMarks, LateralFilm};
 use spineline_io::film::{DeidAction, DeidOptions, DeidReport, FilmKind, FilmLimits, deidentify};
 use spineline_io::intake::{IntakeLimits, read};
@@ -66,17 +67,24 @@ struct ImportReport<'a> {
     films: Vec<FilmReport>,
 }
 
-/// Refuses a folder that holds a case: nobody's marks are overwritten.
+/// Refuses a folder that holds anything that an import writes: nobody's films or marks are overwritten.
 pub fn check_free(folder: &Path) -> Result<(), Failure> {
-    let case = folder.join("case.json");
-    if case.exists() {
-        return Err(Failure::input(
-            &case.display().to_string(),
-            &"there is a case already",
+    let roles = Posture::ALL.map(Role::Frontal).into_iter().chain([Role::Lateral]);
+    let kinds = [FilmKind::Dicom, FilmKind::Png, FilmKind::Jpeg, FilmKind::Tiff];
+    let films = roles.flat_map(|role| kinds.map(|kind| file_name(role, kind)));
+    let ours = ["case.json", "import.json"].map(str::to_owned).into_iter().chain(films);
+    match ours.map(|name| folder.join(name)).find(|path| path.exists()) {
+        None => Ok(()),
+        Some(there) => Err(Failure::input(
+            &there.display().to_string(),
+            &"this is there already, and an import overwrites nothing",
             "choose another folder with --out",
-        ));
+        )),
     }
-    Ok(())
+}
+
+fn file_name(role: Role, kind: FilmKind) -> String {
+    format!("{}.{}", role.key(), extension(kind))
 }
 
 /// Writes the films, the case, and a report of what was done.
@@ -127,6 +135,13 @@ fn write_film(
     let found = &candidates.films[film.index].found;
     let bytes =
         read(&found.place, &IntakeLimits::default()).map_err(|error| Failure::intake(&error))?;
+    if sha256_hex(&bytes) != film.source {
+        return Err(Failure::input(
+            &found.place.to_string(),
+            &"it changed while it was imported",
+            "run the import again when nothing else writes there",
+        ));
+    }
     let (bytes, kind, deidentification) = if args.keep_identity {
         (bytes, found.kind, None)
     } else {
@@ -141,7 +156,7 @@ fn write_film(
         let kind = if found.kind == FilmKind::Dicom { FilmKind::Dicom } else { FilmKind::Png };
         (clean.bytes, kind, Some(DeidRecord::of(&clean.report)))
     };
-    let file = format!("{}.{}", film.role.key(), extension(kind));
+    let file = file_name(film.role, kind);
     write_file(&folder.join(&file), &bytes)?;
     let sha256 = sha256_hex(&bytes);
     let source = FilmSource {

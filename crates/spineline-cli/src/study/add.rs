@@ -4,12 +4,12 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use spineline::analysis::Case;
+use spineline::analysis::{Case, Subject};
 use spineline::anatomy::Posture;
 use spineline::measure::{FilmMarks, IliacCrests, Mark, Reading};
 use spineline_io::LevelKey;
 use spineline_server::store::{
-    Corner, CrestSide, Event, FilmId, Name, Signature, Store, StoreError, Study,
+    Corner, CrestSide, Event, FilmEdit, FilmId, Name, Signature, Store, StoreError, Study,
 };
 
 use crate::failure::Failure;
@@ -24,17 +24,35 @@ pub fn add(store: &mut Store, at: &Path, path: &Path, by: &Signature) -> Result<
     let id = super::name(&case.id)?;
     let study = Study { id: id.clone(), label: None, synthetic: case.synthetic };
     let films = films(path, &case, &written)?;
+    // Before anything is written: a name that a store does not take would leave half a study.
+    for film in &films {
+        for reading in film.readings {
+            super::name(&reading.id.observer)?;
+        }
+    }
     store.add_study(&study, by).map_err(fail)?;
     let mut readings = 0;
     for film in &films {
         let added =
             store.add_film(&id, film.posture, &film.bytes, &film.image, by).map_err(fail)?;
+        if film.image["inverted"] == true {
+            store.edit_film(added.film, FilmEdit::Inverted(true), 0, by).map_err(fail)?;
+        }
         for reading in film.readings {
             record(store, added.film, reading, film.crests, by).map_err(fail)?;
             readings += 1;
         }
     }
-    Ok(format!("{id}: {} films and {readings} readings were added.\n", films.len()))
+    let mut text = format!("{id}: {} films and {readings} readings were added.\n", films.len());
+    if case.lateral.is_some() {
+        text.push_str(
+            "  ! the lateral film and its marks are not kept by a store: keep the case file\n",
+        );
+    }
+    if case.subject != Subject::default() {
+        text.push_str("  ! sex, age and Lenke class are not kept by a store: keep the case file\n");
+    }
+    Ok(text)
 }
 
 /// A film of a case with everything that a store wants of it.

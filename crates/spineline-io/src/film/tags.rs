@@ -3,7 +3,7 @@
 use dicom_core::value::Value;
 use dicom_object::InMemDicomObject;
 use spineline::measure::{
-    CalibrationType, Direction, SpacingEvidence, Stance, ViewEvidence, ViewPosition,
+    CalibrationType, Direction, SpacingEvidence, Stance, ViewEvidence, ViewPosition, judge_spacing,
 };
 
 use super::element::{Attributes, DataSet, PIXEL_DATA};
@@ -95,7 +95,7 @@ pub(super) fn read(
         None => {}
         Some(None) => remarks.push(FilmRemark::Unusable { attribute: ASPECT }),
         Some(Some((down, across)))
-            if down.trim() != across.trim() && spacing == SpacingEvidence::default() =>
+            if down.trim() != across.trim() && judge_spacing(&spacing).spacing.is_none() =>
         {
             remarks.push(FilmRemark::AspectNotUsed);
         }

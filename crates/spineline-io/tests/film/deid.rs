@@ -226,6 +226,14 @@ fn compressed_pixels_are_copied_to_the_byte_and_surplus_ones_are_not() {
     assert!(bytes.windows(coded.len()).any(|window| window == coded));
     assert_eq!(read(&bytes).unwrap().stored, StoredPixels::Unsigned(pixels.clone()));
     assert_eq!(report.remarks, []);
+    // A comment of the codec, and words behind its end.
+    let comment = [&[0xFF, 0xFE, 0, CANARY.len() as u8 + 2][..], CANARY.as_bytes()].concat();
+    let mut talking = coded.clone();
+    talking.splice(2..2, comment);
+    talking.extend(CANARY.as_bytes());
+    let (bytes, _) = run(&maker.fragments(vec![talking]).file(JPEG_LOSSLESS_1));
+    assert!(!holds(&bytes, CANARY));
+    assert_eq!(read(&bytes).unwrap().stored, StoredPixels::Unsigned(pixels.clone()));
     let mut raw: Vec<u8> = pixels.iter().flat_map(|p| p.to_le_bytes()).collect();
     raw.extend(CANARY.as_bytes());
     let mut maker = Maker::new(6, 4, &[]);

@@ -117,7 +117,14 @@ fn left_out(reading: ReadingId, state: &ReadingState) -> Vec<ExportRemark> {
 fn film_json(film: &FilmRecord, finished: &[(&ReadingRecord, ReadingState)]) -> Value {
     let mut record = Map::new();
     record.insert("posture".to_owned(), film.posture.key().into());
-    record.insert("image".to_owned(), film.image.clone());
+    let mut image = film.image.clone();
+    if let Some(image) = image.as_object_mut() {
+        image.remove("inverted");
+        if film.inverted {
+            image.insert("inverted".to_owned(), true.into());
+        }
+    }
+    record.insert("image".to_owned(), image);
     if let Some(crests) = mean_crests(finished) {
         record.insert("iliac_crests_px".to_owned(), crests);
     }

@@ -43,7 +43,7 @@ pub enum SpacingRemark {
         /// Its two values, row first; both the same for a single one.
         values: [f64; 2],
     },
-    /// A magnification below 1, or above 2; it is not used.
+    /// A magnification of 1 or less, or above 2; it is not used.
     Magnification {
         /// The value.
         value: f64,
@@ -68,6 +68,13 @@ pub enum SpacingRemark {
     CorrectionNotStated {
         /// Imager over pixel spacing, the magnification that was taken out.
         magnification: f64,
+    },
+    /// The distances reach to the table or support, not to the spine: what they take out is too little.
+    SupportNotSpine,
+    /// Pixel Spacing without a calibration type differs from what is used.
+    PixelSpacingPassedOver {
+        /// Pixel Spacing over what is used.
+        ratio: f64,
     },
     /// Pixel Spacing alone: for a projection it may be the detector's or the patient's.
     PlaneNotStated,
@@ -94,8 +101,10 @@ pub struct SpacingJudgement {
 }
 
 /// Magnifications that a radiograph of a trunk can have; calibration beads of six systems showed 0.98 to 1.49
-/// [bioengineering-2025], and below 1 an object would lie behind the detector.
-const MAGNIFICATIONS: std::ops::RangeInclusive<f64> = 1.0..=2.0;
+/// [bioengineering-2025]; at 1 an object would lie in the detector, below 1 behind it.
+fn is_magnification(value: f64) -> bool {
+    value > 1.0 && value <= 2.0
+}
 
 /// Two values agree when they differ by no more than so much of themselves.
 const AGREEMENT: f64 = 0.01;
@@ -103,7 +112,8 @@ const AGREEMENT: f64 = 0.01;
 /// Weighs what a file says about its spacing.
 ///
 /// In this order: Pixel Spacing with a calibration type (patient); Imager Pixel Spacing reduced by the magnification
-/// factor or by the distances (patient); Pixel Spacing that differs from the imager's (not stated);
+/// factor (patient) or
+/// by the distances (not stated: they reach to the support of the patient); Pixel Spacing that differs from the imager's (not stated);
 /// Pixel Spacing equal to the imager's, or Imager Pixel Spacing alone (detector); Pixel Spacing alone (not stated);
 /// Nominal Scanned Pixel Spacing (not stated). Values of zero, below zero or not finite are no spacing.
 ///
@@ -134,7 +144,18 @@ pub fn judge_spacing(evidence: &SpacingEvidence) -> SpacingJudgement {
         compare_with_imager(pixel, imager, magnification, &mut remarks);
         Some((pixel, SpacingPlane::Patient, source))
     } else if let Some((imager, (factor, source))) = imager.zip(magnification) {
-        Some((imager.map(|mm| mm / factor), SpacingPlane::Patient, source))
+        let reduced = imager.map(|mm| mm / factor);
+        if let Some(pixel) = pixel.filter(|pixel| !agree(pixel[1], reduced[1])) {
+            let ratio = pixel[1] / reduced[1];
+            remarks.push(SpacingRemark::PixelSpacingPassedOver { ratio });
+        }
+        let plane = if source == SpacingSource::Distances {
+            remarks.push(SpacingRemark::SupportNotSpine);
+            SpacingPlane::Unknown
+        } else {
+            SpacingPlane::Patient
+        };
+        Some((reduced, plane, source))
     } else if let Some((pixel, imager)) = pixel.zip(imager) {
         if agree(pixel[0], imager[0]) && agree(pixel[1], imager[1]) {
             remarks.push(SpacingRemark::DetectorPlane);
@@ -193,7 +214,7 @@ fn magnification(
     remarks: &mut Vec<SpacingRemark>,
 ) -> Option<(f64, SpacingSource)> {
     let mut checked = |value: f64, stated: bool| {
-        let good = MAGNIFICATIONS.contains(&value);
+        let good = is_magnification(value);
         if !good {
             remarks.push(SpacingRemark::Magnification { value, stated });
         }
@@ -242,7 +263,7 @@ impl std::fmt::Display for SpacingRemark {
             }
             Self::Magnification { value, stated } => write!(
                 f,
-                "the magnification {} is {value:.3}, and should be 1 to 2; it is not used",
+                "the magnification {} is {value:.3}, and should be above 1 and at most 2; it is not used",
                 if stated { "stated" } else { "from the distances" }
             ),
             Self::MagnificationsDisagree { stated, by_distances } => write!(
@@ -259,6 +280,13 @@ impl std::fmt::Display for SpacingRemark {
             Self::CorrectionNotStated { magnification } => write!(
                 f,
                 "Pixel Spacing is Imager Pixel Spacing over {magnification:.3}, and nothing says why"
+            ),
+            Self::SupportNotSpine => f.write_str(
+                "the distances reach to the table or support, not to the spine: lengths still are larger than the patient's by some percent",
+            ),
+            Self::PixelSpacingPassedOver { ratio } => write!(
+                f,
+                "Pixel Spacing has no calibration type, is {ratio:.3} times what is used, and is not used"
             ),
             Self::PlaneNotStated => f.write_str(
                 "Pixel Spacing has no calibration type: its millimetres may be the detector's or the patient's",

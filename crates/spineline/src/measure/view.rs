@@ -50,8 +50,9 @@ impl ViewPosition {
         let value = value.trim().to_ascii_uppercase();
         match value.as_str() {
             "AP" | "PA" => Self::Frontal,
-            "LL" | "RL" | "LAT" | "LLD" | "RLD" => Self::Lateral,
-            _ if value.contains("LATERAL") && !value.contains("ANTERO") => Self::Lateral,
+            "LL" | "RL" | "LAT" => Self::Lateral,
+            // Who lies on a side is mostly seen from the front; obliques are neither view.
+            "LATERAL" | "LEFT LATERAL" | "RIGHT LATERAL" => Self::Lateral,
             _ if value.contains("ANTERO-POSTERIOR") || value.contains("POSTERO-ANTERIOR") => {
                 Self::Frontal
             }

@@ -1,16 +1,18 @@
 //! Films without their patients, after the Basic Application Level Confidentiality Profile of DICOM PS3.15, annex E.
 //!
 //! What is kept is listed (the `policy` module), and each kept value is checked to be what it should be: a number, a word
-//! of the standard, a direction. So no text of the file reaches the output. Pixels are copied to the byte: lead markers
-//! stay, and so does text that is burned in, which only eyes can find; the report says so.
+//! of the standard, a direction. So no text of the file reaches the output. Compressed pictures lose their comments and the
+//! segments of applications; nothing else of the pixels changes: lead markers stay, and so does text that is burned in, which
+//! only eyes can find; the report says so.
 
 mod policy;
+mod stream;
 
 use std::io::Cursor;
 
 use dicom_core::dictionary::{DataDictionary, DataDictionaryEntry};
 use dicom_core::header::Length;
-use dicom_core::value::{DataSetSequence, PrimitiveValue, Value};
+use dicom_core::value::{DataSetSequence, PixelFragmentSequence, PrimitiveValue, Value};
 use dicom_core::{DataElement, VR};
 use dicom_dictionary_std::StandardDataDictionary;
 use dicom_object::mem::InMemElement;
@@ -273,8 +275,16 @@ fn pixel_data(data: &DataSet<'_>, limits: &FilmLimits) -> Result<Option<InMemEle
         let bytes = PrimitiveValue::U8(native.bytes[..length].into());
         return Ok(Some(element(PIXEL_DATA, vr, bytes)));
     }
-    let packed = data.object.get(PIXEL_DATA.into());
-    Ok(packed.filter(|element| matches!(element.value(), Value::PixelSequence(_))).cloned())
+    let Some(packed) = data.object.get(PIXEL_DATA.into()) else { return Ok(None) };
+    let Value::PixelSequence(sequence) = packed.value() else { return Ok(None) };
+    Ok(Some(match stream::cleaned(sequence.fragments())? {
+        None => packed.clone(),
+        Some(mut clean) => {
+            clean.resize(clean.len().next_multiple_of(2), 0);
+            let sequence = PixelFragmentSequence::new(Vec::<u32>::new(), vec![clean]);
+            DataElement::new(PIXEL_DATA.into(), VR::OB, sequence)
+        }
+    }))
 }
 
 fn element(tag: Attribute, vr: VR, value: impl Into<PrimitiveValue>) -> InMemElement {
