@@ -127,6 +127,7 @@ fn films_of_phantoms_make_a_synthetic_case_and_one_of_a_patient_does_not() {
     let (out, error, code) = here.import(&[&arguments[..], &["a"]].concat());
     assert_eq!(code, 0, "{error}{out}");
     assert_eq!(here.json("a/case.json")["synthetic"], true);
+    assert!(out.contains("SYNTHETIC"), "{out}");
     let both = [&arguments[..], &["b", "--film", "left-bending=2"]].concat();
     assert_eq!(here.import(&both).2, 0);
     assert_eq!(here.json("b/case.json")["synthetic"], false);

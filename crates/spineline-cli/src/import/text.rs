@@ -176,6 +176,9 @@ pub fn outcome(films: &[Settled], folder: &std::path::Path, marked: usize) -> St
     }
     let case = folder.join("case.json");
     let _ = writeln!(text, "\n{} and {} films were written.", case.display(), films.len());
+    if films.iter().all(|film| film.is_phantom) {
+        text.push_str("The films are a phantom's: the case says SYNTHETIC.\n");
+    }
     if marked == 0 {
         let _ = writeln!(
             text,
