@@ -17,7 +17,9 @@ pub fn all(root: &Path, seconds: u32) -> Result<(), String> {
     if !answers("cargo", &["fuzz", "--version"]) {
         run(root, "cargo", &["install", "--locked", "--quiet", "cargo-fuzz"], &[])?;
     }
-    run(&folder, "cargo", &["+nightly", "run", "--quiet", "--release", "--bin", "seeds"], &[])?;
+    let seeds = ["run", "--quiet", "--locked", "--manifest-path", "../Cargo.toml"];
+    let seeds = [&seeds[..], &["--package", "spineline-io", "--example", "fuzz_seeds"]].concat();
+    run(&folder, "cargo", &seeds, &[])?;
     run(&folder, "cargo", &["+nightly", "fuzz", "build", "--sanitizer", "none"], &[])?;
     for target in targets(&folder)? {
         let seeds = format!("seeds/{target}");

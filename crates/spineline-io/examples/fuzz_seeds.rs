@@ -1,4 +1,5 @@
-//! Writes the seeds: small valid files of every format, made by the program itself.
+//! Writes the seeds of the fuzz targets: small valid files of every format, made by the program itself. `cargo xtask fuzz`
+//! runs it in the folder `fuzz`.
 
 use std::fs;
 use std::path::Path;
