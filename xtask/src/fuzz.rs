@@ -30,6 +30,8 @@ pub fn all(root: &Path, seconds: u32) -> Result<(), String> {
             "+nightly",
             "fuzz",
             "run",
+            "--sanitizer",
+            "none",
             &target,
             &corpus,
             &seeds,
