@@ -87,11 +87,11 @@ fn has_end(scan: &[u8]) -> Result<(), CodecFault> {
 }
 
 /// One marker segment: its kind, and what it holds.
-struct Segment<'a> {
-    kind: u8,
-    body: &'a [u8],
+pub(in crate::film) struct Segment<'a> {
+    pub kind: u8,
+    pub body: &'a [u8],
     /// Where the next one begins.
-    end: usize,
+    pub end: usize,
 }
 
 /// The segment that begins at a place.
@@ -118,6 +118,18 @@ fn segment(data: &[u8], start: usize) -> Result<Segment<'_>, CodecFault> {
     Ok(Segment { kind, body, end: at + length })
 }
 
+/// The segment of a header that begins at a place: one that has a length.
+pub(in crate::film) fn header_segment(
+    data: &[u8],
+    start: usize,
+) -> Result<Segment<'_>, CodecFault> {
+    let found = segment(data, start)?;
+    match found.kind {
+        0x00 | 0x01 | 0xD0..=0xD9 => Err(CodecFault::Header),
+        _ => Ok(found),
+    }
+}
+
 /// All segments up to the first scan, its header included; then where its data begin.
 fn segments(data: &[u8]) -> Result<(Vec<Segment<'_>>, usize), CodecFault> {
     if !data.starts_with(&[0xFF, 0xD8]) {
@@ -126,12 +138,8 @@ fn segments(data: &[u8]) -> Result<(Vec<Segment<'_>>, usize), CodecFault> {
     let mut at = 2;
     let mut segments = Vec::new();
     loop {
-        let next = segment(data, at)?;
+        let next = header_segment(data, at)?;
         at = next.end;
-        match next.kind {
-            0x00 | 0x01 | 0xD0..=0xD9 => return Err(CodecFault::Header),
-            _ => {}
-        }
         let scan = next.kind == 0xDA;
         segments.push(next);
         if scan {

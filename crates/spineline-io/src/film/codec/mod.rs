@@ -6,6 +6,8 @@ mod markers;
 mod runs;
 mod wavelets;
 
+pub(super) use markers::header_segment;
+
 use std::borrow::Cow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 

@@ -1,5 +1,6 @@
 //! Compressed pictures without what is no picture: comments and the segments of applications, which may name anybody.
 
+use super::super::codec::header_segment;
 use super::super::error::{Codec, CodecFault, FilmError};
 
 /// The one compressed picture of a film, its fragments joined, without comments, segments of applications, and what
@@ -13,70 +14,61 @@ pub(super) fn cleaned(fragments: &[Vec<u8>]) -> Result<Option<Vec<u8>>, FilmErro
         Some([0xFF, 0xD8, 0xFF, _]) => (Codec::Jpeg, clean_jpeg(&joined)),
         Some([0xFF, 0x4F, 0xFF, 0x51]) => (Codec::Jpeg2000, clean_jpeg_2000(&joined)),
         // The boxes of a JP2 file, which DICOM does not allow around the picture.
-        Some([0, 0, 0, 0x0C]) if joined.get(4..8) == Some(b"jP  ") => (Codec::Jpeg2000, None),
+        Some([0, 0, 0, 0x0C]) if joined.get(4..8) == Some(b"jP  ") => {
+            (Codec::Jpeg2000, Err(CodecFault::Header))
+        }
         _ => return Ok(None),
     };
-    match clean {
-        Some(clean) => Ok(Some(clean)),
-        None => Err(FilmError::Codec { codec, fault: CodecFault::Header }),
-    }
+    clean.map(Some).map_err(|fault| FilmError::Codec { codec, fault })
 }
 
 /// JPEG and JPEG-LS: marker segments up to the first scan, then the scans up to the end of the image.
-fn clean_jpeg(data: &[u8]) -> Option<Vec<u8>> {
+fn clean_jpeg(data: &[u8]) -> Result<Vec<u8>, CodecFault> {
     const COMMENT: u8 = 0xFE;
     const SCAN: u8 = 0xDA;
     // Adobe's says which colours the components are.
     const ADOBE: u8 = 0xEE;
-    let mut clean = data.get(..2)?.to_vec();
-    let mut at = 2;
-    loop {
-        let [0xFF, marker] = *data.get(at..at + 2)?.first_chunk()? else { return None };
-        if marker == 0xFF {
-            // Fill bytes may stand before a marker.
-            at += 1;
-            continue;
-        }
-        if marker == SCAN {
-            break;
-        }
-        let length = usize::from(u16::from_be_bytes(*data.get(at + 2..at + 4)?.first_chunk()?));
-        let segment = data.get(at..at + 2 + length).filter(|_| length >= 2)?;
-        let is_application = (0xE0..=0xEF).contains(&marker) && marker != ADOBE;
-        if marker != COMMENT && !is_application {
-            clean.extend_from_slice(segment);
-        }
-        at += segment.len();
-    }
-    let scans = &data[at..];
+    let is_text = |kind| kind == COMMENT || (0xE0..=0xEF).contains(&kind) && kind != ADOBE;
+    let (mut clean, scans) = clean_header(data, SCAN, is_text)?;
     // Within a scan no such pair can stand: what follows 0xFF there is below 0x80.
-    let end = scans.windows(2).position(|pair| pair == [0xFF, 0xD9])?;
+    let end = scans.windows(2).position(|pair| pair == END).ok_or(CodecFault::Truncated)?;
     clean.extend_from_slice(&scans[..end + 2]);
-    Some(clean)
+    Ok(clean)
 }
 
 /// JPEG 2000: marker segments of the main header, then the tiles up to the end of the codestream.
-fn clean_jpeg_2000(data: &[u8]) -> Option<Vec<u8>> {
-    const COMMENT: [u8; 2] = [0xFF, 0x64];
-    const TILE: [u8; 2] = [0xFF, 0x90];
-    let mut clean = data.get(..2)?.to_vec();
+fn clean_jpeg_2000(data: &[u8]) -> Result<Vec<u8>, CodecFault> {
+    const COMMENT: u8 = 0x64;
+    const TILE: u8 = 0x90;
+    let (mut clean, tiles) = clean_header(data, TILE, |kind| kind == COMMENT)?;
+    let end = tiles.windows(2).rposition(|pair| pair == END).ok_or(CodecFault::Truncated)?;
+    clean.extend_from_slice(&tiles[..end + 2]);
+    Ok(clean)
+}
+
+/// The end of an image, or of a codestream.
+const END: [u8; 2] = [0xFF, 0xD9];
+
+/// The header up to the first segment of a kind, without segments of text; then everything from there on.
+fn clean_header(
+    data: &[u8],
+    first: u8,
+    is_text: impl Fn(u8) -> bool,
+) -> Result<(Vec<u8>, &[u8]), CodecFault> {
+    let mut clean = data[..2].to_vec();
     let mut at = 2;
     loop {
-        let marker: [u8; 2] = *data.get(at..at + 2)?.first_chunk()?;
-        if marker == TILE {
-            break;
+        let next = header_segment(data, at)?;
+        // The marker and the length stand before the body; fill bytes before them are no loss.
+        let start = next.end - next.body.len() - 4;
+        if next.kind == first {
+            return Ok((clean, &data[start..]));
         }
-        let length = usize::from(u16::from_be_bytes(*data.get(at + 2..at + 4)?.first_chunk()?));
-        let segment = data.get(at..at + 2 + length).filter(|_| length >= 2 && marker[0] == 0xFF)?;
-        if marker != COMMENT {
-            clean.extend_from_slice(segment);
+        if !is_text(next.kind) {
+            clean.extend_from_slice(&data[start..next.end]);
         }
-        at += segment.len();
+        at = next.end;
     }
-    let tiles = &data[at..];
-    let end = tiles.windows(2).rposition(|pair| pair == [0xFF, 0xD9])?;
-    clean.extend_from_slice(&tiles[..end + 2]);
-    Some(clean)
 }
 
 #[cfg(test)]
