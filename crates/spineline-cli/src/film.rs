@@ -6,13 +6,12 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Value, json};
 use spineline::measure::{judge_spacing, judge_view};
-use spineline_io::film::{
-    ChildLimits, FilmError, FilmFile, ModalityTransform, Voi, Window, WindowFunction,
-    decode_in_child,
-};
+use spineline_io::film::{FilmError, FilmFile, ModalityTransform, Voi, Window, WindowFunction};
 use spineline_io::intake::{IntakeLimits, Place, read};
 
+use crate::analyze::write_file;
 use crate::args::number;
+use crate::decode::Decoder;
 use crate::failure::{Ending, Failure};
 use crate::print;
 
@@ -48,9 +47,10 @@ pub fn run(args: &FilmArgs) -> Result<Ending, Failure> {
     if args.png.is_some() && args.files.len() > 1 {
         return Err(Failure::usage("--png takes one film"));
     }
+    let decoder = Decoder::new()?;
     let mut ending = Ending::Done;
     for path in &args.files {
-        let film = match decode(path)? {
+        let film = match decode(&decoder, path)? {
             Ok(film) => film,
             Err(error) => {
                 let place = path.display().to_string();
@@ -66,20 +66,16 @@ pub fn run(args: &FilmArgs) -> Result<Ending, Failure> {
         })?;
         if let Some(out) = &args.png {
             let png = film.display(args.window.as_ref(), args.invert).to_png();
-            std::fs::write(out, png)
-                .map_err(|error| Failure::write(&out.display().to_string(), &error))?;
+            write_file(out, png)?;
         }
     }
     Ok(ending)
 }
 
-/// In a process of its own: the film may be made to do harm.
-fn decode(path: &Path) -> Result<Result<FilmFile, FilmError>, Failure> {
-    let program = std::env::current_exe()
-        .map_err(|error| Failure::internal(format!("this program cannot find itself: {error}")))?;
+fn decode(decoder: &Decoder, path: &Path) -> Result<Result<FilmFile, FilmError>, Failure> {
     let place = Place::File(path.to_owned());
     let bytes = read(&place, &IntakeLimits::default()).map_err(|error| Failure::intake(&error))?;
-    Ok(decode_in_child(&program, &["decode-film"], bytes, &ChildLimits::default()))
+    Ok(decoder.decode(bytes))
 }
 
 fn as_text(path: &Path, film: &FilmFile) -> String {

@@ -1,11 +1,12 @@
 //! The films that were found, each decoded once in a process of its own, and what each says of itself.
 
 use spineline::measure::{SpacingJudgement, ViewJudgement, judge_spacing, judge_view};
-use spineline_io::film::{ChildLimits, FilmRemark, FilmTags, decode_in_child};
+use spineline_io::film::{FilmRemark, FilmTags};
 use spineline_io::intake::{Found, IntakeLimits, Survey, read, survey};
 use spineline_io::sha256_hex;
 
 use super::args::{FilmChoice, ImportArgs};
+use crate::decode::Decoder;
 use crate::failure::Failure;
 use crate::progress::spinner;
 
@@ -52,15 +53,14 @@ impl Candidates {
         let survey = survey(&args.paths, &limits, |count| bar.set_position(count as u64));
         bar.finish_and_clear();
         let survey = survey.map_err(|error| Failure::intake(&error))?;
-        let program = std::env::current_exe()
-            .map_err(|error| Failure::internal(format!("the decoder's own program: {error}")))?;
+        let decoder = Decoder::new()?;
         let bar = crate::progress::bar("decoding films", survey.films.len());
         let films = survey
             .films
             .iter()
             .map(|found| {
                 bar.inc(1);
-                let seen = see(found, &program, &limits);
+                let seen = see(found, &decoder, &limits);
                 Candidate { found: found.clone(), seen }
             })
             .collect();
@@ -101,11 +101,10 @@ impl Candidates {
     }
 }
 
-fn see(found: &Found, program: &std::path::Path, limits: &IntakeLimits) -> Result<Seen, String> {
+fn see(found: &Found, decoder: &Decoder, limits: &IntakeLimits) -> Result<Seen, String> {
     let bytes = read(&found.place, limits).map_err(|error| error.to_string())?;
     let source = sha256_hex(&bytes);
-    let film = decode_in_child(program, &["decode-film"], bytes, &ChildLimits::default())
-        .map_err(|error| error.to_string())?;
+    let film = decoder.decode(bytes).map_err(|error| error.to_string())?;
     let picture: Vec<u8> = film.stored.iter().flat_map(i32::to_le_bytes).collect();
     Ok(Seen {
         columns: film.columns,
