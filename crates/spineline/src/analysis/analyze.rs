@@ -6,7 +6,7 @@ use crate::chain::{Chain, ChainPose};
 use crate::clinical::{ClinicalCurve, LenkeType, Regions, lenke_type, measure_curves};
 use crate::curve::{CurveFit, InflectionChoice, Inflections, find_inflections, fit_curve};
 use crate::error::Error;
-use crate::measure::{Film, FilmReadings, LengthScale, Outline, measure_film};
+use crate::measure::{Film, FilmReadings, LengthScale, Outline, outline_of};
 use crate::motion::{Estimate, Motion, least_windows, mean_least};
 use crate::multibody::SpineModel;
 use crate::personalize::estimate::LineComparison;
@@ -119,15 +119,15 @@ pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error
     check_postures(&case.films)?;
     let mut films: Vec<&Film> = case.films.iter().collect();
     films.sort_by_key(|film| film.posture);
-    let outlines = films
-        .iter()
-        .map(|film| measure_film(film, &mut warnings))
-        .collect::<Result<Vec<Outline>, _>>()?;
+    let (mut readings, mut outlines) = (Vec::new(), Vec::new());
+    for film in &films {
+        let measured = FilmReadings::measure(film)?;
+        outlines.push(outline_of(film, &measured.readings, &mut warnings)?);
+        readings.push(measured);
+    }
     for film in &films[1..] {
         warn_of_shifted_levels(films[0], film, &mut warnings);
     }
-    let readings =
-        films.into_iter().map(FilmReadings::measure).collect::<Result<Vec<FilmReadings>, _>>()?;
     if is_read_once(&readings) {
         let text = "every film was read once, so how well readings repeat is not known: let a second observer read, or read again";
         warnings.push(Step::Measure, "reliability_one_reading", text);

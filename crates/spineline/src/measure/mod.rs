@@ -28,6 +28,7 @@ pub use evidence::{
 };
 pub use film::{Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading, ReadingId};
 pub use lateral::{LateralCorners, LateralFilm};
+pub(crate) use outline::outline_of;
 pub use outline::{MeasuredVertebra, Noise, Outline, check_marks, measure_film};
 pub use readings::{FilmReadings, measure_readings};
 pub use spacing::{LengthScale, Spacing, SpacingPlane, SpacingSource};

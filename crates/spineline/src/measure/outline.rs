@@ -102,8 +102,18 @@ impl Outline {
 /// # Errors
 /// [`MeasureError`], which names film, reading, vertebra, value and limit. Nothing is repaired.
 pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, MeasureError> {
+    outline_of(film, &measure_readings(film)?, warnings)
+}
+
+/// The outline of a film whose readings were measured before.
+pub(crate) fn outline_of(
+    film: &Film,
+    readings: &[Reading<Placement>],
+    warnings: &mut Warnings,
+) -> Result<Outline, MeasureError> {
     let posture = film.posture;
-    let PlacedFilm { readings: placed, scale, iliac_normal } = place_film(film, warnings)?;
+    let PlacedFilm { readings: placed, scale, iliac_normal } =
+        place_film(film, readings, warnings)?;
     let on_film = average(&placed);
     let base =
         on_film.get(&Level::L4).ok_or(MeasureError::LevelMissing { posture, level: Level::L4 })?.0;
@@ -157,12 +167,16 @@ struct PlacedFilm {
 /// # Errors
 /// As [`measure_film`], but for what concerns several vertebrae in their order.
 pub fn check_marks(film: &Film) -> Result<(), MeasureError> {
-    place_film(film, &mut Warnings::default()).map(|_| ())
+    place_film(film, &measure_readings(film)?, &mut Warnings::default()).map(|_| ())
 }
 
-fn place_film(film: &Film, warnings: &mut Warnings) -> Result<PlacedFilm, MeasureError> {
+fn place_film(
+    film: &Film,
+    readings: &[Reading<Placement>],
+    warnings: &mut Warnings,
+) -> Result<PlacedFilm, MeasureError> {
     let posture = film.posture;
-    let readings = measure_readings(film)?.into_iter().map(|reading| reading.vertebrae).collect();
+    let readings = readings.iter().map(|reading| reading.vertebrae.clone()).collect();
     let (image, iliac_crests) = match &film.marks {
         FilmMarks::Landmarks { image, iliac_crests, .. } => (image, iliac_crests),
         FilmMarks::Placements { spacing_plane, .. } => {
