@@ -51,6 +51,8 @@ pub enum Command {
     /// Keep films, blinded readings and every click in one file that proves its own history
     #[command(after_help = study::EXAMPLES)]
     Study(StudyArgs),
+    /// Open the browser app: from films to a model, on this machine
+    Serve(crate::serve::ServeArgs),
     /// Make synthetic patients with known truth
     Phantom(PhantomArgs),
     /// Write a model as MuJoCo, OpenSim or URDF programs read it, or landmarks as CSV, for 3D Slicer or as DICOM SR

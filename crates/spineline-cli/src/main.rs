@@ -16,6 +16,7 @@ mod reliability;
 mod report;
 mod reproduce;
 mod rows;
+mod serve;
 mod simulate;
 mod study;
 mod table;
@@ -46,6 +47,7 @@ fn run(command: Command) -> Result<Ending, Failure> {
         Command::Check(args) => check::run(&args),
         Command::Import(args) => import::run(&args),
         Command::Study(args) => study::run(&args),
+        Command::Serve(args) => serve::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Reliability(args) => reliability::run(&args),
         Command::Phantom(args) => phantom::run(&args),

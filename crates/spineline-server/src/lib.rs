@@ -1,5 +1,9 @@
-//! The study store of Spineline: films, blinded readings and every click on them, in one file that proves its own history.
+//! The study store of Spineline, and the browser app over it.
+//!
+//! [`store`] keeps films, blinded readings and every click on them in one file that proves its own history. [`http`] serves
+//! it to a browser on the same machine.
 
+pub mod http;
 pub mod store;
 
 // The session of the crash tests is one file, which unit tests use too.

@@ -3,6 +3,7 @@
 use rusqlite::{Connection, params};
 use serde::{Deserialize, Serialize};
 use spineline_io::LevelKey;
+use utoipa::ToSchema;
 
 use super::audit::{self, Ledger};
 use super::films::limit;
@@ -15,7 +16,7 @@ use super::{Store, StoreError};
 const LONGEST_NOTE: usize = 4_000;
 
 /// A corner of a vertebral body, by endplate and by the patient's side.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Corner {
     /// Superior endplate, patient's left.
@@ -46,7 +47,7 @@ impl Corner {
 }
 
 /// The patient's side of an iliac crest.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CrestSide {
     /// The patient's left.
@@ -56,12 +57,13 @@ pub enum CrestSide {
 }
 
 /// One thing that a reader did, as JSON with a `kind`. Places are in pixels of the film, column and row, sub-pixel.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Event {
     /// A corner set, wherever it was before.
     PlaceCorner {
         /// Vertebra.
+        #[schema(value_type = String)]
         level: LevelKey,
         /// Which corner.
         corner: Corner,
@@ -73,6 +75,7 @@ pub enum Event {
     /// A placed corner moved.
     MoveCorner {
         /// Vertebra.
+        #[schema(value_type = String)]
         level: LevelKey,
         /// Which corner.
         corner: Corner,
@@ -84,6 +87,7 @@ pub enum Event {
     /// An axis turned by hand, or given back to the corners.
     SetAxis {
         /// Vertebra.
+        #[schema(value_type = String)]
         level: LevelKey,
         /// Against the image's vertical, positive clockwise as seen; none to follow the corners.
         axis_deg: Option<f64>,
@@ -91,6 +95,7 @@ pub enum Event {
     /// A vertebra taken off the film.
     RemoveVertebra {
         /// Vertebra.
+        #[schema(value_type = String)]
         level: LevelKey,
     },
     /// The superior tip of an iliac crest.

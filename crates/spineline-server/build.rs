@@ -1,0 +1,36 @@
+//! Lays the browser app beside the program: the built one, or a page that says how to build it.
+
+use std::path::{Path, PathBuf};
+use std::{env, fs, io};
+
+fn main() -> io::Result<()> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../web");
+    let built = root.join("dist");
+    let embedded = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets it")).join("web");
+    if embedded.exists() {
+        fs::remove_dir_all(&embedded)?;
+    }
+    fs::create_dir_all(&embedded)?;
+    // A folder that does not exist yet counts as changed at every build; its parent always is there.
+    let watched = if built.exists() { &built } else { &root };
+    println!("cargo:rerun-if-changed={}", watched.display());
+    if built.join("index.html").exists() {
+        copy(&built, &embedded)
+    } else {
+        fs::copy("unbuilt.html", embedded.join("index.html")).map(drop)
+    }
+}
+
+fn copy(from: &Path, to: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        let target = to.join(entry.file_name());
+        if entry.file_type()?.is_dir() {
+            fs::create_dir_all(&target)?;
+            copy(&entry.path(), &target)?;
+        } else {
+            fs::copy(entry.path(), target)?;
+        }
+    }
+    Ok(())
+}

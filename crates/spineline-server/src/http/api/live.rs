@@ -1,0 +1,172 @@
+//! What follows from the marks: over the film, and beside it.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::{LineName, Notice, PostureName, SideName};
+
+/// How far the marks reach.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum LiveStatus {
+    /// Vertebrae are missing: no curve yet.
+    Partial,
+    /// The film is measured; the study as far as its films reach.
+    Complete,
+    /// The marks contradict one another.
+    Refused,
+}
+
+/// What follows from a reading as it stands, together with the other films of its study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct LiveView {
+    /// How far the marks reach.
+    pub status: LiveStatus,
+    /// In words, such as `12 of 15 vertebrae; T4, T3 and T2 are missing`.
+    pub status_text: String,
+    /// What is to be drawn over this film.
+    pub overlay: Option<FilmOverlay>,
+    /// The whole study: absent while its erect film is not complete.
+    pub study: Option<StudyFindings>,
+    /// Warnings and contradictions, worst first.
+    pub notices: Vec<Notice>,
+}
+
+/// Lines and points over one film, in its pixels.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct FilmOverlay {
+    /// Posture of the film.
+    pub posture: PostureName,
+    /// Fitted curve, caudal end first.
+    pub curve_px: Vec<[f64; 2]>,
+    /// Order and residuals in words, such as `polynomial of order 7, RMSE 0.31 mm and 0.8°`.
+    pub curve_text: String,
+    /// Where the curve of the erect film inflects, or where these segments lie in this posture.
+    pub inflections: Vec<LabelledPoint>,
+    /// From each measured midpoint to the curve.
+    pub residuals: Vec<Residual>,
+    /// End vertebrae of the curves: their endplates drawn long, and their angle.
+    pub cobb: Vec<CobbOverlay>,
+    /// Lines of action on this film.
+    pub lines: Vec<LineOverlay>,
+    /// Least-rotating segments of this posture.
+    pub least_rotating: Vec<LabelledPoint>,
+}
+
+/// A point with a name.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct LabelledPoint {
+    /// Where.
+    pub px: [f64; 2],
+    /// Short name to draw.
+    pub label: String,
+    /// In words, such as `inflection between L1 and T12`.
+    pub text: String,
+}
+
+/// How far a vertebra is from the curve.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Residual {
+    /// Level.
+    pub level: String,
+    /// Measured midpoint.
+    pub from_px: [f64; 2],
+    /// Where the curve passes.
+    pub to_px: [f64; 2],
+    /// Distance with its unit, in words.
+    pub text: String,
+    /// Whether it is beyond three standard deviations.
+    pub is_outlier: bool,
+}
+
+/// A Cobb angle over a film.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct CobbOverlay {
+    /// Region in words.
+    pub region: String,
+    /// Line along the upper end vertebra.
+    pub upper_px: [[f64; 2]; 2],
+    /// Line along the lower end vertebra.
+    pub lower_px: [[f64; 2]; 2],
+    /// Where to write the angle.
+    pub label_px: [f64; 2],
+    /// Such as `48.2°`.
+    pub label: String,
+    /// Such as `main thoracic, T5–T12, Cobb 48.2°, convex to the patient's right`.
+    pub text: String,
+}
+
+/// A line of action over a film.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct LineOverlay {
+    /// Which line.
+    pub kind: LineName,
+    /// One end, on the edge of the film.
+    pub from_px: [f64; 2],
+    /// Other end.
+    pub to_px: [f64; 2],
+    /// In words, with its status.
+    pub text: String,
+    /// Whether its model converged on this film.
+    pub converged: bool,
+}
+
+/// Clinical angles and rotations of the whole study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct StudyFindings {
+    /// Curves with their angles per posture.
+    pub curves: Vec<CurveFinding>,
+    /// Lenke's type in words, with what is missing.
+    pub lenke_text: String,
+    /// Rotations from the erect posture.
+    pub rotations: Vec<RotationFinding>,
+    /// Inflections of the erect curve in words.
+    pub inflections_text: String,
+    /// What lengths are measured in, such as `patient mm`.
+    pub length_unit: String,
+}
+
+/// A clinical curve.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct CurveFinding {
+    /// Region in words.
+    pub region: String,
+    /// Lower end vertebra, apex and upper end vertebra in words, such as `T12 – T8/T9 – T5`.
+    pub levels_text: String,
+    /// The patient's side to which it is convex.
+    pub convex: Option<SideName>,
+    /// Angles per posture.
+    pub angles: Vec<CurveAnglesFinding>,
+    /// Flexibility in words, where bends were filmed.
+    pub flexibility_text: Option<String>,
+}
+
+/// Angles of a curve in one posture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct CurveAnglesFinding {
+    /// Posture.
+    pub posture: PostureName,
+    /// Cobb angle.
+    pub cobb_deg: f64,
+    /// Ferguson angle.
+    pub ferguson_deg: f64,
+}
+
+/// Rotations of segments from erect to one posture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct RotationFinding {
+    /// Posture.
+    pub posture: PostureName,
+    /// Mean over all segments.
+    pub mean_deg: f64,
+    /// Places along the erect chain from L4 upwards, one per drawn segment; at most some 200 are sent.
+    pub along_mm: Vec<f64>,
+    /// Rotation of the segment there, in millidegrees.
+    pub rotation_mdeg: Vec<f64>,
+    /// Least-rotating segments and the inflections beside them, in words.
+    pub texts: Vec<String>,
+    /// Places of the inflection segments along the chain.
+    pub inflections_mm: Vec<f64>,
+    /// Places of the least-rotating segments along the chain.
+    pub least_mm: Vec<f64>,
+}

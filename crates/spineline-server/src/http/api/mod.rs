@@ -1,0 +1,21 @@
+//! What goes over the wire. The browser's types are made from these.
+//!
+//! Names end in their unit; sides are the patient's unless a name says `image`; pixels are `[column, row]`, sub-pixel, with
+//! the centre of the first pixel at zero. Points `[y, z]` and `[x, y, z]` are in the global frame in millimetres: x
+//! anterior, y to the patient's left, z cranial. Texts are for people and are ready to be shown as they are.
+
+mod cohort;
+mod live;
+mod model;
+mod readings;
+mod session;
+mod studies;
+mod words;
+
+pub use cohort::*;
+pub use live::*;
+pub use model::*;
+pub use readings::*;
+pub use session::*;
+pub use studies::*;
+pub use words::*;

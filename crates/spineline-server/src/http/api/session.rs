@@ -1,0 +1,103 @@
+//! Who is there, and what they may do.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// What an account may do at most; a study may grant less.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RoleName {
+    /// Looks.
+    Reader,
+    /// Marks films and makes studies.
+    Editor,
+    /// Leads: accounts, grants, plans, every study.
+    Admin,
+}
+
+/// How people show who they are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AccessName {
+    /// By the one-time token that `serve` prints.
+    Token,
+    /// By a local account and its password.
+    Accounts,
+}
+
+/// What the sign-in page needs to know before anybody has signed in.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SignInPage {
+    /// How to sign in.
+    pub access: AccessName,
+    /// Version of the program.
+    pub version: String,
+}
+
+/// Signing in.
+#[derive(Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum SignIn {
+    /// With the token of the address that `serve` printed.
+    Token {
+        /// The token.
+        token: String,
+        /// Who reads the films: 1 to 64 letters, digits, `.`, `-`, `_`.
+        observer: String,
+    },
+    /// With an account.
+    Account {
+        /// Its name.
+        name: String,
+        /// Its password.
+        password: String,
+    },
+}
+
+/// Who is signed in.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SessionView {
+    /// Observer or account.
+    pub name: String,
+    /// Role.
+    pub role: RoleName,
+    /// How they signed in.
+    pub access: AccessName,
+    /// To be sent as `X-Spineline-Csrf` with every request that changes something.
+    pub csrf: String,
+    /// Version of the program.
+    pub version: String,
+}
+
+/// A local account.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct AccountView {
+    /// Name, which is also the observer's.
+    pub name: String,
+    /// Role.
+    pub role: RoleName,
+    /// Whether it may sign in.
+    pub enabled: bool,
+}
+
+/// A new account, or a change of one: what is absent stays.
+#[derive(Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AccountEdit {
+    /// Role.
+    pub role: Option<RoleName>,
+    /// New password, of at least 12 characters.
+    pub password: Option<String>,
+    /// Whether it may sign in.
+    pub enabled: Option<bool>,
+}
+
+/// Who may do what in one study. Admins may do everything in every study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Grant {
+    /// Account.
+    pub name: String,
+    /// `reader` or `editor`.
+    pub role: RoleName,
+}

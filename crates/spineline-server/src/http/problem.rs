@@ -1,0 +1,72 @@
+//! Refusals, as whoever asked can understand them.
+
+use axum::Json;
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Response};
+
+use super::api::Problem;
+use crate::store::StoreError;
+
+/// What a handler gives back.
+pub type Answer<T> = Result<T, Failure>;
+
+/// A refusal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Failure {
+    status: StatusCode,
+    problem: Problem,
+}
+
+impl Failure {
+    /// A refusal with words of its own.
+    #[must_use]
+    pub fn new(status: StatusCode, code: &str, message: impl Into<String>) -> Self {
+        let problem = Problem { code: code.to_owned(), message: message.into(), help: None };
+        Self { status, problem }
+    }
+
+    /// With what to do about it.
+    #[must_use]
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.problem.help = Some(help.into());
+        self
+    }
+
+    /// What is not there, or not for whoever asks; nobody can tell which.
+    #[must_use]
+    pub fn not_found() -> Self {
+        Self::new(
+            StatusCode::NOT_FOUND,
+            "not_found",
+            "there is no such thing, or it is not yours to see",
+        )
+    }
+}
+
+impl From<StoreError> for Failure {
+    fn from(error: StoreError) -> Self {
+        use StatusCode as S;
+        let (status, code) = match &error {
+            StoreError::Unknown { .. } | StoreError::OutOfTurn => return Self::not_found(),
+            StoreError::Conflict { .. } => (S::CONFLICT, "conflict"),
+            StoreError::NotYours { .. } => (S::FORBIDDEN, "not_yours"),
+            StoreError::Finished { .. } => (S::CONFLICT, "finished"),
+            StoreError::Exists { .. } | StoreError::AlreadyKnown { .. } => (S::CONFLICT, "exists"),
+            StoreError::TooLarge { .. } => (S::PAYLOAD_TOO_LARGE, "too_large"),
+            StoreError::Busy => (S::SERVICE_UNAVAILABLE, "busy"),
+            StoreError::Full | StoreError::Disk { .. } => (S::INSUFFICIENT_STORAGE, "disk"),
+            StoreError::ReadOnly => (S::FORBIDDEN, "read_only"),
+            StoreError::Damaged { .. } | StoreError::Database { .. } => {
+                (S::INTERNAL_SERVER_ERROR, "store")
+            }
+            _ => (S::UNPROCESSABLE_ENTITY, "refused"),
+        };
+        Self::new(status, code, error.to_string()).help(error.help())
+    }
+}
+
+impl IntoResponse for Failure {
+    fn into_response(self) -> Response {
+        (self.status, Json(self.problem)).into_response()
+    }
+}

@@ -1,0 +1,61 @@
+/** Where in the app we are: `#/studies/S-017/measure`. The part before `/` never is a secret; tokens are taken off at once. */
+export type Page =
+  | { name: "studies" }
+  | { name: "new-study" }
+  | { name: "measure"; study: string; film?: number }
+  | { name: "model"; study: string }
+  | { name: "read"; study: string }
+  | { name: "cohort" }
+  | { name: "access" };
+
+export function pageOf(hash: string): Page {
+  const parts = hash.replace(/^#\/?/, "").split("/").map(decodeURIComponent);
+  const [first, study, third, fourth] = parts;
+  if (first === "new") return { name: "new-study" };
+  if (first === "cohort") return { name: "cohort" };
+  if (first === "access") return { name: "access" };
+  if (first === "studies" && study) {
+    if (third === "model") return { name: "model", study };
+    if (third === "read") return { name: "read", study };
+    const film = Number(fourth);
+    return { name: "measure", study, ...(fourth && Number.isInteger(film) ? { film } : {}) };
+  }
+  return { name: "studies" };
+}
+
+export function addressOf(page: Page): string {
+  switch (page.name) {
+    case "studies":
+      return "#/studies";
+    case "new-study":
+      return "#/new";
+    case "cohort":
+      return "#/cohort";
+    case "access":
+      return "#/access";
+    case "model":
+      return `#/studies/${encodeURIComponent(page.study)}/model`;
+    case "read":
+      return `#/studies/${encodeURIComponent(page.study)}/read`;
+    case "measure": {
+      const film = page.film === undefined ? "" : `/${page.film}`;
+      return `#/studies/${encodeURIComponent(page.study)}/measure${film}`;
+    }
+  }
+}
+
+class Router {
+  page = $state<Page>(pageOf(window.location.hash));
+
+  constructor() {
+    window.addEventListener("hashchange", () => {
+      this.page = pageOf(window.location.hash);
+    });
+  }
+
+  go(page: Page): void {
+    window.location.hash = addressOf(page);
+  }
+}
+
+export const router = new Router();
