@@ -26,6 +26,7 @@
 
 mod audit;
 mod backup;
+mod cases;
 mod error;
 mod export;
 mod films;
@@ -41,6 +42,7 @@ mod verify;
 mod full_disk;
 
 pub use audit::{AuditEntry, Head};
+pub use cases::{AddedCase, CaseError, CaseRemark, NewCase};
 pub use error::StoreError;
 pub use export::{ExportRemark, ExportedCase};
 pub use films::{AddedFilm, FilmEdit, FilmRecord, Study};
