@@ -35,6 +35,7 @@ mod names;
 mod plan;
 mod readings;
 mod schema;
+mod sight;
 mod state;
 mod verify;
 
@@ -50,6 +51,7 @@ pub use journal::{Acknowledged, Corner, CrestSide, Event, LostChange};
 pub use names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};
 pub use plan::{BlindFilm, FilmCode, Next, ObserverView, OwnReading, PlanDesign, VisibleReadings};
 pub use readings::ReadingRecord;
+pub use sight::{LastChange, SeenReading, Sight};
 pub use state::{ReadingState, Scale, VertebraMarks};
 pub use verify::{Finding, Verification};
 
