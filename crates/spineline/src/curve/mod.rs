@@ -18,10 +18,12 @@
 
 mod fit;
 mod inflection;
+mod residual;
 mod series;
 
 pub use fit::{CurveError, CurveFit, OrderRule, fit_curve};
 pub(crate) use inflection::MIN_TURN;
+pub use residual::CurveResidual;
 pub use inflection::{Inflection, InflectionChoice, Inflections, Lobe, Site, find_inflections};
 
 use crate::spatial::{Angle, Frontal};

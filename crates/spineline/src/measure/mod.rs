@@ -15,6 +15,7 @@ mod calibration;
 mod corners;
 mod evidence;
 mod film;
+mod frame;
 mod lateral;
 mod outline;
 mod readings;
@@ -27,6 +28,7 @@ pub use evidence::{
     CalibrationType, SpacingEvidence, SpacingJudgement, SpacingRemark, judge_spacing,
 };
 pub use film::{Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading, ReadingId};
+pub use frame::{FilmFrame, body_widths, endplate_centres};
 pub use lateral::{LateralCorners, LateralFilm};
 pub(crate) use outline::outline_of;
 pub use outline::{MeasuredVertebra, Noise, Outline, check_marks, measure_film};
