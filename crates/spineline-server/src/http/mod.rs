@@ -3,6 +3,7 @@
 pub mod api;
 mod assets;
 mod problem;
+mod results;
 mod session;
 mod state;
 
@@ -101,7 +102,7 @@ pub fn openapi() -> OpenApi {
 struct Planned;
 
 fn routes() -> OpenApiRouter<AppState> {
-    OpenApiRouter::new().merge(session::routes())
+    OpenApiRouter::new().merge(session::routes()).merge(results::routes())
 }
 
 fn app(state: AppState) -> Router {

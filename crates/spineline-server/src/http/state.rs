@@ -6,7 +6,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::Answer;
+use super::{Answer, results};
 use crate::store::{Name, Store, StoreError, Timestamp};
 
 /// Choices of whoever starts the server.
@@ -30,6 +30,7 @@ struct Shared {
     options: ServeOptions,
     token: String,
     sessions: Mutex<HashMap<String, Name>>,
+    results: results::Cache,
 }
 
 impl fmt::Debug for AppState {
@@ -42,7 +43,8 @@ impl fmt::Debug for AppState {
 impl AppState {
     pub(super) fn new(store: Store, address: SocketAddr, options: ServeOptions) -> Self {
         let (store, sessions) = (Mutex::new(store), Mutex::default());
-        let shared = Shared { store, address, options, token: secret(), sessions };
+        let results = results::Cache::default();
+        let shared = Shared { store, address, options, token: secret(), sessions, results };
         Self { shared: Arc::new(shared) }
     }
 
@@ -56,6 +58,11 @@ impl AppState {
 
     pub(super) fn options(&self) -> &ServeOptions {
         &self.shared.options
+    }
+
+    /// Analyses of studies.
+    pub(super) fn results(&self) -> &results::Cache {
+        &self.shared.results
     }
 
     /// Sessions by their secret.

@@ -274,16 +274,22 @@ pub(super) fn state(
     connection: &Connection,
     record: &ReadingRecord,
 ) -> Result<ReadingState, StoreError> {
+    Ok(ReadingState::replay(&events(connection, record.id)?, record.finished_at.is_some()))
+}
+
+pub(super) fn events(
+    connection: &Connection,
+    reading: ReadingId,
+) -> Result<Vec<Event>, StoreError> {
     let condition = "WHERE reading = ?1 ORDER BY revision";
     let mut next = 1;
-    let events = audit::load(connection, "events", condition, [record.id.0], |row| {
+    audit::load(connection, "events", condition, [reading.0], |row| {
         let (sequence, revision, json): (i64, i64, String) =
             (row.get("sequence")?, row.get("revision")?, row.get("event")?);
         let event = serde_json::from_str(&json).ok().filter(|_| revision == next);
         next += 1;
         event.ok_or_else(|| StoreError::damaged(format!("event/{sequence}")))
-    })?;
-    Ok(ReadingState::replay(&events, record.finished_at.is_some()))
+    })
 }
 
 fn lost_changes(connection: &Connection, object: &str) -> Result<Vec<LostChange>, StoreError> {

@@ -34,6 +34,7 @@ mod names;
 mod plan;
 mod readings;
 mod schema;
+mod standing;
 mod state;
 mod verify;
 
@@ -48,6 +49,7 @@ pub use journal::{Acknowledged, Corner, CrestSide, Event, LostChange};
 pub use names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};
 pub use plan::{BlindFilm, FilmCode, Next, ObserverView, OwnReading, PlanDesign, VisibleReadings};
 pub use readings::ReadingRecord;
+pub use standing::{Stand, StandingCase, StandingFilm};
 pub use state::{ReadingState, Scale, VertebraMarks};
 pub use verify::{Finding, Verification};
 

@@ -332,7 +332,7 @@ fn slot(row: &Row<'_>) -> Result<Slot, StoreError> {
 }
 
 /// Whether everyone may see everything: no plan, or nothing of it left to finish.
-fn is_open(connection: &Connection, study: &Name) -> Result<bool, StoreError> {
+pub(super) fn is_open(connection: &Connection, study: &Name) -> Result<bool, StoreError> {
     let readings = readings::of_study(connection, study)?;
     let finished: BTreeSet<_> = readings
         .iter()

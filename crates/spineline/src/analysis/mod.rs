@@ -6,6 +6,7 @@ mod identification;
 mod models;
 mod options;
 mod verdict;
+mod words;
 
 pub use analyze::{Analysis, PostureAnalysis, analyze};
 pub use identification::{Identification, MultiplierVerdict};

@@ -1,0 +1,35 @@
+//! What follows from the marks: over a film, beside it, in three dimensions, and over all studies.
+//!
+//! Everything is computed by the library from the case of a study as it stands; this module puts it into words and pixels.
+
+mod cache;
+mod curves;
+mod findings;
+mod live;
+mod load;
+mod model;
+mod notices;
+mod overlay;
+mod simulated;
+mod study;
+mod summary;
+mod words;
+
+pub use cache::Cache;
+pub(in crate::http) use live::{live_view, sees_results};
+pub(in crate::http) use summary::summary;
+
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::AppState;
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new()
+        .routes(routes!(live::live))
+        .routes(routes!(study::analysis_file))
+        .routes(routes!(study::findings))
+        .routes(routes!(study::overlay))
+        .routes(routes!(model::model))
+        .routes(routes!(load::load))
+}
