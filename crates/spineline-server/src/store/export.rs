@@ -127,10 +127,7 @@ fn left_out(reading: ReadingId, state: &ReadingState) -> Vec<ExportRemark> {
     remarks
 }
 
-pub(super) fn film_json(
-    film: &FilmRecord,
-    finished: &[(&ReadingRecord, ReadingState)],
-) -> Value {
+pub(super) fn film_json(film: &FilmRecord, finished: &[(&ReadingRecord, ReadingState)]) -> Value {
     let mut record = Map::new();
     record.insert("posture".to_owned(), film.posture.key().into());
     let mut image = film.image.clone();

@@ -74,7 +74,8 @@ impl StandingCase {
     /// The case of the films on which every vertebra of the model is marked.
     #[must_use]
     pub fn complete_case(&self) -> Case {
-        let complete = |film: &&Film| self.film(film.posture).is_some_and(|f| f.missing().is_empty());
+        let complete =
+            |film: &&Film| self.film(film.posture).is_some_and(|f| f.missing().is_empty());
         let films = self.case.films.iter().filter(complete).cloned().collect();
         Case { films, ..self.case.clone() }
     }

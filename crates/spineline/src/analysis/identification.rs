@@ -79,7 +79,8 @@ impl Analysis {
             .map(|joints| joints.iter().map(|[lateral, ..]| lateral.ln()).collect())
             .collect();
         let all = || logs.iter().flatten().copied();
-        let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
+        let (low, high) =
+            (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
         let place = |log: &f64| if high > low { (log - low) / (high - low) } else { 0.5 };
         logs.iter().map(|joints| joints.iter().map(place).collect()).collect()
     }

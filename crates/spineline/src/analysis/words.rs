@@ -102,9 +102,7 @@ impl Analysis {
         } else {
             "at the level of the library: only ratios are known"
         };
-        format!(
-            "lateral {lateral:.0}, flexion {flexion:.0}, axial {axial:.0} N·m/rad ({meaning})"
-        )
+        format!("lateral {lateral:.0}, flexion {flexion:.0}, axial {axial:.0} N·m/rad ({meaning})")
     }
 }
 
@@ -113,9 +111,9 @@ impl fmt::Display for MultiplierVerdict {
         let Self { identification, against, joints } = self;
         match identification {
             Identification::Absolute => f.write_str("known, since a force is known"),
-            Identification::RatioOnly => f.write_str(
-                "known as a ratio to the others only: bending films carry no force",
-            ),
+            Identification::RatioOnly => {
+                f.write_str("known as a ratio to the others only: bending films carry no force")
+            }
             Identification::AtBound(bound) => {
                 let wish = if *bound == StiffnessBound::Lower { "softer" } else { "stiffer" };
                 write!(f, "at its bound: the data want it {wish} still, so this is no value")

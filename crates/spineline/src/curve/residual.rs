@@ -51,7 +51,8 @@ impl CurveFit {
                 is_outlier: false,
             })
             .collect();
-        let places = outliers(all.iter().map(CurveResidual::distance_mm), outline.noise.location_mm);
+        let places =
+            outliers(all.iter().map(CurveResidual::distance_mm), outline.noise.location_mm);
         let tilts = outliers(all.iter().map(|r| r.tilt.rad()), outline.noise.tilt.rad());
         for ((residual, place), tilt) in all.iter_mut().zip(places).zip(tilts) {
             residual.is_outlier = place || tilt;

@@ -96,9 +96,7 @@ impl FilmFrame {
             low = low.max(enter.min(leave));
             high = high.min(enter.max(leave));
         }
-        let at = |part: f64| {
-            Pixel::new(a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1]))
-        };
+        let at = |part: f64| Pixel::new(a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1]));
         (low < high && low.is_finite() && high.is_finite()).then(|| [at(low), at(high)])
     }
 }

@@ -162,6 +162,5 @@ fn centre_offset_mm(inferior: usize, spacing_mm: f64) -> Vec3 {
 pub(super) fn size_scale(inferior: usize, spacing_mm: f64) -> f64 {
     let lower = Morphometry::of(Level::MODEL[inferior]);
     let upper = Morphometry::of(Level::MODEL[inferior + 1]);
-    spacing_mm
-        / (0.5 * lower.body_height_mm + lower.disc_above_mm + 0.5 * upper.body_height_mm)
+    spacing_mm / (0.5 * lower.body_height_mm + lower.disc_above_mm + 0.5 * upper.body_height_mm)
 }

@@ -72,8 +72,9 @@ impl StudyResult {
             Outcome::Analysed(analysis) => Ok(analysis),
             Outcome::Waiting => {
                 let text = super::words::progress(&self.standing);
-                Err(Failure::new(StatusCode::CONFLICT, "not_ready", text)
-                    .help("mark all vertebrae from L4 to T2 on the erect film, and finish the reading"))
+                Err(Failure::new(StatusCode::CONFLICT, "not_ready", text).help(
+                    "mark all vertebrae from L4 to T2 on the erect film, and finish the reading",
+                ))
             }
             Outcome::Refused { text, help } => {
                 Err(Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text).help(help))

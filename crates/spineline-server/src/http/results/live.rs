@@ -65,8 +65,12 @@ pub fn sees_results(
 
 /// Results are hidden.
 pub fn blinded() -> Failure {
-    Failure::new(StatusCode::FORBIDDEN, "blinded", "results wait until all planned readings are finished")
-        .help("finish your readings; nothing of the study is shown to its readers before")
+    Failure::new(
+        StatusCode::FORBIDDEN,
+        "blinded",
+        "results wait until all planned readings are finished",
+    )
+    .help("finish your readings; nothing of the study is shown to its readers before")
 }
 
 /// A study whose results whoever asks may see.

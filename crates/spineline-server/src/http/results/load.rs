@@ -47,7 +47,10 @@ fn answer(result: &StudyResult, request: &LoadRequest) -> Answer<LoadAnswer> {
     let analysis = result.analysed()?;
     let kind = line_kind(request.kind);
     let model = analysis.models.iter().find(|model| model.kind == kind).ok_or_else(|| {
-        refused(format!("this study has no model with the {kind}"), "choose a line that has a model")
+        refused(
+            format!("this study has no model with the {kind}"),
+            "choose a line that has a model",
+        )
     })?;
     let movable = Level::MODEL.iter().skip(1).position(|level| level.name() == request.level);
     let vertebra = 1 + movable.ok_or_else(|| {

@@ -134,7 +134,8 @@ fn contradicted_in(model: &LineModel, inferior: Level) -> Vec<PostureName> {
 fn model_notices(result: &StudyResult, analysis: &Analysis) -> Vec<Notice> {
     let mut notices = notices::of_result(result);
     if analysis.scale().pixels_per_mm.is_some() {
-        let text = "the erect film has no spacing: the spine is drawn as if it had the typical length";
+        let text =
+            "the erect film has no spacing: the spine is drawn as if it had the typical length";
         notices.push(notices::notice(Severity::Contradiction, "drawn_typical", text));
     }
     notices::sorted(notices)

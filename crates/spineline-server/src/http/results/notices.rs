@@ -92,7 +92,11 @@ fn left_out(standing: &StandingCase) -> Vec<Notice> {
         Some(notice)
     });
     let no_erect = standing.film(Posture::Erect).is_none().then(|| {
-        notice(Severity::Warning, "no_erect_film", "there is no erect film, which is the reference of every posture")
+        notice(
+            Severity::Warning,
+            "no_erect_film",
+            "there is no erect film, which is the reference of every posture",
+        )
     });
     notices.chain(no_erect).collect()
 }

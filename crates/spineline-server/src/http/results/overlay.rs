@@ -125,7 +125,10 @@ impl Drawing<'_> {
             let [from, to] = self.frame.line(line.point, line.direction)?;
             let status = if simulation.is_usable() {
                 let films = if simulation.fitted { "fitted" } else { "held out" };
-                format!("{films}, {:.1} mm mean location error", simulation.mean_location_error_mm())
+                format!(
+                    "{films}, {:.1} mm mean location error",
+                    simulation.mean_location_error_mm()
+                )
             } else {
                 format!("{}: no result", simulation.status.key().replace('_', " "))
             };

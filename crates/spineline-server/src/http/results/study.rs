@@ -28,7 +28,9 @@ pub async fn analysis_file(
     let result = study_result(&state, &study).await?;
     let generator = concat!("spineline ", env!("CARGO_PKG_VERSION"));
     let text = computed(move || {
-        result.analysed().map(|analysis| spineline_io::to_text(&AnalysisFile::new(analysis, generator)))
+        result
+            .analysed()
+            .map(|analysis| spineline_io::to_text(&AnalysisFile::new(analysis, generator)))
     });
     let text = text.await??;
     let headers = [
