@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use rusqlite::{Connection, params};
+use rusqlite::Connection;
 use serde_json::Value;
 use spineline::analysis::Case;
 use spineline::anatomy::{Level, Posture};
@@ -13,7 +13,7 @@ use super::journal::{self, Event};
 use super::names::{Name, ReadingId};
 use super::readings::{self, ReadingRecord};
 use super::state::ReadingState;
-use super::{Store, StoreError, export, plan};
+use super::{Store, StoreError, export, sight};
 
 /// Which readings stand for the films of a study.
 #[derive(Debug, Clone, Copy)]
@@ -122,47 +122,6 @@ impl Store {
         let case = parsed(study, synthetic, records)?;
         Ok(StandingCase { films, case })
     }
-
-    /// Whether films of a study are read blinded and the plan still is incomplete.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
-    pub fn is_blinded(&self, study: &Name) -> Result<bool, StoreError> {
-        let snapshot = self.connection.unchecked_transaction()?;
-        Ok(!plan::is_open(&snapshot, study)?)
-    }
-
-    /// A reading without what was marked, and the study of its film.
-    ///
-    /// # Errors
-    /// [`StoreError::Unknown`], [`StoreError::Damaged`].
-    pub fn reading(&self, reading: ReadingId) -> Result<(ReadingRecord, Name), StoreError> {
-        let snapshot = self.connection.unchecked_transaction()?;
-        let record = readings::reading(&snapshot, reading)?;
-        let study = films::film(&snapshot, record.film)?.study;
-        Ok((record, study))
-    }
-
-    /// Place in the audit log of the last change of a study, its films, readings and plan. Whatever was computed from the
-    /// study at the same place still holds.
-    ///
-    /// # Errors
-    /// [`StoreError::Unknown`], [`StoreError::Database`].
-    pub fn last_sequence(&self, study: &Name) -> Result<i64, StoreError> {
-        let query = "
-            SELECT max(audit.sequence) FROM audit WHERE audit.object IN (
-                SELECT 'study/' || ?1
-                UNION ALL SELECT 'film/' || id FROM films WHERE study = ?1
-                UNION ALL SELECT 'reading/' || readings.id FROM readings
-                    JOIN films ON films.id = readings.film WHERE films.study = ?1
-                UNION ALL SELECT 'event/' || max(events.sequence) FROM events
-                    JOIN readings ON readings.id = events.reading
-                    JOIN films ON films.id = readings.film WHERE films.study = ?1
-                UNION ALL SELECT 'plan/' || id FROM plans WHERE study = ?1)";
-        let last: Option<i64> =
-            self.connection.query_row(query, params![study.as_str()], |row| row.get(0))?;
-        last.ok_or_else(|| StoreError::Unknown { object: format!("study/{study}") })
-    }
 }
 
 type Read<'r> = Vec<(&'r ReadingRecord, ReadingState)>;
@@ -183,7 +142,8 @@ fn beside<'r>(
     of_film: &[&'r ReadingRecord],
 ) -> Result<Read<'r>, StoreError> {
     if let Some(&own) = of_film.iter().find(|reading| reading.id == hand.id) {
-        return Ok(vec![(own, with_pending(connection, own, pending)?)]);
+        let events = journal::events(connection, own.id)?;
+        return Ok(vec![(own, sight::replayed(own, events, pending)?)]);
     }
     let mut own: Vec<&'r ReadingRecord> =
         of_film.iter().copied().filter(|reading| reading.observer == hand.observer).collect();
@@ -198,24 +158,6 @@ fn beside<'r>(
         }
     }
     finished(connection, of_film)
-}
-
-fn with_pending(
-    connection: &Connection,
-    reading: &ReadingRecord,
-    pending: &[Event],
-) -> Result<ReadingState, StoreError> {
-    let mut events = journal::events(connection, reading.id)?;
-    let replay = |events: &[Event]| ReadingState::replay(events, reading.finished_at.is_some());
-    let mut state = replay(&events);
-    for event in pending {
-        if let Some(reason) = state.objection(event) {
-            return Err(StoreError::BadEvent { reading: reading.id, reason });
-        }
-        events.push(event.clone());
-        state = replay(&events);
-    }
-    Ok(state)
 }
 
 fn parsed(study: &Name, synthetic: bool, films: Vec<Value>) -> Result<Case, StoreError> {

@@ -19,9 +19,10 @@ impl Cohort {
                 if errors.location_mm.patients.n == 0 {
                     continue;
                 }
-                let interval = errors.location_mm.bootstrap.map_or_else(String::new, |[low, high]| {
-                    format!(", 95 % interval over patients {low:.2} to {high:.2}")
-                });
+                let interval =
+                    errors.location_mm.bootstrap.map_or_else(String::new, |[low, high]| {
+                        format!(", 95 % interval over patients {low:.2} to {high:.2}")
+                    });
                 all.push(format!(
                     "{:15} {films:8}  location error {:.2} mm{interval}; Ferguson error {:.2}°; films without a result: {}",
                     line.kind.to_string(),

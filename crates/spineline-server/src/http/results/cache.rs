@@ -113,7 +113,7 @@ impl Cache {
     /// # Errors
     /// As [`Store::standing_case`].
     pub fn result(&self, store: &Store, study: &Name) -> Result<Arc<StudyResult>, StoreError> {
-        let sequence = store.last_sequence(study)?;
+        let sequence = store.last_change(study)?.sequence;
         if let Some(result) = self.get(study, sequence) {
             return Ok(result);
         }
@@ -131,7 +131,7 @@ impl Cache {
 pub async fn study_result(state: &AppState, study: &Name) -> Answer<Arc<StudyResult>> {
     let (cache, name) = (state.clone(), study.clone());
     let found = state.store(move |store| {
-        let sequence = store.last_sequence(&name)?;
+        let sequence = store.last_change(&name)?.sequence;
         Ok(match cache.results().get(&name, sequence) {
             Some(result) => Ok(result),
             None => Err((sequence, store.standing_case(&name, Stand::Finished)?)),

@@ -17,7 +17,7 @@ use crate::http::api::{
     BoxChart, BoxView, CohortCell, CohortRow, CohortView, ComparisonView, Notice, Severity,
     StudyStatus,
 };
-use crate::http::{Answer, AppState, User};
+use crate::http::{Answer, AppState, User, studies};
 use crate::store::StoreError;
 
 /// The bootstrap starts from here.
@@ -38,10 +38,11 @@ struct Member {
 pub async fn cohort(State(state): State<AppState>, user: User) -> Answer<Json<CohortView>> {
     let shared = state.clone();
     let members = state.store(move |store| {
-        let studies = store.studies()?;
-        let members = studies.into_iter().map(|study| {
+        let mut seen = store.studies()?;
+        seen.retain(|study| studies::role_in(store, &user, &study.id).is_ok());
+        let members = seen.into_iter().map(|study| {
             let cache = shared.results();
-            let hidden = !super::sees_results(store, &user, &study.id, false)?;
+            let hidden = !super::live::sees_results(store, &user, &study.id)?;
             let result = if hidden { None } else { known(cache, store, &study.id)?.ok() };
             let line = match &result {
                 Some(result) => of_result(result),
@@ -131,9 +132,8 @@ fn cells(analysis: Option<&Analysis>) -> Vec<CohortCell> {
     for kind in LINES {
         for (films, fitted) in [("fitted", true), ("held out", false)] {
             let heading = format!("{kind}, {films} (mm)");
-            let error = of(&|a| {
-                a.models.iter().find(|m| m.kind == kind)?.mean_location_error_mm(fitted)
-            });
+            let error =
+                of(&|a| a.models.iter().find(|m| m.kind == kind)?.mean_location_error_mm(fitted));
             cells.push(cell(&heading, error, 2));
         }
     }
@@ -212,8 +212,16 @@ fn comparisons(cohort: &Cohort) -> Vec<ComparisonView> {
     let distance = "distance to the least-rotating segments, inflections against MMS_Mean";
     let rotation = "rotation, inflections against MMS_Mean";
     let all = [
-        ("location error on fitted films, inflection against iliac line".to_owned(), &cohort.location_test, "mm"),
-        ("Ferguson error on fitted films, inflection against iliac line".to_owned(), &cohort.ferguson_test, "°"),
+        (
+            "location error on fitted films, inflection against iliac line".to_owned(),
+            &cohort.location_test,
+            "mm",
+        ),
+        (
+            "Ferguson error on fitted films, inflection against iliac line".to_owned(),
+            &cohort.ferguson_test,
+            "°",
+        ),
         (format!("{distance}, bends"), near_bends, "segments"),
         (format!("{distance}, neutral and traction"), near_others, "segments"),
         (format!("{rotation}, bends"), turn_bends, "°"),

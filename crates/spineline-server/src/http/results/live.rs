@@ -10,8 +10,8 @@ use super::cache::{Outcome, StudyResult, computed};
 use super::words::{marked_text, progress};
 use super::{findings, notices, overlay};
 use crate::http::api::{FilmOverlay, LiveStatus, LiveView, Notice, Problem, RoleName, Severity};
-use crate::http::{Answer, AppState, Failure, User};
-use crate::store::{Event, FilmId, Name, ReadingId, Stand, StandingFilm, Store, StoreError};
+use crate::http::{Answer, AppState, Failure, User, readings, studies};
+use crate::store::{Event, FilmId, Name, ReadingId, Sight, Stand, StandingFilm, Store, StoreError};
 
 /// What follows from a reading as it stands.
 #[utoipa::path(get, path = "/api/readings/{reading}/live", params(("reading" = i64, Path)),
@@ -33,34 +33,32 @@ pub async fn live_view(
     pending: Vec<Event>,
 ) -> Answer<Option<LiveView>> {
     let user = user.clone();
-    let found = state.store(move |store| {
-        let (record, study) = store.reading(reading)?;
-        let own = record.observer == user.name;
-        if !sees_results(store, &user, &study, own)? {
+    let found = state.answer(move |store| {
+        let seen = readings::seen(store, &user, reading)?;
+        if seen.code.is_some() {
             return Ok(None);
         }
+        let (study, film) = (seen.study.id, seen.film.id);
         let standing = store.standing_case(&study, Stand::InHand { reading, pending: &pending })?;
-        Ok(Some((study, record.film, standing)))
+        Ok(Some((study, film, standing)))
     });
     let Some((study, film, standing)) = found.await? else { return Ok(None) };
     let work = move || of_film(&StudyResult::of(&study, standing), film);
     computed(work).await.map(Some)
 }
 
-/// Whether results of a study may be shown to somebody who reads it (`own`), or who only asks for it.
+/// Whether results of a study may be shown to somebody who may see it.
 ///
-/// While a plan of blinded readings is incomplete, only those who lead may see results, and none of them as a reader.
+/// While a plan of blinded readings is incomplete, only those who lead and do not read see results.
 ///
 /// # Errors
 /// Whatever the store refuses.
-pub fn sees_results(
-    store: &Store,
-    user: &User,
-    study: &Name,
-    own: bool,
-) -> Result<bool, StoreError> {
-    let leads = user.role == RoleName::Admin;
-    Ok((leads && !own) || !store.is_blinded(study)?)
+pub fn sees_results(store: &Store, user: &User, study: &Name) -> Result<bool, StoreError> {
+    Ok(match store.observer(&user.name).sight(study)? {
+        Sight::Open => true,
+        Sight::Reader => false,
+        Sight::Apart => user.role == RoleName::Admin,
+    })
 }
 
 /// Results are hidden.
@@ -80,9 +78,9 @@ pub fn blinded() -> Failure {
 pub async fn open_study(state: &AppState, user: &User, study: &str) -> Answer<Name> {
     let name = Name::new(study).map_err(|_| Failure::not_found())?;
     let (asked, user) = (name.clone(), user.clone());
-    let sees = state.store(move |store| {
-        store.last_sequence(&asked)?;
-        sees_results(store, &user, &asked, false)
+    let sees = state.answer(move |store| {
+        studies::role_in(store, &user, &asked)?;
+        Ok(sees_results(store, &user, &asked)?)
     });
     if sees.await? { Ok(name) } else { Err(blinded()) }
 }

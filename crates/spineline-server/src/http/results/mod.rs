@@ -3,6 +3,7 @@
 //! Everything is computed by the library from the case of a study as it stands; this module puts it into words and pixels.
 
 mod cache;
+mod cohort;
 mod curves;
 mod findings;
 mod live;
@@ -10,13 +11,14 @@ mod load;
 mod model;
 mod notices;
 mod overlay;
+mod preview;
+mod reliability;
 mod simulated;
 mod study;
 mod summary;
 mod words;
 
 pub use cache::Cache;
-pub(in crate::http) use live::{live_view, sees_results};
 pub(in crate::http) use summary::summary;
 
 use utoipa_axum::router::OpenApiRouter;
@@ -27,9 +29,12 @@ use super::AppState;
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()
         .routes(routes!(live::live))
+        .routes(routes!(preview::preview))
         .routes(routes!(study::analysis_file))
         .routes(routes!(study::findings))
         .routes(routes!(study::overlay))
         .routes(routes!(model::model))
         .routes(routes!(load::load))
+        .routes(routes!(cohort::cohort))
+        .routes(routes!(reliability::reliability))
 }

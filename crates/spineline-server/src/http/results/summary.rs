@@ -40,7 +40,7 @@ pub fn summary(
     user: &User,
     study: &Name,
 ) -> Result<ResultSummary, StoreError> {
-    if !super::sees_results(store, user, study, false)? {
+    if !super::live::sees_results(store, user, study)? {
         let text = "read blinded: results wait until all planned readings are finished".to_owned();
         return Ok(ResultSummary::bare(StudyStatus::Blinded, text));
     }

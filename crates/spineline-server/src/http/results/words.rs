@@ -4,18 +4,9 @@ use spineline::action::LineKind;
 use spineline::anatomy::{Level, Posture, Side};
 use spineline::measure::{LengthScale, SpacingPlane};
 
-use crate::http::api::{LineName, PostureName, SideName};
+use crate::http::api::{LineName, SideName};
+pub use crate::http::words::posture_name;
 use crate::store::StandingCase;
-
-pub const fn posture_name(posture: Posture) -> PostureName {
-    match posture {
-        Posture::Erect => PostureName::Erect,
-        Posture::LeftBending => PostureName::LeftBending,
-        Posture::RightBending => PostureName::RightBending,
-        Posture::Neutral => PostureName::Neutral,
-        Posture::Traction => PostureName::Traction,
-    }
-}
 
 pub const fn side_name(side: Side) -> SideName {
     match side {
