@@ -50,7 +50,13 @@ async fn demo(State(state): State<AppState>, user: User) -> Answer<Json<StudyDet
             match store.add_case(&case, &user.sign(now)) {
                 Ok(added) => {
                     asker.changes().tell(&added.study, studies::of_study(&user));
-                    return studies::detail(asker.studies(), store, &user, &added.study, now);
+                    return studies::detail(
+                        (asker.studies(), asker.results()),
+                        store,
+                        &user,
+                        &added.study,
+                        now,
+                    );
                 }
                 Err(StoreError::Exists { .. }) => {}
                 Err(other) => return Err(other.into()),

@@ -7,6 +7,7 @@ mod demo;
 mod films;
 mod problem;
 mod readings;
+mod results;
 mod session;
 mod state;
 mod studies;
@@ -120,6 +121,7 @@ fn routes() -> OpenApiRouter<AppState> {
         .merge(films::routes())
         .merge(readings::routes())
         .merge(changes::routes())
+        .merge(results::routes())
 }
 
 fn app(state: AppState) -> Router {

@@ -6,7 +6,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::{Answer, changes, films, studies};
+use super::{Answer, changes, films, results, studies};
 use crate::store::{Name, Store, StoreError, Timestamp};
 
 /// Choices of whoever starts the server.
@@ -33,6 +33,7 @@ struct Shared {
     films: films::Shelf,
     studies: studies::Overviews,
     changes: changes::Channel,
+    results: results::Cache,
 }
 
 impl fmt::Debug for AppState {
@@ -54,6 +55,7 @@ impl AppState {
             films: films::Shelf::default(),
             studies: studies::Overviews::default(),
             changes: changes::Channel::default(),
+            results: results::Cache::default(),
         };
         Self { shared: Arc::new(shared) }
     }
@@ -68,6 +70,11 @@ impl AppState {
 
     pub(super) fn options(&self) -> &ServeOptions {
         &self.shared.options
+    }
+
+    /// Analyses of studies.
+    pub(super) fn results(&self) -> &results::Cache {
+        &self.shared.results
     }
 
     /// Decoded films and uploads.

@@ -56,9 +56,7 @@ impl fmt::Display for CaseRemark {
             Self::Lateral => {
                 "the lateral film and its marks are not kept by a store: keep the case file"
             }
-            Self::Subject => {
-                "sex, age and Lenke class are not kept by a store: keep the case file"
-            }
+            Self::Subject => "sex, age and Lenke class are not kept by a store: keep the case file",
         })
     }
 }
@@ -247,11 +245,7 @@ impl Store {
 }
 
 /// A whole reading, finished. Its observer signs, at the time of whoever brings it.
-fn add_reading(
-    ledger: &Ledger<'_>,
-    film: FilmId,
-    reading: &CaseReading,
-) -> Result<(), StoreError> {
+fn add_reading(ledger: &Ledger<'_>, film: FilmId, reading: &CaseReading) -> Result<(), StoreError> {
     let by = Signature::new(reading.observer.clone(), ledger.by.at);
     let ledger = Ledger { transaction: ledger.transaction, by: &by };
     let id = readings::begin(&ledger, film, reading.repeat)?;

@@ -244,14 +244,7 @@ pub(super) fn add_film(
     let film = next_id(transaction, "films", "id")?;
     transaction.execute(
         "INSERT INTO films VALUES (?1, ?2, ?3, ?4, ?5, ?6, 0)",
-        params![
-            film,
-            study.as_str(),
-            new.posture.key(),
-            content.as_str(),
-            image,
-            new.inverted
-        ],
+        params![film, study.as_str(), new.posture.key(), content.as_str(), image, new.inverted],
     )?;
     ledger.seal("add", "films", &film)?;
     Ok(AddedFilm { film: FilmId(film), content, bytes_are_new })

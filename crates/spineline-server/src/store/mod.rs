@@ -36,6 +36,7 @@ mod plan;
 mod readings;
 mod schema;
 mod sight;
+mod standing;
 mod state;
 mod verify;
 
@@ -52,6 +53,7 @@ pub use names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};
 pub use plan::{BlindFilm, FilmCode, Next, ObserverView, OwnReading, PlanDesign, VisibleReadings};
 pub use readings::ReadingRecord;
 pub use sight::{LastChange, SeenReading, Sight};
+pub use standing::{Stand, StandingCase, StandingFilm};
 pub use state::{ReadingState, Scale, VertebraMarks};
 pub use verify::{Finding, Verification};
 

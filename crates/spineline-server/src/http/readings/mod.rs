@@ -15,8 +15,8 @@ use super::{Answer, AppState, Failure, User, films, studies};
 use crate::store::{FilmCode, FilmId, ReadingId, Sight, Store, StoreError};
 
 pub(super) use lost::{of_film as lost_of_film, of_reading as lost_of_reading};
-pub(in crate::http) use view::view;
 pub(super) use view::seen;
+pub(in crate::http) use view::view;
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()

@@ -104,9 +104,8 @@ fn marks(state: &ReadingState) -> PartialReading {
             (level, PartialMark { corners, axis_clockwise: marks.axis_deg.map(Angle::from_deg) })
         })
         .collect();
-    let crests = [Side::Left, Side::Right].map(|side| {
-        state.iliac_crests_px.get(&side).map(|&[column, row]| Pixel::new(column, row))
-    });
+    let crests = [Side::Left, Side::Right]
+        .map(|side| state.iliac_crests_px.get(&side).map(|&[column, row]| Pixel::new(column, row)));
     PartialReading { vertebrae, crests }
 }
 

@@ -12,7 +12,7 @@ use utoipa_axum::routes;
 use super::api::{
     Change, NewPlan, NextReading, PlanView, Problem, RoleName, StudyDetail, StudySummary,
 };
-use super::{Answer, AppState, Failure, User, readings};
+use super::{Answer, AppState, Failure, User, readings, results};
 use crate::store::{Name, Next, PlanDesign, Sight, Store, Timestamp};
 
 pub use summary::{Overviews, film_summary, study_summary};
@@ -57,7 +57,13 @@ async fn list(State(state): State<AppState>, user: User) -> Answer<Json<Vec<Stud
         let mut summaries = Vec::new();
         for study in store.studies()? {
             if let Ok(role) = role_in(store, &user, &study.id) {
-                summaries.push(study_summary(asker.studies(), store, &user, role, &study)?);
+                summaries.push(study_summary(
+                    (asker.studies(), asker.results()),
+                    store,
+                    &user,
+                    role,
+                    &study,
+                )?);
             }
         }
         Ok(summaries)
@@ -75,12 +81,15 @@ async fn study(
 ) -> Answer<Json<StudyDetail>> {
     let (study, now) = (study_name(&study)?, state.now());
     let asker = state.clone();
-    state.answer(move |store| detail(asker.studies(), store, &user, &study, now)).await.map(Json)
+    state
+        .answer(move |store| detail((asker.studies(), asker.results()), store, &user, &study, now))
+        .await
+        .map(Json)
 }
 
 /// A study with its lost changes and its plan.
 pub fn detail(
-    overviews: &Overviews,
+    kept: (&Overviews, &results::Cache),
     store: &Store,
     user: &User,
     study: &Name,
@@ -88,7 +97,7 @@ pub fn detail(
 ) -> Answer<StudyDetail> {
     let role = role_in(store, user, study)?;
     let record = store.study(study)?;
-    let summary = study_summary(overviews, store, user, role, &record)?;
+    let summary = study_summary(kept, store, user, role, &record)?;
     let sight = store.observer(&user.name).sight(study)?;
     let mut conflicts = Vec::new();
     if sight != Sight::Reader {
@@ -148,7 +157,7 @@ async fn plan(
         let design = PlanDesign { repeats, washout_days, seed };
         store.reading_plan(&study, &observers, design, &user.sign(now))?;
         asker.changes().tell(&study, of_study(&user));
-        detail(asker.studies(), store, &user, &study, now)
+        detail((asker.studies(), asker.results()), store, &user, &study, now)
     });
     detail.await.map(Json)
 }

@@ -1,0 +1,3 @@
+//! The server as a browser sees it.
+
+mod results;
