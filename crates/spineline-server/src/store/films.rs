@@ -81,19 +81,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::Exists`], [`StoreError::TooLarge`] for its label.
     pub fn add_study(&mut self, study: &Study, by: &Signature) -> Result<(), StoreError> {
-        let characters = study.label.as_ref().map_or(0, |label| label.chars().count());
-        limit("the label", characters, LONGEST_LABEL)?;
-        self.write(by, |ledger| {
-            let id = study.id.as_str();
-            if !study_rows(ledger.transaction, Some(&study.id))?.is_empty() {
-                return Err(StoreError::Exists { object: format!("study/{id}") });
-            }
-            ledger.transaction.execute(
-                "INSERT INTO studies VALUES (?1, ?2, ?3)",
-                params![id, study.label, study.synthetic],
-            )?;
-            ledger.seal("add", "studies", &id).map(drop)
-        })
+        self.write(by, |ledger| insert_study(ledger, study))
     }
 
     /// All studies, by identifier.
@@ -204,6 +192,20 @@ impl Store {
 
 pub(super) fn limit(what: &'static str, found: usize, limit: usize) -> Result<(), StoreError> {
     if found > limit { Err(StoreError::TooLarge { what, found, limit }) } else { Ok(()) }
+}
+
+pub(super) fn insert_study(ledger: &Ledger<'_>, study: &Study) -> Result<(), StoreError> {
+    let characters = study.label.as_ref().map_or(0, |label| label.chars().count());
+    limit("the label", characters, LONGEST_LABEL)?;
+    let id = study.id.as_str();
+    if !study_rows(ledger.transaction, Some(&study.id))?.is_empty() {
+        return Err(StoreError::Exists { object: format!("study/{id}") });
+    }
+    ledger.transaction.execute(
+        "INSERT INTO studies VALUES (?1, ?2, ?3)",
+        params![id, study.label, study.synthetic],
+    )?;
+    ledger.seal("add", "studies", &id).map(drop)
 }
 
 /// Stores bytes unless they are there; says whether they were new.
