@@ -190,10 +190,8 @@ impl Store {
                     change.password.as_ref().map(|password| &password.0)
                 ],
             )?;
-            let led = leads(&before);
-            let sequence = ledger.seal("edit", "accounts", &name.as_str());
-            sequence?;
-            if led && !accounts(ledger.transaction, None)?.iter().any(leads) {
+            ledger.seal("edit", "accounts", &name.as_str())?;
+            if leads(&before) && !accounts(ledger.transaction, None)?.iter().any(leads) {
                 return Err(StoreError::LastAdmin { name: name.clone() });
             }
             if change.password.is_some() || !after.enabled {
@@ -226,11 +224,10 @@ impl Store {
     pub fn credential(&self, name: &Name) -> Result<Credential, StoreError> {
         static NOBODY: OnceLock<PasswordHash> = OnceLock::new();
         let condition = "WHERE name = ?1";
-        let found =
-            audit::load(&self.connection, "accounts", condition, [name.as_str()], |row| {
-                let (account, password) = (read(row)?, PasswordHash(row.get("password")?));
-                Ok(Credential { account: Some(account), password })
-            })?;
+        let found = audit::load(&self.connection, "accounts", condition, [name.as_str()], |row| {
+            let (account, password) = (read(row)?, PasswordHash(row.get("password")?));
+            Ok(Credential { account: Some(account), password })
+        })?;
         Ok(found.into_iter().next().unwrap_or_else(|| Credential {
             account: None,
             password: NOBODY.get_or_init(|| PasswordHash::of_any("nobody")).clone(),
