@@ -1,7 +1,7 @@
 //! Refusals, as whoever asked can understand them.
 
 use axum::Json;
-use axum::http::StatusCode;
+use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
 use super::api::Problem;
@@ -15,6 +15,7 @@ pub type Answer<T> = Result<T, Failure>;
 pub struct Failure {
     status: StatusCode,
     problem: Problem,
+    retry_after_s: Option<u32>,
 }
 
 impl Failure {
@@ -22,13 +23,20 @@ impl Failure {
     #[must_use]
     pub fn new(status: StatusCode, code: &str, message: impl Into<String>) -> Self {
         let problem = Problem { code: code.to_owned(), message: message.into(), help: None };
-        Self { status, problem }
+        Self { status, problem, retry_after_s: None }
     }
 
     /// With what to do about it.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.problem.help = Some(help.into());
+        self
+    }
+
+    /// With the time after which to try again, in seconds.
+    #[must_use]
+    pub fn retry_after(mut self, seconds: u32) -> Self {
+        self.retry_after_s = Some(seconds);
         self
     }
 
@@ -52,6 +60,8 @@ impl From<StoreError> for Failure {
             StoreError::NotYours { .. } => (S::FORBIDDEN, "not_yours"),
             StoreError::Finished { .. } => (S::CONFLICT, "finished"),
             StoreError::Exists { .. } | StoreError::AlreadyKnown { .. } => (S::CONFLICT, "exists"),
+            StoreError::LastAdmin { .. } => (S::CONFLICT, "last_admin"),
+            StoreError::BadPassword { .. } => (S::UNPROCESSABLE_ENTITY, "bad_password"),
             StoreError::TooLarge { .. } => (S::PAYLOAD_TOO_LARGE, "too_large"),
             StoreError::Busy => (S::SERVICE_UNAVAILABLE, "busy"),
             StoreError::Full | StoreError::Disk { .. } => (S::INSUFFICIENT_STORAGE, "disk"),
@@ -67,6 +77,10 @@ impl From<StoreError> for Failure {
 
 impl IntoResponse for Failure {
     fn into_response(self) -> Response {
-        (self.status, Json(self.problem)).into_response()
+        let mut answer = (self.status, Json(self.problem)).into_response();
+        if let Some(seconds) = self.retry_after_s {
+            answer.headers_mut().insert(header::RETRY_AFTER, seconds.into());
+        }
+        answer
     }
 }

@@ -312,6 +312,16 @@ impl Store {
         grants(&self.connection, "study", study)
     }
 
+    /// What somebody is granted in a study.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`] where there is no such study, [`StoreError::Damaged`].
+    pub fn granted(&self, study: &Name, name: &Name) -> Result<Option<Role>, StoreError> {
+        films::study(&self.connection, study)?;
+        let grants = grants(&self.connection, "study", study)?;
+        Ok(grants.into_iter().find(|grant| grant.name == *name).map(|grant| grant.role))
+    }
+
     /// The grants of an account, by study.
     ///
     /// # Errors
