@@ -7,7 +7,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use subtle::ConstantTimeEq;
 
-use super::{Answer, AppState, Failure, session};
+use super::{Answer, AppState, Failure, LARGEST_UPLOAD_BYTES, session};
 
 /// Carries the session's token of every request that changes something.
 const CSRF: &str = "x-spineline-csrf";
@@ -62,6 +62,13 @@ fn check(state: &AppState, request: &Request<Body>) -> Answer<()> {
             "the body is compressed, and bodies are taken as they are only",
         ));
     }
+    if declared_bytes(headers).is_some_and(|bytes| bytes > LARGEST_UPLOAD_BYTES as u64) {
+        return Err(Failure::new(
+            StatusCode::PAYLOAD_TOO_LARGE,
+            "too_large",
+            format!("the body is larger than {} MB", LARGEST_UPLOAD_BYTES >> 20),
+        ));
+    }
     let reads = matches!(*request.method(), Method::GET | Method::HEAD);
     if !is_api(request.uri()) {
         return Ok(());
@@ -76,6 +83,10 @@ fn check(state: &AppState, request: &Request<Body>) -> Answer<()> {
     }
     let signs_in = request.method() == Method::POST && request.uri().path() == "/api/session";
     if reads || signs_in { Ok(()) } else { csrf(state, headers) }
+}
+
+fn declared_bytes(headers: &HeaderMap) -> Option<u64> {
+    headers.get(header::CONTENT_LENGTH)?.to_str().ok()?.parse().ok()
 }
 
 fn is_api(uri: &Uri) -> bool {

@@ -9,7 +9,8 @@ use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::GracefulShutdown;
 use hyper_util::service::TowerToHyperService;
-use tokio::net::{TcpListener, TcpStream};
+use tokio::io::{AsyncRead, AsyncWrite};
+use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, watch};
 
 use super::{AppState, ServeOptions, app};
@@ -95,6 +96,8 @@ impl Server {
                 tokio::time::sleep(ACCEPT_REST).await;
                 continue;
             };
+            // Small answers are not held back for larger ones; without it they are slower and as right.
+            let _ = stream.set_nodelay(true);
             let connection = open.watch(connection(stream, app.clone()));
             tokio::spawn(async move {
                 // A client that goes away is no error of ours.
@@ -109,14 +112,67 @@ impl Server {
     }
 }
 
-type Connection = http1::Connection<TokioIo<TcpStream>, TowerToHyperService<axum::Router>>;
+type Connection<I> = http1::Connection<TokioIo<I>, TowerToHyperService<axum::Router>>;
 
-fn connection(stream: TcpStream, app: axum::Router) -> Connection {
-    // Small answers are not held back for larger ones; without it they are slower and as right.
-    let _ = stream.set_nodelay(true);
+fn connection<I: AsyncRead + AsyncWrite + Unpin + Send + 'static>(
+    stream: I,
+    app: axum::Router,
+) -> Connection<I> {
     http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEAD_TIMEOUT)
         .max_buf_size(LARGEST_HEAD_BYTES)
         .serve_connection(TokioIo::new(stream), TowerToHyperService::new(app))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use tokio::io::{AsyncReadExt, AsyncWriteExt};
+
+    use super::super::api::AccessName;
+    use super::{AppState, ServeOptions, app, connection};
+    use crate::store::{Name, Signature, Store, Timestamp};
+
+    /// What a client reads that sends this and then nothing more, until the server has had enough. Time is made up.
+    async fn answer_to(sent: &str) -> String {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = Timestamp::from_unix_ms(1_750_000_000_000).expect("a moment");
+        let by = Signature::new(Name::new("lead").expect("a name"), at);
+        let store = Store::create(&folder.path().join("store"), &by).expect("a store");
+        let options = ServeOptions {
+            decoder: PathBuf::new(),
+            decoder_arguments: Vec::new(),
+            access: AccessName::Token,
+            hosts: Vec::new(),
+            https: false,
+        };
+        let address = "127.0.0.1:8765".parse().expect("an address");
+        let app = app(AppState::new(store, address, options));
+        let (mut client, server) = tokio::io::duplex(1 << 16);
+        let served = tokio::spawn(async move {
+            // How it ends is told by what the client reads.
+            let _ = connection(server, app).await;
+        });
+        client.write_all(sent.as_bytes()).await.expect("sent");
+        let mut read = Vec::new();
+        client.read_to_end(&mut read).await.expect("the server ends the connection");
+        served.await.expect("served");
+        String::from_utf8(read).expect("text")
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn f65_a_head_that_never_ends_is_not_waited_for() {
+        for sent in ["", "GET / HT", "GET / HTTP/1.1\r\nHost: 127.0.0.1:8765\r\nX-Slow: "] {
+            assert!(!answer_to(sent).await.contains("200 OK"), "{sent}");
+        }
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn f65_a_body_that_never_ends_is_not_waited_for() {
+        let head = "POST /api/session HTTP/1.1\r\nHost: 127.0.0.1:8765\r\nOrigin: http://127.0.0.1:8765\r\nContent-Type: application/json\r\nContent-Length: 1000\r\n\r\n{\"kind\"";
+        let answer = answer_to(head).await;
+        assert!(answer.starts_with("HTTP/1.1 40"), "{answer}");
+    }
 }

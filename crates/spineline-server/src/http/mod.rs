@@ -32,6 +32,8 @@ use utoipa_axum::router::OpenApiRouter;
 
 /// Largest body of a request, in bytes. A route that takes films sets a limit of its own.
 const LARGEST_BODY_BYTES: usize = 1 << 20;
+/// Largest body that any route may take, in bytes: a study's films in one archive.
+pub const LARGEST_UPLOAD_BYTES: usize = 600 << 20;
 /// Longest wait for the next piece of a body.
 const BODY_TIMEOUT: Duration = Duration::from_secs(30);
 
@@ -101,4 +103,29 @@ fn panicked(_: Box<dyn Any + Send>) -> Response {
     Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", "the program has a bug there")
         .help("nothing of this step was saved; look at the terminal for where it happened")
         .into_response()
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::body::{Body, to_bytes};
+    use axum::http::Request;
+    use axum::{Router, routing};
+    use tower::ServiceExt;
+    use tower_http::catch_panic::CatchPanicLayer;
+
+    #[tokio::test]
+    async fn f71_a_bug_says_nothing_of_what_was_sent() {
+        async fn bug() -> &'static str {
+            panic!("a patient called Doe^Jane")
+        }
+        let app = Router::new()
+            .route("/", routing::get(bug))
+            .layer(CatchPanicLayer::custom(super::panicked));
+        let answer = app.oneshot(Request::new(Body::empty())).await.expect("an answer");
+        assert_eq!(answer.status(), 500);
+        let body = to_bytes(answer.into_body(), 1000).await.expect("a body");
+        let problem: super::api::Problem = serde_json::from_slice(&body).expect("a problem");
+        assert_eq!(problem.code, "internal");
+        assert!(!format!("{problem:?}").contains("Doe"));
+    }
 }
