@@ -77,8 +77,8 @@ fn write_film(
         EncodingName::Rle => Encoding::Rle,
         EncodingName::Plain => Encoding::Plain,
     };
-    let drawn = draw_film(phantom, film, encoding)
-        .map_err(|error| Failure::internal(error.to_string()))?;
+    let drawn =
+        draw_film(phantom, film, encoding).map_err(|error| Failure::internal(error.to_string()))?;
     let DrawnFilm { file, bytes, photometric_interpretation, pixels_sha256 } = drawn;
     write_file(&folder.join(&file), &bytes)?;
     let image = film.image;

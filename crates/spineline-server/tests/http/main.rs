@@ -1,0 +1,9 @@
+//! The server as a browser meets it: every request passes the whole app.
+
+mod access;
+mod accounts;
+mod browser;
+mod example;
+mod guards;
+mod routes;
+mod sessions;
