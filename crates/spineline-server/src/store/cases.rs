@@ -176,6 +176,40 @@ impl NewCase {
         Ok(Self { study, films, remarks })
     }
 
+    /// A study without films yet.
+    #[must_use]
+    pub fn of(study: Study) -> Self {
+        Self { study, films: Vec::new(), remarks: Vec::new() }
+    }
+
+    /// With one film more, which nobody has read.
+    #[must_use]
+    pub fn film(mut self, posture: Posture, bytes: Vec<u8>, image: Value) -> Self {
+        self.films.push(CaseFilm { posture, bytes, image, readings: Vec::new() });
+        self
+    }
+
+    /// Its identifier.
+    #[must_use]
+    pub fn id(&self) -> &Name {
+        &self.study.id
+    }
+
+    /// With other files for the same pictures.
+    ///
+    /// # Errors
+    /// What `rewrite` refuses.
+    pub fn rewritten<E>(
+        mut self,
+        rewrite: impl Fn(&[u8]) -> Result<Vec<u8>, E>,
+    ) -> Result<Self, E> {
+        for film in &mut self.films {
+            film.bytes = rewrite(&film.bytes)?;
+            film.image["sha256"] = spineline_io::sha256_hex(&film.bytes).into();
+        }
+        Ok(self)
+    }
+
     /// With a text for the one who leads the study.
     #[must_use]
     pub fn label(mut self, label: &str) -> Self {

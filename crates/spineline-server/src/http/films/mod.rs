@@ -1,6 +1,7 @@
 //! Films: their pixels, their small pictures, and changes of their records.
 
 mod screen;
+mod uploads;
 
 use axum::body::Bytes;
 use axum::extract::State;
@@ -19,6 +20,7 @@ use super::{Answer, AppState, Failure, User, readings, studies, words};
 use crate::store::{FilmEdit, FilmId, FilmRecord, ReadingId, Store, StoreError};
 
 pub use screen::{Shelf, Thumbnails};
+pub use uploads::Upload;
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()
@@ -27,6 +29,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(film_thumbnail))
         .routes(routes!(reading_thumbnail))
         .routes(routes!(edit))
+        .merge(uploads::routes())
 }
 
 /// A film that this user may see.

@@ -1,5 +1,6 @@
 //! Studies: listed, made, looked at, exported.
 
+mod make;
 mod summary;
 
 use axum::extract::State;
@@ -23,6 +24,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(study))
         .routes(routes!(plan))
         .routes(routes!(case_file))
+        .merge(make::routes())
 }
 
 /// A study's name in an address. A name that none can have is not there.
