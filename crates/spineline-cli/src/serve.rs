@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use chrono::Utc;
 use clap::Args;
+use spineline_server::http::api::AccessName;
 use spineline_server::http::{ServeOptions, Server};
 use spineline_server::store::{Name, Signature, Store};
 
@@ -33,7 +34,13 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
     };
     let decoder = std::env::current_exe()
         .map_err(|error| Failure::internal(format!("this program cannot find itself: {error}")))?;
-    let options = ServeOptions { decoder, decoder_arguments: vec!["decode-film".to_owned()] };
+    let options = ServeOptions {
+        decoder,
+        decoder_arguments: vec!["decode-film".to_owned()],
+        access: AccessName::Token,
+        hosts: Vec::new(),
+        https: false,
+    };
     let address = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), args.port);
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()

@@ -88,7 +88,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::Exists`], [`StoreError::TooLarge`] for its label.
     pub fn add_study(&mut self, study: &Study, by: &Signature) -> Result<(), StoreError> {
-        self.write(by, |ledger| add_study(ledger, study))
+        self.write(by, |ledger| insert_study(ledger, study))
     }
 
     /// A study.
@@ -204,7 +204,7 @@ pub(super) struct NewFilm<'a> {
     pub inverted: bool,
 }
 
-pub(super) fn add_study(ledger: &Ledger<'_>, study: &Study) -> Result<(), StoreError> {
+pub(super) fn insert_study(ledger: &Ledger<'_>, study: &Study) -> Result<(), StoreError> {
     let characters = study.label.as_ref().map_or(0, |label| label.chars().count());
     limit("the label", characters, LONGEST_LABEL)?;
     let id = study.id.as_str();

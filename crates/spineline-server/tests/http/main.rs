@@ -1,3 +1,10 @@
-//! The server as a browser sees it.
+//! The server as a browser meets it: every request passes the whole app.
 
+mod access;
+mod accounts;
+mod browser;
+mod example;
+mod guards;
 mod results;
+mod routes;
+mod sessions;

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use axum::Json;
 use axum::extract::State;
 use spineline::action::LineKind;
 use spineline::analysis::Analysis;
@@ -17,7 +16,8 @@ use crate::http::api::{
     BoxChart, BoxView, CohortCell, CohortRow, CohortView, ComparisonView, Notice, Severity,
     StudyStatus,
 };
-use crate::http::{Answer, AppState, User, studies};
+use crate::http::extract::Json;
+use crate::http::{Answer, AppState, User};
 use crate::store::StoreError;
 
 /// The bootstrap starts from here.
@@ -39,7 +39,7 @@ pub async fn cohort(State(state): State<AppState>, user: User) -> Answer<Json<Co
     let shared = state.clone();
     let members = state.store(move |store| {
         let mut seen = store.studies()?;
-        seen.retain(|study| studies::role_in(store, &user, &study.id).is_ok());
+        seen.retain(|study| user.on_study(store, &study.id).is_ok());
         let members = seen.into_iter().map(|study| {
             let cache = shared.results();
             let hidden = !super::live::sees_results(store, &user, &study.id)?;

@@ -1,7 +1,6 @@
 //! What follows from a reading at once, together with the other films of its study.
 
-use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::StatusCode;
 use spineline::anatomy::Posture;
 use spineline::measure::{MeasureError, check_marks};
@@ -10,7 +9,8 @@ use super::cache::{Outcome, StudyResult, computed};
 use super::words::{marked_text, progress};
 use super::{findings, notices, overlay};
 use crate::http::api::{FilmOverlay, LiveStatus, LiveView, Notice, Problem, RoleName, Severity};
-use crate::http::{Answer, AppState, Failure, User, readings, studies};
+use crate::http::extract::{Json, Path};
+use crate::http::{Answer, AppState, Failure, User, readings};
 use crate::store::{Event, FilmId, Name, ReadingId, Sight, Stand, StandingFilm, Store, StoreError};
 
 /// What follows from a reading as it stands.
@@ -33,7 +33,7 @@ pub async fn live_view(
     pending: Vec<Event>,
 ) -> Answer<Option<LiveView>> {
     let user = user.clone();
-    let found = state.answer(move |store| {
+    let found = state.ask(move |store| {
         let seen = readings::seen(store, &user, reading)?;
         if seen.code.is_some() {
             return Ok(None);
@@ -78,8 +78,8 @@ pub fn blinded() -> Failure {
 pub async fn open_study(state: &AppState, user: &User, study: &str) -> Answer<Name> {
     let name = Name::new(study).map_err(|_| Failure::not_found())?;
     let (asked, user) = (name.clone(), user.clone());
-    let sees = state.answer(move |store| {
-        studies::role_in(store, &user, &asked)?;
+    let sees = state.ask(move |store| {
+        user.on_study(store, &asked)?;
         Ok(sees_results(store, &user, &asked)?)
     });
     if sees.await? { Ok(name) } else { Err(blinded()) }

@@ -2,8 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::StatusCode;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::Level;
@@ -19,6 +18,7 @@ use super::live::open_study;
 use super::simulated::deformed_shape;
 use super::words::line_kind;
 use crate::http::api::{LoadAnswer, LoadRequest, Problem};
+use crate::http::extract::{Json, Path};
 use crate::http::{Answer, AppState, Failure, User};
 
 /// Beyond this, an arrow is a slip of the hand.

@@ -1,7 +1,6 @@
 //! The personalised models of a study in three dimensions.
 
-use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use spineline::analysis::{Analysis, Identification, LineModel, MultiplierVerdict};
 use spineline::anatomy::{Level, Posture};
 use spineline::measure::body_widths;
@@ -16,6 +15,7 @@ use crate::http::api::{
     BodySize, Identified, JointView, LineModelView, MeasuredShape, ModelView, MultiplierView,
     Notice, PostureName, Problem, Severity,
 };
+use crate::http::extract::{Json, Path};
 use crate::http::{Answer, AppState, User};
 
 /// The models of a study.

@@ -1,7 +1,6 @@
 //! What would follow from events that are not recorded: while a corner or an axis is dragged.
 
-use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::StatusCode;
 use spineline::anatomy::Level;
 use spineline::measure::turn_axis_towards;
@@ -10,6 +9,7 @@ use spineline_io::LevelKey;
 
 use super::live::live_view;
 use crate::http::api::{Preview, PreviewRequest, Problem, ReadingView, TurnAxis};
+use crate::http::extract::{Json, Path};
 use crate::http::{Answer, AppState, Failure, User, readings};
 use crate::store::{Event, ReadingId, Store, StoreError};
 
@@ -26,7 +26,7 @@ pub async fn preview(
 ) -> Answer<Json<Preview>> {
     let reading = ReadingId(reading);
     let asker = user.clone();
-    let before = state.answer(move |store| before(store, &asker, reading, request));
+    let before = state.ask(move |store| before(store, &asker, reading, request));
     let (view, events) = before.await?;
     let live = live_view(&state, &user, reading, events).await?;
     Ok(Json(Preview { reading: view, live }))

@@ -1,13 +1,13 @@
 //! How well readers agree.
 
-use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use spineline::measure::FilmReadings;
 use spineline::reliability::{DesignReliability, QuantityReliability, assess, film_quantities};
 
 use super::cache::{StudyResult, computed, study_result};
 use super::live::open_study;
 use crate::http::api::{BlandAltmanView, NamedText, Problem, ReliabilityView};
+use crate::http::extract::{Json, Path};
 use crate::http::{Answer, AppState, User};
 
 /// How well the readings of a study repeat.

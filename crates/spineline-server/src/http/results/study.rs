@@ -1,7 +1,6 @@
 //! A study's results from its finished readings.
 
-use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
 use spineline::anatomy::Posture;
@@ -12,6 +11,7 @@ use super::live::{open_study, overlay_of};
 use super::words::{marked_text, progress};
 use super::{findings as findings_of, notices};
 use crate::http::api::{FilmOverlay, LiveStatus, LiveView, Problem};
+use crate::http::extract::{Json, Path};
 use crate::http::{Answer, AppState, Failure, User};
 use crate::store::FilmId;
 

@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::measure::ImageGeometry;
 
 use super::super::api::{FilmSummary, ReadingSummary, RoleName, StudyStatus, StudySummary};
 use super::super::{Answer, User, results, words};
@@ -131,13 +132,17 @@ pub fn film_summary(
     summary_of(&film, &overview, user, store.observer(&user.name).sight(&film.study)?)
 }
 
+const UNREADABLE: ImageGeometry =
+    ImageGeometry { columns: 0, rows: 0, spacing: None, patient_left: ImageSide::Left };
+
 fn summary_of(
     film: &FilmRecord,
     overview: &Overview,
     user: &User,
     sight: Sight,
 ) -> Answer<FilmSummary> {
-    let image = spineline_io::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
+    // One film that another program described must not hide all studies.
+    let image = spineline_io::parse_image(&film.image, film.posture).unwrap_or(UNREADABLE);
     let readings = overview.readings.iter().filter(|reading| reading.film == film.id);
     let readings = readings.filter(|_| sight == Sight::Open).map(|reading| ReadingSummary {
         reading: reading.id.0,

@@ -9,10 +9,13 @@ use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{Film, FilmMarks, ImageGeometry, Mark, Reading};
 use spineline_io::LevelKey;
 use spineline_phantom::{Phantom, Readers, Truth, generate};
-use spineline_server::http::{ServeOptions, Server};
+use spineline_server::http::Server;
+use spineline_server::http::api::AccessName;
 use spineline_server::store::{
     Corner, CrestSide, Event, FilmId, Name, ReadingId, Signature, Store, Study, Timestamp,
 };
+
+use crate::browser;
 
 pub const READER: &str = "A";
 
@@ -49,7 +52,7 @@ pub fn serve(fill: impl FnOnce(&mut Store)) -> Running {
         .enable_all()
         .build()
         .expect("a runtime");
-    let options = ServeOptions { decoder: "none".into(), decoder_arguments: Vec::new() };
+    let options = browser::options(AccessName::Token);
     let address = SocketAddr::new(Ipv4Addr::LOCALHOST.into(), 0);
     let server = runtime.block_on(Server::bind(store, address, options)).expect("a free port");
     let (address, opened) = (server.address(), server.address_to_open());
