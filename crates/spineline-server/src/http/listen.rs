@@ -62,16 +62,11 @@ impl Server {
         self.state.address()
     }
 
-    /// The tokens that sign in, one after the other: each is good once.
+    /// The tokens that sign in, one after the other: each is good once. It belongs behind `#` of the address, which browsers
+    /// send to nobody.
     #[must_use]
     pub fn tokens(&self) -> watch::Receiver<String> {
         self.state.token().follow()
-    }
-
-    /// The address to open. Its one-time token stands behind `#`, which browsers send to nobody.
-    #[must_use]
-    pub fn address_to_open(&self) -> String {
-        format!("http://{}/#token={}", self.address(), self.state.current_token())
     }
 
     /// Answers until `end` comes, and then for a few seconds what was asked before.

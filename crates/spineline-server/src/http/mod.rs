@@ -31,7 +31,7 @@ use std::time::Duration;
 use axum::extract::DefaultBodyLimit;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
-use axum::{Router, middleware};
+use axum::{Router, middleware, routing};
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::timeout::RequestBodyTimeoutLayer;
 use utoipa::openapi::OpenApi;
@@ -95,7 +95,8 @@ fn routes() -> OpenApiRouter<AppState> {
 /// The whole app: what is asked of it in a test is asked of it in the same way by a browser.
 pub fn app(state: AppState) -> Router {
     let (api, _) = routes().split_for_parts();
-    api.route("/api/{*unknown}", axum::routing::any(unknown))
+    api.route("/api", routing::any(unknown))
+        .route("/api/{*unknown}", routing::any(unknown))
         .fallback(assets::serve)
         .method_not_allowed_fallback(wrong_method)
         .layer(DefaultBodyLimit::max(LARGEST_BODY_BYTES))
