@@ -4,6 +4,7 @@ mod access;
 mod accounts;
 mod browser;
 mod example;
+mod films;
 mod guards;
 mod results;
 mod routes;
