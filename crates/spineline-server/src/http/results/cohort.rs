@@ -14,7 +14,6 @@ use super::summary::{ResultSummary, known, of_result, summary};
 use super::{notices, reliability};
 use crate::http::api::{
     BoxChart, BoxView, CohortCell, CohortRow, CohortView, ComparisonView, Notice, Severity,
-    StudyStatus,
 };
 use crate::http::extract::Json;
 use crate::http::{Answer, AppState, User};
@@ -59,7 +58,9 @@ pub async fn cohort(State(state): State<AppState>, user: User) -> Answer<Json<Co
 
 fn view(members: &[Member]) -> CohortView {
     let results: Vec<&StudyResult> = members.iter().filter_map(|m| m.result.as_deref()).collect();
-    let analyses: Vec<&Analysis> = results.iter().filter_map(|result| result.analysis()).collect();
+    let counted = members.iter().filter(|member| excluded(member).is_none());
+    let counted = counted.filter_map(|member| member.result.as_ref());
+    let analyses: Vec<&Analysis> = counted.filter_map(|result| result.analysis()).collect();
     let mut found = CohortView {
         synthetic: members.iter().any(|member| member.synthetic),
         rows: members.iter().map(row).collect(),
@@ -94,17 +95,24 @@ fn cohort_notices(members: &[Member]) -> Vec<Notice> {
     notices::sorted(synthetic.into_iter().chain(mixed).collect())
 }
 
-fn row(member: &Member) -> CohortRow {
-    let analysis = member.result.as_ref().and_then(|result| result.analysis());
-    let excluded = match member.result.as_ref().map(|result| &result.outcome) {
+/// Why a study takes no part in the statistics.
+fn excluded(member: &Member) -> Option<String> {
+    match member.result.as_ref().map(|result| &result.outcome) {
+        Some(Outcome::Analysed(analysis)) if analysis.warnings.has("no_spacing") => {
+            Some("a film has no spacing: its lengths are not comparable".to_owned())
+        }
         Some(Outcome::Analysed(_)) => None,
         _ => Some(member.summary.status_text.clone()),
-    };
+    }
+}
+
+fn row(member: &Member) -> CohortRow {
+    let analysis = member.result.as_ref().and_then(|result| result.analysis());
     CohortRow {
         study: member.study.clone(),
         synthetic: member.synthetic,
         status: member.summary.status,
-        excluded: excluded.filter(|_| member.summary.status != StudyStatus::Modelled),
+        excluded: excluded(member),
         cells: cells(analysis),
     }
 }

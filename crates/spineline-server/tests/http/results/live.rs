@@ -247,3 +247,38 @@ fn blinded_readers_see_no_results() {
     let (status, body) = running.ask("GET", &path, None);
     assert_eq!((status, &body["code"]), (403, &json!("blinded")));
 }
+
+#[test]
+fn a_preview_shows_what_would_follow_and_records_nothing() {
+    let case = phantom().case;
+    let mut reading = None;
+    let running = serve(|store| {
+        add_study(store, "S1", &case);
+        reading = Some(begun(store, &case, "S1", 15));
+    });
+    let reading = reading.expect("begun").0;
+    let before = running.get(&format!("/api/readings/{reading}/live"));
+    let (_, marks) = reading_of(&case, Posture::Erect);
+    let corner = marks.vertebrae[&Level::T8].corners.superior_left;
+    let moved = json!({
+        "kind": "move_corner", "level": "T8", "corner": "superior_left",
+        "column_px": corner.column_px + 6.0, "row_px": corner.row_px,
+    });
+    let path = format!("/api/readings/{reading}/preview");
+    let preview = running.post(&path, &json!({ "events": [moved], "turn_axis": null }));
+    let residual = |live: &Value| {
+        let all = live["overlay"]["residuals"].as_array().expect("a list").clone();
+        all.into_iter().find(|r| r["level"] == "T8").map(|r| px(&r["from_px"])).expect("T8")
+    };
+    // Moving one corner moves the crossing of the diagonals, and no other film's.
+    assert!((residual(&preview["live"])[0] - residual(&before)[0]).abs() > 1.0);
+    assert_eq!(running.get(&format!("/api/readings/{reading}/live")), before);
+    let midpoint = residual(&before);
+    let towards = json!({ "level": "T8", "towards_px": [midpoint[0] + 10.0, midpoint[1] - 100.0] });
+    let turned = running.post(&path, &json!({ "events": [], "turn_axis": towards }));
+    let vertebrae = turned["reading"]["vertebrae"].as_array().expect("a list");
+    let axis = vertebrae.iter().find(|v| v["level"] == "T8").map(|v| &v["axis"]).expect("T8");
+    let deg = axis["axis_deg"].as_f64().expect("an angle");
+    assert!(axis["by_hand"] == true && deg > 0.0);
+    assert!((10.0 * deg - (10.0 * deg).round()).abs() < 1e-9, "{deg} is not in tenths");
+}
