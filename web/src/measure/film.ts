@@ -44,11 +44,6 @@ export async function loadFilm(
   return picture;
 }
 
-/** Forgets a picture whose film was changed. */
-export function forgetFilm(address: string): void {
-  kept.delete(address);
-}
-
 export function pictureOf(headers: Headers, bytes: ArrayBuffer): FilmPicture {
   const number = (name: string): number => {
     const value = Number(headers.get(`x-spineline-${name}`) ?? Number.NaN);

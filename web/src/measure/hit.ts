@@ -27,9 +27,11 @@ export function proposedAt(
 ): Mark | null {
   const { proposal } = reading;
   if (!proposal) return null;
-  const candidates = CORNERS.map(
-    (corner): Mark => ({ kind: "corner", level: proposal.level, corner }),
-  );
+  const candidates = CORNERS.map((corner): Mark => ({
+    kind: "corner",
+    level: proposal.level,
+    corner,
+  }));
   return nearest(candidates, at, reach, (mark) => {
     const px = proposal.corners.find(
       ({ corner }) => mark.kind === "corner" && corner === mark.corner,

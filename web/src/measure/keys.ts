@@ -54,6 +54,7 @@ export function onKey(event: KeyboardEvent, targets: KeyTargets): boolean {
   if (event.altKey) return false;
   if (arrow) return onArrow(arrow, event.shiftKey, targets);
   if (event.key === "Tab") return onTab(event.shiftKey ? -1 : 1, targets);
+  if (event.repeat) return event.key === " ";
   return onLetter(event.key.length === 1 ? event.key.toLowerCase() : event.key, targets);
 }
 
@@ -93,7 +94,8 @@ function onLetter(key: string, targets: KeyTargets): boolean {
     targets.toggleLayer(Number(key));
     return true;
   }
-  const action = viewKeys(viewer, targets)[key] ?? (marking && markKeys(viewer, marking, targets)[key]);
+  const action =
+    viewKeys(viewer, targets)[key] ?? (marking && markKeys(viewer, marking, targets)[key]);
   action?.();
   return action !== null && action !== undefined;
 }

@@ -1,11 +1,5 @@
 import type { FilmPicture } from "./film";
-import {
-  adjusted,
-  greyTable,
-  limited,
-  windowOfPicture,
-  type GreyWindow,
-} from "./grey";
+import { adjusted, greyTable, limited, windowOfPicture, type GreyWindow } from "./grey";
 import {
   filmOf,
   fit,

@@ -41,10 +41,7 @@ export function cssOf(view: Viewport, [column, row]: FilmPoint): CssPoint {
 }
 
 export function filmOf(view: Viewport, [x, y]: CssPoint): FilmPoint {
-  return [
-    (x - view.left) / view.scale - 0.5,
-    (y - view.top) / (view.scale * view.aspect) - 0.5,
-  ];
+  return [(x - view.left) / view.scale - 0.5, (y - view.top) / (view.scale * view.aspect) - 0.5];
 }
 
 /** The whole film, in the middle. */
