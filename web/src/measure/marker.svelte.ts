@@ -7,8 +7,10 @@ import { cssOf, filmOf, type CssPoint, type FilmPoint } from "./viewport";
 
 /** How near to a mark a hand takes hold of it. */
 const REACH_CSS = { mouse: 10, touch: 24 };
-/** How near to a mark a click means that mark while another one is asked for. */
-const TIGHT_CSS = { mouse: 5, touch: 12 };
+/** The same while another mark is asked for: on a film that fits the screen, discs are five pixels high. */
+const ASKED_REACH_CSS = { mouse: 6, touch: 16 };
+/** How near to a mark a click then means that mark. */
+const ASKED_CLICK_CSS = { mouse: 3, touch: 10 };
 
 /** What the left button or a finger does on the film while a reading is marked. */
 export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abandon"> {
@@ -40,7 +42,7 @@ export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abando
     viewer.crosshair = null;
     this.#held = null;
     if (viewer.tool === "scale" || !marking.changeable) return;
-    const reach = REACH_CSS[this.#reach];
+    const reach = (marking.target ? ASKED_REACH_CSS : REACH_CSS)[this.#reach];
     const placed = markAt(marking.reading, viewer.view, at, reach, this.level);
     this.#held = placed ?? proposedAt(marking.reading, viewer.view, at, reach);
     const place = this.#held && (placeOf(marking.reading, this.#held) ?? this.#proposedPlace());
@@ -82,7 +84,7 @@ export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abando
 
   #click(at: CssPoint): void {
     const { viewer, marking } = this;
-    const reach = (marking.target ? TIGHT_CSS : REACH_CSS)[this.#reach];
+    const reach = (marking.target ? ASKED_CLICK_CSS : REACH_CSS)[this.#reach];
     const near = markAt(marking.reading, viewer.view, at, reach, this.level);
     if (near) marking.select(near);
     else if (marking.target) marking.select(this.placeAt(filmOf(viewer.view, at)));

@@ -3,8 +3,10 @@ import type { Api } from "../api/types";
 import { keepingOf, leftBehind } from "./keeping";
 import { LatestOnly } from "./latest";
 import {
+  OPTIONAL_LEVELS,
   marksOf,
   missingCorner,
+  missingCrest,
   nextMark,
   placeOf,
   placing,
@@ -35,6 +37,9 @@ interface PreviewWish {
   readonly at: number;
 }
 
+/** Chosen in place of a level. */
+export const CRESTS = Symbol("iliac crests");
+
 /** Places are kept to a thousandth of a pixel. */
 const rounded = (px: number): number => Math.round(px * 1_000) / 1_000;
 
@@ -48,7 +53,8 @@ export class Marking {
   #draft = $state.raw<Event[]>([]);
   #preview = $state.raw<Preview | null>(null);
   #live = $state.raw<LiveView | null>(null);
-  #level = $state<string | null>(null);
+  /** Out of the guided order: a level, or the crests. */
+  #chosen = $state.raw<string | typeof CRESTS | null>(null);
   saving = $state.raw<SaveState>({ kind: "saved" });
   selected = $state.raw<Mark | null>(null);
   lost = $state.raw<Lost | null>(null);
@@ -132,6 +138,7 @@ export class Marking {
 
   /** Shows a mark at a place without recording it. */
   drag(mark: Mark, to: FilmPoint): void {
+    this.selected = mark;
     if (mark.kind === "axis") {
       this.#wish({ events: this.#pending, turn: { level: mark.level, towards: to } });
       return;
@@ -212,10 +219,18 @@ export class Marking {
 
   /** Goes on with another level: to its next missing corner, or to its first one. */
   jump(level: string): void {
-    this.#level = level;
+    this.#chosen = level;
     const missing = missingCorner(this.reading, level);
     this.selected = missing ? null : { kind: "corner", level, corner: "superior_left" };
     this.said = missing ? `next: ${wordsOf(missing)}` : `${level} chosen`;
+  }
+
+  /** Goes on with the iliac crests, past the levels that are optional. */
+  jumpToCrests(): void {
+    this.#chosen = CRESTS;
+    const missing = missingCrest(this.reading);
+    this.selected = missing ? null : { kind: "crest", side: "left" };
+    this.said = missing ? `next: ${wordsOf(missing)}` : "iliac crests chosen";
   }
 
   /** Chooses the mark before or after; false at the ends. */
@@ -351,18 +366,26 @@ export class Marking {
     if (!this.changeable) return null;
     if (this.#pending.some(({ kind }) => kind === "undo" || kind === "redo")) return null;
     const reading = this.reading;
-    const chosen = this.#level ? missingCorner(reading, this.#level) : null;
+    const chosen = this.#chosenTarget(reading);
     if (chosen) return chosen;
     const next = nextMark(this.#recorded);
     if (this.#pending.length === 0 || next?.kind !== "corner") {
       return next && !placeOf(reading, next) ? next : null;
     }
-    // A hand faster than the program: on to the next corner, and on to the next vertebra of the guided order.
-    const level = reading.order.indexOf(next.level);
-    const following = reading.order[level + 1];
-    return (
-      missingCorner(reading, next.level) ?? (following ? missingCorner(reading, following) : null)
-    );
+    // A hand faster than the program: on through the guided order, as far as it is sure.
+    const rest = reading.order.slice(reading.order.indexOf(next.level));
+    const sure = rest.filter((level) => !OPTIONAL_LEVELS.includes(level));
+    for (const level of sure) {
+      const missing = missingCorner(reading, level);
+      if (missing) return missing;
+    }
+    return null;
+  }
+
+  #chosenTarget(reading: ReadingView): Mark | null {
+    const chosen = this.#chosen;
+    if (chosen === null) return null;
+    return chosen === CRESTS ? missingCrest(reading) : missingCorner(reading, chosen as string);
   }
 
   async #offerLeftBehind(): Promise<void> {

@@ -11,9 +11,12 @@ export type VertebraView = Api<"VertebraView">;
 export const CORNERS: readonly Corner[] = [
   "superior_left",
   "superior_right",
-  "inferior_left",
   "inferior_right",
+  "inferior_left",
 ];
+
+/** Marked only where somebody asks for it. */
+export const OPTIONAL_LEVELS: readonly string[] = ["T1", "L5"];
 
 export const CORNER_WORDS: Record<Corner, string> = {
   superior_left: "superior endplate, patient’s left",
@@ -78,6 +81,12 @@ export function missingCorner(reading: ReadingView, level: string): Mark | null 
   const placed = reading.vertebrae.find((vertebra) => vertebra.level === level)?.corners ?? [];
   const corner = CORNERS.find((name) => !placed.some(({ corner }) => corner === name));
   return corner ? { kind: "corner", level, corner } : null;
+}
+
+/** The crest that is to be marked next; null once both are there. */
+export function missingCrest(reading: ReadingView): Mark | null {
+  const marks = (["left", "right"] as const).map((side): Mark => ({ kind: "crest", side }));
+  return marks.find((mark) => placeOf(reading, mark) === null) ?? null;
 }
 
 export function nextMark(reading: ReadingView): Mark | null {
