@@ -2,9 +2,15 @@
 
 pub mod api;
 mod assets;
+mod changes;
+mod demo;
+mod films;
 mod problem;
+mod readings;
 mod session;
 mod state;
+mod studies;
+mod words;
 
 pub use problem::{Answer, Failure};
 pub use session::User;
@@ -58,6 +64,12 @@ impl Server {
     /// # Errors
     /// Whatever ends a listener.
     pub async fn run(self, end: impl Future<Output = ()> + Send + 'static) -> std::io::Result<()> {
+        let state = self.state.clone();
+        let end = async move {
+            end.await;
+            // A stream of changes would keep its connection open for ever.
+            state.changes().close();
+        };
         axum::serve(self.listener, app(self.state)).with_graceful_shutdown(end).await
     }
 }
@@ -101,7 +113,13 @@ pub fn openapi() -> OpenApi {
 struct Planned;
 
 fn routes() -> OpenApiRouter<AppState> {
-    OpenApiRouter::new().merge(session::routes())
+    OpenApiRouter::new()
+        .merge(session::routes())
+        .merge(studies::routes())
+        .merge(demo::routes())
+        .merge(films::routes())
+        .merge(readings::routes())
+        .merge(changes::routes())
 }
 
 fn app(state: AppState) -> Router {

@@ -4,6 +4,8 @@ use axum::Json;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 
+use spineline_io::film::FilmError;
+
 use super::api::Problem;
 use crate::store::StoreError;
 
@@ -30,6 +32,12 @@ impl Failure {
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.problem.help = Some(help.into());
         self
+    }
+
+    /// What is told of it.
+    #[must_use]
+    pub fn into_problem(self) -> Problem {
+        self.problem
     }
 
     /// What is not there, or not for whoever asks; nobody can tell which.
@@ -62,6 +70,16 @@ impl From<StoreError> for Failure {
             _ => (S::UNPROCESSABLE_ENTITY, "refused"),
         };
         Self::new(status, code, error.to_string()).help(error.help())
+    }
+}
+
+impl From<FilmError> for Failure {
+    fn from(error: FilmError) -> Self {
+        let status = match error {
+            FilmError::TooLarge { .. } => StatusCode::PAYLOAD_TOO_LARGE,
+            _ => StatusCode::UNPROCESSABLE_ENTITY,
+        };
+        Self::new(status, "film", error.to_string()).help(error.help())
     }
 }
 

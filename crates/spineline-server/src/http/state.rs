@@ -6,7 +6,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::Answer;
+use super::{Answer, changes, films, studies};
 use crate::store::{Name, Store, StoreError, Timestamp};
 
 /// Choices of whoever starts the server.
@@ -30,6 +30,9 @@ struct Shared {
     options: ServeOptions,
     token: String,
     sessions: Mutex<HashMap<String, Name>>,
+    films: films::Shelf,
+    studies: studies::Overviews,
+    changes: changes::Channel,
 }
 
 impl fmt::Debug for AppState {
@@ -42,7 +45,16 @@ impl fmt::Debug for AppState {
 impl AppState {
     pub(super) fn new(store: Store, address: SocketAddr, options: ServeOptions) -> Self {
         let (store, sessions) = (Mutex::new(store), Mutex::default());
-        let shared = Shared { store, address, options, token: secret(), sessions };
+        let shared = Shared {
+            store,
+            address,
+            options,
+            token: secret(),
+            sessions,
+            films: films::Shelf::default(),
+            studies: studies::Overviews::default(),
+            changes: changes::Channel::default(),
+        };
         Self { shared: Arc::new(shared) }
     }
 
@@ -58,9 +70,38 @@ impl AppState {
         &self.shared.options
     }
 
+    /// Decoded films and uploads.
+    pub(super) fn films(&self) -> &films::Shelf {
+        &self.shared.films
+    }
+
+    /// What the list of studies shows.
+    pub(super) fn studies(&self) -> &studies::Overviews {
+        &self.shared.studies
+    }
+
+    /// Who is told of changes.
+    pub(super) fn changes(&self) -> &changes::Channel {
+        &self.shared.changes
+    }
+
     /// Sessions by their secret.
     pub(super) fn sessions(&self) -> MutexGuard<'_, HashMap<String, Name>> {
         self.shared.sessions.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// As [`AppState::store`], for what may be refused for other reasons than the store's.
+    ///
+    /// # Errors
+    /// Whatever is refused.
+    ///
+    /// # Panics
+    /// If the question panics.
+    pub async fn answer<T: Send + 'static>(
+        &self,
+        ask: impl FnOnce(&mut Store) -> Answer<T> + Send + 'static,
+    ) -> Answer<T> {
+        self.store(|store| Ok(ask(store))).await?
     }
 
     /// Asks the store on a thread that may wait for the disk.

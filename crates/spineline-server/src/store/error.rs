@@ -169,6 +169,9 @@ pub enum StoreError {
         /// Why.
         reason: &'static str,
     },
+    /// A step without any event.
+    #[error("a step has at least one event")]
+    NoEvent,
     /// A vertebra without all four corners.
     #[error("{reading}: {level} has {corners} of four corners")]
     Incomplete {
@@ -248,6 +251,7 @@ impl StoreError {
             }
             Self::Finished { .. } => "a correction is a new repeat",
             Self::NotYours { .. } => "open your own reading of this film",
+            Self::NoEvent => "send what was done",
             Self::BadEvent { .. } => "look at the reading as it is now",
             Self::Incomplete { .. } => "place the missing corners, or remove the vertebra",
             Self::PlanGoverns { .. } => "ask for the observer's next film, or make a new study",

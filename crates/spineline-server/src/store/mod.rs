@@ -26,6 +26,7 @@
 
 mod audit;
 mod backup;
+mod cases;
 mod error;
 mod export;
 mod films;
@@ -34,6 +35,7 @@ mod names;
 mod plan;
 mod readings;
 mod schema;
+mod sight;
 mod state;
 mod verify;
 
@@ -41,6 +43,7 @@ mod verify;
 mod full_disk;
 
 pub use audit::{AuditEntry, Head};
+pub use cases::{AddedCase, CaseError, CaseRemark, NewCase};
 pub use error::StoreError;
 pub use export::{ExportRemark, ExportedCase};
 pub use films::{AddedFilm, FilmEdit, FilmRecord, Study};
@@ -48,6 +51,7 @@ pub use journal::{Acknowledged, Corner, CrestSide, Event, LostChange};
 pub use names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};
 pub use plan::{BlindFilm, FilmCode, Next, ObserverView, OwnReading, PlanDesign, VisibleReadings};
 pub use readings::ReadingRecord;
+pub use sight::{LastChange, SeenReading, Sight};
 pub use state::{ReadingState, Scale, VertebraMarks};
 pub use verify::{Finding, Verification};
 

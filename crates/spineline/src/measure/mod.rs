@@ -16,6 +16,9 @@ mod corners;
 mod evidence;
 mod film;
 mod lateral;
+mod marking;
+mod marking_proposal;
+mod order;
 mod outline;
 mod readings;
 mod spacing;
@@ -28,6 +31,8 @@ pub use evidence::{
 };
 pub use film::{Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading, ReadingId};
 pub use lateral::{LateralCorners, LateralFilm};
+pub use marking::{MarkedBody, MarkingFault, PartialMark, PartialReading, turn_axis_towards};
+pub use marking_proposal::{CornerName, NextLandmark, Proposal};
 pub(crate) use outline::outline_of;
 pub use outline::{MeasuredVertebra, Noise, Outline, check_marks, measure_film};
 pub use readings::{FilmReadings, measure_readings};
