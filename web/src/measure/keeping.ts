@@ -15,11 +15,29 @@ let tab: string | null = null;
 export async function nameTab(): Promise<string> {
   if (tab !== null) return tab;
   const earlier = sessionStorage.getItem(`${PREFIX}.tab`);
-  const name = earlier !== null && (await hold(earlier)) ? earlier : crypto.randomUUID();
+  const name = earlier !== null && (await holdSoon(earlier)) ? earlier : freshName();
   if (name !== earlier) await hold(name);
   sessionStorage.setItem(`${PREFIX}.tab`, name);
   tab = name;
   return name;
+}
+
+/** Not `randomUUID`, which browsers keep from pages without a certificate. */
+function freshName(): string {
+  return Array.from(crypto.getRandomValues(new Uint32Array(4)), (part) => part.toString(36)).join(
+    "",
+  );
+}
+
+/** The page before a reload may still hold the name for a moment. */
+async function holdSoon(name: string): Promise<boolean> {
+  const TRIES = 6;
+  const PAUSE_MS = 80;
+  for (let i = 0; i < TRIES; i += 1) {
+    if (await hold(name)) return true;
+    await new Promise((resolve) => setTimeout(resolve, PAUSE_MS));
+  }
+  return false;
 }
 
 /** Holds a name for as long as the window lives; says whether nobody else does. */

@@ -159,7 +159,8 @@ export class Outbox {
   #failed(entry: Entry, error: unknown): void {
     if (!(error instanceof Refusal) || error.status >= 500 || error.status === 429) {
       this.#wait();
-    } else if (error.status === 401) {
+    } else if (error.status === 401 || error.status === 403) {
+      // Whoever signs in again, or gets their role back, goes on from here.
       this.#signedOut = true;
       this.#options.changed();
     } else if (error.status === 409 && readingOf(error.body)) {
