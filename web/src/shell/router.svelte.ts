@@ -2,6 +2,7 @@
 export type Page =
   | { name: "studies" }
   | { name: "new-study" }
+  | { name: "import" }
   | { name: "measure"; study: string; film?: number }
   | { name: "model"; study: string }
   | { name: "read"; study: string }
@@ -9,9 +10,9 @@ export type Page =
   | { name: "access" };
 
 export function pageOf(hash: string): Page {
-  const parts = hash.replace(/^#\/?/, "").split("/").map(decodeURIComponent);
-  const [first, study, third, fourth] = parts;
+  const [first, study, third, fourth] = partsOf(hash);
   if (first === "new") return { name: "new-study" };
+  if (first === "import") return { name: "import" };
   if (first === "cohort") return { name: "cohort" };
   if (first === "access") return { name: "access" };
   if (first === "studies" && study) {
@@ -23,12 +24,22 @@ export function pageOf(hash: string): Page {
   return { name: "studies" };
 }
 
+function partsOf(hash: string): string[] {
+  try {
+    return hash.replace(/^#\/?/, "").split("/").map(decodeURIComponent);
+  } catch {
+    return [];
+  }
+}
+
 export function addressOf(page: Page): string {
   switch (page.name) {
     case "studies":
       return "#/studies";
     case "new-study":
       return "#/new";
+    case "import":
+      return "#/import";
     case "cohort":
       return "#/cohort";
     case "access":
@@ -48,7 +59,9 @@ class Router {
   page = $state<Page>(pageOf(window.location.hash));
 
   constructor() {
-    window.addEventListener("hashchange", () => {
+    window.addEventListener("hashchange", (event) => {
+      // A token is no place: whoever opens the program's address once more stays where they are.
+      if (event.newURL.includes("#token=")) return;
       this.page = pageOf(window.location.hash);
     });
   }
