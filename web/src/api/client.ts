@@ -19,14 +19,28 @@ export class Unreachable extends Error {
   }
 }
 
+/** What the shell wants to hear of every request. */
+export interface Listener {
+  answered(): void;
+  unreachable(): void;
+  /** Nobody is signed in any more. */
+  expired(): void;
+}
+
+let listener: Listener | null = null;
 let csrf = "";
+
+/** Lets the shell know how requests end. */
+export function listen(to: Listener): void {
+  listener = to;
+}
 
 /** To be called with every session: requests that change something carry its token. */
 export function useSession(session: Api<"SessionView">): void {
   csrf = session.csrf;
 }
 
-type Method = "GET" | "POST" | "PUT" | "PATCH" | "DELETE";
+export type Method = "GET" | "POST" | "PUT" | "PATCH" | "DELETE";
 
 export interface Sending {
   /** Sent as JSON. */
@@ -37,8 +51,7 @@ export interface Sending {
 }
 
 async function send(method: Method, path: string, sending: Sending = {}): Promise<Response> {
-  const headers: Record<string, string> = {};
-  if (method !== "GET") headers["X-Spineline-Csrf"] = csrf;
+  const headers = headersOf(method);
   let body: BodyInit | undefined;
   if (sending.json !== undefined) {
     headers["Content-Type"] = "application/json";
@@ -58,19 +71,26 @@ async function send(method: Method, path: string, sending: Sending = {}): Promis
     });
   } catch (error) {
     if (error instanceof DOMException && error.name === "AbortError") throw error;
+    listener?.unreachable();
     throw new Unreachable();
   }
+  listener?.answered();
   if (response.ok) return response;
-  throw await refusal(response);
+  throw refused(path, response.status, await response.json().catch(() => null));
 }
 
-async function refusal(response: Response): Promise<Refusal> {
-  const body: unknown = await response.json().catch(() => null);
+function headersOf(method: Method): Record<string, string> {
+  return method === "GET" ? {} : { "X-Spineline-Csrf": csrf };
+}
+
+function refused(path: string, status: number, body: unknown): Refusal {
+  // Signing in with a wrong password ends nobody's session.
+  if (status === 401 && path !== "/api/session") listener?.expired();
   const problem = problemOf(body) ?? {
     code: "unknown",
-    message: `the program answered ${response.status}`,
+    message: `the program answered ${status}`,
   };
-  return new Refusal(response.status, problem, body);
+  return new Refusal(status, problem, body);
 }
 
 /** The problem of a refusal: the body itself, or a part of it. */
@@ -89,4 +109,44 @@ export async function ask<T>(method: Method, path: string, sending?: Sending): P
 /** Asks, and reads the answer as bytes. */
 export async function askBytes(path: string, signal?: AbortSignal): Promise<Response> {
   return send("GET", path, signal ? { signal } : {});
+}
+
+/** Sends a file and tells how much of it has gone, from 0 to 1; `fetch` cannot tell. */
+export function sendFile<T>(
+  path: string,
+  file: Blob,
+  onsent: (fraction: number) => void,
+  signal?: AbortSignal,
+): Promise<T> {
+  return new Promise((resolve, reject) => {
+    const request = new XMLHttpRequest();
+    request.open("POST", path);
+    for (const [name, value] of Object.entries(headersOf("POST")))
+      request.setRequestHeader(name, value);
+    request.setRequestHeader("Content-Type", "application/octet-stream");
+    request.upload.onprogress = (event) => {
+      if (event.lengthComputable) onsent(event.loaded / event.total);
+    };
+    request.onerror = () => {
+      listener?.unreachable();
+      reject(new Unreachable());
+    };
+    request.onabort = () => reject(new DOMException("stopped", "AbortError"));
+    request.onload = () => {
+      listener?.answered();
+      const body = jsonOf(request.responseText);
+      if (request.status >= 200 && request.status < 300) resolve(body as T);
+      else reject(refused(path, request.status, body));
+    };
+    signal?.addEventListener("abort", () => request.abort());
+    request.send(file);
+  });
+}
+
+function jsonOf(text: string): unknown {
+  try {
+    return JSON.parse(text);
+  } catch {
+    return null;
+  }
 }

@@ -9,8 +9,7 @@ export type Page =
   | { name: "access" };
 
 export function pageOf(hash: string): Page {
-  const parts = hash.replace(/^#\/?/, "").split("/").map(decodeURIComponent);
-  const [first, study, third, fourth] = parts;
+  const [first, study, third, fourth] = partsOf(hash);
   if (first === "new") return { name: "new-study" };
   if (first === "cohort") return { name: "cohort" };
   if (first === "access") return { name: "access" };
@@ -21,6 +20,14 @@ export function pageOf(hash: string): Page {
     return { name: "measure", study, ...(fourth && Number.isInteger(film) ? { film } : {}) };
   }
   return { name: "studies" };
+}
+
+function partsOf(hash: string): string[] {
+  try {
+    return hash.replace(/^#\/?/, "").split("/").map(decodeURIComponent);
+  } catch {
+    return [];
+  }
 }
 
 export function addressOf(page: Page): string {
@@ -48,7 +55,9 @@ class Router {
   page = $state<Page>(pageOf(window.location.hash));
 
   constructor() {
-    window.addEventListener("hashchange", () => {
+    window.addEventListener("hashchange", (event) => {
+      // A token is no place: whoever opens the program's address once more stays where they are.
+      if (event.newURL.includes("#token=")) return;
       this.page = pageOf(window.location.hash);
     });
   }

@@ -1,21 +1,36 @@
 import { Refusal, ask, useSession } from "../api/client";
 import type { Api } from "../api/types";
+import { addressOf, router } from "./router.svelte";
+import { takeToken } from "./token";
 
 /** Who is signed in; the token of the address, if it brought one. */
 class Session {
   view = $state<Api<"SessionView"> | null>(null);
+  /** The session ended while somebody worked: their page stays where it is until they are back. */
+  expired = $state(false);
   page = $state<Api<"SignInPage"> | null>(null);
-  /** Taken from the address when the app starts, and off the address at once. */
+  /** Taken from the address, and off the address at once. */
   token = $state(takeToken());
+
+  constructor() {
+    // The program's address opened again in the same tab changes nothing but what stands behind `#`.
+    window.addEventListener("hashchange", () => {
+      this.token = takeToken(addressOf(router.page)) ?? this.token;
+    });
+  }
 
   /** Finds out whether somebody is signed in already. */
   async begin(): Promise<void> {
     this.page = await ask("GET", "/api/sign-in");
+    await this.resume();
+  }
+
+  /** Takes up a session that the browser knows of, such as one begun in another tab. */
+  async resume(): Promise<void> {
     try {
       this.#use(await ask("GET", "/api/session"));
     } catch (error) {
       if (!(error instanceof Refusal && error.status === 401)) throw error;
-      this.view = null;
     }
   }
 
@@ -27,24 +42,19 @@ class Session {
   async signOut(): Promise<void> {
     await ask("DELETE", "/api/session");
     this.view = null;
+    this.expired = false;
   }
 
   /** The program no longer knows this session. */
   expire(): void {
-    this.view = null;
+    this.expired = this.view !== null;
   }
 
   #use(view: Api<"SessionView">): void {
     useSession(view);
     this.view = view;
+    this.expired = false;
   }
-}
-
-function takeToken(): string | null {
-  const found = /^#token=([0-9a-f]+)$/.exec(window.location.hash);
-  if (!found) return null;
-  history.replaceState(null, "", window.location.pathname);
-  return found[1] ?? null;
 }
 
 export const session = new Session();

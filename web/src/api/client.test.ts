@@ -1,0 +1,91 @@
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+
+import { Refusal, Unreachable, ask, listen, useSession, type Listener } from "./client";
+
+const heard = { answered: vi.fn(), unreachable: vi.fn(), expired: vi.fn() } satisfies Listener;
+const request = vi.fn<typeof fetch>();
+
+beforeEach(() => {
+  vi.stubGlobal("fetch", request);
+  listen(heard);
+});
+
+afterEach(() => vi.resetAllMocks());
+
+function answer(status: number, body: unknown): void {
+  request.mockResolvedValueOnce(Response.json(body, { status }));
+}
+
+async function refusalOf(asked: Promise<unknown>): Promise<Refusal> {
+  const error = await asked.then(
+    () => null,
+    (caught: unknown) => caught,
+  );
+  expect(error).toBeInstanceOf(Refusal);
+  return error as Refusal;
+}
+
+const PROBLEM = { code: "not_yours", message: "only ab may change it", help: "begin your own" };
+
+describe("a refusal", () => {
+  it("speaks in the program's words", async () => {
+    answer(403, PROBLEM);
+    const refusal = await refusalOf(ask("GET", "/api/studies"));
+    expect(refusal.status).toBe(403);
+    expect(refusal.message).toBe(PROBLEM.message);
+    expect(refusal.problem.help).toBe(PROBLEM.help);
+  });
+
+  it("keeps the whole body of a conflict", async () => {
+    const body = { problem: PROBLEM, reading: { revision: 7 } };
+    answer(409, body);
+    const refusal = await refusalOf(ask("POST", "/api/readings/1/events", { json: {} }));
+    expect(refusal.problem).toEqual(PROBLEM);
+    expect(refusal.body).toEqual(body);
+  });
+
+  it("has words where the answer has none", async () => {
+    request.mockResolvedValueOnce(new Response("<html>", { status: 502 }));
+    expect((await refusalOf(ask("GET", "/api/studies"))).message).toContain("502");
+  });
+
+  it("of who is not signed in is told, except where somebody tries to sign in", async () => {
+    answer(401, PROBLEM);
+    await refusalOf(ask("POST", "/api/session", { json: {} }));
+    expect(heard.expired).not.toHaveBeenCalled();
+    answer(401, PROBLEM);
+    await refusalOf(ask("GET", "/api/studies"));
+    expect(heard.expired).toHaveBeenCalledOnce();
+  });
+});
+
+describe("a request", () => {
+  it("without an answer is unreachable", async () => {
+    request.mockRejectedValueOnce(new TypeError("Failed to fetch"));
+    await expect(ask("GET", "/api/studies")).rejects.toBeInstanceOf(Unreachable);
+    expect(heard.unreachable).toHaveBeenCalledOnce();
+    expect(heard.answered).not.toHaveBeenCalled();
+  });
+
+  it("that was stopped is neither refused nor unreachable", async () => {
+    request.mockRejectedValueOnce(new DOMException("stopped", "AbortError"));
+    await expect(ask("GET", "/api/studies")).rejects.toThrow("stopped");
+    expect(heard.unreachable).not.toHaveBeenCalled();
+  });
+
+  it("that changes something carries the session's token, and one that asks does not", async () => {
+    useSession({ csrf: "c5f" } as Parameters<typeof useSession>[0]);
+    answer(200, {});
+    answer(200, {});
+    await ask("PUT", "/api/accounts/ab", { json: { enabled: true } });
+    await ask("GET", "/api/accounts");
+    const [changing, asking] = request.mock.calls.map(([, init]) => new Headers(init?.headers));
+    expect(changing?.get("X-Spineline-Csrf")).toBe("c5f");
+    expect(asking?.get("X-Spineline-Csrf")).toBeNull();
+  });
+
+  it("with no content gives nothing", async () => {
+    request.mockResolvedValueOnce(new Response(null, { status: 204 }));
+    expect(await ask("DELETE", "/api/session")).toBeUndefined();
+  });
+});

@@ -1,0 +1,68 @@
+import { Unreachable, ask, listen } from "../api/client";
+import { session } from "./session.svelte";
+
+const SHORTEST_WAIT_MS = 1_000;
+const LONGEST_WAIT_MS = 10_000;
+
+/** Whether the program answers. */
+class Connection {
+  /** The last request had no answer; pages keep what they could not send. */
+  lost = $state(false);
+  /** It is being asked again at this moment. */
+  asking = $state(false);
+
+  #wait_ms = SHORTEST_WAIT_MS;
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  #waiting: (() => void)[] = [];
+
+  constructor() {
+    listen({
+      answered: () => this.#found(),
+      unreachable: () => this.#lose(),
+      expired: () => session.expire(),
+    });
+  }
+
+  /** Settles when the program answers again; at once while it does. */
+  back(): Promise<void> {
+    if (!this.lost) return Promise.resolve();
+    return new Promise((resolve) => this.#waiting.push(resolve));
+  }
+
+  /** Asks now, not when the wait is over. */
+  async retry(): Promise<void> {
+    clearTimeout(this.#timer);
+    if (this.asking) return;
+    this.asking = true;
+    try {
+      await ask("GET", "/api/sign-in");
+    } catch (error) {
+      // A refusal is an answer too.
+      if (error instanceof Unreachable) this.#again();
+    } finally {
+      this.asking = false;
+    }
+  }
+
+  #lose(): void {
+    if (this.lost) return;
+    this.lost = true;
+    this.#wait_ms = SHORTEST_WAIT_MS;
+    this.#again();
+  }
+
+  #again(): void {
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => void this.retry(), this.#wait_ms);
+    this.#wait_ms = Math.min(LONGEST_WAIT_MS, this.#wait_ms * 1.5);
+  }
+
+  #found(): void {
+    if (!this.lost) return;
+    clearTimeout(this.#timer);
+    this.lost = false;
+    for (const resolve of this.#waiting.splice(0)) resolve();
+  }
+}
+
+export const connection = new Connection();

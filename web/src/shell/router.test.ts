@@ -1,0 +1,40 @@
+import { beforeAll, describe, expect, it, vi } from "vitest";
+
+import type { Page } from "./router.svelte";
+
+let router: typeof import("./router.svelte");
+
+beforeAll(async () => {
+  vi.stubGlobal("window", { location: { hash: "" }, addEventListener: () => undefined });
+  router = await import("./router.svelte");
+});
+
+describe("addresses", () => {
+  const pages: Page[] = [
+    { name: "studies" },
+    { name: "new-study" },
+    { name: "cohort" },
+    { name: "access" },
+    { name: "measure", study: "S-017" },
+    { name: "measure", study: "S-017", film: 3 },
+    { name: "model", study: "a.b_c-1" },
+    { name: "read", study: "S-017" },
+  ];
+
+  it.each(pages)("leads back to %o", (page) => {
+    expect(router.pageOf(router.addressOf(page))).toEqual(page);
+  });
+
+  it("leads to the studies from what nobody knows", () => {
+    for (const hash of ["", "#", "#/", "#/nowhere", "#/studies", "#/studies/"])
+      expect(router.pageOf(hash)).toEqual({ name: "studies" });
+  });
+
+  it("leads to the studies from what cannot be decoded", () => {
+    expect(router.pageOf("#/studies/%E0%A4%A/measure")).toEqual({ name: "studies" });
+  });
+
+  it("takes no film that is not a whole number", () => {
+    expect(router.pageOf("#/studies/A/measure/x1")).toEqual({ name: "measure", study: "A" });
+  });
+});

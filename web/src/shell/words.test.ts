@@ -1,0 +1,28 @@
+import { describe, expect, it } from "vitest";
+
+import { counted, imageSideWord, momentText, postureWord, sideWord, statuses } from "./words";
+
+describe("words", () => {
+  it("tell the patient's side from the picture's", () => {
+    expect(sideWord("left")).toContain("patient");
+    expect(imageSideWord("image_left")).toContain("picture");
+  });
+
+  it("name postures", () => {
+    expect(postureWord("left_bending")).toBe("Left bending");
+  });
+
+  it("name every status once", () => {
+    expect(new Set(statuses).size).toBe(7);
+  });
+
+  it("count", () => {
+    expect(counted(1, "film")).toBe("1 film");
+    expect(counted(0, "film")).toBe("0 films");
+    expect(counted(2, "study", "studies")).toBe("2 studies");
+  });
+
+  it("write a moment with its day", () => {
+    expect(momentText(Date.UTC(2024, 4, 17, 12))).toContain("17 May 2024");
+  });
+});

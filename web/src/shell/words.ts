@@ -1,0 +1,105 @@
+import type { Api } from "../api/types";
+
+type Words<Name extends string> = Record<Name, string>;
+
+const POSTURES: Words<Api<"PostureName">> = {
+  erect: "Erect",
+  left_bending: "Left bending",
+  right_bending: "Right bending",
+  neutral: "Neutral",
+  traction: "Traction",
+};
+
+const SHORT_POSTURES: Words<Api<"PostureName">> = {
+  erect: "Erect",
+  left_bending: "Left",
+  right_bending: "Right",
+  neutral: "Neutral",
+  traction: "Traction",
+};
+
+const SIDES: Words<Api<"SideName">> = { left: "patient's left", right: "patient's right" };
+
+const IMAGE_SIDES: Words<Api<"ImageSideName">> = {
+  image_left: "left side of the picture",
+  image_right: "right side of the picture",
+};
+
+const PLANES: Words<Api<"PlaneName">> = {
+  patient: "millimetres in the plane of the spine",
+  detector: "millimetres in the plane of the detector: larger than the patient",
+  unknown: "millimetres of an unknown plane",
+  pixels: "no scale: angles only",
+};
+
+const SHORT_PLANES: Words<Api<"PlaneName">> = {
+  patient: "patient mm",
+  detector: "detector mm",
+  unknown: "mm of an unknown plane",
+  pixels: "no scale",
+};
+
+const ROLES: Words<Api<"RoleName">> = { reader: "Reader", editor: "Editor", admin: "Admin" };
+
+const STATUSES: Words<Api<"StudyStatus">> = {
+  to_mark: "To mark",
+  marking: "Marking",
+  measured: "Measured",
+  modelled: "Modelled",
+  not_converged: "Not converged",
+  refused: "Contradicted",
+  blinded: "Blinded",
+};
+
+const SEVERITIES: Words<Api<"Severity">> = {
+  note: "Note",
+  warning: "Warning",
+  contradiction: "Contradiction",
+  error: "Error",
+};
+
+const LINES: Words<Api<"LineName">> = {
+  inflection_line: "Inflection line",
+  iliac_line: "Iliac line",
+  estimated_line: "Estimated line",
+};
+
+/** Postures in the order in which people expect them. */
+export const postures = Object.keys(POSTURES) as Api<"PostureName">[];
+
+/** All statuses, in the order in which a study passes through them. */
+export const statuses = Object.keys(STATUSES) as Api<"StudyStatus">[];
+
+export const postureWord = (posture: Api<"PostureName">): string => POSTURES[posture];
+
+/** For under a thumbnail. */
+export const shortPostureWord = (posture: Api<"PostureName">): string => SHORT_POSTURES[posture];
+
+export const sideWord = (side: Api<"SideName">): string => SIDES[side];
+
+export const imageSideWord = (side: Api<"ImageSideName">): string => IMAGE_SIDES[side];
+
+export const planeWord = (plane: Api<"PlaneName">): string => PLANES[plane];
+
+export const shortPlaneWord = (plane: Api<"PlaneName">): string => SHORT_PLANES[plane];
+
+export const roleWord = (role: Api<"RoleName">): string => ROLES[role];
+
+export const statusWord = (status: Api<"StudyStatus">): string => STATUSES[status];
+
+export const severityWord = (severity: Api<"Severity">): string => SEVERITIES[severity];
+
+export const lineWord = (line: Api<"LineName">): string => LINES[line];
+
+/** Such as `1 film` and `3 films`. */
+export const counted = (count: number, one: string, many = `${one}s`): string =>
+  `${count} ${count === 1 ? one : many}`;
+
+const DAY = new Intl.DateTimeFormat("en-GB", { dateStyle: "medium" });
+const DAY_AND_TIME = new Intl.DateTimeFormat("en-GB", { dateStyle: "medium", timeStyle: "short" });
+
+/** A moment in this machine's time zone. */
+export const momentText = (at_ms: number): string => DAY_AND_TIME.format(at_ms);
+
+/** The day of a moment in this machine's time zone. */
+export const dayText = (at_ms: number): string => DAY.format(at_ms);
