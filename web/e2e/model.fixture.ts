@@ -73,6 +73,7 @@ function posture(
   fitted: boolean,
   shapes: Shape[],
   force: string,
+  shift: number,
 ): Posture {
   const last = shapes.at(-1)!;
   const top = last.midpoints_mm[14]!;
@@ -82,8 +83,8 @@ function posture(
     converged: true,
     status_text: "converged, residual 3·10⁻¹⁰ N·mm",
     force_text: force,
-    line_point_mm: [top[0]!, top[1]! * 0.6, top[2]!],
-    line_direction: [0, Math.sin(0.12), Math.cos(0.12)],
+    line_point_mm: [top[0]!, top[1]! * (0.6 - shift / 20), top[2]!],
+    line_direction: [0, Math.sin(0.12 + shift / 30), Math.cos(0.12 + shift / 30)],
     path: shapes,
     errors: LEVELS.map((level, i) => ({
       level,
@@ -134,24 +135,28 @@ function line(kind: Api<"LineName">, label: string, shift: number): Api<"LineMod
         true,
         path(14 + shift, -38),
         "pull of 1.42 at the gauge, up along the line",
+        shift,
       ),
       posture(
         "right_bending",
         true,
         path(10 + shift, 36),
         "pull of 1.17 at the gauge, up along the line",
+        shift,
       ),
       posture(
         "neutral",
         false,
         path(17 + shift, 2),
         "pull of 0.40 at the gauge, up along the line",
+        shift,
       ),
       posture(
         "traction",
         false,
         path(9 + shift, 1),
         "pull of 1.90 at the gauge, up along the line",
+        shift,
       ),
     ],
     fitted_error_mm: 1.6 + shift / 4,

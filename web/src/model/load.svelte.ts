@@ -101,11 +101,14 @@ export class HandLoad {
     clearTimeout(this.#timer);
   }
 
-  /** To be called once a picture is drawn. */
+  /** To be called once a picture is given to the screen; it is on it at the next frame. */
   drawn(): void {
-    if (this.#since_ms === null) return;
-    performance.measure(POINTER_TO_RESULT, { start: this.#since_ms, end: performance.now() });
+    const start = this.#since_ms;
+    if (start === null) return;
     this.#since_ms = null;
+    requestAnimationFrame((end) => {
+      if (end > start) performance.measure(POINTER_TO_RESULT, { start, end });
+    });
   }
 
   #ask(since_ms: number): void {

@@ -29,7 +29,7 @@ export function pictureOf(
       contradicted: [],
       chosenLevel: load.index,
       lines: [],
-      forceText: null,
+      force: null,
       load: { from: load.from, tip: load.tip },
     };
   }
@@ -45,7 +45,7 @@ export function pictureOf(
       line?.joints.map((joint) => joint.contradicted_in.some((film) => film === posture)) ?? [],
     chosenLevel: null,
     lines: linesOf(choice, theme),
-    forceText: simulated?.converged ? simulated.force_text : null,
+    force: simulated?.converged ? simulated.force_text : null,
     load: null,
   };
 }

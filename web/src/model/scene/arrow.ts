@@ -35,9 +35,15 @@ export class Arrow {
   readonly #shaft: Rod;
   readonly #head: Mesh<ConeGeometry, MeshBasicMaterial>;
 
-  constructor(rod: CylinderGeometry, head: ConeGeometry) {
+  constructor(rod: CylinderGeometry, head: ConeGeometry, { isOnTop = false } = {}) {
     this.#shaft = new Rod(rod);
     this.#head = new Mesh(head, new MeshBasicMaterial());
+    // What is being held must not be hidden by what it moves.
+    for (const mesh of [this.#shaft.mesh, this.#head]) {
+      mesh.material.depthTest = !isOnTop;
+      mesh.material.transparent = isOnTop;
+      mesh.renderOrder = isOnTop ? 1 : 0;
+    }
     this.group.add(this.#shaft.mesh, this.#head);
   }
 

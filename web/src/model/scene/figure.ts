@@ -7,7 +7,7 @@ import {
   LineSegments,
   Matrix4,
   Mesh,
-  MeshStandardMaterial,
+  MeshPhongMaterial,
   SphereGeometry,
   type Material,
 } from "three";
@@ -95,12 +95,12 @@ export class Figure {
   readonly group = new Group();
   readonly #vertebrae: Group[] = [];
   readonly #bodyMeshes: Mesh[] = [];
-  readonly #discs: Mesh<BufferGeometry, MeshStandardMaterial>[] = [];
-  readonly #joints: Mesh<BufferGeometry, MeshStandardMaterial>[] = [];
-  readonly #bone = new MeshStandardMaterial({ roughness: 0.62, metalness: 0 });
-  readonly #arch = new MeshStandardMaterial({ roughness: 0.75, metalness: 0 });
-  readonly #fixed = new MeshStandardMaterial({ roughness: 0.62, metalness: 0 });
-  readonly #chosen = new MeshStandardMaterial({ roughness: 0.5, metalness: 0 });
+  readonly #discs: Mesh<BufferGeometry, MeshPhongMaterial>[] = [];
+  readonly #joints: Mesh<BufferGeometry, MeshPhongMaterial>[] = [];
+  readonly #bone = new MeshPhongMaterial({ shininess: 18, specular: 0x222222 });
+  readonly #arch = new MeshPhongMaterial({ shininess: 18, specular: 0x222222 });
+  readonly #fixed = new MeshPhongMaterial({ shininess: 18, specular: 0x222222 });
+  readonly #chosen = new MeshPhongMaterial({ shininess: 18, specular: 0x222222 });
   readonly #rim = new LineBasicMaterial();
   readonly #arches: Mesh[] = [];
   readonly #rims: LineSegments[] = [];
@@ -173,8 +173,8 @@ export class Figure {
   }
 
   #dressJoint(
-    disc: Mesh<BufferGeometry, MeshStandardMaterial>,
-    joint: Mesh<BufferGeometry, MeshStandardMaterial>,
+    disc: Mesh<BufferGeometry, MeshPhongMaterial>,
+    joint: Mesh<BufferGeometry, MeshPhongMaterial>,
     index: number,
     style: FigureStyle,
   ): void {
@@ -223,11 +223,11 @@ export class Figure {
   #addJoint(index: number): void {
     const disc = new Mesh(
       discGeometry(),
-      new MeshStandardMaterial({ roughness: 0.45, metalness: 0, side: DoubleSide }),
+      new MeshPhongMaterial({ shininess: 18, specular: 0x222222, side: DoubleSide }),
     );
     const joint = new Mesh(
       this.parts.joint,
-      new MeshStandardMaterial({ roughness: 0.4, metalness: 0, emissiveIntensity: 0.4 }),
+      new MeshPhongMaterial({ shininess: 18, specular: 0x222222, emissiveIntensity: 0.4 }),
     );
     disc.userData.joint = index;
     joint.userData.joint = index;
@@ -237,7 +237,7 @@ export class Figure {
   }
 }
 
-function fade(material: MeshStandardMaterial, opacity: number): void {
+function fade(material: MeshPhongMaterial, opacity: number): void {
   const transparent = opacity < 1;
   if (material.transparent !== transparent) material.needsUpdate = true;
   material.transparent = transparent;
@@ -246,7 +246,7 @@ function fade(material: MeshStandardMaterial, opacity: number): void {
 }
 
 /** Stripes across the screen: what is not a result must not look like one, in print and to the colour-blind too. */
-function hatch(material: MeshStandardMaterial, isOn: () => boolean): void {
+function hatch(material: MeshPhongMaterial, isOn: () => boolean): void {
   material.customProgramCacheKey = () => (isOn() ? "hatched" : "plain");
   material.onBeforeCompile = (shader) => {
     if (!isOn()) return;

@@ -7,7 +7,7 @@ import {
   LineBasicMaterial,
   LineSegments,
   Mesh,
-  MeshStandardMaterial,
+  MeshPhongMaterial,
 } from "three";
 
 import type { BodySize, Point } from "../shapes";
@@ -23,7 +23,7 @@ export class Ground {
   readonly group = new Group();
   readonly #height_mm: number;
   readonly #grid: GridHelper;
-  readonly #plate: Mesh<CylinderGeometry, MeshStandardMaterial>;
+  readonly #plate: Mesh<CylinderGeometry, MeshPhongMaterial>;
   readonly #axes: LineSegments<BufferGeometry, LineBasicMaterial>;
 
   constructor(lowest: BodySize, colours: { line: string; quiet: string }) {
@@ -34,7 +34,7 @@ export class Ground {
     this.#grid.position.z = this.#height_mm;
     this.#plate = new Mesh(
       new CylinderGeometry(lowest.width_mm * 0.62, lowest.width_mm * 0.72, 8, 40),
-      new MeshStandardMaterial({ color: colours.quiet, roughness: 0.9 }),
+      new MeshPhongMaterial({ color: colours.quiet, shininess: 4 }),
     );
     this.#plate.rotateX(Math.PI / 2);
     this.#plate.position.z = under - 6;

@@ -41,8 +41,8 @@ export interface Picture {
   chosenJoint: number | null;
   chosenLevel: number | null;
   lines: readonly LineDrawn[];
-  /** Written at the arrow of the chosen line. */
-  forceText: string | null;
+  /** The force along the chosen line, in words; without it no arrow is drawn. */
+  force: string | null;
   /** A load by hand: from where it acts at rest to the tip of its arrow. */
   load: { from: Point; tip: Point } | null;
 }
@@ -57,6 +57,13 @@ export interface Told {
 
 const DISTANCE_MM = 3000;
 const FORCE_ARROW_MM = 55;
+const MARGIN_MM = 26;
+/** Pixels of the picture for each CSS pixel: more than the screen has, which smooths edges. */
+const FINE_RATIO = 2;
+const COARSE_RATIO = 1;
+/** How long a slow machine's picture rests before it is drawn finely. */
+const REST_MS = 180;
+const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 const NO_STYLE = { contradicted: [], chosenJoint: null, chosenLevel: null, discs: null } as const;
 
 /** The picture in three dimensions: drawn when something changes, and at no other time. */
@@ -83,6 +90,8 @@ export class Stage {
   #frame = 0;
   #pressed: Vector2 | null = null;
   #isSettling = false;
+  readonly #isSlow: boolean;
+  #fine: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -92,20 +101,21 @@ export class Stage {
     range: [Point, Point],
     private readonly told: Told,
   ) {
-    this.#renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.#renderer = new WebGLRenderer({ canvas });
+    this.#isSlow = SOFTWARE.test(rendererName(this.#renderer));
     this.#renderer.setScissorTest(true);
     this.#scene.background = new Color(palette.background);
     const [low, high] = [new Vector3(...range[0]), new Vector3(...range[1])];
     high.z += FORCE_ARROW_MM;
     this.#centre = low.clone().add(high).multiplyScalar(0.5);
     const wide = Math.max(high.x - this.#centre.x, high.y - this.#centre.y);
-    this.#reach = [wide + 34, (high.z - low.z) / 2 + 34];
+    this.#reach = [wide + MARGIN_MM, (high.z - low.z) / 2 + MARGIN_MM];
     this.#parts = new Parts(sizes);
     this.#main = new Figure(this.#parts, palette);
     this.#other = new Figure(this.#parts, palette);
     this.#ground = new Ground(at(sizes, 0), { line: palette.line, quiet: palette.quiet });
     this.#force = new Arrow(this.#rod, this.#head);
-    this.#load = new Arrow(this.#rod, this.#head);
+    this.#load = new Arrow(this.#rod, this.#head, { isOnTop: true });
     this.#labels = new Labels(layer);
     this.#scene.add(this.#main.group, this.#other.group, this.#ground.group);
     this.#scene.add(this.#force.group, this.#load.group);
@@ -117,7 +127,7 @@ export class Stage {
     this.#controls.maxZoom = 12;
     this.#controls.addEventListener("change", () => this.draw());
     this.look("back");
-    this.#observer = new ResizeObserver(() => this.#resize());
+    this.#observer = new ResizeObserver(() => this.draw());
     this.#observer.observe(canvas.parentElement ?? canvas);
     canvas.addEventListener("pointerdown", this.#press);
     canvas.addEventListener("pointerup", this.#release);
@@ -145,15 +155,17 @@ export class Stage {
     this.#showLines(picture);
     this.#load.group.visible = picture.load !== null;
     if (picture.load) this.#load.set(picture.load.from, picture.load.tip, this.palette.force);
-    this.#resize();
+    this.draw();
   }
 
   /** Draws soon; several changes at once make one picture. */
   draw(): void {
     if (this.#frame || this.#isSettling) return;
+    clearTimeout(this.#fine);
     this.#frame = requestAnimationFrame(() => {
       this.#frame = 0;
-      this.#render();
+      this.#render(this.#isSlow ? COARSE_RATIO : FINE_RATIO);
+      if (this.#isSlow) this.#fine = setTimeout(() => this.#render(FINE_RATIO), REST_MS);
     });
   }
 
@@ -207,6 +219,7 @@ export class Stage {
 
   dispose(): void {
     cancelAnimationFrame(this.#frame);
+    clearTimeout(this.#fine);
     this.#observer.disconnect();
     this.canvas.removeEventListener("webglcontextlost", this.#lose);
     this.canvas.removeEventListener("webglcontextrestored", this.#regain);
@@ -256,7 +269,7 @@ export class Stage {
         head.clone().addScaledVector(along, 25),
         line.isChosen ? 0.9 : 0.45,
       );
-      if (line.isChosen) force = forceArrow(head, along, upward);
+      if (line.isChosen && picture.force) force = forceArrow(head, along, upward);
     });
     this.#force.group.visible = force !== null;
     const labels: Label[] = levelLabels(picture, this.sizes);
@@ -264,8 +277,8 @@ export class Stage {
       const [from, tip] = force as [Point, Point];
       this.#force.set(from, tip, this.palette.force);
       const top = from[2] > tip[2] ? from : tip;
-      if (picture.forceText)
-        labels.push({ text: picture.forceText, at: top, kind: "force", shift: [10, 4] });
+      if (picture.force)
+        labels.push({ text: picture.force, at: top, kind: "force", shift: [10, 4] });
     }
     this.#staticLabels = labels;
   }
@@ -280,17 +293,16 @@ export class Stage {
     this.draw();
   }
 
-  #resize(): void {
-    const { clientWidth, clientHeight } = this.canvas.parentElement ?? this.canvas;
-    this.#renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-    this.#renderer.setSize(clientWidth, clientHeight);
-    this.draw();
-  }
-
-  #render(): void {
+  #render(ratio: number): void {
     const picture = this.#picture;
-    if (!picture) return;
-    const size = this.#renderer.getSize(new Vector2());
+    const { clientWidth, clientHeight } = this.canvas.parentElement ?? this.canvas;
+    if (!picture || clientWidth === 0 || clientHeight === 0) return;
+    const size = new Vector2(clientWidth, clientHeight);
+    // A new size clears the canvas: only where it is one.
+    if (ratio !== this.#renderer.getPixelRatio()) this.#renderer.setPixelRatio(ratio);
+    if (!size.equals(this.#renderer.getSize(new Vector2()))) {
+      this.#renderer.setSize(clientWidth, clientHeight);
+    }
     const isBeside = picture.layout === "beside" && picture.other !== null;
     const width = isBeside ? size.x / 2 : size.x;
     const scale = this.#fit(width, size.y);
@@ -388,6 +400,12 @@ export class Stage {
     this.told.lost(false);
     this.draw();
   };
+}
+
+function rendererName(renderer: WebGLRenderer): string {
+  const gl = renderer.getContext();
+  const names = gl.getExtension("WEBGL_debug_renderer_info");
+  return names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
 }
 
 function footOn(line: LineDrawn, point: Point): Vector3 {

@@ -81,22 +81,18 @@ export function archGeometry(body: BodySize): BufferGeometry {
   const isLumbar = body.level.startsWith("L");
   const parts: BufferGeometry[] = [];
   for (const side of [-1, 1]) {
-    const pedicle: Point = [back - 0.26 * d, side * 0.33 * w, 0.2 * h];
-    const lamina: Point = [back - 0.62 * d, side * 0.05 * w, -0.05 * h];
-    parts.push(strut([back + 0.12 * d, side * 0.31 * w, 0.22 * h], pedicle, 0.12 * w, 0.24 * h));
-    parts.push(strut(pedicle, lamina, 0.09 * w, 0.3 * h));
-    // Lumbar processes point to the side, thoracic ones back and up.
-    const tip: Point = isLumbar
-      ? [back - 0.34 * d, side * 0.92 * w, 0.24 * h]
-      : [back - 0.62 * d, side * 0.86 * w, 0.42 * h];
-    parts.push(strut([back - 0.3 * d, side * 0.32 * w, 0.14 * h], tip, 0.1 * w, 0.17 * h));
-    const facet: Point = [back - 0.42 * d, side * 0.31 * w, 0.1 * h];
-    parts.push(strut(facet, [back - 0.36 * d, side * 0.31 * w, 0.72 * h], 0.09 * w, 0.14 * h));
-    parts.push(strut(facet, [back - 0.5 * d, side * 0.24 * w, -0.72 * h], 0.085 * w, 0.13 * h));
+    const pedicle: Point = [back - 0.3 * d, side * 0.3 * w, 0.2 * h];
+    const lamina: Point = [back - 0.66 * d, side * 0.03 * w, 0];
+    parts.push(strut([back + 0.1 * d, side * 0.3 * w, 0.2 * h], pedicle, 0.09 * w, 0.2 * h));
+    parts.push(strut(pedicle, lamina, 0.07 * w, 0.22 * h));
+    // Lumbar processes point to the side, thoracic ones back as well.
+    const tip: Point = [back - (isLumbar ? 0.32 : 0.5) * d, side * 0.66 * w, 0.24 * h];
+    parts.push(strut([back - 0.3 * d, side * 0.28 * w, 0.18 * h], tip, 0.055 * w, 0.1 * h));
   }
-  const root: Point = [back - 0.6 * d, 0, -0.02 * h];
-  const tip: Point = isLumbar ? [back - 1.25 * d, 0, -0.3 * h] : [back - 1.22 * d, 0, -1.05 * h];
-  parts.push(strut(root, tip, 0.055 * w, isLumbar ? 0.4 * h : 0.24 * h));
+  // Lumbar spines are blades, thoracic ones slope down.
+  const root: Point = [back - 0.58 * d, 0, 0];
+  const tip: Point = [back - 1.2 * d, 0, (isLumbar ? -0.22 : -0.8) * h];
+  parts.push(strut(root, tip, 0.05 * w, (isLumbar ? 0.36 : 0.2) * h));
   const merged = mergeGeometries(parts);
   parts.forEach((part) => part.dispose());
   return merged;
