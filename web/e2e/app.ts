@@ -3,10 +3,21 @@ import { mkdtemp, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import path from "node:path";
 
+import AxeBuilder from "@axe-core/playwright";
 import { test as base, expect, type Page } from "@playwright/test";
 
 /** The program under test. */
 const PROGRAM = process.env.SPINELINE_PROGRAM ?? path.resolve("../target/debug/spineline");
+
+/** Folder of pages built apart from the program, while they are being written; else the program's own are tested. */
+const PAGES = process.env.SPINELINE_PAGES;
+
+const KINDS: Record<string, string> = {
+  ".html": "text/html",
+  ".js": "text/javascript",
+  ".css": "text/css",
+  ".svg": "image/svg+xml",
+};
 
 /** A server with a store in a folder of its own. */
 export class App {
@@ -49,6 +60,7 @@ export class App {
 
   /** Opens the app and signs in as an observer. */
   async open(page: Page, observer = "tester"): Promise<void> {
+    await usePages(page);
     await page.goto(this.address);
     await page.getByLabel(/who reads/i).fill(observer);
     await page.getByRole("button", { name: /^open/i }).click();
@@ -66,6 +78,35 @@ export const test = base.extend<{ app: App }>({
     await rm(folder, { recursive: true, force: true });
   },
 });
+
+/** Puts the pages of `SPINELINE_PAGES`, if there are any, in the place of the program's, under its headers. */
+export async function usePages(page: Page): Promise<void> {
+  if (!PAGES) return;
+  await page.route(
+    (url) => !url.pathname.startsWith("/api/"),
+    async (route) => {
+      const { pathname } = new URL(route.request().url());
+      const file = path.join(PAGES, pathname === "/" ? "index.html" : pathname);
+      const home = await route.fetch({ url: new URL("/", route.request().url()).href });
+      const { "content-length": _, ...kept } = home.headers();
+      const headers = { ...kept, "content-type": KINDS[path.extname(file)] ?? "" };
+      await route.fulfill({ status: 200, path: file, headers });
+    },
+  );
+}
+
+/** Fails on whatever axe finds wrong with the page as it stands. */
+export async function expectAccessible(page: Page): Promise<void> {
+  const { violations } = await new AxeBuilder({ page })
+    .withTags(["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"])
+    .analyze();
+  const found = violations.map(({ id, help, nodes }) => ({
+    id,
+    help,
+    where: nodes.map((node) => `${node.target.join(" ")}: ${node.failureSummary}`),
+  }));
+  expect(found).toEqual([]);
+}
 
 /** Keeps a picture of the page, to be looked at. */
 export async function shot(page: Page, name: string): Promise<void> {

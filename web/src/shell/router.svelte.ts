@@ -2,6 +2,7 @@
 export type Page =
   | { name: "studies" }
   | { name: "new-study" }
+  | { name: "import" }
   | { name: "measure"; study: string; film?: number }
   | { name: "model"; study: string }
   | { name: "read"; study: string }
@@ -11,6 +12,7 @@ export type Page =
 export function pageOf(hash: string): Page {
   const [first, study, third, fourth] = partsOf(hash);
   if (first === "new") return { name: "new-study" };
+  if (first === "import") return { name: "import" };
   if (first === "cohort") return { name: "cohort" };
   if (first === "access") return { name: "access" };
   if (first === "studies" && study) {
@@ -36,6 +38,8 @@ export function addressOf(page: Page): string {
       return "#/studies";
     case "new-study":
       return "#/new";
+    case "import":
+      return "#/import";
     case "cohort":
       return "#/cohort";
     case "access":

@@ -13,6 +13,7 @@ describe("addresses", () => {
   const pages: Page[] = [
     { name: "studies" },
     { name: "new-study" },
+    { name: "import" },
     { name: "cohort" },
     { name: "access" },
     { name: "measure", study: "S-017" },

@@ -1,0 +1,33 @@
+import type { Api } from "../api/types";
+
+export type Row = Api<"CohortRow">;
+
+/** Rows by the study, or by the cell under a heading; those without a value always are last. */
+export function sorted(rows: Row[], heading: string | null, descending: boolean): Row[] {
+  const direction = descending ? -1 : 1;
+  const byStudy = (a: Row, b: Row): number =>
+    a.study.localeCompare(b.study, "en", { numeric: true, sensitivity: "base" });
+  if (heading === null) return rows.toSorted((a, b) => direction * byStudy(a, b));
+  return rows.toSorted((a, b) => {
+    const [x, y] = [cellOf(a, heading), cellOf(b, heading)];
+    const [isEmptyX, isEmptyY] = [isEmpty(x), isEmpty(y)];
+    if (isEmptyX !== isEmptyY) return isEmptyX ? 1 : -1;
+    return direction * compare(x, y) || byStudy(a, b);
+  });
+}
+
+export const cellOf = (row: Row, heading: string): Api<"CohortCell"> | undefined =>
+  row.cells.find((cell) => cell.heading === heading);
+
+/** Headings of all rows, in their order. */
+export const headingsOf = (rows: Row[]): string[] => [
+  ...new Set(rows.flatMap((row) => row.cells.map((cell) => cell.heading))),
+];
+
+const isEmpty = (cell: Api<"CohortCell"> | undefined): boolean =>
+  cell === undefined || cell.text === "–" || cell.text === "";
+
+function compare(a: Api<"CohortCell"> | undefined, b: Api<"CohortCell"> | undefined): number {
+  if (typeof a?.value === "number" && typeof b?.value === "number") return a.value - b.value;
+  return (a?.text ?? "").localeCompare(b?.text ?? "", "en", { numeric: true });
+}

@@ -1,0 +1,100 @@
+import { describe, expect, it } from "vitest";
+
+import type { Api } from "../api/types";
+import { answersOf, contradictions, filmOf, idTrouble, openQuestions } from "./draft";
+
+function view(more: Partial<Api<"UploadView">> = {}): Api<"UploadView"> {
+  return {
+    upload: "u1",
+    format: "DICOM",
+    columns: 100,
+    rows: 200,
+    pixel_aspect: 1,
+    is_lateral: false,
+    is_synthetic: false,
+    notices: [],
+    ...more,
+  };
+}
+
+const SPACING = {
+  column_mm: 0.143,
+  row_mm: 0.143,
+  plane: "detector",
+  text: "0.143 mm × 0.143 mm, detector mm",
+} as const;
+
+describe("answers", () => {
+  it("are left open where the file says nothing: sides, posture and scale are never assumed", () => {
+    const answers = answersOf(view());
+    expect(answers).toMatchObject({ posture: null, patient_left: null, scale: null });
+    const fields = openQuestions(answers, []).map((open) => open.field);
+    expect(fields).toEqual(["posture", "patient_left", "scale"]);
+  });
+
+  it("are the file's where it has them", () => {
+    const file = view({ posture: "erect", patient_left: "image_right", spacing: SPACING });
+    const answers = answersOf(file);
+    expect(openQuestions(answers, [])).toEqual([]);
+    expect(contradictions(answers, file)).toEqual([]);
+    expect(filmOf(answers, file)).toEqual({
+      upload: "u1",
+      posture: "erect",
+      patient_left: "image_right",
+      scale: { kind: "file" },
+      inverted: false,
+    });
+  });
+
+  it("take each posture once", () => {
+    const erect = { ...answersOf(view()), posture: "erect" as const };
+    const open = openQuestions({ ...erect, patient_left: "image_left", scale: "pixels" }, [erect]);
+    expect(open).toHaveLength(1);
+    expect(open[0]?.text).toContain("Erect");
+  });
+
+  it("need both distances and a plane for a stated scale", () => {
+    const answers = {
+      ...answersOf(view({ posture: "erect", patient_left: "image_left" })),
+      scale: "stated" as const,
+    };
+    expect(openQuestions(answers, [])).toHaveLength(2);
+    expect(
+      openQuestions({ ...answers, column_mm: 0, row_mm: 0.1, plane: "patient" }, []),
+    ).toHaveLength(1);
+    const stated = { ...answers, column_mm: 0.1, row_mm: 0.2, plane: "patient" as const };
+    expect(openQuestions(stated, [])).toEqual([]);
+    expect(filmOf(stated, view()).scale).toEqual({
+      kind: "stated",
+      column_mm: 0.1,
+      row_mm: 0.2,
+      plane: "patient",
+    });
+  });
+
+  it("against the file are said to be so", () => {
+    const file = view({ posture: "erect", patient_left: "image_right", spacing: SPACING });
+    const answers = {
+      ...answersOf(file),
+      posture: "neutral" as const,
+      patient_left: "image_left" as const,
+      scale: "pixels" as const,
+    };
+    expect(contradictions(answers, file).map((notice) => notice.code)).toEqual([
+      "posture_against_file",
+      "side_against_file",
+      "scale_against_file",
+    ]);
+  });
+});
+
+describe("an identifier", () => {
+  it("has its rules", () => {
+    expect(idTrouble("S-017_a.b", [])).toBeNull();
+    expect(idTrouble("", [])).not.toBeNull();
+    expect(idTrouble("Zoë", [])).toContain("accents");
+    expect(idTrouble("../x", [])).not.toBeNull();
+    expect(idTrouble("a".repeat(65), [])).toContain("65");
+    expect(idTrouble("S-1", ["S-1"])).toContain("already");
+  });
+});

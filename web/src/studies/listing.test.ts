@@ -1,0 +1,68 @@
+import { describe, expect, it } from "vitest";
+
+import { chosen, scaleTrouble, type Choice, type Study } from "./listing";
+
+function study(id: string, more: Partial<Study> = {}): Study {
+  return {
+    id,
+    synthetic: false,
+    role: "admin",
+    status: "to_mark",
+    status_text: "no film is marked",
+    films: [],
+    warnings: 0,
+    contradictions: 0,
+    changed_ms: 0,
+    ...more,
+  };
+}
+
+const STUDIES = [
+  study("S-2", { label: "Pilot <b>cohort</b>", changed_ms: 3 }),
+  study("S-10", {
+    status: "measured",
+    changed_ms: 1,
+    curve: { cobb_deg: 48.2, region: "main thoracic", text: "Lenke 1, main thoracic 48.2°" },
+  }),
+  study("A", { status: "refused", contradictions: 2, changed_ms: 2 }),
+];
+
+function ids(choice: Partial<Choice>): string[] {
+  const all: Choice = { search: "", status: "all", order: "id", ...choice };
+  return chosen(STUDIES, all).map((found) => found.id);
+}
+
+describe("the list of studies", () => {
+  it("finds by identifier, label, curve and status words, whatever their case and order", () => {
+    expect(ids({ search: "s-10" })).toEqual(["S-10"]);
+    expect(ids({ search: "PILOT" })).toEqual(["S-2"]);
+    expect(ids({ search: "thoracic lenke" })).toEqual(["S-10"]);
+    expect(ids({ search: "contradicted" })).toEqual(["A"]);
+    expect(ids({ search: "nothing like it" })).toEqual([]);
+  });
+
+  it("takes what is searched for as text", () => {
+    expect(ids({ search: "<b>" })).toEqual(["S-2"]);
+    expect(ids({ search: ".*" })).toEqual([]);
+  });
+
+  it("filters by status", () => {
+    expect(ids({ status: "measured" })).toEqual(["S-10"]);
+  });
+
+  it("sorts; numbers in identifiers count as numbers", () => {
+    expect(ids({ order: "id" })).toEqual(["A", "S-2", "S-10"]);
+    expect(ids({ order: "changed" })).toEqual(["S-2", "A", "S-10"]);
+    expect(ids({ order: "cobb" })).toEqual(["S-10", "A", "S-2"]);
+    expect(ids({ order: "trouble" })[0]).toBe("A");
+  });
+
+  it("says where a scale is missing", () => {
+    const film = (plane: "patient" | "pixels" | "unknown") => ({ plane }) as Study["films"][number];
+    expect(scaleTrouble(study("A", { films: [film("patient")] }))).toBeNull();
+    expect(scaleTrouble(study("A", { films: [film("patient"), film("pixels")] }))).toBe(
+      "no scale on 1 of 2: angles only",
+    );
+    expect(scaleTrouble(study("A", { films: [film("unknown")] }))).toContain("unknown plane");
+  });
+});

@@ -1,0 +1,69 @@
+import type { Api } from "../api/types";
+import { statusWord, statuses } from "../shell/words";
+
+export type Study = Api<"StudySummary">;
+
+export const ORDERS = {
+  changed: "Last change",
+  id: "Identifier",
+  cobb: "Largest curve",
+  status: "Status",
+  trouble: "Contradictions and warnings",
+} as const;
+
+export type Order = keyof typeof ORDERS;
+
+export interface Choice {
+  /** Words that all have to be there. */
+  search: string;
+  status: Api<"StudyStatus"> | "all";
+  order: Order;
+}
+
+/** What a person may type to find a study. */
+function textOf(study: Study): string {
+  return [
+    study.id,
+    study.label,
+    study.curve?.text,
+    statusWord(study.status),
+    study.status_text,
+    study.synthetic ? "synthetic" : "",
+  ]
+    .join(" ")
+    .toLowerCase();
+}
+
+const byId = (a: Study, b: Study): number =>
+  a.id.localeCompare(b.id, "en", { numeric: true, sensitivity: "base" });
+
+const BY: Record<Order, (a: Study, b: Study) => number> = {
+  changed: (a, b) => b.changed_ms - a.changed_ms,
+  id: byId,
+  cobb: (a, b) => (b.curve?.cobb_deg ?? -1) - (a.curve?.cobb_deg ?? -1),
+  status: (a, b) => statuses.indexOf(a.status) - statuses.indexOf(b.status),
+  trouble: (a, b) => b.contradictions - a.contradictions || b.warnings - a.warnings,
+};
+
+/** The studies to show, in their order. */
+export function chosen(studies: Study[], choice: Choice): Study[] {
+  const words = choice.search.toLowerCase().split(/\s+/).filter(Boolean);
+  return studies
+    .filter((study) => choice.status === "all" || study.status === choice.status)
+    .filter((study) => {
+      const text = textOf(study);
+      return words.every((word) => text.includes(word));
+    })
+    .toSorted((a, b) => BY[choice.order](a, b) || byId(a, b));
+}
+
+/** Films without a scale that can be trusted, in words; null if there are none. */
+export function scaleTrouble(study: Study): string | null {
+  const without = study.films.filter((film) => film.plane === "pixels").length;
+  const unknown = study.films.filter((film) => film.plane === "unknown").length;
+  const parts = [
+    without ? `no scale on ${without} of ${study.films.length}: angles only` : null,
+    unknown ? `scale of an unknown plane on ${unknown} of ${study.films.length}` : null,
+  ].filter(Boolean);
+  return parts.length ? parts.join("; ") : null;
+}

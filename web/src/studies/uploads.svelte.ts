@@ -1,0 +1,90 @@
+import { upload } from "../api/studies";
+import type { Api } from "../api/types";
+
+const AT_ONCE = 3;
+
+/** A file on its way to the program. */
+export class Sent {
+  /** How much of it has gone, 0 to 1. */
+  fraction = $state(0);
+  /** What the program found in it. */
+  view = $state.raw<Api<"UploadView"> | null>(null);
+  /** Why the program did not take it. */
+  error = $state.raw<unknown>(null);
+
+  readonly #stop = new AbortController();
+
+  constructor(
+    readonly key: number,
+    readonly file: File,
+  ) {}
+
+  get waiting(): boolean {
+    return this.view === null && this.error === null;
+  }
+
+  async send(): Promise<void> {
+    this.error = null;
+    try {
+      this.view = await upload(
+        this.file,
+        (fraction) => {
+          this.fraction = fraction;
+        },
+        this.#stop.signal,
+      );
+    } catch (caught) {
+      this.error = caught;
+    }
+  }
+
+  stop(): void {
+    this.#stop.abort();
+  }
+}
+
+/** Files that go to the program, a few at once. */
+export class Uploads {
+  all = $state<Sent[]>([]);
+
+  #next = 0;
+  #under_way = 0;
+  #queue: Sent[] = [];
+
+  /** `ready` is told of every file that the program took. */
+  constructor(private readonly ready: (sent: Sent) => void = () => undefined) {}
+
+  add(files: Iterable<File>): void {
+    for (const file of files) {
+      const sent = new Sent(this.#next++, file);
+      this.all.push(sent);
+      this.#queue.push(sent);
+    }
+    this.#go();
+  }
+
+  again(sent: Sent): void {
+    sent.error = null;
+    this.#queue.push(sent);
+    this.#go();
+  }
+
+  remove(sent: Sent): void {
+    sent.stop();
+    this.#queue = this.#queue.filter((other) => other !== sent);
+    this.all = this.all.filter((other) => other !== sent);
+  }
+
+  #go(): void {
+    while (this.#under_way < AT_ONCE) {
+      const sent = this.#queue.shift();
+      if (!sent) return;
+      this.#under_way += 1;
+      void sent.send().then(() => {
+        this.#under_way -= 1;
+        if (sent.view) this.ready(sent);
+        this.#go();
+      });
+    }
+  }
+}
