@@ -209,7 +209,9 @@ test("a joint's number is read by pressing it, in the list too", async ({ app, p
   await joint.focus();
   await page.keyboard.press("Enter");
   await expect(joint).toHaveAttribute("aria-pressed", "true");
+  await expect(page.locator("[aria-live=polite]").getByText("T8/T7")).toBeVisible();
   await expect(page.getByText("against the force: left bending")).toBeVisible();
+  await shot(page, "model-joint");
 });
 
 test("the spine follows a load that is dragged", async ({ app, page }) => {

@@ -55,7 +55,7 @@ function linesOf(choice: Choice, theme: (token: string) => string): LineDrawn[] 
   return choice.view.lines.flatMap((line) => {
     const film = line.postures.find((one) => one.posture === choice.posture);
     const isChosen = line.kind === choice.kind;
-    if (!film || (!isChosen && !(choice.allLines && film.converged))) return [];
+    if (!film || (!isChosen && !(choice.allLines && line.converged && film.converged))) return [];
     return {
       point: film.line_point_mm as Point,
       direction: film.line_direction as Point,

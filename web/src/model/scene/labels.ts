@@ -43,7 +43,11 @@ export class Labels {
         (label.shift?.[0] ?? 0) -
         (label.aside_mm ?? 0) * pixelsPerMm;
       const y = ((1 - point.y) / 2) * height + (label.shift?.[1] ?? 0);
-      const back = label.aside_mm === undefined ? "" : " translate(-100%, -50%)";
+      let back = label.aside_mm === undefined ? "" : " translate(-100%, -50%)";
+      // A long word near the edge is written to the left of its place.
+      if (label.kind === "force" && x + node.offsetWidth > left + width) {
+        back = ` translate(calc(-100% - ${2 * (label.shift?.[0] ?? 0)}px))`;
+      }
       node.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)${back}`;
     });
   }
