@@ -1,4 +1,5 @@
 import {
+  type BufferGeometry,
   ConeGeometry,
   CylinderGeometry,
   Group,
@@ -20,6 +21,11 @@ export class Rod {
     this.mesh = new Mesh(geometry, new MeshBasicMaterial());
   }
 
+  /** Never hidden by what is in front of it. */
+  putOnTop(): void {
+    putOnTop(this.mesh);
+  }
+
   set(from: Vector3, to: Vector3, radius_mm: number): void {
     const axis = to.clone().sub(from);
     const length = Math.max(axis.length(), 1e-6);
@@ -39,11 +45,7 @@ export class Arrow {
     this.#shaft = new Rod(rod);
     this.#head = new Mesh(head, new MeshBasicMaterial());
     // What is being held must not be hidden by what it moves.
-    for (const mesh of [this.#shaft.mesh, this.#head]) {
-      mesh.material.depthTest = !isOnTop;
-      mesh.material.transparent = isOnTop;
-      mesh.renderOrder = isOnTop ? 1 : 0;
-    }
+    if (isOnTop) [this.#shaft.mesh, this.#head].forEach(putOnTop);
     this.group.add(this.#shaft.mesh, this.#head);
   }
 
@@ -67,4 +69,10 @@ export class Arrow {
     this.#shaft.mesh.material.dispose();
     this.#head.material.dispose();
   }
+}
+
+function putOnTop(mesh: Mesh<BufferGeometry, MeshBasicMaterial>): void {
+  mesh.material.depthTest = false;
+  mesh.material.transparent = true;
+  mesh.renderOrder = 1;
 }

@@ -6,6 +6,7 @@ import {
   Group,
   LineBasicMaterial,
   LineSegments,
+  type Matrix4,
   Mesh,
   MeshPhongMaterial,
 } from "three";
@@ -26,9 +27,10 @@ export class Ground {
   readonly #plate: Mesh<CylinderGeometry, MeshPhongMaterial>;
   readonly #axes: LineSegments<BufferGeometry, LineBasicMaterial>;
 
-  constructor(lowest: BodySize, colours: { line: string; quiet: string }) {
+  /** `placement` is the lowest body's, which is fixed. */
+  constructor(lowest: BodySize, placement: Matrix4, colours: { line: string; quiet: string }) {
     const under = -lowest.height_mm / 2;
-    this.#height_mm = under - 14;
+    this.#height_mm = under - 22;
     this.#grid = new GridHelper(8 * GRID_MM, 8, colours.quiet, colours.line);
     this.#grid.rotateX(Math.PI / 2);
     this.#grid.position.z = this.#height_mm;
@@ -36,8 +38,8 @@ export class Ground {
       new CylinderGeometry(lowest.width_mm * 0.62, lowest.width_mm * 0.72, 8, 40),
       new MeshPhongMaterial({ color: colours.quiet, shininess: 4 }),
     );
-    this.#plate.rotateX(Math.PI / 2);
-    this.#plate.position.z = under - 6;
+    this.#plate.geometry.rotateX(Math.PI / 2).translate(0, 0, under - 5);
+    this.#plate.applyMatrix4(placement);
     this.#axes = new LineSegments(
       new BufferGeometry(),
       new LineBasicMaterial({ color: colours.quiet }),

@@ -17,7 +17,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 import { at, type BodySize, type Point, type Shape } from "../shapes";
 import { Arrow, Rod } from "./arrow";
-import { Figure, Parts, type FigureStyle, type Palette, type Tone } from "./figure";
+import { Figure, Parts, placement, type FigureStyle, type Palette, type Tone } from "./figure";
 import { Ground } from "./ground";
 import { Labels, type Label } from "./labels";
 import { PRESETS, lookOf, type Look, type Preset } from "./looks";
@@ -98,7 +98,7 @@ export class Stage {
     layer: HTMLElement,
     private readonly sizes: readonly BodySize[],
     private readonly palette: Palette,
-    range: [Point, Point],
+    { erect, range }: { erect: Shape; range: [Point, Point] },
     private readonly told: Told,
   ) {
     this.#renderer = new WebGLRenderer({ canvas });
@@ -113,7 +113,10 @@ export class Stage {
     this.#parts = new Parts(sizes);
     this.#main = new Figure(this.#parts, palette);
     this.#other = new Figure(this.#parts, palette);
-    this.#ground = new Ground(at(sizes, 0), { line: palette.line, quiet: palette.quiet });
+    this.#ground = new Ground(at(sizes, 0), placement(erect, 0), {
+      line: palette.line,
+      quiet: palette.quiet,
+    });
     this.#force = new Arrow(this.#rod, this.#head);
     this.#load = new Arrow(this.#rod, this.#head, { isOnTop: true });
     this.#labels = new Labels(layer);
@@ -250,6 +253,7 @@ export class Stage {
   #showLines(picture: Picture): void {
     while (this.#lines.length < picture.lines.length) {
       const rod = new Rod(this.#rod);
+      rod.putOnTop();
       this.#lines.push(rod);
       this.#scene.add(rod.mesh);
     }

@@ -108,7 +108,14 @@ function strut(from: Point, to: Point, across: number, along: number): BufferGeo
   if (x.lengthSq() < 1e-6) x.set(0, 1, 0);
   x.normalize();
   const geometry = new SphereGeometry(1, 10, 8);
-  geometry.scale(across, half * 1.25, along);
+  // Blunter than a ball: its girth keeps up towards the ends.
+  const points = geometry.getAttribute("position");
+  for (let i = 0; i < points.count; i += 1) {
+    const girth = Math.sqrt(1 + points.getY(i) ** 2);
+    points.setXYZ(i, points.getX(i) * girth, points.getY(i), points.getZ(i) * girth);
+  }
+  geometry.computeVertexNormals();
+  geometry.scale(across, half * 1.2, along);
   geometry.applyMatrix4(new Matrix4().makeBasis(x, y, x.clone().cross(y)));
   const middle = start.add(end).multiplyScalar(0.5);
   return geometry.translate(middle.x, middle.y, middle.z);
