@@ -7,6 +7,11 @@ type PostureName = Api<"PostureName">;
 /** How simulated and measured spines are laid out. */
 export type Layout = "overlay" | "beside" | "one";
 
+/** Whether the fit gave stiffness at all; a film may still be without a result. */
+export function hasStiffness(line: Api<"LineModelView">): boolean {
+  return line.multipliers.every((one) => one.identified !== "not_converged");
+}
+
 /** What of the model is looked at. */
 export class Choice {
   kind = $state<LineName>("inflection_line");
@@ -45,9 +50,10 @@ export class Choice {
     return path.length > 0 ? along(path, this.part) : this.view.erect;
   }
 
-  /** Films that some line simulated, in the program's order. */
-  get films(): { posture: PostureName; fitted: boolean; converged: boolean }[] {
-    return this.line?.postures ?? [];
+  /** Films that the line simulated, else those that were measured: these were neither fitted nor held out. */
+  get films(): { posture: PostureName; fitted: boolean | null; converged: boolean }[] {
+    if (this.line) return this.line.postures;
+    return this.view.measured.map(({ posture }) => ({ posture, fitted: null, converged: true }));
   }
 
   choose(posture: PostureName | "load"): void {

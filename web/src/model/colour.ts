@@ -3,9 +3,14 @@ import { at } from "./shapes";
 /** Tokens of the stiffness scale, soft first: even steps of lightness, and in order for the colour-blind too. */
 export const STIFFNESS_TOKENS = [0, 1, 2, 3, 4, 5, 6].map((step) => `--stiffness-${step}`);
 
-/** The value of a colour of the theme. */
+const known = new Map<string, string>();
+
+/** The value of a colour of the theme, which never changes: asking the page each time would make it lay itself out. */
 export function themeColour(token: string): string {
-  return getComputedStyle(document.documentElement).getPropertyValue(token).trim();
+  const colour =
+    known.get(token) ?? getComputedStyle(document.documentElement).getPropertyValue(token).trim();
+  known.set(token, colour);
+  return colour;
 }
 
 export function stiffnessStops(): string[] {

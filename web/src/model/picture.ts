@@ -1,5 +1,5 @@
 import { onScale } from "./colour";
-import type { Choice } from "./choice.svelte";
+import { hasStiffness, type Choice } from "./choice.svelte";
 import type { HandLoad } from "./load.svelte";
 import type { LineDrawn, Picture } from "./scene/stage";
 import type { Point } from "./shapes";
@@ -14,7 +14,10 @@ export function pictureOf(
 ): Picture {
   const { line, view } = choice;
   const common = {
-    discs: line ? line.joints.map((joint) => onScale(stops, joint.relative)) : null,
+    discs:
+      line && hasStiffness(line)
+        ? line.joints.map((joint) => onScale(stops, joint.relative))
+        : null,
     chosenJoint: choice.joint,
   };
   if (choice.posture === "load") {
@@ -35,12 +38,15 @@ export function pictureOf(
   }
   const { simulated, measured, posture } = choice;
   const hasShape = simulated !== null && simulated.path.length > 0;
-  const tone = !hasShape ? "erect" : simulated.converged ? "simulated" : "not_a_result";
+  const tone = hasShape && simulated.converged ? "simulated" : "not_a_result";
+  const main: Picture["main"] = hasShape
+    ? { shape: choice.shape, tone }
+    : { shape: measured ?? view.erect, tone: measured ? "measured" : "erect" };
   return {
     ...common,
-    layout: measured ? choice.layout : "one",
-    main: { shape: choice.shape, tone },
-    other: measured ? { shape: measured, tone: "measured" } : null,
+    layout: measured && hasShape ? choice.layout : "one",
+    main,
+    other: measured && hasShape ? { shape: measured, tone: "measured" } : null,
     contradicted:
       line?.joints.map((joint) => joint.contradicted_in.some((film) => film === posture)) ?? [],
     chosenLevel: null,

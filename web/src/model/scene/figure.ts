@@ -105,6 +105,7 @@ export class Figure {
   readonly #arches: Mesh[] = [];
   readonly #rims: LineSegments[] = [];
   #hatched = false;
+  #shape: Shape | null = null;
 
   constructor(
     private readonly parts: Parts,
@@ -122,6 +123,8 @@ export class Figure {
   }
 
   pose(shape: Shape): void {
+    if (shape === this.#shape) return;
+    this.#shape = shape;
     this.#vertebrae.forEach((vertebra, index) => {
       vertebra.matrix.copy(placement(shape, index));
       vertebra.matrixWorldNeedsUpdate = true;

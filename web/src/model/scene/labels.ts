@@ -26,7 +26,8 @@ export class Labels {
     while (this.#nodes.length > labels.length) this.#nodes.pop()?.remove();
     labels.forEach((label, index) => {
       const node = this.#nodes[index] ?? this.#add();
-      node.className = `label ${label.kind}`;
+      const style = `label ${label.kind}`;
+      if (node.className !== style) node.className = style;
       if (node.textContent !== label.text) node.textContent = label.text;
     });
   }

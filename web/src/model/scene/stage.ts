@@ -57,6 +57,8 @@ export interface Told {
 
 const DISTANCE_MM = 3000;
 const FORCE_ARROW_MM = 55;
+/** From the lowest body down to the grid. */
+const GROUND_MM = 12;
 const MARGIN_MM = 26;
 /** Pixels of the picture for each CSS pixel: more than the screen has, which smooths edges. */
 const FINE_RATIO = 2;
@@ -107,6 +109,7 @@ export class Stage {
     this.#scene.background = new Color(palette.background);
     const [low, high] = [new Vector3(...range[0]), new Vector3(...range[1])];
     high.z += FORCE_ARROW_MM;
+    low.z -= GROUND_MM;
     this.#centre = low.clone().add(high).multiplyScalar(0.5);
     const wide = Math.max(high.x - this.#centre.x, high.y - this.#centre.y);
     this.#reach = [wide + MARGIN_MM, (high.z - low.z) / 2 + MARGIN_MM];

@@ -24,14 +24,25 @@ const PROFILE: readonly [number, number][] = [
   [0.93, 0],
 ];
 
-const AROUND = 36;
+const AROUND = 32;
 
 /** A point of the rim at an angle from the front, `[x, y]`: rounder than an ellipse, and hollow at the back. */
-export function rim(body: BodySize, angle: number): [number, number] {
+function rim(body: BodySize, angle: number): [number, number] {
   const [c, s] = [Math.cos(angle), Math.sin(angle)];
   const rounded = (v: number): number => Math.sign(v) * Math.abs(v) ** 0.88;
   const hollow = c < 0 ? 1 - 0.2 * Math.exp(-((s / 0.45) ** 2)) : 1;
   return [(rounded(c) * hollow * body.depth_mm) / 2, (rounded(s) * body.width_mm) / 2];
+}
+
+const rimsKnown = new WeakMap<BodySize, [number, number][]>();
+
+/** The points of a rim, one per step around it. */
+function rimPoints(body: BodySize): [number, number][] {
+  const points =
+    rimsKnown.get(body) ??
+    Array.from({ length: AROUND }, (_, step) => rim(body, (step / AROUND) * 2 * Math.PI));
+  rimsKnown.set(body, points);
+  return points;
 }
 
 /** The body in its own axes: x anterior, y left, z cranial, its midpoint at zero. */
@@ -40,7 +51,7 @@ export function bodyGeometry(body: BodySize): BufferGeometry {
   const indices: number[] = [];
   PROFILE.forEach(([height, width], ring) => {
     for (let step = 0; step < AROUND; step += 1) {
-      const [x, y] = rim(body, (step / AROUND) * 2 * Math.PI);
+      const [x, y] = at(rimPoints(body), step);
       positions.push(x * width, y * width, (height * body.height_mm) / 2);
       if (ring === 0) continue;
       const next = (step + 1) % AROUND;
@@ -61,7 +72,7 @@ export function rimGeometry(body: BodySize): BufferGeometry {
   for (const side of [-1, 1]) {
     for (let step = 0; step < AROUND; step += 1) {
       for (const end of [step, step + 1]) {
-        const [x, y] = rim(body, (end / AROUND) * 2 * Math.PI);
+        const [x, y] = at(rimPoints(body), end % AROUND);
         positions.push(x, y, (side * 0.95 * body.height_mm) / 2);
       }
     }
@@ -107,7 +118,7 @@ function strut(from: Point, to: Point, across: number, along: number): BufferGeo
   const x = y.clone().cross(new Vector3(0, 0, 1));
   if (x.lengthSq() < 1e-6) x.set(0, 1, 0);
   x.normalize();
-  const geometry = new SphereGeometry(1, 10, 8);
+  const geometry = new SphereGeometry(1, 8, 6);
   // Blunter than a ball: its girth keeps up towards the ends.
   const points = geometry.getAttribute("position");
   for (let i = 0; i < points.count; i += 1) {
@@ -156,16 +167,16 @@ export function bendDisc(
   place: [(local: Point) => Point, (local: Point) => Point],
 ): void {
   const positions = geometry.getAttribute("position");
+  const rims = bodies.map(rimPoints);
   let index = 0;
   for (const [share, width] of DISC_RINGS) {
     for (let step = 0; step < AROUND; step += 1) {
-      const angle = (step / AROUND) * 2 * Math.PI;
-      const ends = ([0, 1] as const).map((end) => {
-        const [x, y] = rim(bodies[end], angle);
-        const z = ((end === 0 ? 0.9 : -0.9) * bodies[end].height_mm) / 2;
-        return place[end]([x * width, y * width, z]);
-      });
-      const [low, high] = [at(ends, 0), at(ends, 1)];
+      const end = (which: 0 | 1): Point => {
+        const [x, y] = at(at(rims, which), step);
+        const z = ((which === 0 ? 0.9 : -0.9) * bodies[which].height_mm) / 2;
+        return place[which]([x * width, y * width, z]);
+      };
+      const [low, high] = [end(0), end(1)];
       positions.setXYZ(
         index,
         low[0] + (high[0] - low[0]) * share,
