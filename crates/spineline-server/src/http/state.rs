@@ -7,12 +7,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use tokio::sync::Semaphore;
 
-use super::Answer;
 use super::api::AccessName;
 use super::guard::Hosts;
 use super::guard_rate::Attempts;
 use super::guard_token::OneTimeToken;
-use super::{Answer, Failure, changes, films, results, studies};
+use super::{Answer, changes, films, results, studies};
 use crate::store::{Store, StoreError, Timestamp};
 
 /// Requests that are answered at once. Each may hold a body of some megabytes.
