@@ -1,6 +1,7 @@
 //! Accounts: who may make them, and who may sign in.
 
 use axum::http::StatusCode;
+use rusqlite::Connection;
 use serde_json::{Value, json};
 use spineline_server::store::Store;
 
@@ -122,4 +123,22 @@ fn f70_guessing_passwords_is_locked_out_and_nobody_else_is() {
     let wait_s: u32 = right.header("retry-after").parse().expect("seconds");
     assert!((30..=60).contains(&wait_s), "{wait_s}");
     app.account("reader");
+}
+
+#[test]
+fn f72_a_role_that_was_written_into_the_file_is_not_believed() {
+    for (sql, object) in [
+        ("UPDATE accounts SET role = 'admin' WHERE name = 'reader'", "account/reader"),
+        ("UPDATE grants SET study = 'S-2' WHERE name = 'reader'", "grant/2"),
+        ("INSERT INTO grants VALUES (9, 'S-2', 'reader', 'editor')", "grant/9"),
+    ] {
+        let app = App::with_accounts();
+        let reader = app.account("reader");
+        Connection::open(app.store_path()).expect("the store").execute(sql, []).expect("an edit");
+        let answer = reader.get("/api/studies/S-2/grants");
+        assert_eq!(answer.status, StatusCode::INTERNAL_SERVER_ERROR, "{sql}: {}", answer.text());
+        let store = Store::view(&app.store_path()).expect("a store");
+        let findings = store.verify(None).expect("verifiable").findings;
+        assert!(findings.iter().any(|f| f.to_string().contains(object)), "{sql}: {findings:?}");
+    }
 }
