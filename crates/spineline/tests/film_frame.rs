@@ -7,7 +7,9 @@ use proptest::prelude::*;
 use spineline::analysis::{AnalysisOptions, Identification, analyze};
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::clinical::endplate_line;
-use spineline::measure::{Corners, Film, FilmFrame, Outline, Spacing, SpacingPlane, endplate_centres};
+use spineline::measure::{
+    Corners, Film, FilmFrame, Outline, Spacing, SpacingPlane, endplate_centres,
+};
 use spineline::spatial::{Frontal, Pixel};
 use spineline_phantom::{Readers, Truth};
 
@@ -17,7 +19,8 @@ const ROUNDING_PX: f64 = 1e-9;
 /// A film of a phantom with other pixels, and perhaps seen from the other side; the marks stay on the body.
 fn film(subject: usize, readers: &Readers, spacing: Option<(f64, f64)>, flip: bool) -> Film {
     let case = phantom(subject, Truth::Rod, readers).case;
-    let mut film = case.films.into_iter().find(|film| film.posture == Posture::Erect).expect("erect");
+    let mut film =
+        case.films.into_iter().find(|film| film.posture == Posture::Erect).expect("erect");
     let (image, crests, readings) = landmarks(&mut film);
     let old = image.spacing.expect("phantoms have a spacing");
     let (column_mm, row_mm) = spacing.unwrap_or((0.15, 0.15));
@@ -144,7 +147,8 @@ fn between_the_lines_along_the_endplates_lies_the_cobb_angle() {
     for curve in &analysis.clinical {
         let [upper, lower] = [curve.ends.superior, curve.ends.inferior].map(|level| {
             let [centre, _] = endplate_centres(film, &frame, level).expect("marked");
-            let [right, left] = endplate_line(centre, outline.vertebra(level).expect("marked").tilt, 40.0);
+            let [right, left] =
+                endplate_line(centre, outline.vertebra(level).expect("marked").tilt, 40.0);
             assert!(((left - right).norm_mm() - 80.0).abs() < 1e-9 && left.y_mm > right.y_mm);
             (left - right).lean()
         });

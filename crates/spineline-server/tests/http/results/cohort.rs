@@ -38,16 +38,17 @@ fn readings_of_two_observers_give_their_agreement() {
     let running = serve(|store| add_read_study(store, "S1", &case));
     let views = running.get("/api/studies/S1/reliability");
     assert_numbers(&views, "reliability");
-    let tilts = views.as_array().expect("views").iter().filter(|view| {
-        view["quantity"].as_str().is_some_and(|name| name.starts_with("tilt_step"))
-    });
-    let plots: Vec<&Value> = tilts.map(|view| &view["bland_altman"]).filter(|p| !p.is_null()).collect();
+    let tilts =
+        views.as_array().expect("views").iter().filter(|view| {
+            view["quantity"].as_str().is_some_and(|name| name.starts_with("tilt_step"))
+        });
+    let plots: Vec<&Value> =
+        tilts.map(|view| &view["bland_altman"]).filter(|p| !p.is_null()).collect();
     assert!(!plots.is_empty());
     for plot in plots {
         assert_eq!(plot["unit"], "deg");
-        let numbers = |key: &str| -> Vec<f64> {
-            serde_json::from_value(plot[key].clone()).expect("numbers")
-        };
+        let numbers =
+            |key: &str| -> Vec<f64> { serde_json::from_value(plot[key].clone()).expect("numbers") };
         // The bias, taken anew.
         let differences = numbers("differences");
         let mean = differences.iter().sum::<f64>() / differences.len() as f64;
