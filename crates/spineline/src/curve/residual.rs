@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn a_bad_mark_does_not_hide_behind_itself() {
         // Fourteen residuals of 1, one of them 5: its own square would widen three deviations to 4.9.
-        let mut values = vec![1.0; 14];
+        let mut values = [1.0; 14];
         values[6] = -5.0;
         let found = outliers(values.iter().copied(), 0.1);
         assert_eq!(found.iter().filter(|is| **is).count(), 1);
@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn what_a_measurement_scatters_is_no_outlier() {
-        let mut values = vec![1e-6; 14];
+        let mut values = [1e-6; 14];
         values[0] = 0.5;
         assert!(outliers(values.iter().copied(), 0.25).iter().all(|is| !is));
         assert!(outliers([0.8, 0.0].into_iter(), 0.25)[0]);

@@ -61,7 +61,7 @@ fn answer(result: &StudyResult, request: &LoadRequest) -> Answer<LoadAnswer> {
     })?;
     let force_n = Vec3::from(request.tip_mm) - analysis.spine.midpoints_mm[vertebra];
     let size = force_n.norm();
-    if !(size <= LONGEST_ARROW_MM) {
+    if size.is_nan() || size > LONGEST_ARROW_MM {
         let text = format!("the arrow is {size:.0} mm long, and at most {LONGEST_ARROW_MM:.0} mm");
         return Err(refused(text, "drag a shorter arrow"));
     }

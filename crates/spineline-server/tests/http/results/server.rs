@@ -1,21 +1,17 @@
 //! A server over a store with made-up studies, and a plain client.
 
-use std::io::{Read, Write};
-use std::net::{Ipv4Addr, SocketAddr, TcpStream};
-
 use serde_json::{Value, json};
 use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{Film, FilmMarks, ImageGeometry, Mark, Reading};
 use spineline_io::LevelKey;
 use spineline_phantom::{Phantom, Readers, Truth, generate};
-use spineline_server::http::Server;
 use spineline_server::http::api::AccessName;
 use spineline_server::store::{
     Corner, CrestSide, Event, FilmId, Name, ReadingId, Signature, Store, Study, Timestamp,
 };
 
-use crate::browser;
+use crate::browser::App;
 
 pub const READER: &str = "A";
 
@@ -32,81 +28,23 @@ pub fn by(who: &str) -> Signature {
     Signature::new(name(who), noon)
 }
 
-/// A server, its store's folder, and a cookie.
-pub struct Running {
-    _folder: tempfile::TempDir,
-    _runtime: tokio::runtime::Runtime,
-    address: SocketAddr,
-    cookie: String,
-    csrf: String,
-}
+/// An app over a store that was filled before, asked by [`READER`].
+pub struct Running(App);
 
-/// Serves a store that was filled before.
 pub fn serve(fill: impl FnOnce(&mut Store)) -> Running {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("studies.spineline");
-    let mut store = Store::create(&path, &by("lead")).expect("a new store");
-    fill(&mut store);
-    let runtime = tokio::runtime::Builder::new_multi_thread()
-        .worker_threads(2)
-        .enable_all()
-        .build()
-        .expect("a runtime");
-    let options = browser::options(AccessName::Token);
-    let address = SocketAddr::new(Ipv4Addr::LOCALHOST.into(), 0);
-    let server = runtime.block_on(Server::bind(store, address, options)).expect("a free port");
-    let (address, opened) = (server.address(), server.address_to_open());
-    runtime.spawn(server.run(std::future::pending()));
-    let token = opened.split("#token=").nth(1).expect("a token").to_owned();
-    let mut running = Running {
-        _folder: folder,
-        _runtime: runtime,
-        address,
-        cookie: String::new(),
-        csrf: String::new(),
-    };
-    let sign_in = json!({ "kind": "token", "token": token, "observer": READER });
-    let (status, head, body) = running.exchange("POST", "/api/session", Some(&sign_in));
-    assert_eq!(status, 200, "{body}");
-    let cookie = head.lines().find_map(|line| {
-        let (key, value) = line.split_once(": ")?;
-        key.eq_ignore_ascii_case("set-cookie").then(|| value.split(';').next())?
-    });
-    running.cookie = cookie.expect("a session").to_owned();
-    let session: Value = serde_json::from_str(&body).expect("JSON");
-    running.csrf = session["csrf"].as_str().unwrap_or_default().to_owned();
-    running
+    Running(App::new(AccessName::Token, fill))
 }
 
 impl Running {
-    fn exchange(&self, method: &str, path: &str, body: Option<&Value>) -> (u16, String, String) {
-        let text = body.map(Value::to_string).unwrap_or_default();
-        let mut stream = TcpStream::connect(self.address).expect("it listens");
-        let address = self.address;
-        let head = format!(
-            "{method} {path} HTTP/1.1\r\nHost: {address}\r\nOrigin: http://{address}\r\nCookie: {}\r\n\
-             X-Spineline-Csrf: {}\r\nContent-Type: application/json\r\nContent-Length: {}\r\n\
-             Connection: close\r\n\r\n",
-            self.cookie,
-            self.csrf,
-            text.len()
-        );
-        stream.write_all(head.as_bytes()).expect("it reads");
-        stream.write_all(text.as_bytes()).expect("it reads");
-        let mut answer = Vec::new();
-        stream.read_to_end(&mut answer).expect("it answers");
-        let answer = String::from_utf8(answer).expect("text");
-        let (head, body) = answer.split_once("\r\n\r\n").expect("a head");
-        let status = head.split(' ').nth(1).and_then(|s| s.parse().ok()).expect("a status");
-        let chunked = head.to_ascii_lowercase().contains("transfer-encoding: chunked");
-        let body = if chunked { unchunked(body) } else { body.to_owned() };
-        (status, head.to_owned(), body)
-    }
-
-    /// What the server answers.
+    /// What the server answers: status, and body as JSON.
     pub fn ask(&self, method: &str, path: &str, body: Option<&Value>) -> (u16, Value) {
-        let (status, _, text) = self.exchange(method, path, body);
-        (status, serde_json::from_str(&text).unwrap_or(Value::Null))
+        let browser = self.0.observer(READER);
+        let answer = match body {
+            Some(body) => browser.json(method.parse().expect("a method"), path, body),
+            None => browser.get(path),
+        };
+        let value = serde_json::from_slice(&answer.body).unwrap_or(Value::Null);
+        (answer.status.as_u16(), value)
     }
 
     pub fn get(&self, path: &str) -> Value {
@@ -120,19 +58,6 @@ impl Running {
         assert_eq!(status, 200, "{path}: {body}");
         body
     }
-}
-
-fn unchunked(body: &str) -> String {
-    let (mut rest, mut whole) = (body, String::new());
-    while let Some((size, after)) = rest.split_once("\r\n") {
-        let size = usize::from_str_radix(size, 16).expect("a size");
-        if size == 0 {
-            break;
-        }
-        whole.push_str(&after[..size]);
-        rest = &after[size + 2..];
-    }
-    whole
 }
 
 /// The `image` of a case file.
