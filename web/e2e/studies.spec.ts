@@ -127,10 +127,10 @@ test("fifty studies are searched, sorted and walked through by keyboard", async 
   await expect(page).toHaveURL(new RegExp(`#/studies/${id}/measure`));
 
   await page.goBack();
-  await page.getByLabel("Status", { exact: true }).selectOption("Contradicted");
+  await page.getByRole("combobox", { name: "Status" }).selectOption("Contradicted");
   await expect(rows).toHaveCount(7);
-  await page.getByLabel("Status", { exact: true }).selectOption("All");
-  await page.getByLabel("Sort by", { exact: true }).selectOption("Identifier");
+  await page.getByRole("combobox", { name: "Status" }).selectOption("All");
+  await page.getByRole("combobox", { name: "Sort by" }).selectOption("Identifier");
   await expect(rows.first()).toContainText("S-001");
   await page.getByRole("searchbox").fill("no such study");
   await expect(page.getByRole("heading", { name: "No study matches" })).toBeVisible();
