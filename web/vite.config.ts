@@ -1,9 +1,10 @@
 import { svelte } from "@sveltejs/vite-plugin-svelte";
-import { defineConfig } from "vite";
+import { defineConfig } from "vitest/config";
 
 export default defineConfig({
   plugins: [svelte()],
   build: { target: "es2023", chunkSizeWarningLimit: 900 },
+  test: { include: ["src/**/*.test.ts"] },
   // While pages are being written: the program answers beside them.
   server: { proxy: { "/api": process.env.SPINELINE_SERVER ?? "http://127.0.0.1:8765" } },
 });

@@ -1,11 +1,13 @@
 //! The project's own commands: `cargo xtask test` runs everything that must hold.
 
+mod debian;
 mod fuzz;
 mod oracle;
 mod outside;
 mod peers;
 mod python;
 mod tidy;
+mod web;
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -14,9 +16,12 @@ use std::process::{Command, ExitCode};
 const HELP: &str = "\
 cargo xtask COMMAND
 
-  test     everything: format, lints, tidy, tests, documentation and its examples, other programs, fuzzing for seconds
+  test     everything: format, lints, tidy, tests, documentation and its examples, the browser app,
+           other programs, fuzzing for seconds
   check    the quick part: format, lints, tidy
   tidy     house rules that no compiler knows
+  web      the browser app, checked and built, so that the program embeds it (needs Node, and a network once)
+  browser  the browser app, driven in Chromium as a person does
   engines  exported models in MuJoCo, Pinocchio and OpenSim (this and the next three need Python, and a network once)
   reliability
            ICC, errors and correlations in pingouin and scipy
@@ -53,9 +58,12 @@ fn main() -> ExitCode {
             format,
             lint,
             tidy::run,
+            // Before the program is built, which embeds it.
+            web::build,
             test,
             doctest,
             docs,
+            web::browser,
             outside::engines,
             outside::reliability,
             outside::films,
@@ -64,6 +72,8 @@ fn main() -> ExitCode {
         ],
         "check" => &[format, lint, tidy::run],
         "tidy" => &[tidy::run],
+        "web" => &[web::build],
+        "browser" => &[web::browser],
         "engines" => &[outside::engines],
         "reliability" => &[outside::reliability],
         "films" => &[outside::films],

@@ -1,9 +1,8 @@
 //! The program beside programs of others: each check is a Python project below `validation/`.
 
 use std::path::Path;
-use std::process::{Command, Stdio};
 
-use crate::{cargo, python};
+use crate::{cargo, debian, python};
 
 /// Exported models in MuJoCo, Pinocchio and OpenSim: shapes under load.
 pub fn engines(root: &Path) -> Result<(), String> {
@@ -32,29 +31,11 @@ fn compare(root: &Path, name: &str) -> Result<(), String> {
     python::project(root, name, &script, Path::new("debug/spineline"), &[])
 }
 
-/// DCMTK reads reports too. It is a package of the system; where it may not be installed, the others read them alone.
+/// DCMTK reads reports too; where it may not be installed, the others read them alone.
 fn provide_dcmtk() {
-    let works = |program: &str, arguments: &[&str]| {
-        let quiet = Command::new(program)
-            .args(arguments)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .status();
-        quiet.is_ok_and(|status| status.success())
-    };
-    if works("dsrdump", &["--version"]) {
-        return;
+    if !debian::provide("dsrdump", "dcmtk") {
+        println!(
+            "» no dsrdump: install the package `dcmtk` (as `apt-get install dcmtk`) to let DCMTK read the reports"
+        );
     }
-    let root = Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout == b"0\n");
-    let install = ["install", "--yes", "--no-install-recommends", "dcmtk"];
-    if root
-        && (works("apt-get", &install)
-            || works("apt-get", &["update"]) && works("apt-get", &install))
-    {
-        println!("» apt-get install dcmtk");
-        return;
-    }
-    println!(
-        "» no dsrdump: install the package `dcmtk` (as `apt-get install dcmtk`) to let DCMTK read the reports"
-    );
 }

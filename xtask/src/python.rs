@@ -62,7 +62,7 @@ fn environment(root: &Path, name: &str, requirements: &Path) -> Result<PathBuf, 
 }
 
 /// The folder that cargo builds into: this program lies in one of its profiles.
-fn target() -> Result<PathBuf, String> {
+pub fn target() -> Result<PathBuf, String> {
     let own = env::current_exe().map_err(|error| format!("own path: {error}"))?;
     own.ancestors()
         .nth(2)

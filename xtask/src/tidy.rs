@@ -50,7 +50,8 @@ pub fn run(root: &Path) -> Result<(), String> {
         check_core_file(&core, &file, &mut faults)?;
     }
     check_core_dependencies(root, &mut faults)?;
-    for folder in ["benchmarks", "crates", "fuzz/fuzz_targets", "xtask"] {
+    let folders = ["benchmarks", "crates", "fuzz/fuzz_targets", "xtask", "web/src", "web/e2e"];
+    for folder in folders {
         for file in sources(&root.join(folder))? {
             check_length(root, &file, &mut faults)?;
         }
@@ -67,7 +68,10 @@ fn read(path: &Path) -> Result<String, String> {
     fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
 }
 
-/// All Rust files below a folder, in order.
+/// Kinds of files that people write.
+const WRITTEN: [&str; 4] = ["rs", "ts", "svelte", "css"];
+
+/// All source files below a folder, in order.
 fn sources(folder: &Path) -> Result<Vec<PathBuf>, String> {
     let mut found = Vec::new();
     let mut folders = vec![folder.to_owned()];
@@ -78,13 +82,18 @@ fn sources(folder: &Path) -> Result<Vec<PathBuf>, String> {
             let path = entry.map_err(|error| error.to_string())?.path();
             if path.is_dir() {
                 folders.push(path);
-            } else if path.extension().is_some_and(|extension| extension == "rs") {
+            } else if is_written(&path) {
                 found.push(path);
             }
         }
     }
     found.sort();
     Ok(found)
+}
+
+fn is_written(path: &Path) -> bool {
+    let written = |end: &str| WRITTEN.contains(&end) && !path.ends_with("schema.d.ts");
+    path.extension().and_then(|end| end.to_str()).is_some_and(written)
 }
 
 fn check_core_file(core: &Path, file: &Path, faults: &mut Vec<String>) -> Result<(), String> {

@@ -28,6 +28,11 @@ pub(crate) fn parse<T: DeserializeOwned>(
             return Err(FileError::Version { found, supported: version });
         }
     }
+    parse_value(text)
+}
+
+/// Reads a part of a file.
+pub(crate) fn parse_value<T: DeserializeOwned>(text: &str) -> Result<T, FileError> {
     let mut reader = serde_json::Deserializer::from_str(text);
     let value = serde_path_to_error::deserialize(&mut reader).map_err(explain)?;
     reader.end().map_err(|error| syntax(&error))?;

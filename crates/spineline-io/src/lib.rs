@@ -30,7 +30,10 @@ mod simulation_file;
 mod stiffness_file;
 
 pub use analysis_file::AnalysisFile;
-pub use case_file::{CaseFile, FilmSource, parse_case, parse_case_file, written_axis_deg};
+pub use case_file::{
+    CaseFile, FilmSource, image_value, parse_case, parse_case_file, parse_image, with_spacing,
+    written_axis_deg,
+};
 pub use digest::sha256_hex;
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};

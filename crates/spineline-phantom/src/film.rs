@@ -40,6 +40,49 @@ pub struct TrueFilm {
     pub seed: u64,
 }
 
+impl TrueFilm {
+    pub(crate) fn coarser(&self, factor: u32) -> Self {
+        let coarse = |p: Pixel| coarse(p, factor);
+        Self {
+            image: coarse_image(&self.image, factor),
+            iliac_crests: coarse_crests(self.iliac_crests, factor),
+            vertebrae: self.vertebrae.iter().map(|(&level, c)| (level, c.map(coarse))).collect(),
+            ..self.clone()
+        }
+    }
+}
+
+/// Marks of a film whose pixels became larger.
+pub(crate) fn coarsen_marks(marks: &mut FilmMarks, factor: u32) {
+    let FilmMarks::Landmarks { image, iliac_crests, readings } = marks else { return };
+    *image = coarse_image(image, factor);
+    *iliac_crests = iliac_crests.map(|crests| coarse_crests(crests, factor));
+    for mark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+        mark.corners = mark.corners.map(|p| coarse(p, factor));
+    }
+}
+
+/// Pixels are counted from the centre of the first one.
+fn coarse(place: Pixel, factor: u32) -> Pixel {
+    let factor = f64::from(factor);
+    let coarse = |px: f64| (px - 0.5 * (factor - 1.0)) / factor;
+    Pixel::new(coarse(place.column_px), coarse(place.row_px))
+}
+
+fn coarse_crests(crests: IliacCrests, factor: u32) -> IliacCrests {
+    IliacCrests { left: coarse(crests.left, factor), right: coarse(crests.right, factor) }
+}
+
+fn coarse_image(image: &ImageGeometry, factor: u32) -> ImageGeometry {
+    let by = f64::from(factor);
+    let spacing = image.spacing.map(|spacing| Spacing {
+        column_mm: by * spacing.column_mm,
+        row_mm: by * spacing.row_mm,
+        ..spacing
+    });
+    ImageGeometry { columns: image.columns / factor, rows: image.rows / factor, spacing, ..*image }
+}
+
 /// Takes a film of every posture and has it read.
 ///
 /// The readers draw from `rng`, the radiographs' seeds come from `look`.

@@ -169,6 +169,19 @@ fn stream(seed: u64, number: u64) -> ChaCha12Rng {
 }
 
 impl Phantom {
+    /// The same patient on films with larger pixels: each stands for `factor` by `factor` of the old ones. All places
+    /// stay where they are in the patient; a part of a pixel is left of what was a whole one.
+    #[must_use]
+    pub fn coarser(mut self, factor: u32) -> Self {
+        for film in &mut self.films {
+            *film = film.coarser(factor);
+        }
+        for film in &mut self.case.films {
+            film::coarsen_marks(&mut film.marks, factor);
+        }
+        self
+    }
+
     /// One true posture.
     #[must_use]
     pub fn posture(&self, posture: Posture) -> Option<&TruePosture> {

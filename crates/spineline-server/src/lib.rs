@@ -5,6 +5,7 @@
 
 pub mod http;
 pub mod store;
+pub mod synthetic;
 
 // The session of the crash tests is one file, which unit tests use too.
 #[cfg(test)]

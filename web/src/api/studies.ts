@@ -1,16 +1,15 @@
 import { ask, sendFile } from "./client";
 import type { Api } from "./types";
 
-/** Where things of studies are asked for. */
 export const listStudies = (): Promise<Api<"StudySummary">[]> => ask("GET", "/api/studies");
 
-export const createStudy = (study: Api<"NewStudy">): Promise<Api<"StudySummary">> =>
+export const createStudy = (study: Api<"NewStudy">): Promise<Api<"StudyDetail">> =>
   ask("POST", "/api/studies", { json: study });
 
 /** Renders five films of a phantom, which takes a while. */
-export const createDemo = (): Promise<Api<"StudySummary">> => ask("POST", "/api/studies/demo");
+export const createDemo = (): Promise<Api<"StudyDetail">> => ask("POST", "/api/studies/demo");
 
-export const importCase = (case_: Api<"CaseImport">): Promise<Api<"StudySummary">> =>
+export const importCase = (case_: Api<"CaseImport">): Promise<Api<"StudyDetail">> =>
   ask("POST", "/api/studies/case", { json: case_ });
 
 export const casePath = (study: string): string => `/api/studies/${encodeURIComponent(study)}/case`;

@@ -6,6 +6,10 @@ const NUMBER = new Intl.NumberFormat("en-GB", { maximumSignificantDigits: 3 });
 export const short = (value: number | undefined): string =>
   value === undefined ? "–" : NUMBER.format(value).replace("-", "−");
 
+/** A number with its unit; a degree sign stands close. */
+export const withUnit = (value: number | undefined, unit: string): string =>
+  unit === "°" ? `${short(value)}°` : `${short(value)} ${unit}`;
+
 const BOX_HEIGHT_PX = 38;
 
 /** Boxes lying, one below the other: there is room for their names. */
@@ -26,9 +30,11 @@ export async function drawBoxes(chart: Api<"BoxChart">, width_px: number): Promi
     Plot.plot({
       className: "chart",
       width: width_px,
-      height: 52 + boxes.length * BOX_HEIGHT_PX,
+      height: 60 + boxes.length * BOX_HEIGHT_PX,
       marginLeft: Math.min(220, 24 + 7 * Math.max(...boxes.map((box) => box.label.length))),
       marginRight: 20,
+      marginTop: 8,
+      marginBottom: 46,
       x: { label: chart.axis, grid: true, nice: true, labelArrow: "none", labelAnchor: "center" },
       y: { label: null, domain: boxes.map((box) => box.label), padding: 0.4, tickSize: 0 },
       marks: [
@@ -63,9 +69,9 @@ export async function drawAgreement(
   const pairs = view.means.map((mean, index) => ({ mean, difference: view.differences[index] }));
   const [low = Number.NaN, high = Number.NaN] = view.limits;
   const lines = [
-    { at: high, text: `${short(high)} ${view.unit}`, dash: true },
-    { at: view.bias, text: `mean ${short(view.bias)} ${view.unit}`, dash: false },
-    { at: low, text: `${short(low)} ${view.unit}`, dash: true },
+    { at: high, text: withUnit(high, view.unit), dash: true },
+    { at: view.bias, text: `mean ${withUnit(view.bias, view.unit)}`, dash: false },
+    { at: low, text: withUnit(low, view.unit), dash: true },
   ];
   return detached(
     Plot.plot({

@@ -12,6 +12,8 @@ class Session {
   /** Taken from the address, and off the address at once. */
   token = $state(takeToken());
 
+  #waiting: (() => void)[] = [];
+
   constructor() {
     // The program's address opened again in the same tab changes nothing but what stands behind `#`.
     window.addEventListener("hashchange", () => {
@@ -47,13 +49,20 @@ class Session {
 
   /** The program no longer knows this session. */
   expire(): void {
-    this.expired = this.view !== null;
+    if (this.view !== null) this.expired = true;
+  }
+
+  /** Settles when somebody is signed in again. */
+  back(): Promise<void> {
+    if (!this.expired) return Promise.resolve();
+    return new Promise((resolve) => this.#waiting.push(resolve));
   }
 
   #use(view: Api<"SessionView">): void {
     useSession(view);
     this.view = view;
     this.expired = false;
+    for (const resolve of this.#waiting.splice(0)) resolve();
   }
 }
 

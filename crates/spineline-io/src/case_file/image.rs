@@ -2,10 +2,12 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
 
 use crate::FileError;
+use crate::json::parse_value;
 use crate::keys::SourceKey;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -67,6 +69,36 @@ pub struct FilmSource {
     pub sha256: Option<String>,
     /// Whether it is to be shown with black and white exchanged, against what the file says.
     pub inverted: bool,
+}
+
+/// How the picture of a case's film lies, from the film's `image`.
+///
+/// # Errors
+/// [`FileError`].
+pub fn parse_image(image: &Value, posture: Posture) -> Result<ImageGeometry, FileError> {
+    record(image)?.geometry(posture)
+}
+
+/// The `image` of a case's film.
+#[must_use]
+pub fn image_value(image: &ImageGeometry, source: FilmSource) -> Value {
+    let mut record = ImageRecord::of(image);
+    record.set_source(source);
+    serde_json::to_value(record).expect("string keys only")
+}
+
+/// The `image` of a case's film with other distances between its pixels.
+///
+/// # Errors
+/// [`FileError`].
+pub fn with_spacing(image: &Value, posture: Posture, spacing: Spacing) -> Result<Value, FileError> {
+    let old = record(image)?;
+    let geometry = ImageGeometry { spacing: Some(spacing), ..old.geometry(posture)? };
+    Ok(image_value(&geometry, old.source()))
+}
+
+fn record(image: &Value) -> Result<ImageRecord, FileError> {
+    parse_value(&image.to_string())
 }
 
 impl ImageRecord {

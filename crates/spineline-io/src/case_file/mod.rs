@@ -16,8 +16,8 @@ use crate::FileError;
 use crate::json::parse;
 use crate::keys::{ByLevel, LevelKey, PostureKey};
 
-pub use image::FilmSource;
 use image::ImageRecord;
+pub use image::{FilmSource, image_value, parse_image, with_spacing};
 use lateral::LateralRecord;
 
 const FORMAT: &str = "spineline-case";

@@ -17,6 +17,21 @@ pub struct Display {
 }
 
 impl Display {
+    /// A small picture of so many rows, with square pixels; `pixel_aspect` is the height of a pixel here over its width.
+    ///
+    /// # Panics
+    /// If there are not as many pixels as `columns` by `rows`.
+    #[must_use]
+    pub fn thumbnail(&self, rows: u32, pixel_aspect: f64) -> Self {
+        let grey = self.grey.clone();
+        let picture = image::GrayImage::from_raw(self.columns, self.rows, grey)
+            .expect("pixels fill the picture");
+        let shape = f64::from(self.columns) / (f64::from(self.rows) * pixel_aspect);
+        let columns = (f64::from(rows) * shape).round().clamp(1.0, 4.0 * f64::from(rows)) as u32;
+        let small = image::imageops::thumbnail(&picture, columns, rows);
+        Self { columns, rows, grey: small.into_raw() }
+    }
+
     /// The picture as a PNG file with nothing but pixels.
     ///
     /// # Panics
@@ -49,6 +64,9 @@ pub struct ScreenValues {
     pub modality_step: f64,
     /// Brightness of every value from 0 to the largest one, by the file's own table or window.
     pub default_grey: Vec<u8>,
+    /// Centre and width of the file's own window in these values; for a table, of the values that it does not show as
+    /// black or as white.
+    pub default_window: [f64; 2],
 }
 
 impl FilmFile {
@@ -134,9 +152,16 @@ impl FilmFile {
             ModalityTransform::Rescale { slope, .. } => (modality.apply(zero), sign * slope),
             ModalityTransform::Lut(_) => (f64::from(zero), sign),
         };
-        let default_grey = (0..=most - least)
+        let default_grey: Vec<u8> = (0..=most - least)
             .map(|value| grey(&voi, modality_offset + modality_step * f64::from(value), invert))
             .collect();
+        let default_window = match &voi {
+            Voi::Window(window) => [
+                (window.center - modality_offset) / modality_step,
+                window.width / modality_step.abs(),
+            ],
+            Voi::Lut(_) => span(&default_grey),
+        };
         ScreenValues {
             columns: self.columns,
             rows: self.rows,
@@ -144,6 +169,7 @@ impl FilmFile {
             modality_offset,
             modality_step,
             default_grey,
+            default_window,
         }
     }
 
@@ -156,6 +182,14 @@ impl FilmFile {
             StoredPixels::Signed(values) => values.iter().map(|&v| at(i32::from(v))).collect(),
         }
     }
+}
+
+/// Centre and width of what lies between black and white.
+fn span(grey: &[u8]) -> [f64; 2] {
+    let low = grey.iter().position(|&value| value > 0).unwrap_or(0);
+    let high = grey.iter().rposition(|&value| value < u8::MAX).unwrap_or(grey.len());
+    let (low, high) = (low as f64, high as f64);
+    [f64::midpoint(low, high), (high - low).max(1.0)]
 }
 
 /// Brightness of a value of the device.

@@ -1,8 +1,10 @@
 //! Refusals, as whoever asked can understand them.
 
 use axum::Json;
-use axum::http::StatusCode;
+use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
+
+use spineline_io::film::FilmError;
 
 use super::api::Problem;
 use crate::store::StoreError;
@@ -15,6 +17,7 @@ pub type Answer<T> = Result<T, Failure>;
 pub struct Failure {
     status: StatusCode,
     problem: Problem,
+    retry_after_s: Option<u32>,
 }
 
 impl Failure {
@@ -22,13 +25,26 @@ impl Failure {
     #[must_use]
     pub fn new(status: StatusCode, code: &str, message: impl Into<String>) -> Self {
         let problem = Problem { code: code.to_owned(), message: message.into(), help: None };
-        Self { status, problem }
+        Self { status, problem, retry_after_s: None }
     }
 
     /// With what to do about it.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.problem.help = Some(help.into());
+        self
+    }
+
+    /// What is told of it.
+    #[must_use]
+    pub fn into_problem(self) -> Problem {
+        self.problem
+    }
+
+    /// With the time after which to try again, in seconds.
+    #[must_use]
+    pub fn retry_after(mut self, seconds: u32) -> Self {
+        self.retry_after_s = Some(seconds);
         self
     }
 
@@ -52,6 +68,8 @@ impl From<StoreError> for Failure {
             StoreError::NotYours { .. } => (S::FORBIDDEN, "not_yours"),
             StoreError::Finished { .. } => (S::CONFLICT, "finished"),
             StoreError::Exists { .. } | StoreError::AlreadyKnown { .. } => (S::CONFLICT, "exists"),
+            StoreError::LastAdmin { .. } => (S::CONFLICT, "last_admin"),
+            StoreError::BadPassword { .. } => (S::UNPROCESSABLE_ENTITY, "bad_password"),
             StoreError::TooLarge { .. } => (S::PAYLOAD_TOO_LARGE, "too_large"),
             StoreError::Busy => (S::SERVICE_UNAVAILABLE, "busy"),
             StoreError::Full | StoreError::Disk { .. } => (S::INSUFFICIENT_STORAGE, "disk"),
@@ -65,8 +83,22 @@ impl From<StoreError> for Failure {
     }
 }
 
+impl From<FilmError> for Failure {
+    fn from(error: FilmError) -> Self {
+        let status = match error {
+            FilmError::TooLarge { .. } => StatusCode::PAYLOAD_TOO_LARGE,
+            _ => StatusCode::UNPROCESSABLE_ENTITY,
+        };
+        Self::new(status, "film", error.to_string()).help(error.help())
+    }
+}
+
 impl IntoResponse for Failure {
     fn into_response(self) -> Response {
-        (self.status, Json(self.problem)).into_response()
+        let mut answer = (self.status, Json(self.problem)).into_response();
+        if let Some(seconds) = self.retry_after_s {
+            answer.headers_mut().insert(header::RETRY_AFTER, seconds.into());
+        }
+        answer
     }
 }

@@ -3,6 +3,7 @@
 use rusqlite::{Connection, OptionalExtension, Row, params};
 use serde_json::Value;
 use spineline::anatomy::Posture;
+use spineline::measure::Spacing;
 
 use super::audit::{self, Ledger};
 use super::journal::{Acknowledged, keep_lost, next_id};
@@ -58,17 +59,23 @@ pub struct AddedFilm {
 }
 
 /// A change of a film's record.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FilmEdit {
     /// The film shows another posture than was said.
     Posture(Posture),
     /// Dark and bright are exchanged on the screen, or not.
     Inverted(bool),
+    /// The distances between its pixels became known otherwise than before.
+    Spacing(Spacing),
 }
 
 impl FilmEdit {
     fn json(self) -> Value {
         match self {
+            Self::Spacing(spacing) => serde_json::json!({
+                "column_spacing_mm": spacing.column_mm, "row_spacing_mm": spacing.row_mm,
+                "spacing_plane": spacing.plane.key(), "spacing_source": spacing.source.key(),
+            }),
             Self::Posture(posture) => serde_json::json!({ "posture": posture.key() }),
             Self::Inverted(inverted) => serde_json::json!({ "inverted": inverted }),
         }
@@ -81,19 +88,23 @@ impl Store {
     /// # Errors
     /// [`StoreError::Exists`], [`StoreError::TooLarge`] for its label.
     pub fn add_study(&mut self, study: &Study, by: &Signature) -> Result<(), StoreError> {
-        let characters = study.label.as_ref().map_or(0, |label| label.chars().count());
-        limit("the label", characters, LONGEST_LABEL)?;
-        self.write(by, |ledger| {
-            let id = study.id.as_str();
-            if !study_rows(ledger.transaction, Some(&study.id))?.is_empty() {
-                return Err(StoreError::Exists { object: format!("study/{id}") });
-            }
-            ledger.transaction.execute(
-                "INSERT INTO studies VALUES (?1, ?2, ?3)",
-                params![id, study.label, study.synthetic],
-            )?;
-            ledger.seal("add", "studies", &id).map(drop)
-        })
+        self.write(by, |ledger| insert_study(ledger, study))
+    }
+
+    /// A study.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`], [`StoreError::Damaged`].
+    pub fn study(&self, id: &Name) -> Result<Study, StoreError> {
+        self::study(&self.connection, id)
+    }
+
+    /// A film.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`], [`StoreError::Damaged`].
+    pub fn film(&self, id: FilmId) -> Result<FilmRecord, StoreError> {
+        self::film(&self.connection, id)
     }
 
     /// All studies, by identifier.
@@ -117,34 +128,8 @@ impl Store {
         image: &Value,
         by: &Signature,
     ) -> Result<AddedFilm, StoreError> {
-        limit("the film (in bytes)", bytes.len(), LARGEST_FILM_BYTES)?;
-        if !image.is_object() {
-            return Err(StoreError::ImageNotAnObject);
-        }
-        let image = image.to_string();
-        limit("the image's description (in bytes)", image.len(), LARGEST_IMAGE_BYTES)?;
-        let content = Hash::of(bytes);
-        self.write(by, |ledger| {
-            let transaction = ledger.transaction;
-            self::study(transaction, study)?;
-            if plan::exists(transaction, study)? {
-                return Err(StoreError::PlanGoverns { study: study.clone() });
-            }
-            if let Some(film) =
-                films(transaction, study)?.into_iter().find(|film| film.content == content)
-            {
-                let (study, film, posture) = (study.clone(), film.id, film.posture);
-                return Err(StoreError::AlreadyKnown { study, film, posture });
-            }
-            let bytes_are_new = keep(ledger, &content, bytes)?;
-            let film = next_id(transaction, "films", "id")?;
-            transaction.execute(
-                "INSERT INTO films VALUES (?1, ?2, ?3, ?4, ?5, 0, 0)",
-                params![film, study.as_str(), posture.key(), content.as_str(), image],
-            )?;
-            ledger.seal("add", "films", &film)?;
-            Ok(AddedFilm { film: FilmId(film), content: content.clone(), bytes_are_new })
-        })
+        let film = NewFilm { posture, bytes, image, inverted: false };
+        self.write(by, |ledger| add_film(ledger, study, &film))
     }
 
     /// The films of a study, in the order in which they were added.
@@ -159,7 +144,8 @@ impl Store {
     /// Changes a film's record, if it still is at the expected revision.
     ///
     /// # Errors
-    /// [`StoreError::Conflict`], and then the edit is among [`Store::conflicts_of_film`]; [`StoreError::Unknown`].
+    /// [`StoreError::Conflict`], and then the edit is among [`Store::conflicts_of_film`]; [`StoreError::Unknown`];
+    /// [`StoreError::Case`] for a spacing where the image's description is not that of a case file.
     pub fn edit_film(
         &mut self,
         film: FilmId,
@@ -170,14 +156,18 @@ impl Store {
         self.write(by, |ledger| {
             let now = self::film(ledger.transaction, film)?;
             if now.revision != expected_revision {
-                let change = edit.json().to_string();
+                let change = [edit.json().to_string()];
                 let object = film.to_string();
                 return keep_lost(ledger, object, expected_revision, now.revision, &change)
                     .map(Err);
             }
-            let (column, value): (_, &dyn rusqlite::ToSql) = match &edit {
-                FilmEdit::Posture(posture) => ("posture", &posture.key()),
-                FilmEdit::Inverted(inverted) => ("inverted", inverted),
+            let (column, value): (_, Box<dyn rusqlite::ToSql>) = match edit {
+                FilmEdit::Posture(posture) => ("posture", Box::new(posture.key())),
+                FilmEdit::Inverted(inverted) => ("inverted", Box::new(inverted)),
+                FilmEdit::Spacing(spacing) => {
+                    let image = spineline_io::with_spacing(&now.image, now.posture, spacing)?;
+                    ("image", Box::new(image.to_string()))
+                }
             };
             let update =
                 format!("UPDATE films SET {column} = ?1, revision = revision + 1 WHERE id = ?2");
@@ -204,6 +194,60 @@ impl Store {
 
 pub(super) fn limit(what: &'static str, found: usize, limit: usize) -> Result<(), StoreError> {
     if found > limit { Err(StoreError::TooLarge { what, found, limit }) } else { Ok(()) }
+}
+
+/// A film that is to be added.
+pub(super) struct NewFilm<'a> {
+    pub posture: Posture,
+    pub bytes: &'a [u8],
+    pub image: &'a Value,
+    pub inverted: bool,
+}
+
+pub(super) fn insert_study(ledger: &Ledger<'_>, study: &Study) -> Result<(), StoreError> {
+    let characters = study.label.as_ref().map_or(0, |label| label.chars().count());
+    limit("the label", characters, LONGEST_LABEL)?;
+    let id = study.id.as_str();
+    if !study_rows(ledger.transaction, Some(&study.id))?.is_empty() {
+        return Err(StoreError::Exists { object: format!("study/{id}") });
+    }
+    ledger.transaction.execute(
+        "INSERT INTO studies VALUES (?1, ?2, ?3)",
+        params![id, study.label, study.synthetic],
+    )?;
+    ledger.seal("add", "studies", &id).map(drop)
+}
+
+pub(super) fn add_film(
+    ledger: &Ledger<'_>,
+    study: &Name,
+    new: &NewFilm<'_>,
+) -> Result<AddedFilm, StoreError> {
+    limit("the film (in bytes)", new.bytes.len(), LARGEST_FILM_BYTES)?;
+    if !new.image.is_object() {
+        return Err(StoreError::ImageNotAnObject);
+    }
+    let image = new.image.to_string();
+    limit("the image's description (in bytes)", image.len(), LARGEST_IMAGE_BYTES)?;
+    let content = Hash::of(new.bytes);
+    let transaction = ledger.transaction;
+    self::study(transaction, study)?;
+    if plan::exists(transaction, study)? {
+        return Err(StoreError::PlanGoverns { study: study.clone() });
+    }
+    if let Some(film) = films(transaction, study)?.into_iter().find(|film| film.content == content)
+    {
+        let (study, film, posture) = (study.clone(), film.id, film.posture);
+        return Err(StoreError::AlreadyKnown { study, film, posture });
+    }
+    let bytes_are_new = keep(ledger, &content, new.bytes)?;
+    let film = next_id(transaction, "films", "id")?;
+    transaction.execute(
+        "INSERT INTO films VALUES (?1, ?2, ?3, ?4, ?5, ?6, 0)",
+        params![film, study.as_str(), new.posture.key(), content.as_str(), image, new.inverted],
+    )?;
+    ledger.seal("add", "films", &film)?;
+    Ok(AddedFilm { film: FilmId(film), content, bytes_are_new })
 }
 
 /// Stores bytes unless they are there; says whether they were new.

@@ -14,6 +14,8 @@ use super::{Store, StoreError};
 
 /// Longest note, in characters.
 const LONGEST_NOTE: usize = 4_000;
+/// Most events in one step; a whole film has fewer than a hundred.
+const MOST_EVENTS: usize = 500;
 
 /// A corner of a vertebral body, by endplate and by the patient's side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
@@ -162,8 +164,7 @@ impl Store {
     /// Adds an event to a reading, if it still is at the expected revision. What is acknowledged is on the disk.
     ///
     /// # Errors
-    /// [`StoreError::Conflict`], and then the event is among [`Store::conflicts_of_reading`]; [`StoreError::NotYours`],
-    /// [`StoreError::Finished`], [`StoreError::BadEvent`], [`StoreError::TooLarge`], [`StoreError::Unknown`].
+    /// As [`Store::record_all`].
     pub fn record(
         &mut self,
         reading: ReadingId,
@@ -171,26 +172,41 @@ impl Store {
         expected_revision: u64,
         by: &Signature,
     ) -> Result<Acknowledged, StoreError> {
-        if let Event::Note { text } = event {
-            limit("the note (in characters)", text.chars().count(), LONGEST_NOTE)?;
-        }
-        let json = serde_json::to_string(event).expect("string keys only");
+        self.record_all(reading, std::slice::from_ref(event), expected_revision, by)
+    }
+
+    /// Adds events to a reading, all of them or none, if it still is at the expected revision.
+    ///
+    /// Whoever sends the same events for the same revision once more has missed the acknowledgement, and is given it
+    /// again: nothing is recorded twice.
+    ///
+    /// # Errors
+    /// [`StoreError::Conflict`], and then every event is among [`Store::conflicts_of_reading`]; [`StoreError::NotYours`],
+    /// [`StoreError::Finished`], [`StoreError::BadEvent`], [`StoreError::TooLarge`], [`StoreError::Unknown`];
+    /// [`StoreError::NoEvent`] for no events.
+    pub fn record_all(
+        &mut self,
+        reading: ReadingId,
+        events: &[Event],
+        expected_revision: u64,
+        by: &Signature,
+    ) -> Result<Acknowledged, StoreError> {
+        check(events)?;
         self.write(by, |ledger| {
-            let state = match current(ledger, reading, expected_revision, &json)? {
-                Ok((_, state)) => state,
-                Err(lost) => return Ok(Err(lost)),
-            };
-            if let Some(reason) = state.objection(event) {
-                return Err(StoreError::BadEvent { reading, reason });
+            let (record, known) = own(ledger, reading)?;
+            let found = known.len() as u64;
+            if found != expected_revision {
+                if let Some(before) = known_before(&known, events, expected_revision) {
+                    return acknowledge(ledger.transaction, reading, before).map(Ok);
+                }
+                let lost: Vec<String> = events.iter().map(json).collect();
+                return keep_lost(ledger, reading.to_string(), expected_revision, found, &lost)
+                    .map(Err);
             }
-            let revision = state.revision + 1;
-            let number = next_id(ledger.transaction, "events", "sequence")?;
-            ledger.transaction.execute(
-                "INSERT INTO events VALUES (?1, ?2, ?3, ?4, ?5)",
-                params![number, reading.0, signed(revision)?, by.at.unix_ms(), json],
-            )?;
-            let sequence = ledger.seal("record", "events", &number)?;
-            Ok(Ok(Acknowledged { sequence, revision }))
+            if record.finished_at.is_some() {
+                return Err(StoreError::Finished { reading });
+            }
+            append(ledger, reading, known, events).map(Ok)
         })?
     }
 
@@ -221,7 +237,7 @@ impl Store {
     }
 }
 
-/// The reading that someone wants to change, if it is theirs, at the revision that they saw, and not finished.
+/// The reading that someone wants to finish, if it is theirs, at the revision that they saw, and not finished.
 /// The inner error is a conflict, which has been kept.
 pub(super) fn current(
     ledger: &Ledger<'_>,
@@ -229,13 +245,11 @@ pub(super) fn current(
     expected: u64,
     change: &str,
 ) -> Result<Result<(ReadingRecord, ReadingState), StoreError>, StoreError> {
-    let record = readings::reading(ledger.transaction, reading)?;
-    if record.observer != ledger.by.who {
-        return Err(StoreError::NotYours { reading });
-    }
-    let state = state(ledger.transaction, &record)?;
+    let (record, events) = own(ledger, reading)?;
+    let state = ReadingState::replay(&events, record.finished_at.is_some());
     if state.revision != expected {
-        return keep_lost(ledger, reading.to_string(), expected, state.revision, change).map(Err);
+        let (object, change) = (reading.to_string(), [change.to_owned()]);
+        return keep_lost(ledger, object, expected, state.revision, &change).map(Err);
     }
     if state.finished {
         return Err(StoreError::Finished { reading });
@@ -243,30 +257,107 @@ pub(super) fn current(
     Ok(Ok((record, state)))
 }
 
-/// Keeps a change that lost; returns the error that says so.
+/// A reading of whoever signs, and its events.
+fn own(ledger: &Ledger<'_>, reading: ReadingId) -> Result<(ReadingRecord, Vec<Event>), StoreError> {
+    let record = readings::reading(ledger.transaction, reading)?;
+    if record.observer != ledger.by.who {
+        return Err(StoreError::NotYours { reading });
+    }
+    let events = events(ledger.transaction, reading)?;
+    Ok((record, events))
+}
+
+/// Checks what needs no reading to be checked.
+pub(super) fn check(events: &[Event]) -> Result<(), StoreError> {
+    if events.is_empty() {
+        return Err(StoreError::NoEvent);
+    }
+    limit("one step (in events)", events.len(), MOST_EVENTS)?;
+    for event in events {
+        if let Event::Note { text } = event {
+            limit("the note (in characters)", text.chars().count(), LONGEST_NOTE)?;
+        }
+    }
+    Ok(())
+}
+
+/// The revision after these events, where a reading has them at that place already.
+fn known_before(known: &[Event], events: &[Event], expected: u64) -> Option<u64> {
+    let start = usize::try_from(expected).ok()?;
+    let end = start.checked_add(events.len())?;
+    (known.get(start..end)? == events).then_some(end as u64)
+}
+
+/// The acknowledgement of the event that made a revision.
+fn acknowledge(
+    connection: &Connection,
+    reading: ReadingId,
+    revision: u64,
+) -> Result<Acknowledged, StoreError> {
+    let query = "SELECT max(audit.sequence) FROM audit JOIN events
+                 ON audit.object = 'event/' || events.sequence
+                 WHERE events.reading = ?1 AND events.revision = ?2";
+    let sequence: i64 =
+        connection.query_row(query, params![reading.0, signed(revision)?], |row| row.get(0))?;
+    Ok(Acknowledged { sequence: sequence.unsigned_abs(), revision })
+}
+
+/// Adds events that were checked for themselves to a reading with these events.
+pub(super) fn append(
+    ledger: &Ledger<'_>,
+    reading: ReadingId,
+    mut known: Vec<Event>,
+    events: &[Event],
+) -> Result<Acknowledged, StoreError> {
+    let mut last = Err(StoreError::NoEvent);
+    for event in events {
+        let state = ReadingState::replay(&known, false);
+        if let Some(reason) = state.objection(event) {
+            return Err(StoreError::BadEvent { reading, reason });
+        }
+        let revision = state.revision + 1;
+        let number = next_id(ledger.transaction, "events", "sequence")?;
+        ledger.transaction.execute(
+            "INSERT INTO events VALUES (?1, ?2, ?3, ?4, ?5)",
+            params![number, reading.0, signed(revision)?, ledger.by.at.unix_ms(), json(event)],
+        )?;
+        let sequence = ledger.seal("record", "events", &number)?;
+        known.push(event.clone());
+        last = Ok(Acknowledged { sequence, revision });
+    }
+    last
+}
+
+fn json(event: &Event) -> String {
+    serde_json::to_string(event).expect("string keys only")
+}
+
+/// Keeps changes that lost; returns the error that says so and names the first.
 pub(super) fn keep_lost(
     ledger: &Ledger<'_>,
     object: String,
     expected: u64,
     found: u64,
-    change: &str,
+    changes: &[String],
 ) -> Result<StoreError, StoreError> {
     let conflict = next_id(ledger.transaction, "conflicts", "id")?;
     let by = ledger.by;
-    ledger.transaction.execute(
-        "INSERT INTO conflicts VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)",
-        params![
-            conflict,
-            object,
-            by.who.as_str(),
-            by.at.unix_ms(),
-            // A caller may name any revision.
-            i64::try_from(expected).unwrap_or(i64::MAX),
-            signed(found)?,
-            change
-        ],
-    )?;
-    ledger.seal("keep_conflict", "conflicts", &conflict)?;
+    for (id, change) in (conflict..).zip(changes) {
+        ledger.transaction.execute(
+            "INSERT INTO conflicts VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)",
+            params![
+                id,
+                object,
+                by.who.as_str(),
+                by.at.unix_ms(),
+                // A caller may name any revision.
+                i64::try_from(expected).unwrap_or(i64::MAX),
+                signed(found)?,
+                change
+            ],
+        )?;
+        ledger.seal("keep_conflict", "conflicts", &id)?;
+    }
     Ok(StoreError::Conflict { object, expected, found, conflict })
 }
 
@@ -274,16 +365,23 @@ pub(super) fn state(
     connection: &Connection,
     record: &ReadingRecord,
 ) -> Result<ReadingState, StoreError> {
+    Ok(ReadingState::replay(&events(connection, record.id)?, record.finished_at.is_some()))
+}
+
+/// The events of a reading.
+pub(super) fn events(
+    connection: &Connection,
+    reading: ReadingId,
+) -> Result<Vec<Event>, StoreError> {
     let condition = "WHERE reading = ?1 ORDER BY revision";
     let mut next = 1;
-    let events = audit::load(connection, "events", condition, [record.id.0], |row| {
+    audit::load(connection, "events", condition, [reading.0], |row| {
         let (sequence, revision, json): (i64, i64, String) =
             (row.get("sequence")?, row.get("revision")?, row.get("event")?);
         let event = serde_json::from_str(&json).ok().filter(|_| revision == next);
         next += 1;
         event.ok_or_else(|| StoreError::damaged(format!("event/{sequence}")))
-    })?;
-    Ok(ReadingState::replay(&events, record.finished_at.is_some()))
+    })
 }
 
 fn lost_changes(connection: &Connection, object: &str) -> Result<Vec<LostChange>, StoreError> {

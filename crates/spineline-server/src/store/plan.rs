@@ -99,8 +99,8 @@ pub enum VisibleReadings {
 
 /// A place in an observer's order.
 #[derive(Debug, Clone)]
-struct Slot {
-    code: FilmCode,
+pub(super) struct Slot {
+    pub code: FilmCode,
     film: FilmId,
     repeat: u32,
     observer: Name,
@@ -157,6 +157,14 @@ impl Store {
         })
     }
 
+    /// Whether a study's readings are planned.
+    ///
+    /// # Errors
+    /// [`StoreError::Database`].
+    pub fn has_plan(&self, study: &Name) -> Result<bool, StoreError> {
+        exists(&self.connection, study)
+    }
+
     /// Begins the planned reading of a code. The observer is who signs.
     ///
     /// # Errors
@@ -197,8 +205,8 @@ impl Store {
 /// The store as one observer may see it: while a plan is incomplete, nothing but codes and own readings.
 #[derive(Debug, Clone, Copy)]
 pub struct ObserverView<'a> {
-    store: &'a Store,
-    who: &'a Name,
+    pub(super) store: &'a Store,
+    pub(super) who: &'a Name,
 }
 
 impl ObserverView<'_> {
@@ -246,7 +254,7 @@ impl ObserverView<'_> {
 }
 
 impl Slot {
-    fn is(&self, reading: &ReadingRecord) -> bool {
+    pub fn is(&self, reading: &ReadingRecord) -> bool {
         (self.film, self.repeat, &self.observer)
             == (reading.film, reading.repeat, &reading.observer)
     }
@@ -311,7 +319,7 @@ pub(super) fn exists(connection: &Connection, study: &Name) -> Result<bool, Stor
 }
 
 /// The order of one observer, or of all.
-fn slots_of(
+pub(super) fn slots_of(
     connection: &Connection,
     study: &Name,
     observer: Option<&Name>,
@@ -332,7 +340,7 @@ fn slot(row: &Row<'_>) -> Result<Slot, StoreError> {
 }
 
 /// Whether everyone may see everything: no plan, or nothing of it left to finish.
-fn is_open(connection: &Connection, study: &Name) -> Result<bool, StoreError> {
+pub(super) fn is_open(connection: &Connection, study: &Name) -> Result<bool, StoreError> {
     let readings = readings::of_study(connection, study)?;
     let finished: BTreeSet<_> = readings
         .iter()

@@ -6,6 +6,7 @@ use super::audit::{self, Ledger};
 use super::films;
 use super::journal::{self, Acknowledged, Corner, next_id};
 use super::names::{FilmId, Name, ReadingId, Signature, Timestamp};
+use super::state::ReadingState;
 use super::{Store, StoreError, plan};
 
 /// A reading, without what was marked.
@@ -50,6 +51,14 @@ impl Store {
         })
     }
 
+    /// A reading, without what was marked.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`], [`StoreError::Damaged`].
+    pub fn reading(&self, id: ReadingId) -> Result<ReadingRecord, StoreError> {
+        self::reading(&self.connection, id)
+    }
+
     /// Finishes a reading, which is immutable from then on.
     ///
     /// # Errors
@@ -67,18 +76,7 @@ impl Store {
                 Ok((_, state)) => state,
                 Err(lost) => return Ok(Err(lost)),
             };
-            for (&level, marks) in &state.vertebrae {
-                let corners = marks.corners.len();
-                if corners < Corner::ALL.len() {
-                    return Err(StoreError::Incomplete { reading, level, corners });
-                }
-            }
-            ledger.transaction.execute(
-                "UPDATE readings SET finished_ms = ?1, rest_from_ms = max(?1, begun_ms,
-                 (SELECT coalesce(max(time_ms), ?1) FROM events WHERE reading = ?2)) WHERE id = ?2",
-                params![by.at.unix_ms(), reading.0],
-            )?;
-            let sequence = ledger.seal("finish", "readings", &reading.0)?;
+            let sequence = finish(ledger, reading, &state)?;
             Ok(Ok(Acknowledged { sequence, revision: state.revision }))
         })?
     }
@@ -114,6 +112,26 @@ pub(super) fn begin(
     )?;
     ledger.seal("begin", "readings", &id)?;
     Ok(ReadingId(id))
+}
+
+/// Finishes a reading in this state; returns the number of its entry in the log.
+pub(super) fn finish(
+    ledger: &Ledger<'_>,
+    reading: ReadingId,
+    state: &ReadingState,
+) -> Result<u64, StoreError> {
+    for (&level, marks) in &state.vertebrae {
+        let corners = marks.corners.len();
+        if corners < Corner::ALL.len() {
+            return Err(StoreError::Incomplete { reading, level, corners });
+        }
+    }
+    ledger.transaction.execute(
+        "UPDATE readings SET finished_ms = ?1, rest_from_ms = max(?1, begun_ms,
+         (SELECT coalesce(max(time_ms), ?1) FROM events WHERE reading = ?2)) WHERE id = ?2",
+        params![ledger.by.at.unix_ms(), reading.0],
+    )?;
+    ledger.seal("finish", "readings", &reading.0)
 }
 
 pub(super) fn reading(

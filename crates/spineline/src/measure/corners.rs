@@ -140,6 +140,11 @@ impl Corners<Frontal> {
         self.axis().dot(cranial) > 0.0
     }
 
+    /// Distance between the centres of the endplates.
+    pub(super) fn height_mm(&self) -> f64 {
+        self.axis().norm_mm()
+    }
+
     fn axis(&self) -> Frontal {
         ((self.superior_left + self.superior_right) - (self.inferior_left + self.inferior_right))
             * 0.5

@@ -15,7 +15,11 @@ mod calibration;
 mod corners;
 mod evidence;
 mod film;
+mod frame;
 mod lateral;
+mod marking;
+mod marking_proposal;
+mod order;
 mod outline;
 mod readings;
 mod spacing;
@@ -27,7 +31,10 @@ pub use evidence::{
     CalibrationType, SpacingEvidence, SpacingJudgement, SpacingRemark, judge_spacing,
 };
 pub use film::{Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading, ReadingId};
+pub use frame::{FilmFrame, body_widths, endplate_centres};
 pub use lateral::{LateralCorners, LateralFilm};
+pub use marking::{MarkedBody, MarkingFault, PartialMark, PartialReading, turn_axis_towards};
+pub use marking_proposal::{CornerName, NextLandmark, Proposal};
 pub(crate) use outline::outline_of;
 pub use outline::{MeasuredVertebra, Noise, Outline, check_marks, measure_film};
 pub use readings::{FilmReadings, measure_readings};

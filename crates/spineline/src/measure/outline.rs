@@ -1,11 +1,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::order::{LEAST_SHARE, steps, typical_distance_mm};
 use super::spacing::is_spacing;
 use super::{
     CornerFault, Film, FilmMarks, IliacCrests, ImageGeometry, LengthScale, Mark, MeasureError,
     Placement, Reading, ReadingId, SpacingPlane, measure_readings,
 };
-use crate::anatomy::{Level, Morphometry, Posture};
+use crate::anatomy::{Level, Posture};
 use crate::spatial::{Angle, Frontal};
 use crate::warning::{Step, Warnings};
 
@@ -61,6 +62,8 @@ pub struct Outline {
     pub iliac_normal: Option<Angle>,
     /// L4's tilt on the film, which `G` has taken out.
     pub l4_on_film: Angle,
+    /// L4's midpoint in the film's own frame, which is the origin of `G`.
+    pub l4_midpoint_on_film: Frontal,
     /// Deviation of the measured values.
     pub noise: Noise,
     /// What its lengths are measured in.
@@ -149,6 +152,7 @@ pub(crate) fn outline_of(
         vertebrae,
         iliac_normal,
         l4_on_film: base.tilt,
+        l4_midpoint_on_film: base.location,
         noise: noise(&placed, &on_film),
         scale,
         readings: placed.len(),
@@ -332,13 +336,6 @@ fn scaled_from_pixels(
     (placed, scale)
 }
 
-/// Typical distance between two vertebrae that need not be neighbours.
-fn typical_distance_mm(inferior: Level, superior: Level) -> f64 {
-    let between: Vec<Level> =
-        Level::ALL.into_iter().filter(|level| (inferior..=superior).contains(level)).collect();
-    between.windows(2).map(|pair| Morphometry::spacing_mm(pair[0], pair[1])).sum()
-}
-
 /// Crests must lie on the picture, apart, and on their sides.
 fn check_crests(
     posture: Posture,
@@ -430,32 +427,26 @@ fn check_order(
     scale: &LengthScale,
     warnings: &mut Warnings,
 ) -> Result<(), MeasureError> {
-    /// A fifth of the usual distance is what an exchanged or doubled vertebra shows at most.
-    const LEAST_SHARE: f64 = 0.2;
     const TILT_LIMIT: Angle = Angle::from_deg(120.0);
     if let Some(v) = vertebrae.iter().find(|v| v.tilt.abs() > TILT_LIMIT) {
         let (tilt_deg, limit_deg) = (v.tilt.deg(), TILT_LIMIT.deg());
         return Err(MeasureError::TiltTooLarge { posture, level: v.level, tilt_deg, limit_deg });
     }
-    let spacing = |pair: &[MeasuredVertebra]| pair[0].location.distance_mm(pair[1].location);
-    let typical: f64 =
-        vertebrae.windows(2).map(|p| Morphometry::spacing_mm(p[0].level, p[1].level)).sum();
-    let longer = vertebrae.windows(2).map(spacing).sum::<f64>() / typical;
-    for pair in vertebrae.windows(2) {
-        let (inferior, superior) = (pair[0].level, pair[1].level);
-        let axis = Frontal::leaning((pair[0].tilt + pair[1].tilt) * 0.5);
-        let usual_mm = longer * Morphometry::spacing_mm(inferior, superior);
-        let share = (pair[1].location - pair[0].location).dot(axis) / usual_mm;
-        if share <= LEAST_SHARE {
+    let placed: Vec<(Level, Placement)> = vertebrae
+        .iter()
+        .map(|v| (v.level, Placement { location: v.location, tilt: v.tilt }))
+        .collect();
+    for step in steps(&placed) {
+        let (inferior, superior, share) = (step.inferior, step.superior, step.share);
+        if step.is_out_of_order() {
             let limit = LEAST_SHARE;
             return Err(MeasureError::OutOfOrder { posture, inferior, superior, share, limit });
         }
-        // Twice or half the usual distance is what a skipped or doubled vertebra looks like.
-        let ratio = spacing(pair) / usual_mm;
-        if !(0.6..1.6).contains(&ratio) {
+        if step.is_unusual() {
             let text = format!(
-                "{inferior} and {superior} are {} apart, {ratio:.1} times the usual share of this spine: check that no vertebra was skipped or doubled",
-                scale.text(spacing(pair), 1)
+                "{inferior} and {superior} are {} apart, {:.1} times the usual share of this spine: check that no vertebra was skipped or doubled",
+                scale.text(step.distance_mm, 1),
+                step.ratio
             );
             warnings.vertebra(Step::Measure, "spacing_unusual", posture, superior, text);
         }

@@ -1,0 +1,189 @@
+//! Films: their pixels, their small pictures, and changes of their records.
+
+mod screen;
+mod uploads;
+
+use axum::body::Bytes;
+use axum::extract::State;
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use spineline::measure::{Calibration, Calibrator};
+use spineline::spatial::Pixel;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::api::{
+    CalibratorName, Change, FilmChange, FilmEditName, FilmSummary, Problem, RoleName,
+};
+use super::extract::{Json, Path};
+use super::{Answer, AppState, Failure, User, readings, studies, words};
+use crate::store::{FilmEdit, FilmId, FilmRecord, ReadingId, Store, StoreError};
+
+pub use screen::{Shelf, Thumbnails};
+pub use uploads::Upload;
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new()
+        .routes(routes!(film_pixels))
+        .routes(routes!(reading_pixels))
+        .routes(routes!(film_thumbnail))
+        .routes(routes!(reading_thumbnail))
+        .routes(routes!(edit))
+        .merge(uploads::routes())
+}
+
+/// A film that this user may see.
+pub fn seen(store: &Store, user: &User, film: FilmId) -> Answer<FilmRecord> {
+    let film = store.film(film)?;
+    readings::refuse_blinded(store, user, &film.study)?;
+    Ok(film)
+}
+
+/// Pixels of a film: 16-bit little-endian words row by row, of which greater ones are brighter.
+#[utoipa::path(get, path = "/api/films/{film}/pixels",
+    responses((status = 200, content_type = "application/octet-stream"),
+        (status = 404, body = Problem)))]
+async fn film_pixels(
+    State(state): State<AppState>,
+    user: User,
+    Path(film): Path<i64>,
+    asked: HeaderMap,
+) -> Answer<Response> {
+    let film = state.ask(move |store| seen(store, &user, FilmId(film))).await?;
+    let tag = format!("\"{}\"", film.content);
+    if asked.get(header::IF_NONE_MATCH).is_some_and(|known| known.as_bytes() == tag.as_bytes()) {
+        return Ok(StatusCode::NOT_MODIFIED.into_response());
+    }
+    let mut response = pixels(&state, &film).await?;
+    if let Ok(tag) = HeaderValue::from_str(&tag) {
+        response.headers_mut().insert(header::ETAG, tag);
+    }
+    Ok(response)
+}
+
+/// Pixels of the film of a reading, as those of a film.
+#[utoipa::path(get, path = "/api/readings/{reading}/pixels",
+    responses((status = 200, content_type = "application/octet-stream"),
+        (status = 404, body = Problem)))]
+async fn reading_pixels(
+    State(state): State<AppState>,
+    user: User,
+    Path(reading): Path<i64>,
+) -> Answer<Response> {
+    let seen = state.ask(move |store| readings::seen(store, &user, ReadingId(reading))).await?;
+    // No tag: it would tell a blinded reader which readings are of one film.
+    pixels(&state, &seen.film).await
+}
+
+/// A small picture of a film.
+#[utoipa::path(get, path = "/api/films/{film}/thumbnail",
+    responses((status = 200, content_type = "image/png"), (status = 404, body = Problem)))]
+async fn film_thumbnail(
+    State(state): State<AppState>,
+    user: User,
+    Path(film): Path<i64>,
+) -> Answer<Response> {
+    let film = state.ask(move |store| seen(store, &user, FilmId(film))).await?;
+    thumbnail(&state, &film).await
+}
+
+/// A small picture of the film of a reading.
+#[utoipa::path(get, path = "/api/readings/{reading}/thumbnail",
+    responses((status = 200, content_type = "image/png"), (status = 404, body = Problem)))]
+async fn reading_thumbnail(
+    State(state): State<AppState>,
+    user: User,
+    Path(reading): Path<i64>,
+) -> Answer<Response> {
+    let seen = state.ask(move |store| readings::seen(store, &user, ReadingId(reading))).await?;
+    thumbnail(&state, &seen.film).await
+}
+
+/// Changes a film's record.
+#[utoipa::path(post, path = "/api/films/{film}/edits", request_body = FilmChange,
+    responses((status = 200, body = FilmSummary), (status = 404, body = Problem),
+        (status = 409, body = Problem), (status = 422, body = Problem)))]
+async fn edit(
+    State(state): State<AppState>,
+    user: User,
+    Path(film): Path<i64>,
+    Json(change): Json<FilmChange>,
+) -> Answer<Json<FilmSummary>> {
+    let by = user.sign(state.now());
+    let asker = state.clone();
+    let summary = state.ask(move |store| {
+        let film = seen(store, &user, FilmId(film))?;
+        user.need_on_study(store, &film.study, RoleName::Editor)?;
+        let edit = film_edit(&film, change.edit)?;
+        let edited = store.edit_film(film.id, edit, change.expected_revision, &by);
+        // A lost edit is news too: it is kept.
+        let who = user.name.to_string();
+        let revision = edited.as_ref().ok().map(|edited| edited.revision);
+        let change = Change { who, film: Some(film.id.0), reading: None, revision };
+        asker.changes().tell(&film.study, change);
+        edited?;
+        studies::film_summary(asker.studies(), store, &user, film.id)
+    });
+    summary.await.map(Json)
+}
+
+fn film_edit(film: &FilmRecord, edit: FilmEditName) -> Answer<FilmEdit> {
+    Ok(match edit {
+        FilmEditName::Posture { posture } => FilmEdit::Posture(words::posture(posture)),
+        FilmEditName::Inverted { inverted } => FilmEdit::Inverted(inverted),
+        FilmEditName::Scale { from_px, to_px, length_mm, length_sd_mm, calibrator } => {
+            let image =
+                spineline_io::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
+            let calibration = Calibration {
+                calibrator: match calibrator {
+                    CalibratorName::Ball => Calibrator::Ball,
+                    CalibratorName::Ruler => Calibrator::Ruler,
+                },
+                clicks: [from_px, to_px].map(|[column, row]| Pixel::new(column, row)),
+                length_mm,
+                length_sd_mm,
+                click_sd_px: Calibration::CLICK_SD_PX,
+                // A ball cannot tell how high a pixel is against its width.
+                pixel_aspect: words::pixel_aspect(image.spacing),
+            };
+            let spacing = calibration.spacing().map_err(|error| {
+                Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "scale", error.to_string())
+                    .help("click two ends of an object whose length you know")
+            })?;
+            FilmEdit::Spacing(spacing)
+        }
+    })
+}
+
+async fn pixels(state: &AppState, film: &FilmRecord) -> Answer<Response> {
+    let screen = screen::screen(state, &film.content).await?;
+    let image = spineline_io::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
+    let [center, width] = screen.default_window;
+    let numbers = [
+        ("x-spineline-columns", f64::from(screen.columns)),
+        ("x-spineline-rows", f64::from(screen.rows)),
+        ("x-spineline-pixel-aspect", words::pixel_aspect(image.spacing)),
+        ("x-spineline-window-center", center),
+        ("x-spineline-window-width", width),
+        ("x-spineline-max", f64::from(screen.max)),
+    ];
+    let mut response = screen.bytes.clone().into_response();
+    let headers = response.headers_mut();
+    for (name, number) in numbers {
+        headers.insert(name, HeaderValue::from_str(&number.to_string()).expect("digits"));
+    }
+    headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("private, no-cache"));
+    Ok(response)
+}
+
+async fn thumbnail(state: &AppState, film: &FilmRecord) -> Answer<Response> {
+    let thumbnails = screen::thumbnails(state, &film.content).await?;
+    Ok(png(thumbnails.of(film.inverted)))
+}
+
+/// An answer that is a PNG.
+pub fn png(bytes: Bytes) -> Response {
+    let headers =
+        [(header::CONTENT_TYPE, "image/png"), (header::CACHE_CONTROL, "private, max-age=60")];
+    (headers, bytes).into_response()
+}

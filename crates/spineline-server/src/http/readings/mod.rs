@@ -1,0 +1,173 @@
+//! Readings: begun, marked, taken back, finished.
+
+mod lost;
+mod view;
+
+use axum::extract::State;
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Response};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::api::{Change, ConflictAnswer, Finish, NewEvent, NewReading, Problem, ReadingView};
+use super::extract::{Json, Path};
+use super::{Answer, AppState, Failure, User, films};
+use crate::store::{FilmCode, FilmId, ReadingId, Sight, Store, StoreError};
+
+pub(super) use lost::{of_film as lost_of_film, of_reading as lost_of_reading};
+pub(super) use view::seen;
+pub(in crate::http) use view::view;
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new()
+        .routes(routes!(begin))
+        .routes(routes!(begin_planned))
+        .routes(routes!(reading))
+        .routes(routes!(record))
+        .routes(routes!(finish))
+}
+
+/// Begins a reading of a film.
+#[utoipa::path(post, path = "/api/films/{film}/readings", request_body = NewReading,
+    responses((status = 200, body = ReadingView), (status = 404, body = Problem),
+        (status = 409, body = Problem)))]
+async fn begin(
+    State(state): State<AppState>,
+    user: User,
+    Path(film): Path<i64>,
+    Json(new): Json<NewReading>,
+) -> Answer<Json<ReadingView>> {
+    let by = user.sign(state.now());
+    let asker = state.clone();
+    let view = state.ask(move |store| {
+        let film = films::seen(store, &user, FilmId(film))?;
+        let id = store.begin_reading(film.id, new.repeat, &by)?;
+        tell(&asker, store, &user, id)?;
+        view(store, &user, id, &[])
+    });
+    view.await.map(Json)
+}
+
+/// Begins the planned reading of a code.
+#[utoipa::path(post, path = "/api/codes/{code}/readings",
+    responses((status = 200, body = ReadingView), (status = 404, body = Problem),
+        (status = 409, body = Problem)))]
+async fn begin_planned(
+    State(state): State<AppState>,
+    user: User,
+    Path(code): Path<String>,
+) -> Answer<Json<ReadingView>> {
+    let by = user.sign(state.now());
+    let asker = state.clone();
+    let view = state.ask(move |store| {
+        let id = store.begin_planned(&FilmCode::new(&code), &by)?;
+        tell(&asker, store, &user, id)?;
+        view(store, &user, id, &[])
+    });
+    view.await.map(Json)
+}
+
+/// A reading as it stands.
+#[utoipa::path(get, path = "/api/readings/{reading}",
+    responses((status = 200, body = ReadingView), (status = 404, body = Problem)))]
+async fn reading(
+    State(state): State<AppState>,
+    user: User,
+    Path(reading): Path<i64>,
+) -> Answer<Json<ReadingView>> {
+    state.ask(move |store| view(store, &user, ReadingId(reading), &[])).await.map(Json)
+}
+
+/// Records events, all or none. The same request once more is answered once more, and records nothing.
+#[utoipa::path(post, path = "/api/readings/{reading}/events", request_body = NewEvent,
+    responses((status = 200, body = ReadingView), (status = 404, body = Problem),
+        (status = 409, body = ConflictAnswer), (status = 422, body = Problem)))]
+async fn record(
+    State(state): State<AppState>,
+    user: User,
+    Path(reading): Path<i64>,
+    Json(new): Json<NewEvent>,
+) -> Answer<Response> {
+    let by = user.sign(state.now());
+    let asker = state.clone();
+    let answer = state.ask(move |store| {
+        let id = ReadingId(reading);
+        seen(store, &user, id)?;
+        let recorded = store.record_all(id, &new.events, new.expected_revision, &by);
+        settle(&asker, store, &user, id, recorded.map(drop))
+    });
+    answer.await
+}
+
+/// Finishes a reading, which never changes from then on.
+#[utoipa::path(post, path = "/api/readings/{reading}/finish", request_body = Finish,
+    responses((status = 200, body = ReadingView), (status = 404, body = Problem),
+        (status = 409, body = ConflictAnswer), (status = 422, body = Problem)))]
+async fn finish(
+    State(state): State<AppState>,
+    user: User,
+    Path(reading): Path<i64>,
+    Json(new): Json<Finish>,
+) -> Answer<Response> {
+    let by = user.sign(state.now());
+    let asker = state.clone();
+    let answer = state.ask(move |store| {
+        let id = ReadingId(reading);
+        let known = seen(store, &user, id)?;
+        let before = known.state(&[])?;
+        // A finish whose acknowledgement was lost.
+        let is_repeated = before.finished && before.revision == new.expected_revision;
+        let finished = if is_repeated && known.record.observer == user.name {
+            Ok(())
+        } else {
+            store.finish_reading(id, new.expected_revision, &by).map(drop)
+        };
+        settle(&asker, store, &user, id, finished)
+    });
+    answer.await
+}
+
+/// The reading after a change, or as it stands where the change lost.
+fn settle(
+    state: &AppState,
+    store: &Store,
+    user: &User,
+    reading: ReadingId,
+    changed: Result<(), StoreError>,
+) -> Answer<Response> {
+    match changed {
+        Ok(()) => {
+            tell(state, store, user, reading)?;
+            Ok(Json(view(store, user, reading, &[])?).into_response())
+        }
+        Err(error @ StoreError::Conflict { .. }) => {
+            tell(state, store, user, reading)?;
+            let problem = Failure::from(error).into_problem();
+            let reading = view(store, user, reading, &[])?;
+            let answer = ConflictAnswer { problem, reading };
+            Ok((StatusCode::CONFLICT, Json(answer)).into_response())
+        }
+        Err(other) => Err(other.into()),
+    }
+}
+
+fn tell(state: &AppState, store: &Store, user: &User, reading: ReadingId) -> Answer<()> {
+    let seen = seen(store, user, reading)?;
+    let change = Change {
+        who: user.name.to_string(),
+        film: Some(seen.film.id.0),
+        reading: Some(reading.0),
+        revision: Some(seen.state(&[])?.revision),
+    };
+    state.changes().tell(&seen.study.id, change);
+    Ok(())
+}
+
+/// Refuses a film of a study of which this user may see codes only.
+pub(super) fn refuse_blinded(store: &Store, user: &User, study: &crate::store::Name) -> Answer<()> {
+    user.on_study(store, study)?;
+    match store.observer(&user.name).sight(study)? {
+        Sight::Reader => Err(Failure::not_found()),
+        Sight::Open | Sight::Apart => Ok(()),
+    }
+}

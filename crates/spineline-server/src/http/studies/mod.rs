@@ -1,0 +1,175 @@
+//! Studies: listed, made, looked at, exported.
+
+mod make;
+mod summary;
+
+use axum::extract::State;
+use axum::http::{StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::api::{
+    Change, NewPlan, NextReading, PlanView, Problem, RoleName, StudyDetail, StudySummary,
+};
+use super::extract::{Json, Path};
+use super::{Answer, AppState, Failure, User, readings, results};
+use crate::store::{Name, Next, PlanDesign, Sight, Store, Timestamp};
+
+pub use summary::{Overviews, film_summary, study_summary};
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new()
+        .routes(routes!(list))
+        .routes(routes!(study))
+        .routes(routes!(plan))
+        .routes(routes!(case_file))
+        .merge(make::routes())
+}
+
+/// A study's name in an address. A name that none can have is not there.
+pub fn study_name(text: &str) -> Answer<Name> {
+    Name::new(text).map_err(|_| Failure::not_found())
+}
+
+/// The studies that the one who asks may see.
+#[utoipa::path(get, path = "/api/studies", responses((status = 200, body = [StudySummary])))]
+async fn list(State(state): State<AppState>, user: User) -> Answer<Json<Vec<StudySummary>>> {
+    let asker = state.clone();
+    let list = state.ask(move |store| {
+        let mut summaries = Vec::new();
+        for (study, role) in user.studies(store)? {
+            summaries.push(study_summary(
+                (asker.studies(), asker.results()),
+                store,
+                &user,
+                role,
+                &study,
+            )?);
+        }
+        Ok(summaries)
+    });
+    list.await.map(Json)
+}
+
+/// One study.
+#[utoipa::path(get, path = "/api/studies/{study}",
+    responses((status = 200, body = StudyDetail), (status = 404, body = Problem)))]
+async fn study(
+    State(state): State<AppState>,
+    user: User,
+    Path(study): Path<String>,
+) -> Answer<Json<StudyDetail>> {
+    let (study, now) = (study_name(&study)?, state.now());
+    let asker = state.clone();
+    state
+        .ask(move |store| detail((asker.studies(), asker.results()), store, &user, &study, now))
+        .await
+        .map(Json)
+}
+
+/// A study with its lost changes and its plan.
+pub fn detail(
+    kept: (&Overviews, &results::Cache),
+    store: &Store,
+    user: &User,
+    study: &Name,
+    now: Timestamp,
+) -> Answer<StudyDetail> {
+    let role = user.on_study(store, study)?;
+    let record = store.study(study)?;
+    let summary = study_summary(kept, store, user, role, &record)?;
+    let sight = store.observer(&user.name).sight(study)?;
+    let mut conflicts = Vec::new();
+    if sight != Sight::Reader {
+        for film in store.films(study)? {
+            conflicts.extend(readings::lost_of_film(store, film.id)?);
+        }
+    }
+    if sight == Sight::Open {
+        for reading in store.readings(study)? {
+            conflicts.extend(readings::lost_of_reading(store, reading.id)?);
+        }
+    }
+    Ok(StudyDetail { summary, conflicts, plan: plan_view(store, user, study, sight, now)? })
+}
+
+fn plan_view(
+    store: &Store,
+    user: &User,
+    study: &Name,
+    sight: Sight,
+    now: Timestamp,
+) -> Answer<Option<PlanView>> {
+    if !store.has_plan(study)? {
+        return Ok(None);
+    }
+    let next = match store.observer(&user.name).next_film_for(study, now)? {
+        Next::Begin(film) => NextReading::Begin { code: film.code.to_string() },
+        Next::Continue(film, reading) => {
+            NextReading::Continue { code: film.code.to_string(), reading: reading.0 }
+        }
+        Next::Wait(until) => NextReading::Wait { until_ms: until.unix_ms() },
+        Next::Done => NextReading::Done,
+    };
+    Ok(Some(PlanView { blinded: sight != Sight::Open, next }))
+}
+
+/// Plans blinded readings.
+#[utoipa::path(post, path = "/api/studies/{study}/plan", request_body = NewPlan,
+    responses((status = 200, body = StudyDetail), (status = 403, body = Problem),
+        (status = 404, body = Problem), (status = 409, body = Problem),
+        (status = 422, body = Problem)))]
+async fn plan(
+    State(state): State<AppState>,
+    user: User,
+    Path(study): Path<String>,
+    Json(new): Json<NewPlan>,
+) -> Answer<Json<StudyDetail>> {
+    let (study, now) = (study_name(&study)?, state.now());
+    let asker = state.clone();
+    let detail = state.ask(move |store| {
+        user.need_on_study(store, &study, RoleName::Admin)?;
+        let observers = new.observers.iter().map(|name| Name::new(name));
+        let observers = observers.collect::<Result<Vec<_>, _>>()?;
+        let NewPlan { repeats, washout_days, seed, .. } = new;
+        let design = PlanDesign { repeats, washout_days, seed };
+        store.reading_plan(&study, &observers, design, &user.sign(now))?;
+        asker.changes().tell(&study, of_study(&user));
+        detail((asker.studies(), asker.results()), store, &user, &study, now)
+    });
+    detail.await.map(Json)
+}
+
+/// A change of the study as a whole.
+pub fn of_study(user: &User) -> Change {
+    Change { who: user.name.to_string(), film: None, reading: None, revision: None }
+}
+
+/// The case file of a study, with its finished readings.
+#[utoipa::path(get, path = "/api/studies/{study}/case",
+    responses((status = 200, content_type = "application/json"), (status = 404, body = Problem),
+        (status = 422, body = Problem)))]
+async fn case_file(
+    State(state): State<AppState>,
+    user: User,
+    Path(study): Path<String>,
+) -> Answer<Response> {
+    let study = study_name(&study)?;
+    // A study's name has no character that a file's name may not have.
+    let attachment = format!("attachment; filename=\"{study}.json\"");
+    let case = state.ask(move |store| {
+        user.on_study(store, &study)?;
+        if store.observer(&user.name).sight(&study)? != Sight::Open {
+            let text = "readings are blinded until all of the plan are finished";
+            return Err(Failure::new(StatusCode::FORBIDDEN, "blinded", text)
+                .help("wait until every observer has finished"));
+        }
+        Ok(store.export_case(&study)?)
+    });
+    let headers = [
+        (header::CONTENT_TYPE, "application/json".to_owned()),
+        (header::CONTENT_DISPOSITION, attachment),
+    ];
+    Ok((headers, case.await?.text).into_response())
+}

@@ -1,0 +1,168 @@
+//! What the list of studies shows, kept until a study changes.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::measure::ImageGeometry;
+
+use super::super::api::{FilmSummary, ReadingSummary, RoleName, StudyStatus, StudySummary};
+use super::super::{Answer, User, results, words};
+use crate::store::{
+    Corner, FilmId, FilmRecord, Name, ReadingId, ReadingRecord, ReadingState, Sight, Store,
+    StoreError, Study,
+};
+
+/// What is known of studies as they were at a number of the log.
+#[derive(Default)]
+pub struct Overviews(Mutex<HashMap<String, (i64, Arc<Overview>)>>);
+
+/// All that a list needs of a study, whoever asks.
+struct Overview {
+    films: Vec<FilmRecord>,
+    readings: Vec<ReadingRecord>,
+    /// Vertebrae of L4 to T2 with four corners.
+    complete: BTreeMap<ReadingId, u32>,
+    status: (StudyStatus, String),
+}
+
+impl Overviews {
+    fn of(&self, store: &Store, study: &Name, sequence: i64) -> Result<Arc<Overview>, StoreError> {
+        let known = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((at, overview)) = known().get(study.as_str())
+            && *at == sequence
+        {
+            return Ok(overview.clone());
+        }
+        let (films, readings) = (store.films(study)?, store.readings(study)?);
+        let mut complete = BTreeMap::new();
+        for reading in &readings {
+            complete.insert(reading.id, complete_levels(&store.reading_state(reading.id)?));
+        }
+        let status = status_of(&films, &readings, &complete);
+        let overview = Arc::new(Overview { films, readings, complete, status });
+        known().insert(study.to_string(), (sequence, overview.clone()));
+        Ok(overview)
+    }
+}
+
+fn complete_levels(state: &ReadingState) -> u32 {
+    let is_complete = |level: &Level| {
+        let marks = state.vertebrae.get(level);
+        marks.is_some_and(|marks| marks.corners.len() == Corner::ALL.len())
+    };
+    Level::MODEL.iter().filter(|level| is_complete(level)).count() as u32
+}
+
+/// How far a study has come, from its marks alone.
+fn status_of(
+    films: &[FilmRecord],
+    readings: &[ReadingRecord],
+    complete: &BTreeMap<ReadingId, u32>,
+) -> (StudyStatus, String) {
+    let all = Level::MODEL.len();
+    let erect = films.iter().filter(|film| film.posture == Posture::Erect);
+    let best = erect
+        .flat_map(|film| readings.iter().filter(|reading| reading.film == film.id))
+        .filter_map(|reading| complete.get(&reading.id).copied())
+        .max()
+        .unwrap_or(0);
+    if best as usize == all {
+        (
+            StudyStatus::Marking,
+            format!("all {all} vertebrae on the erect film; no finished reading"),
+        )
+    } else if best > 0 || complete.values().any(|&count| count > 0) {
+        (StudyStatus::Marking, format!("{best} of {all} vertebrae on the erect film"))
+    } else {
+        (StudyStatus::ToMark, "no vertebra is marked yet".to_owned())
+    }
+}
+
+/// A study in the list, as this user may see it.
+pub fn study_summary(
+    (overviews, results): (&Overviews, &results::Cache),
+    store: &Store,
+    user: &User,
+    role: RoleName,
+    study: &Study,
+) -> Answer<StudySummary> {
+    let changed = store.last_change(&study.id)?;
+    let overview = overviews.of(store, &study.id, changed.sequence)?;
+    let sight = store.observer(&user.name).sight(&study.id)?;
+    let found = results::summary(results, store, user, &study.id)?;
+    let (status, status_text) = match found.status {
+        // Marks that nobody has finished count as progress.
+        StudyStatus::ToMark | StudyStatus::Marking => overview.status.clone(),
+        status => (status, found.status_text),
+    };
+    let films = match sight {
+        // Postures would unblind.
+        Sight::Reader => Vec::new(),
+        Sight::Open | Sight::Apart => {
+            let films = overview.films.iter().map(|film| summary_of(film, &overview, user, sight));
+            films.collect::<Answer<_>>()?
+        }
+    };
+    Ok(StudySummary {
+        id: study.id.to_string(),
+        label: study.label.clone(),
+        synthetic: study.synthetic,
+        role,
+        status,
+        status_text,
+        films,
+        curve: found.curve,
+        warnings: found.warnings,
+        contradictions: found.contradictions,
+        changed_ms: changed.at.unix_ms(),
+    })
+}
+
+/// One film of a study in which readings are not hidden from this user, or are left out.
+pub fn film_summary(
+    overviews: &Overviews,
+    store: &Store,
+    user: &User,
+    film: FilmId,
+) -> Answer<FilmSummary> {
+    let film = store.film(film)?;
+    let changed = store.last_change(&film.study)?;
+    let overview = overviews.of(store, &film.study, changed.sequence)?;
+    summary_of(&film, &overview, user, store.observer(&user.name).sight(&film.study)?)
+}
+
+const UNREADABLE: ImageGeometry =
+    ImageGeometry { columns: 0, rows: 0, spacing: None, patient_left: ImageSide::Left };
+
+fn summary_of(
+    film: &FilmRecord,
+    overview: &Overview,
+    user: &User,
+    sight: Sight,
+) -> Answer<FilmSummary> {
+    // One film that another program described must not hide all studies.
+    let image = spineline_io::parse_image(&film.image, film.posture).unwrap_or(UNREADABLE);
+    let readings = overview.readings.iter().filter(|reading| reading.film == film.id);
+    let readings = readings.filter(|_| sight == Sight::Open).map(|reading| ReadingSummary {
+        reading: reading.id.0,
+        observer: reading.observer.to_string(),
+        repeat: reading.repeat,
+        mine: reading.observer == user.name,
+        finished: reading.finished_at.is_some(),
+        complete_levels: overview.complete.get(&reading.id).copied().unwrap_or(0),
+    });
+    Ok(FilmSummary {
+        film: film.id.0,
+        posture: words::posture_name(film.posture),
+        columns: image.columns,
+        rows: image.rows,
+        pixel_aspect: words::pixel_aspect(image.spacing),
+        plane: words::plane_of(&image),
+        spacing_text: words::spacing_text(image.spacing),
+        patient_left: words::image_side_name(image.patient_left),
+        inverted: film.inverted,
+        revision: film.revision,
+        readings: readings.collect(),
+    })
+}

@@ -1,0 +1,387 @@
+//! What a reading says while it is being marked: midpoints and axes of single vertebrae, and faults as they happen.
+//!
+//! Places are pixels with the centre of the first one at zero. Directions are taken in the film's frontal frame
+//! ([`ImageGeometry::frontal`]: millimetres, or pixels where no spacing is known), so that pixels need not be square.
+//! An axis is written as [`Mark`](super::Mark) has it: against the image's vertical, positive clockwise as seen.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use super::order::{LEAST_SHARE, steps};
+use super::{CornerFault, Corners, ImageGeometry, Placement};
+use crate::anatomy::{Level, Side};
+use crate::spatial::{Angle, Frontal, Pixel};
+
+/// A vertebra of which some corners are placed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PartialMark {
+    /// The corners placed so far.
+    pub corners: Corners<Option<Pixel>>,
+    /// Its axis where it was turned by hand.
+    pub axis_clockwise: Option<Angle>,
+}
+
+/// All that is marked on a film so far.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PartialReading {
+    /// Vertebrae with at least a corner or an axis.
+    pub vertebrae: BTreeMap<Level, PartialMark>,
+    /// The left and the right iliac crest.
+    pub crests: [Option<Pixel>; 2],
+}
+
+/// A vertebra with four corners as it is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MarkedBody {
+    /// Where the diagonals cross.
+    pub midpoint: Pixel,
+    /// Its axis through the midpoint: caudal and cranial end of the line to draw, nine tenths of the distance between the
+    /// endplates' centres to each side.
+    pub axis: [Pixel; 2],
+    /// The axis against the image's vertical, positive clockwise as seen.
+    pub axis_clockwise: Angle,
+    /// The axis as a tilt of the patient, positive to the right.
+    pub tilt: Angle,
+}
+
+/// Half the drawn axis over the distance between the endplates' centres.
+const AXIS_REACH: f64 = 0.9;
+/// A crossing of three corners flatter than this is one line.
+const LEAST_CROSSING: Angle = Angle::from_deg(3.0);
+
+impl PartialMark {
+    /// All four corners, once they are placed.
+    #[must_use]
+    pub fn complete(&self) -> Option<Corners<Pixel>> {
+        let Corners { superior_left, superior_right, inferior_left, inferior_right } = self.corners;
+        Some(Corners {
+            superior_left: superior_left?,
+            superior_right: superior_right?,
+            inferior_left: inferior_left?,
+            inferior_right: inferior_right?,
+        })
+    }
+
+    /// Midpoint and axis, once four corners make a body.
+    #[must_use]
+    pub fn body(&self, image: &ImageGeometry) -> Option<MarkedBody> {
+        let corners = self.complete()?.map(|corner| image.frontal(corner));
+        let midpoint = corners.measure_location().ok()?;
+        let tilt = match self.axis_clockwise {
+            Some(axis) => image.tilt_from_clockwise(axis),
+            None => corners.measure_tilt(),
+        };
+        let reach = Frontal::leaning(tilt) * (AXIS_REACH * corners.height_mm());
+        Some(MarkedBody {
+            midpoint: image.pixel(midpoint),
+            axis: [midpoint - reach, midpoint + reach].map(|end| image.pixel(end)),
+            axis_clockwise: image.tilt_from_clockwise(tilt),
+            tilt,
+        })
+    }
+}
+
+/// The axis of a vertebra turned so that its cranial end points at a place, to 0.1° and within 90° of the vertical, against
+/// the image's vertical and positive clockwise as seen; `None` where the place is the midpoint.
+///
+/// ```
+/// use spineline::anatomy::ImageSide;
+/// use spineline::measure::{ImageGeometry, turn_axis_towards};
+/// use spineline::spatial::Pixel;
+/// let image = ImageGeometry { columns: 400, rows: 500, patient_left: ImageSide::Left, spacing: None };
+/// let axis = turn_axis_towards(&image, Pixel::new(100.0, 100.0), Pixel::new(110.0, 90.0)).unwrap();
+/// assert!((axis.deg() - 45.0).abs() < 1e-12, "up and to the right of the picture");
+/// ```
+#[must_use]
+pub fn turn_axis_towards(image: &ImageGeometry, midpoint: Pixel, place: Pixel) -> Option<Angle> {
+    let way = image.frontal(place) - image.frontal(midpoint);
+    if !way.is_finite() || way.norm_mm() == 0.0 {
+        return None;
+    }
+    let clockwise = image.tilt_from_clockwise(way.lean()).deg();
+    Some(Angle::from_deg(((clockwise * 10.0).round() / 10.0).clamp(-90.0, 90.0)))
+}
+
+/// Something wrong with the marks of a film.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MarkingFault {
+    /// A corner lies outside of the picture.
+    OffPicture {
+        /// Vertebra.
+        level: Level,
+        /// The corner.
+        place: Pixel,
+    },
+    /// The corners make no body; with three of them, as far as they tell.
+    Corners {
+        /// Vertebra.
+        level: Level,
+        /// What is wrong with them.
+        fault: CornerFault,
+    },
+    /// One corner lies within the triangle of the others.
+    NotConvex {
+        /// Vertebra.
+        level: Level,
+    },
+    /// Left and right corners are exchanged in every vertebra.
+    Mirrored {
+        /// Vertebrae marked.
+        count: usize,
+    },
+    /// A vertebra lies at or below the one that it should stand on.
+    OutOfOrder {
+        /// Lower vertebra.
+        inferior: Level,
+        /// Upper vertebra.
+        superior: Level,
+        /// How far above along the axes of both, as a part of the usual distance in this spine.
+        share: f64,
+    },
+    /// Two vertebrae are as far apart as where one was skipped or doubled.
+    Distance {
+        /// Lower vertebra.
+        inferior: Level,
+        /// Upper vertebra.
+        superior: Level,
+        /// Their distance as a part of the usual one in this spine.
+        ratio: f64,
+    },
+    /// An iliac crest lies outside of the picture.
+    CrestOffPicture {
+        /// The patient's side.
+        side: Side,
+    },
+    /// The left crest lies on the right.
+    CrestsExchanged,
+}
+
+impl MarkingFault {
+    /// A key for programs.
+    #[must_use]
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Self::OffPicture { .. } => "corner_off_picture",
+            Self::Corners { fault: CornerFault::Crossed, .. } => "corners_crossed",
+            Self::Corners { fault: CornerFault::SidesExchanged, .. } => "sides_exchanged",
+            Self::Corners { fault: CornerFault::UpsideDown, .. } => "upside_down",
+            Self::Corners { fault: CornerFault::Flat, .. } => "corners_flat",
+            Self::NotConvex { .. } => "corners_not_convex",
+            Self::Mirrored { .. } => "film_mirrored",
+            Self::OutOfOrder { .. } => "out_of_order",
+            Self::Distance { .. } => "spacing_unusual",
+            Self::CrestOffPicture { .. } => "crest_off_picture",
+            Self::CrestsExchanged => "crests_exchanged",
+        }
+    }
+
+    /// The vertebra to look at, if it is one.
+    #[must_use]
+    pub const fn level(&self) -> Option<Level> {
+        match *self {
+            Self::OffPicture { level, .. }
+            | Self::Corners { level, .. }
+            | Self::NotConvex { level }
+            | Self::OutOfOrder { superior: level, .. }
+            | Self::Distance { superior: level, .. } => Some(level),
+            Self::Mirrored { .. } | Self::CrestOffPicture { .. } | Self::CrestsExchanged => None,
+        }
+    }
+
+    /// Whether nothing can be measured with it; else it is worth a look.
+    #[must_use]
+    pub const fn is_error(&self) -> bool {
+        !matches!(self, Self::Distance { .. } | Self::CrestsExchanged)
+    }
+}
+
+impl fmt::Display for MarkingFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OffPicture { level, place: Pixel { column_px, row_px } } => write!(
+                f,
+                "{level}: a corner at column {column_px:.1}, row {row_px:.1} lies outside of the picture"
+            ),
+            Self::Corners { level, fault } => write!(f, "{level}: {fault}; {}", fault.help()),
+            Self::NotConvex { level } => write!(
+                f,
+                "{level}: one corner lies between the others: move it out to the edge of the body"
+            ),
+            Self::Mirrored { count } => write!(
+                f,
+                "left and right corners are exchanged in all {count} vertebrae: look for the lead marker; left is the patient's"
+            ),
+            Self::OutOfOrder { inferior, superior, share } => write!(
+                f,
+                "{superior} lies {:.0} % of the usual distance above {inferior}, and the least is {:.0} %: one is doubled, skipped or exchanged",
+                100.0 * share,
+                100.0 * LEAST_SHARE
+            ),
+            Self::Distance { inferior, superior, ratio } => write!(
+                f,
+                "{inferior} and {superior} are {ratio:.1} times the usual share of this spine apart: check that no vertebra was skipped or doubled"
+            ),
+            Self::CrestOffPicture { side } => {
+                write!(f, "the {side} iliac crest lies outside of the picture")
+            }
+            Self::CrestsExchanged => f.write_str(
+                "the left iliac crest lies to the right of the right one: left is the patient's",
+            ),
+        }
+    }
+}
+
+impl PartialReading {
+    /// Everything wrong with the marks so far: vertebrae caudal first, then the crests.
+    ///
+    /// Three corners tell already whether sides or endplates are exchanged. Where cranial is, the steps between the
+    /// bodies say; for a single one, up the picture.
+    #[must_use]
+    pub fn faults(&self, image: &ImageGeometry) -> Vec<MarkingFault> {
+        let mut faults = Vec::new();
+        let cranial = self.cranial(image);
+        let mut bodies = BTreeMap::new();
+        for (&level, mark) in &self.vertebrae {
+            match fault_of(image, level, mark, cranial) {
+                Some(fault) => faults.push(fault),
+                None => bodies.extend(mark.body(image).map(|body| (level, body))),
+            }
+        }
+        let exchanged = |fault: &MarkingFault| {
+            matches!(fault, MarkingFault::Corners { fault: CornerFault::SidesExchanged, .. })
+        };
+        let count = faults.iter().filter(|fault| exchanged(fault)).count();
+        if count > 1 && bodies.is_empty() && count == self.vertebrae.len() {
+            faults = vec![MarkingFault::Mirrored { count }];
+        }
+        faults.extend(order_faults(image, &bodies));
+        faults.extend(self.crest_faults(image));
+        faults
+    }
+
+    /// Midpoints and axes of all bodies without a fault of their own.
+    pub(super) fn sound(&self, image: &ImageGeometry) -> BTreeMap<Level, Corners<Frontal>> {
+        let cranial = self.cranial(image);
+        let sound = self.vertebrae.iter().filter_map(|(&level, mark)| {
+            let corners = mark.complete()?.map(|corner| image.frontal(corner));
+            fault_of(image, level, mark, cranial).is_none().then_some((level, corners))
+        });
+        sound.collect()
+    }
+
+    /// A direction towards the head: the sum of the steps between the centres of the bodies.
+    fn cranial(&self, image: &ImageGeometry) -> Frontal {
+        let centres: Vec<Frontal> = self
+            .vertebrae
+            .values()
+            .filter_map(|mark| {
+                let [a, b, c, d] = mark.complete()?.map(|p| image.frontal(p)).points();
+                Some((a + b + c + d) * 0.25)
+            })
+            .collect();
+        let sum = centres.windows(2).fold(Frontal::default(), |sum, pair| {
+            let step = pair[1] - pair[0];
+            sum + step * (1.0 / step.norm_mm().max(f64::MIN_POSITIVE))
+        });
+        if sum.norm_mm() > 0.5 { sum } else { Frontal::new(0.0, 1.0) }
+    }
+
+    fn crest_faults(&self, image: &ImageGeometry) -> Vec<MarkingFault> {
+        let [left, right] = self.crests;
+        let off = |crest: Option<Pixel>, side| {
+            crest
+                .filter(|&place| !image.contains(place))
+                .map(|_| MarkingFault::CrestOffPicture { side })
+        };
+        let exchanged = left.zip(right).filter(|&(left, right)| {
+            let to_left = image.frontal(left) - image.frontal(right);
+            to_left.cross(self.cranial(image)) < 0.0
+        });
+        let exchanged = exchanged.map(|_| MarkingFault::CrestsExchanged);
+        [off(left, Side::Left), off(right, Side::Right), exchanged].into_iter().flatten().collect()
+    }
+}
+
+/// What is wrong with one vertebra by itself.
+fn fault_of(
+    image: &ImageGeometry,
+    level: Level,
+    mark: &PartialMark,
+    cranial: Frontal,
+) -> Option<MarkingFault> {
+    let outside = |place: &Pixel| !image.contains(*place);
+    if let Some(place) = mark.corners.points().into_iter().flatten().find(outside) {
+        return Some(MarkingFault::OffPicture { level, place });
+    }
+    let corners = mark.corners.map(|corner| corner.map(|place| image.frontal(place)));
+    let fault = match mark.complete() {
+        Some(_) => four_corners(corners.map(|corner| corner.unwrap_or_default()), cranial)?,
+        None => Fault::Corners(three_corners(&corners, cranial)?),
+    };
+    Some(match fault {
+        Fault::Corners(fault) => MarkingFault::Corners { level, fault },
+        Fault::NotConvex => MarkingFault::NotConvex { level },
+    })
+}
+
+enum Fault {
+    Corners(CornerFault),
+    NotConvex,
+}
+
+fn four_corners(corners: Corners<Frontal>, cranial: Frontal) -> Option<Fault> {
+    match corners.measure_location() {
+        Err(CornerFault::Crossed) if is_concave(&corners) => Some(Fault::NotConvex),
+        Err(fault) => Some(Fault::Corners(fault)),
+        Ok(_) if !corners.points_along(cranial) => Some(Fault::Corners(CornerFault::UpsideDown)),
+        Ok(_) if !corners.sides_agree() => Some(Fault::Corners(CornerFault::SidesExchanged)),
+        Ok(_) => None,
+    }
+}
+
+/// Around a body one goes in one sense; where one corner lies within the others, in the other sense there alone.
+fn is_concave(corners: &Corners<Frontal>) -> bool {
+    let [a, b, d, c] = corners.points();
+    let around = [a, b, c, d];
+    let turns = (0..4).map(|i| {
+        let (before, at, after) = (around[i], around[(i + 1) % 4], around[(i + 2) % 4]);
+        (at - before).cross(after - at) > 0.0
+    });
+    matches!(turns.filter(|&turn| turn).count(), 1 | 3)
+}
+
+/// As far as three corners tell: they always hold one endplate and one wall.
+fn three_corners(corners: &Corners<Option<Frontal>>, cranial: Frontal) -> Option<CornerFault> {
+    let &Corners { superior_left, superior_right, inferior_left, inferior_right } = corners;
+    let way = |from: Option<Frontal>, to: Option<Frontal>| Some(to? - from?);
+    let to_left =
+        way(superior_right, superior_left).or_else(|| way(inferior_right, inferior_left))?;
+    let up = way(inferior_left, superior_left).or_else(|| way(inferior_right, superior_right))?;
+    let crossing = to_left.cross(up);
+    if crossing.abs() <= LEAST_CROSSING.rad().sin() * to_left.norm_mm() * up.norm_mm() {
+        return Some(CornerFault::Flat);
+    }
+    if up.dot(cranial) < 0.0 {
+        return Some(CornerFault::UpsideDown);
+    }
+    (crossing < 0.0).then_some(CornerFault::SidesExchanged)
+}
+
+fn order_faults(image: &ImageGeometry, bodies: &BTreeMap<Level, MarkedBody>) -> Vec<MarkingFault> {
+    let placed: Vec<(Level, Placement)> = bodies
+        .iter()
+        .map(|(&level, body)| {
+            let location = image.frontal(body.midpoint);
+            (level, Placement { location, tilt: body.tilt })
+        })
+        .collect();
+    let faults = steps(&placed).into_iter().filter_map(|step| {
+        let (inferior, superior) = (step.inferior, step.superior);
+        if step.is_out_of_order() {
+            return Some(MarkingFault::OutOfOrder { inferior, superior, share: step.share });
+        }
+        let ratio = step.ratio;
+        step.is_unusual().then_some(MarkingFault::Distance { inferior, superior, ratio })
+    });
+    faults.collect()
+}

@@ -1,0 +1,56 @@
+//! Whether vertebrae follow one another as a spine does.
+
+use super::Placement;
+use crate::anatomy::{Level, Morphometry};
+use crate::spatial::Frontal;
+
+/// A fifth of the usual distance is what an exchanged or doubled vertebra shows at most.
+pub(super) const LEAST_SHARE: f64 = 0.2;
+
+/// From one marked vertebra to the next one marked above it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LevelStep {
+    pub inferior: Level,
+    pub superior: Level,
+    pub distance_mm: f64,
+    /// How far above along the axes of both, as a part of the usual distance in this spine.
+    pub share: f64,
+    /// The distance as a part of the usual one in this spine.
+    pub ratio: f64,
+}
+
+impl LevelStep {
+    pub fn is_out_of_order(&self) -> bool {
+        self.share <= LEAST_SHARE
+    }
+
+    /// Twice or half the usual distance is what a skipped or doubled vertebra looks like.
+    pub fn is_unusual(&self) -> bool {
+        !(0.6..1.6).contains(&self.ratio)
+    }
+}
+
+/// The steps between vertebrae, caudal first, that need not be neighbours.
+pub(super) fn steps(vertebrae: &[(Level, Placement)]) -> Vec<LevelStep> {
+    let distance = |pair: &[(Level, Placement)]| pair[0].1.location.distance_mm(pair[1].1.location);
+    let typical: f64 = vertebrae.windows(2).map(|p| typical_distance_mm(p[0].0, p[1].0)).sum();
+    let longer = vertebrae.windows(2).map(distance).sum::<f64>() / typical;
+    vertebrae
+        .windows(2)
+        .map(|pair| {
+            let [(inferior, low), (superior, high)] = [pair[0], pair[1]];
+            let axis = Frontal::leaning((low.tilt + high.tilt) * 0.5);
+            let usual_mm = longer * typical_distance_mm(inferior, superior);
+            let distance_mm = distance(pair);
+            let share = (high.location - low.location).dot(axis) / usual_mm;
+            LevelStep { inferior, superior, distance_mm, share, ratio: distance_mm / usual_mm }
+        })
+        .collect()
+}
+
+/// Typical distance between two vertebrae that need not be neighbours.
+pub(super) fn typical_distance_mm(inferior: Level, superior: Level) -> f64 {
+    let between: Vec<Level> =
+        Level::ALL.into_iter().filter(|level| (inferior..=superior).contains(level)).collect();
+    between.windows(2).map(|pair| Morphometry::spacing_mm(pair[0], pair[1])).sum()
+}

@@ -1,0 +1,158 @@
+import type { Page } from "@playwright/test";
+
+import type { Api } from "../src/api/types";
+import { cssOf, filmOf, type FilmPoint, type Viewport } from "../src/measure/viewport";
+import { expect } from "./app";
+
+type ReadingView = Api<"ReadingView">;
+type Corner = Api<"Corner">;
+
+export const LEVELS = [..."L4 L3 L2 L1 T12 T11 T10 T9 T8 T7 T6 T5 T4 T3 T2".split(" ")] as const;
+export const CORNERS: readonly Corner[] = [
+  "superior_left",
+  "superior_right",
+  "inferior_right",
+  "inferior_left",
+];
+
+/** The page on which a film is marked, as a person uses it. */
+export class FilmPage {
+  constructor(readonly page: Page) {}
+
+  /** Makes the demo study, and begins a reading of its erect film. */
+  static async ofDemo(page: Page): Promise<FilmPage> {
+    await page.getByRole("button", { name: /demo/i }).first().click();
+    const film = new FilmPage(page);
+    await film.begin();
+    return film;
+  }
+
+  async begin(): Promise<void> {
+    await this.page.getByRole("button", { name: /^begin reading/i }).click({ timeout: 90_000 });
+    await expect(this.target).toContainText("L4");
+    await this.painted();
+  }
+
+  get viewer() {
+    return this.page.getByTestId("viewer");
+  }
+
+  get target() {
+    return this.page.getByTestId("target");
+  }
+
+  async saved(): Promise<void> {
+    await expect(this.page.getByTestId("saving")).toHaveAttribute("data-state", "saved");
+  }
+
+  /** Waits until the film is on the canvas: black alone would be no film. */
+  async painted(): Promise<void> {
+    const isDrawn = (): Promise<boolean> =>
+      this.page.getByTestId("film").evaluate((element) => {
+        const canvas = element as HTMLCanvasElement;
+        const context = canvas.getContext("2d");
+        const { data } = context!.getImageData(0, 0, canvas.width, canvas.height);
+        const greys = new Set<number>();
+        for (let i = 0; i < data.length; i += 4) greys.add(data[i]!);
+        return greys.size > 32;
+      });
+    await expect.poll(isDrawn, { timeout: 60_000 }).toBe(true);
+  }
+
+  async view(): Promise<Viewport> {
+    return JSON.parse((await this.viewer.getAttribute("data-view"))!) as Viewport;
+  }
+
+  /** Where a place of the film is on the page. */
+  async where(place: FilmPoint): Promise<[number, number]> {
+    const [view, box] = [await this.view(), (await this.viewer.boundingBox())!];
+    const [x, y] = cssOf(view, place);
+    return [box.x + x, box.y + y];
+  }
+
+  /** Enlarges with the wheel until a film pixel is as wide as asked, with a place in the middle. */
+  async lookAt(place: FilmPoint, scale: number): Promise<void> {
+    await this.page.getByRole("button", { name: "Fit" }).click();
+    await this.page.mouse.move(...(await this.where(place)));
+    while ((await this.view()).scale < scale) {
+      const before = (await this.view()).scale;
+      await this.page.mouse.wheel(0, -200);
+      await expect.poll(async () => (await this.view()).scale).toBeGreaterThan(before);
+    }
+  }
+
+  async click(place: FilmPoint): Promise<FilmPoint> {
+    const [x, y] = await this.where(place);
+    await this.page.mouse.click(x, y);
+    const box = (await this.viewer.boundingBox())!;
+    return filmOf(await this.view(), [x - box.x, y - box.y]);
+  }
+
+  /** Marks a vertebra with the corners of another reading, corner by corner as asked for. */
+  async mark(truth: ReadingView, level: string): Promise<void> {
+    for (const corner of CORNERS) {
+      await expect(this.target).toContainText(level);
+      await expect(this.target).toContainText(wordsOf(corner));
+      await this.click(cornerOf(truth, level, corner));
+    }
+  }
+
+  /** Takes hold of a place, and lets go of it at another one. */
+  async drag(from: FilmPoint, to: FilmPoint): Promise<void> {
+    await this.page.mouse.move(...(await this.where(from)));
+    await this.page.mouse.down();
+    await this.page.mouse.move(...(await this.where(to)), { steps: 8 });
+    await this.page.mouse.up();
+  }
+
+  /** The reading on the screen, as the program has it. */
+  async reading(): Promise<ReadingView> {
+    const detail = await this.detail();
+    const number = Number(/measure\/(\d+)/.exec(this.page.url())?.[1] ?? Number.NaN);
+    const film =
+      detail.summary.films.find((one) => one.film === number) ??
+      detail.summary.films.find(({ posture }) => posture === "erect")!;
+    const mine = film.readings.filter((one) => one.mine).toSorted((a, b) => b.repeat - a.repeat);
+    return this.get(`/api/readings/${mine[0]!.reading}`);
+  }
+
+  /** What one of the demo's made-up readers has marked on the erect film. */
+  async truth(): Promise<ReadingView> {
+    const detail = await this.detail();
+    const erect = detail.summary.films.find(({ posture }) => posture === "erect")!;
+    const other = erect.readings.find((one) => !one.mine && one.complete_levels === 15)!;
+    return this.get(`/api/readings/${other.reading}`);
+  }
+
+  detail(): Promise<Api<"StudyDetail">> {
+    const study = /studies\/([^/]+)/.exec(this.page.url())![1]!;
+    return this.get(`/api/studies/${study}`);
+  }
+
+  get<T>(path: string): Promise<T> {
+    return this.page.evaluate(async (address) => (await fetch(address)).json(), path);
+  }
+}
+
+export function cornerOf(reading: ReadingView, level: string, corner: Corner): FilmPoint {
+  const vertebra = reading.vertebrae.find((one) => one.level === level);
+  const px = vertebra?.corners.find((one) => one.corner === corner)?.px;
+  if (!px) throw new Error(`${level} has no ${corner}`);
+  return [px[0]!, px[1]!];
+}
+
+function wordsOf(corner: Corner): RegExp {
+  const [endplate, side] = corner.split("_");
+  return new RegExp(`${endplate} endplate, patient.s ${side}`);
+}
+
+/** The greatest distance between corners of two readings, over the levels of the first. */
+export function farthest(a: ReadingView, b: ReadingView): number {
+  const distances = a.vertebrae.flatMap(({ level, corners }) =>
+    corners.map(({ corner, px }) => {
+      const [column, row] = cornerOf(b, level, corner);
+      return Math.hypot(px[0]! - column, px[1]! - row);
+    }),
+  );
+  return Math.max(...distances);
+}

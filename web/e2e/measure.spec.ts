@@ -1,0 +1,322 @@
+import { expect, expectAccessible, shot, test } from "./app";
+import { CORNERS, FilmPage, LEVELS, cornerOf, farthest } from "./marking";
+
+/** What a mark may be beside the click that made it: places are kept to a thousandth of a pixel. */
+const CLOSE_PX = 0.01;
+
+test("a film is marked from nothing, and what follows from it appears", async ({ app, page }) => {
+  test.slow();
+  await app.open(page);
+  const film = await FilmPage.ofDemo(page);
+  await shot(page, "measure-begun");
+  await expect(page.locator("[data-side='image-left']")).toBeVisible();
+  const truth = await film.truth();
+  for (const level of LEVELS) {
+    await film.lookAt(cornerOf(truth, level, "superior_left"), 1.2);
+    await film.mark(truth, level);
+    if (level === "L2") await shot(page, "measure-enlarged");
+  }
+  await film.saved();
+  expect(farthest(await film.reading(), truth)).toBeLessThan(CLOSE_PX);
+  await expect(page.getByRole("link", { name: /erect/i })).toContainText("15 of 15");
+  // The optional levels are passed over, and the crests are marked.
+  await page.keyboard.press("f");
+  await page.keyboard.press("n");
+  const { left_px, right_px } = truth.crests;
+  for (const px of [left_px!, right_px!]) {
+    await expect(film.target).toContainText(/iliac crest/i);
+    await film.click([px[0]!, px[1]!]);
+  }
+  await expect(film.target).toContainText("All marked");
+  await expect(page.getByTestId("curve")).toBeVisible();
+  await expect(page.getByTestId("live-status")).not.toContainText("missing");
+  await expect(page.getByRole("table").first()).toContainText("°");
+  await expectAccessible(page);
+  await shot(page, "measure-all-marked");
+});
+
+for (const deviceScaleFactor of [1, 1.25, 2]) {
+  test.describe(`at ${deviceScaleFactor} device pixels per CSS pixel`, () => {
+    test.use({ deviceScaleFactor });
+
+    test("what is painted and what is clicked is where the film has it", async ({ app, page }) => {
+      await app.open(page);
+      const film = await FilmPage.ofDemo(page);
+      const truth = await film.truth();
+      await film.lookAt(cornerOf(truth, "L4", "superior_left"), 1.2);
+      await film.mark(truth, "L4");
+      await film.saved();
+      expect(farthest(await film.reading(), truth)).toBeLessThan(CLOSE_PX);
+
+      // Enlarged, the middle of a film pixel has the grey of its brightness.
+      await film.lookAt(cornerOf(truth, "L4", "superior_left"), 9);
+      const view = await film.view();
+      const number = (await film.reading()).film!;
+      const worst = await page.getByTestId("film").evaluate(
+        async (element, { view, number }) => {
+          const response = await fetch(`/api/films/${number}/pixels`);
+          const header = (name: string) => Number(response.headers.get(`x-spineline-${name}`));
+          const values = new Uint16Array(await response.arrayBuffer());
+          const canvas = element as HTMLCanvasElement;
+          const ratio = window.devicePixelRatio;
+          const context = canvas.getContext("2d")!;
+          const first = Math.ceil(-view.left / view.scale);
+          const top = Math.ceil(-view.top / (view.scale * view.aspect));
+          let worst = 0;
+          let seen = 0;
+          for (let i = 1; i < 40; i += 1) {
+            for (let j = 1; j < 40; j += 1) {
+              const x = ((first + i + 0.5) * view.scale + view.left) * ratio;
+              const y = ((top + j + 0.5) * view.scale * view.aspect + view.top) * ratio;
+              if (x >= canvas.width || y >= canvas.height) continue;
+              const value = values[(top + j) * header("columns") + first + i]!;
+              const lowest = header("window-center") - header("window-width") / 2;
+              const share = Math.min(1, Math.max(0, (value - lowest) / header("window-width")));
+              const grey = context.getImageData(Math.floor(x), Math.floor(y), 1, 1).data[0]!;
+              worst = Math.max(worst, Math.abs(grey - 255 * share));
+              seen += 1;
+            }
+          }
+          return seen > 500 ? worst : Number.POSITIVE_INFINITY;
+        },
+        { view, number },
+      );
+      // A device pixel may lie half a one beside the middle, where a neighbour has its share.
+      expect(worst).toBeLessThan(12);
+      await shot(page, `measure-pixels-${deviceScaleFactor}`);
+    });
+  });
+}
+
+test("a reload in the middle keeps everything, and undo goes on behind it", async ({
+  app,
+  page,
+}) => {
+  await app.open(page);
+  const film = await FilmPage.ofDemo(page);
+  const truth = await film.truth();
+  await film.lookAt(cornerOf(truth, "L4", "superior_left"), 1.2);
+  await film.mark(truth, "L4");
+  await film.click(cornerOf(truth, "L3", "superior_left"));
+  // At once, while the last clicks may still be on their way.
+  await page.reload();
+  await expect(film.target).toContainText(/superior endplate, patient.s right/);
+  await film.saved();
+  const kept = await film.reading();
+  expect(kept.revision).toBe(5);
+  expect(farthest(kept, truth)).toBeLessThan(CLOSE_PX);
+
+  await page.getByRole("button", { name: "Undo" }).click();
+  await expect(film.target).toContainText(/superior endplate, patient.s left/);
+  await film.viewer.focus();
+  await page.keyboard.press("Control+z");
+  await expect(film.target).toContainText(/L4\s*inferior endplate, patient.s left/);
+  await page.reload();
+  await film.painted();
+  await film.viewer.focus();
+  await page.keyboard.press("Control+y");
+  await page.keyboard.press("Control+y");
+  await expect(film.target).toContainText(/L3\s*superior endplate, patient.s right/);
+  await film.saved();
+  expect(farthest(await film.reading(), truth)).toBeLessThan(CLOSE_PX);
+});
+
+test("a swapped corner is flagged as it happens, and undone", async ({ app, page }) => {
+  await app.open(page);
+  const film = await FilmPage.ofDemo(page);
+  const truth = await film.truth();
+  const left = cornerOf(truth, "L4", "superior_left");
+  const right = cornerOf(truth, "L4", "superior_right");
+  await film.lookAt(left, 0.6);
+  await film.mark(truth, "L4");
+  await film.saved();
+  await expect(page.getByTestId("faults")).toBeEmpty();
+
+  const beyond: [number, number] = [right[0] + (right[0] - left[0]) / 4, right[1]];
+  await page.mouse.move(...(await film.where(left)));
+  await page.mouse.down();
+  await page.mouse.move(...(await film.where(beyond)), { steps: 12 });
+  await expect(page.getByTestId("faults")).toContainText("L4");
+  await expect(page.locator("[data-level='L4'].faulty")).toBeVisible();
+  await page.mouse.up();
+  await film.saved();
+  await expect(page.getByRole("button", { name: "L4, has a fault" })).toBeVisible();
+  await shot(page, "measure-fault");
+  await page.keyboard.press("Control+z");
+  await expect(page.getByTestId("faults")).toBeEmpty();
+  await expect(page.getByRole("button", { name: "L4, four corners" })).toBeVisible();
+});
+
+test("a vertebra is marked and corrected with keys alone", async ({ app, page }) => {
+  await app.open(page);
+  const film = await FilmPage.ofDemo(page);
+  await film.viewer.focus();
+  await page.keyboard.press("c");
+  const crosshair = page.getByTestId("crosshair");
+  await expect(crosshair).toBeVisible();
+  await expect(page.getByTestId("loupe")).toBeVisible();
+  await shot(page, "measure-keys");
+  // A square of forty steps: left, right, right, left.
+  const isLeftOnLeft = (await film.reading()).image.patient_left === "image_left";
+  const across = (to: "left" | "right") =>
+    (to === "left") === isLeftOnLeft ? "ArrowLeft" : "ArrowRight";
+  await page.keyboard.press("Enter");
+  await press(across("right"), 2, "Shift+");
+  await page.keyboard.press("Enter");
+  await press("ArrowDown", 1, "Shift+");
+  await page.keyboard.press("Enter");
+  await press(across("left"), 2, "Shift+");
+  await page.keyboard.press("Space");
+  await expect(film.target).toContainText("L3");
+  await film.saved();
+  const placed = await film.reading();
+  expect(placed.vertebrae[0]!.complete).toBe(true);
+  expect(placed.faults).toEqual([]);
+
+  await page.keyboard.press("[");
+  await page.keyboard.press("[");
+  await press("ArrowRight", 3);
+  await page.keyboard.press("Shift+ArrowDown");
+  await film.saved();
+  const before = cornerOf(placed, "L4", "inferior_left");
+  const after = cornerOf(await film.reading(), "L4", "inferior_left");
+  expect(after[0] - before[0]).toBeCloseTo(0.3, 6);
+  expect(after[1] - before[1]).toBeCloseTo(1, 6);
+  // Nudges without a rest are one event.
+  expect((await film.reading()).revision).toBe(placed.revision + 1);
+
+  await page.keyboard.press("]");
+  await press("ArrowRight", 2);
+  await film.saved();
+  const turned = (await film.reading()).vertebrae[0]!.axis!;
+  expect(turned.by_hand).toBe(true);
+  const was = Math.round(placed.vertebrae[0]!.axis!.axis_deg * 10);
+  expect(Math.abs(Math.round(turned.axis_deg * 10) - was)).toBeLessThanOrEqual(8);
+  await page.keyboard.press("r");
+  await film.saved();
+  expect((await film.reading()).vertebrae[0]!.axis!.by_hand).toBe(false);
+  await page.keyboard.press("Delete");
+  await film.saved();
+  expect((await film.reading()).vertebrae).toEqual([]);
+
+  async function press(key: string, times: number, with_ = ""): Promise<void> {
+    for (let i = 0; i < times; i += 1) await page.keyboard.press(`${with_}${key}`);
+  }
+});
+
+test("a proposal counts only once somebody has touched it", async ({ app, page }) => {
+  await app.open(page);
+  const film = await FilmPage.ofDemo(page);
+  const truth = await film.truth();
+  for (const level of ["L4", "L3"]) {
+    await film.lookAt(cornerOf(truth, level, "superior_left"), 0.6);
+    await film.mark(truth, level);
+  }
+  await expect(page.locator("[data-proposal='L2']")).toBeVisible();
+  await film.saved();
+  expect((await film.reading()).vertebrae.map(({ level }) => level)).toEqual(["L4", "L3"]);
+  await shot(page, "measure-proposal");
+  await page.keyboard.press("a");
+  await expect(page.locator("[data-proposal='L1']")).toBeVisible();
+  await film.saved();
+  const accepted = await film.reading();
+  expect(accepted.vertebrae.map(({ level, complete }) => [level, complete])).toContainEqual([
+    "L2",
+    true,
+  ]);
+
+  // The next one is dragged by a corner to its place; its others come along.
+  const proposed = accepted.proposal!.corners.find(({ corner }) => corner === "superior_left")!;
+  const place = cornerOf(truth, "L1", "superior_left");
+  await page.keyboard.press("f");
+  await film.drag([proposed.px[0]!, proposed.px[1]!], place);
+  await film.saved();
+  const dragged = await film.reading();
+  const [column, row] = cornerOf(dragged, "L1", "superior_left");
+  expect(Math.hypot(column - place[0], row - place[1])).toBeLessThan(CLOSE_PX);
+  for (const corner of CORNERS.slice(1)) {
+    const px = accepted.proposal!.corners.find((one) => one.corner === corner)!.px;
+    expect(cornerOf(dragged, "L1", corner)).toEqual(px);
+  }
+});
+
+test("clicks while the program is away are saved when it is back", async ({ app, page }) => {
+  await app.open(page);
+  const film = await FilmPage.ofDemo(page);
+  const truth = await film.truth();
+  await film.lookAt(cornerOf(truth, "L4", "superior_left"), 1.2);
+  await film.click(cornerOf(truth, "L4", "superior_left"));
+  await film.saved();
+  await app.kill();
+  for (const corner of CORNERS.slice(1)) await film.click(cornerOf(truth, "L4", corner));
+  await expect(page.getByTestId("saving")).toContainText("3 not saved");
+  await expect(film.target).toContainText("L3");
+  await shot(page, "measure-program-away");
+  await app.start();
+  await expect(page.getByTestId("saving")).toHaveAttribute("data-state", /saved|signed_out/, {
+    timeout: 30_000,
+  });
+  await film.saved();
+  expect(farthest(await film.reading(), truth)).toBeLessThan(CLOSE_PX);
+  expect((await film.reading()).revision).toBe(4);
+});
+
+test("a window that died with unsaved clicks does not lose them", async ({
+  app,
+  page,
+  context,
+}) => {
+  await app.open(page);
+  const film = await FilmPage.ofDemo(page);
+  const truth = await film.truth();
+  await film.lookAt(cornerOf(truth, "L4", "superior_left"), 1.2);
+  await page.route("**/events", (route) => route.abort());
+  await film.click(cornerOf(truth, "L4", "superior_left"));
+  await expect(page.getByTestId("saving")).toContainText("1 not saved");
+  const address = page.url();
+  await page.close();
+  const again = await context.newPage();
+  await again.goto(address);
+  const dialog = again.getByRole("dialog", { name: /earlier window/i });
+  await expect(dialog).toContainText("L4 – superior endplate");
+  await dialog.getByRole("button", { name: /apply mine again/i }).click();
+  const back = new FilmPage(again);
+  await back.saved();
+  expect(farthest(await back.reading(), truth)).toBeLessThan(CLOSE_PX);
+});
+
+test("the scale is read off two clicks and belongs to the film", async ({ app, page }) => {
+  await app.open(page);
+  await FilmPage.ofDemo(page);
+  await page.getByRole("button", { name: "Scale" }).click();
+  const box = (await page.getByTestId("viewer").boundingBox())!;
+  await page.mouse.click(box.x + box.width / 2, box.y + 200);
+  await page.mouse.click(box.x + box.width / 2, box.y + 300);
+  const dialog = page.getByRole("dialog", { name: /scale of this film/i });
+  await dialog.getByLabel(/true diameter/i).fill("25");
+  await dialog.getByLabel(/standard deviation/i).fill("0.1");
+  await shot(page, "measure-scale");
+  await dialog.getByRole("button", { name: /set the scale/i }).click();
+  await expect(dialog).toBeHidden();
+  await expect(page.getByTestId("spacing")).toContainText("ball");
+});
+
+test("a finished reading never changes again", async ({ app, page }) => {
+  await app.open(page);
+  const film = await FilmPage.ofDemo(page);
+  const truth = await film.truth();
+  await film.lookAt(cornerOf(truth, "L4", "superior_left"), 0.6);
+  await film.mark(truth, "L4");
+  await film.saved();
+  await page.getByRole("button", { name: /finish reading/i }).click();
+  const dialog = page.getByRole("dialog", { name: /finish this reading/i });
+  await dialog.getByRole("button", { name: "Finish", exact: true }).click();
+  await expect(film.target).toContainText("Finished");
+  await film.click(cornerOf(truth, "L3", "superior_left"));
+  await expect(page.getByRole("button", { name: "Undo" })).toBeDisabled();
+  expect((await film.reading()).vertebrae).toHaveLength(1);
+  await page.getByRole("button", { name: "Read again" }).click();
+  await expect(film.target).toContainText("L4");
+  await shot(page, "measure-second-reading");
+  expect((await film.reading()).repeat).toBe(2);
+});

@@ -1,0 +1,37 @@
+import type { Api } from "../api/types";
+
+const AGAIN_MS = 3_000;
+
+/** Hears what others do in a study; the browser asks again by itself when the program was away. */
+export function hearChanges(
+  study: string,
+  heard: (change: Api<"Change">) => void,
+  /** The program is back: something may have been missed. */
+  back: () => void,
+): () => void {
+  const address = `/api/studies/${encodeURIComponent(study)}/changes`;
+  let source: EventSource;
+  let again: ReturnType<typeof setTimeout> | undefined;
+  let wasOpen = false;
+
+  function listen(): void {
+    source = new EventSource(address);
+    source.addEventListener("open", () => {
+      if (wasOpen) back();
+      wasOpen = true;
+    });
+    source.addEventListener("change", (event: MessageEvent<string>) => {
+      heard(JSON.parse(event.data) as Api<"Change">);
+    });
+    // After a refusal, such as of a session that ended, the browser gives up.
+    source.addEventListener("error", () => {
+      if (source.readyState === EventSource.CLOSED) again = setTimeout(listen, AGAIN_MS);
+    });
+  }
+
+  listen();
+  return () => {
+    clearTimeout(again);
+    source.close();
+  };
+}

@@ -1,0 +1,40 @@
+import { expect, it } from "vitest";
+
+import { adjusted, greyTable, limited, windowOfPicture } from "./grey";
+
+const red = (colour: number): number => colour & 0xff;
+
+it("goes from black to white over the window", () => {
+  const table = greyTable({ centre: 100, width: 100 }, false, 255);
+  expect([0, 50, 100, 150, 255].map((value) => red(table[value]!))).toEqual([0, 0, 128, 255, 255]);
+  expect(table[100]).toBe(0xff808080);
+});
+
+it("exchanges dark and bright", () => {
+  const table = greyTable({ centre: 100, width: 100 }, true, 255);
+  expect([0, 50, 150, 255].map((value) => red(table[value]!))).toEqual([255, 255, 0, 0]);
+});
+
+it("never brightens on the way to black", () => {
+  const table = greyTable({ centre: 2047.5, width: 4095 }, false, 4095);
+  for (let value = 1; value < table.length; value += 1) {
+    expect(red(table[value]!)).toBeGreaterThanOrEqual(red(table[value - 1]!));
+  }
+});
+
+it("keeps a window that shows something", () => {
+  expect(limited({ centre: -5, width: 0 }, 4095)).toEqual({ centre: 0, width: 40.95 });
+  expect(adjusted({ centre: 100, width: 100 }, { brighter: 1, wider: 9 }, 255)).toEqual({
+    centre: 0,
+    width: 510,
+  });
+});
+
+it("leaves out the darkest and the brightest hundredth", () => {
+  const values = Uint16Array.from({ length: 1000 }, (_, i) =>
+    i < 5 ? 0 : i < 995 ? 500 + i : 4095,
+  );
+  const window = windowOfPicture({ columns: 1000, rows: 1, values }, 4095);
+  expect(window.centre - window.width / 2).toBe(510);
+  expect(window.centre + window.width / 2).toBe(1490);
+});

@@ -1,0 +1,62 @@
+import type { Plane } from "./pyramid";
+
+/** Which brightnesses are told apart: from black at `centre - width / 2` to white at `centre + width / 2`. */
+export interface GreyWindow {
+  readonly centre: number;
+  readonly width: number;
+}
+
+const OPAQUE = 0xff000000;
+
+/** Colour on the screen for every brightness up to `max`, as the canvas keeps it (red in the lowest byte). */
+export function greyTable(window: GreyWindow, inverted: boolean, max: number): Uint32Array {
+  const table = new Uint32Array(max + 1);
+  const lowest = window.centre - window.width / 2;
+  for (let value = 0; value <= max; value += 1) {
+    const share = Math.min(1, Math.max(0, (value - lowest) / window.width));
+    const grey = Math.round(255 * (inverted ? 1 - share : share));
+    table[value] = (OPAQUE | (grey << 16) | (grey << 8) | grey) >>> 0;
+  }
+  return table;
+}
+
+/** Keeps a window usable: never narrower than a hundredth of the range, and never wholly beside it. */
+export function limited(window: GreyWindow, max: number): GreyWindow {
+  const width = Math.min(2 * max, Math.max(max / 100, 1, window.width));
+  return { width, centre: Math.min(max, Math.max(0, window.centre)) };
+}
+
+/** Moves and widens a window by shares of the film's range. */
+export function adjusted(
+  window: GreyWindow,
+  change: { brighter: number; wider: number },
+  max: number,
+): GreyWindow {
+  return limited(
+    {
+      centre: window.centre - change.brighter * max,
+      width: window.width + change.wider * max,
+    },
+    max,
+  );
+}
+
+/** The window that spends black and white on the darkest and brightest hundredth of the picture. */
+export function windowOfPicture(plane: Plane, max: number): GreyWindow {
+  const counts = new Uint32Array(max + 1);
+  for (const value of plane.values) counts[Math.min(max, value)]! += 1;
+  const hundredth = plane.values.length / 100;
+  const darkest = valueAt(counts, hundredth);
+  const brightest = valueAt(counts, 99 * hundredth);
+  return limited({ centre: (darkest + brightest) / 2, width: brightest - darkest }, max);
+}
+
+/** The value below which `below` pixels are. */
+function valueAt(counts: Uint32Array, below: number): number {
+  let seen = 0;
+  for (let value = 0; value < counts.length; value += 1) {
+    seen += counts[value]!;
+    if (seen > below) return value;
+  }
+  return counts.length - 1;
+}

@@ -1,0 +1,164 @@
+import type { Marking } from "./marking.svelte";
+import { placeOf, type Mark } from "./marks";
+import type { Viewer } from "./viewer.svelte";
+import { filmPoint, type CssPoint, type FilmPoint } from "./viewport";
+
+/** What keys do beyond the film. */
+export interface KeyTargets {
+  viewer: Viewer;
+  marking: Marking | null;
+  /** Puts a mark at the crosshair. */
+  placeAt(at: FilmPoint): void;
+  invert(): void;
+  toggleLayer(number: number): void;
+}
+
+const ARROWS: Record<string, CssPoint> = {
+  ArrowLeft: [-1, 0],
+  ArrowRight: [1, 0],
+  ArrowUp: [0, -1],
+  ArrowDown: [0, 1],
+};
+
+const NUDGE = 0.1;
+const LARGE_NUDGE = 1;
+const PAN_CSS = 60;
+const CROSSHAIR_CSS = 4;
+const LARGE_CROSSHAIR_CSS = 40;
+const ZOOM = 1.25;
+const GREY_CSS = 12;
+
+/** All keys of the film, for those who mark with them and for the page that lists them. */
+export const KEYS: readonly { keys: string; text: string }[] = [
+  { keys: "Click, or C then Enter", text: "place the corner that is asked for" },
+  { keys: "C", text: "crosshair for placing by keys: arrows move it, Shift in large steps" },
+  { keys: "A", text: "accept the proposed vertebra" },
+  { keys: "N", text: "on to the iliac crests, past the optional vertebrae" },
+  { keys: "[ ]  Tab", text: "choose the mark before or after" },
+  { keys: "Arrows", text: "move the chosen mark 0.1 px, its axis 0.1°; with Shift 1 px, 1°" },
+  { keys: "Delete", text: "remove the vertebra of the chosen mark" },
+  { keys: "R", text: "axis follows the corners again" },
+  { keys: "Ctrl Z  Ctrl Y", text: "undo, redo" },
+  { keys: "+  −  F", text: "enlarge, reduce, fit" },
+  { keys: "Space and drag, H", text: "move the film" },
+  { keys: "Right button, W", text: "window and level" },
+  { keys: "I", text: "dark and bright exchanged" },
+  { keys: "L", text: "loupe" },
+  { keys: "1 – 7", text: "show or hide a layer" },
+  { keys: "Esc", text: "choose nothing" },
+];
+
+/** Does what a key means; true if it meant something. */
+export function onKey(event: KeyboardEvent, targets: KeyTargets): boolean {
+  const arrow = ARROWS[event.key];
+  if (event.ctrlKey || event.metaKey) return withControl(event, targets);
+  if (event.altKey) return false;
+  if (arrow) return onArrow(arrow, event.shiftKey, targets);
+  if (event.key === "Tab") return onTab(event.shiftKey ? -1 : 1, targets);
+  if (event.repeat) return event.key === " ";
+  return onLetter(event.key.length === 1 ? event.key.toLowerCase() : event.key, targets);
+}
+
+function withControl(event: KeyboardEvent, { marking }: KeyTargets): boolean {
+  const key = event.key.toLowerCase();
+  if (!marking || (key !== "z" && key !== "y")) return false;
+  if (key === "y" || event.shiftKey) marking.redo();
+  else marking.undo();
+  return true;
+}
+
+function onArrow([x, y]: CssPoint, large: boolean, { viewer, marking }: KeyTargets): boolean {
+  const by = (step: number): CssPoint => [x * step, y * step];
+  if (viewer.tool === "window") viewer.drawGrey(by(GREY_CSS));
+  else if (marking?.selected) marking.nudge(by(large ? LARGE_NUDGE : NUDGE));
+  else if (viewer.crosshair) {
+    viewer.moveCrosshair(by(large ? LARGE_CROSSHAIR_CSS : CROSSHAIR_CSS));
+  } else viewer.panBy(by(-PAN_CSS));
+  return true;
+}
+
+/** Goes through the marks of one vertebra; at its ends the key leaves the film, as everywhere. */
+function onTab(by: 1 | -1, { viewer, marking }: KeyTargets): boolean {
+  const before = marking?.selected;
+  if (!marking || !before || before.kind === "crest") return false;
+  const moved = marking.step(by);
+  const after = marking.selected;
+  const stays = moved && after !== null && after.kind !== "crest" && after.level === before.level;
+  if (!stays) marking.select(null);
+  else show(viewer, marking);
+  return stays;
+}
+
+function onLetter(key: string, targets: KeyTargets): boolean {
+  const { viewer, marking } = targets;
+  if (/^[1-7]$/.test(key)) {
+    targets.toggleLayer(Number(key));
+    return true;
+  }
+  const action =
+    viewKeys(viewer, targets)[key] ?? (marking && markKeys(viewer, marking, targets)[key]);
+  action?.();
+  return action !== null && action !== undefined;
+}
+
+type Actions = Partial<Record<string, () => void>>;
+
+function viewKeys(viewer: Viewer, targets: KeyTargets): Actions {
+  const toggle = (tool: "pan" | "window") => () => {
+    viewer.tool = viewer.tool === tool ? "mark" : tool;
+  };
+  return {
+    "+": () => viewer.zoomBy(ZOOM),
+    "=": () => viewer.zoomBy(ZOOM),
+    "-": () => viewer.zoomBy(1 / ZOOM),
+    f: () => viewer.fit(),
+    h: toggle("pan"),
+    w: toggle("window"),
+    i: () => targets.invert(),
+    l: () => (viewer.loupe = !viewer.loupe),
+  };
+}
+
+function markKeys(viewer: Viewer, marking: Marking, targets: KeyTargets): Actions {
+  const level = marking.selected && "level" in marking.selected ? marking.selected.level : null;
+  const place = (): void => {
+    if (viewer.crosshair) targets.placeAt(viewer.crosshair);
+    else viewer.toggleCrosshair(expected(marking));
+  };
+  const step = (by: 1 | -1) => () => {
+    if (marking.step(by)) show(viewer, marking);
+  };
+  return {
+    c: () => {
+      marking.select(null);
+      viewer.toggleCrosshair(expected(marking));
+    },
+    Enter: place,
+    " ": () => viewer.crosshair && place(),
+    a: () => marking.acceptProposal(),
+    n: () => marking.jumpToCrests(),
+    "[": step(-1),
+    "]": step(1),
+    r: () => level && marking.resetAxis(level),
+    Delete: () => level && marking.removeVertebra(level),
+    Escape: () => {
+      if (marking.dragging) marking.abandonDrag();
+      else if (marking.selected) marking.select(null);
+      else viewer.crosshair = null;
+    },
+  };
+}
+
+/** Where the next mark is to be expected, if the program has an idea. */
+export function expected(marking: Marking): FilmPoint | null {
+  const mark: Mark | null = marking.target;
+  const { proposal } = marking.reading;
+  if (mark?.kind !== "corner" || proposal?.level !== mark.level) return null;
+  const px = proposal.corners.find(({ corner }) => corner === mark.corner)?.px;
+  return px ? filmPoint(px) : null;
+}
+
+function show(viewer: Viewer, marking: Marking): void {
+  const place = marking.selected && placeOf(marking.reading, marking.selected);
+  if (place) viewer.reveal(place);
+}

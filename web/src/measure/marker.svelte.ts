@@ -1,0 +1,109 @@
+import type { Hand } from "./gestures";
+import { markAt, proposedAt } from "./hit";
+import type { Marking } from "./marking.svelte";
+import { placeOf, type Mark } from "./marks";
+import type { Viewer } from "./viewer.svelte";
+import { cssOf, filmOf, type CssPoint, type FilmPoint } from "./viewport";
+
+/** How near to a mark a hand takes hold of it. */
+const REACH_CSS = { mouse: 10, touch: 24 };
+/** The same while another mark is asked for: on a film that fits the screen, discs are five pixels high. */
+const ASKED_REACH_CSS = { mouse: 6, touch: 16 };
+/** How near to a mark a click then means that mark. */
+const ASKED_CLICK_CSS = { mouse: 3, touch: 10 };
+
+/** What the left button or a finger does on the film while a reading is marked. */
+export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abandon"> {
+  /** Ends of the line of the scale tool. */
+  scale = $state.raw<readonly FilmPoint[]>([]);
+  /** Whether a finger or a button is down. */
+  isDown = $state(false);
+  #held: Mark | null = null;
+  /** From the hand to the mark that it holds. */
+  #grip: CssPoint = [0, 0];
+  #reach: "mouse" | "touch" = "mouse";
+
+  constructor(
+    readonly viewer: Viewer,
+    readonly marking: Marking,
+  ) {}
+
+  /** The vertebra that is worked on. */
+  readonly level = $derived.by(() => {
+    const { selected, target } = this.marking;
+    if (selected && selected.kind !== "crest") return selected.level;
+    return target?.kind === "corner" ? target.level : null;
+  });
+
+  press(at: CssPoint, touch: boolean): void {
+    const { viewer, marking } = this;
+    this.isDown = true;
+    this.#reach = touch ? "touch" : "mouse";
+    viewer.crosshair = null;
+    this.#held = null;
+    if (viewer.tool === "scale" || !marking.changeable) return;
+    const reach = (marking.target ? ASKED_REACH_CSS : REACH_CSS)[this.#reach];
+    const placed = markAt(marking.reading, viewer.view, at, reach, this.level);
+    this.#held = placed ?? proposedAt(marking.reading, viewer.view, at, reach);
+    const place = this.#held && (placeOf(marking.reading, this.#held) ?? this.#proposedPlace());
+    const [x, y] = place ? cssOf(viewer.view, place) : at;
+    this.#grip = [x - at[0], y - at[1]];
+  }
+
+  drag(at: CssPoint, far: boolean): void {
+    if (!far || !this.#held) return;
+    this.marking.drag(this.#held, this.#under(at));
+  }
+
+  release(at: CssPoint, far: boolean): void {
+    this.isDown = false;
+    const held = this.#held;
+    this.#held = null;
+    if (this.viewer.tool === "scale") {
+      this.#scaleClick(filmOf(this.viewer.view, at));
+    } else if (far && held) {
+      this.marking.drop();
+      this.marking.select(held);
+    } else this.#click(at);
+  }
+
+  abandon(): void {
+    this.isDown = false;
+    this.#held = null;
+    this.marking.abandonDrag();
+  }
+
+  /** Puts what is asked for at a place, if that is on the film. */
+  placeAt(at: FilmPoint): Mark | null {
+    const { columns, rows } = this.viewer.film;
+    const isOn = at[0] >= -0.5 && at[0] <= columns - 0.5 && at[1] >= -0.5 && at[1] <= rows - 0.5;
+    if (isOn) return this.marking.place(at);
+    this.marking.said = "this place is beside the film";
+    return null;
+  }
+
+  #click(at: CssPoint): void {
+    const { viewer, marking } = this;
+    const reach = (marking.target ? ASKED_CLICK_CSS : REACH_CSS)[this.#reach];
+    const near = markAt(marking.reading, viewer.view, at, reach, this.level);
+    if (near) marking.select(near);
+    else if (marking.target) marking.select(this.placeAt(filmOf(viewer.view, at)));
+    else marking.select(null);
+  }
+
+  #scaleClick(at: FilmPoint): void {
+    this.scale = this.scale.length === 2 ? [at] : [...this.scale, at];
+  }
+
+  #under(at: CssPoint): FilmPoint {
+    return filmOf(this.viewer.view, [at[0] + this.#grip[0], at[1] + this.#grip[1]]);
+  }
+
+  #proposedPlace(): FilmPoint | null {
+    const held = this.#held;
+    if (held?.kind !== "corner") return null;
+    const corners = this.marking.reading.proposal?.corners;
+    const px = corners?.find(({ corner }) => corner === held.corner)?.px;
+    return px ? [px[0]!, px[1]!] : null;
+  }
+}

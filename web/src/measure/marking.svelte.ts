@@ -1,0 +1,406 @@
+import { ask, type Refusal } from "../api/client";
+import type { Api } from "../api/types";
+import { keepingOf, leftBehind } from "./keeping";
+import { LatestOnly } from "./latest";
+import {
+  OPTIONAL_LEVELS,
+  marksOf,
+  missingCorner,
+  missingCrest,
+  nextMark,
+  placeOf,
+  placing,
+  sameMark,
+  withEvents,
+  wordsOf,
+  type Event,
+  type Mark,
+  type ReadingView,
+} from "./marks";
+import { Outbox, type SaveState } from "./outbox";
+import { filmPoint, type FilmPoint } from "./viewport";
+
+type Preview = Api<"Preview">;
+type LiveView = Api<"LiveView">;
+
+/** Events that were not recorded, and why. */
+export interface Lost {
+  readonly events: readonly Event[];
+  readonly why: "conflict" | "left_behind";
+  readonly forget: () => void;
+}
+
+interface PreviewWish {
+  readonly events: readonly Event[];
+  readonly turn?: { level: string; towards: FilmPoint };
+  /** When the hand moved. */
+  readonly at: number;
+}
+
+/** Chosen in place of a level. */
+export const CRESTS = Symbol("iliac crests");
+
+/** Places are kept to a thousandth of a pixel. */
+const rounded = (px: number): number => Math.round(px * 1_000) / 1_000;
+
+/** One reading while it is being marked: what is recorded, what is on its way, and what a hand is doing right now. */
+export class Marking {
+  /** As the program has it. */
+  #recorded = $state.raw() as ReadingView;
+  /** Not recorded yet. */
+  #pending = $state.raw<Event[]>([]);
+  /** While something is dragged. */
+  #draft = $state.raw<Event[]>([]);
+  #preview = $state.raw<Preview | null>(null);
+  #live = $state.raw<LiveView | null>(null);
+  /** Out of the guided order: a level, or the crests. */
+  #chosen = $state.raw<string | typeof CRESTS | null>(null);
+  saving = $state.raw<SaveState>({ kind: "saved" });
+  selected = $state.raw<Mark | null>(null);
+  lost = $state.raw<Lost | null>(null);
+  /** What the program did not take. */
+  refusal = $state.raw<Refusal | null>(null);
+  /** To be read aloud. */
+  said = $state("");
+
+  /** As it is to be drawn. */
+  readonly reading = $derived(
+    withEvents(this.#preview?.reading ?? this.#recorded, [...this.#pending, ...this.#draft]),
+  );
+  readonly live = $derived(this.#preview?.live ?? this.#live);
+  readonly changeable = $derived(this.#recorded.mine && !this.#recorded.finished);
+  readonly target = $derived(this.#findTarget());
+  readonly dragging = $derived(this.#draft.length > 0);
+
+  readonly #outbox: Outbox;
+  readonly #previews: LatestOnly<PreviewWish, Preview>;
+  readonly #lives: LatestOnly<null, LiveView>;
+  readonly #blinded: boolean;
+
+  constructor(reading: ReadingView, tab: string) {
+    this.#recorded = reading;
+    this.#blinded = reading.code !== null && reading.code !== undefined;
+    const path = `/api/readings/${reading.reading}`;
+    this.#previews = new LatestOnly(
+      ({ events, turn }, signal) => {
+        const turn_axis = turn ? { level: turn.level, towards_px: [...turn.towards] } : null;
+        return ask<Preview>("POST", `${path}/preview`, { json: { events, turn_axis }, signal });
+      },
+      (preview, wish) => this.#previewed(preview, wish),
+    );
+    this.#lives = new LatestOnly(
+      (_, signal) => ask<LiveView>("GET", `${path}/live`, { signal }),
+      (live) => (this.#live = live),
+    );
+    this.#outbox = new Outbox({
+      revision: reading.revision,
+      send: (events, expected_revision) =>
+        ask("POST", `${path}/events`, { json: { expected_revision, events } }),
+      keeping: reading.mine ? keepingOf(reading, tab) : { load: () => [], save: () => undefined },
+      saved: (answer) => this.#use(answer),
+      conflict: (events, answer) => {
+        this.lost = { events, why: "conflict", forget: () => undefined };
+        this.#use(answer);
+      },
+      refused: (_, why) => {
+        this.refusal = why;
+        void this.reload();
+      },
+      changed: () => this.#outboxChanged(),
+    });
+    this.#pending = this.#outbox.pending;
+    this.saving = this.#outbox.state;
+    this.#refreshLive();
+    if (reading.mine && !reading.finished) void this.#offerLeftBehind();
+  }
+
+  /** Number of events that the program has, and those on their way. */
+  get revision(): number {
+    return this.#outbox.revision;
+  }
+
+  get canUndo(): boolean {
+    return this.changeable && (this.#recorded.can_undo || this.#pending.length > 0);
+  }
+
+  get canRedo(): boolean {
+    return this.changeable && this.#pending.length === 0 && this.#recorded.can_redo;
+  }
+
+  /** Puts the next mark, or the one that was chosen, at a place. */
+  place(at: FilmPoint): Mark | null {
+    const mark = this.target;
+    if (!mark) return null;
+    this.#record([placing(this.reading, mark, round(at))]);
+    this.said = `${wordsOf(mark)} placed`;
+    return mark;
+  }
+
+  /** Shows a mark at a place without recording it. */
+  drag(mark: Mark, to: FilmPoint): void {
+    this.selected = mark;
+    if (mark.kind === "axis") {
+      this.#wish({ events: this.#pending, turn: { level: mark.level, towards: to } });
+      return;
+    }
+    this.#draft = this.#placingAt(mark, round(to));
+    this.#wish({ events: [...this.#pending, ...this.#draft] });
+  }
+
+  /** Records what was dragged. */
+  drop(): void {
+    const draft = this.#draft;
+    this.#previews.cancel();
+    this.#draft = [];
+    if (draft.length === 0) return;
+    this.#record(draft);
+  }
+
+  abandonDrag(): void {
+    this.#previews.cancel();
+    this.#draft = [];
+    this.#preview = null;
+  }
+
+  /** Moves the chosen mark a little: pixels for places, degrees for axes. */
+  nudge(by: FilmPoint): void {
+    const mark = this.selected;
+    if (!mark || !this.changeable) return;
+    const event = mark.kind === "axis" ? this.#turned(mark, by) : this.#moved(mark, by);
+    if (!event) return;
+    this.#outbox.push([event], `nudge ${wordsOf(mark)}`);
+    this.#wish({ events: this.#pending });
+  }
+
+  acceptProposal(): void {
+    const proposal = this.#proposal();
+    if (!proposal || !this.changeable) return;
+    this.#record(
+      proposal.corners.map(({ corner, px }) =>
+        placing(this.reading, { kind: "corner", level: proposal.level, corner }, filmPoint(px)),
+      ),
+    );
+    this.said = `${proposal.level} accepted as proposed`;
+  }
+
+  resetAxis(level: string): void {
+    if (this.reading.vertebrae.find((vertebra) => vertebra.level === level)?.axis?.by_hand) {
+      this.#record([{ kind: "set_axis", level, axis_deg: null }]);
+    }
+  }
+
+  removeVertebra(level: string): void {
+    if (!this.reading.vertebrae.some((vertebra) => vertebra.level === level)) return;
+    this.selected = null;
+    this.#record([{ kind: "remove_vertebra", level }]);
+    this.said = `${level} removed`;
+  }
+
+  invert(inverted: boolean): void {
+    this.#record([{ kind: "invert", inverted }]);
+  }
+
+  note(text: string): void {
+    this.#record([{ kind: "note", text }]);
+  }
+
+  undo(): void {
+    if (!this.canUndo) return;
+    this.#outbox.flush();
+    this.#record([{ kind: "undo" }]);
+    this.said = "undone";
+  }
+
+  redo(): void {
+    if (!this.canRedo) return;
+    this.#record([{ kind: "redo" }]);
+    this.said = "done again";
+  }
+
+  /** Goes on with another level: to its next missing corner, or to its first one. */
+  jump(level: string): void {
+    this.#chosen = level;
+    const missing = missingCorner(this.reading, level);
+    this.selected = missing ? null : { kind: "corner", level, corner: "superior_left" };
+    this.said = missing ? `next: ${wordsOf(missing)}` : `${level} chosen`;
+  }
+
+  /** Goes on with the iliac crests, past the levels that are optional. */
+  jumpToCrests(): void {
+    this.#chosen = CRESTS;
+    const missing = missingCrest(this.reading);
+    this.selected = missing ? null : { kind: "crest", side: "left" };
+    this.said = missing ? `next: ${wordsOf(missing)}` : "iliac crests chosen";
+  }
+
+  /** Chooses the mark before or after; false at the ends. */
+  step(by: 1 | -1): boolean {
+    const marks = marksOf(this.reading);
+    const now = marks.findIndex((mark) => sameMark(mark, this.selected));
+    const next = marks[now < 0 ? (by > 0 ? 0 : marks.length - 1) : now + by];
+    if (!next) return false;
+    this.select(next);
+    return true;
+  }
+
+  select(mark: Mark | null): void {
+    this.selected = mark;
+    if (!mark) return;
+    const place = placeOf(this.reading, mark);
+    const at = place ? `, column ${place[0].toFixed(1)} px, row ${place[1].toFixed(1)} px` : "";
+    this.said = `${wordsOf(mark)}${at}`;
+  }
+
+  /** Whether a change that was told of is news here. */
+  isNews(change: Api<"Change">): boolean {
+    return change.reading === this.#recorded.reading && (change.revision ?? 0) > this.revision;
+  }
+
+  async reload(): Promise<void> {
+    const reading = await ask<ReadingView>("GET", `/api/readings/${this.#recorded.reading}`);
+    this.#use(reading);
+    this.#outbox.rebase(reading.revision);
+  }
+
+  async finish(): Promise<void> {
+    const path = `/api/readings/${this.#recorded.reading}/finish`;
+    const json = { expected_revision: this.#recorded.revision };
+    this.#use(await ask<ReadingView>("POST", path, { json }));
+  }
+
+  /** Records again what was lost, upon the reading as it stands. */
+  applyLost(): void {
+    const lost = this.lost;
+    this.forgetLost();
+    if (lost) for (const event of lost.events) this.#record([fresh(this.reading, event)]);
+  }
+
+  forgetLost(): void {
+    this.lost?.forget();
+    this.lost = null;
+  }
+
+  retry(): void {
+    this.#outbox.retry();
+  }
+
+  close(): void {
+    this.#previews.cancel();
+    this.#lives.cancel();
+    this.#outbox.close();
+  }
+
+  #record(events: Event[]): void {
+    if (!this.changeable) return;
+    this.refusal = null;
+    this.#outbox.push(events);
+  }
+
+  #use(reading: ReadingView): void {
+    this.#recorded = reading;
+    if (this.#outbox.pending.length === 0 && this.#preview) {
+      // What was drawn last stays until the program's answer replaces it.
+      this.#live = this.#preview.live ?? this.#live;
+      this.#preview = null;
+    }
+    this.#refreshLive();
+  }
+
+  #outboxChanged(): void {
+    this.#pending = this.#outbox.pending;
+    this.saving = this.#outbox.state;
+  }
+
+  #refreshLive(): void {
+    if (!this.#blinded) this.#lives.want(null);
+  }
+
+  #wish(wish: Omit<PreviewWish, "at">): void {
+    this.#previews.want({ ...wish, at: performance.now() });
+  }
+
+  #previewed(preview: Preview, { turn, at }: PreviewWish): void {
+    this.#preview = preview;
+    if (turn) {
+      const axis = preview.reading.vertebrae.find(({ level }) => level === turn.level)?.axis;
+      if (axis) this.#draft = [{ kind: "set_axis", level: turn.level, axis_deg: axis.axis_deg }];
+    }
+    // What people feel: from the hand's move to what is drawn from it.
+    requestAnimationFrame(() => performance.measure("drag-to-result", { start: at }));
+  }
+
+  #moved(mark: Mark, by: FilmPoint): Event | null {
+    const place = placeOf(this.reading, mark);
+    return place && placing(this.reading, mark, round([place[0] + by[0], place[1] + by[1]]));
+  }
+
+  #turned(mark: Mark & { kind: "axis" }, by: FilmPoint): Event | null {
+    const axis = this.reading.vertebrae.find(({ level }) => level === mark.level)?.axis;
+    if (!axis) return null;
+    // To the right and up turn clockwise as seen; a whole step lands on the grid of 0.1°.
+    const tenths = Math.round((axis.axis_deg + by[0] - by[1]) * 10);
+    return { kind: "set_axis", level: mark.level, axis_deg: tenths / 10 };
+  }
+
+  /** A dragged corner of a proposal brings the other three along: now somebody has touched them. */
+  #placingAt(mark: Mark, at: FilmPoint): Event[] {
+    const moved = placing(this.reading, mark, at);
+    const proposal = this.#proposal();
+    const isProposed =
+      mark.kind === "corner" &&
+      proposal?.level === mark.level &&
+      !this.#recorded.vertebrae.some(({ level }) => level === mark.level);
+    if (!isProposed || mark.kind !== "corner") return [moved];
+    return proposal.corners.map(({ corner, px }) => {
+      const place = corner === mark.corner ? at : filmPoint(px);
+      const [column_px, row_px] = place;
+      return { kind: "place_corner", level: mark.level, corner, column_px, row_px };
+    });
+  }
+
+  #proposal(): Api<"Proposal"> | null {
+    return this.#pending.length === 0 ? (this.#recorded.proposal ?? null) : null;
+  }
+
+  #findTarget(): Mark | null {
+    if (!this.changeable) return null;
+    if (this.#pending.some(({ kind }) => kind === "undo" || kind === "redo")) return null;
+    const reading = this.reading;
+    const chosen = this.#chosenTarget(reading);
+    if (chosen) return chosen;
+    const next = nextMark(this.#recorded);
+    if (this.#pending.length === 0 || next?.kind !== "corner") {
+      return next && !placeOf(reading, next) ? next : null;
+    }
+    // A hand faster than the program: on through the guided order, as far as it is sure.
+    const rest = reading.order.slice(reading.order.indexOf(next.level));
+    const sure = rest.filter((level) => !OPTIONAL_LEVELS.includes(level));
+    for (const level of sure) {
+      const missing = missingCorner(reading, level);
+      if (missing) return missing;
+    }
+    return null;
+  }
+
+  #chosenTarget(reading: ReadingView): Mark | null {
+    const chosen = this.#chosen;
+    if (chosen === null) return null;
+    return chosen === CRESTS ? missingCrest(reading) : missingCorner(reading, chosen as string);
+  }
+
+  async #offerLeftBehind(): Promise<void> {
+    const left = await leftBehind(this.#recorded);
+    if (left) this.lost = { ...left, why: "left_behind" };
+  }
+}
+
+function round([column, row]: FilmPoint): FilmPoint {
+  return [rounded(column), rounded(row)];
+}
+
+/** The same place again, on a reading that has changed: whether a corner is placed or moved depends on it. */
+function fresh(reading: ReadingView, event: Event): Event {
+  if (event.kind !== "place_corner" && event.kind !== "move_corner") return event;
+  const mark: Mark = { kind: "corner", level: event.level, corner: event.corner };
+  return placing(reading, mark, [event.column_px, event.row_px]);
+}

@@ -1,0 +1,52 @@
+import { expect, it } from "vitest";
+
+import { reading } from "./reading.fixture";
+import { markAt, proposedAt } from "./hit";
+import { marksOf, missingCorner, placeOf, placing, withEvents, wordsOfEvent } from "./marks";
+
+const VIEW = { scale: 1, aspect: 1, left: -0.5, top: -0.5 };
+
+it("shows events before they are recorded", () => {
+  const before = reading();
+  const after = withEvents(before, [
+    placing(before, { kind: "corner", level: "L4", corner: "superior_left" }, [10, 20]),
+    { kind: "place_iliac_crest", side: "right", column_px: 3, row_px: 4 },
+  ]);
+  expect(before.vertebrae).toEqual([]);
+  expect(placeOf(after, { kind: "corner", level: "L4", corner: "superior_left" })).toEqual([
+    10, 20,
+  ]);
+  expect(placeOf(after, { kind: "crest", side: "right" })).toEqual([3, 4]);
+  expect(missingCorner(after, "L4")).toEqual({
+    kind: "corner",
+    level: "L4",
+    corner: "superior_right",
+  });
+});
+
+it("places what is new and moves what is there", () => {
+  const mark = { kind: "corner", level: "L4", corner: "superior_left" } as const;
+  const first = placing(reading(), mark, [1, 2]);
+  expect(first.kind).toBe("place_corner");
+  const placed = withEvents(reading(), [first]);
+  expect(placing(placed, mark, [3, 4]).kind).toBe("move_corner");
+  expect(wordsOfEvent(placing(placed, mark, [3, 4.26]))).toBe(
+    "L4 – superior endplate, patient’s left to (3.0, 4.3) px",
+  );
+});
+
+it("takes hold of the nearest mark within reach", () => {
+  const marked = withEvents(reading(), [
+    { kind: "place_corner", level: "L4", corner: "superior_left", column_px: 100, row_px: 100 },
+    { kind: "place_corner", level: "L4", corner: "superior_right", column_px: 112, row_px: 100 },
+  ]);
+  expect(markAt(marked, VIEW, [107, 100], 10, null)).toMatchObject({ corner: "superior_right" });
+  expect(markAt(marked, VIEW, [100, 111], 10, null)).toBeNull();
+  expect(marksOf(marked)).toHaveLength(2);
+});
+
+it("offers the corners of a proposal", () => {
+  const proposal = { level: "L3", corners: [{ corner: "inferior_left" as const, px: [50, 60] }] };
+  const found = proposedAt({ ...reading(), proposal }, VIEW, [52, 60], 10);
+  expect(found).toEqual({ kind: "corner", level: "L3", corner: "inferior_left" });
+});

@@ -1,0 +1,177 @@
+import type { Api } from "../api/types";
+import { filmPoint, type FilmPoint } from "./viewport";
+
+export type Corner = Api<"Corner">;
+export type CrestSide = Api<"CrestSide">;
+export type Event = Api<"Event">;
+export type ReadingView = Api<"ReadingView">;
+export type VertebraView = Api<"VertebraView">;
+
+/** In the order of marking. */
+export const CORNERS: readonly Corner[] = [
+  "superior_left",
+  "superior_right",
+  "inferior_right",
+  "inferior_left",
+];
+
+/** Marked only where somebody asks for it. */
+export const OPTIONAL_LEVELS: readonly string[] = ["T1", "L5"];
+
+export const CORNER_WORDS: Record<Corner, string> = {
+  superior_left: "superior endplate, patient’s left",
+  superior_right: "superior endplate, patient’s right",
+  inferior_left: "inferior endplate, patient’s left",
+  inferior_right: "inferior endplate, patient’s right",
+};
+
+/** Something on the film that can be placed, chosen and moved. */
+export type Mark =
+  | { kind: "corner"; level: string; corner: Corner }
+  | { kind: "axis"; level: string }
+  | { kind: "crest"; side: CrestSide };
+
+export function sameMark(a: Mark | null, b: Mark | null): boolean {
+  return a !== null && b !== null && wordsOf(a) === wordsOf(b);
+}
+
+export function wordsOf(mark: Mark): string {
+  if (mark.kind === "corner") return `${mark.level} – ${CORNER_WORDS[mark.corner]}`;
+  if (mark.kind === "axis") return `${mark.level} – axis`;
+  return `iliac crest, patient’s ${mark.side}`;
+}
+
+export function placeOf(reading: ReadingView, mark: Mark): FilmPoint | null {
+  if (mark.kind === "crest") {
+    const px = mark.side === "left" ? reading.crests.left_px : reading.crests.right_px;
+    return px ? filmPoint(px) : null;
+  }
+  const vertebra = reading.vertebrae.find(({ level }) => level === mark.level);
+  if (mark.kind === "axis") return vertebra?.axis ? filmPoint(vertebra.axis.to_px) : null;
+  const corner = vertebra?.corners.find(({ corner }) => corner === mark.corner);
+  return corner ? filmPoint(corner.px) : null;
+}
+
+/** Everything that is placed, from the feet to the head: the order in which the keys go through it. */
+export function marksOf(reading: ReadingView): Mark[] {
+  const vertebrae = reading.vertebrae.flatMap(({ level, corners, axis }): Mark[] => [
+    ...CORNERS.filter((name) => corners.some(({ corner }) => corner === name)).map(
+      (corner): Mark => ({ kind: "corner", level, corner }),
+    ),
+    ...(axis ? [{ kind: "axis", level } as const] : []),
+  ]);
+  const crests = (["left", "right"] as const)
+    .map((side): Mark => ({ kind: "crest", side }))
+    .filter((mark) => placeOf(reading, mark) !== null);
+  return [...vertebrae, ...crests];
+}
+
+/** The event that puts a mark at a place. */
+export function placing(reading: ReadingView, mark: Mark, [column_px, row_px]: FilmPoint): Event {
+  if (mark.kind === "crest") {
+    return { kind: "place_iliac_crest", side: mark.side, column_px, row_px };
+  }
+  if (mark.kind === "axis") throw new Error("an axis is turned, not placed");
+  const kind = placeOf(reading, mark) ? "move_corner" : "place_corner";
+  return { kind, level: mark.level, corner: mark.corner, column_px, row_px };
+}
+
+/** What is to be marked next on a level; null once its four corners are there. */
+export function missingCorner(reading: ReadingView, level: string): Mark | null {
+  const placed = reading.vertebrae.find((vertebra) => vertebra.level === level)?.corners ?? [];
+  const corner = CORNERS.find((name) => !placed.some(({ corner }) => corner === name));
+  return corner ? { kind: "corner", level, corner } : null;
+}
+
+/** The crest that is to be marked next; null once both are there. */
+export function missingCrest(reading: ReadingView): Mark | null {
+  const marks = (["left", "right"] as const).map((side): Mark => ({ kind: "crest", side }));
+  return marks.find((mark) => placeOf(reading, mark) === null) ?? null;
+}
+
+export function nextMark(reading: ReadingView): Mark | null {
+  const next = reading.next;
+  if (!next) return null;
+  return next.kind === "corner"
+    ? { kind: "corner", level: next.level, corner: next.corner }
+    : { kind: "crest", side: next.side };
+}
+
+/**
+ * The reading as it will be once events are recorded, as far as the screen can tell: places only. What follows from places
+ * comes from the program with its answer.
+ */
+export function withEvents(reading: ReadingView, events: readonly Event[]): ReadingView {
+  return events.reduce(withEvent, reading);
+}
+
+function withEvent(reading: ReadingView, event: Event): ReadingView {
+  switch (event.kind) {
+    case "place_corner":
+    case "move_corner": {
+      const px = [event.column_px, event.row_px];
+      return changed(reading, event.level, (vertebra) => {
+        const others = vertebra.corners.filter(({ corner }) => corner !== event.corner);
+        const corners = [...others, { corner: event.corner, px }];
+        return { ...vertebra, corners, complete: corners.length === CORNERS.length };
+      });
+    }
+    case "remove_vertebra":
+      return {
+        ...reading,
+        vertebrae: reading.vertebrae.filter(({ level }) => level !== event.level),
+      };
+    case "place_iliac_crest": {
+      const px = [event.column_px, event.row_px];
+      const crests = { ...reading.crests, [`${event.side}_px`]: px };
+      return { ...reading, crests };
+    }
+    case "invert":
+      return { ...reading, image: { ...reading.image, inverted: event.inverted } };
+    case "note":
+      return { ...reading, notes: [...reading.notes, event.text] };
+    default:
+      return reading;
+  }
+}
+
+function changed(
+  reading: ReadingView,
+  level: string,
+  change: (vertebra: VertebraView) => VertebraView,
+): ReadingView {
+  const empty = { level, corners: [], complete: false, midpoint_px: null, axis: null };
+  const found = reading.vertebrae.find((vertebra) => vertebra.level === level);
+  const vertebra = change(found ?? empty);
+  const others = reading.vertebrae.filter((other) => other.level !== level);
+  return { ...reading, vertebrae: [...others, vertebra] };
+}
+
+/** Events in words, for people who are asked what to do with them. */
+export function wordsOfEvent(event: Event): string {
+  const at = (column: number, row: number): string =>
+    `(${column.toFixed(1)}, ${row.toFixed(1)}) px`;
+  switch (event.kind) {
+    case "place_corner":
+    case "move_corner":
+      return `${event.level} – ${CORNER_WORDS[event.corner]} to ${at(event.column_px, event.row_px)}`;
+    case "set_axis":
+      return event.axis_deg === null || event.axis_deg === undefined
+        ? `${event.level} – axis follows the corners`
+        : `${event.level} – axis turned by hand to ${event.axis_deg.toFixed(1)}°`;
+    case "remove_vertebra":
+      return `${event.level} removed`;
+    case "place_iliac_crest":
+      return `iliac crest, patient’s ${event.side}, to ${at(event.column_px, event.row_px)}`;
+    case "invert":
+      return event.inverted ? "dark and bright exchanged" : "dark and bright as filmed";
+    case "note":
+      return `note: ${event.text}`;
+    case "scale":
+      return `scale of ${event.length_mm} mm`;
+    case "undo":
+      return "undo";
+    case "redo":
+      return "redo";
+  }
+}

@@ -1,0 +1,209 @@
+import { afterEach, beforeEach, expect, it, vi } from "vitest";
+
+import { Refusal, Unreachable } from "../api/client";
+import { reading } from "./reading.fixture";
+import type { Event, ReadingView } from "./marks";
+import { Outbox, type Entry, type Keeping } from "./outbox";
+
+beforeEach(() => void vi.useFakeTimers());
+afterEach(() => void vi.useRealTimers());
+
+const at = (column_px: number): Event => ({
+  kind: "place_corner",
+  level: "L4",
+  corner: "superior_left",
+  column_px,
+  row_px: 1,
+});
+
+function memory(): Keeping & { entries: Entry[] } {
+  const kept = {
+    entries: [] as Entry[],
+    load: () => kept.entries,
+    save: (entries: readonly Entry[]) => void (kept.entries = [...entries]),
+  };
+  return kept;
+}
+
+/** The program as far as an outbox sees it. */
+class Program {
+  events: Event[] = [];
+  asked: { events: readonly Event[]; expected: number }[] = [];
+  /** What goes wrong with the next requests: before they are recorded, or after it. */
+  faults: ("away" | "answer lost" | Refusal)[] = [];
+
+  async send(events: readonly Event[], expected: number): Promise<ReadingView> {
+    this.asked.push({ events, expected });
+    const fault = this.faults.shift();
+    await Promise.resolve();
+    if (fault === "away") throw new Unreachable();
+    if (fault instanceof Refusal) throw fault;
+    const repeated = JSON.stringify(this.events.slice(expected)) === JSON.stringify(events);
+    if (!repeated && expected !== this.events.length) throw this.conflict();
+    if (!repeated) this.events.push(...events);
+    if (fault === "answer lost") throw new Unreachable();
+    return this.view();
+  }
+
+  view(): ReadingView {
+    return { ...reading(), revision: this.events.length };
+  }
+
+  conflict(): Refusal {
+    const problem = { code: "conflict", message: "changed meanwhile", help: null };
+    return new Refusal(409, problem, { problem, reading: this.view() });
+  }
+}
+
+function outbox(program: Program, keeping: Keeping = memory()) {
+  const told = { saved: [] as number[], lost: [] as Event[], refused: [] as Event[] };
+  const box = new Outbox({
+    revision: program.events.length,
+    send: (events, expected) => program.send(events, expected),
+    keeping,
+    saved: (view) => told.saved.push(view.revision),
+    conflict: (lost) => told.lost.push(...lost),
+    refused: (lost) => told.refused.push(...lost),
+    changed: () => undefined,
+    restMs: 300,
+    retryMs: [100, 200],
+  });
+  return { box, told };
+}
+
+const settle = (ms = 0): Promise<unknown> => vi.advanceTimersByTimeAsync(ms);
+
+it("sends in order, one after the other, each upon the one before", async () => {
+  const program = new Program();
+  const { box, told } = outbox(program);
+  box.push([at(1)]);
+  box.push([at(2), at(3)]);
+  box.push([at(4)]);
+  expect(box.state).toEqual({ kind: "saving", count: 3 });
+  expect(program.asked).toHaveLength(1);
+  await settle();
+  expect(program.asked.map(({ expected }) => expected)).toEqual([0, 1, 3]);
+  expect(program.events).toEqual([at(1), at(2), at(3), at(4)]);
+  expect(told.saved).toEqual([1, 3, 4]);
+  expect(box.state).toEqual({ kind: "saved" });
+});
+
+it("asks again until the program answers, and loses nothing", async () => {
+  const program = new Program();
+  program.faults = ["away", "away", "away"];
+  const keeping = memory();
+  const { box } = outbox(program, keeping);
+  box.push([at(1)]);
+  box.push([at(2)]);
+  await settle();
+  expect(box.state).toEqual({ kind: "waiting", count: 2 });
+  expect(keeping.entries).toHaveLength(2);
+  await settle(1_000);
+  expect(program.events).toEqual([at(1), at(2)]);
+  expect(box.state).toEqual({ kind: "saved" });
+  expect(keeping.entries).toEqual([]);
+});
+
+it("records once what was recorded before its answer was lost", async () => {
+  const program = new Program();
+  program.faults = ["answer lost"];
+  const { box } = outbox(program);
+  box.push([at(1)]);
+  await settle(1_000);
+  expect(program.asked.map(({ expected }) => expected)).toEqual([0, 0]);
+  expect(program.events).toEqual([at(1)]);
+});
+
+it("sends after a reload what was left, with the revision it was made on", async () => {
+  const program = new Program();
+  program.faults = ["answer lost"];
+  const keeping = memory();
+  const before = outbox(program, keeping);
+  before.box.push([at(1)]);
+  before.box.push([at(2)]);
+  await settle();
+  before.box.close();
+  expect(keeping.entries).toHaveLength(2);
+  // The page is loaded anew, and finds the first event recorded already.
+  const after = outbox(program, keeping);
+  expect(after.box.pending).toEqual([at(1), at(2)]);
+  await settle(1_000);
+  expect(program.events).toEqual([at(1), at(2)]);
+  expect(after.told.lost).toEqual([]);
+});
+
+it("hands back everything that stood on a change that lost", async () => {
+  const program = new Program();
+  const { box, told } = outbox(program);
+  program.events.push(at(99));
+  box.push([at(1)]);
+  box.push([at(2)]);
+  await settle();
+  expect(told.lost).toEqual([at(1), at(2)]);
+  expect(program.events).toEqual([at(99)]);
+  expect(box.state).toEqual({ kind: "saved" });
+  // What is done now stands on what the others did.
+  box.push([at(3)]);
+  await settle();
+  expect(program.events).toEqual([at(99), at(3)]);
+});
+
+it("drops what the program does not take, and goes on with the rest", async () => {
+  const program = new Program();
+  const problem = { code: "bad_event", message: "only a placed corner can be moved", help: null };
+  program.faults = [new Refusal(400, problem, problem)];
+  const { box, told } = outbox(program);
+  box.push([at(1), at(2)]);
+  box.push([at(3)]);
+  await settle();
+  expect(told.refused).toEqual([at(1), at(2)]);
+  expect(program.events).toEqual([at(3)]);
+});
+
+it("waits for whoever was signed out", async () => {
+  const program = new Program();
+  const problem = { code: "not_signed_in", message: "sign in", help: null };
+  program.faults = [new Refusal(401, problem, problem)];
+  const { box } = outbox(program);
+  box.push([at(1)]);
+  await settle(10_000);
+  expect(box.state).toEqual({ kind: "signed_out", count: 1 });
+  box.retry();
+  await settle();
+  expect(program.events).toEqual([at(1)]);
+});
+
+it("makes one event of nudges in a row, once the keys rest", async () => {
+  const program = new Program();
+  const keeping = memory();
+  const { box } = outbox(program, keeping);
+  for (const column of [1.1, 1.2, 1.3]) {
+    box.push([at(column)], "nudge");
+    await settle(200);
+  }
+  expect(program.asked).toEqual([]);
+  // Not sent yet, but kept: a reload would not lose it.
+  expect(keeping.entries).toEqual([{ events: [at(1.3)], expected: 0, coalesce: "nudge" }]);
+  await settle(300);
+  expect(program.events).toEqual([at(1.3)]);
+});
+
+it("sends a nudge at once before whatever follows it", async () => {
+  const program = new Program();
+  const { box } = outbox(program);
+  box.push([at(1)], "nudge a");
+  box.push([at(2)], "nudge b");
+  box.push([at(3)]);
+  await settle();
+  expect(program.events).toEqual([at(1), at(2), at(3)]);
+});
+
+it("does not change a nudge that is on its way", async () => {
+  const program = new Program();
+  const { box } = outbox(program);
+  box.push([at(1)], "nudge");
+  box.flush();
+  box.push([at(2)], "nudge");
+  await settle(1_000);
+  expect(program.events).toEqual([at(1), at(2)]);
+});

@@ -1,0 +1,69 @@
+import { expect, it } from "vitest";
+
+import { greyTable } from "./grey";
+import { paint } from "./paint";
+import { Pyramid } from "./pyramid";
+import { cssOf } from "./viewport";
+
+/** Node has no canvas; painting needs no more than this of a picture. */
+function target(width: number, height: number): ImageData {
+  return { width, height, data: new Uint8ClampedArray(4 * width * height) } as ImageData;
+}
+
+const red = (image: ImageData, x: number, y: number): number =>
+  image.data[4 * (y * image.width + x)]!;
+
+/** A film that is black but for one bright pixel. */
+function dot(columns: number, rows: number, column: number, row: number): Pyramid {
+  const values = new Uint16Array(columns * rows);
+  values[row * columns + column] = 255;
+  return new Pyramid({ columns, rows, values });
+}
+
+const TABLE = greyTable({ centre: 127.5, width: 255 }, false, 255);
+
+it.each([
+  { ratio: 1, aspect: 1 },
+  { ratio: 1.25, aspect: 1 },
+  { ratio: 2, aspect: 0.5 },
+  { ratio: 1.25, aspect: 2 },
+])(
+  "paints a pixel where its mark is drawn: $ratio device pixels, aspect $aspect",
+  ({ ratio, aspect }) => {
+    const view = { scale: 8, aspect, left: 10.4, top: -7.2 };
+    const image = target(Math.floor(160 * ratio), Math.floor(160 * ratio));
+    paint(image, dot(16, 16, 7, 5), view, ratio, TABLE);
+    let [sum, x, y] = [0, 0, 0];
+    for (let row = 0; row < image.height; row += 1) {
+      for (let column = 0; column < image.width; column += 1) {
+        const weight = red(image, column, row);
+        sum += weight;
+        x += weight * (column + 0.5);
+        y += weight * (row + 0.5);
+      }
+    }
+    // The centre of what is bright, in CSS pixels, against the transform that places marks.
+    const [cssX, cssY] = cssOf(view, [7, 5]);
+    expect(Math.abs(x / sum / ratio - cssX)).toBeLessThan(0.1);
+    expect(Math.abs(y / sum / ratio - cssY)).toBeLessThan(0.1);
+  },
+);
+
+it("averages brightness before the window, not after", () => {
+  const film = new Pyramid({ columns: 2, rows: 1, values: Uint16Array.from([0, 100]) });
+  const steep = greyTable({ centre: 60, width: 1 }, false, 100);
+  const image = target(32, 16);
+  paint(image, film, { scale: 16, aspect: 1, left: 0, top: 0 }, 1, steep);
+  const row = Array.from({ length: 32 }, (_, x) => red(image, x, 8));
+  // Half way between both pixels the brightness is 50: still black.
+  expect(row.findIndex((grey) => grey > 127)).toBe(18);
+});
+
+it("leaves black what is beside the film", () => {
+  const film = new Pyramid({ columns: 1, rows: 1, values: Uint16Array.from([255]) });
+  const image = target(30, 30);
+  paint(image, film, { scale: 10, aspect: 1, left: 10, top: 10 }, 1, TABLE);
+  expect([red(image, 9, 15), red(image, 10, 15), red(image, 19, 15), red(image, 20, 15)]).toEqual([
+    0, 255, 255, 0,
+  ]);
+});

@@ -1,0 +1,37 @@
+import type { ReadingView } from "./marks";
+
+/** A reading without marks, for tests. */
+export function reading(): ReadingView {
+  return {
+    reading: 7,
+    study: "S-1",
+    film: 3,
+    posture: "erect",
+    code: null,
+    observer: "tester",
+    repeat: 1,
+    mine: true,
+    finished: false,
+    synthetic: true,
+    image: {
+      columns: 3000,
+      rows: 4000,
+      pixel_aspect: 1,
+      patient_left: "image_left",
+      plane: "patient",
+      spacing_text: "0.143 mm × 0.143 mm, patient mm",
+      inverted: false,
+    },
+    revision: 0,
+    can_undo: false,
+    can_redo: false,
+    vertebrae: [],
+    crests: { left_px: null, right_px: null },
+    notes: [],
+    order: ["L4", "L3", "L2"],
+    next: { kind: "corner", level: "L4", corner: "superior_left" },
+    proposal: null,
+    faults: [],
+    conflicts: [],
+  };
+}

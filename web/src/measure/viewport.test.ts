@@ -1,0 +1,72 @@
+import { describe, expect, it } from "vitest";
+
+import { cssOf, filmOf, fit, pan, reveal, zoom, type FilmPoint } from "./viewport";
+
+const SIZE = { width: 701.5, height: 613.25 };
+const ROUNDING_PX = 1e-9;
+
+function close(a: readonly number[], b: readonly number[], limit = ROUNDING_PX): void {
+  expect(Math.hypot(a[0]! - b[0]!, a[1]! - b[1]!)).toBeLessThan(limit);
+}
+
+describe.each([0.5, 1, 2])("pixels %s times as high as wide", (aspect) => {
+  const film = { columns: 3000, rows: 4000, aspect };
+  const places: FilmPoint[] = [
+    [0, 0],
+    [1203.437, 877.019],
+    [-0.5, 3999.5],
+  ];
+
+  it("brings places back from the screen", () => {
+    let view = fit(film, SIZE);
+    for (const factor of [1, 3.7, 2.9, 0.2]) {
+      view = zoom(view, factor, [311.2, 205.9], film, SIZE);
+      for (const place of places) close(filmOf(view, cssOf(view, place)), place);
+    }
+  });
+
+  it("shows the whole film in the middle", () => {
+    const view = fit(film, SIZE);
+    const [left, top] = cssOf(view, [-0.5, -0.5]);
+    const [right, bottom] = cssOf(view, [film.columns - 0.5, film.rows - 0.5]);
+    close([left + right, top + bottom], [SIZE.width, SIZE.height]);
+    expect(Math.min(left, top)).toBeGreaterThanOrEqual(12 - ROUNDING_PX);
+    expect((bottom - top) / (right - left)).toBeCloseTo((film.rows * aspect) / film.columns, 12);
+  });
+
+  it("keeps what is under the pointer while it enlarges", () => {
+    const at = [402.75, 133.5] as const;
+    const view = fit(film, SIZE);
+    const before = filmOf(view, at);
+    close(filmOf(zoom(view, 6.5, at, film, SIZE), at), before);
+  });
+});
+
+const film = { columns: 3000, rows: 4000, aspect: 1 };
+
+it("has the centre of the first pixel at zero", () => {
+  const view = { scale: 4, aspect: 2, left: 100, top: 50 };
+  expect(cssOf(view, [0, 0])).toEqual([102, 54]);
+  expect(filmOf(view, [102, 54])).toEqual([0, 0]);
+});
+
+it("never loses the film", () => {
+  const view = pan(fit(film, SIZE), [1e6, -1e6], film, SIZE);
+  expect(cssOf(view, [-0.5, 0])[0]).toBeLessThan(SIZE.width);
+  expect(cssOf(view, [0, film.rows])[1]).toBeGreaterThan(0);
+});
+
+it("enlarges and reduces within limits", () => {
+  const view = fit(film, SIZE);
+  expect(zoom(view, 1e9, [0, 0], film, SIZE).scale).toBe(48);
+  expect(zoom(view, 1e-9, [0, 0], film, SIZE).scale).toBeCloseTo(view.scale / 2, 12);
+});
+
+it("moves only as far as a hidden place needs", () => {
+  const view = zoom(fit(film, SIZE), 20, [0, 0], film, SIZE);
+  const shown = filmOf(view, [300, 300]);
+  expect(reveal(view, shown, 80, film, SIZE)).toBe(view);
+  const hidden = filmOf(view, [300, SIZE.height + 500]);
+  const [x, y] = cssOf(reveal(view, hidden, 80, film, SIZE), hidden);
+  close([x, y], [300, SIZE.height - 80]);
+});
