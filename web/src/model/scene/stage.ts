@@ -328,7 +328,7 @@ export class Stage {
     }
     const left = isBeside ? width : 0;
     const toward = this.#camera.position.clone().sub(this.#controls.target).normalize().toArray();
-    this.#labels.set([...this.#staticLabels, ...this.#ground.labels(toward)]);
+    this.#labels.set([...this.#staticLabels, ...(isBeside ? [] : this.#ground.labels(toward))]);
     this.#labels.place(this.#camera, left, width, size.y, scale);
     this.told.drawn(
       lookOf(this.#camera, scale),
