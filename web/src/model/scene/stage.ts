@@ -64,7 +64,7 @@ const MARGIN_MM = 26;
 const FINE_RATIO = 2;
 const COARSE_RATIO = 1;
 /** How long a slow machine's picture rests before it is drawn finely. */
-const REST_MS = 180;
+const REST_MS = 250;
 const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 const NO_STYLE = { contradicted: [], chosenJoint: null, chosenLevel: null, discs: null } as const;
 
@@ -92,6 +92,7 @@ export class Stage {
   #frame = 0;
   #pressed: Vector2 | null = null;
   #isSettling = false;
+  #isHeld = false;
   readonly #isSlow: boolean;
   #fine: ReturnType<typeof setTimeout> | undefined;
 
@@ -132,6 +133,8 @@ export class Stage {
     this.#controls.minZoom = 0.4;
     this.#controls.maxZoom = 12;
     this.#controls.addEventListener("change", () => this.draw());
+    this.#controls.addEventListener("start", () => this.hold(true));
+    this.#controls.addEventListener("end", () => this.hold(false));
     this.look("back");
     this.#observer = new ResizeObserver(() => this.draw());
     this.#observer.observe(canvas.parentElement ?? canvas);
@@ -171,8 +174,15 @@ export class Stage {
     this.#frame = requestAnimationFrame(() => {
       this.#frame = 0;
       this.#render(this.#isSlow ? COARSE_RATIO : FINE_RATIO);
-      if (this.#isSlow) this.#fine = setTimeout(() => this.#render(FINE_RATIO), REST_MS);
+      if (this.#isSlow && !this.#isHeld)
+        this.#fine = setTimeout(() => this.#render(FINE_RATIO), REST_MS);
     });
+  }
+
+  /** While something is held, a slow machine has no time for fine pictures. */
+  hold(isHeld: boolean): void {
+    this.#isHeld = isHeld;
+    this.draw();
   }
 
   look(preset: Preset): void {
