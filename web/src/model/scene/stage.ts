@@ -60,9 +60,9 @@ const FORCE_ARROW_MM = 55;
 /** From the lowest body down to the grid. */
 const GROUND_MM = 12;
 const MARGIN_MM = 26;
-/** Pixels of the picture for each CSS pixel: more than the screen has, which smooths edges. */
+/** Pixels of the picture for each CSS pixel: more than the screen has, which smooths edges; fewer where only speed counts. */
 const FINE_RATIO = 2;
-const COARSE_RATIO = 1;
+const COARSE_RATIO = 0.6;
 /** How long a slow machine's picture rests before it is drawn finely. */
 const REST_MS = 250;
 const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
