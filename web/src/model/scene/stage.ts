@@ -60,6 +60,7 @@ const FORCE_ARROW_MM = 55;
 /** From the lowest body down to the grid. */
 const GROUND_MM = 12;
 const MARGIN_MM = 26;
+const SHORTEST_LINE_MM = 160;
 /** Pixels of the picture for each CSS pixel: more than the screen has, which smooths edges; fewer where only speed counts. */
 const FINE_RATIO = 2;
 const COARSE_RATIO = 0.6;
@@ -281,9 +282,11 @@ export class Stage {
       const [foot, head] = [footOn(line, low as Point), footOn(line, high as Point)];
       const along = new Vector3(...line.direction).multiplyScalar(upward);
       rod.mesh.material.color.set(line.colour);
+      // A line across the spine has both feet in one place, and is seen all the same.
+      const short = Math.max(0, SHORTEST_LINE_MM - foot.distanceTo(head)) / 2;
       rod.set(
-        foot.clone().addScaledVector(along, -20),
-        head.clone().addScaledVector(along, 25),
+        foot.clone().addScaledVector(along, -20 - short),
+        head.clone().addScaledVector(along, 25 + short),
         line.isChosen ? 0.9 : 0.45,
       );
       if (line.isChosen && picture.force) force = forceArrow(head, along, upward);
