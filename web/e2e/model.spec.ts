@@ -97,6 +97,7 @@ test("a model is drawn, with its stiffness, its line and its force", async ({ ap
   // Contradictions stand before the numbers.
   const findings = page.getByRole("complementary", { name: "Findings" });
   const words = await findings.innerText();
+  expect(words).toContain("1 contradiction, 1 warning");
   expect(words.indexOf("Contradiction")).toBeLessThan(words.indexOf("1.6 patient mm"));
   for (const verdict of ["Ratio only", "Contradicted", "At a bound"]) {
     await expect(findings.getByText(verdict, { exact: true })).toBeVisible();
@@ -133,6 +134,8 @@ test("the demo's model is computed and drawn, and follows a load", async ({ app,
   await page.mouse.down();
   await page.mouse.move(x - 45, y, { steps: 20 });
   await page.mouse.up();
+  // Nothing moved under the hand: the load is level.
+  await expect(page.getByLabel("Up or down, in N")).toHaveValue("0");
   await expect(page.getByText("Equilibrium", { exact: true })).toBeVisible();
   expect((await steady(page, view)).equals(rest)).toBe(false);
   await shot(page, "model-of-the-demo-load");
