@@ -36,6 +36,13 @@ class Session {
     }
   }
 
+  /** Takes up the session that took the place of this one; answers whether it is the same person's. */
+  async renew(): Promise<boolean> {
+    const name = this.view?.name;
+    await this.resume();
+    return this.view?.name === name;
+  }
+
   async signIn(how: Api<"SignIn">): Promise<void> {
     this.#use(await ask("POST", "/api/session", { json: how }));
     this.token = null;
