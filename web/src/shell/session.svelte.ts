@@ -50,6 +50,8 @@ class Session {
 
   async signOut(): Promise<void> {
     await ask("DELETE", "/api/session");
+    // Whoever comes next begins at the beginning.
+    router.go({ name: "studies" });
     this.view = null;
     this.expired = false;
   }
