@@ -84,7 +84,7 @@ test("accounts sign in with a password", async ({ app, page }) => {
   await answerWith(page, "/api/sign-in", { access: "accounts", version: "0.1.0" });
   await usePages(page);
   await page.goto(new URL("/", app.address).href);
-  await page.getByLabel("Account").fill("lead");
+  await page.getByRole("textbox", { name: "Account" }).fill("lead");
   await page.getByLabel("Password").fill("not the right one");
   await page.getByRole("button", { name: "Sign in" }).click();
   await expect(page.getByRole("alert")).toBeVisible();
@@ -157,7 +157,7 @@ test("with accounts of the program itself: the lead adds an editor and lets them
   await usePages(page);
 
   const signIn = async (name: string): Promise<void> => {
-    await page.getByLabel("Account").fill(name);
+    await page.getByRole("textbox", { name: "Account" }).fill(name);
     await page.getByLabel("Password").fill(PASSWORD);
     await page.getByRole("button", { name: "Sign in" }).click();
     await expect(page.getByRole("heading", { name: "Studies", level: 1 })).toBeVisible();

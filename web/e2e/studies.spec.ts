@@ -83,13 +83,12 @@ test.describe("with films of one phantom", () => {
 });
 
 async function expectThumbnails(page: Page, count: number): Promise<void> {
-  await expect
-    .poll(() =>
-      page
-        .locator("article img")
-        .evaluateAll((images) => images.filter((i) => (i as HTMLImageElement).naturalWidth).length),
-    )
-    .toBe(count);
+  // The first look at a film decodes all of it.
+  const loaded = (): Promise<number> =>
+    page
+      .locator("article img")
+      .evaluateAll((images) => images.filter((i) => (i as HTMLImageElement).naturalWidth).length);
+  await expect.poll(loaded, { timeout: 60_000 }).toBe(count);
 }
 
 test("an empty store offers a demo, which is one click away", async ({ app, page }) => {
