@@ -46,8 +46,9 @@ test.describe("with films of one phantom", () => {
     for (const posture of POSTURES) {
       const film = page.getByRole("article", { name: `${CASE}-${posture}.dcm` });
       await expect(film.getByLabel("Posture")).toHaveValue(posture);
-      const left = film.getByRole("radio", { name: "right of the picture" });
-      if (!(await film.getByText("as the file says").nth(1).isVisible())) await left.check();
+      const sides = film.getByRole("group", { name: "The patient's left is on the" });
+      if (!(await sides.getByText("as the file says").isVisible()))
+        await sides.getByRole("radio", { name: "right of the picture" }).check();
     }
     await page.getByRole("textbox", { name: "Identifier" }).fill("first-study");
     await page.getByRole("textbox", { name: /label/i }).fill("five films of a phantom");
@@ -82,13 +83,12 @@ test.describe("with films of one phantom", () => {
 });
 
 async function expectThumbnails(page: Page, count: number): Promise<void> {
-  await expect
-    .poll(() =>
-      page
-        .locator("article img")
-        .evaluateAll((images) => images.filter((i) => (i as HTMLImageElement).naturalWidth).length),
-    )
-    .toBe(count);
+  // The first look at a film decodes all of it.
+  const loaded = (): Promise<number> =>
+    page
+      .locator("article img")
+      .evaluateAll((images) => images.filter((i) => (i as HTMLImageElement).naturalWidth).length);
+  await expect.poll(loaded, { timeout: 60_000 }).toBe(count);
 }
 
 test("an empty store offers a demo, which is one click away", async ({ app, page }) => {

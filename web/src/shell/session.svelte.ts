@@ -36,6 +36,13 @@ class Session {
     }
   }
 
+  /** Takes up the session that took the place of this one; answers whether it is the same person's. */
+  async renew(): Promise<boolean> {
+    const name = this.view?.name;
+    await this.resume();
+    return this.view?.name === name;
+  }
+
   async signIn(how: Api<"SignIn">): Promise<void> {
     this.#use(await ask("POST", "/api/session", { json: how }));
     this.token = null;
@@ -43,6 +50,8 @@ class Session {
 
   async signOut(): Promise<void> {
     await ask("DELETE", "/api/session");
+    // Whoever comes next begins at the beginning.
+    router.go({ name: "studies" });
     this.view = null;
     this.expired = false;
   }
