@@ -1,4 +1,4 @@
-import { expect, shot, test, usePages } from "./app";
+import { expect, runProgramWith, shot, test, usePages } from "./app";
 import { answerWith, study } from "./made";
 
 const LEAD = {
@@ -26,7 +26,7 @@ test("the address of the terminal signs in, under the name of who reads", async 
 test("without a token, or with a wrong one, the page says where to look", async ({ app, page }) => {
   await usePages(page);
   await page.goto(new URL("/", app.address).href);
-  await expect(page.getByText(/look at the terminal/i)).toBeVisible();
+  await expect(page.getByText("look at the terminal")).toBeVisible();
   await page.getByLabel("Who reads?").fill("reader-1");
   await page
     .getByLabel("Address that the program printed")
@@ -84,7 +84,7 @@ test("accounts sign in with a password", async ({ app, page }) => {
   await answerWith(page, "/api/sign-in", { access: "accounts", version: "0.1.0" });
   await usePages(page);
   await page.goto(new URL("/", app.address).href);
-  await page.getByLabel("Account").fill("lead");
+  await page.getByRole("textbox", { name: "Account" }).fill("lead");
   await page.getByLabel("Password").fill("not the right one");
   await page.getByRole("button", { name: "Sign in" }).click();
   await expect(page.getByRole("alert")).toBeVisible();
@@ -143,4 +143,57 @@ test("admins add accounts and grant studies", async ({ app, page }) => {
   await page.getByLabel("What ab may do in S-003").selectOption("Editor: marks");
   expect((await granted).postDataJSON()).toEqual([{ name: "ab", role: "editor" }]);
   await shot(page, "access");
+});
+
+test("with accounts of the program itself: the lead adds an editor and lets them see one study", async ({
+  app,
+  page,
+}) => {
+  const PASSWORD = "a password that is long enough";
+  await app.kill();
+  const account = ["account", "add", "lead", "--role", "admin", "--password-stdin", app.store];
+  await runProgramWith(`${PASSWORD}\n`, ...account);
+  await app.start("--accounts");
+  await usePages(page);
+
+  const signIn = async (name: string): Promise<void> => {
+    await page.getByRole("textbox", { name: "Account" }).fill(name);
+    await page.getByLabel("Password").fill(PASSWORD);
+    await page.getByRole("button", { name: "Sign in" }).click();
+    await expect(page.getByRole("heading", { name: "Studies", level: 1 })).toBeVisible();
+  };
+  await page.goto(app.address);
+  await signIn("lead");
+  await page.getByRole("button", { name: "Open a demo" }).click();
+  await expect(page).toHaveURL(/#\/studies\/[^/]+\/measure/, { timeout: 110_000 });
+  const study = /studies\/([^/]+)/.exec(page.url())?.[1] ?? "";
+
+  await page.getByRole("link", { name: "Access" }).click();
+  await page.getByLabel("lead may sign in").uncheck();
+  await expect(page.getByRole("alert")).toBeVisible();
+  await expect(page.getByLabel("lead may sign in")).toBeChecked();
+  await page.getByRole("button", { name: "Add an account" }).click();
+  const dialog = page.getByRole("dialog", { name: "New account" });
+  await dialog.getByLabel("Name").fill("ab");
+  await dialog.getByLabel("Role").selectOption("Editor");
+  await dialog.getByLabel("Password").fill(PASSWORD);
+  await dialog.getByLabel("The same again").fill(PASSWORD);
+  await dialog.getByRole("button", { name: "Add the account" }).click();
+  await expect(page.getByRole("rowheader", { name: "ab", exact: true })).toBeVisible();
+  await shot(page, "access-accounts");
+
+  // Before the grant the editor sees nothing, after it the one study.
+  const signOut = page.getByRole("button", { name: "Sign out" });
+  await signOut.click();
+  await signIn("ab");
+  await expect(page.getByRole("heading", { name: "No study yet" })).toBeVisible();
+  await expect(page.getByRole("link", { name: "Access" })).toBeHidden();
+  await signOut.click();
+  await signIn("lead");
+  await page.getByRole("link", { name: "Access" }).click();
+  await page.getByRole("combobox", { name: "Study", exact: true }).selectOption(study);
+  await page.getByLabel(`What ab may do in ${study}`).selectOption("Reader: looks");
+  await signOut.click();
+  await signIn("ab");
+  await expect(page.getByRole("article")).toContainText("Reader: look only");
 });

@@ -39,12 +39,15 @@ export class App {
       stdio: ["ignore", "pipe", "inherit"],
     });
     this.process = child;
-    this.address = await new Promise<string>((resolve, reject) => {
+    await new Promise<void>((resolve, reject) => {
       let text = "";
       child.stdout.on("data", (part: Buffer) => {
         text += part.toString();
-        const found = /http:\/\/\S+/.exec(text);
-        if (found) resolve(found[0]);
+        // An address is good once; after that the program prints another one.
+        const last = [...text.matchAll(/(http:\/\/\S+)\n/g)].at(-1)?.[1];
+        if (!last) return;
+        this.address = last;
+        resolve();
       });
       child.once("exit", (code) => reject(new Error(`serve ended with ${code}: ${text}`)));
     });
@@ -71,7 +74,14 @@ export class App {
 
 /** Runs the program to its end, such as to make phantoms. */
 export async function runProgram(...args: string[]): Promise<void> {
-  await promisify(execFile)(PROGRAM, args);
+  await runProgramWith("", ...args);
+}
+
+/** The same, with something to read, such as a password. */
+export async function runProgramWith(input: string, ...args: string[]): Promise<void> {
+  const run = promisify(execFile)(PROGRAM, args);
+  run.child.stdin?.end(input);
+  await run;
 }
 
 export const test = base.extend<{ app: App }>({

@@ -2,7 +2,12 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 
 import { Refusal, Unreachable, ask, listen, useSession, type Listener } from "./client";
 
-const heard = { answered: vi.fn(), unreachable: vi.fn(), expired: vi.fn() } satisfies Listener;
+const heard = {
+  answered: vi.fn(),
+  unreachable: vi.fn(),
+  expired: vi.fn(),
+  changed: vi.fn(),
+} satisfies Listener;
 const request = vi.fn<typeof fetch>();
 
 beforeEach(() => {
@@ -82,6 +87,18 @@ describe("a request", () => {
     const [changing, asking] = request.mock.calls.map(([, init]) => new Headers(init?.headers));
     expect(changing?.get("X-Spineline-Csrf")).toBe("c5f");
     expect(asking?.get("X-Spineline-Csrf")).toBeNull();
+  });
+
+  it("under a session that was changed is sent again, if it is the same person's", async () => {
+    const stale = { code: "csrf", message: "not the token of its session" };
+    answer(403, stale);
+    answer(200, { done: true });
+    heard.changed.mockResolvedValueOnce(true);
+    expect(await ask("PUT", "/api/accounts/ab", { json: {} })).toEqual({ done: true });
+    answer(403, stale);
+    heard.changed.mockResolvedValueOnce(false);
+    await refusalOf(ask("PUT", "/api/accounts/ab", { json: {} }));
+    expect(request).toHaveBeenCalledTimes(3);
   });
 
   it("with no content gives nothing", async () => {

@@ -25,6 +25,8 @@ export interface Listener {
   unreachable(): void;
   /** Nobody is signed in any more. */
   expired(): void;
+  /** The session is another one, as after signing in in another tab; answers whether it is the same person's. */
+  changed(): Promise<boolean>;
 }
 
 let listener: Listener | null = null;
@@ -51,6 +53,17 @@ export interface Sending {
 }
 
 async function send(method: Method, path: string, sending: Sending = {}): Promise<Response> {
+  try {
+    return await sendOnce(method, path, sending);
+  } catch (error) {
+    const isStale = error instanceof Refusal && error.problem.code === "csrf";
+    // What one person did is never sent in the name of another.
+    if (isStale && (await listener?.changed())) return sendOnce(method, path, sending);
+    throw error;
+  }
+}
+
+async function sendOnce(method: Method, path: string, sending: Sending): Promise<Response> {
   const headers = headersOf(method);
   let body: BodyInit | undefined;
   if (sending.json !== undefined) {

@@ -30,10 +30,11 @@ export async function drawBoxes(chart: Api<"BoxChart">, width_px: number): Promi
     Plot.plot({
       className: "chart",
       width: width_px,
-      height: 64 + boxes.length * BOX_HEIGHT_PX,
+      height: 60 + boxes.length * BOX_HEIGHT_PX,
       marginLeft: Math.min(220, 24 + 7 * Math.max(...boxes.map((box) => box.label.length))),
       marginRight: 20,
-      marginBottom: 42,
+      marginTop: 8,
+      marginBottom: 46,
       x: { label: chart.axis, grid: true, nice: true, labelArrow: "none", labelAnchor: "center" },
       y: { label: null, domain: boxes.map((box) => box.label), padding: 0.4, tickSize: 0 },
       marks: [

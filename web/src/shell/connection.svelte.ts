@@ -20,6 +20,7 @@ class Connection {
       answered: () => this.#found(),
       unreachable: () => this.#lose(),
       expired: () => session.expire(),
+      changed: () => session.renew(),
     });
   }
 

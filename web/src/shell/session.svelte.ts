@@ -12,6 +12,8 @@ class Session {
   /** Taken from the address, and off the address at once. */
   token = $state(takeToken());
 
+  #waiting: (() => void)[] = [];
+
   constructor() {
     // The program's address opened again in the same tab changes nothing but what stands behind `#`.
     window.addEventListener("hashchange", () => {
@@ -34,6 +36,13 @@ class Session {
     }
   }
 
+  /** Takes up the session that took the place of this one; answers whether it is the same person's. */
+  async renew(): Promise<boolean> {
+    const name = this.view?.name;
+    await this.resume();
+    return this.view?.name === name;
+  }
+
   async signIn(how: Api<"SignIn">): Promise<void> {
     this.#use(await ask("POST", "/api/session", { json: how }));
     this.token = null;
@@ -41,19 +50,28 @@ class Session {
 
   async signOut(): Promise<void> {
     await ask("DELETE", "/api/session");
+    // Whoever comes next begins at the beginning.
+    router.go({ name: "studies" });
     this.view = null;
     this.expired = false;
   }
 
   /** The program no longer knows this session. */
   expire(): void {
-    this.expired = this.view !== null;
+    if (this.view !== null) this.expired = true;
+  }
+
+  /** Settles when somebody is signed in again. */
+  back(): Promise<void> {
+    if (!this.expired) return Promise.resolve();
+    return new Promise((resolve) => this.#waiting.push(resolve));
   }
 
   #use(view: Api<"SessionView">): void {
     useSession(view);
     this.view = view;
     this.expired = false;
+    for (const resolve of this.#waiting.splice(0)) resolve();
   }
 }
 

@@ -1,7 +1,14 @@
 import { describe, expect, it } from "vitest";
 
 import type { Api } from "../api/types";
-import { answersOf, contradictions, filmOf, idTrouble, openQuestions } from "./draft";
+import {
+  answersOf,
+  contradictions,
+  filmOf,
+  idTrouble,
+  openQuestions,
+  postureInName,
+} from "./draft";
 
 function view(more: Partial<Api<"UploadView">> = {}): Api<"UploadView"> {
   return {
@@ -44,6 +51,15 @@ describe("answers", () => {
       scale: { kind: "file" },
       inverted: false,
     });
+  });
+
+  it("take a posture from the file's name only where it names one, and the file says none", () => {
+    expect(postureInName("phantom-rod-01-left_bending.dcm")).toBe("left_bending");
+    expect(postureInName("S1 Right Bending.PNG")).toBe("right_bending");
+    for (const name of ["left.dcm", "uplift_erecting.png", "erect-or-neutral.png", ""])
+      expect(postureInName(name)).toBeNull();
+    expect(answersOf(view({ posture: "neutral" }), "erect.dcm").posture).toBe("neutral");
+    expect(answersOf(view(), "erect.dcm")).toMatchObject({ posture: "erect", patient_left: null });
   });
 
   it("take each posture once", () => {

@@ -1,5 +1,5 @@
 import type { Api } from "../api/types";
-import { imageSideWord, postureWord } from "../shell/words";
+import { imageSideWord, postures, postureWord } from "../shell/words";
 
 export type ScaleKind = Api<"ScaleChoice">["kind"];
 
@@ -15,10 +15,17 @@ export interface Answers {
   inverted: boolean;
 }
 
-/** What the file itself answers. Whatever it does not say stays open: it is never assumed. */
-export function answersOf(view: Api<"UploadView">): Answers {
+/** The one posture whose whole name is part of a file's name. */
+export function postureInName(name: string): Api<"PostureName"> | null {
+  const plain = name.toLowerCase().replace(/[^a-z]+/g, "_");
+  const named = postures.filter((posture) => `_${plain}_`.includes(`_${posture}_`));
+  return named.length === 1 ? (named[0] ?? null) : null;
+}
+
+/** What the file itself answers; of its name only the posture, which is shown to be checked. Whatever they do not say stays open: it is never assumed. */
+export function answersOf(view: Api<"UploadView">, name = ""): Answers {
   return {
-    posture: view.posture ?? null,
+    posture: view.posture ?? postureInName(name),
     patient_left: view.patient_left ?? null,
     scale: view.spacing ? "file" : null,
     column_mm: null,

@@ -60,11 +60,12 @@ const FORCE_ARROW_MM = 55;
 /** From the lowest body down to the grid. */
 const GROUND_MM = 12;
 const MARGIN_MM = 26;
-/** Pixels of the picture for each CSS pixel: more than the screen has, which smooths edges. */
+const SHORTEST_LINE_MM = 160;
+/** Pixels of the picture for each CSS pixel: more than the screen has, which smooths edges; fewer where only speed counts. */
 const FINE_RATIO = 2;
-const COARSE_RATIO = 1;
+const COARSE_RATIO = 0.6;
 /** How long a slow machine's picture rests before it is drawn finely. */
-const REST_MS = 180;
+const REST_MS = 250;
 const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 const NO_STYLE = { contradicted: [], chosenJoint: null, chosenLevel: null, discs: null } as const;
 
@@ -92,6 +93,7 @@ export class Stage {
   #frame = 0;
   #pressed: Vector2 | null = null;
   #isSettling = false;
+  #isHeld = false;
   readonly #isSlow: boolean;
   #fine: ReturnType<typeof setTimeout> | undefined;
 
@@ -132,6 +134,8 @@ export class Stage {
     this.#controls.minZoom = 0.4;
     this.#controls.maxZoom = 12;
     this.#controls.addEventListener("change", () => this.draw());
+    this.#controls.addEventListener("start", () => this.hold(true));
+    this.#controls.addEventListener("end", () => this.hold(false));
     this.look("back");
     this.#observer = new ResizeObserver(() => this.draw());
     this.#observer.observe(canvas.parentElement ?? canvas);
@@ -171,8 +175,15 @@ export class Stage {
     this.#frame = requestAnimationFrame(() => {
       this.#frame = 0;
       this.#render(this.#isSlow ? COARSE_RATIO : FINE_RATIO);
-      if (this.#isSlow) this.#fine = setTimeout(() => this.#render(FINE_RATIO), REST_MS);
+      if (this.#isSlow && !this.#isHeld)
+        this.#fine = setTimeout(() => this.#render(FINE_RATIO), REST_MS);
     });
+  }
+
+  /** While something is held, a slow machine has no time for fine pictures. */
+  hold(isHeld: boolean): void {
+    this.#isHeld = isHeld;
+    this.draw();
   }
 
   look(preset: Preset): void {
@@ -271,9 +282,11 @@ export class Stage {
       const [foot, head] = [footOn(line, low as Point), footOn(line, high as Point)];
       const along = new Vector3(...line.direction).multiplyScalar(upward);
       rod.mesh.material.color.set(line.colour);
+      // A line across the spine has both feet in one place, and is seen all the same.
+      const short = Math.max(0, SHORTEST_LINE_MM - foot.distanceTo(head)) / 2;
       rod.set(
-        foot.clone().addScaledVector(along, -20),
-        head.clone().addScaledVector(along, 25),
+        foot.clone().addScaledVector(along, -20 - short),
+        head.clone().addScaledVector(along, 25 + short),
         line.isChosen ? 0.9 : 0.45,
       );
       if (line.isChosen && picture.force) force = forceArrow(head, along, upward);
@@ -328,7 +341,7 @@ export class Stage {
     }
     const left = isBeside ? width : 0;
     const toward = this.#camera.position.clone().sub(this.#controls.target).normalize().toArray();
-    this.#labels.set([...this.#staticLabels, ...this.#ground.labels(toward)]);
+    this.#labels.set([...this.#staticLabels, ...(isBeside ? [] : this.#ground.labels(toward))]);
     this.#labels.place(this.#camera, left, width, size.y, scale);
     this.told.drawn(
       lookOf(this.#camera, scale),
