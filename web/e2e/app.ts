@@ -1,7 +1,8 @@
-import { spawn, type ChildProcess } from "node:child_process";
+import { execFile, spawn, type ChildProcess } from "node:child_process";
 import { mkdtemp, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import path from "node:path";
+import { promisify } from "node:util";
 
 import AxeBuilder from "@axe-core/playwright";
 import { test as base, expect, type Page } from "@playwright/test";
@@ -68,6 +69,11 @@ export class App {
   }
 }
 
+/** Runs the program to its end, such as to make phantoms. */
+export async function runProgram(...args: string[]): Promise<void> {
+  await promisify(execFile)(PROGRAM, args);
+}
+
 export const test = base.extend<{ app: App }>({
   app: async ({}, use) => {
     const folder = await mkdtemp(path.join(tmpdir(), "spineline-e2e-"));
@@ -87,7 +93,10 @@ export async function usePages(page: Page): Promise<void> {
     async (route) => {
       const { pathname } = new URL(route.request().url());
       const file = path.join(PAGES, pathname === "/" ? "index.html" : pathname);
-      const home = await route.fetch({ url: new URL("/", route.request().url()).href });
+      const home = await route
+        .fetch({ url: new URL("/", route.request().url()).href })
+        .catch(() => null);
+      if (!home) return route.abort();
       const { "content-length": _, ...kept } = home.headers();
       const headers = { ...kept, "content-type": KINDS[path.extname(file)] ?? "" };
       await route.fulfill({ status: 200, path: file, headers });

@@ -112,3 +112,142 @@ export async function answerWith(
     (route) => route.fulfill({ json: body, status }),
   );
 }
+
+/** What the program may find in five files: all said, little said, nothing said, no picture, a view from the side. */
+export function uploads(): (Api<"UploadView"> | Api<"Problem">)[] {
+  const film = (upload: string, more: Partial<Api<"UploadView">>): Api<"UploadView"> => ({
+    upload,
+    format: "DICOM, JPEG-LS lossless",
+    columns: 2140,
+    rows: 4000,
+    pixel_aspect: 1,
+    is_lateral: false,
+    is_synthetic: false,
+    notices: [],
+    ...more,
+  });
+  const spacing = { column_mm: 0.143, row_mm: 0.143 };
+  return [
+    film("u1", {
+      posture: "erect",
+      patient_left: "image_right",
+      spacing: { ...spacing, plane: "patient", text: "0.143 mm × 0.143 mm, by a ball (± 0.6 %)" },
+      is_synthetic: true,
+    }),
+    film("u2", {
+      posture: "left_bending",
+      spacing: { ...spacing, plane: "detector", text: "0.143 mm × 0.143 mm, as the file says" },
+      notices: [
+        {
+          severity: "warning",
+          code: "burned_in",
+          text: "there may be text burned into the picture: it could be a patient's name",
+        },
+      ],
+    }),
+    film("u3", { format: "PNG" }),
+    { code: "film", message: "this is no picture: its first bytes are of no known format" },
+    film("u5", { is_lateral: true, posture: "erect", patient_left: "image_right" }),
+  ];
+}
+
+/** A cohort with everything that the page can show. */
+export function cohort(): Api<"CohortView"> {
+  const whiskers_text =
+    "Whiskers reach to the last value within 1.5 interquartile ranges of the box.";
+  return {
+    synthetic: true,
+    rows: manyStudies(9).map((study, index) => cohortRow(study, index)),
+    charts: [
+      {
+        title: "Location error on films that were held out",
+        axis: "location error (mm)",
+        whiskers_text,
+        boxes: [
+          box("Inflection line", [0.4, 1.8, 3.1, 4.6, 8.2], [10.2, 11.9]),
+          box("Iliac line", [1.4, 3.8, 6.1, 9.6, 15.2]),
+          box("Estimated line", [0.3, 1.2, 2.1, 3.6, 6.2], [9.1]),
+        ],
+      },
+      {
+        title: "Distance from inflections to least-rotating segments",
+        axis: "distance (mm)",
+        whiskers_text,
+        boxes: [
+          box("Left bending, upper", [-12, -4, 1, 5, 14], [22]),
+          box("Right bending, upper", [-14, -6, -1, 4, 11]),
+        ],
+      },
+    ],
+    comparisons: [
+      {
+        label: "Inflection line against iliac line, location error",
+        pooled_text: "3.1 mm against 6.1 mm; paired t, n = 420, p < 0.001 (one-sided)",
+        by_patient_text: "2.9 mm less (95 % CI 0.4 to 5.3), 7 patients, cluster bootstrap",
+      },
+    ],
+    reliability: [
+      {
+        quantity: "Cobb angle (°)",
+        scope: "all studies",
+        statistics: [
+          { name: "ICC(2,1)", text: "0.98 (0.96–0.99)" },
+          { name: "SEM", text: "1.1°" },
+          { name: "MDC95", text: "3.1°" },
+          { name: "Pearson, within an observer", text: "0.99" },
+        ],
+        bland_altman: {
+          means: Array.from({ length: 40 }, (_, index) => 20 + index),
+          differences: Array.from({ length: 40 }, (_, index) => Math.sin(index * 9.1) * 2.1 + 0.3),
+          bias: 0.31,
+          limits: [-2.9, 3.5],
+          unit: "°",
+        },
+      },
+    ],
+    verdict: [
+      "On 7 patients the estimated line predicts held-out films no better than the inflection line: 1.0 mm (95 % CI −0.2 to 2.3).",
+      "The iliac line is worse than both.",
+    ],
+    notices: [
+      { severity: "note", code: "quartiles", text: "Quartiles are interpolated linearly." },
+      {
+        severity: "warning",
+        code: "left_out",
+        text: "2 of 9 studies are left out; the table says why.",
+      },
+      {
+        severity: "contradiction",
+        code: "against_force",
+        posture: "left_bending",
+        level: "T8",
+        text: "in 3 studies joints turn against the force.",
+      },
+    ],
+  };
+}
+
+function cohortRow(study: Api<"StudySummary">, index: number): Api<"CohortRow"> {
+  const cobb_deg = 30 + ((index * 37) % 23);
+  const isUnknown = index === 5;
+  return {
+    study: study.id,
+    synthetic: study.synthetic,
+    status: study.status,
+    excluded: index % 4 === 3 ? "the erect film lacks T4, T3 and T2" : null,
+    cells: [
+      { heading: "Lenke", text: "1", value: null },
+      {
+        heading: "main Cobb (°)",
+        text: isUnknown ? "–" : cobb_deg.toFixed(1),
+        value: isUnknown ? null : cobb_deg,
+      },
+      { heading: "flexibility (%)", text: "43", value: 43 },
+      { heading: "held-out error, inflection line (mm)", text: "4.1", value: 4.1 },
+    ],
+  };
+}
+
+function box(label: string, five: number[], outliers: number[] = []): Api<"BoxView"> {
+  return { label, count: 28, five, outliers };
+}

@@ -12,6 +12,7 @@ use spineline::multibody::Support;
 use spineline::personalize::{FitTarget, Gauge};
 use spineline::spatial::{Angle, Frontal};
 
+use crate::account::{self, AccountArgs};
 use crate::export::{EXAMPLES, ExportArgs};
 use crate::failure::Failure;
 use crate::film::FilmArgs;
@@ -52,7 +53,11 @@ pub enum Command {
     #[command(after_help = study::EXAMPLES)]
     Study(StudyArgs),
     /// Open the browser app: from films to a model, on this machine
+    #[command(after_help = crate::serve::EXAMPLES)]
     Serve(crate::serve::ServeArgs),
+    /// Say who may sign in to the browser app, and see which study
+    #[command(after_help = account::EXAMPLES)]
+    Account(AccountArgs),
     /// Make synthetic patients with known truth
     Phantom(PhantomArgs),
     /// Write a model as MuJoCo, OpenSim or URDF programs read it, or landmarks as CSV, for 3D Slicer or as DICOM SR

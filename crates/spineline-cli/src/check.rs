@@ -9,7 +9,6 @@ use crate::analyze::{analyze_file, case_files};
 use crate::args::CheckArgs;
 use crate::failure::{Ending, Failure};
 use crate::print;
-use crate::report::fit_text;
 use crate::table::{Table, wrap};
 
 pub fn run(args: &CheckArgs) -> Result<Ending, Failure> {
@@ -50,7 +49,7 @@ fn text(path: &Path, analysis: &Analysis) -> String {
             outline.readings.to_string(),
             outline.scale.text(outline.polygon_mm(), 0),
             outline.amplitude().leaning(),
-            format!("{}{assumed}", fit_text(&outline.scale, outline.noise.location_mm)),
+            format!("{}{assumed}", outline.scale.residual_text(outline.noise.location_mm)),
             format!("{:.2}{assumed}", outline.noise.tilt.deg()),
             if outline.iliac_normal.is_some() { "marked" } else { "none" }.to_owned(),
             outline.scale.to_string(),

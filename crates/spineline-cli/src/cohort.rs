@@ -1,7 +1,7 @@
 //! Several patients as text.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, LineModel, probability};
+use spineline::analysis::{Analysis, LineModel};
 use spineline::cohort::Cohort;
 
 use crate::table::Table;
@@ -34,43 +34,9 @@ pub fn text(analyses: &[Analysis]) -> String {
         "Mean location errors in mm, fitted bends / held-out films; joints that turn against the inflection line's force\n{}\n",
         table.text()
     );
-    text.push_str(&sentences(&cohort));
-    text
-}
-
-/// A cohort in plain sentences.
-fn sentences(cohort: &Cohort) -> String {
-    let mut text = format!(
-        "{} patients{}; {} with exactly two inflections\n",
-        cohort.patients,
-        if cohort.synthetic { " (all synthetic)" } else { "" },
-        cohort.two_inflections
-    );
-    for line in &cohort.lines {
-        for (films, errors) in [("fitted", &line.fitted), ("held out", &line.held_out)] {
-            if errors.location_mm.patients.n == 0 {
-                continue;
-            }
-            let interval = errors.location_mm.bootstrap.map_or_else(String::new, |[low, high]| {
-                format!(", 95 % interval over patients {low:.2} to {high:.2}")
-            });
-            text.push_str(&format!(
-                "{:15} {films:8}  location error {:.2} mm{interval}; Ferguson error {:.2}°; films without a result: {}\n",
-                line.kind.to_string(), errors.location_mm.patients.mean, errors.ferguson_deg.patients.mean, errors.unusable
-            ));
-        }
-    }
-    let (rejected, tested) = cohort.line_rejected;
-    if tested > 0 {
-        text.push_str(&format!(
-            "In {rejected} of {tested} bends the load that the joints' rotations prefer does not run through the inflections\n"
-        ));
-    }
-    if let Some(t) = cohort.location_test.patients {
-        text.push_str(&format!(
-            "Inflection against iliac line, one mean per patient: {:+.2} mm (p {}, two-sided, n = {})\n",
-            t.mean_difference, probability(t.p_two_sided), t.n
-        ));
+    for sentence in cohort.sentences() {
+        text.push_str(&sentence);
+        text.push('\n');
     }
     text
 }

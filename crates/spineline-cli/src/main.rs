@@ -1,5 +1,6 @@
 //! The `spineline` program: thin. It reads files, calls the library, and shows what came back.
 
+mod account;
 mod analyze;
 mod args;
 mod check;
@@ -48,6 +49,7 @@ fn run(command: Command) -> Result<Ending, Failure> {
         Command::Import(args) => import::run(&args),
         Command::Study(args) => study::run(&args),
         Command::Serve(args) => serve::run(&args),
+        Command::Account(args) => account::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Reliability(args) => reliability::run(&args),
         Command::Phantom(args) => phantom::run(&args),

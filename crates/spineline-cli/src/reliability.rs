@@ -7,7 +7,7 @@ use csv::Writer;
 use spineline::measure::FilmReadings;
 use spineline::reliability::{
     BlandAltman, Design, DesignReliability, Quantity, QuantityReliability, Statistic, assess,
-    film_quantities, shown_coefficient, shown_measure,
+    film_quantities, shown_measure,
 };
 use spineline_io::ReliabilityFile;
 use spineline_report::figures;
@@ -171,19 +171,9 @@ fn design_text(design: &DesignReliability, unit: &str) -> String {
 }
 
 fn cells(statistic: &Statistic, unit: &str, n: &str) -> Vec<String> {
-    let has_unit = statistic.kind.has_unit();
-    let shown: fn(f64) -> String = if has_unit { shown_measure } else { shown_coefficient };
-    let (value, range) = match statistic.outcome {
-        Err(reason) => ("-".to_owned(), format!("undefined: {reason}")),
-        Ok(estimate) => (
-            match estimate.sd {
-                Some(sd) => format!("{} ± {}", shown(estimate.value), shown_measure(sd)),
-                None => shown(estimate.value),
-            },
-            estimate.interval.map_or_else(|_| "-".to_owned(), |interval| between(interval, shown)),
-        ),
-    };
-    let unit = if has_unit { unit } else { "" };
+    let (value, range) = statistic.shown();
+    let unit = if statistic.kind.has_unit() { unit } else { "" };
+    let value = value.unwrap_or_else(|| "-".to_owned());
     vec![statistic.kind.name().to_owned(), value, range, unit.to_owned(), n.to_owned()]
 }
 

@@ -3,8 +3,7 @@
 use std::fmt::Write;
 
 use spineline::analysis::{Analysis, LineModel};
-use spineline::measure::LengthScale;
-use spineline::personalize::{FitStatus, Gauge, StiffnessBound};
+use spineline::personalize::{FitStatus, StiffnessBound};
 
 use crate::table::{Table, wrap};
 
@@ -51,20 +50,8 @@ pub fn warnings(analysis: &Analysis) -> String {
 fn curve_text(analysis: &Analysis) -> String {
     let mut text = String::new();
     let scale = analysis.scale();
-    let places: Vec<String> = analysis
-        .inflections
-        .pair
-        .iter()
-        .flatten()
-        .map(|i| {
-            format!("{}/{} ({} above L4)", i.between.0, i.between.1, scale.text(i.erect.z_mm, 0))
-        })
-        .collect();
-    let lobes: Vec<String> = analysis.inflections.lobes.iter().map(|l| l.turn.leaning()).collect();
-    let _ = writeln!(text, "Erect curve turns {}", lobes.join(", "));
-    if !places.is_empty() {
-        let _ = writeln!(text, "Inflections at {}", places.join(" and "));
-    }
+    text.push_str(&analysis.inflection_words());
+    text.push('\n');
     let chain = &analysis.chain;
     let segment = scale.mm(chain.segment_mm).map_or_else(
         || format!("{:.3} px", scale.px(chain.segment_mm).unwrap_or_default()),
@@ -95,13 +82,7 @@ fn clinical_text(analysis: &Analysis) -> String {
         );
         table.row(row);
     }
-    let lenke = analysis.lenke.map_or_else(String::new, |lenke| {
-        format!(
-            "Lenke type {} from frontal films (kyphosis and modifiers not seen)\n",
-            lenke.number
-        )
-    });
-    format!("{}{lenke}\n", table.text())
+    format!("{}{}\n\n", table.text(), analysis.lenke_words())
 }
 
 fn motion_text(analysis: &Analysis) -> String {
@@ -122,21 +103,13 @@ fn motion_text(analysis: &Analysis) -> String {
             p.outline.posture.to_string(),
             p.outline.amplitude().leaning(),
             p.fit.order.to_string(),
-            fit_text(&p.outline.scale, p.fit.rmse_mm),
+            p.outline.scale.residual_text(p.fit.rmse_mm),
             format!("{:.2}", p.fit.rmse_tilt.deg()),
             p.mean_rotation().map_or_else(String::new, |r| format!("{:.4}", r.deg())),
             distances.unwrap_or_default(),
         ]);
     }
     format!("{}\n", table.text())
-}
-
-/// A residual: the scale's own uncertainty says nothing of it.
-pub fn fit_text(scale: &LengthScale, rmse_mm: f64) -> String {
-    match scale.px(rmse_mm) {
-        Some(px) => format!("{px:.1} px"),
-        None => format!("{rmse_mm:.2} mm"),
-    }
 }
 
 fn models_text(analysis: &Analysis) -> String {
@@ -167,7 +140,7 @@ fn models_text(analysis: &Analysis) -> String {
         }
     }
     let mut text = format!("{}\n", table.text());
-    let _ = writeln!(text, "Lateral stiffness against the table ({})", gauge_words(analysis));
+    let _ = writeln!(text, "Lateral stiffness against the table ({})", analysis.gauge_words());
     for model in &analysis.models {
         let _ = writeln!(text, "  {:15} {}", model.kind, multipliers_text(model));
     }
@@ -178,14 +151,6 @@ fn force_heading(analysis: &Analysis) -> &'static str {
     let gauge = analysis.options.gauge;
     let absolute = analysis.models.iter().all(|model| model.is_absolute(gauge));
     if absolute { "force (N)" } else { "force (relative)" }
-}
-
-fn gauge_words(analysis: &Analysis) -> &'static str {
-    match analysis.options.gauge {
-        Gauge::GeometricMean => "only ratios are identified; their geometric mean is set to 1",
-        Gauge::FrozenForce => "forces kept from the nominal stiffness",
-        Gauge::KnownForce { .. } => "scaled to the known force",
-    }
 }
 
 fn multipliers_text(model: &LineModel) -> String {

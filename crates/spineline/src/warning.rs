@@ -35,6 +35,30 @@ impl Step {
     }
 }
 
+/// How much a soft problem weighs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// Worth knowing: a choice that was made.
+    Note,
+    /// Something may be wrong.
+    Warning,
+    /// The data speak against the model, or a number that is shown is no result.
+    Contradiction,
+}
+
+/// Codes of choices.
+const NOTES: [&str; 6] = [
+    "iliac_crests_missing",
+    "inflections_by_hand",
+    "no_bending_film",
+    "parametric_curve",
+    "reliability_one_reading",
+    "usual_regions",
+];
+/// Codes of what contradicts.
+const CONTRADICTIONS: [&str; 4] =
+    ["fit_not_converged", "force_not_found", "joints_contradict_line", "multiplier_at_bound"];
+
 /// One soft problem, or the reason why a number is absent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Warning {
@@ -48,6 +72,20 @@ pub struct Warning {
     pub level: Option<Level>,
     /// What happened and what to do, in words.
     pub message: String,
+}
+
+impl Warning {
+    /// How much it weighs.
+    #[must_use]
+    pub fn severity(&self) -> Severity {
+        if CONTRADICTIONS.contains(&self.code) {
+            Severity::Contradiction
+        } else if NOTES.contains(&self.code) {
+            Severity::Note
+        } else {
+            Severity::Warning
+        }
+    }
 }
 
 /// The collector that every step with soft problems takes, so that no caller can overlook them.

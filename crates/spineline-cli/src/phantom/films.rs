@@ -6,17 +6,15 @@ use std::path::Path;
 
 use serde::Serialize;
 use spineline::anatomy::{ImageSide, Level, Posture, Side};
-use spineline_io::film::{DicomFilm, Encoding, FilmPolarity, View, pixels_sha256, write_dicom};
+use spineline_io::film::Encoding;
 use spineline_io::{CaseFile, FilmSource, sha256_hex};
-use spineline_phantom::{Phantom, Polarity, TrueFilm};
+use spineline_phantom::{Phantom, TrueFilm};
+use spineline_server::synthetic::{DrawnFilm, draw_film};
 
 use crate::analyze::write_file;
 use crate::args::{EncodingName, PhantomArgs};
 use crate::failure::Failure;
 use crate::progress::map_all;
-
-/// How much larger the films' detector is said to show the patient.
-const MAGNIFICATION: f64 = 1.1;
 
 /// The films of one case by posture.
 pub(super) type Listing = BTreeMap<&'static str, FilmRecord>;
@@ -73,39 +71,17 @@ fn write_film(
     encoding: EncodingName,
     folder: &Path,
 ) -> Result<FilmRecord, Failure> {
-    let radiograph = spineline_phantom::Radiograph::of(film);
-    let image = radiograph.image;
-    let (polarity, photometric_interpretation) = match radiograph.polarity {
-        Polarity::Monochrome1 => (FilmPolarity::Monochrome1, "MONOCHROME1"),
-        Polarity::Monochrome2 => (FilmPolarity::Monochrome2, "MONOCHROME2"),
-    };
-    // Seen from behind, the patient's left is on the picture's.
-    let view = match image.patient_left {
-        ImageSide::Left => View::Posteroanterior,
-        ImageSide::Right => View::Anteroposterior,
-    };
     let encoding = match encoding {
         EncodingName::Mixed if film.posture == Posture::Neutral => Encoding::Rle,
         EncodingName::Mixed | EncodingName::JpegLs => Encoding::JpegLs,
         EncodingName::Rle => Encoding::Rle,
         EncodingName::Plain => Encoding::Plain,
     };
-    let bytes = write_dicom(&DicomFilm {
-        case_id: &phantom.case.id,
-        subject: &phantom.case.subject,
-        posture: film.posture,
-        view,
-        image,
-        magnification: MAGNIFICATION,
-        polarity,
-        bits_stored: radiograph.bits_stored,
-        pixels: &radiograph.pixels,
-        encoding,
-    })
-    .map_err(|error| Failure::internal(error.to_string()))?;
-    let file = format!("{}-{}.dcm", phantom.case.id, film.posture.key());
-    let path = folder.join(&file);
-    write_file(&path, &bytes)?;
+    let drawn =
+        draw_film(phantom, film, encoding).map_err(|error| Failure::internal(error.to_string()))?;
+    let DrawnFilm { file, bytes, photometric_interpretation, pixels_sha256 } = drawn;
+    write_file(&folder.join(&file), &bytes)?;
+    let image = film.image;
     Ok(FilmRecord {
         file,
         sha256: sha256_hex(&bytes),
@@ -123,7 +99,7 @@ fn write_film(
             Side::Left => "left",
             Side::Right => "right",
         },
-        pixels_sha256: pixels_sha256(&radiograph.pixels),
+        pixels_sha256,
         iliac_crests_px: [("left", film.iliac_crests.left), ("right", film.iliac_crests.right)]
             .map(|(side, p)| (side, [p.column_px, p.row_px]))
             .into(),

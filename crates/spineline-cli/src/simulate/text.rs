@@ -8,10 +8,10 @@ use spineline::response::{
     ActingKind, Met, SpineAngles, Verdict, acting_loads, erect_shape, largest_displacement_mm,
     largest_hinge, measure_angles,
 };
-use spineline::spatial::Angle;
+use spineline::spatial::{Angle, moment_words, vector_words};
 
 use super::outcome::Outcome;
-use super::words::{load_words, moment_words, timing_word, vector_words};
+use super::words::{load_words, timing_word};
 use crate::table::{Table, wrap};
 
 const WIDTH: usize = 110;
@@ -70,28 +70,18 @@ fn ending_text(outcome: &Outcome) -> String {
     let ending = outcome.response.ending;
     let meaning = match ending {
         PathEnding::Converged if !outcome.response.is_complete() => {
-            "a shape that meets the goal, reached from the erect spine; the path was lost beyond it, where there may be more"
+            "a shape that meets the goal, reached from the erect spine; the path was lost beyond it, where there may be more".to_owned()
         }
         PathEnding::Converged => {
-            "the only shape that meets the goal within the limits, reached from the erect spine"
+            "the only shape that meets the goal within the limits, reached from the erect spine".to_owned()
         }
         PathEnding::SeveralEquilibria => {
-            "several shapes meet the goal; the first one that the erect spine reaches is the result"
+            "several shapes meet the goal; the first one that the erect spine reaches is the result".to_owned()
         }
-        PathEnding::LimitPoint => {
-            "NO RESULT: the loads have a maximum before the goal, and a real spine would snap there"
+        PathEnding::Interrupted => {
+            "NO RESULT: broken off; the path so far is in the files".to_owned()
         }
-        PathEnding::BranchPoint => {
-            "NO RESULT: another branch crosses before the goal, and a real spine would buckle there"
-        }
-        PathEnding::Unreachable => {
-            "NO RESULT: the goal is not met up to the largest factor and hinge angle, or a rod's pose cannot be had; \
-             lower the loads or the lean, or load another vertebra"
-        }
-        PathEnding::NotConverged => {
-            "NO RESULT: the path of equilibria was lost, along or against the loads, before what may come first was seen; smaller loads may tell where"
-        }
-        PathEnding::Interrupted => "NO RESULT: broken off; the path so far is in the files",
+        other => format!("NO RESULT: {}", other.meaning()),
     };
     let name = ending.key().replace('_', " ");
     let mut text = wrap(&format!("{} · {meaning}", name.to_uppercase()), WIDTH, "");

@@ -1,40 +1,8 @@
-//! Loads and sides in words.
+//! Loads in words.
 
 use spineline::multibody::Timing;
+use spineline::spatial::{moment_words, vector_words};
 use spineline_io::{AppliedLoad, TimingKey};
-
-/// Parts of a vector below this part of the largest are not worth a word.
-const SMALLEST_PART: f64 = 0.005;
-
-/// A force or place by its parts, such as `49.2 left, 8.0 caudal`.
-pub fn vector_words(vector: [f64; 3]) -> String {
-    parts(vector, [["anterior", "posterior"], ["left", "right"], ["cranial", "caudal"]])
-}
-
-/// A moment on a vertebra by what it does, such as `5000.0 bending right, 200.0 flexing`.
-pub fn moment_words(moment: [f64; 3]) -> String {
-    let words = [
-        ["bending right", "bending left"],
-        ["flexing", "extending"],
-        ["turning left", "turning right"],
-    ];
-    parts(moment, words)
-}
-
-/// Each part with the word for its sign.
-fn parts(vector: [f64; 3], words: [[&str; 2]; 3]) -> String {
-    let largest = vector.iter().fold(0.0, |most: f64, part| most.max(part.abs()));
-    let said = vector.iter().zip(words).filter(|(part, _)| part.abs() > SMALLEST_PART * largest);
-    let said: Vec<String> = said
-        .map(|(part, [positive, negative])| {
-            let word = if *part > 0.0 { positive } else { negative };
-            // Small forces keep their digits.
-            let places = if largest < 1.0 { 4 } else { 1 };
-            format!("{:.places$} {word}", part.abs())
-        })
-        .collect();
-    if said.is_empty() { "0".to_owned() } else { said.join(", ") }
-}
 
 /// `held` or `growing`.
 pub const fn timing_word(timing: Timing) -> &'static str {

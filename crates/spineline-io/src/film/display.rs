@@ -156,9 +156,10 @@ impl FilmFile {
             .map(|value| grey(&voi, modality_offset + modality_step * f64::from(value), invert))
             .collect();
         let default_window = match &voi {
-            Voi::Window(window) => {
-                [(window.center - modality_offset) / modality_step, window.width / modality_step.abs()]
-            }
+            Voi::Window(window) => [
+                (window.center - modality_offset) / modality_step,
+                window.width / modality_step.abs(),
+            ],
             Voi::Lut(_) => span(&default_grey),
         };
         ScreenValues {

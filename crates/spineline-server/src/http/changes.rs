@@ -2,7 +2,7 @@
 
 use std::convert::Infallible;
 
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::response::Sse;
 use axum::response::sse::{Event, KeepAlive};
 use tokio::sync::broadcast;
@@ -12,8 +12,9 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::api::{Change, Problem};
+use super::extract::Path;
 use super::studies::study_name;
-use super::{Answer, AppState, User, studies};
+use super::{Answer, AppState, User};
 use crate::store::{Name, Sight};
 
 /// Changes that a slow listener may lag behind before it misses some.
@@ -64,7 +65,7 @@ async fn changes(
     let (asked, who) = (study.clone(), user.clone());
     // Listening begins before anything is looked up, so that nothing falls in between.
     let told = BroadcastStream::new(state.changes().0.subscribe());
-    state.answer(move |store| studies::role_in(store, &who, &asked)).await?;
+    state.ask(move |store| who.on_study(store, &asked)).await?;
     let told = told
         .take_while(|told| !matches!(told, Ok(Told::End)))
         .filter_map(move |told| match told {

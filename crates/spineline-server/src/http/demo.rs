@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
 use spineline::anatomy::Posture;
@@ -12,6 +11,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::api::{Problem, RoleName, StudyDetail};
+use super::extract::Json;
 use super::films::Thumbnails;
 use super::{Answer, AppState, Failure, User, studies};
 use crate::store::{Hash, Name, NewCase, StoreError};
@@ -31,10 +31,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 #[utoipa::path(post, path = "/api/studies/demo",
     responses((status = 200, body = StudyDetail), (status = 403, body = Problem)))]
 async fn demo(State(state): State<AppState>, user: User) -> Answer<Json<StudyDetail>> {
-    if user.role == RoleName::Reader {
-        return Err(Failure::new(StatusCode::FORBIDDEN, "forbidden", "readers add no studies")
-            .help("ask an editor to add the demonstration"));
-    }
+    user.need(RoleName::Editor)?;
     let drawn = tokio::task::spawn_blocking(draw);
     let (case, thumbnails) = drawn.await.expect("drawing does not panic")?;
     for (content, small) in thumbnails {
@@ -42,15 +39,21 @@ async fn demo(State(state): State<AppState>, user: User) -> Answer<Json<StudyDet
     }
     let now = state.now();
     let asker = state.clone();
-    let detail = state.answer(move |store| {
+    let detail = state.ask(move |store| {
         let mut case = case;
         for number in 1..=MOST_DEMOS {
             let name = if number == 1 { "demo-rod-01" } else { &format!("demo-rod-01-{number}") };
             case = case.named(Name::new(name)?);
-            match store.add_case(&case, &user.sign(now)) {
+            match store.add_own_case(&case, &user.sign(now)) {
                 Ok(added) => {
                     asker.changes().tell(&added.study, studies::of_study(&user));
-                    return studies::detail(asker.studies(), store, &user, &added.study, now);
+                    return studies::detail(
+                        (asker.studies(), asker.results()),
+                        store,
+                        &user,
+                        &added.study,
+                        now,
+                    );
                 }
                 Err(StoreError::Exists { .. }) => {}
                 Err(other) => return Err(other.into()),

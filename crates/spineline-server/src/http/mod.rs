@@ -1,78 +1,48 @@
 //! The browser app's server: thin. It asks the store and the library, and puts their answers into words and pixels.
 
+mod accounts;
 pub mod api;
 mod assets;
 mod changes;
 mod demo;
+pub mod extract;
 mod films;
+mod grants;
+mod guard;
+mod guard_rate;
+mod guard_token;
+mod listen;
 mod problem;
 mod readings;
+mod results;
 mod session;
 mod state;
 mod studies;
 mod words;
 
+pub use listen::Server;
 pub use problem::{Answer, Failure};
 pub use session::User;
 pub use state::{AppState, ServeOptions};
 
-use std::net::SocketAddr;
+use std::any::Any;
+use std::time::Duration;
 
-use axum::Router;
-use tokio::net::TcpListener;
+use axum::extract::DefaultBodyLimit;
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Response};
+use axum::{Router, middleware, routing};
+use tower_http::catch_panic::CatchPanicLayer;
+use tower_http::timeout::RequestBodyTimeoutLayer;
 use utoipa::openapi::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 
-use crate::store::Store;
-
-/// A server that listens, and can be run.
-#[derive(Debug)]
-pub struct Server {
-    listener: TcpListener,
-    state: AppState,
-}
-
-impl Server {
-    /// Listens.
-    ///
-    /// # Errors
-    /// Whatever keeps a port from being listened on.
-    pub async fn bind(
-        store: Store,
-        address: SocketAddr,
-        options: ServeOptions,
-    ) -> std::io::Result<Self> {
-        let listener = TcpListener::bind(address).await?;
-        let state = AppState::new(store, listener.local_addr()?, options);
-        Ok(Self { listener, state })
-    }
-
-    /// Where it listens.
-    #[must_use]
-    pub fn address(&self) -> SocketAddr {
-        self.state.address()
-    }
-
-    /// The address to open. Its one-time token stands behind `#`, which browsers send to nobody.
-    #[must_use]
-    pub fn address_to_open(&self) -> String {
-        format!("http://{}/#token={}", self.address(), self.state.token())
-    }
-
-    /// Answers until `end` comes.
-    ///
-    /// # Errors
-    /// Whatever ends a listener.
-    pub async fn run(self, end: impl Future<Output = ()> + Send + 'static) -> std::io::Result<()> {
-        let state = self.state.clone();
-        let end = async move {
-            end.await;
-            // A stream of changes would keep its connection open for ever.
-            state.changes().close();
-        };
-        axum::serve(self.listener, app(self.state)).with_graceful_shutdown(end).await
-    }
-}
+/// Largest body of a request, in bytes. A route that takes films sets a limit of its own.
+const LARGEST_BODY_BYTES: usize = 1 << 20;
+/// Largest body that any route may take, in bytes: a study's films in one archive.
+pub const LARGEST_UPLOAD_BYTES: usize = 600 << 20;
+/// Longest wait for the next piece of a body.
+const BODY_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// The description of the interface, of which the browser's types are made.
 #[must_use]
@@ -86,9 +56,6 @@ pub fn openapi() -> OpenApi {
 /// Types of handlers that are being written.
 #[derive(utoipa::OpenApi)]
 #[openapi(components(schemas(
-    api::AccountView,
-    api::AccountEdit,
-    api::Grant,
     api::StudySummary,
     api::StudyDetail,
     api::UploadView,
@@ -115,14 +82,67 @@ struct Planned;
 fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()
         .merge(session::routes())
+        .merge(accounts::routes())
+        .merge(grants::routes())
         .merge(studies::routes())
         .merge(demo::routes())
         .merge(films::routes())
         .merge(readings::routes())
         .merge(changes::routes())
+        .merge(results::routes())
 }
 
-fn app(state: AppState) -> Router {
+/// The whole app: what is asked of it in a test is asked of it in the same way by a browser.
+pub fn app(state: AppState) -> Router {
     let (api, _) = routes().split_for_parts();
-    api.fallback(assets::serve).with_state(state)
+    api.route("/api", routing::any(unknown))
+        .route("/api/{*unknown}", routing::any(unknown))
+        .fallback(assets::serve)
+        .method_not_allowed_fallback(wrong_method)
+        .layer(DefaultBodyLimit::max(LARGEST_BODY_BYTES))
+        .layer(RequestBodyTimeoutLayer::new(BODY_TIMEOUT))
+        .layer(middleware::from_fn_with_state(state.clone(), guard::guard))
+        .layer(CatchPanicLayer::custom(panicked))
+        .layer(middleware::from_fn(guard::headers))
+        .with_state(state)
+}
+
+async fn unknown(_user: User) -> Failure {
+    Failure::not_found()
+}
+
+async fn wrong_method() -> Failure {
+    Failure::new(StatusCode::METHOD_NOT_ALLOWED, "wrong_method", "this cannot be asked that way")
+}
+
+/// What a panic says may quote what was sent; the answer says nothing.
+fn panicked(_: Box<dyn Any + Send>) -> Response {
+    Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", "the program has a bug there")
+        .help("nothing of this step was saved; look at the terminal for where it happened")
+        .into_response()
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::body::{Body, to_bytes};
+    use axum::http::Request;
+    use axum::{Router, routing};
+    use tower::ServiceExt;
+    use tower_http::catch_panic::CatchPanicLayer;
+
+    #[tokio::test]
+    async fn f71_a_bug_says_nothing_of_what_was_sent() {
+        async fn bug() -> &'static str {
+            panic!("a patient called Doe^Jane")
+        }
+        let app = Router::new()
+            .route("/", routing::get(bug))
+            .layer(CatchPanicLayer::custom(super::panicked));
+        let answer = app.oneshot(Request::new(Body::empty())).await.expect("an answer");
+        assert_eq!(answer.status(), 500);
+        let body = to_bytes(answer.into_body(), 1000).await.expect("a body");
+        let problem: super::api::Problem = serde_json::from_slice(&body).expect("a problem");
+        assert_eq!(problem.code, "internal");
+        assert!(!format!("{problem:?}").contains("Doe"));
+    }
 }

@@ -1,7 +1,7 @@
 //! Refusals, as whoever asked can understand them.
 
 use axum::Json;
-use axum::http::StatusCode;
+use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
 use spineline_io::film::FilmError;
@@ -17,6 +17,7 @@ pub type Answer<T> = Result<T, Failure>;
 pub struct Failure {
     status: StatusCode,
     problem: Problem,
+    retry_after_s: Option<u32>,
 }
 
 impl Failure {
@@ -24,7 +25,7 @@ impl Failure {
     #[must_use]
     pub fn new(status: StatusCode, code: &str, message: impl Into<String>) -> Self {
         let problem = Problem { code: code.to_owned(), message: message.into(), help: None };
-        Self { status, problem }
+        Self { status, problem, retry_after_s: None }
     }
 
     /// With what to do about it.
@@ -38,6 +39,13 @@ impl Failure {
     #[must_use]
     pub fn into_problem(self) -> Problem {
         self.problem
+    }
+
+    /// With the time after which to try again, in seconds.
+    #[must_use]
+    pub fn retry_after(mut self, seconds: u32) -> Self {
+        self.retry_after_s = Some(seconds);
+        self
     }
 
     /// What is not there, or not for whoever asks; nobody can tell which.
@@ -60,6 +68,8 @@ impl From<StoreError> for Failure {
             StoreError::NotYours { .. } => (S::FORBIDDEN, "not_yours"),
             StoreError::Finished { .. } => (S::CONFLICT, "finished"),
             StoreError::Exists { .. } | StoreError::AlreadyKnown { .. } => (S::CONFLICT, "exists"),
+            StoreError::LastAdmin { .. } => (S::CONFLICT, "last_admin"),
+            StoreError::BadPassword { .. } => (S::UNPROCESSABLE_ENTITY, "bad_password"),
             StoreError::TooLarge { .. } => (S::PAYLOAD_TOO_LARGE, "too_large"),
             StoreError::Busy => (S::SERVICE_UNAVAILABLE, "busy"),
             StoreError::Full | StoreError::Disk { .. } => (S::INSUFFICIENT_STORAGE, "disk"),
@@ -85,6 +95,10 @@ impl From<FilmError> for Failure {
 
 impl IntoResponse for Failure {
     fn into_response(self) -> Response {
-        (self.status, Json(self.problem)).into_response()
+        let mut answer = (self.status, Json(self.problem)).into_response();
+        if let Some(seconds) = self.retry_after_s {
+            answer.headers_mut().insert(header::RETRY_AFTER, seconds.into());
+        }
+        answer
     }
 }

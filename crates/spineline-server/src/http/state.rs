@@ -1,13 +1,24 @@
 //! What all requests share.
 
-use std::collections::HashMap;
 use std::fmt;
 use std::net::SocketAddr;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use super::{Answer, changes, films, studies};
-use crate::store::{Name, Store, StoreError, Timestamp};
+use tokio::sync::Semaphore;
+
+use super::Answer;
+use super::api::AccessName;
+use super::guard::Hosts;
+use super::guard_rate::Attempts;
+use super::guard_token::OneTimeToken;
+use super::{Answer, Failure, changes, films, results, studies};
+use crate::store::{Store, StoreError, Timestamp};
+
+/// Requests that are answered at once. Each may hold a body of some megabytes.
+const MOST_IN_FLIGHT: usize = 64;
+/// Passwords that are compared at once, at 19 MB each.
+const MOST_PASSWORDS: usize = 2;
 
 /// Choices of whoever starts the server.
 #[derive(Debug, Clone)]
@@ -16,6 +27,12 @@ pub struct ServeOptions {
     pub decoder: PathBuf,
     /// Its arguments.
     pub decoder_arguments: Vec<String>,
+    /// How people show who they are.
+    pub access: AccessName,
+    /// Names under which the program answers, beside its address and the loopback names.
+    pub hosts: Vec<String>,
+    /// Whether a proxy serves it by TLS, so that cookies travel there only.
+    pub https: bool,
 }
 
 /// What all requests share; cheap to clone.
@@ -28,11 +45,15 @@ struct Shared {
     store: Mutex<Store>,
     address: SocketAddr,
     options: ServeOptions,
-    token: String,
-    sessions: Mutex<HashMap<String, Name>>,
+    hosts: Hosts,
+    token: OneTimeToken,
+    attempts: Attempts,
+    in_flight: Semaphore,
+    passwords: Semaphore,
     films: films::Shelf,
     studies: studies::Overviews,
     changes: changes::Channel,
+    results: results::Cache,
 }
 
 impl fmt::Debug for AppState {
@@ -43,17 +64,23 @@ impl fmt::Debug for AppState {
 }
 
 impl AppState {
-    pub(super) fn new(store: Store, address: SocketAddr, options: ServeOptions) -> Self {
-        let (store, sessions) = (Mutex::new(store), Mutex::default());
+    /// What the requests to a server at this address share.
+    #[must_use]
+    pub fn new(store: Store, address: SocketAddr, options: ServeOptions) -> Self {
+        let hosts = Hosts::new(address, &options.hosts);
         let shared = Shared {
-            store,
+            store: Mutex::new(store),
             address,
             options,
-            token: secret(),
-            sessions,
+            hosts,
+            token: OneTimeToken::new(),
+            attempts: Attempts::default(),
+            in_flight: Semaphore::new(MOST_IN_FLIGHT),
+            passwords: Semaphore::new(MOST_PASSWORDS),
             films: films::Shelf::default(),
             studies: studies::Overviews::default(),
             changes: changes::Channel::default(),
+            results: results::Cache::default(),
         };
         Self { shared: Arc::new(shared) }
     }
@@ -62,12 +89,13 @@ impl AppState {
         self.shared.address
     }
 
-    pub(super) fn token(&self) -> &str {
-        &self.shared.token
-    }
-
     pub(super) fn options(&self) -> &ServeOptions {
         &self.shared.options
+    }
+
+    /// Analyses of studies.
+    pub(super) fn results(&self) -> &results::Cache {
+        &self.shared.results
     }
 
     /// Decoded films and uploads.
@@ -85,23 +113,26 @@ impl AppState {
         &self.shared.changes
     }
 
-    /// Sessions by their secret.
-    pub(super) fn sessions(&self) -> MutexGuard<'_, HashMap<String, Name>> {
-        self.shared.sessions.lock().unwrap_or_else(PoisonError::into_inner)
+    pub(super) fn hosts(&self) -> &Hosts {
+        &self.shared.hosts
     }
 
-    /// As [`AppState::store`], for what may be refused for other reasons than the store's.
-    ///
-    /// # Errors
-    /// Whatever is refused.
-    ///
-    /// # Panics
-    /// If the question panics.
-    pub async fn answer<T: Send + 'static>(
-        &self,
-        ask: impl FnOnce(&mut Store) -> Answer<T> + Send + 'static,
-    ) -> Answer<T> {
-        self.store(|store| Ok(ask(store))).await?
+    pub(super) fn token(&self) -> &OneTimeToken {
+        &self.shared.token
+    }
+
+    pub(super) fn attempts(&self) -> &Attempts {
+        &self.shared.attempts
+    }
+
+    pub(super) fn in_flight(&self) -> &Semaphore {
+        &self.shared.in_flight
+    }
+
+    /// The token that signs in next.
+    #[must_use]
+    pub fn current_token(&self) -> String {
+        self.shared.token.follow().borrow().clone()
     }
 
     /// Asks the store on a thread that may wait for the disk.
@@ -115,12 +146,35 @@ impl AppState {
         &self,
         ask: impl FnOnce(&mut Store) -> Result<T, StoreError> + Send + 'static,
     ) -> Answer<T> {
+        self.ask(|store| Ok(ask(store)?)).await
+    }
+
+    /// Asks the store a question that may be refused for other reasons too, such as [`User::on_study`](super::User::on_study).
+    ///
+    /// # Errors
+    /// Whatever the question refuses.
+    ///
+    /// # Panics
+    /// If the question panics.
+    pub async fn ask<T: Send + 'static>(
+        &self,
+        ask: impl FnOnce(&mut Store) -> Answer<T> + Send + 'static,
+    ) -> Answer<T> {
         let state = self.clone();
         let asked = tokio::task::spawn_blocking(move || {
             // A panic in a question leaves no half-written store: its transaction is rolled back.
             ask(&mut state.shared.store.lock().unwrap_or_else(PoisonError::into_inner))
         });
-        Ok(asked.await.expect("the question does not panic")?)
+        asked.await.expect("the question does not panic")
+    }
+
+    /// Hashes or compares a password, without keeping the store from others.
+    pub(super) async fn with_password<T: Send + 'static>(
+        &self,
+        work: impl FnOnce() -> T + Send + 'static,
+    ) -> T {
+        let _place = self.shared.passwords.acquire().await.expect("it is never closed");
+        tokio::task::spawn_blocking(work).await.expect("passwords do not panic")
     }
 
     /// What time it is.

@@ -16,7 +16,7 @@ use super::StoreError;
 use super::names::{Hash, Signature};
 
 /// Tables whose rows the log covers, each with the word that its objects begin with and its key.
-pub(super) const TABLES: [(&str, &str, &str); 8] = [
+pub(super) const TABLES: [(&str, &str, &str); 10] = [
     ("contents", "content", "hash"),
     ("studies", "study", "id"),
     ("films", "film", "id"),
@@ -25,6 +25,8 @@ pub(super) const TABLES: [(&str, &str, &str); 8] = [
     ("plans", "plan", "id"),
     ("slots", "slot", "code"),
     ("conflicts", "conflict", "id"),
+    ("accounts", "account", "name"),
+    ("grants", "grant", "id"),
 ];
 
 /// What an entry without a row of its own speaks about.

@@ -8,6 +8,7 @@ use spineline::anatomy::Posture;
 use spineline::measure::{FilmMarks, IliacCrests, Mark, Reading};
 use spineline_io::{FileError, LevelKey};
 
+use super::accounts::{self, Role};
 use super::audit::Ledger;
 use super::films::{self, NewFilm, Study};
 use super::journal::{self, Corner, CrestSide, Event};
@@ -56,9 +57,7 @@ impl fmt::Display for CaseRemark {
             Self::Lateral => {
                 "the lateral film and its marks are not kept by a store: keep the case file"
             }
-            Self::Subject => {
-                "sex, age and Lenke class are not kept by a store: keep the case file"
-            }
+            Self::Subject => "sex, age and Lenke class are not kept by a store: keep the case file",
         })
     }
 }
@@ -177,6 +176,40 @@ impl NewCase {
         Ok(Self { study, films, remarks })
     }
 
+    /// A study without films yet.
+    #[must_use]
+    pub fn of(study: Study) -> Self {
+        Self { study, films: Vec::new(), remarks: Vec::new() }
+    }
+
+    /// With one film more, which nobody has read.
+    #[must_use]
+    pub fn film(mut self, posture: Posture, bytes: Vec<u8>, image: Value) -> Self {
+        self.films.push(CaseFilm { posture, bytes, image, readings: Vec::new() });
+        self
+    }
+
+    /// Its identifier.
+    #[must_use]
+    pub fn id(&self) -> &Name {
+        &self.study.id
+    }
+
+    /// With other files for the same pictures.
+    ///
+    /// # Errors
+    /// What `rewrite` refuses.
+    pub fn rewritten<E>(
+        mut self,
+        rewrite: impl Fn(&[u8]) -> Result<Vec<u8>, E>,
+    ) -> Result<Self, E> {
+        for film in &mut self.films {
+            film.bytes = rewrite(&film.bytes)?;
+            film.image["sha256"] = spineline_io::sha256_hex(&film.bytes).into();
+        }
+        Ok(self)
+    }
+
     /// With a text for the one who leads the study.
     #[must_use]
     pub fn label(mut self, label: &str) -> Self {
@@ -223,35 +256,49 @@ impl Store {
     /// # Errors
     /// As [`Store::add_study`], [`Store::add_film`], [`Store::record_all`] and [`Store::finish_reading`].
     pub fn add_case(&mut self, case: &NewCase, by: &Signature) -> Result<AddedCase, StoreError> {
+        self.write(by, |ledger| insert_case(ledger, case))
+    }
+
+    /// Adds a case as [`Store::add_case`] does, and grants its maker to edit it, in one step.
+    ///
+    /// # Errors
+    /// As [`Store::add_case`].
+    pub fn add_own_case(
+        &mut self,
+        case: &NewCase,
+        by: &Signature,
+    ) -> Result<AddedCase, StoreError> {
         self.write(by, |ledger| {
-            films::add_study(ledger, &case.study)?;
-            let study = case.study.id.clone();
-            let (mut films, mut readings) = (Vec::new(), 0);
-            for film in &case.films {
-                let new = NewFilm {
-                    posture: film.posture,
-                    bytes: &film.bytes,
-                    image: &film.image,
-                    inverted: film.image["inverted"] == true,
-                };
-                let added = films::add_film(ledger, &study, &new)?.film;
-                for reading in &film.readings {
-                    add_reading(ledger, added, reading)?;
-                    readings += 1;
-                }
-                films.push(added);
-            }
-            Ok(AddedCase { study, films, readings, remarks: case.remarks.clone() })
+            let added = insert_case(ledger, case)?;
+            accounts::set_grant(ledger, &added.study, &by.who, Some(Role::Editor))?;
+            Ok(added)
         })
     }
 }
 
+fn insert_case(ledger: &Ledger<'_>, case: &NewCase) -> Result<AddedCase, StoreError> {
+    films::insert_study(ledger, &case.study)?;
+    let study = case.study.id.clone();
+    let (mut films, mut readings) = (Vec::new(), 0);
+    for film in &case.films {
+        let new = NewFilm {
+            posture: film.posture,
+            bytes: &film.bytes,
+            image: &film.image,
+            inverted: film.image["inverted"] == true,
+        };
+        let added = films::add_film(ledger, &study, &new)?.film;
+        for reading in &film.readings {
+            add_reading(ledger, added, reading)?;
+            readings += 1;
+        }
+        films.push(added);
+    }
+    Ok(AddedCase { study, films, readings, remarks: case.remarks.clone() })
+}
+
 /// A whole reading, finished. Its observer signs, at the time of whoever brings it.
-fn add_reading(
-    ledger: &Ledger<'_>,
-    film: FilmId,
-    reading: &CaseReading,
-) -> Result<(), StoreError> {
+fn add_reading(ledger: &Ledger<'_>, film: FilmId, reading: &CaseReading) -> Result<(), StoreError> {
     let by = Signature::new(reading.observer.clone(), ledger.by.at);
     let ledger = Ledger { transaction: ledger.transaction, by: &by };
     let id = readings::begin(&ledger, film, reading.repeat)?;

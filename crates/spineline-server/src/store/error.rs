@@ -122,6 +122,20 @@ pub enum StoreError {
         /// Posture that it shows.
         posture: Posture,
     },
+    /// A password that is none.
+    #[error("a password has {least} characters at least and {most_bytes} bytes at most")]
+    BadPassword {
+        /// Fewest characters.
+        least: usize,
+        /// Most bytes.
+        most_bytes: usize,
+    },
+    /// Nobody could lead the store any more.
+    #[error("account {name} is the last enabled admin")]
+    LastAdmin {
+        /// Account.
+        name: Name,
+    },
     /// Something too large.
     #[error("{what} has {found}, and the limit is {limit}")]
     TooLarge {
@@ -241,6 +255,8 @@ impl StoreError {
             }
             Self::Database { .. } => "report this as a bug, with the code",
             Self::BadName { .. } => "use a code such as `S-017`, without the patient's name",
+            Self::BadPassword { .. } => "use a sentence that nobody else would think of",
+            Self::LastAdmin { .. } => "make another account admin first",
             Self::AlreadyKnown { .. } => "check whether one picture was exported under two names",
             Self::TooLarge { .. } => "split it, or leave out what is not needed",
             Self::ImageNotAnObject => {

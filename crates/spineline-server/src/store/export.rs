@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use rusqlite::Connection;
 use serde_json::{Map, Value, json};
 use spineline::anatomy::{Posture, Side};
 
@@ -70,13 +71,7 @@ impl Store {
     pub fn export_case(&self, study: &Name) -> Result<ExportedCase, StoreError> {
         let snapshot = self.connection.unchecked_transaction()?;
         let synthetic = films::study(&snapshot, study)?.synthetic;
-        let mut by_posture: BTreeMap<Posture, FilmRecord> = BTreeMap::new();
-        for film in films::films(&snapshot, study)? {
-            if let Some(other) = by_posture.insert(film.posture, film) {
-                let (study, posture) = (study.clone(), other.posture);
-                return Err(StoreError::PostureTwice { study, posture });
-            }
-        }
+        let by_posture = by_posture(&snapshot, study)?;
         let mut remarks = Vec::new();
         let readings = readings::of_study(&snapshot, study)?;
         let mut records = Vec::new();
@@ -93,14 +88,32 @@ impl Store {
             }
             records.push(film_json(film, &finished));
         }
-        let case = json!({
-            "format": "spineline-case", "version": 1, "case_id": study.as_str(),
-            "synthetic": synthetic, "films": records,
-        });
-        let text = spineline_io::to_text(&case);
+        let text = spineline_io::to_text(&case_json(study, synthetic, records));
         spineline_io::parse_case(&text)?;
         Ok(ExportedCase { text, remarks })
     }
+}
+
+/// The films of a study, of which a case has one per posture.
+pub(super) fn by_posture(
+    connection: &Connection,
+    study: &Name,
+) -> Result<BTreeMap<Posture, FilmRecord>, StoreError> {
+    let mut by_posture: BTreeMap<Posture, FilmRecord> = BTreeMap::new();
+    for film in films::films(connection, study)? {
+        if let Some(other) = by_posture.insert(film.posture, film) {
+            let (study, posture) = (study.clone(), other.posture);
+            return Err(StoreError::PostureTwice { study, posture });
+        }
+    }
+    Ok(by_posture)
+}
+
+pub(super) fn case_json(study: &Name, synthetic: bool, films: Vec<Value>) -> Value {
+    json!({
+        "format": "spineline-case", "version": 1, "case_id": study.as_str(),
+        "synthetic": synthetic, "films": films,
+    })
 }
 
 fn left_out(reading: ReadingId, state: &ReadingState) -> Vec<ExportRemark> {
@@ -114,7 +127,7 @@ fn left_out(reading: ReadingId, state: &ReadingState) -> Vec<ExportRemark> {
     remarks
 }
 
-fn film_json(film: &FilmRecord, finished: &[(&ReadingRecord, ReadingState)]) -> Value {
+pub(super) fn film_json(film: &FilmRecord, finished: &[(&ReadingRecord, ReadingState)]) -> Value {
     let mut record = Map::new();
     record.insert("posture".to_owned(), film.posture.key().into());
     let mut image = film.image.clone();
@@ -134,6 +147,7 @@ fn film_json(film: &FilmRecord, finished: &[(&ReadingRecord, ReadingState)]) -> 
             let vertebrae: Map<String, Value> = state
                 .vertebrae
                 .iter()
+                .filter(|(_, marks)| marks.is_complete())
                 .map(|(level, marks)| (level.name().to_owned(), vertebra_json(marks)))
                 .collect();
             json!({

@@ -88,7 +88,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::Exists`], [`StoreError::TooLarge`] for its label.
     pub fn add_study(&mut self, study: &Study, by: &Signature) -> Result<(), StoreError> {
-        self.write(by, |ledger| add_study(ledger, study))
+        self.write(by, |ledger| insert_study(ledger, study))
     }
 
     /// A study.
@@ -204,7 +204,7 @@ pub(super) struct NewFilm<'a> {
     pub inverted: bool,
 }
 
-pub(super) fn add_study(ledger: &Ledger<'_>, study: &Study) -> Result<(), StoreError> {
+pub(super) fn insert_study(ledger: &Ledger<'_>, study: &Study) -> Result<(), StoreError> {
     let characters = study.label.as_ref().map_or(0, |label| label.chars().count());
     limit("the label", characters, LONGEST_LABEL)?;
     let id = study.id.as_str();
@@ -244,14 +244,7 @@ pub(super) fn add_film(
     let film = next_id(transaction, "films", "id")?;
     transaction.execute(
         "INSERT INTO films VALUES (?1, ?2, ?3, ?4, ?5, ?6, 0)",
-        params![
-            film,
-            study.as_str(),
-            new.posture.key(),
-            content.as_str(),
-            image,
-            new.inverted
-        ],
+        params![film, study.as_str(), new.posture.key(), content.as_str(), image, new.inverted],
     )?;
     ledger.seal("add", "films", &film)?;
     Ok(AddedFilm { film: FilmId(film), content, bytes_are_new })

@@ -258,10 +258,7 @@ pub(super) fn current(
 }
 
 /// A reading of whoever signs, and its events.
-fn own(
-    ledger: &Ledger<'_>,
-    reading: ReadingId,
-) -> Result<(ReadingRecord, Vec<Event>), StoreError> {
+fn own(ledger: &Ledger<'_>, reading: ReadingId) -> Result<(ReadingRecord, Vec<Event>), StoreError> {
     let record = readings::reading(ledger.transaction, reading)?;
     if record.observer != ledger.by.who {
         return Err(StoreError::NotYours { reading });

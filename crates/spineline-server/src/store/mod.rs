@@ -9,8 +9,8 @@
 //! The bytes of films lie in the database too, once for all films that share them: one file is one thing to copy, to back up
 //! and to lock, and no crash can part a film from its record.
 //!
-//! The store reads no clock and knows no roles. Callers say who does what and when ([`Signature`]); a blinded reader is given
-//! an [`ObserverView`] and nothing else.
+//! The store reads no clock. It keeps who may do what ([`Account`], [`StudyGrant`]) and leaves it to its callers to ask. They say who
+//! does what and when ([`Signature`]); a blinded reader is given an [`ObserverView`] and nothing else.
 //!
 //! ```
 //! use spineline_server::store::{Name, Signature, Store, Study, Timestamp};
@@ -24,6 +24,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod accounts;
 mod audit;
 mod backup;
 mod cases;
@@ -35,13 +36,16 @@ mod names;
 mod plan;
 mod readings;
 mod schema;
+mod sessions;
 mod sight;
+mod standing;
 mod state;
 mod verify;
 
 #[cfg(test)]
 mod full_disk;
 
+pub use accounts::{Account, AccountChange, Credential, PasswordHash, Role, StudyGrant};
 pub use audit::{AuditEntry, Head};
 pub use cases::{AddedCase, CaseError, CaseRemark, NewCase};
 pub use error::StoreError;
@@ -51,7 +55,9 @@ pub use journal::{Acknowledged, Corner, CrestSide, Event, LostChange};
 pub use names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};
 pub use plan::{BlindFilm, FilmCode, Next, ObserverView, OwnReading, PlanDesign, VisibleReadings};
 pub use readings::ReadingRecord;
+pub use sessions::{Access, Session, SessionLimits};
 pub use sight::{LastChange, SeenReading, Sight};
+pub use standing::{Stand, StandingCase, StandingFilm};
 pub use state::{ReadingState, Scale, VertebraMarks};
 pub use verify::{Finding, Verification};
 

@@ -41,17 +41,25 @@ impl SeenReading {
     /// # Errors
     /// [`StoreError::BadEvent`].
     pub fn state(&self, pending: &[Event]) -> Result<ReadingState, StoreError> {
-        let finished = self.record.finished_at.is_some();
-        let mut events = self.events.clone();
-        for event in pending {
-            let state = ReadingState::replay(&events, finished);
-            if let Some(reason) = state.objection(event) {
-                return Err(StoreError::BadEvent { reading: self.record.id, reason });
-            }
-            events.push(event.clone());
-        }
-        Ok(ReadingState::replay(&events, finished))
+        replayed(&self.record, self.events.clone(), pending)
     }
+}
+
+/// A reading after its events and these, which are not recorded.
+pub(super) fn replayed(
+    record: &ReadingRecord,
+    mut events: Vec<Event>,
+    pending: &[Event],
+) -> Result<ReadingState, StoreError> {
+    let finished = record.finished_at.is_some();
+    for event in pending {
+        let state = ReadingState::replay(&events, finished);
+        if let Some(reason) = state.objection(event) {
+            return Err(StoreError::BadEvent { reading: record.id, reason });
+        }
+        events.push(event.clone());
+    }
+    Ok(ReadingState::replay(&events, finished))
 }
 
 impl ObserverView<'_> {

@@ -15,6 +15,14 @@ pub struct VertebraMarks {
     pub axis_deg: Option<f64>,
 }
 
+impl VertebraMarks {
+    /// Whether all four corners are placed.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.corners.len() == Corner::ALL.len()
+    }
+}
+
 /// A known length on the film.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {

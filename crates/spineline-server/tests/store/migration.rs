@@ -8,12 +8,16 @@ use std::time::{Duration, Instant};
 use rusqlite::{Connection, params};
 use sha2::{Digest, Sha256};
 use spineline::anatomy::{Level, Posture};
-use spineline_server::store::{Corner, Event, FilmEdit, FilmId, ReadingId, Store, StoreError};
+use spineline_server::store::{
+    Account, Corner, Event, FilmEdit, FilmId, PasswordHash, ReadingId, Role, Store, StoreError,
+};
 
 use crate::session::{by, film_bytes, image, name};
 
 const V1: &str = include_str!("../../src/store/schema/v1.sql");
 const CHILD: &str = "SPINELINE_TEST_MIGRATION_STORE";
+/// The schema that this program writes.
+const CURRENT: i64 = 3;
 const TIME_MS: i64 = 1_700_000_000_000;
 
 fn sha256(bytes: impl AsRef<[u8]>) -> String {
@@ -126,9 +130,9 @@ fn an_old_store_is_migrated_with_a_backup_and_keeps_every_reading() {
     assert_eq!(state.vertebrae[&Level::L4].corners[&Corner::InferiorRight], [4.0, 2.0]);
     store.edit_film(FilmId(1), FilmEdit::Inverted(true), 0, &by("lead", 0)).expect("a new thing");
     let log = store.audit_log().expect("a log");
-    assert!(log.iter().any(|entry| entry.action == "migrate_1_to_2"));
+    assert!(log.iter().any(|entry| entry.action == format!("migrate_1_to_{CURRENT}")));
     drop(store);
-    assert_eq!(schema_of(&path), 2);
+    assert_eq!(schema_of(&path), CURRENT);
     assert_eq!(fs::read(&backup).expect("a file"), b"an older backup");
     let second = folder.path().join("store.backup-v1-2");
     assert_eq!(schema_of(&second), 1);
@@ -137,6 +141,20 @@ fn an_old_store_is_migrated_with_a_backup_and_keeps_every_reading() {
     assert_eq!(again.reading_state(ReadingId(2)).expect("a state"), state);
     let left: Vec<_> = fs::read_dir(folder.path()).expect("a folder").collect();
     assert_eq!(left.len(), 6, "stores of two open connections and backups: {left:?}");
+}
+
+#[test]
+fn a_store_of_schema_one_gets_accounts_grants_and_sessions() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("store");
+    write_v1(&path, 1);
+    let mut store = Store::open(&path).expect("a migrated store");
+    assert_eq!(store.accounts().expect("accounts"), []);
+    let account = Account { name: name("lead"), role: Role::Admin, enabled: true };
+    let password = PasswordHash::new("a long enough sentence").expect("a password");
+    store.add_account(&account, &password, &by("old", 0)).expect("an account");
+    store.grant(&name("S-1"), &name("lead"), Role::Reader, &by("old", 0)).expect("a grant");
+    assert!(store.verify(None).expect("verifiable").is_clean());
 }
 
 #[test]
@@ -161,14 +179,15 @@ fn a_store_of_a_newer_program_is_refused_and_not_changed() {
     let path = folder.path().join("store");
     drop(crate::session::create(&path));
     let raw = Connection::open(&path).expect("a database");
-    raw.execute_batch("PRAGMA user_version = 3; PRAGMA journal_mode = DELETE")
+    let newer = CURRENT + 1;
+    raw.execute_batch(&format!("PRAGMA user_version = {newer}; PRAGMA journal_mode = DELETE"))
         .expect("a newer schema");
     drop(raw);
     let before = fs::read(&path).expect("bytes");
     for refused in [Store::open(&path), Store::view(&path)] {
         let refused = refused.expect_err("newer");
         assert!(
-            matches!(refused, StoreError::NewerSchema { found: 3, supported: 2 }),
+            matches!(refused, StoreError::NewerSchema { found, supported: CURRENT } if found == newer),
             "{refused:?}"
         );
     }
@@ -214,7 +233,7 @@ fn a_migration_killed_at_any_time_leaves_the_old_store_or_the_new_one() {
         child.wait().expect("an end");
         match schema_of(&path) {
             1 => old += 1,
-            2 => new += 1,
+            CURRENT => new += 1,
             other => panic!("schema {other}"),
         }
         let store = Store::open(&path).expect("a store, migrated now at the latest");

@@ -1,8 +1,8 @@
 //! What the films of one patient say about one another before anything is computed from them together.
 
-use crate::anatomy::{Level, Posture, Side};
+use crate::anatomy::{Posture, Side};
 use crate::error::CaseError;
-use crate::measure::{Film, FilmMarks, Outline};
+use crate::measure::{Film, Outline, body_widths};
 use crate::spatial::Angle;
 use crate::warning::{Step, Warnings};
 
@@ -105,7 +105,7 @@ fn warn_of_mirror(erect: &Outline, film: &Outline, warnings: &mut Warnings) {
 /// # References
 /// Widths grow unevenly from T4 to L5 [panjabi-1991], [panjabi-1992], so that a shifted sequence is no scaled one.
 pub(super) fn warn_of_shifted_levels(erect: &Film, film: &Film, warnings: &mut Warnings) {
-    let (Some(reference), Some(widths)) = (body_widths_mm(erect), body_widths_mm(film)) else {
+    let (Some(reference), Some(widths)) = (body_widths(erect), body_widths(film)) else {
         return;
     };
     let misfit = |shift: isize| {
@@ -129,22 +129,4 @@ pub(super) fn warn_of_shifted_levels(erect: &Film, film: &Film, warnings: &mut W
             warnings.film(Step::Measure, "levels_may_be_shifted", film.posture, text);
         }
     }
-}
-
-/// Mean width of the bodies L4 to T2 over endplates and readings, in mm or pixels; `None` where corners are missing.
-fn body_widths_mm(film: &Film) -> Option<Vec<f64>> {
-    let FilmMarks::Landmarks { image, readings, .. } = &film.marks else { return None };
-    let width = |level: Level| {
-        let marks = readings.iter().filter_map(|reading| reading.vertebrae.get(&level));
-        let widths: Vec<f64> = marks
-            .map(|mark| {
-                let corners = mark.corners.map(|corner| image.frontal(corner));
-                let upper = corners.superior_left.distance_mm(corners.superior_right);
-                let lower = corners.inferior_left.distance_mm(corners.inferior_right);
-                0.5 * (upper + lower)
-            })
-            .collect();
-        (!widths.is_empty()).then(|| widths.iter().sum::<f64>() / widths.len() as f64)
-    };
-    Level::MODEL.into_iter().map(width).collect()
 }

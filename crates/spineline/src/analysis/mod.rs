@@ -2,11 +2,14 @@
 
 mod analyze;
 mod checks;
+mod identification;
 mod models;
 mod options;
 mod verdict;
+mod words;
 
 pub use analyze::{Analysis, PostureAnalysis, analyze};
+pub use identification::{Identification, MultiplierVerdict};
 pub use models::LineModel;
 pub use options::{AnalysisOptions, Grouping};
 pub use verdict::probability;

@@ -6,7 +6,7 @@ use crate::anatomy::{Level, Posture};
 use crate::evaluate::{Simulation, Target, simulate};
 use crate::measure::SpacingPlane;
 use crate::multibody::{
-    ForceSign, JointGroups, Load, MatchStatus, Solution, Statics, StiffnessLibrary,
+    Deformed, ForceSign, JointGroups, Load, MatchStatus, Solution, Statics, StiffnessLibrary,
 };
 use crate::personalize::estimate::{components_of, estimate_load, line_of};
 use crate::personalize::evidence::FilmEvidence;
@@ -89,6 +89,21 @@ impl Analysis {
         posture: Posture,
         parts: &[f64],
     ) -> Option<Vec<(f64, Vec<Frontal>)>> {
+        let shapes = self.force_shapes(model, posture, parts)?;
+        let locations = |shape: &Deformed| {
+            (0..shape.midpoints_mm.len()).map(|i| shape.location(i)).collect::<Vec<Frontal>>()
+        };
+        Some(parts.iter().copied().zip(shapes.iter().map(locations)).collect())
+    }
+
+    /// As [`Analysis::force_path`], with the whole shape of the spine under each part.
+    #[must_use]
+    pub fn force_shapes(
+        &self,
+        model: &LineModel,
+        posture: Posture,
+        parts: &[f64],
+    ) -> Option<Vec<Deformed>> {
         let simulation = model.posture(posture)?;
         let options = &self.options;
         let logs = &model.fit.log_multipliers;
@@ -100,8 +115,7 @@ impl Analysis {
         let mut solution = Solution::default();
         let shapes = parts.iter().map(|&part| {
             statics.solve(&load, &[part * force_n], &[], &mut solution);
-            let places = 0..self.spine.midpoints_mm.len();
-            (part, places.map(|i| solution.deformed.location(i)).collect())
+            solution.deformed.clone()
         });
         Some(shapes.collect())
     }

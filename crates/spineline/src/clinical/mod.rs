@@ -10,6 +10,6 @@ mod regions;
 mod tilt_range;
 
 pub use curves::{ClinicalCurve, CobbEnds, LenkeType, lenke_type, measure_curves};
-pub use places::{CurvePlaces, convex_side};
+pub use places::{CurvePlaces, convex_side, endplate_line};
 pub use regions::{RegionBounds, Regions, ferguson_angle};
 pub use tilt_range::tilt_range;

@@ -50,6 +50,16 @@ impl CurvePlaces {
     }
 }
 
+/// A line along an endplate of an end vertebra: through the endplate's centre and square to the vertebra's axis, as long to
+/// either side. Between the lines of both end vertebrae lies the Cobb angle as it is measured here.
+#[must_use]
+pub fn endplate_line(centre: Frontal, tilt: Angle, reach_mm: f64) -> [Frontal; 2] {
+    let cranial = Frontal::leaning(tilt);
+    // A quarter turn about -X carries cranial to the patient's left.
+    let left = Frontal::new(cranial.z_mm, -cranial.y_mm) * reach_mm;
+    [centre - left, centre + left]
+}
+
 /// The side to which a curve of a Cobb or Ferguson angle is convex; `None` for zero.
 #[must_use]
 pub fn convex_side(angle: Angle) -> Option<Side> {

@@ -7,6 +7,8 @@
 //! # References
 //! [jalalian-loa], sections 3 and 4, table 2.
 
+mod words;
+
 use crate::action::LineKind;
 use crate::analysis::{Analysis, PostureAnalysis};
 use crate::evaluate::Simulation;

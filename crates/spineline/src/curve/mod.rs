@@ -18,11 +18,13 @@
 
 mod fit;
 mod inflection;
+mod residual;
 mod series;
 
 pub use fit::{CurveError, CurveFit, OrderRule, fit_curve};
 pub(crate) use inflection::MIN_TURN;
 pub use inflection::{Inflection, InflectionChoice, Inflections, Lobe, Site, find_inflections};
+pub use residual::CurveResidual;
 
 use crate::spatial::{Angle, Frontal};
 use series::Series;

@@ -100,7 +100,10 @@ impl PartialReading {
     #[must_use]
     pub fn propose_next(&self, image: &ImageGeometry) -> Option<Proposal> {
         let NextLandmark::Corner(level, _) = self.next()? else { return None };
-        if self.vertebrae.get(&level).is_some_and(|m| m.corners.points().iter().any(Option::is_some))
+        if self
+            .vertebrae
+            .get(&level)
+            .is_some_and(|m| m.corners.points().iter().any(Option::is_some))
         {
             return None;
         }
@@ -109,7 +112,8 @@ impl PartialReading {
             .iter()
             .filter_map(|(&level, corners)| Some((level, Body::of(level, corners)?)))
             .collect();
-        let below: Vec<&Body> = bodies.range(..level).rev().map(|(_, b)| b).take(LOOK_BACK).collect();
+        let below: Vec<&Body> =
+            bodies.range(..level).rev().map(|(_, b)| b).take(LOOK_BACK).collect();
         let above: Vec<&Body> = bodies.range(level..).map(|(_, b)| b).take(LOOK_BACK).collect();
         let expected = match (carry_on(&below, level), carry_on(&above, level)) {
             (Some(below), Some(above)) => below.between(&above),
@@ -214,8 +218,7 @@ impl Expected {
                 .map(|mm| mm * self.scale);
         let above = height * upper / (upper + lower);
         let below = height - above;
-        let corner =
-            |left: f64, up: f64| self.location + Frontal::new(left, up).rotated(self.tilt);
+        let corner = |left: f64, up: f64| self.location + Frontal::new(left, up).rotated(self.tilt);
         Corners {
             superior_left: corner(0.5 * upper, above),
             superior_right: corner(-0.5 * upper, above),

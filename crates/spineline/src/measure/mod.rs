@@ -15,6 +15,7 @@ mod calibration;
 mod corners;
 mod evidence;
 mod film;
+mod frame;
 mod lateral;
 mod marking;
 mod marking_proposal;
@@ -30,6 +31,7 @@ pub use evidence::{
     CalibrationType, SpacingEvidence, SpacingJudgement, SpacingRemark, judge_spacing,
 };
 pub use film::{Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading, ReadingId};
+pub use frame::{FilmFrame, body_widths, endplate_centres};
 pub use lateral::{LateralCorners, LateralFilm};
 pub use marking::{MarkedBody, MarkingFault, PartialMark, PartialReading, turn_axis_towards};
 pub use marking_proposal::{CornerName, NextLandmark, Proposal};

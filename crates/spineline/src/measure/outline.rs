@@ -62,6 +62,8 @@ pub struct Outline {
     pub iliac_normal: Option<Angle>,
     /// L4's tilt on the film, which `G` has taken out.
     pub l4_on_film: Angle,
+    /// L4's midpoint in the film's own frame, which is the origin of `G`.
+    pub l4_midpoint_on_film: Frontal,
     /// Deviation of the measured values.
     pub noise: Noise,
     /// What its lengths are measured in.
@@ -150,6 +152,7 @@ pub(crate) fn outline_of(
         vertebrae,
         iliac_normal,
         l4_on_film: base.tilt,
+        l4_midpoint_on_film: base.location,
         noise: noise(&placed, &on_film),
         scale,
         readings: placed.len(),

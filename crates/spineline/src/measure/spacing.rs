@@ -211,6 +211,15 @@ impl LengthScale {
         self.relative_sd.map(|sd| sd * length_mm.abs())
     }
 
+    /// A residual in words: the scale's own uncertainty says nothing of it.
+    #[must_use]
+    pub fn residual_text(&self, residual_mm: f64) -> String {
+        match self.px(residual_mm) {
+            Some(px) => format!("{px:.1} px"),
+            None => format!("{residual_mm:.2} mm"),
+        }
+    }
+
     /// A length in words: `371 mm`, `371 ± 4 mm` or `2840 px`.
     ///
     /// ```

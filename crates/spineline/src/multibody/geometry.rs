@@ -86,6 +86,16 @@ impl SpineModel {
         Self { midpoints_mm, axes, joints }
     }
 
+    /// Centres of the joints of vertebrae that stand like this, such as a shape under load.
+    #[must_use]
+    pub fn joint_centres_mm(&self, midpoints_mm: &[Vec3], axes: &[Mat3]) -> Vec<Vec3> {
+        let vertebrae = midpoints_mm.iter().zip(axes);
+        let centre = |(joint, (midpoint, axes)): (&Joint, (&Vec3, &Mat3))| {
+            midpoint + axes * joint.centre_in_inferior_mm
+        };
+        self.joints.iter().zip(vertebrae).map(centre).collect()
+    }
+
     /// The same vertebrae put where another film shows them: its locations and tilts, and the erect depths and pitches.
     ///
     /// Rotations and lever arms measured on that film are taken from this pose.
@@ -143,8 +153,14 @@ fn depths_mm(locations: &[Frontal], pitches: &[Angle]) -> Vec<f64> {
 /// Centre of the joint above a vertebra: the posterior edge of its superior endplate, mid-width.
 fn centre_offset_mm(inferior: usize, spacing_mm: f64) -> Vec3 {
     let lower = Morphometry::of(Level::MODEL[inferior]);
-    let upper = Morphometry::of(Level::MODEL[inferior + 1]);
+    let scale = size_scale(inferior, spacing_mm);
     let half_lower = 0.5 * lower.body_height_mm;
-    let scale = spacing_mm / (half_lower + lower.disc_above_mm + 0.5 * upper.body_height_mm);
     Vec3::new(-0.5 * lower.superior_depth_mm * scale, 0.0, half_lower * scale)
+}
+
+/// Size of the vertebra below a joint and of the disc and half of the vertebra above it, against typical ones.
+pub(super) fn size_scale(inferior: usize, spacing_mm: f64) -> f64 {
+    let lower = Morphometry::of(Level::MODEL[inferior]);
+    let upper = Morphometry::of(Level::MODEL[inferior + 1]);
+    spacing_mm / (0.5 * lower.body_height_mm + lower.disc_above_mm + 0.5 * upper.body_height_mm)
 }

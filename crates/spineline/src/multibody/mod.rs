@@ -14,6 +14,7 @@
 //! # References
 //! [petit-2004], [panjabi-1976], [jalalian-loa] section 2.
 
+mod bodies;
 mod carried;
 mod general;
 mod geometry;
@@ -22,6 +23,7 @@ mod matching;
 mod roots;
 mod stiffness;
 
+pub use bodies::BodySize;
 pub use general::{
     BodyLoad, BranchEvent, BranchEventKind, Equilibrium, EquilibriumPath, GeneralStatics, Goal,
     LoadItem, LoadPlace, Loading, LoadingError, LoadingFault, NearbyReport, NewtonWork, OnPoint,

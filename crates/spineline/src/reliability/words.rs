@@ -1,5 +1,7 @@
 //! Numbers as people read them: what is not zero never looks like zero, and what is not one never like one.
 
+use super::Statistic;
+
 /// A correlation: three decimals, and more where these would say 0 or ±1 of a number that is neither.
 ///
 /// ```
@@ -43,6 +45,38 @@ pub fn shown_measure(value: f64) -> String {
     }
     let places = (2.0 - size.log10().floor()).clamp(0.0, 5.0) as usize;
     format!("{value:.places$}")
+}
+
+impl Statistic {
+    /// The value with its spread, and its 95 % interval or why it lacks; `None` and why where there is no value.
+    #[must_use]
+    pub fn shown(&self) -> (Option<String>, String) {
+        let shown: fn(f64) -> String =
+            if self.kind.has_unit() { shown_measure } else { shown_coefficient };
+        match self.outcome {
+            Err(reason) => (None, format!("undefined: {reason}")),
+            Ok(estimate) => {
+                let value = match estimate.sd {
+                    Some(sd) => format!("{} ± {}", shown(estimate.value), shown_measure(sd)),
+                    None => shown(estimate.value),
+                };
+                let range = |[low, high]: [f64; 2]| format!("{} to {}", shown(low), shown(high));
+                (Some(value), estimate.interval.map_or_else(|_| "-".to_owned(), range))
+            }
+        }
+    }
+
+    /// All in one, such as `0.52 mm (95 % CI 0.41 to 0.70)`; `unit` is that of the readings.
+    #[must_use]
+    pub fn words(&self, unit: &str) -> String {
+        let (value, range) = self.shown();
+        let Some(value) = value else { return range };
+        let unit = if self.kind.has_unit() { format!(" {unit}") } else { String::new() };
+        match range.as_str() {
+            "-" => format!("{value}{unit}"),
+            range => format!("{value}{unit} (95 % CI {range})"),
+        }
+    }
 }
 
 #[cfg(test)]

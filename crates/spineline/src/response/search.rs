@@ -100,6 +100,19 @@ impl Response {
         points().filter(counts).min_by(|a, b| away(a).total_cmp(&away(b)))
     }
 
+    /// The last shape that the spine reaches from the erect one without snapping or buckling: the result, or where the
+    /// loads had to stop before it. `None` where no path could be started.
+    #[must_use]
+    pub fn last_reached(&self) -> Option<(f64, &Deformed)> {
+        let result = self.result().map(|equilibrium| (equilibrium.factor, &equilibrium.deformed));
+        result.or_else(|| {
+            let first = &self.paths.first()?.path;
+            let reached = |point: &&PathPoint| point.limit_points == 0 && point.branch_points == 0;
+            let last = first.points.iter().take_while(reached).last()?;
+            Some((last.factor, &last.deformed))
+        })
+    }
+
     /// The shape that may be shown as the result, or else the nearest one, which may not.
     #[must_use]
     pub fn shape(&self) -> Option<&Deformed> {

@@ -206,6 +206,7 @@ pub fn outline(posture: Posture, vertebrae: &[(Frontal, Angle)]) -> Outline {
         others: Vec::new(),
         iliac_normal: None,
         l4_on_film: Angle::ZERO,
+        l4_midpoint_on_film: Frontal::default(),
         noise: Noise::ONE_READING,
         scale: LengthScale::stated(SpacingPlane::Patient),
         readings: 1,

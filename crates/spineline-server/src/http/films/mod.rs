@@ -1,10 +1,10 @@
 //! Films: their pixels, their small pictures, and changes of their records.
 
 mod screen;
+mod uploads;
 
-use axum::Json;
 use axum::body::Bytes;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use spineline::measure::{Calibration, Calibrator};
@@ -12,11 +12,15 @@ use spineline::spatial::Pixel;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::api::{CalibratorName, Change, FilmChange, FilmEditName, FilmSummary, Problem};
+use super::api::{
+    CalibratorName, Change, FilmChange, FilmEditName, FilmSummary, Problem, RoleName,
+};
+use super::extract::{Json, Path};
 use super::{Answer, AppState, Failure, User, readings, studies, words};
 use crate::store::{FilmEdit, FilmId, FilmRecord, ReadingId, Store, StoreError};
 
 pub use screen::{Shelf, Thumbnails};
+pub use uploads::Upload;
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()
@@ -25,6 +29,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(film_thumbnail))
         .routes(routes!(reading_thumbnail))
         .routes(routes!(edit))
+        .merge(uploads::routes())
 }
 
 /// A film that this user may see.
@@ -44,7 +49,7 @@ async fn film_pixels(
     Path(film): Path<i64>,
     asked: HeaderMap,
 ) -> Answer<Response> {
-    let film = state.answer(move |store| seen(store, &user, FilmId(film))).await?;
+    let film = state.ask(move |store| seen(store, &user, FilmId(film))).await?;
     let tag = format!("\"{}\"", film.content);
     if asked.get(header::IF_NONE_MATCH).is_some_and(|known| known.as_bytes() == tag.as_bytes()) {
         return Ok(StatusCode::NOT_MODIFIED.into_response());
@@ -65,7 +70,7 @@ async fn reading_pixels(
     user: User,
     Path(reading): Path<i64>,
 ) -> Answer<Response> {
-    let seen = state.answer(move |store| readings::seen(store, &user, ReadingId(reading))).await?;
+    let seen = state.ask(move |store| readings::seen(store, &user, ReadingId(reading))).await?;
     // No tag: it would tell a blinded reader which readings are of one film.
     pixels(&state, &seen.film).await
 }
@@ -78,7 +83,7 @@ async fn film_thumbnail(
     user: User,
     Path(film): Path<i64>,
 ) -> Answer<Response> {
-    let film = state.answer(move |store| seen(store, &user, FilmId(film))).await?;
+    let film = state.ask(move |store| seen(store, &user, FilmId(film))).await?;
     thumbnail(&state, &film).await
 }
 
@@ -90,7 +95,7 @@ async fn reading_thumbnail(
     user: User,
     Path(reading): Path<i64>,
 ) -> Answer<Response> {
-    let seen = state.answer(move |store| readings::seen(store, &user, ReadingId(reading))).await?;
+    let seen = state.ask(move |store| readings::seen(store, &user, ReadingId(reading))).await?;
     thumbnail(&state, &seen.film).await
 }
 
@@ -106,9 +111,9 @@ async fn edit(
 ) -> Answer<Json<FilmSummary>> {
     let by = user.sign(state.now());
     let asker = state.clone();
-    let summary = state.answer(move |store| {
+    let summary = state.ask(move |store| {
         let film = seen(store, &user, FilmId(film))?;
-        studies::may_edit(store, &user, &film.study)?;
+        user.need_on_study(store, &film.study, RoleName::Editor)?;
         let edit = film_edit(&film, change.edit)?;
         let edited = store.edit_film(film.id, edit, change.expected_revision, &by);
         // A lost edit is news too: it is kept.
@@ -127,8 +132,8 @@ fn film_edit(film: &FilmRecord, edit: FilmEditName) -> Answer<FilmEdit> {
         FilmEditName::Posture { posture } => FilmEdit::Posture(words::posture(posture)),
         FilmEditName::Inverted { inverted } => FilmEdit::Inverted(inverted),
         FilmEditName::Scale { from_px, to_px, length_mm, length_sd_mm, calibrator } => {
-            let image = spineline_io::parse_image(&film.image, film.posture)
-                .map_err(StoreError::from)?;
+            let image =
+                spineline_io::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
             let calibration = Calibration {
                 calibrator: match calibrator {
                     CalibratorName::Ball => Calibrator::Ball,

@@ -10,6 +10,7 @@ use spineline_io::film::{ChildLimits, FilmError, FilmFile, decode_in_child};
 use tokio::sync::Semaphore;
 
 use super::super::{Answer, AppState, Failure, words};
+use super::uploads::Uploads;
 use crate::store::Hash;
 
 /// Room for decoded films.
@@ -73,6 +74,7 @@ impl Screen {
 pub struct Shelf {
     kept: Mutex<Kept>,
     turn: Semaphore,
+    pub uploads: Uploads,
 }
 
 #[derive(Default)]
@@ -83,7 +85,11 @@ struct Kept {
 
 impl Default for Shelf {
     fn default() -> Self {
-        Self { kept: Mutex::default(), turn: Semaphore::new(AT_A_TIME) }
+        Self {
+            kept: Mutex::default(),
+            turn: Semaphore::new(AT_A_TIME),
+            uploads: Uploads::default(),
+        }
     }
 }
 

@@ -43,10 +43,9 @@ fn words(change: &Value) -> String {
         Some(kind @ ("undo" | "redo" | "finish")) => kind.to_owned(),
         _ if !change["posture"].is_null() => format!("posture to {}", word("posture")),
         _ if !change["inverted"].is_null() => inverted(&change["inverted"]),
-        _ => format!(
-            "scale to {} mm × {} mm",
-            change["column_spacing_mm"], change["row_spacing_mm"]
-        ),
+        _ => {
+            format!("scale to {} mm × {} mm", change["column_spacing_mm"], change["row_spacing_mm"])
+        }
     }
 }
 

@@ -3,20 +3,20 @@
 mod lost;
 mod view;
 
-use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::api::{Change, ConflictAnswer, Finish, NewEvent, NewReading, Problem, ReadingView};
-use super::{Answer, AppState, Failure, User, films, studies};
+use super::extract::{Json, Path};
+use super::{Answer, AppState, Failure, User, films};
 use crate::store::{FilmCode, FilmId, ReadingId, Sight, Store, StoreError};
 
 pub(super) use lost::{of_film as lost_of_film, of_reading as lost_of_reading};
-pub(in crate::http) use view::view;
 pub(super) use view::seen;
+pub(in crate::http) use view::view;
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()
@@ -39,7 +39,7 @@ async fn begin(
 ) -> Answer<Json<ReadingView>> {
     let by = user.sign(state.now());
     let asker = state.clone();
-    let view = state.answer(move |store| {
+    let view = state.ask(move |store| {
         let film = films::seen(store, &user, FilmId(film))?;
         let id = store.begin_reading(film.id, new.repeat, &by)?;
         tell(&asker, store, &user, id)?;
@@ -59,7 +59,7 @@ async fn begin_planned(
 ) -> Answer<Json<ReadingView>> {
     let by = user.sign(state.now());
     let asker = state.clone();
-    let view = state.answer(move |store| {
+    let view = state.ask(move |store| {
         let id = store.begin_planned(&FilmCode::new(&code), &by)?;
         tell(&asker, store, &user, id)?;
         view(store, &user, id, &[])
@@ -75,7 +75,7 @@ async fn reading(
     user: User,
     Path(reading): Path<i64>,
 ) -> Answer<Json<ReadingView>> {
-    state.answer(move |store| view(store, &user, ReadingId(reading), &[])).await.map(Json)
+    state.ask(move |store| view(store, &user, ReadingId(reading), &[])).await.map(Json)
 }
 
 /// Records events, all or none. The same request once more is answered once more, and records nothing.
@@ -90,7 +90,7 @@ async fn record(
 ) -> Answer<Response> {
     let by = user.sign(state.now());
     let asker = state.clone();
-    let answer = state.answer(move |store| {
+    let answer = state.ask(move |store| {
         let id = ReadingId(reading);
         seen(store, &user, id)?;
         let recorded = store.record_all(id, &new.events, new.expected_revision, &by);
@@ -111,7 +111,7 @@ async fn finish(
 ) -> Answer<Response> {
     let by = user.sign(state.now());
     let asker = state.clone();
-    let answer = state.answer(move |store| {
+    let answer = state.ask(move |store| {
         let id = ReadingId(reading);
         let known = seen(store, &user, id)?;
         let before = known.state(&[])?;
@@ -165,7 +165,7 @@ fn tell(state: &AppState, store: &Store, user: &User, reading: ReadingId) -> Ans
 
 /// Refuses a film of a study of which this user may see codes only.
 pub(super) fn refuse_blinded(store: &Store, user: &User, study: &crate::store::Name) -> Answer<()> {
-    studies::role_in(store, user, study)?;
+    user.on_study(store, study)?;
     match store.observer(&user.name).sight(study)? {
         Sight::Reader => Err(Failure::not_found()),
         Sight::Open | Sight::Apart => Ok(()),

@@ -12,7 +12,7 @@ use super::super::api::{
     AxisView, CornerView, CrestsView, LostChangeView, NextMark, Notice, Proposal as ProposalView,
     ReadingImage, ReadingView, Severity, VertebraView,
 };
-use super::super::{Answer, Failure, User, studies, words};
+use super::super::{Answer, Failure, User, words};
 use super::lost;
 use crate::store::{
     Corner, CrestSide, Event, ReadingId, ReadingState, SeenReading, Store, StoreError,
@@ -37,7 +37,7 @@ pub fn seen(store: &Store, user: &User, reading: ReadingId) -> Answer<SeenReadin
         StoreError::NotYours { .. } => Failure::not_found(),
         other => other.into(),
     })?;
-    studies::role_in(store, user, &seen.study.id)?;
+    user.on_study(store, &seen.study.id)?;
     Ok(seen)
 }
 
@@ -104,9 +104,8 @@ fn marks(state: &ReadingState) -> PartialReading {
             (level, PartialMark { corners, axis_clockwise: marks.axis_deg.map(Angle::from_deg) })
         })
         .collect();
-    let crests = [Side::Left, Side::Right].map(|side| {
-        state.iliac_crests_px.get(&side).map(|&[column, row]| Pixel::new(column, row))
-    });
+    let crests = [Side::Left, Side::Right]
+        .map(|side| state.iliac_crests_px.get(&side).map(|&[column, row]| Pixel::new(column, row)));
     PartialReading { vertebrae, crests }
 }
 

@@ -1,10 +1,10 @@
 //! Studies: listed, made, looked at, exported.
 
+mod make;
 mod summary;
 
-use axum::Json;
-use axum::extract::{Path, State};
-use axum::http::header;
+use axum::extract::State;
+use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -12,7 +12,8 @@ use utoipa_axum::routes;
 use super::api::{
     Change, NewPlan, NextReading, PlanView, Problem, RoleName, StudyDetail, StudySummary,
 };
-use super::{Answer, AppState, Failure, User, readings};
+use super::extract::{Json, Path};
+use super::{Answer, AppState, Failure, User, readings, results};
 use crate::store::{Name, Next, PlanDesign, Sight, Store, Timestamp};
 
 pub use summary::{Overviews, film_summary, study_summary};
@@ -23,6 +24,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(study))
         .routes(routes!(plan))
         .routes(routes!(case_file))
+        .merge(make::routes())
 }
 
 /// A study's name in an address. A name that none can have is not there.
@@ -30,35 +32,20 @@ pub fn study_name(text: &str) -> Answer<Name> {
     Name::new(text).map_err(|_| Failure::not_found())
 }
 
-/// What a user may do in a study; a study that is not theirs to see is not there.
-pub fn role_in(store: &Store, user: &User, study: &Name) -> Answer<RoleName> {
-    store.study(study)?;
-    Ok(user.role)
-}
-
-/// Refuses those who may not change a study.
-pub fn may_edit(store: &Store, user: &User, study: &Name) -> Answer<()> {
-    match role_in(store, user, study)? {
-        RoleName::Reader => Err(forbidden("only its editors change a study")),
-        RoleName::Editor | RoleName::Admin => Ok(()),
-    }
-}
-
-fn forbidden(text: &str) -> Failure {
-    Failure::new(axum::http::StatusCode::FORBIDDEN, "forbidden", text)
-        .help("ask an admin for the right to do so")
-}
-
 /// The studies that the one who asks may see.
 #[utoipa::path(get, path = "/api/studies", responses((status = 200, body = [StudySummary])))]
 async fn list(State(state): State<AppState>, user: User) -> Answer<Json<Vec<StudySummary>>> {
     let asker = state.clone();
-    let list = state.answer(move |store| {
+    let list = state.ask(move |store| {
         let mut summaries = Vec::new();
-        for study in store.studies()? {
-            if let Ok(role) = role_in(store, &user, &study.id) {
-                summaries.push(study_summary(asker.studies(), store, &user, role, &study)?);
-            }
+        for (study, role) in user.studies(store)? {
+            summaries.push(study_summary(
+                (asker.studies(), asker.results()),
+                store,
+                &user,
+                role,
+                &study,
+            )?);
         }
         Ok(summaries)
     });
@@ -75,20 +62,23 @@ async fn study(
 ) -> Answer<Json<StudyDetail>> {
     let (study, now) = (study_name(&study)?, state.now());
     let asker = state.clone();
-    state.answer(move |store| detail(asker.studies(), store, &user, &study, now)).await.map(Json)
+    state
+        .ask(move |store| detail((asker.studies(), asker.results()), store, &user, &study, now))
+        .await
+        .map(Json)
 }
 
 /// A study with its lost changes and its plan.
 pub fn detail(
-    overviews: &Overviews,
+    kept: (&Overviews, &results::Cache),
     store: &Store,
     user: &User,
     study: &Name,
     now: Timestamp,
 ) -> Answer<StudyDetail> {
-    let role = role_in(store, user, study)?;
+    let role = user.on_study(store, study)?;
     let record = store.study(study)?;
-    let summary = study_summary(overviews, store, user, role, &record)?;
+    let summary = study_summary(kept, store, user, role, &record)?;
     let sight = store.observer(&user.name).sight(study)?;
     let mut conflicts = Vec::new();
     if sight != Sight::Reader {
@@ -138,17 +128,15 @@ async fn plan(
 ) -> Answer<Json<StudyDetail>> {
     let (study, now) = (study_name(&study)?, state.now());
     let asker = state.clone();
-    let detail = state.answer(move |store| {
-        if role_in(store, &user, &study)? != RoleName::Admin {
-            return Err(forbidden("only an admin plans readings"));
-        }
+    let detail = state.ask(move |store| {
+        user.need_on_study(store, &study, RoleName::Admin)?;
         let observers = new.observers.iter().map(|name| Name::new(name));
         let observers = observers.collect::<Result<Vec<_>, _>>()?;
         let NewPlan { repeats, washout_days, seed, .. } = new;
         let design = PlanDesign { repeats, washout_days, seed };
         store.reading_plan(&study, &observers, design, &user.sign(now))?;
         asker.changes().tell(&study, of_study(&user));
-        detail(asker.studies(), store, &user, &study, now)
+        detail((asker.studies(), asker.results()), store, &user, &study, now)
     });
     detail.await.map(Json)
 }
@@ -170,10 +158,12 @@ async fn case_file(
     let study = study_name(&study)?;
     // A study's name has no character that a file's name may not have.
     let attachment = format!("attachment; filename=\"{study}.json\"");
-    let case = state.answer(move |store| {
-        role_in(store, &user, &study)?;
+    let case = state.ask(move |store| {
+        user.on_study(store, &study)?;
         if store.observer(&user.name).sight(&study)? != Sight::Open {
-            return Err(forbidden("readings are blinded until all of the plan are finished"));
+            let text = "readings are blinded until all of the plan are finished";
+            return Err(Failure::new(StatusCode::FORBIDDEN, "blinded", text)
+                .help("wait until every observer has finished"));
         }
         Ok(store.export_case(&study)?)
     });

@@ -3,10 +3,11 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::measure::ImageGeometry;
 
 use super::super::api::{FilmSummary, ReadingSummary, RoleName, StudyStatus, StudySummary};
-use super::super::{Answer, User, words};
+use super::super::{Answer, User, results, words};
 use crate::store::{
     Corner, FilmId, FilmRecord, Name, ReadingId, ReadingRecord, ReadingState, Sight, Store,
     StoreError, Study,
@@ -67,7 +68,10 @@ fn status_of(
         .max()
         .unwrap_or(0);
     if best as usize == all {
-        (StudyStatus::Measured, format!("all {all} vertebrae are marked on the erect film"))
+        (
+            StudyStatus::Marking,
+            format!("all {all} vertebrae on the erect film; no finished reading"),
+        )
     } else if best > 0 || complete.values().any(|&count| count > 0) {
         (StudyStatus::Marking, format!("{best} of {all} vertebrae on the erect film"))
     } else {
@@ -77,7 +81,7 @@ fn status_of(
 
 /// A study in the list, as this user may see it.
 pub fn study_summary(
-    overviews: &Overviews,
+    (overviews, results): (&Overviews, &results::Cache),
     store: &Store,
     user: &User,
     role: RoleName,
@@ -86,11 +90,11 @@ pub fn study_summary(
     let changed = store.last_change(&study.id)?;
     let overview = overviews.of(store, &study.id, changed.sequence)?;
     let sight = store.observer(&user.name).sight(&study.id)?;
-    let (status, status_text) = match sight {
-        Sight::Open => overview.status.clone(),
-        Sight::Reader | Sight::Apart => {
-            (StudyStatus::Blinded, "results wait until all readings are finished".to_owned())
-        }
+    let found = results::summary(results, store, user, &study.id)?;
+    let (status, status_text) = match found.status {
+        // Marks that nobody has finished count as progress.
+        StudyStatus::ToMark | StudyStatus::Marking => overview.status.clone(),
+        status => (status, found.status_text),
     };
     let films = match sight {
         // Postures would unblind.
@@ -108,9 +112,9 @@ pub fn study_summary(
         status,
         status_text,
         films,
-        curve: None,
-        warnings: 0,
-        contradictions: 0,
+        curve: found.curve,
+        warnings: found.warnings,
+        contradictions: found.contradictions,
         changed_ms: changed.at.unix_ms(),
     })
 }
@@ -128,13 +132,17 @@ pub fn film_summary(
     summary_of(&film, &overview, user, store.observer(&user.name).sight(&film.study)?)
 }
 
+const UNREADABLE: ImageGeometry =
+    ImageGeometry { columns: 0, rows: 0, spacing: None, patient_left: ImageSide::Left };
+
 fn summary_of(
     film: &FilmRecord,
     overview: &Overview,
     user: &User,
     sight: Sight,
 ) -> Answer<FilmSummary> {
-    let image = spineline_io::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
+    // One film that another program described must not hide all studies.
+    let image = spineline_io::parse_image(&film.image, film.posture).unwrap_or(UNREADABLE);
     let readings = overview.readings.iter().filter(|reading| reading.film == film.id);
     let readings = readings.filter(|_| sight == Sight::Open).map(|reading| ReadingSummary {
         reading: reading.id.0,

@@ -40,6 +40,30 @@ impl PathEnding {
         }
     }
 
+    /// What it means, and what to do about it.
+    #[must_use]
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Self::Converged => "the goal is met once, reached from the erect spine",
+            Self::SeveralEquilibria => {
+                "several shapes meet the goal; the first one that the erect spine reaches is the result"
+            }
+            Self::LimitPoint => {
+                "the loads have a maximum before the goal, and a real spine would snap there"
+            }
+            Self::BranchPoint => {
+                "another branch crosses before the goal, and a real spine would buckle there"
+            }
+            Self::Unreachable => {
+                "the goal is not met up to the largest factor and hinge angle, or a rod's pose cannot be had; lower the loads or the lean, or load another vertebra"
+            }
+            Self::NotConverged => {
+                "the path of equilibria was lost, along or against the loads, before what may come first was seen; smaller loads may tell where"
+            }
+            Self::Interrupted => "the search was broken off",
+        }
+    }
+
     /// Whether the first equilibrium may be shown as a result.
     #[must_use]
     pub const fn is_usable(self) -> bool {

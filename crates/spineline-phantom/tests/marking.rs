@@ -1,0 +1,153 @@
+//! Half-marked readings of phantoms: what is proposed, what is found wrong, and that neither depends on how a film lies.
+
+use std::collections::BTreeMap;
+
+use spineline::anatomy::{ImageSide, Level};
+use spineline::measure::{
+    CornerFault, CornerName, Corners, ImageGeometry, MarkingFault, NextLandmark, PartialMark,
+    PartialReading, turn_axis_towards,
+};
+use spineline::spatial::Pixel;
+use spineline_phantom::{Phantom, Readers, SUBJECTS, Truth, generate};
+
+/// A proposal's midpoint lies within this part of a level of the truth.
+const NEAR: f64 = 0.35;
+
+fn phantom(index: usize) -> Phantom {
+    generate(index, Truth::Rod, &Readers::exact(), 1).expect("a phantom")
+}
+
+fn marked(vertebrae: &BTreeMap<Level, Corners<Pixel>>, levels: &[Level]) -> PartialReading {
+    let marks = levels.iter().map(|&level| {
+        (level, PartialMark { corners: vertebrae[&level].map(Some), axis_clockwise: None })
+    });
+    PartialReading { vertebrae: marks.collect(), crests: [None; 2] }
+}
+
+fn midpoint(image: &ImageGeometry, corners: &Corners<Pixel>) -> spineline::spatial::Frontal {
+    corners.map(|corner| image.frontal(corner)).measure_location().expect("a body")
+}
+
+#[test]
+fn proposals_lie_near_the_truth_on_every_film() {
+    for index in [0, 2, 4, SUBJECTS.len() - 1] {
+        for film in &phantom(index).films {
+            for count in 1..Level::MODEL.len() {
+                let reading = marked(&film.vertebrae, &Level::MODEL[..count]);
+                let next = Level::MODEL[count];
+                let proposal = reading.propose_next(&film.image).expect("a proposal");
+                assert_eq!(proposal.level, next);
+                let truth = midpoint(&film.image, &film.vertebrae[&next]);
+                let before = midpoint(&film.image, &film.vertebrae[&Level::MODEL[count - 1]]);
+                let off = midpoint(&film.image, &proposal.corners).distance_mm(truth);
+                let part = off / truth.distance_mm(before);
+                assert!(part < NEAR, "{} of a level at {next} of film {}", part, film.posture);
+                assert!(proposal.corners.points().iter().all(|&p| film.image.contains(p)));
+            }
+            assert_eq!(marked(&film.vertebrae, &Level::MODEL).faults(&film.image), []);
+        }
+    }
+}
+
+#[test]
+fn a_mirrored_picture_has_mirrored_proposals_and_axes() {
+    let film = &phantom(2).films[1];
+    let image = film.image;
+    let other = match image.patient_left {
+        ImageSide::Left => ImageSide::Right,
+        ImageSide::Right => ImageSide::Left,
+    };
+    let mirrored = ImageGeometry { patient_left: other, ..image };
+    let flip = |p: Pixel| Pixel::new(f64::from(image.columns - 1) - p.column_px, p.row_px);
+    let flipped = film.vertebrae.iter().map(|(&level, c)| (level, c.map(flip))).collect();
+    let levels = &Level::MODEL[..5];
+    let here = marked(&film.vertebrae, levels);
+    let there = marked(&flipped, levels);
+    let (a, b) = (here.propose_next(&image), there.propose_next(&mirrored));
+    let (a, b) = (a.expect("a proposal"), b.expect("a proposal"));
+    for (p, q) in a.corners.map(flip).points().into_iter().zip(b.corners.points()) {
+        assert!((p.column_px - q.column_px).abs() < 1e-6 && (p.row_px - q.row_px).abs() < 1e-6);
+    }
+    for (mark, twin) in here.vertebrae.values().zip(there.vertebrae.values()) {
+        let (mark, twin) = (mark.body(&image), twin.body(&mirrored));
+        let (mark, twin) = (mark.expect("a body"), twin.expect("a body"));
+        assert!((mark.axis_clockwise + twin.axis_clockwise).rad().abs() < 1e-9);
+        assert!((mark.tilt - twin.tilt).rad().abs() < 1e-9, "the patient did not move");
+    }
+}
+
+#[test]
+fn an_axis_turned_towards_its_own_end_stays() {
+    // Subject 3 has pixels that are not square.
+    for index in [0, 2] {
+        let film = &phantom(index).films[0];
+        for mark in marked(&film.vertebrae, &Level::MODEL).vertebrae.values() {
+            let body = mark.body(&film.image).expect("a body");
+            let turned = turn_axis_towards(&film.image, body.midpoint, body.axis[1]);
+            let off = turned.expect("a direction").deg() - body.axis_clockwise.deg();
+            assert!(off.abs() <= 0.05 + 1e-9, "{off}");
+        }
+    }
+}
+
+#[test]
+fn exchanged_corners_are_found_with_three_corners_and_with_four() {
+    let film = &phantom(0).films[0];
+    let truth = film.vertebrae[&Level::T8];
+    let mirrored = Corners {
+        superior_left: truth.superior_right,
+        superior_right: truth.superior_left,
+        inferior_left: truth.inferior_right,
+        inferior_right: truth.inferior_left,
+    };
+    let upside_down = Corners {
+        superior_left: truth.inferior_left,
+        superior_right: truth.inferior_right,
+        inferior_left: truth.superior_left,
+        inferior_right: truth.superior_right,
+    };
+    for (corners, fault) in
+        [(mirrored, CornerFault::SidesExchanged), (upside_down, CornerFault::UpsideDown)]
+    {
+        for missing in CornerName::ORDER.into_iter().map(Some).chain([None]) {
+            let mut reading = marked(&film.vertebrae, &[Level::L1, Level::T12]);
+            let mut some = corners.map(Some);
+            match missing {
+                Some(CornerName::SuperiorLeft) => some.superior_left = None,
+                Some(CornerName::SuperiorRight) => some.superior_right = None,
+                Some(CornerName::InferiorRight) => some.inferior_right = None,
+                Some(CornerName::InferiorLeft) => some.inferior_left = None,
+                None => {}
+            }
+            let mark = PartialMark { corners: some, axis_clockwise: None };
+            reading.vertebrae.insert(Level::T8, mark);
+            let expected = MarkingFault::Corners { level: Level::T8, fault };
+            assert_eq!(reading.faults(&film.image).first(), Some(&expected), "{missing:?}");
+        }
+    }
+}
+
+#[test]
+fn vertebrae_with_exchanged_names_are_out_of_order() {
+    let film = &phantom(0).films[0];
+    let mut vertebrae = film.vertebrae.clone();
+    vertebrae.insert(Level::T8, film.vertebrae[&Level::T9]);
+    vertebrae.insert(Level::T9, film.vertebrae[&Level::T8]);
+    let faults = marked(&vertebrae, &Level::MODEL).faults(&film.image);
+    assert!(faults.iter().any(|fault| fault.code() == "out_of_order"), "{faults:?}");
+}
+
+#[test]
+fn after_the_vertebrae_come_the_crests() {
+    let film = &phantom(0).films[0];
+    let mut reading = PartialReading::default();
+    let first = NextLandmark::Corner(Level::L4, CornerName::SuperiorLeft);
+    assert_eq!(reading.next(), Some(first));
+    reading = marked(&film.vertebrae, &Level::MODEL);
+    let optional = NextLandmark::Corner(Level::T1, CornerName::SuperiorLeft);
+    assert_eq!(reading.next(), Some(optional));
+    reading.crests[0] = Some(film.iliac_crests.left);
+    assert!(matches!(reading.next(), Some(NextLandmark::Crest(_))), "who marks a crest skips T1");
+    reading.crests[1] = Some(film.iliac_crests.right);
+    assert_eq!(reading.next(), None);
+}

@@ -1,0 +1,148 @@
+//! What follows from a reading at once, together with the other films of its study.
+
+use axum::extract::State;
+use axum::http::StatusCode;
+use spineline::anatomy::Posture;
+use spineline::measure::{MeasureError, check_marks};
+
+use super::cache::{Outcome, StudyResult, computed};
+use super::words::{marked_text, progress};
+use super::{findings, notices, overlay};
+use crate::http::api::{FilmOverlay, LiveStatus, LiveView, Notice, Problem, RoleName, Severity};
+use crate::http::extract::{Json, Path};
+use crate::http::{Answer, AppState, Failure, User, readings};
+use crate::store::{Event, FilmId, Name, ReadingId, Sight, Stand, StandingFilm, Store, StoreError};
+
+/// What follows from a reading as it stands.
+#[utoipa::path(get, path = "/api/readings/{reading}/live", params(("reading" = i64, Path)),
+    responses((status = 200, body = LiveView), (status = 403, body = Problem)))]
+pub async fn live(
+    State(state): State<AppState>,
+    user: User,
+    Path(reading): Path<i64>,
+) -> Answer<Json<LiveView>> {
+    let view = live_view(&state, &user, ReadingId(reading), Vec::new()).await?;
+    view.map(Json).ok_or_else(blinded)
+}
+
+/// What follows from a reading with events that are not recorded; `None` where results are hidden from whoever asks.
+pub async fn live_view(
+    state: &AppState,
+    user: &User,
+    reading: ReadingId,
+    pending: Vec<Event>,
+) -> Answer<Option<LiveView>> {
+    let user = user.clone();
+    let found = state.ask(move |store| {
+        let seen = readings::seen(store, &user, reading)?;
+        if seen.code.is_some() {
+            return Ok(None);
+        }
+        let (study, film) = (seen.study.id, seen.film.id);
+        let standing = store.standing_case(&study, Stand::InHand { reading, pending: &pending })?;
+        Ok(Some((study, film, standing)))
+    });
+    let Some((study, film, standing)) = found.await? else { return Ok(None) };
+    let work = move || of_film(&StudyResult::of(&study, standing), film);
+    computed(work).await.map(Some)
+}
+
+/// Whether results of a study may be shown to somebody who may see it.
+///
+/// While a plan of blinded readings is incomplete, only those who lead and do not read see results.
+///
+/// # Errors
+/// Whatever the store refuses.
+pub fn sees_results(store: &Store, user: &User, study: &Name) -> Result<bool, StoreError> {
+    Ok(match store.observer(&user.name).sight(study)? {
+        Sight::Open => true,
+        Sight::Reader => false,
+        Sight::Apart => user.role == RoleName::Admin,
+    })
+}
+
+/// Results are hidden.
+pub fn blinded() -> Failure {
+    Failure::new(
+        StatusCode::FORBIDDEN,
+        "blinded",
+        "results wait until all planned readings are finished",
+    )
+    .help("finish your readings; nothing of the study is shown to its readers before")
+}
+
+/// A study whose results whoever asks may see.
+///
+/// # Errors
+/// A refusal: unknown, or blinded.
+pub async fn open_study(state: &AppState, user: &User, study: &str) -> Answer<Name> {
+    let name = Name::new(study).map_err(|_| Failure::not_found())?;
+    let (asked, user) = (name.clone(), user.clone());
+    let sees = state.ask(move |store| {
+        user.on_study(store, &asked)?;
+        Ok(sees_results(store, &user, &asked)?)
+    });
+    if sees.await? { Ok(name) } else { Err(blinded()) }
+}
+
+/// What follows for one film of a study.
+fn of_film(result: &StudyResult, film: FilmId) -> LiveView {
+    let hand = result.standing.films.iter().find(|standing| standing.record.id == film);
+    let posture = hand.map_or(Posture::Erect, |hand| hand.record.posture);
+    let missing = hand.map(StandingFilm::missing).unwrap_or_default();
+    let fault = result.standing.marks(posture).and_then(|marks| check_marks(marks).err());
+    let (status, status_text) = status(result, &missing, fault.as_ref());
+    let study = result.analysis().map(findings::of_study);
+    let overlay = if missing.is_empty() && fault.is_none() {
+        overlay::of_film(result, posture)
+    } else {
+        None
+    };
+    let notices = film_notices(result, posture, fault.as_ref());
+    LiveView { status, status_text, overlay, study, notices }
+}
+
+fn status(
+    result: &StudyResult,
+    missing: &[spineline::anatomy::Level],
+    fault: Option<&MeasureError>,
+) -> (LiveStatus, String) {
+    if let Some(fault) = fault {
+        return (LiveStatus::Refused, fault.to_string());
+    }
+    let marked = marked_text(missing);
+    match &result.outcome {
+        Outcome::Refused { text, .. } => (LiveStatus::Refused, text.clone()),
+        _ if !missing.is_empty() => (LiveStatus::Partial, marked),
+        Outcome::Analysed(_) => (LiveStatus::Complete, marked),
+        Outcome::Waiting => {
+            let text = format!("{marked}; the study waits: {}", progress(&result.standing));
+            (LiveStatus::Complete, text)
+        }
+    }
+}
+
+/// Notices of a study while one of its films is in hand: that this one is not complete, its status says.
+fn film_notices(
+    result: &StudyResult,
+    posture: Posture,
+    fault: Option<&MeasureError>,
+) -> Vec<Notice> {
+    let name = super::words::posture_name(posture);
+    let mut notices = notices::of_result(result);
+    notices.retain(|n| !(n.code == "film_left_out" && n.posture == Some(name)));
+    if let Some(fault) = fault {
+        let text = format!("{fault}: {}", fault.help());
+        let mut notice = notices::notice(Severity::Error, "refused", text);
+        notice.posture = Some(name);
+        notices.retain(|other| other.code != "refused");
+        notices.insert(0, notice);
+    }
+    notices
+}
+
+/// An overlay of a film from the finished readings of its study.
+pub fn overlay_of(result: &StudyResult, film: FilmId) -> Option<FilmOverlay> {
+    let film = result.standing.films.iter().find(|standing| standing.record.id == film)?;
+    film.missing().is_empty().then(|| overlay::of_film(result, film.record.posture)).flatten()
+}

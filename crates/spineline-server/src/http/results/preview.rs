@@ -1,0 +1,80 @@
+//! What would follow from events that are not recorded: while a corner or an axis is dragged.
+
+use axum::extract::State;
+use axum::http::StatusCode;
+use spineline::anatomy::Level;
+use spineline::measure::turn_axis_towards;
+use spineline::spatial::Pixel;
+use spineline_io::LevelKey;
+
+use super::live::live_view;
+use crate::http::api::{Preview, PreviewRequest, Problem, ReadingView, TurnAxis};
+use crate::http::extract::{Json, Path};
+use crate::http::{Answer, AppState, Failure, User, readings};
+use crate::store::{Event, ReadingId, Store, StoreError};
+
+/// What would follow from events upon a reading.
+#[utoipa::path(post, path = "/api/readings/{reading}/preview", params(("reading" = i64, Path)),
+    request_body = PreviewRequest,
+    responses((status = 200, body = Preview), (status = 404, body = Problem),
+        (status = 422, body = Problem)))]
+pub async fn preview(
+    State(state): State<AppState>,
+    user: User,
+    Path(reading): Path<i64>,
+    Json(request): Json<PreviewRequest>,
+) -> Answer<Json<Preview>> {
+    let reading = ReadingId(reading);
+    let asker = user.clone();
+    let before = state.ask(move |store| before(store, &asker, reading, request));
+    let (view, events) = before.await?;
+    let live = live_view(&state, &user, reading, events).await?;
+    Ok(Json(Preview { reading: view, live }))
+}
+
+/// The reading as it would be, and the events that make it so.
+fn before(
+    store: &Store,
+    user: &User,
+    reading: ReadingId,
+    request: PreviewRequest,
+) -> Answer<(ReadingView, Vec<Event>)> {
+    let mut events = request.events;
+    let mut view = readings::view(store, user, reading, &events)?;
+    if let Some(turn) = &request.turn_axis {
+        events.push(turned(store, user, reading, &view, turn)?);
+        view = readings::view(store, user, reading, &events)?;
+    }
+    Ok((view, events))
+}
+
+/// The turning of an axis towards the pointer as an event.
+fn turned(
+    store: &Store,
+    user: &User,
+    reading: ReadingId,
+    view: &ReadingView,
+    turn: &TurnAxis,
+) -> Answer<Event> {
+    let refused = |text: String, help| {
+        Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text).help(help)
+    };
+    let level: Level = turn.level.parse().map_err(|error: spineline::anatomy::UnknownLevel| {
+        refused(error.to_string(), "name a vertebra that is marked")
+    })?;
+    let vertebra = view.vertebrae.iter().find(|vertebra| vertebra.level == turn.level);
+    let midpoint = vertebra.and_then(|vertebra| vertebra.midpoint_px).ok_or_else(|| {
+        let text = format!("{level} has no four corners, and so no axis");
+        refused(text, "place the missing corners first")
+    })?;
+    let film = readings::seen(store, user, reading)?.film;
+    let image = spineline_io::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
+    let [from, towards] = [midpoint, turn.towards_px].map(|[column, row]| Pixel::new(column, row));
+    let axis = turn_axis_towards(&image, from, towards).ok_or_else(|| {
+        refused(
+            format!("{level}'s axis cannot point there"),
+            "point above the vertebra, within 90° of the picture's vertical",
+        )
+    })?;
+    Ok(Event::SetAxis { level: LevelKey(level), axis_deg: Some(axis.deg()) })
+}

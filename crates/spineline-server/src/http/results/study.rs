@@ -1,0 +1,89 @@
+//! A study's results from its finished readings.
+
+use axum::extract::State;
+use axum::http::header;
+use axum::response::{IntoResponse, Response};
+use spineline::anatomy::Posture;
+use spineline_io::AnalysisFile;
+
+use super::cache::{Outcome, StudyResult, computed, study_result};
+use super::live::{open_study, overlay_of};
+use super::words::{marked_text, progress};
+use super::{findings as findings_of, notices};
+use crate::http::api::{FilmOverlay, LiveStatus, LiveView, Problem};
+use crate::http::extract::{Json, Path};
+use crate::http::{Answer, AppState, Failure, User};
+use crate::store::FilmId;
+
+/// The analysis file of a study, as `spineline analyze` writes it.
+#[utoipa::path(get, path = "/api/studies/{study}/analysis.json",
+    params(("study" = String, Path)),
+    responses((status = 200, content_type = "application/json"), (status = 409, body = Problem)))]
+pub async fn analysis_file(
+    State(state): State<AppState>,
+    user: User,
+    Path(study): Path<String>,
+) -> Answer<Response> {
+    let study = open_study(&state, &user, &study).await?;
+    let result = study_result(&state, &study).await?;
+    let generator = concat!("spineline ", env!("CARGO_PKG_VERSION"));
+    let text = computed(move || {
+        result
+            .analysed()
+            .map(|analysis| spineline_io::to_text(&AnalysisFile::new(analysis, generator)))
+    });
+    let text = text.await??;
+    let headers = [
+        (header::CONTENT_TYPE, "application/json".to_owned()),
+        // A study's name has no sign that a header would mistake.
+        (header::CONTENT_DISPOSITION, format!("attachment; filename=\"{study}-analysis.json\"")),
+    ];
+    Ok((headers, text).into_response())
+}
+
+/// Clinical angles and rotations of a study.
+#[utoipa::path(get, path = "/api/studies/{study}/findings", params(("study" = String, Path)),
+    responses((status = 200, body = LiveView), (status = 403, body = Problem)))]
+pub async fn findings(
+    State(state): State<AppState>,
+    user: User,
+    Path(study): Path<String>,
+) -> Answer<Json<LiveView>> {
+    let study = open_study(&state, &user, &study).await?;
+    let result = study_result(&state, &study).await?;
+    computed(move || Json(view(&result))).await
+}
+
+fn view(result: &StudyResult) -> LiveView {
+    let (status, status_text) = match &result.outcome {
+        Outcome::Waiting => (LiveStatus::Partial, progress(&result.standing)),
+        Outcome::Refused { text, .. } => (LiveStatus::Refused, text.clone()),
+        Outcome::Analysed(_) => {
+            let erect = result.standing.film(Posture::Erect);
+            let missing = erect.map(crate::store::StandingFilm::missing).unwrap_or_default();
+            (LiveStatus::Complete, format!("{} on the erect film", marked_text(&missing)))
+        }
+    };
+    LiveView {
+        status,
+        status_text,
+        overlay: None,
+        study: result.analysis().map(findings_of::of_study),
+        notices: notices::of_result(result),
+    }
+}
+
+/// What follows from the finished readings, over one film.
+#[utoipa::path(get, path = "/api/studies/{study}/films/{film}/overlay",
+    params(("study" = String, Path), ("film" = i64, Path)),
+    responses((status = 200, body = FilmOverlay), (status = 404, body = Problem)))]
+pub async fn overlay(
+    State(state): State<AppState>,
+    user: User,
+    Path((study, film)): Path<(String, i64)>,
+) -> Answer<Json<FilmOverlay>> {
+    let study = open_study(&state, &user, &study).await?;
+    let result = study_result(&state, &study).await?;
+    let overlay = computed(move || overlay_of(&result, FilmId(film))).await?;
+    overlay.map(Json).ok_or_else(Failure::not_found)
+}

@@ -1,0 +1,57 @@
+use serde_json::Value;
+use spineline_phantom::{Readers, Truth, generate};
+
+use super::server::{add_read_study, add_study, assert_numbers, phantom, serve};
+
+#[test]
+fn the_cohort_has_a_row_per_study_and_says_why_one_is_left_out() {
+    let two = generate(1, Truth::Rod, &Readers::exact(), 1).expect("subject 2 exists").case;
+    let running = serve(|store| {
+        add_read_study(store, "S1", &phantom().case);
+        add_read_study(store, "S2", &two);
+        add_study(store, "S3", &phantom().case);
+    });
+    let cohort = running.get("/api/cohort");
+    let rows = cohort["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 3);
+    let headings = |row: &Value| -> Vec<String> {
+        let cells = row["cells"].as_array().expect("cells");
+        cells.iter().map(|cell| cell["heading"].as_str().expect("words").to_owned()).collect()
+    };
+    assert!(rows.iter().all(|row| headings(row) == headings(&rows[0])));
+    assert_eq!((&rows[0]["excluded"], &rows[0]["synthetic"]), (&Value::Null, &true.into()));
+    assert!(rows[2]["excluded"].as_str().is_some_and(|why| !why.is_empty()));
+    assert!(cohort["verdict"][0].as_str().is_some_and(|text| text.starts_with("2 patients")));
+    for chart in cohort["charts"].as_array().expect("charts") {
+        assert_numbers(chart, "chart");
+        for five in chart["boxes"].as_array().expect("boxes").iter().map(|b| &b["five"]) {
+            let five: [f64; 5] = serde_json::from_value(five.clone()).expect("five numbers");
+            assert!(five.windows(2).all(|pair| pair[0] <= pair[1]), "{five:?}");
+        }
+    }
+}
+
+#[test]
+fn readings_of_two_observers_give_their_agreement() {
+    let readers = Readers { observers: 2, repeats: 1, ..Readers::default() };
+    let case = generate(0, Truth::Rod, &readers, 1).expect("subject 1 exists").case;
+    let running = serve(|store| add_read_study(store, "S1", &case));
+    let views = running.get("/api/studies/S1/reliability");
+    assert_numbers(&views, "reliability");
+    let tilts = views.as_array().expect("views").iter().filter(|view| {
+        view["quantity"].as_str().is_some_and(|name| name.starts_with("tilt_step"))
+    });
+    let plots: Vec<&Value> = tilts.map(|view| &view["bland_altman"]).filter(|p| !p.is_null()).collect();
+    assert!(!plots.is_empty());
+    for plot in plots {
+        assert_eq!(plot["unit"], "deg");
+        let numbers = |key: &str| -> Vec<f64> {
+            serde_json::from_value(plot[key].clone()).expect("numbers")
+        };
+        // The bias, taken anew.
+        let differences = numbers("differences");
+        let mean = differences.iter().sum::<f64>() / differences.len() as f64;
+        assert!((mean - plot["bias"].as_f64().expect("a number")).abs() < 1e-12);
+        assert_eq!(numbers("means").len(), differences.len());
+    }
+}

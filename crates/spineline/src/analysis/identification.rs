@@ -1,0 +1,87 @@
+//! What the films say of every stiffness multiplier.
+
+use super::{Analysis, LineModel};
+use crate::personalize::{FitStatus, StiffnessBound};
+
+/// What is known of a multiplier.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Identification {
+    /// Absolutely: a force is known.
+    Absolute,
+    /// As a ratio to the other multipliers.
+    RatioOnly,
+    /// The fit ended at a bound, which is no value.
+    AtBound(StiffnessBound),
+    /// Most joints that share it turn against the force on the fitted films: no positive stiffness explains them.
+    Contradicted,
+    /// The fit did not converge.
+    NotConverged,
+}
+
+/// A multiplier's verdict and the joints behind it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MultiplierVerdict {
+    /// What is known of it.
+    pub identification: Identification,
+    /// Joints of the fitted films that turn against the force, a joint once per film.
+    pub against: usize,
+    /// All joints that share it, a joint once per film.
+    pub joints: usize,
+}
+
+impl LineModel {
+    /// What is known of every multiplier, in the order of the groups.
+    ///
+    /// # Definition
+    /// A multiplier is contradicted when more than half of its joints, counted once per fitted film with a usable
+    /// simulation, turn against the moment of that film's force ([`crate::evaluate::Simulation::contradicted`]). The worst
+    /// finding counts: not converged, then contradicted, then at a bound.
+    #[must_use]
+    pub fn verdicts(&self, analysis: &Analysis) -> Vec<MultiplierVerdict> {
+        let films: Vec<_> = self.postures.iter().filter(|s| s.fitted && s.is_usable()).collect();
+        let group_of = self.groups.of_joint();
+        let verdict = |group: usize| {
+            let in_group = |joint: usize| group_of[joint] == group;
+            let against = films
+                .iter()
+                .flat_map(|film| &film.contradicted)
+                .filter_map(|joint| joint.inferior.model_index())
+                .filter(|&joint| in_group(joint))
+                .count();
+            let joints = films.len() * (0..group_of.len()).filter(|&joint| in_group(joint)).count();
+            let bound = self.fit.bounds[group];
+            let identification = if self.fit.status != FitStatus::Converged || films.is_empty() {
+                Identification::NotConverged
+            } else if 2 * against > joints {
+                Identification::Contradicted
+            } else if bound != StiffnessBound::Inside {
+                Identification::AtBound(bound)
+            } else if self.is_absolute(analysis.options.gauge) {
+                Identification::Absolute
+            } else {
+                Identification::RatioOnly
+            };
+            MultiplierVerdict { identification, against, joints }
+        };
+        (0..self.groups.len()).map(verdict).collect()
+    }
+}
+
+impl Analysis {
+    /// Lateral springs of every model's joints on one logarithmic scale: 0 for the softest of all models, 1 for the
+    /// stiffest; a half where all are alike. By model and joint, caudal first.
+    #[must_use]
+    pub fn relative_stiffness(&self) -> Vec<Vec<f64>> {
+        let logs: Vec<Vec<f64>> = self
+            .models
+            .iter()
+            .map(|model| model.stiffness_nmm_per_rad(&self.options.library))
+            .map(|joints| joints.iter().map(|[lateral, ..]| lateral.ln()).collect())
+            .collect();
+        let all = || logs.iter().flatten().copied();
+        let (low, high) =
+            (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
+        let place = |log: &f64| if high > low { (log - low) / (high - low) } else { 0.5 };
+        logs.iter().map(|joints| joints.iter().map(place).collect()).collect()
+    }
+}

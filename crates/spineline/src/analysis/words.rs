@@ -1,0 +1,128 @@
+//! What a person has to know beside the numbers of a model, in words that all front ends share.
+
+use std::fmt;
+
+use super::{Analysis, Identification, LineModel, MultiplierVerdict};
+use crate::anatomy::Posture;
+use crate::curve::Inflection;
+use crate::evaluate::Simulation;
+use crate::personalize::{FitStatus, Gauge, StiffnessBound};
+
+impl Analysis {
+    /// What fixes the level of stiffness and force.
+    #[must_use]
+    pub const fn gauge_words(&self) -> &'static str {
+        match self.options.gauge {
+            Gauge::GeometricMean => "only ratios are identified; their geometric mean is set to 1",
+            Gauge::FrozenForce => "forces kept from the nominal stiffness",
+            Gauge::KnownForce { .. } => "scaled to the known force",
+        }
+    }
+
+    /// How the erect curve turns, and where it inflects.
+    #[must_use]
+    pub fn inflection_words(&self) -> String {
+        let lobes: Vec<String> = self.inflections.lobes.iter().map(|l| l.turn.leaning()).collect();
+        let place = |inflection: &Inflection| {
+            let (below, above) = inflection.between;
+            let height = self.scale().text(inflection.erect.z_mm, 0);
+            format!("{below}/{above} ({height} above L4)")
+        };
+        let turns = format!("Erect curve turns {}", lobes.join(", "));
+        match &self.inflections.pair {
+            Some([a, b]) => format!("{turns}\nInflections at {} and {}", place(a), place(b)),
+            None => turns,
+        }
+    }
+
+    /// Lenke's type, or what is missing for it.
+    #[must_use]
+    pub fn lenke_words(&self) -> String {
+        let bends = [Posture::LeftBending, Posture::RightBending];
+        match self.lenke {
+            Some(lenke) => format!(
+                "Lenke type {} from frontal films (kyphosis and modifiers not seen)",
+                lenke.number
+            ),
+            None if bends.iter().any(|&bend| self.posture(bend).is_none()) => {
+                "No Lenke type: it needs both bending films".to_owned()
+            }
+            None if self.inflections.pair.is_none() => {
+                "No Lenke type: without two inflections the regions are no curves".to_owned()
+            }
+            None => "No Lenke type: no curve reaches 10°, or the structural curves make no type"
+                .to_owned(),
+        }
+    }
+
+    /// Where the sagittal shape comes from.
+    #[must_use]
+    pub const fn profile_words(&self) -> &'static str {
+        if self.lateral_measured {
+            "sagittal profile measured on the lateral film"
+        } else {
+            "sagittal profile of a population, not this patient's: no lateral film was measured"
+        }
+    }
+
+    /// How a fit ended.
+    #[must_use]
+    pub fn fit_words(&self, model: &LineModel) -> String {
+        let lost = model.postures.iter().filter(|s| !s.is_usable()).count();
+        let mut text = match model.fit.status {
+            FitStatus::Converged => "fit converged".to_owned(),
+            other => format!("fit NOT CONVERGED ({})", other.key().replace('_', " ")),
+        };
+        if lost > 0 {
+            text.push_str(&format!("; {lost} of {} films without a result", model.postures.len()));
+        }
+        text
+    }
+
+    /// A force along its line, with what its size means.
+    #[must_use]
+    pub fn force_words(&self, model: &LineModel, simulation: &Simulation) -> String {
+        let size = simulation.force_n.abs();
+        // A positive force runs along the line's direction.
+        let along = simulation.line.direction * simulation.force_n.signum();
+        let way = along.lean().leaning();
+        if model.is_absolute(self.options.gauge) {
+            format!("{size:.0} N, leaning {way}")
+        } else {
+            format!("{size:.0} relative to the stiffness (newtons are not known), leaning {way}")
+        }
+    }
+
+    /// Springs of a joint about its lateral, flexion and axial hinge, with what they mean under the gauge.
+    #[must_use]
+    pub fn spring_words(&self, model: &LineModel, nmm_per_rad: [f64; 3]) -> String {
+        let [lateral, flexion, axial] = nmm_per_rad.map(|k| k / 1000.0);
+        let meaning = if model.is_absolute(self.options.gauge) {
+            "scaled to the known force"
+        } else {
+            "at the level of the library: only ratios are known"
+        };
+        format!("lateral {lateral:.0}, flexion {flexion:.0}, axial {axial:.0} N·m/rad ({meaning})")
+    }
+}
+
+impl fmt::Display for MultiplierVerdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { identification, against, joints } = self;
+        match identification {
+            Identification::Absolute => f.write_str("known, since a force is known"),
+            Identification::RatioOnly => {
+                f.write_str("known as a ratio to the others only: bending films carry no force")
+            }
+            Identification::AtBound(bound) => {
+                let wish = if *bound == StiffnessBound::Lower { "softer" } else { "stiffer" };
+                write!(f, "at its bound: the data want it {wish} still, so this is no value")
+            }
+            Identification::Contradicted => write!(
+                f,
+                "{against} of {joints} joints on the fitted films turn against the force: no positive stiffness explains them"
+            ),
+            Identification::NotConverged => f.write_str("no value: the fit did not converge"),
+        }
+    }
+}

@@ -1,0 +1,96 @@
+use super::CurveFit;
+use crate::anatomy::Level;
+use crate::measure::Outline;
+use crate::spatial::{Angle, Frontal};
+
+/// A vertebra beyond so many standard deviations is an outlier.
+const OUTLIER_SD: f64 = 3.0;
+
+/// How far a measured vertebra is from the fitted curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurveResidual {
+    /// Which vertebra.
+    pub level: Level,
+    /// Measured midpoint.
+    pub measured: Frontal,
+    /// Where the curve passes.
+    pub on_curve: Frontal,
+    /// Measured tilt minus that of the curve.
+    pub tilt: Angle,
+    /// Whether place or tilt is an outlier among those of this film.
+    pub is_outlier: bool,
+}
+
+impl CurveResidual {
+    /// Distance between the two places.
+    #[must_use]
+    pub fn distance_mm(&self) -> f64 {
+        self.measured.distance_mm(self.on_curve)
+    }
+}
+
+impl CurveFit {
+    /// What the fit leaves of every vertebra above L4, which the curve meets by construction. Their root mean squares are
+    /// [`CurveFit::rmse_mm`] and [`CurveFit::rmse_tilt`].
+    ///
+    /// # Definition
+    /// An outlier is beyond three standard deviations in place or tilt. The deviation is the root mean square of the film's
+    /// *other* residuals, so that a bad mark does not hide behind itself, and at least that of a measurement.
+    #[must_use]
+    pub fn residuals(&self, outline: &Outline) -> Vec<CurveResidual> {
+        let mut all: Vec<CurveResidual> = outline
+            .vertebrae
+            .iter()
+            .zip(&self.vertebra_t_mm)
+            .skip(1)
+            .map(|(vertebra, &t)| CurveResidual {
+                level: vertebra.level,
+                measured: vertebra.location,
+                on_curve: self.curve.point(t),
+                tilt: (vertebra.tilt - self.curve.tilt(t)).wrapped(),
+                is_outlier: false,
+            })
+            .collect();
+        let places =
+            outliers(all.iter().map(CurveResidual::distance_mm), outline.noise.location_mm);
+        let tilts = outliers(all.iter().map(|r| r.tilt.rad()), outline.noise.tilt.rad());
+        for ((residual, place), tilt) in all.iter_mut().zip(places).zip(tilts) {
+            residual.is_outlier = place || tilt;
+        }
+        all
+    }
+}
+
+fn outliers(values: impl Iterator<Item = f64>, noise: f64) -> Vec<bool> {
+    let squares: Vec<f64> = values.map(|value| value * value).collect();
+    let total: f64 = squares.iter().sum();
+    let others = (squares.len().max(2) - 1) as f64;
+    let is_beyond = |square: &f64| {
+        let variance = ((total - square) / others).max(noise * noise);
+        *square > OUTLIER_SD * OUTLIER_SD * variance
+    };
+    squares.iter().map(is_beyond).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bad_mark_does_not_hide_behind_itself() {
+        // Fourteen residuals of 1, one of them 5: its own square would widen three deviations to 4.9.
+        let mut values = vec![1.0; 14];
+        values[6] = -5.0;
+        let found = outliers(values.iter().copied(), 0.1);
+        assert_eq!(found.iter().filter(|is| **is).count(), 1);
+        assert!(found[6]);
+    }
+
+    #[test]
+    fn what_a_measurement_scatters_is_no_outlier() {
+        let mut values = vec![1e-6; 14];
+        values[0] = 0.5;
+        assert!(outliers(values.iter().copied(), 0.25).iter().all(|is| !is));
+        assert!(outliers([0.8, 0.0].into_iter(), 0.25)[0]);
+    }
+}

@@ -1,0 +1,143 @@
+use super::{Film, FilmMarks, ImageGeometry, Outline};
+use crate::anatomy::Level;
+use crate::spatial::{Angle, Frontal, Pixel};
+
+/// Where the global frame of an outline lies on its film: points of `G` as sub-pixel places of the picture, and back.
+///
+/// The picture's pixels need not be square and the patient's left may be on either side of it; a film without a spacing is
+/// taken in the internal millimetres of its outline.
+///
+/// # Accuracy
+/// There and back is exact to rounding: below 1e-9 pixels on any film.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FilmFrame {
+    image: ImageGeometry,
+    /// L4's midpoint and tilt on the film.
+    origin: Frontal,
+    tilt: Angle,
+    /// What one millimetre of the outline is on the film: 1, or pixels where the film has no spacing.
+    units_per_mm: f64,
+}
+
+impl FilmFrame {
+    /// The frame of an outline on the film that it was measured on; `None` for a film without a picture.
+    #[must_use]
+    pub fn of(film: &Film, outline: &Outline) -> Option<Self> {
+        let FilmMarks::Landmarks { image, .. } = &film.marks else { return None };
+        Some(Self {
+            image: *image,
+            origin: outline.l4_midpoint_on_film,
+            tilt: outline.l4_on_film,
+            units_per_mm: outline.scale.pixels_per_mm.unwrap_or(1.0),
+        })
+    }
+
+    /// The picture.
+    #[must_use]
+    pub const fn image(&self) -> &ImageGeometry {
+        &self.image
+    }
+
+    /// Where a point of `G` is seen on the film.
+    #[must_use]
+    pub fn pixel(&self, point: Frontal) -> Pixel {
+        let on_film = (self.origin + point.rotated(self.tilt)) * self.units_per_mm;
+        self.image.pixel(on_film)
+    }
+
+    /// The point of `G` that is seen at a place of the film; the inverse of [`FilmFrame::pixel`].
+    #[must_use]
+    pub fn point(&self, place: Pixel) -> Frontal {
+        let on_film = self.image.frontal(place) * (1.0 / self.units_per_mm);
+        (on_film - self.origin).rotated(-self.tilt)
+    }
+
+    /// The part of a line of `G` that is seen on the film, in the line's direction; `None` where it misses the film.
+    #[must_use]
+    pub fn line(&self, point: Frontal, direction: Frontal) -> Option<[Pixel; 2]> {
+        self.clipped(point, point + direction, [f64::NEG_INFINITY, f64::INFINITY])
+    }
+
+    /// The part of a stretch of `G` that is seen on the film.
+    #[must_use]
+    pub fn stretch(&self, [from, to]: [Frontal; 2]) -> Option<[Pixel; 2]> {
+        self.clipped(from, to, [0.0, 1.0])
+    }
+
+    /// The place of the film that is nearest to where a point would be seen.
+    #[must_use]
+    pub fn nearest_pixel(&self, point: Frontal) -> Pixel {
+        let place = self.pixel(point);
+        let [columns, rows] = self.last_px();
+        Pixel::new(place.column_px.clamp(0.0, columns), place.row_px.clamp(0.0, rows))
+    }
+
+    /// Centre of the last pixel.
+    fn last_px(&self) -> [f64; 2] {
+        [self.image.columns, self.image.rows].map(|count| f64::from(count.max(1) - 1))
+    }
+
+    /// Liang and Barsky's clipping between the centres of the outermost pixels.
+    fn clipped(&self, from: Frontal, to: Frontal, [low, high]: [f64; 2]) -> Option<[Pixel; 2]> {
+        let [a, b] = [from, to].map(|point| {
+            let place = self.pixel(point);
+            [place.column_px, place.row_px]
+        });
+        let (mut low, mut high) = (low, high);
+        for (axis, last) in self.last_px().into_iter().enumerate() {
+            let along = b[axis] - a[axis];
+            if along == 0.0 {
+                if !(0.0..=last).contains(&a[axis]) {
+                    return None;
+                }
+                continue;
+            }
+            let [enter, leave] = [-a[axis] / along, (last - a[axis]) / along];
+            low = low.max(enter.min(leave));
+            high = high.min(enter.max(leave));
+        }
+        let at = |part: f64| Pixel::new(a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1]));
+        (low < high && low.is_finite() && high.is_finite()).then(|| [at(low), at(high)])
+    }
+}
+
+/// Centres of the superior and the inferior endplate of a vertebra in `G`, mean over the readings that marked it.
+#[must_use]
+pub fn endplate_centres(film: &Film, frame: &FilmFrame, level: Level) -> Option<[Frontal; 2]> {
+    let FilmMarks::Landmarks { readings, .. } = &film.marks else { return None };
+    let bodies: Vec<_> = readings
+        .iter()
+        .filter_map(|reading| reading.vertebrae.get(&level))
+        .map(|mark| mark.corners.map(|corner| frame.point(corner)))
+        .collect();
+    let share = 0.5 / bodies.len() as f64;
+    let sum = |points: &dyn Fn(usize) -> Frontal| {
+        (0..bodies.len()).fold(Frontal::default(), |sum, i| sum + points(i)) * share
+    };
+    (!bodies.is_empty()).then(|| {
+        [
+            sum(&|i| bodies[i].superior_left + bodies[i].superior_right),
+            sum(&|i| bodies[i].inferior_left + bodies[i].inferior_right),
+        ]
+    })
+}
+
+/// Mean widths of the bodies L4 to T2 over endplates and readings, in the film's millimetres, or in pixels where it has no
+/// spacing; `None` where a corner is missing.
+#[must_use]
+pub fn body_widths(film: &Film) -> Option<Vec<f64>> {
+    let FilmMarks::Landmarks { image, readings, .. } = &film.marks else { return None };
+    let width = |level: Level| {
+        let marks = readings.iter().filter_map(|reading| reading.vertebrae.get(&level));
+        let widths: Vec<f64> = marks
+            .map(|mark| {
+                let corners = mark.corners.map(|corner| image.frontal(corner));
+                let upper = corners.superior_left.distance_mm(corners.superior_right);
+                let lower = corners.inferior_left.distance_mm(corners.inferior_right);
+                0.5 * (upper + lower)
+            })
+            .collect();
+        (!widths.is_empty()).then(|| widths.iter().sum::<f64>() / widths.len() as f64)
+    };
+    Level::MODEL.into_iter().map(width).collect()
+}

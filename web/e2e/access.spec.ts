@@ -1,0 +1,146 @@
+import { expect, shot, test, usePages } from "./app";
+import { answerWith, study } from "./made";
+
+const LEAD = {
+  name: "lead",
+  role: "admin",
+  access: "accounts",
+  csrf: "0123",
+  version: "0.1.0",
+} as const;
+
+test("the address of the terminal signs in, under the name of who reads", async ({ app, page }) => {
+  await usePages(page);
+  await page.goto(app.address);
+  await expect(page.getByLabel("Who reads?")).toBeVisible();
+  expect(new URL(page.url()).hash).toBe("");
+  await shot(page, "sign-in");
+  await page.getByLabel("Who reads?").fill("reader-1");
+  await page.getByRole("button", { name: "Open the studies" }).click();
+  await expect(page.getByRole("banner")).toContainText("reader-1");
+  await expect(page.getByText("Research use only — not a medical device")).toBeVisible();
+  await page.getByRole("button", { name: "Sign out" }).click();
+  await expect(page.getByLabel("Who reads?")).toHaveValue("reader-1");
+});
+
+test("without a token, or with a wrong one, the page says where to look", async ({ app, page }) => {
+  await usePages(page);
+  await page.goto(new URL("/", app.address).href);
+  await expect(page.getByText(/look at the terminal/i)).toBeVisible();
+  await page.getByLabel("Who reads?").fill("reader-1");
+  await page
+    .getByLabel("Address that the program printed")
+    .fill(`http://x/#token=${"0".repeat(48)}`);
+  await page.getByRole("button", { name: "Open the studies" }).click();
+  await expect(page.getByRole("alert")).toBeVisible();
+  await shot(page, "sign-in-wrong-token");
+  await page.getByLabel("Address that the program printed").fill(app.address);
+  await page.getByRole("button", { name: "Open the studies" }).click();
+  await expect(page.getByRole("heading", { name: "Studies", level: 1 })).toBeVisible();
+});
+
+test("a session that ends is taken up again without losing the page", async ({ app, page }) => {
+  await app.open(page);
+  await page.goto(new URL("#/new", app.address).href);
+  await answerWith(
+    page,
+    "/api/uploads",
+    { code: "not_signed_in", message: "nobody is signed in" },
+    401,
+  );
+  await page
+    .locator("input[type=file]")
+    .setInputFiles([{ name: "erect.png", mimeType: "image/png", buffer: Buffer.from("x") }]);
+  const dialog = page.getByRole("dialog", { name: "Sign in again" });
+  await expect(dialog).toBeVisible();
+  await page.keyboard.press("Escape");
+  await expect(dialog).toBeVisible();
+  await shot(page, "sign-in-again");
+  await dialog.getByLabel("Address that the program printed").fill(app.address);
+  await dialog.getByRole("button", { name: /go on/ }).click();
+  await expect(dialog).toBeHidden();
+  await expect(page.getByRole("heading", { name: "erect.png" })).toBeVisible();
+});
+
+test("a program that ends is waited for, and the page goes on by itself", async ({ app, page }) => {
+  await app.open(page);
+  await app.kill();
+  await page.getByRole("link", { name: "Cohort" }).click();
+  const banner = page.getByRole("status").filter({ hasText: "The program does not answer" });
+  await expect(banner).toBeVisible();
+  await shot(page, "program-gone");
+  await app.start();
+  await expect(banner).toBeHidden({ timeout: 30_000 });
+});
+
+test("without accounts the page says how to begin them", async ({ app, page }) => {
+  await app.open(page);
+  await page.getByRole("link", { name: "Access" }).click();
+  await expect(page.getByText("spineline account add")).toBeVisible();
+  await shot(page, "access-token");
+});
+
+test("accounts sign in with a password", async ({ app, page }) => {
+  await answerWith(page, "/api/sign-in", { access: "accounts", version: "0.1.0" });
+  await usePages(page);
+  await page.goto(new URL("/", app.address).href);
+  await page.getByLabel("Account").fill("lead");
+  await page.getByLabel("Password").fill("not the right one");
+  await page.getByRole("button", { name: "Sign in" }).click();
+  await expect(page.getByRole("alert")).toBeVisible();
+  await expect(page.getByLabel("Password")).toHaveValue("");
+  await shot(page, "sign-in-account");
+});
+
+test("the last admin stays admin, and the page says why", async ({ app, page }) => {
+  await answerWith(page, "/api/session", LEAD);
+  await answerWith(page, "/api/studies", [study("S-003")]);
+  await answerWith(page, "/api/accounts", [
+    { name: "lead", role: "admin", enabled: true },
+    { name: "ab", role: "editor", enabled: true },
+    { name: "guest", role: "reader", enabled: false },
+  ]);
+  const last = { code: "last_admin", message: "lead is the last admin that may sign in" };
+  await answerWith(page, "/api/accounts/lead", last, 409);
+  await usePages(page);
+  await page.goto(new URL("#/access", app.address).href);
+  await page.getByLabel("Role of lead").selectOption("Reader");
+  await expect(page.getByRole("alert")).toContainText("lead is the last admin");
+  await expect(page.getByLabel("Role of lead")).toHaveValue("admin");
+  await shot(page, "access-last-admin");
+});
+
+test("admins add accounts and grant studies", async ({ app, page }) => {
+  await answerWith(page, "/api/session", LEAD);
+  await answerWith(page, "/api/studies", [study("S-003")]);
+  await answerWith(page, "/api/accounts", [
+    { name: "lead", role: "admin", enabled: true },
+    { name: "ab", role: "editor", enabled: true },
+  ]);
+  await answerWith(page, "/api/studies/S-003/grants", []);
+  await usePages(page);
+  await page.goto(new URL("#/access", app.address).href);
+
+  await page.getByRole("button", { name: "Add an account" }).click();
+  const dialog = page.getByRole("dialog", { name: "New account" });
+  await dialog.getByLabel("Name").fill("cd");
+  await dialog.getByLabel("Role").selectOption("Editor");
+  await dialog.getByLabel("Password").fill("too short");
+  await expect(dialog.getByText(/at least 12 characters/)).toBeVisible();
+  await shot(page, "access-add");
+  await dialog.getByLabel("Password").fill("long enough for anyone");
+  await dialog.getByLabel("The same again").fill("long enough for anyone");
+  const added = page.waitForRequest("**/api/accounts/cd");
+  await answerWith(page, "/api/accounts/cd", { name: "cd", role: "editor", enabled: true });
+  await dialog.getByRole("button", { name: "Add the account" }).click();
+  expect((await added).postDataJSON()).toMatchObject({ role: "editor", enabled: true });
+  await expect(dialog).toBeHidden();
+
+  await page.getByRole("combobox", { name: "Study", exact: true }).selectOption("S-003");
+  const granted = page.waitForRequest(
+    (request) => request.method() === "PUT" && request.url().endsWith("/grants"),
+  );
+  await page.getByLabel("What ab may do in S-003").selectOption("Editor: marks");
+  expect((await granted).postDataJSON()).toEqual([{ name: "ab", role: "editor" }]);
+  await shot(page, "access");
+});

@@ -1,0 +1,319 @@
+import { chromium, type Locator, type Page } from "@playwright/test";
+
+import type { Api } from "../src/api/types";
+import { expectAccessible, expect, shot, test, type App } from "./app";
+import { loadAnswer, modelView } from "./model.fixture";
+
+const ADDRESS = "#/studies/phantom-rod-01/model";
+
+/** What the program answers about a model that has everything that can be wrong. */
+async function pretend(page: Page, view = modelView(), patient_left = "image_left"): Promise<void> {
+  const detail = { summary: { films: [{ posture: "erect", patient_left }] } };
+  await page.route("**/api/studies/phantom-rod-01", (route) => route.fulfill({ json: detail }));
+  await page.route("**/api/studies/phantom-rod-01/model", (route) => route.fulfill({ json: view }));
+  await page.route("**/api/studies/phantom-rod-01/load", (route) =>
+    route.fulfill({ json: loadAnswer(route.request().postDataJSON() as Api<"LoadRequest">) }),
+  );
+}
+
+async function openModel(app: App, page: Page): Promise<void> {
+  await app.open(page);
+  await page.evaluate((address) => (window.location.hash = address), ADDRESS);
+  await expect(page.getByRole("heading", { level: 1, name: /^Model/ })).toBeVisible();
+}
+
+/** The picture, once it stands still. */
+async function picture(page: Page): Promise<Locator> {
+  const view = page.getByRole("application", { name: "Spine in three dimensions" });
+  await expect(view.getByText(/^Seen /)).toBeVisible();
+  await steady(page, view);
+  return view;
+}
+
+/** Waits until two pictures in a row are the same. */
+async function steady(page: Page, view: Locator): Promise<Buffer> {
+  let last = await view.screenshot();
+  for (let tries = 0; tries < 40; tries += 1) {
+    await page.waitForTimeout(150);
+    const next = await view.screenshot();
+    if (next.equals(last)) return next;
+    last = next;
+  }
+  throw new Error("the picture does not stand still");
+}
+
+/** How many pixels of a picture are near each of some colours, `#rrggbb`. */
+async function pixelsNear(page: Page, png: Buffer, colours: string[]): Promise<number[]> {
+  return page.evaluate(
+    async ({ base64, colours }) => {
+      const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+      const image = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+      const canvas = new OffscreenCanvas(image.width, image.height);
+      const context = canvas.getContext("2d");
+      if (!context) throw new Error("no canvas");
+      context.drawImage(image, 0, 0);
+      const { data } = context.getImageData(0, 0, image.width, image.height);
+      return colours.map((colour) => {
+        const [r = 0, g = 0, b = 0] = [1, 3, 5].map((i) => parseInt(colour.slice(i, i + 2), 16));
+        let near = 0;
+        for (let i = 0; i < data.length; i += 4) {
+          const away =
+            Math.abs(data[i]! - r) + Math.abs(data[i + 1]! - g) + Math.abs(data[i + 2]! - b);
+          if (away < 60) near += 1;
+        }
+        return near;
+      });
+    },
+    { base64: png.toString("base64"), colours },
+  );
+}
+
+const BACKGROUND = "#0c1116";
+const INFLECTION = "#e69f00";
+const ESTIMATED = "#5fd0a5";
+const FORCE = "#ff8a80";
+const STIFF = "#f0f921";
+
+test("a model is drawn, with its stiffness, its line and its force", async ({ app, page }) => {
+  await pretend(page);
+  await openModel(app, page);
+  const view = await picture(page);
+  const seen = await steady(page, view);
+  const [empty, line, force, stiff] = await pixelsNear(page, seen, [
+    BACKGROUND,
+    INFLECTION,
+    FORCE,
+    STIFF,
+  ]);
+  const box = await view.boundingBox();
+  expect(empty).toBeLessThan(0.97 * box!.width * box!.height);
+  expect(line).toBeGreaterThan(200);
+  expect(force).toBeGreaterThan(150);
+  expect(stiff).toBeGreaterThan(100);
+
+  await expect(page.getByText("Synthetic films: no patient")).toBeVisible();
+  await expect(view.getByText("Seen from behind")).toBeVisible();
+  await expect(view.getByText("100 patient mm")).toBeVisible();
+  // Contradictions stand before the numbers.
+  const findings = page.getByRole("complementary", { name: "Findings" });
+  const words = await findings.innerText();
+  expect(words.indexOf("Contradiction")).toBeLessThan(words.indexOf("1.6 patient mm"));
+  for (const verdict of ["Ratio only", "Contradicted", "At a bound"]) {
+    await expect(findings.getByText(verdict, { exact: true })).toBeVisible();
+  }
+  expect(words.match(/only ratios are known/g)!.length).toBeGreaterThanOrEqual(3);
+  await expectAccessible(page);
+  await shot(page, "model-left-bending");
+});
+
+test("the model is seen first as its erect film is", async ({ app, page }) => {
+  await pretend(page, modelView(), "image_right");
+  await openModel(app, page);
+  const view = await picture(page);
+  await expect(view.getByText("Seen from the front")).toBeVisible();
+  await page.getByRole("button", { name: "Left", exact: true }).click();
+  await expect(view.getByText("Seen from the patient’s left")).toBeVisible();
+  await steady(page, view);
+  await shot(page, "model-from-the-left");
+  await page.getByRole("button", { name: "Top", exact: true }).click();
+  await expect(view.getByText("Seen from above")).toBeVisible();
+  // The keyboard turns it too.
+  const before = await steady(page, view);
+  await view.focus();
+  await page.keyboard.press("ArrowDown");
+  await page.keyboard.press("ArrowDown");
+  await page.keyboard.press("ArrowRight");
+  await expect(page.getByText(/Seen turned, mostly from above/)).toBeVisible();
+  expect((await steady(page, view)).equals(before)).toBe(false);
+});
+
+test("another posture and another line change the picture and what is said", async ({
+  app,
+  page,
+}) => {
+  await pretend(page);
+  await openModel(app, page);
+  const view = await picture(page);
+  const left = await steady(page, view);
+
+  await page.getByRole("button", { name: /^Traction/ }).click();
+  await expect(page.getByText("Not used in the fit: a test of the model.")).toBeVisible();
+  await expect(page.getByRole("heading", { name: "Traction, inflection line" })).toBeVisible();
+  expect((await steady(page, view)).equals(left)).toBe(false);
+  await shot(page, "model-traction-held-out");
+
+  await page.getByRole("button", { name: "Estimated line" }).click();
+  await expect(page.getByRole("heading", { name: "Traction, estimated line" })).toBeVisible();
+  const [estimated] = await pixelsNear(page, await steady(page, view), [ESTIMATED]);
+  expect(estimated).toBeGreaterThan(200);
+
+  await page.getByRole("button", { name: "Side by side" }).click();
+  await expect(view.getByText("Measured on the film")).toBeVisible();
+  await steady(page, view);
+  await shot(page, "model-side-by-side");
+});
+
+test("a held-out film is marked as such, a fitted one as fitted", async ({ app, page }) => {
+  await pretend(page);
+  await openModel(app, page);
+  const postures = page.getByRole("group", { name: "Posture" });
+  await expect(postures.getByRole("button", { name: "Left bending fitted" })).toBeVisible();
+  await expect(postures.getByRole("button", { name: "Neutral held out" })).toBeVisible();
+  const table = page.getByRole("table", { name: "The lines of action compared" });
+  await expect(table.getByRole("row", { name: /Inflection line/ })).toContainText("1.6 patient mm");
+  await expect(table.getByRole("row", { name: /Inflection line/ })).toContainText("3.4 patient mm");
+});
+
+test("what did not converge is never shown as a result", async ({ app, page }) => {
+  await pretend(page);
+  await openModel(app, page);
+  await page.getByRole("button", { name: /^Iliac line/ }).click();
+  await expect(page.getByText("Not a result.").first()).toBeVisible();
+  const view = await picture(page);
+  // No force, and no colour of stiffness.
+  const [stiff] = await pixelsNear(page, await steady(page, view), [STIFF]);
+  expect(stiff).toBe(0);
+  await expect(view.getByText(/pull of/)).toHaveCount(0);
+  await expect(
+    page.getByRole("table", { name: "The lines of action compared" }).getByText(/Not a result/),
+  ).toBeVisible();
+  await expectAccessible(page);
+  await shot(page, "model-not-a-result");
+});
+
+test("the force grows from none to all, step by step where motion is unwelcome", async ({
+  app,
+  page,
+}) => {
+  await page.emulateMedia({ reducedMotion: "reduce" });
+  await pretend(page);
+  await openModel(app, page);
+  const view = await picture(page);
+  const full = await steady(page, view);
+  const slider = page.getByRole("slider", { name: "Part of the force" });
+  await slider.focus();
+  await page.keyboard.press("Home");
+  await expect(page.getByText("0 %, erect")).toBeVisible();
+  expect((await steady(page, view)).equals(full)).toBe(false);
+  await page.getByRole("button", { name: "Play" }).click();
+  await expect(page.getByText("100 %, simulated")).toBeVisible();
+  await expect(page.getByRole("button", { name: "Play" })).toBeVisible();
+  expect((await steady(page, view)).equals(full)).toBe(true);
+});
+
+test("a joint's number is read by pressing it, in the list too", async ({ app, page }) => {
+  await pretend(page);
+  await openModel(app, page);
+  await picture(page);
+  const joint = page.getByRole("button", { name: "T8/T7" });
+  await joint.focus();
+  await page.keyboard.press("Enter");
+  await expect(joint).toHaveAttribute("aria-pressed", "true");
+  await expect(page.locator("[aria-live=polite]").getByText("T8/T7")).toBeVisible();
+  await expect(page.getByText("against the force: left bending")).toBeVisible();
+  await shot(page, "model-joint");
+});
+
+test("the spine follows a load that is dragged", async ({ app, page }) => {
+  await pretend(page);
+  await openModel(app, page);
+  await page.getByRole("button", { name: "Load by hand" }).click();
+  const view = await picture(page);
+  const rest = await steady(page, view);
+  const tip = page.getByRole("button", { name: /Tip of the load on T7/ });
+  const box = (await tip.boundingBox())!;
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x - 70, y, { steps: 15 });
+  await expect(page.getByText("Equilibrium", { exact: true })).toBeVisible();
+  // Seen from behind, the left of the picture is the patient's left.
+  await expect(page.getByText(/\d+ N to the patient's left on T7 · largest/)).toBeVisible();
+  await page.mouse.up();
+  expect((await steady(page, view)).equals(rest)).toBe(false);
+  // The tip stays under the pointer.
+  const moved = (await tip.boundingBox())!;
+  expect(Math.abs(moved.x + moved.width / 2 - (x - 70))).toBeLessThan(2);
+  const measures = await page.evaluate(
+    () => performance.getEntriesByName("load: pointer to result").length,
+  );
+  expect(measures).toBeGreaterThan(0);
+  await expectAccessible(page);
+  await shot(page, "model-load");
+
+  await page.mouse.move(x - 70, y);
+  await page.mouse.down();
+  await page.mouse.move(x - 300, y, { steps: 8 });
+  await page.mouse.up();
+  await expect(page.getByText("No equilibrium", { exact: true })).toBeVisible();
+  await expect(
+    page.getByText(/NO RESULT: .* shown is the shape under \d+ % of the load/),
+  ).toBeVisible();
+  await steady(page, view);
+  await shot(page, "model-load-without-equilibrium");
+
+  await page.getByRole("button", { name: "Reset" }).click();
+  await expect(page.getByText(/Drag the ring at T7/)).toBeVisible();
+  expect((await steady(page, view)).equals(rest)).toBe(true);
+});
+
+test("a load is put on by the keyboard alone, and said aloud", async ({ app, page }) => {
+  await pretend(page);
+  await openModel(app, page);
+  await page.getByRole("button", { name: "Load by hand" }).press("Enter");
+  await picture(page);
+  await page.getByRole("combobox", { name: "Load on" }).selectOption("T2");
+  const tip = page.getByRole("button", { name: /Tip of the load on T2/ });
+  await tip.focus();
+  await page.keyboard.press("Shift+ArrowLeft");
+  await page.keyboard.press("Shift+ArrowLeft");
+  const spoken = page.locator("[aria-live=polite]").filter({ hasText: "T2" });
+  await expect(spoken).toContainText("20 N to the patient's left on T2; equilibrium");
+  await expect(page.getByLabel("Sideways, in N")).toHaveValue("20");
+
+  await page.getByLabel("Sideways: direction").selectOption("patient’s right");
+  await expect(page.getByText(/20 N to the patient's right on T2 ·/)).toBeVisible();
+  await page.getByLabel("Sideways, in N").fill("35");
+  await page.getByLabel("Sideways, in N").press("Enter");
+  await expect(page.getByText(/35 N to the patient's right on T2 ·/)).toBeVisible();
+});
+
+test("a tablet has the whole page", async ({ app, page }) => {
+  await page.setViewportSize({ width: 1024, height: 768 });
+  await pretend(page);
+  await openModel(app, page);
+  const view = await picture(page);
+  await steady(page, view);
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+  expect(wide).toBeLessThanOrEqual(1024);
+  await shot(page, "model-tablet");
+  await page.getByRole("button", { name: "Load by hand" }).click();
+  await steady(page, view);
+  await shot(page, "model-tablet-load");
+});
+
+test("without WebGL the same model is shown flat, and says so", async ({ app }) => {
+  const browser = await chromium.launch({
+    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+    args: ["--no-sandbox", "--disable-3d-apis", "--disable-quic"],
+  });
+  const context = await browser.newContext({ viewport: { width: 1280, height: 800 } });
+  const page = await context.newPage();
+  await pretend(page);
+  await openModel(app, page);
+  await expect(page.getByText(/cannot draw in three dimensions/)).toBeVisible();
+  const frontal = page.getByRole("img", { name: /^Frontal, seen from behind/ });
+  await expect(frontal).toBeVisible();
+  await expect(page.getByRole("img", { name: /^Sagittal/ })).toBeVisible();
+  const before = await frontal.innerHTML();
+  await page.getByRole("button", { name: /^Right bending/ }).click();
+  expect(await frontal.innerHTML()).not.toBe(before);
+  await shot(page, "model-without-webgl");
+  await page.getByRole("button", { name: "Load by hand" }).click();
+  await page.getByLabel("Sideways, in N").fill("40");
+  await page.getByLabel("Sideways, in N").press("Enter");
+  await expect(page.getByText("Equilibrium", { exact: true })).toBeVisible();
+  await expectAccessible(page);
+  await shot(page, "model-without-webgl-load");
+  await browser.close();
+});

@@ -1,0 +1,246 @@
+import { mkdtemp, rm, writeFile } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import path from "node:path";
+
+import type { Page } from "@playwright/test";
+
+import { expect, runProgram, shot, test, usePages } from "./app";
+import { answerWith, manyStudies, study } from "./made";
+
+const POSTURES = ["erect", "left_bending", "right_bending", "neutral", "traction"];
+const CASE = "phantom-rod-01";
+
+let phantom = "";
+
+test.describe("with films of one phantom", () => {
+  test.describe.configure({ mode: "serial", timeout: 240_000 });
+
+  test.beforeAll(async () => {
+    phantom = await mkdtemp(path.join(tmpdir(), "spineline-phantom-"));
+    await runProgram("phantom", "--truth", "rod", "--subject", "1", "--films", "--out", phantom);
+    await writeFile(path.join(phantom, "garbage.dcm"), "this is no picture\n".repeat(400));
+  });
+
+  test.afterAll(() => rm(phantom, { recursive: true, force: true }));
+
+  const films = (): string[] =>
+    POSTURES.map((posture) => path.join(phantom, `${CASE}-${posture}.dcm`));
+
+  test("five DICOM files and one of garbage become a study of five films", async ({
+    app,
+    page,
+  }) => {
+    await app.open(page);
+    await page.getByRole("link", { name: "New study" }).first().click();
+    await shot(page, "new-study");
+    const files = [...films(), path.join(phantom, "garbage.dcm")];
+    await page.locator("input[type=file]").setInputFiles(files);
+    await expect(page.getByRole("article")).toHaveCount(6);
+    await expect(page.getByText("Synthetic", { exact: true })).toHaveCount(5, { timeout: 120_000 });
+    const refused = page.getByRole("article").filter({ hasText: "garbage.dcm" });
+    await expect(refused.getByRole("alert")).toBeVisible();
+    await shot(page, "new-study-garbage");
+    await refused.getByRole("button", { name: /remove/i }).click();
+
+    // What the files say is there already; no side is guessed where one says nothing.
+    for (const posture of POSTURES) {
+      const film = page.getByRole("article", { name: `${CASE}-${posture}.dcm` });
+      await expect(film.getByLabel("Posture")).toHaveValue(posture);
+      const left = film.getByRole("radio", { name: "right of the picture" });
+      if (!(await film.getByText("as the file says").nth(1).isVisible())) await left.check();
+    }
+    await page.getByRole("textbox", { name: "Identifier" }).fill("first-study");
+    await page.getByRole("textbox", { name: /label/i }).fill("five films of a phantom");
+    await shot(page, "new-study-confirm");
+    await page.getByRole("button", { name: "Make the study" }).click();
+    await expect(page).toHaveURL(/#\/studies\/first-study\/measure/, { timeout: 60_000 });
+
+    await page.getByRole("link", { name: "Studies", exact: true }).click();
+    const row = page.getByRole("article").filter({ hasText: "first-study" });
+    await expect(row.getByText("five films of a phantom")).toBeVisible();
+    await expect(row.getByText("Synthetic", { exact: true })).toBeVisible();
+    await expectThumbnails(page, 5);
+    await shot(page, "studies");
+  });
+
+  test("a case file comes with the pictures that it names", async ({ app, page }) => {
+    await app.open(page);
+    await page.getByRole("link", { name: "Import a case file" }).first().click();
+    await page.locator("input[type=file]").setInputFiles([path.join(phantom, `${CASE}.json`)]);
+    await expect(page.getByText("missing: drop it here too")).toHaveCount(5);
+    await shot(page, "import-missing");
+    await page.locator("input[type=file]").setInputFiles(films());
+    await expect(page.getByText("All pictures are here.")).toBeVisible({ timeout: 120_000 });
+    await shot(page, "import-ready");
+    await page.getByRole("button", { name: "Import", exact: true }).click();
+    await expect(page).toHaveURL(new RegExp(`#/studies/${CASE}/measure`), { timeout: 60_000 });
+    await page.getByRole("link", { name: "Studies", exact: true }).click();
+    const exported = page.waitForEvent("download");
+    await page.getByRole("link", { name: /Export case/ }).click();
+    expect((await exported).suggestedFilename()).toMatch(/\.json$/);
+  });
+});
+
+async function expectThumbnails(page: Page, count: number): Promise<void> {
+  await expect
+    .poll(() =>
+      page
+        .locator("article img")
+        .evaluateAll((images) => images.filter((i) => (i as HTMLImageElement).naturalWidth).length),
+    )
+    .toBe(count);
+}
+
+test("an empty store offers a demo, which is one click away", async ({ app, page }) => {
+  await app.open(page);
+  await expect(page.getByRole("heading", { name: "No study yet" })).toBeVisible();
+  await shot(page, "studies-empty");
+  await page.getByRole("button", { name: "Open a demo" }).click();
+  await expect(page.getByRole("dialog", { name: "A demo study" })).toBeVisible();
+  await shot(page, "demo-drawing");
+  await expect(page).toHaveURL(/#\/studies\/[^/]+\/measure/, { timeout: 110_000 });
+  await page.getByRole("link", { name: "Studies", exact: true }).click();
+  await expect(page.getByRole("article")).toHaveCount(1);
+  await expect(page.getByRole("article").getByText("Synthetic", { exact: true })).toBeVisible();
+  await expectThumbnails(page, 5);
+  await shot(page, "studies-demo");
+});
+
+test("fifty studies are searched, sorted and walked through by keyboard", async ({ app, page }) => {
+  await answerWith(page, "/api/studies", manyStudies(50));
+  await app.open(page);
+  const rows = page.getByRole("article");
+  await expect(rows).toHaveCount(50);
+  await page.keyboard.press("/");
+  await page.keyboard.type("thoracic convex");
+  await expect(page.getByRole("status").filter({ hasText: "of 50 studies" })).toBeVisible();
+  for (const text of await rows.allInnerTexts()) expect(text).toContain("main thoracic");
+  await shot(page, "studies-search");
+
+  // From the search to the first row, one on, one back, and open it.
+  await page.keyboard.press("ArrowDown");
+  await page.keyboard.press("ArrowDown");
+  await page.keyboard.press("ArrowUp");
+  await expect(rows.first().locator(".open")).toBeFocused();
+  const id = await rows.first().locator(".open").innerText();
+  await page.keyboard.press("Enter");
+  await expect(page).toHaveURL(new RegExp(`#/studies/${id}/measure`));
+
+  await page.goBack();
+  await page.getByLabel("Status").selectOption("Contradicted");
+  await expect(rows).toHaveCount(7);
+  await page.getByLabel("Status").selectOption("All");
+  await page.getByLabel("Sort by").selectOption("Identifier");
+  await expect(rows.first()).toContainText("S-001");
+  await page.getByRole("searchbox").fill("no such study");
+  await expect(page.getByRole("heading", { name: "No study matches" })).toBeVisible();
+  await page.getByRole("button", { name: "Show all studies" }).click();
+  await expect(rows).toHaveCount(50);
+});
+
+test("a tablet has room for the list", async ({ browser, app }) => {
+  const context = await browser.newContext({
+    viewport: { width: 1024, height: 768 },
+    hasTouch: true,
+  });
+  const page = await context.newPage();
+  await answerWith(page, "/api/studies", manyStudies(12));
+  await app.open(page);
+  await expect(page.getByRole("article")).toHaveCount(12);
+  const overflow = () =>
+    page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);
+  expect(await overflow()).toBe(0);
+  await shot(page, "studies-tablet");
+  await page.getByRole("link", { name: "New study" }).tap();
+  await expect(page.getByRole("heading", { name: "New study" })).toBeVisible();
+  expect(await overflow()).toBe(0);
+  await context.close();
+});
+
+test("what cannot be read says why and can be tried again", async ({ app, page }) => {
+  const problem = {
+    code: "store",
+    message: "the store studies.spineline is damaged at page 12",
+    help: "put a backup in its place",
+  };
+  await answerWith(page, "/api/studies", problem, 500);
+  await app.open(page);
+  await expect(page.getByRole("alert")).toContainText("damaged at page 12");
+  await expect(page.getByRole("alert")).toContainText(/put a backup/i);
+  await shot(page, "studies-error");
+  await page.unrouteAll();
+  await usePages(page);
+  await answerWith(page, "/api/studies", []);
+  await page.getByRole("button", { name: "Try again" }).click();
+  await expect(page.getByRole("heading", { name: "No study yet" })).toBeVisible();
+});
+
+const EVIL = [
+  `<img src=x onerror="window.ran=1">`,
+  `<svg onload="window.ran=1">`,
+  `"><script>window.ran=1</script>`,
+  `javascript:window.ran=1`,
+];
+
+test("texts that people wrote are shown as text and run nothing", async ({ app, page }) => {
+  const evil = study("S-1", {
+    label: EVIL[0] ?? "",
+    status_text: EVIL[1] ?? "",
+    status: "measured",
+    curve: { lenke: "1", cobb_deg: 40, region: "x", convex: "right", text: EVIL[2] ?? "" },
+  });
+  for (const film of evil.films)
+    for (const reading of film.readings) reading.observer = EVIL[3] ?? "";
+  await answerWith(page, "/api/studies", [evil]);
+  await answerWith(page, "/api/cohort", {
+    synthetic: false,
+    rows: [
+      {
+        study: "S-1",
+        synthetic: false,
+        status: "measured",
+        excluded: EVIL[0],
+        cells: [{ heading: EVIL[1], text: EVIL[2], value: 1 }],
+      },
+    ],
+    charts: [
+      {
+        title: EVIL[0],
+        axis: EVIL[1],
+        whiskers_text: EVIL[2],
+        boxes: [{ label: EVIL[0], count: 1, five: [0, 1, 2, 3, 4], outliers: [9] }],
+      },
+    ],
+    comparisons: [{ label: EVIL[0], pooled_text: EVIL[1], by_patient_text: EVIL[2] }],
+    reliability: [],
+    verdict: [EVIL[0]],
+    notices: [{ severity: "warning", code: "x", posture: null, level: EVIL[1], text: EVIL[0] }],
+  });
+  await app.open(page);
+  const row = page.getByRole("article");
+  for (const text of EVIL) await expect(row).toContainText(text);
+  await shot(page, "studies-escaped");
+  await page.getByRole("link", { name: "Cohort" }).click();
+  await expect(page.locator("svg.chart")).toBeVisible();
+  await expect(page.locator("svg.chart")).toContainText(EVIL[1] ?? "");
+  expect(await page.evaluate(() => "ran" in window)).toBe(false);
+  expect(
+    await page.locator("main img[src=x], main script, main [onload], main [onerror]").count(),
+  ).toBe(0);
+});
+
+test("no request leaves the machine", async ({ app, page }) => {
+  const elsewhere: string[] = [];
+  page.on("request", (request) => {
+    const url = new URL(request.url());
+    const isHere = url.origin === new URL(app.address).origin;
+    if (!isHere && !["data:", "blob:"].includes(url.protocol)) elsewhere.push(url.href);
+    if (url.href.includes("token=")) elsewhere.push("the token was sent with a request");
+  });
+  await app.open(page);
+  for (const place of ["#/new", "#/import", "#/cohort", "#/access", "#/studies"]) {
+    await page.goto(new URL(place, app.address).href);
+    await page.waitForLoadState("networkidle");
+  }
+  expect(elsewhere).toEqual([]);
+});

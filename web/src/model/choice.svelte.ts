@@ -1,0 +1,63 @@
+import type { Api } from "../api/types";
+import { along, type Shape } from "./shapes";
+
+type LineName = Api<"LineName">;
+type PostureName = Api<"PostureName">;
+
+/** How simulated and measured spines are laid out. */
+export type Layout = "overlay" | "beside" | "one";
+
+/** Whether the fit gave stiffness at all; a film may still be without a result. */
+export function hasStiffness(line: Api<"LineModelView">): boolean {
+  return line.multipliers.every((one) => one.identified !== "not_converged");
+}
+
+/** What of the model is looked at. */
+export class Choice {
+  kind = $state<LineName>("inflection_line");
+  /** A film, or a load by hand. */
+  posture = $state<PostureName | "load">("erect");
+  layout = $state<Layout>("overlay");
+  /** Part of the force, 0 to 1. */
+  part = $state(1);
+  /** Joint whose number is being read, from L4/L3 upwards. */
+  joint = $state<number | null>(null);
+  allLines = $state(true);
+  flat = $state(false);
+
+  constructor(readonly view: Api<"ModelView">) {
+    const line = view.lines.find((one) => one.converged) ?? view.lines[0];
+    if (line) this.kind = line.kind;
+    const film = line?.postures.find((one) => one.fitted) ?? line?.postures[0];
+    if (film) this.posture = film.posture;
+  }
+
+  get line(): Api<"LineModelView"> | null {
+    return this.view.lines.find((one) => one.kind === this.kind) ?? null;
+  }
+
+  get simulated(): Api<"SimulatedPosture"> | null {
+    return this.line?.postures.find((one) => one.posture === this.posture) ?? null;
+  }
+
+  get measured(): Shape | null {
+    return this.view.measured.find((one) => one.posture === this.posture)?.shape ?? null;
+  }
+
+  /** The simulated spine under the chosen part of the force. */
+  get shape(): Shape {
+    const path = this.simulated?.path ?? [];
+    return path.length > 0 ? along(path, this.part) : this.view.erect;
+  }
+
+  /** Films that the line simulated, else those that were measured: these were neither fitted nor held out. */
+  get films(): { posture: PostureName; fitted: boolean | null; converged: boolean }[] {
+    if (this.line) return this.line.postures;
+    return this.view.measured.map(({ posture }) => ({ posture, fitted: null, converged: true }));
+  }
+
+  choose(posture: PostureName | "load"): void {
+    this.posture = posture;
+    this.part = 1;
+  }
+}

@@ -1,0 +1,34 @@
+import { readFileSync } from "node:fs";
+import { fileURLToPath } from "node:url";
+
+import { describe, expect, it } from "vitest";
+
+import { STIFFNESS_TOKENS, onScale } from "./colour";
+
+describe("the stiffness scale", () => {
+  const stops = ["#000000", "#804020", "#ffffff"];
+
+  it("has its first stop at 0, its last at 1, and keeps to them", () => {
+    expect(onScale(stops, 0)).toBe("#000000");
+    expect(onScale(stops, 1)).toBe("#ffffff");
+    expect(onScale(stops, -3)).toBe("#000000");
+    expect(onScale(stops, 3)).toBe("#ffffff");
+  });
+
+  it("mixes between stops", () => {
+    expect(onScale(stops, 0.25)).toBe("#402010");
+    expect(onScale(stops, 0.5)).toBe("#804020");
+  });
+
+  it("grows lighter from soft to stiff, as its tokens are", () => {
+    const file = fileURLToPath(new URL("../theme/tokens.css", import.meta.url));
+    const theme = readFileSync(file, "utf8");
+    const light = STIFFNESS_TOKENS.map((token) => {
+      const found = new RegExp(`${token}: #(..)(..)(..);`).exec(theme);
+      const [r = 0, g = 0, b = 0] = (found ?? []).slice(1).map((part) => Number.parseInt(part, 16));
+      return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    });
+    expect(light.every((value) => value > 0)).toBe(true);
+    expect(light).toEqual(light.toSorted((a, b) => a - b));
+  });
+});

@@ -1,0 +1,32 @@
+import { at } from "./shapes";
+
+/** Tokens of the stiffness scale, soft first: even steps of lightness, and in order for the colour-blind too. */
+export const STIFFNESS_TOKENS = [0, 1, 2, 3, 4, 5, 6].map((step) => `--stiffness-${step}`);
+
+const known = new Map<string, string>();
+
+/** The value of a colour of the theme, which never changes: asking the page each time would make it lay itself out. */
+export function themeColour(token: string): string {
+  const colour =
+    known.get(token) ?? getComputedStyle(document.documentElement).getPropertyValue(token).trim();
+  known.set(token, colour);
+  return colour;
+}
+
+export function stiffnessStops(): string[] {
+  return STIFFNESS_TOKENS.map(themeColour);
+}
+
+/** The colour at a place from 0 to 1 of a scale with even stops, each `#rrggbb`. */
+export function onScale(stops: readonly string[], relative: number): string {
+  const place = Math.min(Math.max(relative, 0), 1) * (stops.length - 1);
+  const index = Math.min(Math.floor(place), stops.length - 2);
+  const share = place - index;
+  const [low, high] = [channels(at(stops, index)), channels(at(stops, index + 1))];
+  const mixed = low.map((value, i) => Math.round(value + (at(high, i) - value) * share));
+  return `#${mixed.map((value) => value.toString(16).padStart(2, "0")).join("")}`;
+}
+
+function channels(colour: string): number[] {
+  return [1, 3, 5].map((start) => Number.parseInt(colour.slice(start, start + 2), 16));
+}

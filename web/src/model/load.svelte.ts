@@ -1,0 +1,126 @@
+import { ask } from "../api/client";
+import type { Api } from "../api/types";
+import { Latest } from "./latest";
+import { at, type Point } from "./shapes";
+
+/** Name of the measures that the browser keeps of a drag, from the pointer's event to the picture of its answer. */
+export const POINTER_TO_RESULT = "load: pointer to result";
+
+interface Asked {
+  request: Api<"LoadRequest">;
+  since_ms: number;
+}
+
+/** A load put on one vertebra by hand, and what follows from it. */
+export class HandLoad {
+  level = $state("T7");
+  tip = $state.raw<Point>([0, 0, 0]);
+  answer = $state.raw<Api<"LoadAnswer"> | null>(null);
+  problem = $state.raw<unknown>(null);
+  /** What a screen reader is told: the newest state, at most once in a while. */
+  spoken = $state("");
+
+  #since_ms: number | null = null;
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  readonly #latest: Latest<Asked, Api<"LoadAnswer">>;
+
+  constructor(
+    private readonly view: Api<"ModelView">,
+    private readonly kind: () => Api<"LineName">,
+  ) {
+    const path = `/api/studies/${encodeURIComponent(view.study)}/load`;
+    this.#latest = new Latest(
+      ({ request }, signal) => ask<Api<"LoadAnswer">>("POST", path, { json: request, signal }),
+      (answer, asked) => {
+        this.answer = answer;
+        this.problem = null;
+        this.#since_ms = asked.since_ms;
+        this.#speak();
+      },
+      (error) => (this.problem = error),
+    );
+    if (!view.bodies.some((body) => body.level === this.level)) {
+      this.level = at(view.bodies, view.bodies.length - 1).level;
+    }
+    this.tip = this.from;
+  }
+
+  get index(): number {
+    return this.view.bodies.findIndex((body) => body.level === this.level);
+  }
+
+  /** Where the load acts at rest. */
+  get from(): Point {
+    return at(this.view.erect.midpoints_mm, this.index) as Point;
+  }
+
+  /** The load in N along the patient's axes: the arrow is drawn with 1 mm for 1 N. */
+  get force_n(): Point {
+    return this.tip.map((value, axis) => value - at(this.from, axis)) as Point;
+  }
+
+  get isZero(): boolean {
+    return this.force_n.every((value) => Math.abs(value) < 1e-9);
+  }
+
+  drag(tip: Point, since_ms = performance.now()): void {
+    this.tip = tip;
+    this.#ask(since_ms);
+  }
+
+  set(axis: 0 | 1 | 2, force_n: number): void {
+    const tip: Point = [...this.tip];
+    tip[axis] = at(this.from, axis) + force_n;
+    this.drag(tip);
+  }
+
+  moveTo(level: string): void {
+    const force = this.force_n;
+    this.level = level;
+    this.tip = this.from.map((value, axis) => value + at(force, axis)) as Point;
+    this.again();
+  }
+
+  /** The same load once more: the line, and with it the springs, has changed. */
+  again(): void {
+    this.#latest.cancel();
+    this.answer = null;
+    if (!this.isZero) this.#ask(performance.now());
+  }
+
+  reset(): void {
+    this.#latest.cancel();
+    this.tip = this.from;
+    this.answer = null;
+    this.problem = null;
+    this.spoken = "No load.";
+  }
+
+  leave(): void {
+    this.#latest.cancel();
+    clearTimeout(this.#timer);
+  }
+
+  /** To be called once a picture is given to the screen; it is on it at the next frame. */
+  drawn(): void {
+    const start = this.#since_ms;
+    if (start === null) return;
+    this.#since_ms = null;
+    requestAnimationFrame((end) => {
+      if (end > start) performance.measure(POINTER_TO_RESULT, { start, end });
+    });
+  }
+
+  #ask(since_ms: number): void {
+    const request = { kind: this.kind(), level: this.level, tip_mm: [...this.tip] as Point };
+    this.#latest.send({ request, since_ms });
+  }
+
+  #speak(): void {
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => {
+      const answer = this.answer;
+      if (answer) this.spoken = [answer.load_text, answer.status_text, ...answer.texts].join("; ");
+    }, 700);
+  }
+}

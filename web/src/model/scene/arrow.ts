@@ -1,0 +1,78 @@
+import {
+  type BufferGeometry,
+  ConeGeometry,
+  CylinderGeometry,
+  Group,
+  Mesh,
+  MeshBasicMaterial,
+  Quaternion,
+  Vector3,
+} from "three";
+
+import type { Point } from "../shapes";
+
+const UP = new Vector3(0, 1, 0);
+
+/** A straight rod between two points. */
+export class Rod {
+  readonly mesh: Mesh<CylinderGeometry, MeshBasicMaterial>;
+
+  constructor(geometry: CylinderGeometry) {
+    this.mesh = new Mesh(geometry, new MeshBasicMaterial());
+  }
+
+  /** Never hidden by what is in front of it. */
+  putOnTop(): void {
+    putOnTop(this.mesh);
+  }
+
+  set(from: Vector3, to: Vector3, radius_mm: number): void {
+    const axis = to.clone().sub(from);
+    const length = Math.max(axis.length(), 1e-6);
+    this.mesh.position.copy(from).addScaledVector(axis, 0.5);
+    this.mesh.quaternion.copy(new Quaternion().setFromUnitVectors(UP, axis.normalize()));
+    this.mesh.scale.set(radius_mm, length, radius_mm);
+  }
+}
+
+/** An arrow from a point to its tip. */
+export class Arrow {
+  readonly group = new Group();
+  readonly #shaft: Rod;
+  readonly #head: Mesh<ConeGeometry, MeshBasicMaterial>;
+
+  constructor(rod: CylinderGeometry, head: ConeGeometry, { isOnTop = false } = {}) {
+    this.#shaft = new Rod(rod);
+    this.#head = new Mesh(head, new MeshBasicMaterial());
+    // What is being held must not be hidden by what it moves.
+    if (isOnTop) [this.#shaft.mesh, this.#head].forEach(putOnTop);
+    this.group.add(this.#shaft.mesh, this.#head);
+  }
+
+  set(from: Point, tip: Point, colour: string): void {
+    const [start, end] = [new Vector3(...from), new Vector3(...tip)];
+    const axis = end.clone().sub(start);
+    const length = axis.length();
+    this.group.visible = length > 0.5;
+    if (!this.group.visible) return;
+    axis.normalize();
+    const head = Math.min(14, length * 0.5);
+    this.#head.position.copy(end).addScaledVector(axis, -head / 2);
+    this.#head.quaternion.copy(new Quaternion().setFromUnitVectors(UP, axis));
+    this.#head.scale.set(head * 0.36, head, head * 0.36);
+    this.#shaft.set(start, end.clone().addScaledVector(axis, -head * 0.9), 1.5);
+    for (const material of [this.#shaft.mesh.material, this.#head.material])
+      material.color.set(colour);
+  }
+
+  dispose(): void {
+    this.#shaft.mesh.material.dispose();
+    this.#head.material.dispose();
+  }
+}
+
+function putOnTop(mesh: Mesh<BufferGeometry, MeshBasicMaterial>): void {
+  mesh.material.depthTest = false;
+  mesh.material.transparent = true;
+  mesh.renderOrder = 1;
+}

@@ -1,0 +1,47 @@
+import { Vector3 } from "three";
+import { expect, it } from "vitest";
+
+import { spine } from "../../../e2e/model.fixture";
+import { at, corner, type BodySize, type Point } from "../shapes";
+import { placement } from "./figure";
+import { archGeometry, bendDisc, bodyGeometry, discGeometry } from "./vertebra";
+
+const BODY: BodySize = { level: "T7", width_mm: 30, depth_mm: 20, height_mm: 10 };
+const BENT = spine((place) => 30 * place);
+
+it("places a vertebra where the flat views have its corners", () => {
+  const drawn = new Vector3(10, -15, 5).applyMatrix4(placement(BENT, 9)).toArray();
+  corner(BENT, 9, BODY, [1, -1, 1]).forEach((value, axis) =>
+    expect(at(drawn, axis)).toBeCloseTo(value, 9),
+  );
+});
+
+it("leans a vertebra with a positive tilt to the patient's right", () => {
+  const up = new Vector3(0, 0, 1).transformDirection(placement(BENT, 14));
+  expect(up.y).toBeLessThan(-0.4);
+});
+
+it("makes a body as large as it was measured, with the arch behind it", () => {
+  const body = bodyGeometry(BODY);
+  body.computeBoundingBox();
+  const size = body.boundingBox?.getSize(new Vector3()) ?? new Vector3();
+  // The hollow at the back takes nothing off the width and the height.
+  expect(size.y).toBeCloseTo(30, 6);
+  expect(size.z).toBeCloseTo(10, 6);
+  expect(body.boundingBox?.max.x).toBeCloseTo(10, 6);
+  expect(body.boundingBox?.min.x).toBeGreaterThanOrEqual(-10);
+  const arch = archGeometry(BODY);
+  arch.computeBoundingBox();
+  expect(arch.boundingBox?.max.x).toBeLessThan(0);
+  expect(arch.boundingBox?.min.x).toBeLessThan(-20);
+});
+
+it("bends a disc between the endplates of its two bodies", () => {
+  const disc = discGeometry();
+  const lower = (p: Point): Point => p;
+  const upper = (p: Point): Point => [p[0], p[1], p[2] + 14];
+  bendDisc(disc, [BODY, BODY], [lower, upper]);
+  disc.computeBoundingBox();
+  expect(disc.boundingBox?.min.z).toBeCloseTo(4.5, 5);
+  expect(disc.boundingBox?.max.z).toBeCloseTo(9.5, 5);
+});

@@ -1,0 +1,262 @@
+import {
+  BufferGeometry,
+  Color,
+  DoubleSide,
+  Group,
+  LineBasicMaterial,
+  LineSegments,
+  Matrix4,
+  Mesh,
+  MeshPhongMaterial,
+  SphereGeometry,
+  type Material,
+} from "three";
+
+import { at, placed, type BodySize, type Shape } from "../shapes";
+import { archGeometry, bendDisc, bodyGeometry, discGeometry, rimGeometry } from "./vertebra";
+
+/** What a spine in the picture is. */
+export type Tone = "erect" | "measured" | "simulated" | "not_a_result";
+
+/** Colours of the theme that the picture needs. */
+export interface Palette {
+  bone: string;
+  measured: string;
+  simulated: string;
+  contradiction: string;
+  accent: string;
+  force: string;
+  quiet: string;
+  line: string;
+  background: string;
+}
+
+/** Geometries of all levels, shared by the spines of a picture. */
+export class Parts {
+  readonly bodies: BufferGeometry[];
+  readonly arches: BufferGeometry[];
+  readonly rims: BufferGeometry[];
+  readonly joint = new SphereGeometry(1, 16, 12);
+
+  constructor(readonly sizes: readonly BodySize[]) {
+    this.bodies = sizes.map(bodyGeometry);
+    this.arches = sizes.map(archGeometry);
+    this.rims = sizes.map(rimGeometry);
+  }
+
+  dispose(): void {
+    for (const part of [...this.bodies, ...this.arches, ...this.rims, this.joint]) part.dispose();
+  }
+}
+
+/** The placement of a vertebra: its rotation comes row by row, and its columns are the vertebra's own axes. */
+export function placement(shape: Shape, index: number): Matrix4 {
+  const r = at(shape.rotations, index);
+  const p = at(shape.midpoints_mm, index);
+  return new Matrix4().set(
+    r[0]!,
+    r[1]!,
+    r[2]!,
+    p[0]!,
+    r[3]!,
+    r[4]!,
+    r[5]!,
+    p[1]!,
+    r[6]!,
+    r[7]!,
+    r[8]!,
+    p[2]!,
+    0,
+    0,
+    0,
+    1,
+  );
+}
+
+/** What is drawn of one spine. */
+export interface FigureStyle {
+  tone: Tone;
+  /** Seen through, with the rims drawn: laid over another spine. */
+  faint: boolean;
+  /** Colour of each disc; without it discs are grey. */
+  discs: readonly string[] | null;
+  /** Joints that turn against the force. */
+  contradicted: readonly boolean[];
+  /** Joint whose number is being read. */
+  chosenJoint: number | null;
+  /** Vertebra that carries a load. */
+  chosenLevel: number | null;
+}
+
+const JOINT_RADIUS_MM = 2.2;
+
+/** One spine in the picture. */
+export class Figure {
+  readonly group = new Group();
+  readonly #vertebrae: Group[] = [];
+  readonly #bodyMeshes: Mesh[] = [];
+  readonly #discs: Mesh<BufferGeometry, MeshPhongMaterial>[] = [];
+  readonly #joints: Mesh<BufferGeometry, MeshPhongMaterial>[] = [];
+  readonly #bone = new MeshPhongMaterial({ shininess: 18, specular: 0x222222 });
+  readonly #arch = new MeshPhongMaterial({ shininess: 18, specular: 0x222222 });
+  readonly #fixed = new MeshPhongMaterial({ shininess: 18, specular: 0x222222 });
+  readonly #chosen = new MeshPhongMaterial({ shininess: 18, specular: 0x222222 });
+  readonly #rim = new LineBasicMaterial();
+  readonly #arches: Mesh[] = [];
+  readonly #rims: LineSegments[] = [];
+  #hatched = false;
+  #shape: Shape | null = null;
+
+  constructor(
+    private readonly parts: Parts,
+    private readonly palette: Palette,
+  ) {
+    parts.sizes.forEach((_, index) => this.#addVertebra(index));
+    for (let joint = 0; joint + 1 < parts.sizes.length; joint += 1) this.#addJoint(joint);
+    for (const material of [this.#bone, this.#arch, this.#fixed, this.#chosen])
+      hatch(material, () => this.#hatched);
+  }
+
+  /** What a pointer can meet: bodies and discs, with `level` or `joint` in their user data. */
+  get targets(): Mesh[] {
+    return [...this.#bodyMeshes, ...this.#discs, ...this.#joints];
+  }
+
+  pose(shape: Shape): void {
+    if (shape === this.#shape) return;
+    this.#shape = shape;
+    this.#vertebrae.forEach((vertebra, index) => {
+      vertebra.matrix.copy(placement(shape, index));
+      vertebra.matrixWorldNeedsUpdate = true;
+    });
+    this.#joints.forEach((joint, index) => {
+      const [x, y, z] = at(shape.joints_mm, index);
+      joint.position.set(x!, y!, z!);
+    });
+    this.#discs.forEach((disc, index) =>
+      bendDisc(
+        disc.geometry,
+        [at(this.parts.sizes, index), at(this.parts.sizes, index + 1)],
+        [(local) => placed(shape, index, local), (local) => placed(shape, index + 1, local)],
+      ),
+    );
+  }
+
+  dress(style: FigureStyle): void {
+    const bone = this.#boneColour(style.tone);
+    this.#bone.color.copy(bone);
+    this.#arch.color.copy(bone).multiplyScalar(0.62);
+    this.#fixed.color.copy(bone).multiplyScalar(0.45);
+    this.#chosen.color.set(this.palette.force).lerp(bone, 0.45);
+    this.#rim.color.set(this.palette.measured);
+    this.#setHatched(style.tone === "not_a_result");
+    for (const material of [this.#bone, this.#arch, this.#fixed])
+      fade(material, style.faint ? 0.3 : 1);
+    this.#rims.forEach((rim) => (rim.visible = style.faint));
+    this.#arches.forEach((arch) => (arch.visible = !style.faint));
+    this.#bodyMeshes.forEach((body, index) => {
+      if (index === style.chosenLevel) body.material = this.#chosen;
+      else body.material = index === 0 ? this.#fixed : this.#bone;
+    });
+    this.#discs.forEach((disc, index) =>
+      this.#dressJoint(disc, at(this.#joints, index), index, style),
+    );
+  }
+
+  dispose(): void {
+    for (const disc of this.#discs) disc.geometry.dispose();
+    const shared: Material[] = [this.#bone, this.#arch, this.#fixed, this.#chosen, this.#rim];
+    for (const material of [
+      ...shared,
+      ...this.#discs.map((d) => d.material),
+      ...this.#joints.map((j) => j.material),
+    ]) {
+      material.dispose();
+    }
+  }
+
+  #dressJoint(
+    disc: Mesh<BufferGeometry, MeshPhongMaterial>,
+    joint: Mesh<BufferGeometry, MeshPhongMaterial>,
+    index: number,
+    style: FigureStyle,
+  ): void {
+    const isChosen = index === style.chosenJoint;
+    const isContradicted = style.contradicted[index] ?? false;
+    disc.visible = !style.faint;
+    joint.visible = !style.faint;
+    const colour = style.tone === "not_a_result" ? null : style.discs?.[index];
+    disc.material.color.set(colour ?? this.palette.quiet);
+    disc.material.emissive.set(colour ?? this.palette.background);
+    disc.material.emissiveIntensity = isChosen ? 0.9 : 0.35;
+    joint.material.color.set(isContradicted ? this.palette.contradiction : this.palette.measured);
+    joint.material.emissive.copy(joint.material.color);
+    joint.scale.setScalar(JOINT_RADIUS_MM * (isContradicted ? 1.9 : 1) * (isChosen ? 1.5 : 1));
+  }
+
+  #boneColour(tone: Tone): Color {
+    const light = new Color(this.palette.measured);
+    if (tone === "simulated") return light.lerp(new Color(this.palette.simulated), 0.62);
+    if (tone === "not_a_result") return light.multiplyScalar(0.35);
+    return light.lerp(new Color(this.palette.bone), 0.6);
+  }
+
+  #setHatched(hatched: boolean): void {
+    if (hatched === this.#hatched) return;
+    this.#hatched = hatched;
+    for (const material of [this.#bone, this.#arch, this.#fixed, this.#chosen])
+      material.needsUpdate = true;
+  }
+
+  #addVertebra(index: number): void {
+    const vertebra = new Group();
+    vertebra.matrixAutoUpdate = false;
+    const body = new Mesh(at(this.parts.bodies, index), this.#bone);
+    body.userData.level = index;
+    const arch = new Mesh(at(this.parts.arches, index), this.#arch);
+    const rim = new LineSegments(at(this.parts.rims, index), this.#rim);
+    vertebra.add(body, arch, rim);
+    this.#vertebrae.push(vertebra);
+    this.#bodyMeshes.push(body);
+    this.#arches.push(arch);
+    this.#rims.push(rim);
+    this.group.add(vertebra);
+  }
+
+  #addJoint(index: number): void {
+    const disc = new Mesh(
+      discGeometry(),
+      new MeshPhongMaterial({ shininess: 18, specular: 0x222222, side: DoubleSide }),
+    );
+    const joint = new Mesh(
+      this.parts.joint,
+      new MeshPhongMaterial({ shininess: 18, specular: 0x222222, emissiveIntensity: 0.4 }),
+    );
+    disc.userData.joint = index;
+    joint.userData.joint = index;
+    this.#discs.push(disc);
+    this.#joints.push(joint);
+    this.group.add(disc, joint);
+  }
+}
+
+function fade(material: MeshPhongMaterial, opacity: number): void {
+  const transparent = opacity < 1;
+  if (material.transparent !== transparent) material.needsUpdate = true;
+  material.transparent = transparent;
+  material.opacity = opacity;
+  material.depthWrite = !transparent;
+}
+
+/** Stripes across the screen: what is not a result must not look like one, in print and to the colour-blind too. */
+function hatch(material: MeshPhongMaterial, isOn: () => boolean): void {
+  material.customProgramCacheKey = () => (isOn() ? "hatched" : "plain");
+  material.onBeforeCompile = (shader) => {
+    if (!isOn()) return;
+    shader.fragmentShader = shader.fragmentShader.replace(
+      "#include <color_fragment>",
+      `#include <color_fragment>
+      if (mod(gl_FragCoord.x + gl_FragCoord.y, 12.0) < 5.0) diffuseColor.rgb *= 0.25;`,
+    );
+  };
+}

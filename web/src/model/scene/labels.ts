@@ -1,0 +1,62 @@
+import { Vector3, type Camera } from "three";
+
+import type { Point } from "../shapes";
+
+/** A word at a place of the picture. */
+export interface Label {
+  text: string;
+  at: Point;
+  /** Class of the layer's style. */
+  kind: "level" | "axis" | "force" | "load";
+  /** Moved on the screen, in CSS pixels. */
+  shift?: [number, number];
+  /** Moved to the left of the screen by so much of the picture, and written up to there. */
+  aside_mm?: number;
+}
+
+/** Words over the canvas. They repeat what tables and texts say, so readers of the screen are spared them. */
+export class Labels {
+  readonly #nodes: HTMLElement[] = [];
+  #labels: readonly Label[] = [];
+
+  constructor(private readonly layer: HTMLElement) {}
+
+  set(labels: readonly Label[]): void {
+    this.#labels = labels;
+    while (this.#nodes.length > labels.length) this.#nodes.pop()?.remove();
+    labels.forEach((label, index) => {
+      const node = this.#nodes[index] ?? this.#add();
+      const style = `label ${label.kind}`;
+      if (node.className !== style) node.className = style;
+      if (node.textContent !== label.text) node.textContent = label.text;
+    });
+  }
+
+  place(camera: Camera, left: number, width: number, height: number, pixelsPerMm: number): void {
+    const point = new Vector3();
+    this.#labels.forEach((label, index) => {
+      const node = this.#nodes[index];
+      if (!node) return;
+      point.set(...label.at).project(camera);
+      const x =
+        left +
+        ((point.x + 1) / 2) * width +
+        (label.shift?.[0] ?? 0) -
+        (label.aside_mm ?? 0) * pixelsPerMm;
+      const y = ((1 - point.y) / 2) * height + (label.shift?.[1] ?? 0);
+      let back = label.aside_mm === undefined ? "" : " translate(-100%, -50%)";
+      // A long word near the edge is written to the left of its place.
+      if (label.kind === "force" && x + node.offsetWidth > left + width) {
+        back = ` translate(calc(-100% - ${2 * (label.shift?.[0] ?? 0)}px))`;
+      }
+      node.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)${back}`;
+    });
+  }
+
+  #add(): HTMLElement {
+    const node = document.createElement("span");
+    this.layer.append(node);
+    this.#nodes.push(node);
+    return node;
+  }
+}

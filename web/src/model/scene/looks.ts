@@ -1,0 +1,60 @@
+import { Vector3, type OrthographicCamera } from "three";
+
+/** Where the picture is looked at from. */
+export type Preset = "front" | "back" | "left" | "right" | "top" | "bottom";
+
+/** From the spine to who looks, in the patient's axes. Seen from above or below, a little to the back keeps the head’s or feet’s axis steady. */
+export const PRESETS: Record<Preset, Vector3> = {
+  front: new Vector3(1, 0, 0),
+  back: new Vector3(-1, 0, 0),
+  left: new Vector3(0, 1, 0),
+  right: new Vector3(0, -1, 0),
+  top: new Vector3(-1e-3, 0, 1),
+  bottom: new Vector3(-1e-3, 0, -1),
+};
+
+const FROM: { preset: Preset; words: string; letter: string }[] = [
+  { preset: "front", words: "the front", letter: "A" },
+  { preset: "back", words: "behind", letter: "P" },
+  { preset: "left", words: "the patient’s left", letter: "L" },
+  { preset: "right", words: "the patient’s right", letter: "R" },
+  { preset: "top", words: "above", letter: "H" },
+  { preset: "bottom", words: "below", letter: "F" },
+];
+
+/** What somebody has to know to read the picture. */
+export interface Look {
+  /** The main view that this is, if it is one. */
+  preset: Preset | null;
+  /** Such as `from behind`. */
+  words: string;
+  /** The patient's side at each edge of the picture: L, R, A (front), P (back), H (head), F (feet). */
+  edges: { left: string; right: string; top: string; bottom: string };
+  /** CSS pixels of a millimetre in the plane of the screen. */
+  pixelsPerMm: number;
+}
+
+export function lookOf(camera: OrthographicCamera, pixelsPerMm: number): Look {
+  const [right, up, toward] = [new Vector3(), new Vector3(), new Vector3()];
+  camera.matrixWorld.extractBasis(right, up, toward);
+  const facing = nearest(toward);
+  const isExact = PRESETS[facing.preset].dot(toward) > 0.999;
+  const letter = (direction: Vector3): string => nearest(direction).letter;
+  return {
+    preset: isExact ? facing.preset : null,
+    words: isExact ? `from ${facing.words}` : `turned, mostly from ${facing.words}`,
+    edges: {
+      right: letter(right),
+      left: letter(right.clone().negate()),
+      top: letter(up),
+      bottom: letter(up.clone().negate()),
+    },
+    pixelsPerMm,
+  };
+}
+
+function nearest(direction: Vector3): (typeof FROM)[number] {
+  return FROM.reduce((best, next) =>
+    PRESETS[next.preset].dot(direction) > PRESETS[best.preset].dot(direction) ? next : best,
+  );
+}

@@ -1,0 +1,441 @@
+import {
+  AmbientLight,
+  Color,
+  ConeGeometry,
+  CylinderGeometry,
+  DirectionalLight,
+  HemisphereLight,
+  OrthographicCamera,
+  Plane,
+  Raycaster,
+  Scene,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+
+import { at, type BodySize, type Point, type Shape } from "../shapes";
+import { Arrow, Rod } from "./arrow";
+import { Figure, Parts, placement, type FigureStyle, type Palette, type Tone } from "./figure";
+import { Ground } from "./ground";
+import { Labels, type Label } from "./labels";
+import { PRESETS, lookOf, type Look, type Preset } from "./looks";
+
+/** A line of action. */
+export interface LineDrawn {
+  point: Point;
+  direction: Point;
+  colour: string;
+  /** Thick, with the arrow of its force. */
+  isChosen: boolean;
+}
+
+/** All that is to be seen. */
+export interface Picture {
+  layout: "one" | "overlay" | "beside";
+  main: { shape: Shape; tone: Tone };
+  other: { shape: Shape; tone: Tone } | null;
+  discs: readonly string[] | null;
+  contradicted: readonly boolean[];
+  chosenJoint: number | null;
+  chosenLevel: number | null;
+  lines: readonly LineDrawn[];
+  /** The force along the chosen line, in words; without it no arrow is drawn. */
+  force: string | null;
+  /** A load by hand: from where it acts at rest to the tip of its arrow. */
+  load: { from: Point; tip: Point } | null;
+}
+
+/** What the stage tells. */
+export interface Told {
+  picked(target: { joint: number } | { level: number }): void;
+  /** After every picture. */
+  drawn(look: Look, tip: [number, number] | null): void;
+  lost(isLost: boolean): void;
+}
+
+const DISTANCE_MM = 3000;
+const FORCE_ARROW_MM = 55;
+/** From the lowest body down to the grid. */
+const GROUND_MM = 12;
+const MARGIN_MM = 26;
+/** Pixels of the picture for each CSS pixel: more than the screen has, which smooths edges. */
+const FINE_RATIO = 2;
+const COARSE_RATIO = 1;
+/** How long a slow machine's picture rests before it is drawn finely. */
+const REST_MS = 180;
+const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
+const NO_STYLE = { contradicted: [], chosenJoint: null, chosenLevel: null, discs: null } as const;
+
+/** The picture in three dimensions: drawn when something changes, and at no other time. */
+export class Stage {
+  readonly #renderer: WebGLRenderer;
+  readonly #scene = new Scene();
+  readonly #camera = new OrthographicCamera();
+  readonly #controls: OrbitControls;
+  readonly #parts: Parts;
+  readonly #main: Figure;
+  readonly #other: Figure;
+  readonly #ground: Ground;
+  readonly #rod = new CylinderGeometry(1, 1, 1, 10);
+  readonly #head = new ConeGeometry(1, 1, 20);
+  readonly #force: Arrow;
+  readonly #load: Arrow;
+  readonly #lines: Rod[] = [];
+  readonly #labels: Labels;
+  readonly #light = new DirectionalLight(0xffffff, 2.1);
+  readonly #observer: ResizeObserver;
+  readonly #centre: Vector3;
+  readonly #reach: [number, number];
+  #picture: Picture | null = null;
+  #frame = 0;
+  #pressed: Vector2 | null = null;
+  #isSettling = false;
+  readonly #isSlow: boolean;
+  #fine: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    layer: HTMLElement,
+    private readonly sizes: readonly BodySize[],
+    private readonly palette: Palette,
+    { erect, range }: { erect: Shape; range: [Point, Point] },
+    private readonly told: Told,
+  ) {
+    this.#renderer = new WebGLRenderer({ canvas });
+    this.#isSlow = SOFTWARE.test(rendererName(this.#renderer));
+    this.#renderer.setScissorTest(true);
+    this.#scene.background = new Color(palette.background);
+    const [low, high] = [new Vector3(...range[0]), new Vector3(...range[1])];
+    high.z += FORCE_ARROW_MM;
+    low.z -= GROUND_MM;
+    this.#centre = low.clone().add(high).multiplyScalar(0.5);
+    const wide = Math.max(high.x - this.#centre.x, high.y - this.#centre.y);
+    this.#reach = [wide + MARGIN_MM, (high.z - low.z) / 2 + MARGIN_MM];
+    this.#parts = new Parts(sizes);
+    this.#main = new Figure(this.#parts, palette);
+    this.#other = new Figure(this.#parts, palette);
+    this.#ground = new Ground(at(sizes, 0), placement(erect, 0), {
+      line: palette.line,
+      quiet: palette.quiet,
+    });
+    this.#force = new Arrow(this.#rod, this.#head);
+    this.#load = new Arrow(this.#rod, this.#head, { isOnTop: true });
+    this.#labels = new Labels(layer);
+    this.#scene.add(this.#main.group, this.#other.group, this.#ground.group);
+    this.#scene.add(this.#force.group, this.#load.group);
+    this.#addLights();
+
+    this.#camera.up.set(0, 0, 1);
+    this.#controls = new OrbitControls(this.#camera, canvas);
+    this.#controls.minZoom = 0.4;
+    this.#controls.maxZoom = 12;
+    this.#controls.addEventListener("change", () => this.draw());
+    this.look("back");
+    this.#observer = new ResizeObserver(() => this.draw());
+    this.#observer.observe(canvas.parentElement ?? canvas);
+    canvas.addEventListener("pointerdown", this.#press);
+    canvas.addEventListener("pointerup", this.#release);
+    canvas.addEventListener("webglcontextlost", this.#lose);
+    canvas.addEventListener("webglcontextrestored", this.#regain);
+  }
+
+  show(picture: Picture): void {
+    this.#picture = picture;
+    const { chosenJoint, chosenLevel, discs, contradicted, layout } = picture;
+    const style: FigureStyle = {
+      tone: picture.main.tone,
+      faint: false,
+      discs,
+      contradicted,
+      chosenJoint,
+      chosenLevel,
+    };
+    this.#main.dress(style);
+    this.#main.pose(picture.main.shape);
+    if (picture.other) {
+      this.#other.dress({ ...NO_STYLE, tone: picture.other.tone, faint: layout === "overlay" });
+      this.#other.pose(picture.other.shape);
+    }
+    this.#showLines(picture);
+    this.#load.group.visible = picture.load !== null;
+    if (picture.load) this.#load.set(picture.load.from, picture.load.tip, this.palette.force);
+    this.draw();
+  }
+
+  /** Draws soon; several changes at once make one picture. */
+  draw(): void {
+    if (this.#frame || this.#isSettling) return;
+    clearTimeout(this.#fine);
+    this.#frame = requestAnimationFrame(() => {
+      this.#frame = 0;
+      this.#render(this.#isSlow ? COARSE_RATIO : FINE_RATIO);
+      if (this.#isSlow) this.#fine = setTimeout(() => this.#render(FINE_RATIO), REST_MS);
+    });
+  }
+
+  look(preset: Preset): void {
+    this.#camera.zoom = 1;
+    this.#controls.target.copy(this.#centre);
+    this.#camera.position.copy(this.#centre).addScaledVector(PRESETS[preset], DISTANCE_MM);
+    this.#settle();
+  }
+
+  /** Turns around the spine: to the right and up, in radians. */
+  orbit(right: number, up: number): void {
+    const offset = this.#camera.position.clone().sub(this.#controls.target);
+    const radius = offset.length();
+    const azimuth = Math.atan2(offset.y, offset.x) + right;
+    const limit = Math.PI / 2 - 1e-3;
+    const elevation = Math.min(Math.max(Math.asin(offset.z / radius) + up, -limit), limit);
+    offset.set(
+      radius * Math.cos(elevation) * Math.cos(azimuth),
+      radius * Math.cos(elevation) * Math.sin(azimuth),
+      radius * Math.sin(elevation),
+    );
+    this.#camera.position.copy(this.#controls.target).add(offset);
+    this.#settle();
+  }
+
+  zoom(factor: number): void {
+    const { minZoom, maxZoom } = this.#controls;
+    this.#camera.zoom = Math.min(Math.max(this.#camera.zoom * factor, minZoom), maxZoom);
+    this.#settle();
+  }
+
+  /** The point under a place of the page, in the plane through `near` that is parallel to the screen. */
+  pointAt(clientX: number, clientY: number, near: Point): Point {
+    const ray = this.#ray(clientX, clientY);
+    const toward = this.#camera.getWorldDirection(new Vector3());
+    const plane = new Plane().setFromNormalAndCoplanarPoint(toward, new Vector3(...near));
+    const met = ray.ray.intersectPlane(plane, new Vector3()) ?? new Vector3(...near);
+    return met.toArray();
+  }
+
+  /** A point moved along the screen, to the right and up, in mm. */
+  moved(point: Point, right_mm: number, up_mm: number): Point {
+    const [right, up] = [new Vector3(), new Vector3()];
+    this.#camera.matrixWorld.extractBasis(right, up, new Vector3());
+    return new Vector3(...point)
+      .addScaledVector(right, right_mm)
+      .addScaledVector(up, up_mm)
+      .toArray();
+  }
+
+  dispose(): void {
+    cancelAnimationFrame(this.#frame);
+    clearTimeout(this.#fine);
+    this.#observer.disconnect();
+    this.canvas.removeEventListener("webglcontextlost", this.#lose);
+    this.canvas.removeEventListener("webglcontextrestored", this.#regain);
+    this.#controls.dispose();
+    for (const part of [
+      this.#main,
+      this.#other,
+      this.#ground,
+      this.#force,
+      this.#load,
+      this.#parts,
+    ])
+      part.dispose();
+    for (const line of this.#lines) line.mesh.material.dispose();
+    this.#rod.dispose();
+    this.#head.dispose();
+    this.#renderer.dispose();
+    this.#renderer.forceContextLoss();
+  }
+
+  #addLights(): void {
+    this.#scene.add(new AmbientLight(0xffffff, 0.25));
+    const sky = new HemisphereLight(0xf2f6ff, 0x2a2420, 0.9);
+    sky.position.set(0, 0, 1);
+    this.#scene.add(sky, this.#light, this.#light.target);
+  }
+
+  #showLines(picture: Picture): void {
+    while (this.#lines.length < picture.lines.length) {
+      const rod = new Rod(this.#rod);
+      rod.putOnTop();
+      this.#lines.push(rod);
+      this.#scene.add(rod.mesh);
+    }
+    const { midpoints_mm } = picture.main.shape;
+    const [low, high] = [at(midpoints_mm, 0), at(midpoints_mm, midpoints_mm.length - 1)];
+    let force: [Point, Point] | null = null;
+    this.#lines.forEach((rod, index) => {
+      const line = picture.lines[index];
+      rod.mesh.visible = line !== undefined;
+      if (!line) return;
+      const upward = line.direction[2] < 0 ? -1 : 1;
+      const [foot, head] = [footOn(line, low as Point), footOn(line, high as Point)];
+      const along = new Vector3(...line.direction).multiplyScalar(upward);
+      rod.mesh.material.color.set(line.colour);
+      rod.set(
+        foot.clone().addScaledVector(along, -20),
+        head.clone().addScaledVector(along, 25),
+        line.isChosen ? 0.9 : 0.45,
+      );
+      if (line.isChosen && picture.force) force = forceArrow(head, along, upward);
+    });
+    this.#force.group.visible = force !== null;
+    const labels: Label[] = levelLabels(picture, this.sizes);
+    if (force) {
+      const [from, tip] = force as [Point, Point];
+      this.#force.set(from, tip, this.palette.force);
+      const top = from[2] > tip[2] ? from : tip;
+      if (picture.force)
+        labels.push({ text: picture.force, at: top, kind: "force", shift: [10, 4] });
+    }
+    this.#staticLabels = labels;
+  }
+
+  #staticLabels: readonly Label[] = [];
+
+  #settle(): void {
+    this.#isSettling = true;
+    this.#controls.update();
+    this.#camera.updateMatrixWorld();
+    this.#isSettling = false;
+    this.draw();
+  }
+
+  #render(ratio: number): void {
+    const picture = this.#picture;
+    const { clientWidth, clientHeight } = this.canvas.parentElement ?? this.canvas;
+    if (!picture || clientWidth === 0 || clientHeight === 0) return;
+    const size = new Vector2(clientWidth, clientHeight);
+    // A new size clears the canvas: only where it is one.
+    if (ratio !== this.#renderer.getPixelRatio()) this.#renderer.setPixelRatio(ratio);
+    if (!size.equals(this.#renderer.getSize(new Vector2()))) {
+      this.#renderer.setSize(clientWidth, clientHeight);
+    }
+    const isBeside = picture.layout === "beside" && picture.other !== null;
+    const width = isBeside ? size.x / 2 : size.x;
+    const scale = this.#fit(width, size.y);
+    // The light comes over the shoulder of who looks.
+    this.#light.target.position.copy(this.#centre);
+    this.#light.position.fromArray(this.moved(this.#camera.position.toArray(), -1400, 1800));
+    this.#light.target.updateMatrixWorld();
+    if (isBeside) {
+      this.#half(0, width, size.y, { main: false, other: true });
+      this.#half(width, width, size.y, { main: true, other: false });
+    } else {
+      this.#half(0, width, size.y, {
+        main: true,
+        other: picture.layout === "overlay" && picture.other !== null,
+      });
+    }
+    const left = isBeside ? width : 0;
+    const toward = this.#camera.position.clone().sub(this.#controls.target).normalize().toArray();
+    this.#labels.set([...this.#staticLabels, ...this.#ground.labels(toward)]);
+    this.#labels.place(this.#camera, left, width, size.y, scale);
+    this.told.drawn(
+      lookOf(this.#camera, scale),
+      picture.load ? this.#onScreen(picture.load.tip, left, width, size.y) : null,
+    );
+  }
+
+  #half(
+    left: number,
+    width: number,
+    height: number,
+    seen: { main: boolean; other: boolean },
+  ): void {
+    this.#main.group.visible = seen.main;
+    this.#other.group.visible = seen.other;
+    this.#renderer.setViewport(left, 0, width, height);
+    this.#renderer.setScissor(left, 0, width, height);
+    this.#renderer.render(this.#scene, this.#camera);
+  }
+
+  /** Fits the whole range in the picture at zoom 1; gives CSS pixels per mm. */
+  #fit(width: number, height: number): number {
+    const [wide, high] = this.#reach;
+    const perMm = Math.min(width / (2 * wide), height / (2 * high));
+    this.#camera.left = -width / 2 / perMm;
+    this.#camera.right = width / 2 / perMm;
+    this.#camera.top = height / 2 / perMm;
+    this.#camera.bottom = -height / 2 / perMm;
+    this.#camera.near = 10;
+    this.#camera.far = 2 * DISTANCE_MM;
+    this.#camera.updateProjectionMatrix();
+    this.#camera.updateMatrixWorld();
+    return perMm * this.#camera.zoom;
+  }
+
+  #onScreen(point: Point, left: number, width: number, height: number): [number, number] {
+    const seen = new Vector3(...point).project(this.#camera);
+    return [left + ((seen.x + 1) / 2) * width, ((1 - seen.y) / 2) * height];
+  }
+
+  #ray(clientX: number, clientY: number): Raycaster {
+    const box = this.canvas.getBoundingClientRect();
+    const isBeside = this.#picture?.layout === "beside" && this.#picture.other !== null;
+    const width = isBeside ? box.width / 2 : box.width;
+    const x = (clientX - box.left) % width;
+    const ray = new Raycaster();
+    const place = new Vector2((x / width) * 2 - 1, 1 - ((clientY - box.top) / box.height) * 2);
+    ray.setFromCamera(place, this.#camera);
+    return ray;
+  }
+
+  #press = (event: PointerEvent): void => {
+    this.#pressed = new Vector2(event.clientX, event.clientY);
+  };
+
+  /** A press without a move picks what is under it. */
+  #release = (event: PointerEvent): void => {
+    const moved = this.#pressed?.distanceTo(new Vector2(event.clientX, event.clientY)) ?? Infinity;
+    this.#pressed = null;
+    if (moved > 4) return;
+    const [met] = this.#ray(event.clientX, event.clientY).intersectObjects(
+      this.#main.targets,
+      false,
+    );
+    const { joint, level } = met?.object.userData ?? {};
+    if (typeof joint === "number") this.told.picked({ joint });
+    else if (typeof level === "number") this.told.picked({ level });
+  };
+
+  #lose = (event: Event): void => {
+    event.preventDefault();
+    this.told.lost(true);
+  };
+
+  #regain = (): void => {
+    this.told.lost(false);
+    this.draw();
+  };
+}
+
+function rendererName(renderer: WebGLRenderer): string {
+  const gl = renderer.getContext();
+  const names = gl.getExtension("WEBGL_debug_renderer_info");
+  return names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
+}
+
+function footOn(line: LineDrawn, point: Point): Vector3 {
+  const [origin, direction] = [new Vector3(...line.point), new Vector3(...line.direction)];
+  const along = new Vector3(...point).sub(origin).dot(direction);
+  return origin.addScaledVector(direction, along);
+}
+
+/** Beyond the upper end of the spine, pointing away from it where the force pulls and at it where it pushes. */
+function forceArrow(head: Vector3, along: Vector3, upward: number): [Point, Point] {
+  const near = head.clone().addScaledVector(along, 12).toArray();
+  const far = head
+    .clone()
+    .addScaledVector(along, 12 + FORCE_ARROW_MM)
+    .toArray();
+  return upward > 0 ? [near, far] : [far, near];
+}
+
+function levelLabels(picture: Picture, sizes: readonly BodySize[]): Label[] {
+  return picture.main.shape.midpoints_mm.map((midpoint, index) => ({
+    text: index === 0 ? `${at(sizes, index).level} fixed` : at(sizes, index).level,
+    at: midpoint as Point,
+    kind: "level",
+    aside_mm: 0.95 * at(sizes, index).width_mm + 4,
+  }));
+}

@@ -1,0 +1,34 @@
+import type { Api } from "../api/types";
+
+type Identified = Api<"Identified">;
+
+const IDENTIFIED: Record<Identified, string> = {
+  identified: "Identified",
+  ratio_only: "Ratio only",
+  bound: "At a bound",
+  contradicted: "Contradicted",
+  not_converged: "Not converged",
+};
+
+const LINE_TOKENS: Record<Api<"LineName">, string> = {
+  inflection_line: "--inflection-line",
+  iliac_line: "--iliac-line",
+  estimated_line: "--estimated-line",
+};
+
+export const identifiedWord = (identified: Identified): string => IDENTIFIED[identified];
+
+/** Token of the colour that a line has everywhere. */
+export const lineToken = (line: Api<"LineName">): string => LINE_TOKENS[line];
+
+const MILLIMETRES = new Intl.NumberFormat("en", {
+  minimumFractionDigits: 1,
+  maximumFractionDigits: 1,
+});
+const FACTOR = new Intl.NumberFormat("en", { minimumFractionDigits: 2, maximumFractionDigits: 2 });
+
+/** A length in the unit of the study; why it is absent stands beside it. */
+export const lengthText = (value_mm: number | null | undefined, unit: string): string =>
+  value_mm === null || value_mm === undefined ? "none" : `${MILLIMETRES.format(value_mm)} ${unit}`;
+
+export const factorText = (factor: number): string => `× ${FACTOR.format(factor)}`;
