@@ -29,7 +29,7 @@ export class FilmPage {
 
   async begin(): Promise<void> {
     await this.page.getByRole("button", { name: /^begin reading/i }).click({ timeout: 90_000 });
-    await expect(this.target).toContainText("L4");
+    await expect(this.target).toContainText("L4", { timeout: 60_000 });
     await this.painted();
   }
 
@@ -73,12 +73,18 @@ export class FilmPage {
   /** Enlarges with the wheel until a film pixel is as wide as asked, with a place in the middle. */
   async lookAt(place: FilmPoint, scale: number): Promise<void> {
     await this.page.getByRole("button", { name: "Fit" }).click();
-    await this.page.mouse.move(...(await this.where(place)));
     while ((await this.view()).scale < scale) {
+      await this.page.mouse.move(...(await this.where(place)));
       const before = (await this.view()).scale;
       await this.page.mouse.wheel(0, -200);
       await expect.poll(async () => (await this.view()).scale).toBeGreaterThan(before);
     }
+    // Into the middle, so that its neighbours are in sight too.
+    const box = (await this.viewer.boundingBox())!;
+    await this.page.mouse.move(...(await this.where(place)));
+    await this.page.mouse.down({ button: "middle" });
+    await this.page.mouse.move(box.x + box.width / 2, box.y + box.height / 2, { steps: 4 });
+    await this.page.mouse.up({ button: "middle" });
   }
 
   async click(place: FilmPoint): Promise<FilmPoint> {

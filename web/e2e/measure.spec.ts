@@ -12,7 +12,7 @@ test("a film is marked from nothing, and what follows from it appears", async ({
   await expect(page.locator("[data-side='image-left']")).toBeVisible();
   const truth = await film.truth();
   for (const level of LEVELS) {
-    await film.lookAt(cornerOf(truth, level, "superior_left"), 1.2);
+    await film.lookAt(cornerOf(truth, level, "superior_left"), 0.6);
     await film.mark(truth, level);
     if (level === "L2") await shot(page, "measure-enlarged");
   }
@@ -43,7 +43,7 @@ for (const deviceScaleFactor of [1, 1.25, 2]) {
       await app.open(page);
       const film = await FilmPage.ofDemo(page);
       const truth = await film.truth();
-      await film.lookAt(cornerOf(truth, "L4", "superior_left"), 1.2);
+      await film.lookAt(cornerOf(truth, "L4", "superior_left"), 0.6);
       await film.mark(truth, "L4");
       await film.saved();
       expect(farthest(await film.reading(), truth)).toBeLessThan(CLOSE_PX);
@@ -95,7 +95,7 @@ test("a reload in the middle keeps everything, and undo goes on behind it", asyn
   await app.open(page);
   const film = await FilmPage.ofDemo(page);
   const truth = await film.truth();
-  await film.lookAt(cornerOf(truth, "L4", "superior_left"), 1.2);
+  await film.lookAt(cornerOf(truth, "L4", "superior_left"), 0.6);
   await film.mark(truth, "L4");
   await film.click(cornerOf(truth, "L3", "superior_left"));
   // At once, while the last clicks may still be on their way.
@@ -140,11 +140,11 @@ test("a swapped corner is flagged as it happens, and undone", async ({ app, page
   await expect(page.locator("[data-level='L4'].faulty")).toBeVisible();
   await page.mouse.up();
   await film.saved();
-  await expect(page.getByRole("button", { name: "L4, has a fault" })).toBeVisible();
+  await expect(page.getByRole("button", { name: /^L4.*has a fault/ })).toBeVisible();
   await shot(page, "measure-fault");
   await page.keyboard.press("Control+z");
   await expect(page.getByTestId("faults")).toBeEmpty();
-  await expect(page.getByRole("button", { name: "L4, four corners" })).toBeVisible();
+  await expect(page.getByRole("button", { name: /^L4.*four corners/ })).toBeVisible();
 });
 
 test("a vertebra is marked and corrected with keys alone", async ({ app, page }) => {
@@ -244,7 +244,7 @@ test("clicks while the program is away are saved when it is back", async ({ app,
   await app.open(page);
   const film = await FilmPage.ofDemo(page);
   const truth = await film.truth();
-  await film.lookAt(cornerOf(truth, "L4", "superior_left"), 1.2);
+  await film.lookAt(cornerOf(truth, "L4", "superior_left"), 0.6);
   await film.click(cornerOf(truth, "L4", "superior_left"));
   await film.saved();
   await app.kill();
@@ -269,7 +269,7 @@ test("a window that died with unsaved clicks does not lose them", async ({
   await app.open(page);
   const film = await FilmPage.ofDemo(page);
   const truth = await film.truth();
-  await film.lookAt(cornerOf(truth, "L4", "superior_left"), 1.2);
+  await film.lookAt(cornerOf(truth, "L4", "superior_left"), 0.6);
   await page.route("**/events", (route) => route.abort());
   await film.click(cornerOf(truth, "L4", "superior_left"));
   await expect(page.getByTestId("saving")).toContainText("1 not saved");

@@ -50,3 +50,12 @@ it("offers the corners of a proposal", () => {
   const found = proposedAt({ ...reading(), proposal }, VIEW, [52, 60], 10);
   expect(found).toEqual({ kind: "corner", level: "L3", corner: "inferior_left" });
 });
+
+it("counts on from an axis that is not recorded yet", () => {
+  const axis = { from_px: [0, 9], to_px: [0, 0], axis_deg: 4.2, by_hand: false, text: "" };
+  const vertebra = { level: "L4", corners: [], complete: true, midpoint_px: null, axis };
+  const turned = withEvents({ ...reading(), vertebrae: [vertebra] }, [
+    { kind: "set_axis", level: "L4", axis_deg: 4.3 },
+  ]);
+  expect(turned.vertebrae[0]!.axis).toMatchObject({ axis_deg: 4.3, by_hand: true });
+});

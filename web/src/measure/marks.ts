@@ -116,6 +116,17 @@ function withEvent(reading: ReadingView, event: Event): ReadingView {
         return { ...vertebra, corners, complete: corners.length === CORNERS.length };
       });
     }
+    case "set_axis":
+      return changed(reading, event.level, (vertebra) => {
+        const { axis } = vertebra;
+        if (!axis) return vertebra;
+        // The line to draw comes with the program's answer; its number is needed for the next step of the keys.
+        const by_hand = event.axis_deg != null;
+        return {
+          ...vertebra,
+          axis: { ...axis, axis_deg: event.axis_deg ?? axis.axis_deg, by_hand },
+        };
+      });
     case "remove_vertebra":
       return {
         ...reading,
