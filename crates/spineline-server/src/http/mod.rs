@@ -48,36 +48,9 @@ const BODY_TIMEOUT: Duration = Duration::from_secs(30);
 #[must_use]
 pub fn openapi() -> OpenApi {
     let mut description = routes().into_openapi();
-    description.merge(<Planned as utoipa::OpenApi>::openapi());
     description.info = utoipa::openapi::Info::new("Spineline", env!("CARGO_PKG_VERSION"));
     description
 }
-
-/// Types of handlers that are being written.
-#[derive(utoipa::OpenApi)]
-#[openapi(components(schemas(
-    api::StudySummary,
-    api::StudyDetail,
-    api::UploadView,
-    api::NewStudy,
-    api::CaseImport,
-    api::FilmChange,
-    api::Change,
-    api::NewPlan,
-    api::NewReading,
-    api::ReadingView,
-    api::NewEvent,
-    api::Finish,
-    api::PreviewRequest,
-    api::Preview,
-    api::ConflictAnswer,
-    api::LiveView,
-    api::ModelView,
-    api::LoadRequest,
-    api::LoadAnswer,
-    api::CohortView,
-)))]
-struct Planned;
 
 fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()

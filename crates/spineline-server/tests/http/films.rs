@@ -164,9 +164,9 @@ fn film_of(browser: &Browser<'_>, app: &App) -> Vec<u8> {
     let store = spineline_server::store::Store::open(&app.store_path()).expect("the store");
     let film = store.films(&crate::browser::name("demo-rod-01")).expect("films").remove(0);
     let mut bytes = store.content(&film.content).expect("bytes");
-    let old = b"PHANTOM-ROD-01";
+    let old = b"PHANTOM^ROD01";
     let at = bytes.windows(old.len()).position(|part| part == old).expect("the name");
-    bytes[at..at + old.len()].copy_from_slice(b"DOE^JANE SMITH");
+    bytes[at..at + old.len()].copy_from_slice(b"DOE^JANE SMIT");
     bytes
 }
 

@@ -51,11 +51,13 @@ fn threads_that_race_for_every_revision_win_it_once_and_lose_it_visibly() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("store");
     drop(five_steps(&path));
-    let race = |_| {
+    let race = |thread: usize| {
+        // Each its own event: a repeat of what is there would be acknowledged again.
+        let event = Event::Note { text: format!("thread {thread}") };
         let mut store = Store::open(&path).expect("a store");
         let (mut won, mut lost) = (0, 0);
         for revision in 0..20 {
-            match store.record(READING, &Event::Invert { inverted: true }, revision, &by("A", 10)) {
+            match store.record(READING, &event, revision, &by("A", 10)) {
                 Ok(_) => won += 1,
                 Err(StoreError::Conflict { .. }) => lost += 1,
                 Err(other) => panic!("{other}"),

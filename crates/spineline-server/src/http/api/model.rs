@@ -175,6 +175,7 @@ pub struct LoadRequest {
     /// Vertebra on whose midpoint the force acts; it moves with it and keeps its direction.
     pub level: String,
     /// Tip of the arrow that is dragged, `[x, y, z]`: from the vertebra's erect midpoint to here, 1 mm for 1 N.
+    #[schema(value_type = Vec<f64>, min_items = 3, max_items = 3)]
     pub tip_mm: [f64; 3],
 }
 
