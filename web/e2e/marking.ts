@@ -76,8 +76,13 @@ export class FilmPage {
     while ((await this.view()).scale < scale) {
       await this.page.mouse.move(...(await this.where(place)));
       const before = (await this.view()).scale;
-      await this.page.mouse.wheel(0, -200);
-      await expect.poll(async () => (await this.view()).scale).toBeGreaterThan(before);
+      // The browser now and then swallows the first turn after the pointer has moved.
+      await expect(async () => {
+        await this.page.mouse.wheel(0, -200);
+        await expect
+          .poll(async () => (await this.view()).scale, { timeout: 1000 })
+          .toBeGreaterThan(before);
+      }).toPass();
     }
     // Into the middle, so that its neighbours are in sight too.
     const box = (await this.viewer.boundingBox())!;
