@@ -84,7 +84,12 @@ async fn changes(
 async fn visible(state: AppState, user: User, change: (Name, Change)) -> Option<Change> {
     let (study, change) = change;
     let own = change.who == user.name.as_str();
-    let sight = state.store(move |store| store.observer(&user.name).sight(&study)).await.ok()?;
+    // Grants may have changed since the stream began.
+    let sight = state.ask(move |store| {
+        user.on_study(store, &study)?;
+        Ok(store.observer(&user.name).sight(&study)?)
+    });
+    let sight = sight.await.ok()?;
     match sight {
         Sight::Open => Some(change),
         Sight::Reader => own.then_some(Change { film: None, ..change }),

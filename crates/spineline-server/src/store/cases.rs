@@ -195,7 +195,15 @@ impl NewCase {
         &self.study.id
     }
 
-    /// With other files for the same pictures.
+    /// Its films: posture, file name, columns and rows.
+    pub fn pictures(&self) -> impl Iterator<Item = (Posture, &str, [u64; 2])> {
+        self.films.iter().map(|film| {
+            let size = ["columns", "rows"].map(|key| film.image[key].as_u64().unwrap_or_default());
+            (film.posture, film.image["file"].as_str().unwrap_or_default(), size)
+        })
+    }
+
+    /// With other files for the same pictures, named after the study.
     ///
     /// # Errors
     /// What `rewrite` refuses.
@@ -205,6 +213,9 @@ impl NewCase {
     ) -> Result<Self, E> {
         for film in &mut self.films {
             film.bytes = rewrite(&film.bytes)?;
+            // The old name may be a patient's.
+            let end = if film.bytes.get(128..132) == Some(b"DICM") { "dcm" } else { "png" };
+            film.image["file"] = format!("{}-{}.{end}", self.study.id, film.posture.key()).into();
             film.image["sha256"] = spineline_io::sha256_hex(&film.bytes).into();
         }
         Ok(self)

@@ -72,3 +72,16 @@ fn who_makes_a_study_may_edit_it() {
     assert!(maker.on_study(&store, &study.id).is_err());
     assert!(store.verify(None).expect("verifiable").is_clean());
 }
+
+#[test]
+fn a_reader_of_a_study_marks_nothing() {
+    let app = App::with_accounts();
+    let begun =
+        |who: &str| app.account(who).post("/api/films/1/readings", &json!({ "repeat": 1 })).status;
+    assert_eq!(begun("reader"), StatusCode::FORBIDDEN);
+    let event = json!({ "kind": "note", "text": "not by me" });
+    let body = json!({ "expected_revision": 0, "events": [event] });
+    // The reading of another one in a study that they do not see.
+    let answer = app.account("reader").post("/api/readings/1/events", &body);
+    assert_eq!(answer.status, StatusCode::NOT_FOUND);
+}

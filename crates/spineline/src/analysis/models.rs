@@ -441,8 +441,9 @@ fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
     for (name, bound) in model.groups.names().iter().zip(&model.fit.bounds) {
         if *bound != StiffnessBound::Inside {
             let text = format!(
-                "{}: the multiplier of {name} ended at its bound, so its value is not identified",
-                model.kind
+                "{}: the multiplier of {} ended at its bound, so its value is not identified",
+                model.kind,
+                name.replace('_', " ")
             );
             warnings.push(Step::Personalize, "multiplier_at_bound", text);
         }

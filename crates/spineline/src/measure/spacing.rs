@@ -151,6 +151,12 @@ impl Spacing {
     pub fn is_plausible(&self) -> bool {
         [self.column_mm, self.row_mm].into_iter().all(is_spacing)
     }
+
+    /// Whether pixels are as high as wide, to a tenth of a percent: 0.03° at most in an angle.
+    #[must_use]
+    pub fn is_square(&self) -> bool {
+        (self.row_mm / self.column_mm - 1.0).abs() <= 1e-3
+    }
 }
 
 /// A distance between pixels that can be meant: positive, finite, and not the `0.000` that some devices write.

@@ -173,7 +173,7 @@ fn thumbs_known(state: &AppState, content: &Hash) -> bool {
     state.films().thumbnails(content).is_some()
 }
 
-async fn turn(state: &AppState) -> Answer<tokio::sync::SemaphorePermit<'_>> {
+pub async fn turn(state: &AppState) -> Answer<tokio::sync::SemaphorePermit<'_>> {
     let closed = |_| Failure::new(StatusCode::SERVICE_UNAVAILABLE, "ending", "the server ends");
     state.films().turn.acquire().await.map_err(closed)
 }

@@ -21,7 +21,7 @@ use super::super::extract::{Json, Path};
 use super::super::state::secret;
 use super::super::{Answer, AppState, Failure, User, words};
 use super::png;
-use super::screen::{Thumbnails, decode};
+use super::screen::{Thumbnails, decode, turn};
 use crate::store::{Name, Timestamp};
 
 /// How long an upload is kept.
@@ -125,6 +125,7 @@ async fn upload(
 ) -> Answer<Json<UploadView>> {
     user.need(RoleName::Editor)?;
     let bytes: Vec<u8> = body.map_err(|refused| unread(&refused))?.into();
+    let _turn = turn(&state).await?;
     let film = decode(&state, bytes.clone()).await?;
     let looked = tokio::task::spawn_blocking(move || look(&film, bytes));
     let (upload, mut view) = looked.await.expect("looking does not panic");

@@ -9,10 +9,12 @@ use axum::response::{IntoResponse, Response};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::api::{Change, ConflictAnswer, Finish, NewEvent, NewReading, Problem, ReadingView};
+use super::api::{
+    Change, ConflictAnswer, Finish, NewEvent, NewReading, Problem, ReadingView, RoleName,
+};
 use super::extract::{Json, Path};
 use super::{Answer, AppState, Failure, User, films};
-use crate::store::{FilmCode, FilmId, ReadingId, Sight, Store, StoreError};
+use crate::store::{FilmCode, FilmId, ReadingId, SeenReading, Sight, Store, StoreError};
 
 pub(super) use lost::{of_film as lost_of_film, of_reading as lost_of_reading};
 pub(super) use view::seen;
@@ -41,6 +43,7 @@ async fn begin(
     let asker = state.clone();
     let view = state.ask(move |store| {
         let film = films::seen(store, &user, FilmId(film))?;
+        user.need_on_study(store, &film.study, RoleName::Editor)?;
         let id = store.begin_reading(film.id, new.repeat, &by)?;
         tell(&asker, store, &user, id)?;
         view(store, &user, id, &[])
@@ -92,7 +95,7 @@ async fn record(
     let asker = state.clone();
     let answer = state.ask(move |store| {
         let id = ReadingId(reading);
-        seen(store, &user, id)?;
+        may_mark(store, &user, id)?;
         let recorded = store.record_all(id, &new.events, new.expected_revision, &by);
         settle(&asker, store, &user, id, recorded.map(drop))
     });
@@ -113,7 +116,7 @@ async fn finish(
     let asker = state.clone();
     let answer = state.ask(move |store| {
         let id = ReadingId(reading);
-        let known = seen(store, &user, id)?;
+        let known = may_mark(store, &user, id)?;
         let before = known.state(&[])?;
         // A finish whose acknowledgement was lost.
         let is_repeated = before.finished && before.revision == new.expected_revision;
@@ -125,6 +128,15 @@ async fn finish(
         settle(&asker, store, &user, id, finished)
     });
     answer.await
+}
+
+/// A reading that this user may change: a planned one, or one of a study that they may edit.
+fn may_mark(store: &Store, user: &User, reading: ReadingId) -> Answer<SeenReading> {
+    let seen = seen(store, user, reading)?;
+    if seen.code.is_none() {
+        user.need_on_study(store, &seen.study.id, RoleName::Editor)?;
+    }
+    Ok(seen)
 }
 
 /// The reading after a change, or as it stands where the change lost.

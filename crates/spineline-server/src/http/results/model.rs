@@ -3,7 +3,7 @@
 use axum::extract::State;
 use spineline::analysis::{Analysis, Identification, LineModel, MultiplierVerdict};
 use spineline::anatomy::{Level, Posture};
-use spineline::measure::body_widths;
+use spineline::measure::{LengthScale, SpacingPlane, body_widths};
 use spineline::personalize::FitStatus;
 
 use super::cache::{StudyResult, computed, study_result};
@@ -42,7 +42,7 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
         synthetic: analysis.synthetic,
         profile_text: analysis.profile_words().to_owned(),
         gauge_text: analysis.gauge_words().to_owned(),
-        length_unit: length_unit(analysis.scale()).to_owned(),
+        length_unit: drawn_unit(analysis.scale()).to_owned(),
         bodies: bodies(result, analysis),
         erect: deformed_shape(&analysis.spine, &erect),
         measured: moved
@@ -58,6 +58,14 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
         lines: lines.filter_map(|(model, relative)| line(analysis, model, relative)).collect(),
         verdict: analysis.verdict(),
         notices: model_notices(result, analysis),
+    }
+}
+
+/// What the millimetres of the scene are: without a scale the spine is drawn as long as a usual one.
+const fn drawn_unit(scale: &LengthScale) -> &'static str {
+    match scale.plane {
+        SpacingPlane::Pixels => "mm, were the spine of usual length",
+        _ => length_unit(scale),
     }
 }
 

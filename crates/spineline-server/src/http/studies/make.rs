@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use axum::extract::State;
 use axum::http::StatusCode;
+use spineline::anatomy::Posture;
 use spineline::measure::{ImageGeometry, Spacing};
 use spineline_io::film::{DeidOptions, FilmKind, FilmLimits, deidentify};
 use spineline_io::{FilmSource, image_value, sha256_hex};
@@ -82,6 +83,10 @@ async fn import_case(
         let bytes_of =
             |file: &str| uploads.get(file).map(|upload| upload.bytes.clone()).ok_or(missing);
         let case = NewCase::read(&import.text, bytes_of).map_err(|error| case_refused(&error))?;
+        for (posture, file, size) in case.pictures() {
+            let upload = uploads.get(file).ok_or_else(|| refused(missing))?;
+            check_picture(posture, size, upload)?;
+        }
         let (id, salt) = (case.id().clone(), salt()?);
         case.rewritten(|bytes| clean(&id, bytes, salt))
     });
@@ -129,6 +134,22 @@ fn check(films: &[(NewFilm, Arc<Upload>)]) -> Answer<()> {
     Ok(())
 }
 
+/// Whether an upload can be the picture that a case was made with.
+fn check_picture(posture: Posture, [columns, rows]: [u64; 2], upload: &Upload) -> Answer<()> {
+    if [u64::from(upload.columns), u64::from(upload.rows)] != [columns, rows] {
+        let text = format!(
+            "{posture}: the case was made with {columns} × {rows} pixels, and the picture has {} × {}",
+            upload.columns, upload.rows
+        );
+        return Err(refused(&text).help("find the original film"));
+    }
+    if upload.is_lateral {
+        let text = format!("{posture}: the file says that this is a lateral view");
+        return Err(refused(&text).help("choose the frontal film"));
+    }
+    Ok(())
+}
+
 /// A film's bytes and description as the study has them.
 fn settle(
     id: &Name,
@@ -139,7 +160,15 @@ fn settle(
     let bytes = clean(id, &upload.bytes, salt)?;
     let spacing = match film.scale {
         ScaleChoice::File => upload.spacing,
-        ScaleChoice::Pixels => None,
+        ScaleChoice::Pixels => {
+            // Without a spacing pixels count as square, and then every angle would be wrong.
+            if upload.spacing.is_some_and(|spacing| !spacing.is_square()) {
+                let posture = words::posture(film.posture);
+                let text = format!("{posture}: the file says that its pixels are not square");
+                return Err(refused(&text).help("take the file's scale, or state one"));
+            }
+            None
+        }
         ScaleChoice::Stated { column_mm, row_mm, plane } => {
             let stated = Spacing::stated(column_mm, row_mm, words::plane(plane));
             if !stated.is_plausible() {
