@@ -198,6 +198,7 @@ impl Case {
             others: Vec::new(),
             iliac_normal: None,
             l4_on_film: Angle::ZERO,
+            l4_midpoint_on_film: Frontal::default(),
             noise: Noise {
                 location_mm: self.noise.location_mm,
                 tilt: Angle::from_rad(self.noise.tilt_rad),
