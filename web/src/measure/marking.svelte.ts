@@ -470,7 +470,7 @@ export class Marking {
       return;
     }
     const left = await leftBehind(this.#recorded, this.#tab);
-    if (left) this.lost ??= { ...left, why: "left_behind" };
+    if (left && this.lost === null) this.lost = { ...left, why: "left_behind" };
   }
 }
 

@@ -197,3 +197,14 @@ it("records no axis whose angle does not come, and says so", async () => {
   expect(marking.trouble?.what).toBe("L4 – axis not turned");
   expect(marking.dragging).toBe(false);
 });
+
+it("offers what a window left that is closed by now", async () => {
+  vi.stubGlobal("navigator", {
+    locks: { query: async () => ({ held: [{ name: "spineline.unsaved.me" }] }) },
+  });
+  keepingOf(reading(), "other").save([{ events: [crest(1)], expected: 0 }]);
+  answer = taking();
+  const marking = new Marking(reading(), "me");
+  await settle();
+  expect(marking.lost).toMatchObject({ events: [crest(1)], mayBeOpen: false });
+});
