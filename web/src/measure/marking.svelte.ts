@@ -60,6 +60,9 @@ export const CRESTS = Symbol("iliac crests");
 
 /** A request of a drag older than this gives way to a newer one; a younger one is let finish, or a fast hand would see nothing. */
 const PATIENCE_MS = 250;
+/** How often, and how far apart, it is asked what just closed windows left. */
+const AGAIN_TIMES = 5;
+const AGAIN_MS = 800;
 /** How long a dropped axis waits for its angle. */
 const TURN_MS = 5_000;
 
@@ -97,6 +100,7 @@ export class Marking {
 
   /** Where the axis that is dragged was pulled to last, and whether its angle there is known. */
   #turning: (Turning & { isAnswered: boolean }) | null = null;
+  #isClosed = false;
   readonly #outbox: Outbox;
   readonly #keeping: ReadingKeeping;
   readonly #tab: string;
@@ -315,7 +319,6 @@ export class Marking {
     const lost = this.lost;
     if (!lost || !this.changeable) return;
     for (const event of remaining(lost.events)) this.#record([fresh(this.reading, event)]);
-    // Now the outbox keeps them.
     this.forgetLost();
   }
 
@@ -330,6 +333,7 @@ export class Marking {
   }
 
   close(): void {
+    this.#isClosed = true;
     this.#previews.cancel();
     this.#lives.cancel();
     this.#outbox.close();
@@ -469,7 +473,12 @@ export class Marking {
       this.lost = { events, why: "conflict", forget: () => this.#keeping.decided() };
       return;
     }
-    const left = await leftBehind(this.#recorded, this.#tab);
+    let left = await leftBehind(this.#recorded, this.#tab);
+    // A window that closes keeps its name for a moment.
+    for (let i = 0; !left && i < AGAIN_TIMES && !this.#isClosed; i += 1) {
+      await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));
+      left = await leftBehind(this.#recorded, this.#tab);
+    }
     if (left && this.lost === null) this.lost = { ...left, why: "left_behind" };
   }
 }
