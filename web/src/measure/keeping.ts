@@ -4,6 +4,8 @@ import type { Entry, Keeping } from "./outbox";
 type Event = Api<"Event">;
 
 const PREFIX = "spineline.unsaved";
+/** Ends the key of what lost against others. */
+const LOST = ".lost";
 
 /** A window of the browser, from reload to reload. */
 let tab: string | null = null;
@@ -51,33 +53,72 @@ function hold(name: string): Promise<boolean> {
   });
 }
 
+/** What one window keeps of a reading, beside what waits to be sent. */
+export interface ReadingKeeping extends Keeping {
+  /** Events that lost, and about which nobody has decided yet. */
+  lost(): Event[];
+  /** Somebody has decided about what was lost. */
+  decided(): void;
+}
+
+/** For readings of others, of which nothing is ever sent. */
+export const keepsNothing: ReadingKeeping = {
+  load: () => [],
+  save: () => undefined,
+  lose: () => undefined,
+  lost: () => [],
+  decided: () => undefined,
+};
+
 /** What is not saved yet of one reading in this window. The key carries no patient's name, only what tells readings apart. */
-export function keepingOf(reading: Api<"ReadingView">, tabName: string): Keeping {
+export function keepingOf(reading: Api<"ReadingView">, tabName: string): ReadingKeeping {
   const key = `${groupOf(reading)}.${tabName}`;
+  const lost = (): Event[] => keptOf(key + LOST).entries.flatMap(({ events }) => events);
   return {
-    load: () => entriesOf(localStorage.getItem(key)),
-    save: (entries) => {
-      if (entries.length === 0) localStorage.removeItem(key);
-      else localStorage.setItem(key, JSON.stringify(entries));
-    },
+    load: () => keptOf(key).entries,
+    save: (entries) => keep(key, entries),
+    lose: (events) => keep(key + LOST, [{ events: [...lost(), ...events], expected: 0 }]),
+    lost,
+    decided: () => localStorage.removeItem(key + LOST),
   };
 }
 
-/** What windows left behind that are closed by now: never sent unasked, as the reading may have gone on. */
+/** What other windows left behind. */
+export interface LeftBehind {
+  events: Event[];
+  /** When the newest of it was made. */
+  since_ms: number;
+  /** Whether such a window may still be open: without a certificate, browsers do not tell. */
+  mayBeOpen: boolean;
+  forget: () => void;
+}
+
+/** What other windows left behind: never sent unasked, as the reading may have gone on. */
 export async function leftBehind(
   reading: Api<"ReadingView">,
-): Promise<{ events: Event[]; forget: () => void } | null> {
-  if (!("locks" in navigator)) return null;
+  tabName: string,
+): Promise<LeftBehind | null> {
   const group = `${groupOf(reading)}.`;
-  const held = new Set((await navigator.locks.query()).held?.map((lock) => lock.name));
-  const keys = Object.keys(localStorage).filter(
-    (key) => key.startsWith(group) && !held.has(`${PREFIX}.${key.slice(group.length)}`),
-  );
-  const events = keys
-    .flatMap((key) => entriesOf(localStorage.getItem(key)))
-    .flatMap((entry) => entry.events);
-  const forget = (): void => keys.forEach((key) => localStorage.removeItem(key));
-  return events.length > 0 ? { events, forget } : null;
+  const open = await openWindows();
+  const keys = Object.keys(localStorage).filter((key) => {
+    if (!key.startsWith(group)) return false;
+    const name = key.slice(group.length).replace(LOST, "");
+    return name !== tabName && open?.has(`${PREFIX}.${name}`) !== true;
+  });
+  const kept = keys.map(keptOf).filter(({ entries }) => entries.length > 0);
+  if (kept.length === 0) return null;
+  return {
+    events: kept.flatMap(({ entries }) => entries.flatMap(({ events }) => events)),
+    since_ms: Math.max(...kept.map(({ kept_ms }) => kept_ms)),
+    mayBeOpen: open === null,
+    forget: () => keys.forEach((key) => localStorage.removeItem(key)),
+  };
+}
+
+/** Names of the windows that are open; null where the browser keeps that from the page. */
+async function openWindows(): Promise<Set<string | undefined> | null> {
+  if (!("locks" in navigator)) return null;
+  return new Set((await navigator.locks.query()).held?.map((lock) => lock.name));
 }
 
 function groupOf(reading: Api<"ReadingView">): string {
@@ -85,12 +126,25 @@ function groupOf(reading: Api<"ReadingView">): string {
   return `${PREFIX}.${reading.observer}.${film}.${reading.reading}`;
 }
 
-function entriesOf(text: string | null): Entry[] {
-  if (text === null) return [];
+interface Kept {
+  /** When it was written. */
+  kept_ms: number;
+  entries: Entry[];
+}
+
+function keep(key: string, entries: readonly Entry[]): void {
+  if (entries.length === 0) localStorage.removeItem(key);
+  else localStorage.setItem(key, JSON.stringify({ kept_ms: Date.now(), entries }));
+}
+
+function keptOf(key: string): Kept {
+  const none = { kept_ms: 0, entries: [] };
+  const text = localStorage.getItem(key);
+  if (text === null) return none;
   try {
-    const entries: unknown = JSON.parse(text);
-    return Array.isArray(entries) ? (entries as Entry[]) : [];
+    const kept = JSON.parse(text) as Partial<Kept> | null;
+    return Array.isArray(kept?.entries) ? (kept as Kept) : none;
   } catch {
-    return [];
+    return none;
   }
 }

@@ -1,7 +1,7 @@
-import { ask, type Refusal } from "../api/client";
+import { ask, Refusal } from "../api/client";
+import { Latest } from "../api/latest";
 import type { Api } from "../api/types";
-import { keepingOf, leftBehind } from "./keeping";
-import { LatestOnly } from "./latest";
+import { keepingOf, keepsNothing, leftBehind, type ReadingKeeping } from "./keeping";
 import {
   OPTIONAL_LEVELS,
   marksOf,
@@ -10,9 +10,11 @@ import {
   nextMark,
   placeOf,
   placing,
+  remaining,
   sameMark,
   withEvents,
   wordsOf,
+  wordsOfEvent,
   type Event,
   type Mark,
   type ReadingView,
@@ -27,18 +29,42 @@ type LiveView = Api<"LiveView">;
 export interface Lost {
   readonly events: readonly Event[];
   readonly why: "conflict" | "left_behind";
+  /** When windows that left events behind did so. */
+  readonly since_ms?: number;
+  /** Whether such a window may still be open. */
+  readonly mayBeOpen?: boolean;
   readonly forget: () => void;
+}
+
+/** What went wrong with a change, and why. */
+export interface Trouble {
+  readonly what: string;
+  readonly error: unknown;
+}
+
+/** An axis that follows a hand: the program turns it, so that its angle comes with an answer. */
+interface Turning {
+  readonly level: string;
+  readonly towards: FilmPoint;
 }
 
 interface PreviewWish {
   readonly events: readonly Event[];
-  readonly turn?: { level: string; towards: FilmPoint };
+  readonly turn?: Turning;
   /** When the hand moved. */
   readonly at: number;
 }
 
 /** Chosen in place of a level. */
 export const CRESTS = Symbol("iliac crests");
+
+/** A request of a drag older than this gives way to a newer one; a younger one is let finish, or a fast hand would see nothing. */
+const PATIENCE_MS = 250;
+/** How often, and how far apart, it is asked what just closed windows left. */
+const AGAIN_TIMES = 5;
+const AGAIN_MS = 800;
+/** How long a dropped axis waits for its angle. */
+const TURN_MS = 5_000;
 
 /** Places are kept to a thousandth of a pixel. */
 const rounded = (px: number): number => Math.round(px * 1_000) / 1_000;
@@ -58,8 +84,8 @@ export class Marking {
   saving = $state.raw<SaveState>({ kind: "saved" });
   selected = $state.raw<Mark | null>(null);
   lost = $state.raw<Lost | null>(null);
-  /** What the program did not take. */
-  refusal = $state.raw<Refusal | null>(null);
+  /** What was not recorded, or not read. */
+  trouble = $state.raw<Trouble | null>(null);
   /** To be read aloud. */
   said = $state("");
 
@@ -72,38 +98,44 @@ export class Marking {
   readonly target = $derived(this.#findTarget());
   readonly dragging = $derived(this.#draft.length > 0);
 
+  /** Where the axis that is dragged was pulled to last, and whether its angle there is known. */
+  #turning: (Turning & { isAnswered: boolean }) | null = null;
+  #isClosed = false;
   readonly #outbox: Outbox;
-  readonly #previews: LatestOnly<PreviewWish, Preview>;
-  readonly #lives: LatestOnly<null, LiveView>;
+  readonly #keeping: ReadingKeeping;
+  readonly #tab: string;
+  readonly #previews: Latest<PreviewWish, Preview>;
+  readonly #lives: Latest<null, LiveView>;
   readonly #blinded: boolean;
 
   constructor(reading: ReadingView, tab: string) {
     this.#recorded = reading;
     this.#blinded = reading.code !== null && reading.code !== undefined;
     const path = `/api/readings/${reading.reading}`;
-    this.#previews = new LatestOnly(
-      ({ events, turn }, signal) => {
-        const turn_axis = turn ? { level: turn.level, towards_px: [...turn.towards] } : null;
-        return ask<Preview>("POST", `${path}/preview`, { json: { events, turn_axis }, signal });
-      },
+    this.#tab = tab;
+    this.#keeping = reading.mine ? keepingOf(reading, tab) : keepsNothing;
+    this.#previews = new Latest(
+      (wish, signal) => this.#askPreview(wish, signal),
       (preview, wish) => this.#previewed(preview, wish),
+      { patienceMs: PATIENCE_MS },
     );
-    this.#lives = new LatestOnly(
+    this.#lives = new Latest(
       (_, signal) => ask<LiveView>("GET", `${path}/live`, { signal }),
       (live) => (this.#live = live),
+      { patienceMs: PATIENCE_MS },
     );
     this.#outbox = new Outbox({
       revision: reading.revision,
       send: (events, expected_revision) =>
         ask("POST", `${path}/events`, { json: { expected_revision, events } }),
-      keeping: reading.mine ? keepingOf(reading, tab) : { load: () => [], save: () => undefined },
+      keeping: this.#keeping,
       saved: (answer) => this.#use(answer),
-      conflict: (events, answer) => {
-        this.lost = { events, why: "conflict", forget: () => undefined };
+      conflict: (_, answer) => {
         this.#use(answer);
+        void this.#showLost();
       },
-      refused: (_, why) => {
-        this.refusal = why;
+      refused: (events, error) => {
+        this.trouble = { what: `Not recorded: ${events.map(wordsOfEvent).join("; ")}`, error };
         void this.reload();
       },
       changed: () => this.#outboxChanged(),
@@ -111,7 +143,7 @@ export class Marking {
     this.#pending = this.#outbox.pending;
     this.saving = this.#outbox.state;
     this.#refreshLive();
-    if (reading.mine && !reading.finished) void this.#offerLeftBehind();
+    if (reading.mine) void this.#showLost();
   }
 
   /** Number of events that the program has, and those on their way. */
@@ -140,23 +172,31 @@ export class Marking {
   drag(mark: Mark, to: FilmPoint): void {
     this.selected = mark;
     if (mark.kind === "axis") {
-      this.#wish({ events: this.#pending, turn: { level: mark.level, towards: to } });
+      this.#turning = { level: mark.level, towards: to, isAnswered: false };
+      this.#wish({ events: this.#pending, turn: this.#turning });
       return;
     }
+    this.#turning = null;
     this.#draft = this.#placingAt(mark, round(to));
     this.#wish({ events: [...this.#pending, ...this.#draft] });
   }
 
   /** Records what was dragged. */
   drop(): void {
-    const draft = this.#draft;
+    const [draft, turning] = [this.#draft, this.#turning];
+    this.#turning = null;
     this.#previews.cancel();
+    if (turning && !turning.isAnswered) {
+      void this.#dropTurn(turning, draft);
+      return;
+    }
     this.#draft = [];
     if (draft.length === 0) return;
     this.#record(draft);
   }
 
   abandonDrag(): void {
+    this.#turning = null;
     this.#previews.cancel();
     this.#draft = [];
     this.#preview = null;
@@ -257,9 +297,15 @@ export class Marking {
   }
 
   async reload(): Promise<void> {
-    const reading = await ask<ReadingView>("GET", `/api/readings/${this.#recorded.reading}`);
-    this.#use(reading);
-    this.#outbox.rebase(reading.revision);
+    try {
+      const reading = await ask<ReadingView>("GET", `/api/readings/${this.#recorded.reading}`);
+      this.#use(reading);
+      this.#outbox.rebase(reading.revision);
+    } catch (error) {
+      // Where the program is away, the shell says so, and the reading is read again after it.
+      if (error instanceof Refusal)
+        this.trouble ??= { what: "The reading could not be read", error };
+    }
   }
 
   async finish(): Promise<void> {
@@ -271,13 +317,15 @@ export class Marking {
   /** Records again what was lost, upon the reading as it stands. */
   applyLost(): void {
     const lost = this.lost;
+    if (!lost || !this.changeable) return;
+    for (const event of remaining(lost.events)) this.#record([fresh(this.reading, event)]);
     this.forgetLost();
-    if (lost) for (const event of lost.events) this.#record([fresh(this.reading, event)]);
   }
 
   forgetLost(): void {
     this.lost?.forget();
     this.lost = null;
+    void this.#showLost();
   }
 
   retry(): void {
@@ -285,6 +333,7 @@ export class Marking {
   }
 
   close(): void {
+    this.#isClosed = true;
     this.#previews.cancel();
     this.#lives.cancel();
     this.#outbox.close();
@@ -292,11 +341,14 @@ export class Marking {
 
   #record(events: Event[]): void {
     if (!this.changeable) return;
-    this.refusal = null;
+    this.trouble = null;
     this.#outbox.push(events);
   }
 
   #use(reading: ReadingView): void {
+    // An answer that was overtaken by a newer one.
+    const isOlder = reading.revision < this.#outbox.known;
+    if (isOlder || (this.#recorded.finished && !reading.finished)) return;
     this.#recorded = reading;
     if (this.#outbox.pending.length === 0 && this.#preview) {
       // What was drawn last stays until the program's answer replaces it.
@@ -312,21 +364,47 @@ export class Marking {
   }
 
   #refreshLive(): void {
-    if (!this.#blinded) this.#lives.want(null);
+    if (!this.#blinded) this.#lives.send(null);
   }
 
   #wish(wish: Omit<PreviewWish, "at">): void {
-    this.#previews.want({ ...wish, at: performance.now() });
+    this.#previews.send({ ...wish, at: performance.now() });
+  }
+
+  #askPreview({ events, turn }: Omit<PreviewWish, "at">, signal: AbortSignal): Promise<Preview> {
+    const path = `/api/readings/${this.#recorded.reading}/preview`;
+    const turn_axis = turn ? { level: turn.level, towards_px: [...turn.towards] } : null;
+    return ask("POST", path, { json: { events, turn_axis }, signal });
   }
 
   #previewed(preview: Preview, { turn, at }: PreviewWish): void {
     this.#preview = preview;
-    if (turn) {
-      const axis = preview.reading.vertebrae.find(({ level }) => level === turn.level)?.axis;
-      if (axis) this.#draft = [{ kind: "set_axis", level: turn.level, axis_deg: axis.axis_deg }];
+    const turned = turn && turnedIn(preview, turn.level);
+    if (turned) {
+      this.#draft = [turned];
+      if (this.#turning === turn) this.#turning = { ...this.#turning, isAnswered: true };
     }
     // What people feel: from the hand's move to what is drawn from it.
     requestAnimationFrame(() => performance.measure("drag-to-result", { start: at }));
+  }
+
+  /** Records the angle at the place where the hand let go, not the one that was answered last. */
+  async #dropTurn(turn: Turning, draft: readonly Event[]): Promise<void> {
+    const what = `${turn.level} – axis not turned`;
+    try {
+      const wish = { events: this.#pending, turn };
+      const preview = await this.#askPreview(wish, AbortSignal.timeout(TURN_MS));
+      const turned = turnedIn(preview, turn.level);
+      if (this.#draft === draft) this.#draft = [];
+      if (turned) {
+        this.#preview = preview;
+        this.#record([turned]);
+      } else this.trouble = { what, error: "its vertebra is no longer marked" };
+    } catch (error) {
+      // Another drag may have begun meanwhile.
+      if (this.#draft === draft && this.#turning === null) this.abandonDrag();
+      this.trouble = { what, error };
+    }
   }
 
   #moved(mark: Mark, by: FilmPoint): Event | null {
@@ -388,10 +466,26 @@ export class Marking {
     return chosen === CRESTS ? missingCrest(reading) : missingCorner(reading, chosen as string);
   }
 
-  async #offerLeftBehind(): Promise<void> {
-    const left = await leftBehind(this.#recorded);
-    if (left) this.lost = { ...left, why: "left_behind" };
+  /** First what this window has lost, then what others left behind. */
+  async #showLost(): Promise<void> {
+    const events = this.#keeping.lost();
+    if (events.length > 0) {
+      this.lost = { events, why: "conflict", forget: () => this.#keeping.decided() };
+      return;
+    }
+    let left = await leftBehind(this.#recorded, this.#tab);
+    // A window that closes keeps its name for a moment.
+    for (let i = 0; !left && i < AGAIN_TIMES && !this.#isClosed; i += 1) {
+      await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));
+      left = await leftBehind(this.#recorded, this.#tab);
+    }
+    if (left && this.lost === null) this.lost = { ...left, why: "left_behind" };
   }
+}
+
+function turnedIn(preview: Preview, level: string): Event | null {
+  const axis = preview.reading.vertebrae.find((vertebra) => vertebra.level === level)?.axis;
+  return axis ? { kind: "set_axis", level, axis_deg: axis.axis_deg } : null;
 }
 
 function round([column, row]: FilmPoint): FilmPoint {

@@ -2,7 +2,16 @@ import { expect, it } from "vitest";
 
 import { reading } from "./reading.fixture";
 import { markAt, proposedAt } from "./hit";
-import { marksOf, missingCorner, placeOf, placing, withEvents, wordsOfEvent } from "./marks";
+import {
+  marksOf,
+  missingCorner,
+  placeOf,
+  placing,
+  remaining,
+  withEvents,
+  wordsOfEvent,
+  type Event,
+} from "./marks";
 
 const VIEW = { scale: 1, aspect: 1, left: -0.5, top: -0.5 };
 
@@ -58,4 +67,17 @@ it("counts on from an axis that is not recorded yet", () => {
     { kind: "set_axis", level: "L4", axis_deg: 4.3 },
   ]);
   expect(turned.vertebrae[0]!.axis).toMatchObject({ axis_deg: 4.3, by_hand: true });
+});
+
+it("takes undos out of events together with what they undid, and leaves undos of earlier ones out", () => {
+  const note = (text: string): Event => ({ kind: "note", text });
+  const invert = (inverted: boolean): Event => ({ kind: "invert", inverted });
+  const [undo, redo]: Event[] = [{ kind: "undo" }, { kind: "redo" }];
+  expect(remaining([undo!, redo!])).toEqual([]);
+  expect(remaining([invert(true), note("a"), undo!, invert(false)])).toEqual([
+    note("a"),
+    invert(false),
+  ]);
+  expect(remaining([invert(true), undo!, redo!])).toEqual([invert(true)]);
+  expect(remaining([invert(true), undo!, invert(false), redo!])).toEqual([invert(false)]);
 });

@@ -158,6 +158,29 @@ function changed(
   return { ...reading, vertebrae: [...others, vertebra] };
 }
 
+/**
+ * What is left of events once their own undos are taken out of them. An undo of something earlier is left out too: on a reading
+ * that has gone on, it would undo another change than the one that was meant.
+ */
+export function remaining(events: readonly Event[]): Event[] {
+  const done: Event[] = [];
+  let undone: Event[] = [];
+  for (const event of events) {
+    if (event.kind === "undo") {
+      // Notes are never undone.
+      const last = done.findLastIndex(({ kind }) => kind !== "note");
+      if (last >= 0) undone.push(...done.splice(last, 1));
+    } else if (event.kind === "redo") {
+      const again = undone.pop();
+      if (again) done.push(again);
+    } else {
+      done.push(event);
+      if (event.kind !== "note") undone = [];
+    }
+  }
+  return done;
+}
+
 /** Events in words, for people who are asked what to do with them. */
 export function wordsOfEvent(event: Event): string {
   const at = (column: number, row: number): string =>

@@ -16,11 +16,17 @@ const at = (column_px: number): Event => ({
   row_px: 1,
 });
 
-function memory(): Keeping & { entries: Entry[] } {
+function memory(): Keeping & { entries: Entry[]; lost: Event[]; saves: number } {
   const kept = {
     entries: [] as Entry[],
+    lost: [] as Event[],
+    saves: 0,
     load: () => kept.entries,
-    save: (entries: readonly Entry[]) => void (kept.entries = [...entries]),
+    save: (entries: readonly Entry[]) => {
+      kept.entries = structuredClone([...entries]);
+      kept.saves += 1;
+    },
+    lose: (events: readonly Event[]) => void kept.lost.push(...events),
   };
   return kept;
 }
@@ -71,6 +77,11 @@ function outbox(program: Program, keeping: Keeping = memory()) {
   return { box, told };
 }
 
+function refusal(status: number, code: string): Refusal {
+  const problem = { code, message: `refused as ${code}`, help: null };
+  return new Refusal(status, problem, problem);
+}
+
 const settle = (ms = 0): Promise<unknown> => vi.advanceTimersByTimeAsync(ms);
 
 it("sends in order, one after the other, each upon the one before", async () => {
@@ -96,7 +107,7 @@ it("asks again until the program answers, and loses nothing", async () => {
   box.push([at(1)]);
   box.push([at(2)]);
   await settle();
-  expect(box.state).toEqual({ kind: "waiting", count: 2 });
+  expect(box.state).toEqual({ kind: "waiting", count: 2, why: null });
   expect(keeping.entries).toHaveLength(2);
   await settle(1_000);
   expect(program.events).toEqual([at(1), at(2)]);
@@ -134,12 +145,16 @@ it("sends after a reload what was left, with the revision it was made on", async
 
 it("hands back everything that stood on a change that lost", async () => {
   const program = new Program();
-  const { box, told } = outbox(program);
+  const keeping = memory();
+  const { box, told } = outbox(program, keeping);
   program.events.push(at(99));
   box.push([at(1)]);
   box.push([at(2)]);
   await settle();
   expect(told.lost).toEqual([at(1), at(2)]);
+  // Kept until somebody decides: the program has the first of them only.
+  expect(keeping.lost).toEqual([at(1), at(2)]);
+  expect(keeping.entries).toEqual([]);
   expect(program.events).toEqual([at(99)]);
   expect(box.state).toEqual({ kind: "saved" });
   // What is done now stands on what the others did.
@@ -150,8 +165,7 @@ it("hands back everything that stood on a change that lost", async () => {
 
 it("drops what the program does not take, and goes on with the rest", async () => {
   const program = new Program();
-  const problem = { code: "bad_event", message: "only a placed corner can be moved", help: null };
-  program.faults = [new Refusal(400, problem, problem)];
+  program.faults = [refusal(422, "refused")];
   const { box, told } = outbox(program);
   box.push([at(1), at(2)]);
   box.push([at(3)]);
@@ -162,8 +176,7 @@ it("drops what the program does not take, and goes on with the rest", async () =
 
 it("waits for whoever was signed out", async () => {
   const program = new Program();
-  const problem = { code: "not_signed_in", message: "sign in", help: null };
-  program.faults = [new Refusal(401, problem, problem)];
+  program.faults = [refusal(401, "not_signed_in")];
   const { box } = outbox(program);
   box.push([at(1)]);
   await settle(10_000);
@@ -205,5 +218,107 @@ it("does not change a nudge that is on its way", async () => {
   box.flush();
   box.push([at(2)], "nudge");
   await settle(1_000);
+  expect(program.events).toEqual([at(1), at(2)]);
+});
+
+it("leaves what it has for the next load once it is closed, whatever the program answers", async () => {
+  for (const fault of [undefined, "answer lost", refusal(422, "refused"), "others"] as const) {
+    const program = new Program();
+    const keeping = memory();
+    const { box, told } = outbox(program, keeping);
+    if (fault === "others") program.events.push(at(99));
+    else if (fault) program.faults = [fault];
+    box.push([at(1)]);
+    box.push([at(2)]);
+    box.close();
+    const { entries, saves } = structuredClone({ ...keeping, load: 0, save: 0, lose: 0 });
+    expect(entries.map(({ events }) => events)).toEqual([[at(1)], [at(2)]]);
+    await settle(5_000);
+    expect({ ...keeping }).toMatchObject({ entries, saves, lost: [] });
+    expect(told).toEqual({ saved: [], lost: [], refused: [] });
+    expect(program.asked).toHaveLength(1);
+  }
+});
+
+it("hands a nudge that rests to the next load", async () => {
+  const program = new Program();
+  const keeping = memory();
+  const before = outbox(program, keeping);
+  before.box.push([at(1)], "nudge");
+  before.box.close();
+  await settle(1_000);
+  expect(program.asked).toEqual([]);
+  outbox(program, keeping);
+  await settle();
+  expect(program.events).toEqual([at(1)]);
+});
+
+it("does not change a nudge whose answer was lost", async () => {
+  const program = new Program();
+  program.faults = ["answer lost"];
+  const keeping = memory();
+  const { box, told } = outbox(program, keeping);
+  box.push([at(1)], "nudge");
+  box.flush();
+  await settle();
+  expect(keeping.entries).toMatchObject([{ events: [at(1)], attempted: true }]);
+  box.push([at(2)], "nudge");
+  await settle(1_000);
+  expect(program.events).toEqual([at(1), at(2)]);
+  expect(told.lost).toEqual([]);
+});
+
+it.each([400, 403, 404, 409, 413, 415, 421])(
+  "holds everything at a refusal of %i",
+  async (status) => {
+    const program = new Program();
+    program.faults = [refusal(status, "held")];
+    const keeping = memory();
+    const { box, told } = outbox(program, keeping);
+    box.push([at(1)]);
+    box.push([at(2)]);
+    await settle(10_000);
+    expect(box.state).toEqual({ kind: "held", count: 2, why: "refused as held" });
+    expect(keeping.entries).toHaveLength(2);
+    expect(told.refused).toEqual([]);
+    box.retry();
+    await settle();
+    expect(program.events).toEqual([at(1), at(2)]);
+  },
+);
+
+it.each([408, 429, 500, 503])("asks again by itself after a refusal of %i", async (status) => {
+  const program = new Program();
+  program.faults = [refusal(status, "later")];
+  const { box } = outbox(program);
+  box.push([at(1)]);
+  await settle();
+  expect(box.state).toEqual({ kind: "waiting", count: 1, why: "refused as later" });
+  await settle(1_000);
+  expect(program.events).toEqual([at(1)]);
+});
+
+it("gives everything back that comes to a finished reading", async () => {
+  const program = new Program();
+  program.faults = [refusal(409, "finished")];
+  const keeping = memory();
+  const { box, told } = outbox(program, keeping);
+  box.push([at(1)]);
+  box.push([at(2)]);
+  await settle(1_000);
+  expect(told.refused).toEqual([at(1), at(2)]);
+  expect(keeping.entries).toEqual([]);
+  expect(program.asked).toHaveLength(1);
+});
+
+it("knows nothing older than what the program has told", async () => {
+  const program = new Program();
+  const { box } = outbox(program);
+  box.push([at(1)]);
+  await settle();
+  box.rebase(0);
+  expect(box.known).toBe(1);
+  box.push([at(2)]);
+  await settle();
   expect(program.events).toEqual([at(1), at(2)]);
 });

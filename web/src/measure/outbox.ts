@@ -11,20 +11,26 @@ export interface Entry {
   readonly expected: number;
   /** Entries in a row with the same word become one while nobody has sent them. */
   readonly coalesce?: string | undefined;
+  /** Sent at least once: the program may have it, so that it must not become another one. */
+  readonly attempted?: boolean | undefined;
 }
 
 /** How things stand between the screen and the disk. */
 export type SaveState =
   | { kind: "saved" }
   | { kind: "saving"; count: number }
-  /** The program does not answer, and is asked again and again. */
-  | { kind: "waiting"; count: number }
+  /** The program does not answer, or cannot right now, and is asked again and again. */
+  | { kind: "waiting"; count: number; why: string | null }
+  /** The program refuses for a reason that may pass; it is asked again when somebody wants it. */
+  | { kind: "held"; count: number; why: string }
   /** The program no longer knows this session. */
   | { kind: "signed_out"; count: number };
 
 export interface Keeping {
   load(): Entry[];
   save(entries: readonly Entry[]): void;
+  /** Keeps events that lost against others, beside earlier ones, until somebody decides about them. */
+  lose(events: readonly Event[]): void;
 }
 
 export interface OutboxOptions {
@@ -37,7 +43,7 @@ export interface OutboxOptions {
   saved(reading: ReadingView): void;
   /** Others were first: these events are not recorded, and here is how things stand. */
   conflict(lost: readonly Event[], reading: ReadingView): void;
-  /** The program does not take these events. */
+  /** The program will never take these events. */
   refused(lost: readonly Event[], why: Refusal): void;
   /** The state or the waiting events have changed. */
   changed(): void;
@@ -59,7 +65,8 @@ export class Outbox {
   #resting: ReturnType<typeof setTimeout> | null = null;
   #retrying: ReturnType<typeof setTimeout> | null = null;
   #failures = 0;
-  #signedOut = false;
+  #why: string | null = null;
+  #stopped: "signed_out" | "held" | null = null;
   #closed = false;
   #revision: number;
   readonly #options: OutboxOptions;
@@ -74,8 +81,10 @@ export class Outbox {
   get state(): SaveState {
     const count = this.#entries.length;
     if (count === 0) return { kind: "saved" };
-    if (this.#signedOut) return { kind: "signed_out", count };
-    return this.#failures > 0 ? { kind: "waiting", count } : { kind: "saving", count };
+    if (this.#stopped === "signed_out") return { kind: "signed_out", count };
+    if (this.#stopped === "held") return { kind: "held", count, why: this.#why ?? "" };
+    if (this.#failures > 0) return { kind: "waiting", count, why: this.#why };
+    return { kind: "saving", count };
   }
 
   /** Events that are not recorded yet, oldest first. */
@@ -89,11 +98,15 @@ export class Outbox {
     return last ? last.expected + last.events.length : this.#revision;
   }
 
+  /** The revision that the program has told of. */
+  get known(): number {
+    return this.#revision;
+  }
+
   push(events: readonly Event[], coalesce?: string): void {
     if (this.#closed || events.length === 0) return;
     const last = this.#entries.at(-1);
-    const unsent = this.#entries.length > (this.#sending ? 1 : 0);
-    if (last && unsent && coalesce !== undefined && last.coalesce === coalesce) {
+    if (last && !last.attempted && coalesce !== undefined && last.coalesce === coalesce) {
       this.#entries[this.#entries.length - 1] = { ...last, events };
     } else {
       this.#entries.push({ events, expected: this.revision, coalesce });
@@ -111,17 +124,21 @@ export class Outbox {
   /** Asks again without waiting. */
   retry(): void {
     this.#stopRetrying();
-    this.#signedOut = false;
+    this.#stopped = null;
     this.#pump(true);
   }
 
   /** The reading was loaded anew and nothing of ours is on its way. */
   rebase(revision: number): void {
-    if (this.#entries.length === 0) this.#revision = revision;
+    if (this.#entries.length === 0) this.#revision = Math.max(this.#revision, revision);
   }
 
-  /** No more is sent; what waits is kept. */
+  /** No more is sent, kept or told; what waits, or is on its way, is sent again after the next load. */
   close(): void {
+    if (this.#closed) return;
+    // A nudge that rests is whole now: the keys of another page do not go on with it.
+    this.#entries = this.#entries.map((entry) => ({ ...entry, coalesce: undefined }));
+    this.#options.keeping.save(this.#entries);
     this.#closed = true;
     this.#stopResting();
     this.#stopRetrying();
@@ -129,7 +146,7 @@ export class Outbox {
 
   #pump(now = false): void {
     const entry = this.#entries[0];
-    if (!entry || this.#sending || this.#closed || this.#retrying || this.#signedOut) return;
+    if (!entry || this.#sending || this.#closed || this.#retrying || this.#stopped) return;
     const isLast = this.#entries.length === 1;
     if (entry.coalesce !== undefined && isLast && !now) {
       this.#rest();
@@ -141,15 +158,22 @@ export class Outbox {
 
   async #send(entry: Entry): Promise<void> {
     this.#sending = true;
+    if (!entry.attempted) {
+      this.#entries[0] = { ...entry, attempted: true };
+      this.#options.keeping.save(this.#entries);
+    }
     try {
       const reading = await this.#options.send(entry.events, entry.expected);
+      if (this.#closed) return;
       this.#sending = false;
       this.#failures = 0;
-      this.#revision = reading.revision;
+      this.#revision = Math.max(this.#revision, reading.revision);
       this.#entries.shift();
       this.#keep();
-      if (!this.#closed) this.#options.saved(reading);
+      this.#options.saved(reading);
     } catch (error) {
+      // The next page's outbox has the entry from storage, and is told the same.
+      if (this.#closed) return;
       this.#sending = false;
       this.#failed(entry, error);
     }
@@ -157,25 +181,41 @@ export class Outbox {
   }
 
   #failed(entry: Entry, error: unknown): void {
-    if (!(error instanceof Refusal) || error.status >= 500 || error.status === 429) {
-      this.#wait();
-    } else if (error.status === 401 || error.status === 403) {
-      // Whoever signs in again, or gets their role back, goes on from here.
-      this.#signedOut = true;
-      this.#options.changed();
-    } else if (error.status === 409 && readingOf(error.body)) {
-      // What was made after the lost event was made on top of it.
-      const reading = readingOf(error.body)!;
+    if (!(error instanceof Refusal) || isPassing(error.status)) {
+      this.#wait(error instanceof Refusal ? error.message : null);
+      return;
+    }
+    const reading = error.status === 409 ? readingOf(error.body) : null;
+    if (reading) this.#lose(reading);
+    else if (error.status === 409 && error.problem.code === "finished") {
       const lost = this.pending;
       this.#entries = [];
       this.#failures = 0;
-      this.#revision = reading.revision;
       this.#keep();
-      this.#options.conflict(lost, reading);
-    } else {
+      this.#options.refused(lost, error);
+    } else if (error.status === 422) {
       this.#drop(entry);
       this.#options.refused(entry.events, error);
-    }
+    } else this.#hold(error);
+  }
+
+  /** What was made after the lost event was made on top of it. */
+  #lose(reading: ReadingView): void {
+    const lost = this.pending;
+    // First kept as lost, and only then no longer as waiting.
+    this.#options.keeping.lose(lost);
+    this.#entries = [];
+    this.#failures = 0;
+    this.#revision = reading.revision;
+    this.#keep();
+    this.#options.conflict(lost, reading);
+  }
+
+  /** Whoever signs in again, or gets their role back, goes on from here. */
+  #hold(error: Refusal): void {
+    this.#stopped = error.status === 401 ? "signed_out" : "held";
+    this.#why = error.message;
+    this.#options.changed();
   }
 
   /** Takes an entry out; those behind it were counted on it. */
@@ -187,12 +227,12 @@ export class Outbox {
     this.#keep();
   }
 
-  #wait(): void {
+  #wait(why: string | null): void {
+    this.#why = why;
     const delays = this.#options.retryMs ?? RETRY_MS;
     const delay = delays[Math.min(this.#failures, delays.length - 1)]!;
     this.#failures += 1;
     this.#options.changed();
-    if (this.#closed) return;
     this.#retrying = setTimeout(() => {
       this.#retrying = null;
       this.#pump(true);
@@ -223,7 +263,12 @@ export class Outbox {
   }
 }
 
+/** Whether the same request may be taken a moment later. */
+function isPassing(status: number): boolean {
+  return status >= 500 || status === 429 || status === 408;
+}
+
 function readingOf(body: unknown): ReadingView | null {
   if (typeof body !== "object" || body === null || !("reading" in body)) return null;
-  return body.reading as ReadingView;
+  return (body.reading as ReadingView | null | undefined) ?? null;
 }

@@ -111,7 +111,7 @@ export class StudyPage {
   /** The program was away. */
   async catchUp(): Promise<void> {
     this.marking?.retry();
-    await this.refresh();
+    await Promise.all([this.refresh(), this.marking?.reload()]);
   }
 
   close(): void {

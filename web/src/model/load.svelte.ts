@@ -1,6 +1,6 @@
 import { ask } from "../api/client";
+import { Latest } from "../api/latest";
 import type { Api } from "../api/types";
-import { Latest } from "./latest";
 import { at, type Point } from "./shapes";
 
 /** Name of the measures that the browser keeps of a drag, from the pointer's event to the picture of its answer. */
@@ -37,7 +37,13 @@ export class HandLoad {
         this.#since_ms = asked.since_ms;
         this.#speak();
       },
-      (error) => (this.problem = error),
+      {
+        failed: (error) => {
+          // The shape of an earlier load must not stand beside this one's arrow.
+          this.answer = null;
+          this.problem = error;
+        },
+      },
     );
     if (!view.bodies.some((body) => body.level === this.level)) {
       this.level = at(view.bodies, view.bodies.length - 1).level;
@@ -112,6 +118,7 @@ export class HandLoad {
   }
 
   #ask(since_ms: number): void {
+    this.problem = null;
     const request = { kind: this.kind(), level: this.level, tip_mm: [...this.tip] as Point };
     this.#latest.send({ request, since_ms });
   }

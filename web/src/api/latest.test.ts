@@ -1,9 +1,9 @@
 import { expect, it } from "vitest";
 
-import { Latest } from "./latest";
+import { Latest, type LatestOptions } from "./latest";
 
 /** Answers when it is told to. */
-function desk() {
+function desk(options: LatestOptions = {}) {
   const asked: {
     request: string;
     signal: AbortSignal;
@@ -19,7 +19,7 @@ function desk() {
         signal.addEventListener("abort", () => reject(new DOMException("gone", "AbortError")));
       }),
     (answer, request) => answers.push(`${request}: ${answer}`),
-    (error) => failures.push(error),
+    { failed: (error) => failures.push(error), ...options },
   );
   return { asked, answers, failures, latest };
 }
@@ -65,4 +65,16 @@ it("tells of a failure and goes on with what waits", async () => {
   await settled();
   expect(failures).toHaveLength(1);
   expect(answers).toEqual(["2: b"]);
+});
+
+it("gives up a request that takes too long once there is a newer one", async () => {
+  const { asked, answers, failures, latest } = desk({ patienceMs: -1 });
+  latest.send("1");
+  latest.send("2");
+  expect(asked[0]?.signal.aborted).toBe(true);
+  await settled();
+  asked[1]?.answer("b");
+  await settled();
+  expect(answers).toEqual(["2: b"]);
+  expect(failures).toEqual([]);
 });

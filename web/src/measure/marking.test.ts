@@ -1,0 +1,210 @@
+import { afterEach, beforeEach, expect, it, vi } from "vitest";
+
+import { keepingOf } from "./keeping";
+import { Marking } from "./marking.svelte";
+import type { Event, ReadingView } from "./marks";
+import { reading } from "./reading.fixture";
+
+type Asked = { method: string; path: string; json: unknown };
+type Answer = { status: number; body: unknown };
+
+const asked: Asked[] = [];
+let answer: (asked: Asked) => Promise<Answer> | Answer;
+
+beforeEach(() => {
+  asked.length = 0;
+  const kept = new Map<string, string>();
+  const storage = new Proxy(
+    {
+      getItem: (key: string) => kept.get(key) ?? null,
+      setItem: (key: string, text: string) => void kept.set(key, text),
+      removeItem: (key: string) => void kept.delete(key),
+    },
+    {
+      ownKeys: () => [...kept.keys()],
+      getOwnPropertyDescriptor: () => ({ enumerable: true, configurable: true }),
+    },
+  );
+  vi.stubGlobal("localStorage", storage);
+  // As on a page without a certificate.
+  vi.stubGlobal("navigator", {});
+  vi.stubGlobal("requestAnimationFrame", () => 0);
+  vi.stubGlobal("fetch", async (path: string, { method, body }: RequestInit) => {
+    const one = { method: method ?? "GET", path, json: body ? JSON.parse(body as string) : null };
+    asked.push(one);
+    const { status, body: text } = path.endsWith("/live")
+      ? { status: 403, body: null }
+      : await answer(one);
+    return new Response(JSON.stringify(text), { status });
+  });
+  vi.useFakeTimers();
+});
+
+afterEach(() => {
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+});
+
+const settle = (ms = 10): Promise<unknown> => vi.advanceTimersByTimeAsync(ms);
+
+const crest = (column_px: number): Event => ({
+  kind: "place_iliac_crest",
+  side: "left",
+  column_px,
+  row_px: 1,
+});
+
+const sent = (): Event[] =>
+  asked
+    .filter(({ path }) => path.endsWith("/events"))
+    .flatMap(({ json }) => (json as { events: Event[] }).events);
+
+/** A program that takes everything. */
+function taking(start = 0): (one: Asked) => Answer {
+  let revision = start;
+  return ({ path, json }) => {
+    if (path.endsWith("/events")) revision += (json as { events: Event[] }).events.length;
+    return { status: 200, body: { ...reading(), revision } };
+  };
+}
+
+function conflict(now: Partial<ReadingView>): Answer {
+  const problem = { code: "conflict", message: "changed meanwhile", help: null };
+  return { status: 409, body: { problem, reading: { ...reading(), revision: 5, ...now } } };
+}
+
+/** A reading with one vertebra whose axis stands at an angle. */
+function turned(axis_deg: number): ReadingView {
+  const axis = { axis_deg, by_hand: true, from_px: [0, 0], to_px: [0, 1] };
+  const vertebra = { level: "L4", corners: [], complete: true, midpoint_px: [0, 0], axis };
+  return { ...reading(), vertebrae: [vertebra as unknown as ReadingView["vertebrae"][number]] };
+}
+
+it("sends what an earlier page left, and does not stumble over it", async () => {
+  keepingOf(reading(), "me").save([{ events: [crest(1)], expected: 0 }]);
+  answer = taking();
+  const marking = new Marking(reading(), "me");
+  await settle();
+  expect(sent()).toEqual([crest(1)]);
+  expect(marking.saving).toEqual({ kind: "saved" });
+});
+
+it("shows what was lost again after a reload, until somebody decides", async () => {
+  keepingOf(reading(), "me").save([
+    { events: [crest(1), { kind: "undo" }, crest(2)], expected: 0 },
+  ]);
+  answer = () => conflict({});
+  const before = new Marking(reading(), "me");
+  await settle();
+  expect(before.lost?.events).toHaveLength(3);
+  before.close();
+
+  answer = taking(5);
+  const after = new Marking({ ...reading(), revision: 5 }, "me");
+  await settle();
+  expect(after.lost?.events).toHaveLength(3);
+  asked.length = 0;
+  after.applyLost();
+  await settle();
+  // The undo took back what was lost with it; alone, it would take back another's change.
+  expect(sent()).toEqual([crest(2)]);
+  expect(after.lost).toBeNull();
+  expect(keepingOf(reading(), "me").lost()).toEqual([]);
+});
+
+it("applies nothing to a finished reading, and keeps what was lost", async () => {
+  keepingOf(reading(), "me").save([{ events: [crest(1)], expected: 0 }]);
+  answer = () => conflict({ finished: true });
+  const marking = new Marking(reading(), "me");
+  await settle();
+  marking.applyLost();
+  expect(marking.lost?.events).toEqual([crest(1)]);
+  expect(keepingOf(reading(), "me").lost()).toEqual([crest(1)]);
+  marking.forgetLost();
+  expect(keepingOf(reading(), "me").lost()).toEqual([]);
+});
+
+it("offers what another window left, with its age, where it may still be open", async () => {
+  keepingOf(reading(), "other").save([{ events: [crest(1)], expected: 0 }]);
+  const since_ms = Date.now();
+  await settle(60_000);
+  answer = taking();
+  const marking = new Marking(reading(), "me");
+  await settle();
+  expect(marking.lost).toMatchObject({ events: [crest(1)], since_ms, mayBeOpen: true });
+  expect(sent()).toEqual([]);
+});
+
+it("says what the program will never take, and survives that it cannot be read again", async () => {
+  const problem = { code: "refused", message: "a place is within a million pixels", help: null };
+  answer = ({ method }) => ({ status: method === "POST" ? 422 : 404, body: problem });
+  const marking = new Marking(reading(), "me");
+  marking.note("one");
+  await settle();
+  expect(marking.trouble?.what).toBe("Not recorded: note: one");
+  expect(marking.saving).toEqual({ kind: "saved" });
+});
+
+it("ignores a reading that was overtaken by a newer one", async () => {
+  let late: (answer: Answer) => void = () => undefined;
+  const take = taking();
+  answer = (one) =>
+    one.method === "GET" ? new Promise<Answer>((resolve) => (late = resolve)) : take(one);
+  const marking = new Marking(reading(), "me");
+  const reloaded = marking.reload();
+  marking.note("one");
+  await settle();
+  late({ status: 200, body: { ...reading(), notes: ["old"] } });
+  await reloaded;
+  expect(marking.reading.notes).toEqual([]);
+  expect(marking.revision).toBe(1);
+});
+
+it("records an axis where the hand let go, not where the program answered last", async () => {
+  const angleOf = (json: unknown): number =>
+    (json as { turn_axis: { towards_px: number[] } }).turn_axis.towards_px[0]!;
+  const slow: (() => void)[] = [];
+  const take = taking();
+  answer = (one) => {
+    if (!one.path.endsWith("/preview")) return take(one);
+    const body = { reading: turned(angleOf(one.json)), live: null };
+    return new Promise((resolve) => slow.push(() => resolve({ status: 200, body })));
+  };
+  const marking = new Marking(turned(0), "me");
+  marking.drag({ kind: "axis", level: "L4" }, [10, 0]);
+  await settle();
+  slow.shift()!();
+  await settle();
+  marking.drag({ kind: "axis", level: "L4" }, [25, 0]);
+  marking.drop();
+  await settle();
+  expect(sent()).toEqual([]);
+  for (const now of slow) now();
+  await settle();
+  expect(sent()).toEqual([{ kind: "set_axis", level: "L4", axis_deg: 25 }]);
+});
+
+it("records no axis whose angle does not come, and says so", async () => {
+  answer = ({ path }) => {
+    if (path.endsWith("/preview")) throw new TypeError("no network");
+    return { status: 200, body: reading() };
+  };
+  const marking = new Marking(turned(0), "me");
+  marking.drag({ kind: "axis", level: "L4" }, [10, 0]);
+  marking.drop();
+  await settle();
+  expect(sent()).toEqual([]);
+  expect(marking.trouble?.what).toBe("L4 – axis not turned");
+  expect(marking.dragging).toBe(false);
+});
+
+it("offers what a window left that is closed by now", async () => {
+  vi.stubGlobal("navigator", {
+    locks: { query: async () => ({ held: [{ name: "spineline.unsaved.me" }] }) },
+  });
+  keepingOf(reading(), "other").save([{ events: [crest(1)], expected: 0 }]);
+  answer = taking();
+  const marking = new Marking(reading(), "me");
+  await settle();
+  expect(marking.lost).toMatchObject({ events: [crest(1)], mayBeOpen: false });
+});
