@@ -74,10 +74,10 @@ export class FilmPage {
   async lookAt(place: FilmPoint, scale: number): Promise<void> {
     await this.page.getByRole("button", { name: "Fit" }).click();
     while ((await this.view()).scale < scale) {
-      await this.page.mouse.move(...(await this.where(place)));
       const before = (await this.view()).scale;
-      // The browser now and then swallows the first turn after the pointer has moved.
+      // The picture may still be on its way to where the button put it, and a turn be swallowed with the pointer's move.
       await expect(async () => {
+        await this.page.mouse.move(...(await this.where(place)));
         await this.page.mouse.wheel(0, -200);
         await expect
           .poll(async () => (await this.view()).scale, { timeout: 1000 })
