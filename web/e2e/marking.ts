@@ -82,7 +82,7 @@ export class FilmPage {
         await expect
           .poll(async () => (await this.view()).scale, { timeout: 1000 })
           .toBeGreaterThan(before);
-      }).toPass();
+      }).toPass({ timeout: 20_000 });
     }
     // Into the middle, so that its neighbours are in sight too.
     const box = (await this.viewer.boundingBox())!;
