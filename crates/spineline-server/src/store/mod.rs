@@ -40,6 +40,7 @@ mod sessions;
 mod sight;
 mod standing;
 mod state;
+mod thumbnails;
 mod verify;
 
 #[cfg(test)]
@@ -59,6 +60,7 @@ pub use sessions::{Access, Session, SessionLimits};
 pub use sight::{LastChange, SeenReading, Sight};
 pub use standing::{Stand, StandingCase, StandingFilm};
 pub use state::{ReadingState, Scale, VertebraMarks};
+pub use thumbnails::Thumbnails;
 pub use verify::{Finding, Verification};
 
 use std::path::Path;
