@@ -103,6 +103,19 @@ export class FilmPage {
     }
   }
 
+  /** Marks L4, the first vertebra that is asked for, as a square in the middle of the film. */
+  async markSquare(image: Api<"ReadingImage">): Promise<void> {
+    const left = image.patient_left === "image_left" ? -1 : 1;
+    for (const corner of CORNERS) {
+      await expect(this.target).toContainText(wordsOf(corner));
+      const x = corner.endsWith("left") ? left : -left;
+      const y = corner.startsWith("superior") ? -1 : 1;
+      await this.click([image.columns / 2 + 150 * x, image.rows / 2 + 100 * y]);
+    }
+    await expect(this.target).toContainText("L3");
+    await this.saved();
+  }
+
   /** Takes hold of a place, and lets go of it at another one. */
   async drag(from: FilmPoint, to: FilmPoint): Promise<void> {
     await this.page.mouse.move(...(await this.where(from)));
