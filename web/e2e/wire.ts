@@ -59,3 +59,15 @@ export async function send<T = unknown>(
     [method, address, json, csrf] as const,
   );
 }
+
+/** Requests that go anywhere but to the program, and whatever carries its token, from now on. */
+export function requestsElsewhere(page: Page, address: string): string[] {
+  const elsewhere: string[] = [];
+  page.on("request", (request) => {
+    const url = new URL(request.url());
+    const isHere = url.origin === new URL(address).origin;
+    if (!isHere && !["data:", "blob:"].includes(url.protocol)) elsewhere.push(url.href);
+    if (url.href.includes("token=")) elsewhere.push("the token was sent with a request");
+  });
+  return elsewhere;
+}
