@@ -14,7 +14,8 @@ test("a corner that is dragged, and a program that is killed", async ({ app, pag
   const drags = await dragged(page, film);
   const returns = await killed(app, page, film);
   print([
-    spread("pointer move to findings, 15 vertebrae marked", drags),
+    spread("pointer move to findings, 15 vertebrae marked", drags.felt),
+    spread("of that, the program's answer to a preview", drags.answered),
     spread("program started again to its address", returns.ready),
     spread("program started again to a click saved", returns.saved),
   ]);
@@ -38,7 +39,11 @@ async function markAll(page: Page, film: FilmPage): Promise<void> {
 }
 
 /** Drags a corner to and fro, a move per 30 ms; the page itself measures up to the frame with the findings. */
-async function dragged(page: Page, film: FilmPage): Promise<number[]> {
+async function dragged(
+  page: Page,
+  film: FilmPage,
+): Promise<{ felt: number[]; answered: number[] }> {
+  await page.evaluate(() => performance.setResourceTimingBufferSize(2000));
   const [column, row] = cornerOf(await film.reading(), "T8", "superior_left");
   await page.mouse.move(...(await film.where([column, row])));
   await page.mouse.down();
@@ -48,9 +53,15 @@ async function dragged(page: Page, film: FilmPage): Promise<number[]> {
   }
   await page.mouse.up();
   await film.saved();
-  return page.evaluate(() =>
-    performance.getEntriesByName("drag-to-result").map(({ duration }) => duration),
-  );
+  return page.evaluate(() => {
+    const lasted = (entries: PerformanceEntryList): number[] =>
+      entries.map(({ duration }) => duration);
+    const asked = performance.getEntriesByType("resource");
+    return {
+      felt: lasted(performance.getEntriesByName("drag-to-result")),
+      answered: lasted(asked.filter(({ name }) => name.endsWith("/preview"))),
+    };
+  });
 }
 
 /** Kills the program under a click, starts it again, and waits for the click to be recorded. */
