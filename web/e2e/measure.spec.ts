@@ -88,6 +88,26 @@ for (const deviceScaleFactor of [1, 1.25, 2]) {
   });
 }
 
+test("the film stays as it was put while its study is read again", async ({ app, page }) => {
+  await app.open(page);
+  const film = await FilmPage.ofDemo(page);
+  const place = cornerOf(await film.truth(), "L4", "superior_left");
+  await film.lookAt(place, 0.6);
+  const view = await film.view();
+  const pixels: string[] = [];
+  page.on("request", (request) => {
+    if (request.url().endsWith("/pixels")) pixels.push(request.url());
+  });
+  // The rail hears of every mark, and asks how the study stands.
+  const again = page.waitForResponse((response) => /studies\/[^/]+$/.test(response.url()));
+  await film.click(place);
+  await film.saved();
+  await again;
+  await expect(page.getByRole("link", { name: /erect/i })).toContainText("0 of 15");
+  expect(await film.view()).toEqual(view);
+  expect(pixels).toEqual([]);
+});
+
 test("a reload in the middle keeps everything, and undo goes on behind it", async ({
   app,
   page,

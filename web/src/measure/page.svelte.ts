@@ -92,8 +92,12 @@ export class StudyPage {
     const film = this.film;
     if (!film) return;
     const json: Api<"FilmChange"> = { expected_revision: film.revision, edit };
-    await ask("POST", `/api/films/${film.film}/edits`, { json });
-    await Promise.all([this.refresh(), this.marking?.reload()]);
+    try {
+      await ask("POST", `/api/films/${film.film}/edits`, { json });
+    } finally {
+      // After a refusal the film stands otherwise than it is shown.
+      await Promise.all([this.refresh(), this.marking?.reload()]);
+    }
   }
 
   /** Somebody, perhaps this window, has changed something. */

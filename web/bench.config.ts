@@ -1,0 +1,12 @@
+import { defineConfig } from "@playwright/test";
+
+import base from "./playwright.config";
+
+/** Speeds are told, not tested: a slow machine makes no fault of them. */
+export default defineConfig(base, {
+  testDir: "e2e/bench",
+  testMatch: "*.bench.ts",
+  outputDir: "test-results/bench",
+  workers: 1,
+  timeout: 600_000,
+});
