@@ -68,7 +68,7 @@ pub fn detail(state: &AppState, store: &Store, user: &User, study: &Name) -> Ans
     let mut conflicts = Vec::new();
     if sight != Sight::Reader {
         for film in store.films(study)? {
-            conflicts.extend(readings::lost_of_film(store, film.id)?);
+            conflicts.extend(readings::lost_of_film(store, &film)?);
         }
     }
     if sight == Sight::Open {
