@@ -353,3 +353,26 @@ test("a bar says how long things on the film are, at every enlargement", async (
     await shot(page, `measure-scale-bar-${scale}`);
   }
 });
+
+test("marks are recorded where the browser keeps nothing, which is told once", async ({
+  app,
+  page,
+}) => {
+  await page.addInitScript(() => {
+    Storage.prototype.setItem = () => {
+      throw new DOMException("full", "QuotaExceededError");
+    };
+  });
+  await app.open(page);
+  const film = await FilmPage.ofDemo(page);
+  const truth = await film.truth();
+  await film.lookAt(cornerOf(truth, "L4", "superior_left"), 0.6);
+  await film.mark(truth, "L4");
+  await film.saved();
+  expect(farthest(await film.reading(), truth)).toBeLessThan(CLOSE_PX);
+  const told = page.getByText("This browser keeps nothing for this page");
+  await expect(told).toBeVisible();
+  await expectAccessible(page);
+  await page.getByRole("button", { name: "Seen" }).click();
+  await expect(told).toHaveCount(0);
+});
