@@ -70,6 +70,9 @@ export const postures = Object.keys(POSTURES) as Api<"PostureName">[];
 /** All statuses, in the order in which a study passes through them. */
 export const statuses = Object.keys(STATUSES) as Api<"StudyStatus">[];
 
+/** Lines of action in the order in which they are compared. */
+export const lineNames = Object.keys(LINES) as Api<"LineName">[];
+
 export const postureWord = (posture: Api<"PostureName">): string => POSTURES[posture];
 
 /** For under a thumbnail. */
