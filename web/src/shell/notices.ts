@@ -13,7 +13,7 @@ export interface LineNotices {
 /** The program begins what it says of a line with the line's name. */
 const startOf = (line: LineName): string => `${lineWord(line).toLowerCase()}: `;
 
-/** Notices under the line that they are about, whose name is taken off; those about none come first. */
+/** Notices under the line that they are about, whose name is taken off; those about none first, and mere notes last. */
 export function byLine(notices: readonly Notice[]): LineNotices[] {
   const groups: LineNotices[] = [null, ...lineNames].map((line) => ({ line, notices: [] }));
   for (const notice of notices) {
@@ -21,5 +21,9 @@ export function byLine(notices: readonly Notice[]): LineNotices[] {
     const text = line ? notice.text.slice(startOf(line).length) : notice.text;
     groups.find((group) => group.line === line)?.notices.push({ ...notice, text });
   }
-  return groups.filter((group) => group.notices.length > 0);
+  const isQuiet = (group: LineNotices): boolean =>
+    group.notices.every(({ severity }) => severity === "note");
+  return groups
+    .filter((group) => group.notices.length > 0)
+    .toSorted((a, b) => Number(isQuiet(a)) - Number(isQuiet(b)));
 }
