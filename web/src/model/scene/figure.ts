@@ -31,7 +31,6 @@ export interface Palette {
   measured: string;
   simulated: string;
   contradiction: string;
-  accent: string;
   force: string;
   quiet: string;
   line: string;
