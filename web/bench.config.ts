@@ -2,6 +2,9 @@ import { defineConfig } from "@playwright/test";
 
 import base from "./playwright.config";
 
+// What people use: the program as it is shipped.
+process.env.SPINELINE_PROGRAM ??= "../target/release/spineline";
+
 /** Speeds are told, not tested: a slow machine makes no fault of them. */
 export default defineConfig(base, {
   testDir: "e2e/bench",
