@@ -12,4 +12,6 @@ export default defineConfig(base, {
   outputDir: "test-results/bench",
   workers: 1,
   timeout: 600_000,
+  // A trace films the page, which costs more than what is measured.
+  use: { ...base.use, trace: "off" },
 });
