@@ -34,5 +34,5 @@ pub mod personalize;
 pub mod reliability;
 pub mod response;
 pub mod spatial;
-//UNC pub mod uncertainty;
+pub mod uncertainty;
 pub mod warning;

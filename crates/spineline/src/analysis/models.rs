@@ -173,14 +173,6 @@ fn depth_mm(analysis: &Analysis) -> f64 {
         / 2.0
 }
 
-/// The middle between the inflections of a posture, or of its spine: where an estimated line is described from.
-fn middle(posture: &PostureAnalysis) -> Frontal {
-    match posture.inflection_points {
-        Some([caudal, cranial]) => (caudal + cranial) * 0.5,
-        None => posture.outline.vertebrae[Level::MODEL.len() / 2].location,
-    }
-}
-
 /// Tests, film by film, whether the load that the rotations prefer runs through the inflections; answers with the loads of the
 /// bends.
 fn compare_lines(analysis: &mut Analysis) -> Option<EstimatedLoads> {
@@ -403,7 +395,7 @@ fn estimated_line(
             load.components.into()
         }
     };
-    line_of(&components, middle(posture)).map(|estimated| (estimated.line, estimated.force_n))
+    line_of(&components, posture.middle()).map(|estimated| (estimated.line, estimated.force_n))
 }
 
 fn contradicted(

@@ -177,8 +177,8 @@ impl Joint {
 
     /// Where the chord from here has the length of a link, sought from a guess; perhaps beyond T2.
     fn next(&self, curve: &Curve, guess_mm: f64, segment_mm: f64) -> Self {
-        /// What Newton's method leaves after a step of this size is its square, far below rounding.
-        const SMALL_MM: f64 = 1e-8;
+        /// What Newton's method leaves after a step of this size is of its square, times the curvature: below rounding.
+        const SMALL_MM: f64 = 3e-6;
         let mut next = Self::at(curve, guess_mm);
         // Newton on |p(t) - joint| = l; the chord is nearly straight, so that one or two steps meet rounding.
         for _ in 0..8 {

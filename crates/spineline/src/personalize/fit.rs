@@ -63,11 +63,19 @@ pub fn personalize(
     films: &[FitFilm<'_>],
     settings: &FitSettings<'_>,
 ) -> Personalization {
-    let measured: Vec<FilmEvidence> =
-        films.iter().map(|film| FilmEvidence::measure(model, library, erect, film.outline)).collect();
+    let measured: Vec<FilmEvidence> = films
+        .iter()
+        .map(|film| FilmEvidence::measure(model, library, erect, film.outline))
+        .collect();
     let evidence: Vec<(&FilmEvidence, Load)> =
         measured.iter().zip(films).map(|(evidence, film)| (evidence, film.load)).collect();
-    personalize_with(model, library, groups, films, &Known { evidence: &evidence, settings, estimate: None })
+    personalize_with(
+        model,
+        library,
+        groups,
+        films,
+        &Known { evidence: &evidence, settings, estimate: None },
+    )
 }
 
 /// What was found out about the films of a fit before it.

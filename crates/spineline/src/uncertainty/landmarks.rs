@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -165,9 +165,9 @@ fn move_mark(
     axis_sd: Option<Angle>,
     draw: &mut Draw,
 ) {
-    if let Some(axis) = &mut mark.axis_clockwise {
+    if let Some(axis) = mark.axis_clockwise {
         let sd = axis_sd.unwrap_or_else(|| equivalent_axis_sd(mark, image, sd_px));
-        *axis = *axis + sd * draw.normal();
+        mark.axis_clockwise = Some(axis + sd * draw.normal());
     }
     let corners = &mut mark.corners;
     for corner in [
@@ -202,8 +202,8 @@ fn film_noise(
     noise: LandmarkNoise,
 ) -> Result<FilmNoise, UncertaintyError> {
     let posture = film.posture;
-    let (image, readings) = match (&film.marks, noise) {
-        (FilmMarks::Landmarks { image, readings, .. }, _) => (image, readings),
+    let image = match (&film.marks, noise) {
+        (FilmMarks::Landmarks { image, .. }, _) => image,
         (FilmMarks::Placements { .. }, LandmarkNoise::Pixels(_)) => {
             return Err(UncertaintyError::NoPicture { posture });
         }
@@ -220,17 +220,15 @@ fn film_noise(
             (NoiseSource::Given, [sd_px; 2], None)
         }
         LandmarkNoise::Measured => match pooled_corners(case, image.spacing.is_some()) {
-            Some(sd) => {
-                (NoiseSource::Readings, steps.map(|step| sd / step), pooled_axes(case))
-            }
+            Some(sd) => (NoiseSource::Readings, steps.map(|step| sd / step), pooled_axes(case)),
             None => {
                 // The crossing of a body's diagonals has half the deviation of a corner.
-                let sd = 2.0 * outline.noise.location_mm * outline.scale.pixels_per_mm.unwrap_or(1.0);
+                let sd =
+                    2.0 * outline.noise.location_mm * outline.scale.pixels_per_mm.unwrap_or(1.0);
                 (NoiseSource::Assumed, steps.map(|step| sd / step), Some(outline.noise.tilt))
             }
         },
     };
-    let _ = readings;
     let sd_mm = image.spacing.map(|_| [sd_px[0] * steps[0], sd_px[1] * steps[1]]);
     Ok(FilmNoise { posture, source, marks: MarkNoise::Corners { sd_px, sd_mm, axis_sd } })
 }
@@ -242,7 +240,7 @@ fn placement_noise(
     of_means: Noise,
 ) -> FilmNoise {
     let marked: usize = readings.iter().map(|reading| reading.vertebrae.len()).sum();
-    let levels: std::collections::BTreeSet<Level> =
+    let levels: BTreeSet<Level> =
         readings.iter().flat_map(|reading| reading.vertebrae.keys().copied()).collect();
     let per_value = if of_means.measured { marked as f64 / levels.len() as f64 } else { 1.0 };
     let root = per_value.sqrt();
