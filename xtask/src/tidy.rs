@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules of the core; each uses only those before it.
-const MODULES: [&str; 17] = [
+const MODULES: [&str; 18] = [
     "anatomy",
     "spatial",
     "warning",
@@ -21,6 +21,7 @@ const MODULES: [&str; 17] = [
     "evaluate",
     "error",
     "analysis",
+    "uncertainty",
     "cohort",
 ];
 
@@ -38,7 +39,8 @@ const IMPURE: [&str; 9] = [
 ];
 
 /// Crates on which the core may stand.
-const CORE_DEPENDENCIES: [&str; 5] = ["nalgebra", "rand", "rand_chacha", "statrs", "thiserror"];
+const CORE_DEPENDENCIES: [&str; 7] =
+    ["nalgebra", "rand", "rand_chacha", "rand_distr", "statrs", "tdigest", "thiserror"];
 
 /// A file that is longer holds more than one idea.
 const LONGEST_FILE: usize = 500;

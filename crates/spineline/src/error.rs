@@ -64,6 +64,22 @@ impl Error {
         }
     }
 
+    /// A stable name, as for counts of endings.
+    #[must_use]
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Self::Case(CaseError::NoErectFilm) => "no_erect_film",
+            Self::Case(CaseError::PostureTwice { .. }) => "posture_twice",
+            Self::Case(CaseError::BendsExchanged { .. }) => "bends_exchanged",
+            Self::Measure(error) => error.code(),
+            Self::Curve(CurveError::Order { .. }) => "curve_order",
+            Self::Curve(CurveError::Singular { .. }) => "curve_singular",
+            Self::Chain(ChainError::Window { .. }) => "segment_window",
+            Self::Chain(ChainError::TooShort { .. }) => "curve_too_short",
+            Self::Stiffness(_) => "stiffness",
+        }
+    }
+
     /// What the user can do about it.
     #[must_use]
     pub fn help(&self) -> &'static str {

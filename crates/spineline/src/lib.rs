@@ -11,7 +11,7 @@
 //! 7. [`personalize`]: → stiffness multipliers that reproduce the bends
 //! 8. [`evaluate`]: → errors on films that were fitted and, apart from them, on films that were not
 //!
-//! [`reliability`] asks how well the readings of step 1 repeat. [`response`] asks a personalised model what it would do under any loads.
+//! [`reliability`] asks how well the readings of step 1 repeat. [`uncertainty`] asks what their noise does to every result. [`response`] asks a personalised model what it would do under any loads.
 //!
 //! [`analysis::analyze`] does all eight steps. The library has no files, no clock, no printing and no hidden randomness.
 //!
@@ -34,4 +34,5 @@ pub mod personalize;
 pub mod reliability;
 pub mod response;
 pub mod spatial;
+pub mod uncertainty;
 pub mod warning;

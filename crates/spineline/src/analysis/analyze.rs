@@ -1,12 +1,12 @@
 use super::checks::{check_outlines, check_postures, warn_of_shifted_levels};
 use super::models::fit_models;
 use super::{AnalysisOptions, Case, LineModel};
-use crate::anatomy::Posture;
+use crate::anatomy::{Level, Posture};
 use crate::chain::{Chain, ChainPose};
 use crate::clinical::{ClinicalCurve, LenkeType, Regions, lenke_type, measure_curves};
 use crate::curve::{CurveFit, InflectionChoice, Inflections, find_inflections, fit_curve};
 use crate::error::Error;
-use crate::measure::{Film, FilmReadings, LengthScale, Outline, outline_of};
+use crate::measure::{Film, FilmReadings, LengthScale, Noise, Outline, outline_of};
 use crate::motion::{Estimate, Motion, least_windows, mean_least};
 use crate::multibody::SpineModel;
 use crate::personalize::estimate::LineComparison;
@@ -114,6 +114,15 @@ impl Analysis {
 /// # Errors
 /// [`Error`]: bad input only.
 pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error> {
+    analyze_with_noise(case, options, None)
+}
+
+/// As [`analyze`], with deviations of the films' measured values that are known from elsewhere, in the order of the postures.
+pub(crate) fn analyze_with_noise(
+    case: &Case,
+    options: &AnalysisOptions,
+    noise: Option<&[Noise]>,
+) -> Result<Analysis, Error> {
     let mut warnings = Warnings::default();
     // 1 measure
     check_postures(&case.films)?;
@@ -124,6 +133,9 @@ pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error
         let measured = FilmReadings::measure(film)?;
         outlines.push(outline_of(film, &measured.readings, &mut warnings)?);
         readings.push(measured);
+    }
+    for (outline, noise) in outlines.iter_mut().zip(noise.into_iter().flatten()) {
+        outline.noise = *noise;
     }
     for film in &films[1..] {
         warn_of_shifted_levels(films[0], film, &mut warnings);
@@ -280,6 +292,15 @@ fn add_mean_least(postures: &mut [PostureAnalysis], erect: &ChainPose) -> Option
 }
 
 impl PostureAnalysis {
+    /// The middle between the inflections of a posture, or of its spine: where a line is described from.
+    #[must_use]
+    pub fn middle(&self) -> Frontal {
+        match self.inflection_points {
+            Some([caudal, cranial]) => (caudal + cranial) * 0.5,
+            None => self.outline.vertebrae[Level::MODEL.len() / 2].location,
+        }
+    }
+
     /// Mean rotation of the segments from the erect posture.
     #[must_use]
     pub fn mean_rotation(&self) -> Option<Angle> {

@@ -8,6 +8,7 @@ mod options;
 mod verdict;
 mod words;
 
+pub(crate) use analyze::analyze_with_noise;
 pub use analyze::{Analysis, PostureAnalysis, analyze};
 pub use identification::{Identification, MultiplierVerdict};
 pub use models::LineModel;

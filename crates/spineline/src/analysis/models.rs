@@ -8,11 +8,13 @@ use crate::measure::SpacingPlane;
 use crate::multibody::{
     Deformed, ForceSign, JointGroups, Load, MatchStatus, Solution, Statics, StiffnessLibrary,
 };
-use crate::personalize::estimate::{components_of, estimate_load, line_of};
+use crate::personalize::estimate::{
+    EstimatedLoads, components_of, estimate_load, estimate_loads, line_of,
+};
 use crate::personalize::evidence::FilmEvidence;
 use crate::personalize::{
-    FitFilm, FitSettings, FitStatus, FitTarget, Gauge, Personalization, Start, StiffnessBound,
-    personalize,
+    FitFilm, FitSettings, FitStatus, FitTarget, Gauge, Known, Personalization, Start,
+    StiffnessBound, personalize_with,
 };
 use crate::spatial::Frontal;
 use crate::warning::{Step, Warnings};
@@ -141,7 +143,7 @@ pub(super) fn fit_models(analysis: &mut Analysis) {
         analysis.warnings = warnings;
         return;
     }
-    compare_lines(analysis);
+    let estimate = compare_lines(analysis);
     let bends = analysis.postures.iter().filter(|p| p.outline.posture.bend().is_some()).count();
     if bends == 0 {
         let text = "no bending film: stiffness cannot be personalised";
@@ -152,7 +154,7 @@ pub(super) fn fit_models(analysis: &mut Analysis) {
             kinds.push(LineKind::Given);
         }
         for kind in kinds {
-            if let Some(model) = fit_model(analysis, kind, &mut warnings) {
+            if let Some(model) = fit_model(analysis, kind, estimate.as_ref(), &mut warnings) {
                 analysis.models.push(model);
             }
         }
@@ -171,16 +173,9 @@ fn depth_mm(analysis: &Analysis) -> f64 {
         / 2.0
 }
 
-/// The middle between the inflections of a posture, or of its spine: where an estimated line is described from.
-fn middle(posture: &PostureAnalysis) -> Frontal {
-    match posture.inflection_points {
-        Some([caudal, cranial]) => (caudal + cranial) * 0.5,
-        None => posture.outline.vertebrae[Level::MODEL.len() / 2].location,
-    }
-}
-
-/// Tests, film by film, whether the load that the rotations prefer runs through the inflections.
-fn compare_lines(analysis: &mut Analysis) {
+/// Tests, film by film, whether the load that the rotations prefer runs through the inflections; answers with the loads of the
+/// bends.
+fn compare_lines(analysis: &mut Analysis) -> Option<EstimatedLoads> {
     let depth_mm = depth_mm(analysis);
     let groups = JointGroups::regional(&analysis.regions);
     let bends: Vec<&FilmEvidence> = analysis
@@ -190,19 +185,19 @@ fn compare_lines(analysis: &mut Analysis) {
         .filter_map(|p| p.evidence.as_ref())
         .collect();
     if bends.is_empty() {
-        return;
+        return None;
     }
-    let (_, log_multipliers) =
-        crate::personalize::estimate::estimate_loads(&bends, depth_mm, &groups);
+    let estimate = estimate_loads(&bends, depth_mm, &groups);
     for posture in &mut analysis.postures {
         let Some((evidence, points)) = posture.evidence.as_ref().zip(posture.inflection_points)
         else {
             continue;
         };
         let responses = evidence.responses(&Load::Frontal { depth_mm });
-        let load = estimate_load(evidence, &responses, &groups, &log_multipliers);
+        let load = estimate_load(evidence, &responses, &groups, &estimate.log_multipliers);
         posture.line_comparison = load.compare(points);
     }
+    Some(estimate)
 }
 
 /// The line of a posture where geometry alone gives it; `None` for a line that must be estimated.
@@ -239,17 +234,15 @@ fn geometric_line(
     }
 }
 
-fn fit_model(analysis: &Analysis, kind: LineKind, warnings: &mut Warnings) -> Option<LineModel> {
-    let options = &analysis.options;
-    let depth_mm = depth_mm(analysis);
-    let (groups, target) = match options.grouping {
-        Grouping::Regional => (JointGroups::regional(&analysis.regions), options.target),
-        Grouping::PerJoint => (JointGroups::per_joint(), FitTarget::Shape),
-    };
-    let bends: Vec<(&PostureAnalysis, Load)> = analysis
-        .postures
-        .iter()
-        .filter(|p| p.outline.posture.bend().is_some())
+/// The bending films that have such a line, with the load along it.
+fn bending_loads<'a>(
+    analysis: &'a Analysis,
+    kind: LineKind,
+    depth_mm: f64,
+    warnings: &mut Warnings,
+) -> Vec<(&'a PostureAnalysis, Load)> {
+    let bends = analysis.postures.iter().filter(|p| p.outline.posture.bend().is_some());
+    bends
         .filter_map(|p| {
             let load = match kind {
                 LineKind::Estimated => Load::Frontal { depth_mm },
@@ -257,7 +250,22 @@ fn fit_model(analysis: &Analysis, kind: LineKind, warnings: &mut Warnings) -> Op
             };
             Some((p, load))
         })
-        .collect();
+        .collect()
+}
+
+fn fit_model(
+    analysis: &Analysis,
+    kind: LineKind,
+    estimate: Option<&EstimatedLoads>,
+    warnings: &mut Warnings,
+) -> Option<LineModel> {
+    let options = &analysis.options;
+    let depth_mm = depth_mm(analysis);
+    let (groups, target) = match options.grouping {
+        Grouping::Regional => (JointGroups::regional(&analysis.regions), options.target),
+        Grouping::PerJoint => (JointGroups::per_joint(), FitTarget::Shape),
+    };
+    let bends = bending_loads(analysis, kind, depth_mm, warnings);
     if bends.is_empty() {
         warnings.push(Step::Action, "no_line", format!("{kind}: no bending film has such a line"));
         return None;
@@ -275,8 +283,12 @@ fn fit_model(analysis: &Analysis, kind: LineKind, warnings: &mut Warnings) -> Op
         support: options.support,
         hints: &hints,
     };
-    let erect = &analysis.erect().outline;
-    let fit = personalize(&analysis.spine, &options.library, &groups, erect, &films, &settings);
+    let evidence: Vec<(&FilmEvidence, Load)> =
+        bends.iter().filter_map(|(p, load)| Some((p.evidence.as_ref()?, *load))).collect();
+    // It was made for regional groups.
+    let estimate = estimate.filter(|_| options.grouping == Grouping::Regional);
+    let known = Known { evidence: &evidence, settings: &settings, estimate };
+    let fit = personalize_with(&analysis.spine, &options.library, &groups, &films, &known);
     let mut model = LineModel { kind, groups, fit, postures: Vec::new() };
     let logs = &model.fit.log_multipliers;
     let statics =
@@ -391,7 +403,7 @@ fn estimated_line(
             load.components.into()
         }
     };
-    line_of(&components, middle(posture)).map(|estimated| (estimated.line, estimated.force_n))
+    line_of(&components, posture.middle()).map(|estimated| (estimated.line, estimated.force_n))
 }
 
 fn contradicted(

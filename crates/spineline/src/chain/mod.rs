@@ -131,13 +131,20 @@ impl Chain {
     /// Lays the chain on a curve by marching equal chords from L4 upwards, as far as whole links reach.
     #[must_use]
     pub fn lay(&self, curve: &Curve) -> ChainPose {
-        let mut t_mm = vec![0.0];
-        let mut joints = vec![curve.point(0.0)];
+        let mut last = Joint::at(curve, 0.0);
+        let mut stride_mm = [self.segment_mm / last.tangent.norm_mm(); 3];
+        let (mut t_mm, mut joints) = (vec![last.t_mm], vec![last.point]);
         loop {
-            let (t, joint) = (t_mm[t_mm.len() - 1], joints[joints.len() - 1]);
-            let Some(next) = next_joint(curve, t, joint, self.segment_mm) else { break };
-            t_mm.push(next);
-            joints.push(curve.point(next));
+            // Strides change slowly from link to link, so that the last three tell the next.
+            let guess_mm = last.t_mm + 3.0 * (stride_mm[2] - stride_mm[1]) + stride_mm[0];
+            let next = last.next(curve, guess_mm, self.segment_mm);
+            if next.t_mm > curve.end_mm() {
+                break;
+            }
+            stride_mm = [stride_mm[1], stride_mm[2], next.t_mm - last.t_mm];
+            t_mm.push(next.t_mm);
+            joints.push(next.point);
+            last = next;
         }
         let mut lean_below = Angle::ZERO;
         let joint_angles = joints
@@ -155,20 +162,38 @@ impl Chain {
     }
 }
 
-/// Parameter at which the chord from `joint` has the length of a link; `None` beyond T2.
-fn next_joint(curve: &Curve, t_mm: f64, joint: Frontal, segment_mm: f64) -> Option<f64> {
-    let mut next = t_mm + segment_mm / curve.tangent(t_mm).norm_mm();
-    // Newton on |p(t) - joint| = l; the chord is nearly straight, so two or three steps meet rounding.
-    for _ in 0..8 {
-        let chord = curve.point(next) - joint;
-        let length = chord.norm_mm();
-        let step = (length - segment_mm) * length / chord.dot(curve.tangent(next));
-        next -= step;
-        if step.abs() < 1e-13 * curve.end_mm() {
-            break;
-        }
+/// A place on a curve where a link begins.
+struct Joint {
+    t_mm: f64,
+    point: Frontal,
+    tangent: Frontal,
+}
+
+impl Joint {
+    fn at(curve: &Curve, t_mm: f64) -> Self {
+        let (point, tangent) = curve.point_and_tangent(t_mm);
+        Self { t_mm, point, tangent }
     }
-    (next <= curve.end_mm()).then_some(next)
+
+    /// Where the chord from here has the length of a link, sought from a guess; perhaps beyond T2.
+    fn next(&self, curve: &Curve, guess_mm: f64, segment_mm: f64) -> Self {
+        /// What Newton's method leaves after a step of this size is of its square, times the curvature: below rounding.
+        const SMALL_MM: f64 = 3e-6;
+        let mut next = Self::at(curve, guess_mm);
+        // Newton on |p(t) - joint| = l; the chord is nearly straight, so that one or two steps meet rounding.
+        for _ in 0..8 {
+            let chord = next.point - self.point;
+            let length = chord.dot(chord).sqrt();
+            let step = (length - segment_mm) * length / chord.dot(next.tangent);
+            if step.abs() < SMALL_MM {
+                next.t_mm -= step;
+                next.point = next.point - next.tangent * step;
+                break;
+            }
+            next = Self::at(curve, next.t_mm - step);
+        }
+        next
+    }
 }
 
 impl ChainPose {

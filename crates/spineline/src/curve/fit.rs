@@ -1,4 +1,4 @@
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DMatrixView, DVector, Matrix3, Vector3};
 
 use super::series::{Series, for_each_basis};
 use super::{Curve, CurveForm, MIN_TURN, find_inflections};
@@ -102,22 +102,54 @@ fn fit_by_rule(
             Err(CurveError::Order { order })
         };
     }
-    let fits: Vec<CurveFit> =
-        ORDERS.map(|order| fit_order(outline, form, order)).collect::<Result<_, _>>()?;
     if rule == OrderRule::Paper {
+        let fits: Vec<CurveFit> =
+            ORDERS.map(|order| fit_order(outline, form, order)).collect::<Result<_, _>>()?;
         if let Some(fit) = least_residual_with_two_inflections(outline, &fits) {
             return Ok(fit.clone());
         }
         let text = "no order from 4 to 12 gives exactly two inflections; the order is chosen by leaving vertebrae out";
         warnings.film(Step::Curve, "no_order_with_two_inflections", outline.posture, text);
     }
-    Ok(best_left_out(&fits).clone())
+    fit_order(outline, form, best_left_out(&left_out_errors(outline, form)?))
 }
 
-fn best_left_out(fits: &[CurveFit]) -> &CurveFit {
-    let best = fits.iter().map(|fit| fit.left_out).fold(f64::INFINITY, f64::min);
+/// What every order leaves of vertebrae left out of its fit.
+///
+/// The basis of an order begins with that of the order below, so that one factorisation of the highest serves them all.
+fn left_out_errors(outline: &Outline, form: CurveForm) -> Result<Vec<(usize, f64)>, CurveError> {
+    if form == CurveForm::Parametric {
+        // Two coordinates stand side by side there, and the columns of an order are not the first ones of the next.
+        return ORDERS
+            .map(|order| fit_order(outline, form, order).map(|fit| (order, fit.left_out)))
+            .collect();
+    }
+    let t_mm = parameters_mm(outline, form);
+    let rows = graph_rows(outline, &t_mm, ORDERS.end() - 1);
+    let (q, r) = rows.matrix.clone().qr().unpack();
+    let mut residual = rows.target.clone();
+    let mut errors = Vec::new();
+    for order in 2..=*ORDERS.end() {
+        let column = q.column(order - 2);
+        if r[(order - 2, order - 2)] == 0.0 {
+            let order = order.max(*ORDERS.start());
+            return Err(CurveError::Singular { posture: outline.posture, order });
+        }
+        residual.axpy(-column.dot(&rows.target), &column, 1.0);
+        if ORDERS.contains(&order) {
+            let q = q.columns(0, order - 1);
+            errors.push((order, left_out_error(rows.block, &q, &residual)));
+        }
+    }
+    Ok(errors)
+}
+
+/// The order of the least error on vertebrae left out.
+fn best_left_out(errors: &[(usize, f64)]) -> usize {
+    let best = errors.iter().map(|(_, error)| *error).fold(f64::INFINITY, f64::min);
     // Differences below a thousandth of the noise are no evidence for a higher order.
-    fits.iter().find(|fit| fit.left_out <= 1.05 * best + 1e-3).expect("the best is one of them")
+    let good = errors.iter().find(|(_, error)| *error <= 1.05 * best + 1e-3);
+    good.expect("the best is one of them").0
 }
 
 fn least_residual_with_two_inflections<'a>(
@@ -162,7 +194,8 @@ fn fit_order(outline: &Outline, form: CurveForm, order: usize) -> Result<CurveFi
         },
         end_mm,
     };
-    let left_out = left_out_error(&rows, &q, &(&rows.target - &rows.matrix * &solution));
+    let residual = &rows.target - &rows.matrix * &solution;
+    let left_out = left_out_error(rows.block, &q.columns(0, q.ncols()), &residual);
     // L4 is met by construction and does not count.
     let mean_square = |squares: f64| (squares / (outline.vertebrae.len() - 1) as f64).sqrt();
     let (mut off_mm2, mut off_rad2) = (0.0, 0.0);
@@ -245,17 +278,23 @@ fn parametric_rows(outline: &Outline, t_mm: &[f64], terms: usize) -> Rows {
 ///
 /// T2 takes no part: without it the curve would have to reach beyond its data, which no use of it ever asks for, and
 /// which punishes high orders for what they do outside of the spine.
-fn left_out_error(rows: &Rows, q: &DMatrix<f64>, residual: &DVector<f64>) -> f64 {
-    let size = rows.block;
+fn left_out_error(size: usize, q: &DMatrixView<'_, f64>, residual: &DVector<f64>) -> f64 {
     let blocks = residual.len() / size - 1;
-    let total: f64 = (0..blocks)
-        .map(|block| {
-            let rows_of_q = q.rows(block * size, size);
-            let keep = DMatrix::identity(size, size) - rows_of_q * rows_of_q.transpose();
-            let own = residual.rows(block * size, size).into_owned();
-            // A vertebra that alone determines a coefficient cannot be predicted at all.
-            keep.lu().solve(&own).map_or(f64::INFINITY, |error| error.norm_squared())
-        })
-        .sum();
+    let squared_error = |block: usize| {
+        let first = block * size;
+        // Blocks of two rows are filled up with a row that says nothing.
+        let own = |rows: &dyn Fn(usize) -> f64| {
+            Vector3::from_fn(|i, _| if i < size { rows(first + i) } else { 0.0 })
+        };
+        let mut keep = Matrix3::identity();
+        for column in q.column_iter() {
+            let row = own(&|i| column[i]);
+            keep -= row * row.transpose();
+        }
+        // A vertebra that alone determines a coefficient cannot be predicted at all.
+        let error = keep.lu().solve(&own(&|i| residual[i]));
+        error.map_or(f64::INFINITY, |error| error.norm_squared())
+    };
+    let total: f64 = (0..blocks).map(squared_error).sum();
     (total / (blocks * size) as f64).sqrt()
 }

@@ -69,7 +69,15 @@ impl Curve {
     /// Derivative of the point by the parameter.
     #[must_use]
     pub fn tangent(&self, t_mm: f64) -> Frontal {
-        Frontal::new(self.y.jet(t_mm)[1], 1.0 + self.z.jet(t_mm)[1])
+        self.point_and_tangent(t_mm).1
+    }
+
+    /// Point and tangent together, for less than the two apart.
+    #[must_use]
+    pub fn point_and_tangent(&self, t_mm: f64) -> (Frontal, Frontal) {
+        let [y, dy] = self.y.value_and_slope(t_mm);
+        let [z, dz] = self.z.value_and_slope(t_mm);
+        (Frontal::new(y, t_mm + z), Frontal::new(dy, 1.0 + dz))
     }
 
     /// Lean of the tangent.

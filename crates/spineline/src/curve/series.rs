@@ -16,7 +16,17 @@ impl Series {
     }
 
     pub(super) fn value(&self, t_mm: f64) -> f64 {
-        self.jet(t_mm)[0]
+        self.value_and_slope(t_mm)[0]
+    }
+
+    /// Value and first derivative.
+    pub(super) fn value_and_slope(&self, t_mm: f64) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        for_each_basis(self.scale_mm, t_mm, self.coefficients.len(), |k, [value, slope, _]| {
+            sums[0] += self.coefficients[k] * value;
+            sums[1] += self.coefficients[k] * slope;
+        });
+        sums
     }
 
     /// Value, first and second derivative.
@@ -32,6 +42,7 @@ impl Series {
 }
 
 /// Calls `f` with the value and the first two derivatives of every basis function at `t`.
+#[inline(always)]
 pub(super) fn for_each_basis(
     scale_mm: f64,
     t_mm: f64,

@@ -193,6 +193,24 @@ pub enum MeasureError {
 }
 
 impl MeasureError {
+    /// A stable name, as for counts of endings.
+    #[must_use]
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Self::NoReading { .. } => "no_reading",
+            Self::DuplicateReading { .. } => "duplicate_reading",
+            Self::Spacing { .. } => "spacing",
+            Self::LevelMissing { .. } => "level_missing",
+            Self::NotFinite { .. } => "not_finite",
+            Self::OffImage { .. } => "off_image",
+            Self::Crests { .. } => "crests",
+            Self::Corners { .. } | Self::Lateral { .. } => "corners",
+            Self::FilmMirrored { .. } => "film_mirrored",
+            Self::OutOfOrder { .. } => "out_of_order",
+            Self::TiltTooLarge { .. } => "tilt_too_large",
+        }
+    }
+
     /// What the user can do about it.
     #[must_use]
     pub fn help(&self) -> &'static str {

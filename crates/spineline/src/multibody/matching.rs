@@ -98,6 +98,8 @@ const T2_STEP_MM: f64 = 4.0;
 pub(crate) const LARGEST_FORCE_PER_STIFFNESS: f64 = 1500.0 / 144_000.0;
 /// Distances of T2 that differ by less are equally good: about what a location's reading and the model's joints leave.
 const T2_TOLERANCE_MM: f64 = 1.0;
+/// T2's next place is guessed along the path no further than this.
+const LONGEST_GUESS_MM: f64 = 20.0;
 /// A path that needs more equilibria than this goes nowhere.
 const MOST_EVALUATIONS: u32 = 2000;
 
@@ -162,7 +164,7 @@ pub fn match_t2(
         least_mm.set(least_mm.get().min(gap.norm_mm()));
         let travel_mm = T2_STEP_MM.max(0.5 * (gap.norm_mm() - least_mm.get() - T2_TOLERANCE_MM));
         let step_n = turn_step(solution).min(travel_mm / rate.norm_mm().max(f64::MIN_POSITIVE));
-        Goal { value, rate: slope, residual: gap.norm_mm(), met, step_n }
+        Goal { value, rate: slope, exact: false, residual: gap.norm_mm(), met, step_n }
     });
     for &sign in signs {
         path.follow(sign, usize::MAX);
@@ -183,7 +185,7 @@ fn amplitude_goal(target: Angle) -> impl Fn(&Solution) -> Goal {
     move |solution| {
         let value = (solution.deformed.lean() - target).wrapped().rad();
         let (rate, met) = (solution.lean_rate(0), value.abs() < 1e-9);
-        Goal { value, rate, residual: value, met, step_n: turn_step(solution) }
+        Goal { value, rate, exact: true, residual: value, met, step_n: turn_step(solution) }
     }
 }
 
@@ -192,6 +194,8 @@ fn amplitude_goal(target: Angle) -> impl Fn(&Solution) -> Goal {
 struct Goal {
     value: f64,
     rate: f64,
+    /// Whether the derivative is complete.
+    exact: bool,
     residual: f64,
     met: bool,
     /// How far the force may grow before the next look.
@@ -200,7 +204,8 @@ struct Goal {
 
 impl Goal {
     fn sample(&self, force_n: f64) -> Sample {
-        Sample { at: force_n, value: self.value, rate: self.rate, met: self.met }
+        let Self { value, rate, exact, met, .. } = *self;
+        Sample { at: force_n, value, rate, exact, met }
     }
 }
 
@@ -244,6 +249,14 @@ impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
 
     fn at(&mut self, force_n: f64) -> Goal {
         self.evaluations += 1;
+        // Where T2 goes on to, as a start for a load that moves with it.
+        let top = self.statics.model().midpoints_mm.len() - 1;
+        if let [rates, ..] = &self.solution.midpoint_rates[..] {
+            let step_mm = rates[top] * (force_n - self.force_n);
+            if self.solution.converged && step_mm.norm() < LONGEST_GUESS_MM {
+                self.solution.deformed.midpoints_mm[top] += step_mm;
+            }
+        }
         self.force_n = force_n;
         self.statics.solve(self.load, &[force_n], &[Parameter::Load(0)], &mut self.solution);
         let goal = (self.goal)(&self.solution);

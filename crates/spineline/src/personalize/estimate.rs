@@ -20,6 +20,15 @@ pub struct EstimatedLoad {
     pub freedom: usize,
 }
 
+/// The loads of several films and the multipliers that they share.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EstimatedLoads {
+    /// One per film.
+    pub loads: Vec<EstimatedLoad>,
+    /// `ln α` of the lateral springs per group.
+    pub log_multipliers: Vec<f64>,
+}
+
 /// A line with the force along it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EstimatedLine {
@@ -56,7 +65,7 @@ pub fn estimate_loads(
     films: &[&FilmEvidence],
     depth_mm: f64,
     groups: &JointGroups,
-) -> (Vec<EstimatedLoad>, Vec<f64>) {
+) -> EstimatedLoads {
     const ROUNDS: u32 = 200;
     let mut log_multipliers = vec![0.0; groups.len()];
     let responses: Vec<Vec<[f64; 3]>> =
@@ -98,7 +107,7 @@ pub fn estimate_loads(
             break;
         }
     }
-    (loads, log_multipliers)
+    EstimatedLoads { loads, log_multipliers }
 }
 
 /// The load of one film for given multipliers: weighted linear least squares over its joints.
@@ -127,7 +136,7 @@ pub fn estimate_load(
     // Newtons and newton millimetres differ by hundreds; scaled columns keep the solve well conditioned.
     let scale = Vector3::from_fn(|i, _| 1.0 / f64::sqrt(normal[(i, i)]).max(f64::MIN_POSITIVE));
     let scaled = Matrix3::from_fn(|i, j| normal[(i, j)] * scale[i] * scale[j]);
-    let inverse = scaled.pseudo_inverse(1e-12).unwrap_or_else(|_| Matrix3::zeros());
+    let inverse = inverse_of(scaled);
     let inverse = Matrix3::from_fn(|i, j| inverse[(i, j)] * scale[i] * scale[j]);
     let components = inverse * right;
     let freedom = rows.len().saturating_sub(3).max(1);
@@ -136,6 +145,18 @@ pub fn estimate_load(
     // The scatter includes what the model cannot explain; it is never taken below the noise of the tilts.
     let variance = (scatter / freedom as f64).max(film.rotation_sd.rad().powi(2));
     EstimatedLoad { components, covariance: inverse * variance, freedom }
+}
+
+/// Inverse of a symmetric matrix with a diagonal of ones; of what it determines, where it does not determine all.
+fn inverse_of(scaled: Matrix3<f64>) -> Matrix3<f64> {
+    /// Below this pivot, digits are lost; a pseudo-inverse tells what is left.
+    const SAFE_PIVOT: f64 = 1e-3;
+    match scaled.cholesky() {
+        Some(factor) if factor.l_dirty().diagonal().iter().all(|pivot| *pivot > SAFE_PIVOT) => {
+            factor.inverse()
+        }
+        _ => scaled.pseudo_inverse(1e-12).unwrap_or_else(|_| Matrix3::zeros()),
+    }
 }
 
 impl LineComparison {

@@ -1,3 +1,4 @@
+use super::estimate::EstimatedLoads;
 use super::evidence::FilmEvidence;
 use super::levenberg_marquardt::{FitStatus, Minimum, minimize};
 use super::problem::Problem;
@@ -62,25 +63,56 @@ pub fn personalize(
     films: &[FitFilm<'_>],
     settings: &FitSettings<'_>,
 ) -> Personalization {
-    let mut problem = Problem::new(model, library, groups, films, settings);
-    let evidence: Vec<(FilmEvidence, Load)> = films
+    let measured: Vec<FilmEvidence> = films
         .iter()
-        .map(|film| (FilmEvidence::measure(model, library, erect, film.outline), film.load))
+        .map(|film| FilmEvidence::measure(model, library, erect, film.outline))
         .collect();
+    let evidence: Vec<(&FilmEvidence, Load)> =
+        measured.iter().zip(films).map(|(evidence, film)| (evidence, film.load)).collect();
+    personalize_with(
+        model,
+        library,
+        groups,
+        films,
+        &Known { evidence: &evidence, settings, estimate: None },
+    )
+}
+
+/// What was found out about the films of a fit before it.
+#[derive(Clone, Copy)]
+pub(crate) struct Known<'a> {
+    /// Of every film, with its load.
+    pub evidence: &'a [(&'a FilmEvidence, Load)],
+    pub settings: &'a FitSettings<'a>,
+    /// What [`estimate_loads`](super::estimate::estimate_loads) found for a free load of these films and groups.
+    pub estimate: Option<&'a EstimatedLoads>,
+}
+
+/// As [`personalize`], where the evidence of the films is known already.
+pub(crate) fn personalize_with(
+    model: &SpineModel,
+    library: &StiffnessLibrary,
+    groups: &JointGroups,
+    films: &[FitFilm<'_>],
+    known: &Known<'_>,
+) -> Personalization {
+    let Known { evidence, settings, .. } = *known;
+    let mut problem = Problem::new(model, library, groups, films, settings);
     let enough = satisfied_rms(problem.target());
     let mut best = Best::default();
-    let starts = problem.starts(&evidence);
+    let starts = problem.starts(known);
     // The likeliest start alone satisfies most films.
     if !starts.is_empty() {
         best.improve(&mut problem, &starts[0]);
     }
     if !best.satisfies(&problem, enough) {
-        best.improve_further(&mut problem, &starts, &evidence, enough);
+        best.improve_further(&mut problem, &starts, evidence, enough);
     }
     // Three angles per bend have more wrong minima than the whole shape: that fit is one more start.
     if problem.target() == FitTarget::Ferguson && !best.satisfies(&problem, enough) {
         let settings = FitSettings { target: FitTarget::Shape, ..*settings };
-        let shape = personalize(model, library, groups, erect, films, &settings);
+        let known = Known { settings: &settings, ..*known };
+        let shape = personalize_with(model, library, groups, films, &known);
         best.improve(
             &mut problem,
             &Start { log_multipliers: shape.log_multipliers, loads: shape.loads },
@@ -161,7 +193,7 @@ impl Best {
         &mut self,
         problem: &mut Problem<'_>,
         starts: &[Start],
-        evidence: &[(FilmEvidence, Load)],
+        evidence: &[(&FilmEvidence, Load)],
         enough: f64,
     ) {
         let mut priced = problem.priced(starts);

@@ -23,6 +23,7 @@ mod levenberg_marquardt;
 mod problem;
 mod start;
 
+pub(crate) use fit::{Known, personalize_with};
 pub use fit::{Personalization, StiffnessBound, personalize};
 pub use levenberg_marquardt::FitStatus;
 pub use start::Start;

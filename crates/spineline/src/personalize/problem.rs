@@ -2,8 +2,9 @@
 
 use nalgebra::DVector;
 
-use super::estimate::{estimate_load, estimate_loads};
+use super::estimate::{EstimatedLoads, estimate_load, estimate_loads};
 use super::evidence::FilmEvidence;
+use super::fit::Known;
 use super::levenberg_marquardt::{Minimum, System};
 use super::start::{Start, closed_form, majority_signs};
 use super::{FitFilm, FitSettings, FitTarget, Gauge, MULTIPLIER_BOUNDS};
@@ -155,13 +156,13 @@ impl<'a> Problem<'a> {
 
     /// Starts, the likeliest first: from the estimated loads, or in closed form for the majority's signs of force and then
     /// for every other combination; and the hints.
-    pub fn starts(&self, evidence: &[(FilmEvidence, Load)]) -> Vec<Start> {
-        if evidence.is_empty() {
+    pub fn starts(&self, known: &Known<'_>) -> Vec<Start> {
+        if known.evidence.is_empty() {
             return Vec::new();
         }
         let mut starts: Vec<Start> = match self.free_depth_mm() {
-            Some(depth_mm) => self.free_starts(evidence, depth_mm),
-            None => self.signed_starts(evidence),
+            Some(depth_mm) => self.free_starts(known, depth_mm),
+            None => self.signed_starts(known.evidence),
         };
         starts.extend_from_slice(self.settings.hints);
         starts
@@ -188,7 +189,7 @@ impl<'a> Problem<'a> {
     }
 
     /// The starts of a line load with the first forces that reach the amplitudes.
-    pub fn starts_at_amplitude(&self, evidence: &[(FilmEvidence, Load)]) -> Vec<Start> {
+    pub fn starts_at_amplitude(&self, evidence: &[(&FilmEvidence, Load)]) -> Vec<Start> {
         if evidence.is_empty() || self.free_depth_mm().is_some() {
             return Vec::new();
         }
@@ -212,9 +213,16 @@ impl<'a> Problem<'a> {
         })
     }
 
-    fn free_starts(&self, evidence: &[(FilmEvidence, Load)], depth_mm: f64) -> Vec<Start> {
-        let films: Vec<&FilmEvidence> = evidence.iter().map(|(film, _)| film).collect();
-        let (loads, log_multipliers) = estimate_loads(&films, depth_mm, self.groups);
+    fn free_starts(&self, known: &Known<'_>, depth_mm: f64) -> Vec<Start> {
+        let films: Vec<&FilmEvidence> = known.evidence.iter().map(|(film, _)| *film).collect();
+        let own;
+        let EstimatedLoads { loads, log_multipliers } = match known.estimate {
+            Some(estimate) => estimate,
+            None => {
+                own = estimate_loads(&films, depth_mm, self.groups);
+                &own
+            }
+        };
         let nominal = vec![0.0; self.groups.len()];
         let nominal_loads = films.iter().map(|film| {
             let responses = film.responses(&Load::Frontal { depth_mm });
@@ -222,12 +230,12 @@ impl<'a> Problem<'a> {
         });
         let loads = loads.iter().map(|load| load.components.as_slice().to_vec()).collect();
         vec![
-            Start { log_multipliers, loads },
+            Start { log_multipliers: log_multipliers.clone(), loads },
             Start { loads: nominal_loads.collect(), log_multipliers: nominal.clone() },
         ]
     }
 
-    fn signed_starts(&self, evidence: &[(FilmEvidence, Load)]) -> Vec<Start> {
+    fn signed_starts(&self, evidence: &[(&FilmEvidence, Load)]) -> Vec<Start> {
         let majority = majority_signs(evidence, self.groups);
         let mut starts = Vec::new();
         for flips in 0..1_u32 << evidence.len() {

@@ -22,7 +22,7 @@ pub struct Start {
 ///
 /// `signs` are the signs of the forces; see [`majority_signs`].
 pub(super) fn closed_form(
-    films: &[(FilmEvidence, Load)],
+    films: &[(&FilmEvidence, Load)],
     groups: &JointGroups,
     signs: &[f64],
 ) -> Start {
@@ -68,7 +68,7 @@ pub(super) fn closed_form(
 }
 
 /// The sign of every film's force that agrees with most of the measured work.
-pub(super) fn majority_signs(films: &[(FilmEvidence, Load)], groups: &JointGroups) -> Vec<f64> {
+pub(super) fn majority_signs(films: &[(&FilmEvidence, Load)], groups: &JointGroups) -> Vec<f64> {
     films
         .iter()
         .map(|(evidence, load)| {

@@ -263,7 +263,8 @@ impl<'w, 'b> Walk<'w, 'b> {
         match self.goal {
             Goal::FullLoad => {
                 let value = self.factors.varied() - 1.0;
-                Sample { at, value, rate: tangent.factor, met: value.abs() < 1e-15 }
+                let rate = tangent.factor;
+                Sample { at, value, rate, exact: true, met: value.abs() < 1e-15 }
             }
             Goal::Lean(target) => {
                 let top = self.newton.state.midpoints.len() - 1;
@@ -273,7 +274,7 @@ impl<'w, 'b> Walk<'w, 'b> {
                 let moves = Frontal::new(velocity.y, velocity.z);
                 let value = (place.lean() - target).wrapped().rad();
                 let rate = place.cross(moves) / place.dot(place);
-                Sample { at, value, rate, met: value.abs() < LEAN_MET_RAD }
+                Sample { at, value, rate, exact: true, met: value.abs() < LEAN_MET_RAD }
             }
         }
     }

@@ -90,6 +90,7 @@ impl Walk<'_, '_> {
             at,
             value: base.factor,
             rate: base.tangent.factor,
+            exact: true,
             met: false,
         };
         let (from, to) = (sample(0.0, base), sample(next.goal.at, next));

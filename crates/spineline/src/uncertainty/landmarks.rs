@@ -1,0 +1,321 @@
+use std::collections::{BTreeMap, BTreeSet};
+
+use rand_chacha::ChaCha12Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::UncertaintyError;
+use crate::analysis::{Analysis, Case};
+use crate::anatomy::{Level, Posture};
+use crate::measure::{Film, FilmMarks, ImageGeometry, Mark, Noise, Outline, Placement, Reading};
+use crate::spatial::{Angle, Frontal, Pixel};
+
+/// How rough one reading is taken to be.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum LandmarkNoise {
+    /// As rough as the case's own readings are among one another; where it was read once, as one careful reading
+    /// ([`Noise::ONE_READING`]).
+    #[default]
+    Measured,
+    /// Every coordinate of every corner has this standard deviation, in pixels of its film.
+    Pixels(f64),
+}
+
+/// Where the deviation of a reading comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoiseSource {
+    /// The spread of the case's readings of this film, or, for corners, of all its films.
+    Readings,
+    /// The assumption for one careful reading: nobody read twice.
+    Assumed,
+    /// The user.
+    Given,
+}
+
+impl NoiseSource {
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Readings => "readings",
+            Self::Assumed => "assumed",
+            Self::Given => "given",
+        }
+    }
+}
+
+/// Standard deviation of one reading of one film.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FilmNoise {
+    /// The film.
+    pub posture: Posture,
+    /// Where it comes from.
+    pub source: NoiseSource,
+    /// What is moved.
+    pub marks: MarkNoise,
+}
+
+/// Standard deviation of what a film's marks are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MarkNoise {
+    /// Corners and crests on a picture.
+    Corners {
+        /// Of a corner's column and of its row.
+        sd_px: [f64; 2],
+        /// The same in millimetres; `None` where the film has no spacing.
+        sd_mm: Option<[f64; 2]>,
+        /// Of an axis set by hand; `None` where it follows from the corners' deviation and the body's height.
+        axis_sd: Option<Angle>,
+    },
+    /// Locations and tilts of another program.
+    Placements {
+        /// Of a coordinate of a location.
+        location_sd_mm: f64,
+        /// Of a tilt.
+        tilt_sd: Angle,
+    },
+}
+
+/// A case whose marks can be moved at random, again and again.
+#[derive(Debug, Clone)]
+pub(super) struct NoisyCase {
+    case: Case,
+    pub films: Vec<FilmNoise>,
+    seed: u64,
+}
+
+impl NoisyCase {
+    /// Films, and the readings of each, in an order of their own: the numbers do not depend on that of the case.
+    pub fn new(
+        case: &Case,
+        nominal: &Analysis,
+        noise: LandmarkNoise,
+        seed: u64,
+    ) -> Result<Self, UncertaintyError> {
+        let mut case = case.clone();
+        case.films.sort_by_key(|film| film.posture);
+        for film in &mut case.films {
+            match &mut film.marks {
+                FilmMarks::Landmarks { readings, .. } => readings.sort_by(|a, b| a.id.cmp(&b.id)),
+                FilmMarks::Placements { readings, .. } => readings.sort_by(|a, b| a.id.cmp(&b.id)),
+            }
+        }
+        let films = case
+            .films
+            .iter()
+            .zip(&nominal.postures)
+            .map(|(film, posture)| film_noise(&case, film, &posture.outline, noise))
+            .collect::<Result<_, _>>()?;
+        Ok(Self { case, films, seed })
+    }
+
+    /// The case of one replicate: every replicate has a random stream of its own.
+    pub fn replicate(&self, index: u64) -> Case {
+        let mut rng = ChaCha12Rng::seed_from_u64(self.seed);
+        rng.set_stream(index);
+        let mut draw = Draw(rng);
+        let mut case = self.case.clone();
+        for (film, noise) in case.films.iter_mut().zip(&self.films) {
+            match (&mut film.marks, &noise.marks) {
+                (
+                    FilmMarks::Landmarks { image, iliac_crests, readings },
+                    MarkNoise::Corners { sd_px, axis_sd, .. },
+                ) => {
+                    for mark in readings.iter_mut().flat_map(|r| r.vertebrae.values_mut()) {
+                        move_mark(mark, image, *sd_px, *axis_sd, &mut draw);
+                    }
+                    for crest in iliac_crests.iter_mut().flat_map(|c| [&mut c.left, &mut c.right]) {
+                        *crest = draw.pixel(*crest, *sd_px);
+                    }
+                }
+                (
+                    FilmMarks::Placements { readings, .. },
+                    MarkNoise::Placements { location_sd_mm, tilt_sd },
+                ) => {
+                    for place in readings.iter_mut().flat_map(|r| r.vertebrae.values_mut()) {
+                        let off = Frontal::new(draw.normal(), draw.normal()) * *location_sd_mm;
+                        place.location = place.location + off;
+                        place.tilt = place.tilt + *tilt_sd * draw.normal();
+                    }
+                }
+                _ => unreachable!("the noise of a film is made from its marks"),
+            }
+        }
+        case
+    }
+}
+
+struct Draw(ChaCha12Rng);
+
+impl Draw {
+    fn normal(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.0)
+    }
+
+    fn pixel(&mut self, place: Pixel, [column_sd, row_sd]: [f64; 2]) -> Pixel {
+        let (column, row) = (self.normal(), self.normal());
+        Pixel::new(place.column_px + column_sd * column, place.row_px + row_sd * row)
+    }
+}
+
+fn move_mark(
+    mark: &mut Mark,
+    image: &ImageGeometry,
+    sd_px: [f64; 2],
+    axis_sd: Option<Angle>,
+    draw: &mut Draw,
+) {
+    if let Some(axis) = mark.axis_clockwise {
+        let sd = axis_sd.unwrap_or_else(|| equivalent_axis_sd(mark, image, sd_px));
+        mark.axis_clockwise = Some(axis + sd * draw.normal());
+    }
+    let corners = &mut mark.corners;
+    for corner in [
+        &mut corners.superior_left,
+        &mut corners.superior_right,
+        &mut corners.inferior_left,
+        &mut corners.inferior_right,
+    ] {
+        *corner = draw.pixel(*corner, sd_px);
+    }
+}
+
+/// What the corners' deviation would do to the lean of the line through the endplates' centres: each centre is the mean of
+/// two corners, so that their difference has the deviation of one corner.
+fn equivalent_axis_sd(mark: &Mark, image: &ImageGeometry, sd_px: [f64; 2]) -> Angle {
+    let corners = mark.corners.map(|corner| image.frontal(corner));
+    let axis = (corners.superior_left + corners.superior_right
+        - corners.inferior_left
+        - corners.inferior_right)
+        * 0.5;
+    let height = axis.norm_mm();
+    let steps = image.spacing.map_or([1.0, 1.0], |spacing| [spacing.column_mm, spacing.row_mm]);
+    // Across the axis, which lies as the body does.
+    let across = [sd_px[0] * steps[0] * axis.z_mm, sd_px[1] * steps[1] * axis.y_mm];
+    Angle::from_rad(across[0].hypot(across[1]) / (height * height))
+}
+
+fn film_noise(
+    case: &Case,
+    film: &Film,
+    outline: &Outline,
+    noise: LandmarkNoise,
+) -> Result<FilmNoise, UncertaintyError> {
+    let posture = film.posture;
+    let image = match (&film.marks, noise) {
+        (FilmMarks::Landmarks { image, .. }, _) => image,
+        (FilmMarks::Placements { .. }, LandmarkNoise::Pixels(_)) => {
+            return Err(UncertaintyError::NoPicture { posture });
+        }
+        (FilmMarks::Placements { readings, .. }, LandmarkNoise::Measured) => {
+            return Ok(placement_noise(posture, readings, outline.noise));
+        }
+    };
+    let steps = image.spacing.map_or([1.0, 1.0], |spacing| [spacing.column_mm, spacing.row_mm]);
+    let (source, sd_px, axis_sd) = match noise {
+        LandmarkNoise::Pixels(sd_px) => {
+            if !(sd_px.is_finite() && sd_px >= 0.0) {
+                return Err(UncertaintyError::Deviation { sd_px });
+            }
+            (NoiseSource::Given, [sd_px; 2], None)
+        }
+        LandmarkNoise::Measured => match pooled_corners(case, image.spacing.is_some()) {
+            Some(sd) => (NoiseSource::Readings, steps.map(|step| sd / step), pooled_axes(case)),
+            None => {
+                // The crossing of a body's diagonals has half the deviation of a corner.
+                let sd =
+                    2.0 * outline.noise.location_mm * outline.scale.pixels_per_mm.unwrap_or(1.0);
+                (NoiseSource::Assumed, steps.map(|step| sd / step), Some(outline.noise.tilt))
+            }
+        },
+    };
+    let sd_mm = image.spacing.map(|_| [sd_px[0] * steps[0], sd_px[1] * steps[1]]);
+    Ok(FilmNoise { posture, source, marks: MarkNoise::Corners { sd_px, sd_mm, axis_sd } })
+}
+
+/// A film's deviation is that of means over its readings; one reading has more.
+fn placement_noise(
+    posture: Posture,
+    readings: &[Reading<Placement>],
+    of_means: Noise,
+) -> FilmNoise {
+    let marked: usize = readings.iter().map(|reading| reading.vertebrae.len()).sum();
+    let levels: BTreeSet<Level> =
+        readings.iter().flat_map(|reading| reading.vertebrae.keys().copied()).collect();
+    let per_value = if of_means.measured { marked as f64 / levels.len() as f64 } else { 1.0 };
+    let root = per_value.sqrt();
+    FilmNoise {
+        posture,
+        source: if of_means.measured { NoiseSource::Readings } else { NoiseSource::Assumed },
+        marks: MarkNoise::Placements {
+            location_sd_mm: of_means.location_mm * root,
+            tilt_sd: of_means.tilt * root,
+        },
+    }
+}
+
+/// Deviation of a corner's coordinate between the readings of one film, pooled over films, vertebrae and corners; over films
+/// with a spacing in millimetres, over those without in pixels. `None` where nothing was read twice.
+fn pooled_corners(case: &Case, with_spacing: bool) -> Option<f64> {
+    let mut pool = Pool::default();
+    for film in &case.films {
+        let FilmMarks::Landmarks { image, readings, .. } = &film.marks else { continue };
+        if image.spacing.is_some() != with_spacing {
+            continue;
+        }
+        for marks in by_level(readings).values() {
+            for corner in 0..4 {
+                let places = marks.iter().map(|m| image.frontal(m.corners.points()[corner]));
+                let places: Vec<Frontal> = places.collect();
+                pool.add(places.iter().map(|place| place.y_mm));
+                pool.add(places.iter().map(|place| place.z_mm));
+            }
+        }
+    }
+    pool.sd()
+}
+
+/// The same of axes set by hand.
+fn pooled_axes(case: &Case) -> Option<Angle> {
+    let mut pool = Pool::default();
+    for film in &case.films {
+        let FilmMarks::Landmarks { readings, .. } = &film.marks else { continue };
+        for marks in by_level(readings).values() {
+            let axes: Vec<Angle> = marks.iter().filter_map(|mark| mark.axis_clockwise).collect();
+            // Against one of them, so that a film held upside down counts as any other.
+            pool.add(axes.iter().map(|axis| (*axis - axes[0]).wrapped().rad()));
+        }
+    }
+    pool.sd().map(Angle::from_rad)
+}
+
+fn by_level(readings: &[Reading<Mark>]) -> BTreeMap<Level, Vec<&Mark>> {
+    let mut marks: BTreeMap<Level, Vec<&Mark>> = BTreeMap::new();
+    for (&level, mark) in readings.iter().flat_map(|reading| &reading.vertebrae) {
+        marks.entry(level).or_default().push(mark);
+    }
+    marks
+}
+
+/// Squares about the means of groups, and their degrees of freedom.
+#[derive(Default)]
+struct Pool {
+    squares: f64,
+    freedom: usize,
+}
+
+impl Pool {
+    fn add(&mut self, group: impl ExactSizeIterator<Item = f64> + Clone) {
+        let n = group.len();
+        if n < 2 {
+            return;
+        }
+        let mean = group.clone().sum::<f64>() / n as f64;
+        self.squares += group.map(|value| (value - mean).powi(2)).sum::<f64>();
+        self.freedom += n - 1;
+    }
+
+    fn sd(&self) -> Option<f64> {
+        (self.freedom > 0).then(|| (self.squares / self.freedom as f64).sqrt())
+    }
+}

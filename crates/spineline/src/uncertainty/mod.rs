@@ -1,0 +1,159 @@
+//! The noise of landmarks through the whole pipeline: case → distribution of every number of its analysis.
+//!
+//! # Model
+//! A replicate is the case with every mark of every reading moved by independent normal noise of its own, analysed anew from
+//! the corners on. The mean of `n` readings so has the deviation of one over `√n`. What the case's own readings scatter is the
+//! default deviation ([`LandmarkNoise::Measured`]). The spread of a number over replicates is what that noise does to it.
+//!
+//! Three things are held at what the case itself gives: the deviations by which films are weighted ([`crate::measure::Noise`]:
+//! moved readings scatter twice, and would tell too large ones), the options, and a lateral film.
+//!
+//! # What it does not say
+//! Noise that all readers share, the scale of a film, the choice of levels and the model's own faults are not in it. Where a
+//! number is found by a choice (which inflections, which order, which force) its distribution may have several modes; the
+//! interval covers them all. Replicates scatter about the case as it was read, not about the truth.
+//!
+//! # Use
+//! ```
+//! use spineline::{analysis::analyze, uncertainty::{LandmarkNoise, MonteCarlo}};
+//! # let case = spineline_phantom::generate(0, spineline_phantom::Truth::Rod, &Default::default(), 1)?.case;
+//! let nominal = analyze(&case, &Default::default())?;
+//! let monte_carlo = MonteCarlo::new(&case, &nominal, LandmarkNoise::Measured, 1)?;
+//! let mut tally = monte_carlo.tally();
+//! for index in 0..3 {
+//!     // On any thread, in any order; but told in the order of the indices.
+//!     tally.add(&monte_carlo.replicate(index));
+//! }
+//! assert_eq!(tally.finish(3).done, 3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # References
+//! [efron-tibshirani-1993], chapter 6 (parametric bootstrap) and 13 (percentile intervals).
+
+mod distribution;
+mod landmarks;
+mod quantities;
+mod tally;
+mod words;
+
+pub use landmarks::{FilmNoise, LandmarkNoise, MarkNoise, NoiseSource};
+pub use quantities::{Absent, Quantity, QuantityUnit};
+pub use tally::{FailureCount, QuantitySpread, Spread, Tally, Uncertainty};
+
+use crate::action::LineKind;
+use crate::analysis::{Analysis, Case, analyze_with_noise};
+use crate::anatomy::Posture;
+use crate::measure::Noise;
+use crate::personalize::FitStatus;
+use landmarks::NoisyCase;
+
+/// Noise that cannot be laid on a case.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum UncertaintyError {
+    /// A deviation below zero, or none.
+    #[error("a noise of {sd_px} pixels is no deviation: it must be zero or more")]
+    Deviation {
+        /// What was given.
+        sd_px: f64,
+    },
+    /// Pixels of a film that has no picture.
+    #[error("{posture} film: it has locations and tilts, and no corners that pixels could move")]
+    NoPicture {
+        /// The film.
+        posture: Posture,
+    },
+}
+
+impl UncertaintyError {
+    /// What the user can do about it.
+    #[must_use]
+    pub const fn help(&self) -> &'static str {
+        match self {
+            Self::Deviation { .. } => "give a standard deviation in pixels, such as 3",
+            Self::NoPicture { .. } => "use the measured noise",
+        }
+    }
+}
+
+/// A case, its analysis, and the noise that is laid on it.
+#[derive(Debug, Clone)]
+pub struct MonteCarlo<'a> {
+    nominal: &'a Analysis,
+    noisy: NoisyCase,
+    /// Deviations of the case's films, in the order of the postures.
+    held: Vec<Noise>,
+    quantities: Vec<Quantity>,
+    seed: u64,
+}
+
+/// What one replicate gave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Replicate {
+    /// One value per quantity, or why it has none; or the code of the error that stopped the analysis.
+    values: Result<Vec<Result<f64, Absent>>, &'static str>,
+    /// Fits and simulations without result: code, line, and film.
+    endings: Vec<(&'static str, LineKind, Option<Posture>)>,
+}
+
+impl<'a> MonteCarlo<'a> {
+    /// Prepares replicates of a case that was analysed already, with the options of that analysis.
+    ///
+    /// # Errors
+    /// [`UncertaintyError`].
+    pub fn new(
+        case: &Case,
+        nominal: &'a Analysis,
+        noise: LandmarkNoise,
+        seed: u64,
+    ) -> Result<Self, UncertaintyError> {
+        let bends = nominal.postures.iter().any(|p| p.outline.posture.bend().is_some());
+        let mut kinds = Vec::new();
+        if bends && !nominal.warnings.has("no_scale") {
+            kinds.extend([LineKind::Inflection, LineKind::Iliac, LineKind::Estimated]);
+            if !nominal.options.given_lines.is_empty() {
+                kinds.push(LineKind::Given);
+            }
+        }
+        Ok(Self {
+            nominal,
+            noisy: NoisyCase::new(case, nominal, noise, seed)?,
+            held: nominal.postures.iter().map(|posture| posture.outline.noise).collect(),
+            quantities: quantities::all_of(nominal, &kinds),
+            seed,
+        })
+    }
+
+    /// One replicate; every index has a random stream of its own, so that any may be computed alone, in any order.
+    #[must_use]
+    pub fn replicate(&self, index: u64) -> Replicate {
+        let case = self.noisy.replicate(index);
+        let analysis = match analyze_with_noise(&case, &self.nominal.options, Some(&self.held)) {
+            Ok(analysis) => analysis,
+            Err(error) => return Replicate { values: Err(error.code()), endings: Vec::new() },
+        };
+        let values = self.quantities.iter().map(|q| q.value(&analysis, self.nominal)).collect();
+        Replicate { values: Ok(values), endings: endings(&analysis) }
+    }
+
+    /// An empty tally of this case's quantities.
+    #[must_use]
+    pub fn tally(&self) -> Tally<'_> {
+        Tally::new(self)
+    }
+}
+
+fn endings(analysis: &Analysis) -> Vec<(&'static str, LineKind, Option<Posture>)> {
+    let mut endings = Vec::new();
+    for model in &analysis.models {
+        if model.fit.status != FitStatus::Converged {
+            // Nothing that follows from such a fit counts.
+            endings.push(("fit_not_converged", model.kind, None));
+            continue;
+        }
+        let lost = model.postures.iter().filter(|simulation| !simulation.is_usable());
+        endings.extend(lost.map(|s| ("force_not_found", model.kind, Some(s.posture))));
+    }
+    endings
+}

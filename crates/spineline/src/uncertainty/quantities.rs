@@ -1,0 +1,378 @@
+//! The numbers of an analysis whose spread is asked for.
+
+use crate::action::LineKind;
+use crate::analysis::{Analysis, LineModel, PostureAnalysis};
+use crate::anatomy::{Level, Posture, Region};
+use crate::evaluate::Simulation;
+use crate::personalize::FitStatus;
+use crate::spatial::Angle;
+
+/// One number of an analysis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Quantity {
+    /// Length of the erect chain.
+    ChainLength,
+    /// Length of a segment.
+    SegmentLength,
+    /// Lateral place of a vertebra in `G`, to the patient's left.
+    LocationY(Posture, Level),
+    /// Height of a vertebra in `G`.
+    LocationZ(Posture, Level),
+    /// Tilt of a vertebra against L4.
+    Tilt(Posture, Level),
+    /// Cobb angle.
+    Cobb(Posture, Region),
+    /// Ferguson angle.
+    Ferguson(Posture, Region),
+    /// Number of inflections of the erect curve.
+    InflectionCount,
+    /// 1 where two inflections carry a line, else 0: the mean is how often they do.
+    InflectionPair,
+    /// Lateral place of an inflection on the erect film; 0 is the caudal one.
+    InflectionY(usize),
+    /// Its height.
+    InflectionZ(usize),
+    /// Its distance from L4 along the erect curve.
+    InflectionArc(usize),
+    /// The least-rotating segment of a window; 0 is the caudal one.
+    LeastSegment(Posture, usize),
+    /// From the inflection's segment to it, in segments.
+    LeastDistanceSegments(Posture, usize),
+    /// The same along the erect film.
+    LeastDistance(Posture, usize),
+    /// Angle between the line that the rotations prefer and the one through the inflections.
+    ComparisonAngle(Posture),
+    /// Distance of the former from the middle of the inflections.
+    ComparisonDistance(Posture),
+    /// Lean of a line of action.
+    LineLean(LineKind, Posture),
+    /// Signed distance of a line of action from where the middle of the inflections was found in the case itself.
+    LineOffset(LineKind, Posture),
+    /// Force along the line, at the level that the gauge fixes; in the direction of the case's own line.
+    Force(LineKind, Posture),
+    /// `ln α` of a group.
+    LogMultiplier(LineKind, usize),
+    /// Mean location error of a posture.
+    LocationError(LineKind, Posture),
+    /// Mean location error over fitted or held-out films.
+    MeanLocationError(LineKind, bool),
+    /// Absolute Ferguson error.
+    FergusonError(LineKind, Posture, Region),
+    /// Joints that turn against the force.
+    ContradictedJoints(LineKind, Posture),
+}
+
+/// Why an analysis does not have a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Absent {
+    /// The erect curve has no pair of inflections.
+    NoInflections,
+    /// The films do not give it: no such line, no such window, or a moved curve too short for the segment.
+    NotMeasured,
+    /// The fit of this line did not converge.
+    FitNotConverged,
+    /// No force was found for this posture.
+    ForceNotFound,
+}
+
+impl Absent {
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::NoInflections => "no_inflections",
+            Self::NotMeasured => "not_measured",
+            Self::FitNotConverged => "fit_not_converged",
+            Self::ForceNotFound => "force_not_found",
+        }
+    }
+}
+
+/// What a number counts in, as people see it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum QuantityUnit {
+    /// Millimetres of the film's plane.
+    Millimetres,
+    /// Pixels of a film without a spacing.
+    Pixels,
+    /// Degrees.
+    Degrees,
+    /// Newtons, or relative where no force is known.
+    Force,
+    /// Segments of the chain.
+    Segments,
+    /// A number without a unit.
+    One,
+}
+
+impl QuantityUnit {
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Millimetres => "mm",
+            Self::Pixels => "px",
+            Self::Degrees => "deg",
+            Self::Force => "force",
+            Self::Segments => "segments",
+            Self::One => "1",
+        }
+    }
+}
+
+/// Everything that is asked of an analysis of these films with these lines.
+pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<Quantity> {
+    use Quantity as Q;
+    let postures: Vec<Posture> = nominal.postures.iter().map(|p| p.outline.posture).collect();
+    let moved = || postures.iter().copied().filter(|posture| *posture != Posture::Erect);
+    let mut all = vec![Q::ChainLength, Q::SegmentLength, Q::InflectionCount, Q::InflectionPair];
+    for end in 0..2 {
+        all.extend([Q::InflectionY(end), Q::InflectionZ(end), Q::InflectionArc(end)]);
+    }
+    for &posture in &postures {
+        for &level in &Level::MODEL[1..] {
+            let of_vertebra = [Q::LocationY, Q::LocationZ, Q::Tilt];
+            all.extend(of_vertebra.map(|quantity| quantity(posture, level)));
+        }
+        for region in Region::ALL {
+            all.extend([Q::Cobb(posture, region), Q::Ferguson(posture, region)]);
+        }
+    }
+    for posture in moved() {
+        for window in 0..2 {
+            let of_window = [Q::LeastSegment, Q::LeastDistanceSegments, Q::LeastDistance];
+            all.extend(of_window.map(|quantity| quantity(posture, window)));
+        }
+        all.extend([Q::ComparisonAngle(posture), Q::ComparisonDistance(posture)]);
+    }
+    for &kind in kinds {
+        let groups = nominal.models.iter().find(|model| model.kind == kind);
+        let groups = groups.map_or(Region::ALL.len(), |model| model.groups.len());
+        all.extend((0..groups).map(|group| Q::LogMultiplier(kind, group)));
+        all.extend([Q::MeanLocationError(kind, true), Q::MeanLocationError(kind, false)]);
+        for posture in moved() {
+            let of_line = [Q::LineLean, Q::LineOffset, Q::Force, Q::LocationError];
+            all.extend(of_line.map(|quantity| quantity(kind, posture)));
+            all.push(Q::ContradictedJoints(kind, posture));
+            all.extend(Region::ALL.map(|region| Q::FergusonError(kind, posture, region)));
+        }
+    }
+    all
+}
+
+impl Quantity {
+    /// Its value in an analysis, in its unit as people see it; `nominal` is the analysis of the case itself.
+    pub(super) fn value(self, analysis: &Analysis, nominal: &Analysis) -> Result<f64, Absent> {
+        match self {
+            Self::ChainLength
+            | Self::SegmentLength
+            | Self::InflectionCount
+            | Self::InflectionPair
+            | Self::InflectionY(_)
+            | Self::InflectionZ(_)
+            | Self::InflectionArc(_) => self.of_curve(analysis),
+            Self::LocationY(..)
+            | Self::LocationZ(..)
+            | Self::Tilt(..)
+            | Self::Cobb(..)
+            | Self::Ferguson(..) => self.of_film(analysis),
+            Self::LeastSegment(..)
+            | Self::LeastDistanceSegments(..)
+            | Self::LeastDistance(..)
+            | Self::ComparisonAngle(_)
+            | Self::ComparisonDistance(_) => self.of_motion(analysis),
+            _ => self.of_model(analysis, nominal),
+        }
+    }
+
+    fn of_curve(self, analysis: &Analysis) -> Result<f64, Absent> {
+        let scale = analysis.scale();
+        let length = |mm: f64| mm * scale.pixels_per_mm.unwrap_or(1.0);
+        let at = |end: usize| {
+            analysis.inflections.pair.map(|pair| pair[end]).ok_or(Absent::NoInflections)
+        };
+        Ok(match self {
+            Self::ChainLength => length(analysis.chain.segment_mm * analysis.chain.segments as f64),
+            Self::SegmentLength => length(analysis.chain.segment_mm),
+            Self::InflectionCount => analysis.inflections.all.len() as f64,
+            Self::InflectionPair => f64::from(u8::from(analysis.inflections.pair.is_some())),
+            Self::InflectionY(end) => length(at(end)?.erect.y_mm),
+            Self::InflectionZ(end) => length(at(end)?.erect.z_mm),
+            Self::InflectionArc(end) => length(analysis.erect().fit.curve.length_mm(at(end)?.t_mm)),
+            _ => return Err(Absent::NotMeasured),
+        })
+    }
+
+    fn of_film(self, analysis: &Analysis) -> Result<f64, Absent> {
+        let clinical = |region: Region, posture: Posture, ferguson: bool| {
+            let curve = analysis.clinical.iter().find(|curve| curve.region == region);
+            let angles = curve.map(|c| if ferguson { &c.ferguson } else { &c.cobb });
+            let angle = angles.and_then(|all| all.iter().find(|(p, _)| *p == posture));
+            angle.map(|(_, angle)| angle.deg()).ok_or(Absent::NotMeasured)
+        };
+        match self {
+            Self::Cobb(posture, region) => return clinical(region, posture, false),
+            Self::Ferguson(posture, region) => return clinical(region, posture, true),
+            _ => {}
+        }
+        let (Self::LocationY(posture, level)
+        | Self::LocationZ(posture, level)
+        | Self::Tilt(posture, level)) = self
+        else {
+            return Err(Absent::NotMeasured);
+        };
+        let film = found(analysis, posture)?;
+        let index = level.model_index().ok_or(Absent::NotMeasured)?;
+        let vertebra = &film.outline.vertebrae[index];
+        let factor = film.outline.scale.pixels_per_mm.unwrap_or(1.0);
+        Ok(match self {
+            Self::LocationY(..) => vertebra.location.y_mm * factor,
+            Self::LocationZ(..) => vertebra.location.z_mm * factor,
+            _ => vertebra.tilt.deg(),
+        })
+    }
+
+    fn of_motion(self, analysis: &Analysis) -> Result<f64, Absent> {
+        let (posture, window) = match self {
+            Self::LeastSegment(posture, window)
+            | Self::LeastDistanceSegments(posture, window)
+            | Self::LeastDistance(posture, window) => (posture, window),
+            Self::ComparisonAngle(posture) | Self::ComparisonDistance(posture) => (posture, 0),
+            _ => return Err(Absent::NotMeasured),
+        };
+        let film = found(analysis, posture)?;
+        if let Self::LeastSegment(..) = self {
+            let motion = film.motion.as_ref().ok_or(Absent::NotMeasured)?;
+            return Ok(motion.least[window] as f64);
+        }
+        if analysis.inflections.pair.is_none() {
+            return Err(Absent::NoInflections);
+        }
+        let line = || film.line_comparison.ok_or(Absent::NotMeasured);
+        let estimate =
+            || film.inflection_estimates.map(|pair| pair[window]).ok_or(Absent::NotMeasured);
+        let factor = analysis.scale().pixels_per_mm.unwrap_or(1.0);
+        Ok(match self {
+            Self::ComparisonAngle(_) => line()?.angle.deg(),
+            Self::ComparisonDistance(_) => line()?.distance_mm,
+            Self::LeastDistance(..) => estimate()?.distance_mm * factor,
+            _ => estimate()?.distance_segments as f64,
+        })
+    }
+
+    fn of_model(self, analysis: &Analysis, nominal: &Analysis) -> Result<f64, Absent> {
+        let kind = self.line().ok_or(Absent::NotMeasured)?;
+        let model = analysis.models.iter().find(|model| model.kind == kind);
+        let model = model.ok_or(match kind {
+            LineKind::Inflection if analysis.inflections.pair.is_none() => Absent::NoInflections,
+            _ => Absent::NotMeasured,
+        })?;
+        if model.fit.status != FitStatus::Converged {
+            return Err(Absent::FitNotConverged);
+        }
+        match self {
+            Self::LogMultiplier(_, group) => {
+                model.fit.log_multipliers.get(group).copied().ok_or(Absent::NotMeasured)
+            }
+            Self::MeanLocationError(_, fitted) => mean_error(model, fitted),
+            _ => self.of_simulation(model, kind, nominal),
+        }
+    }
+
+    fn of_simulation(
+        self,
+        model: &LineModel,
+        kind: LineKind,
+        nominal: &Analysis,
+    ) -> Result<f64, Absent> {
+        let posture = self.posture().ok_or(Absent::NotMeasured)?;
+        let simulation = model.posture(posture).ok_or(Absent::NotMeasured)?;
+        if !simulation.is_usable() {
+            return Err(Absent::ForceNotFound);
+        }
+        let line = &simulation.line;
+        // A line that is nearly horizontal may be told the other way round.
+        let own = nominal.models.iter().find(|model| model.kind == kind);
+        let own = own.and_then(|model| model.posture(posture));
+        let sense = own.map_or(1.0, |own| own.line.direction.dot(line.direction).signum());
+        Ok(match self {
+            Self::LineLean(..) => line.lean().deg(),
+            Self::LineOffset(..) => sense * line.lever_arm_mm(found(nominal, posture)?.middle()),
+            Self::Force(..) => sense * simulation.force_n,
+            Self::LocationError(..) => simulation.mean_location_error_mm(),
+            Self::ContradictedJoints(..) => simulation.contradicted.len() as f64,
+            Self::FergusonError(_, _, region) => {
+                simulation.ferguson_difference[region.index()].abs().deg()
+            }
+            _ => return Err(Absent::NotMeasured),
+        })
+    }
+
+    /// The line of action that it belongs to.
+    #[must_use]
+    pub const fn line(self) -> Option<LineKind> {
+        match self {
+            Self::LineLean(kind, _)
+            | Self::LineOffset(kind, _)
+            | Self::Force(kind, _)
+            | Self::LogMultiplier(kind, _)
+            | Self::LocationError(kind, _)
+            | Self::MeanLocationError(kind, _)
+            | Self::FergusonError(kind, _, _)
+            | Self::ContradictedJoints(kind, _) => Some(kind),
+            _ => None,
+        }
+    }
+
+    /// The film that it belongs to.
+    #[must_use]
+    pub const fn posture(self) -> Option<Posture> {
+        match self {
+            Self::LocationY(posture, _)
+            | Self::LocationZ(posture, _)
+            | Self::Tilt(posture, _)
+            | Self::Cobb(posture, _)
+            | Self::Ferguson(posture, _)
+            | Self::LeastSegment(posture, _)
+            | Self::LeastDistanceSegments(posture, _)
+            | Self::LeastDistance(posture, _)
+            | Self::ComparisonAngle(posture)
+            | Self::ComparisonDistance(posture)
+            | Self::LineLean(_, posture)
+            | Self::LineOffset(_, posture)
+            | Self::Force(_, posture)
+            | Self::LocationError(_, posture)
+            | Self::FergusonError(_, posture, _)
+            | Self::ContradictedJoints(_, posture) => Some(posture),
+            _ => None,
+        }
+    }
+
+    /// An angle is the same after so many degrees; a line after half a turn.
+    pub(super) const fn period_deg(self) -> Option<f64> {
+        match self {
+            Self::Tilt(..) | Self::Cobb(..) | Self::Ferguson(..) => Some(360.0),
+            Self::LineLean(..) => Some(180.0),
+            _ => None,
+        }
+    }
+}
+
+fn found(analysis: &Analysis, posture: Posture) -> Result<&PostureAnalysis, Absent> {
+    analysis.posture(posture).ok_or(Absent::NotMeasured)
+}
+
+fn mean_error(model: &LineModel, fitted: bool) -> Result<f64, Absent> {
+    // A mean over the films that happened to succeed is another quantity.
+    let mut films = model.postures.iter().filter(|s| s.fitted == fitted);
+    if !films.all(Simulation::is_usable) {
+        return Err(Absent::ForceNotFound);
+    }
+    model.mean_location_error_mm(fitted).ok_or(Absent::NotMeasured)
+}
+
+/// A difference of angles, as small as their period lets it be.
+pub(super) fn wrapped_deg(difference_deg: f64, period_deg: f64) -> f64 {
+    let turns = 360.0 / period_deg;
+    Angle::from_deg(difference_deg * turns).wrapped().deg() / turns
+}

@@ -1,0 +1,235 @@
+use std::collections::BTreeMap;
+
+use super::distribution::Distribution;
+use super::quantities::wrapped_deg;
+use super::{Absent, FilmNoise, MarkNoise, MonteCarlo, NoiseSource, Quantity, Replicate};
+use crate::action::LineKind;
+use crate::anatomy::Posture;
+
+/// What the replicates so far have given; its size does not depend on their number.
+#[derive(Debug, Clone)]
+pub struct Tally<'a> {
+    of: &'a MonteCarlo<'a>,
+    done: u64,
+    failed: u64,
+    failures: BTreeMap<(&'static str, Option<LineKind>, Option<Posture>), u64>,
+    quantities: Vec<Counted>,
+}
+
+#[derive(Debug, Clone)]
+struct Counted {
+    nominal: Result<f64, Absent>,
+    /// Values are taken as differences from it, angles the short way round.
+    reference: Option<f64>,
+    differences: Distribution,
+    absent: BTreeMap<Absent, u64>,
+}
+
+/// How a number of an analysis scatters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct QuantitySpread {
+    /// Which number.
+    pub quantity: Quantity,
+    /// Its value in the case itself, or why it has none.
+    pub nominal: Result<f64, Absent>,
+    /// Replicates that have it.
+    pub count: u64,
+    /// Replicates that were analysed and do not have it, by reason.
+    pub absent: Vec<(Absent, u64)>,
+    /// Mean, standard deviation and quantiles; `None` where no replicate has it.
+    pub spread: Option<Spread>,
+}
+
+/// Moments and quantiles, in the unit of the quantity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread {
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation.
+    pub sd: f64,
+    /// The 2.5, 25, 50, 75 and 97.5 % quantiles.
+    pub quantiles: [f64; 5],
+}
+
+impl Spread {
+    /// The parts at which quantiles are taken.
+    pub const PARTS: [f64; 5] = [0.025, 0.25, 0.5, 0.75, 0.975];
+
+    /// The central 95 %.
+    #[must_use]
+    pub const fn interval_95(&self) -> [f64; 2] {
+        [self.quantiles[0], self.quantiles[4]]
+    }
+}
+
+/// How often something ended without result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FailureCount {
+    /// What: the code of an error, `fit_not_converged` or `force_not_found`.
+    pub code: &'static str,
+    /// In the model of which line; `None` where the whole analysis stopped.
+    pub line: Option<LineKind>,
+    /// On which film.
+    pub posture: Option<Posture>,
+    /// In how many replicates.
+    pub count: u64,
+}
+
+/// What the noise of landmarks does to every number of an analysis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Uncertainty {
+    /// Seed of the random streams.
+    pub seed: u64,
+    /// Replicates asked for.
+    pub asked: u64,
+    /// Replicates that were run.
+    pub done: u64,
+    /// Replicates whose analysis stopped with an error.
+    pub failed: u64,
+    /// Everything that ended without result, by code, line and film.
+    pub failures: Vec<FailureCount>,
+    /// The noise of every film.
+    pub noise: Vec<FilmNoise>,
+    /// Every number.
+    pub quantities: Vec<QuantitySpread>,
+}
+
+impl<'a> Tally<'a> {
+    pub(super) fn new(of: &'a MonteCarlo<'a>) -> Self {
+        let counted = |quantity: &Quantity| {
+            let nominal = quantity.value(of.nominal, of.nominal);
+            Counted {
+                nominal,
+                reference: nominal.ok(),
+                differences: Distribution::new(),
+                absent: BTreeMap::new(),
+            }
+        };
+        let quantities = of.quantities.iter().map(counted).collect();
+        Self { of, done: 0, failed: 0, failures: BTreeMap::new(), quantities }
+    }
+
+    /// Takes in one replicate. Told in the order of their indices, they give the same bytes however they were computed.
+    pub fn add(&mut self, replicate: &Replicate) {
+        self.done += 1;
+        for &(code, line, posture) in &replicate.endings {
+            *self.failures.entry((code, Some(line), posture)).or_default() += 1;
+        }
+        let values = match &replicate.values {
+            Ok(values) => values,
+            Err(code) => {
+                self.failed += 1;
+                *self.failures.entry((code, None, None)).or_default() += 1;
+                return;
+            }
+        };
+        for ((counted, value), quantity) in
+            self.quantities.iter_mut().zip(values).zip(&self.of.quantities)
+        {
+            match value {
+                Ok(value) => {
+                    let reference = *counted.reference.get_or_insert(*value);
+                    let off = value - reference;
+                    let period = quantity.period_deg();
+                    counted.differences.add(period.map_or(off, |period| wrapped_deg(off, period)));
+                }
+                Err(reason) => *counted.absent.entry(*reason).or_default() += 1,
+            }
+        }
+    }
+
+    /// What it comes to, of so many replicates asked for.
+    #[must_use]
+    pub fn finish(self, asked: u64) -> Uncertainty {
+        let spread = |(counted, &quantity): (Counted, &Quantity)| {
+            let differences = counted.differences;
+            let reference = counted.reference.unwrap_or_default();
+            let (count, mean, sd) = (differences.count(), differences.mean(), differences.sd());
+            let spread = differences.quantiles(Spread::PARTS).map(|quantiles| Spread {
+                mean: reference + mean,
+                sd,
+                quantiles: quantiles.map(|quantile| reference + quantile),
+            });
+            let absent = counted.absent.into_iter().collect();
+            QuantitySpread { quantity, nominal: counted.nominal, count, absent, spread }
+        };
+        let failure = |((code, line, posture), count)| FailureCount { code, line, posture, count };
+        Uncertainty {
+            seed: self.of.seed,
+            asked,
+            done: self.done,
+            failed: self.failed,
+            failures: self.failures.into_iter().map(failure).collect(),
+            noise: self.of.noisy.films.clone(),
+            quantities: self.quantities.into_iter().zip(&self.of.quantities).map(spread).collect(),
+        }
+    }
+}
+
+impl Uncertainty {
+    /// How a number scatters; `None` where this analysis has no such number, or no replicate had it.
+    #[must_use]
+    pub fn spread(&self, quantity: Quantity) -> Option<&Spread> {
+        self.of(quantity)?.spread.as_ref()
+    }
+
+    /// All that is known of a number.
+    #[must_use]
+    pub fn of(&self, quantity: Quantity) -> Option<&QuantitySpread> {
+        self.quantities.iter().find(|spread| spread.quantity == quantity)
+    }
+
+    /// Which noise was laid on the marks, and where it comes from: a sentence for all films that have the same.
+    #[must_use]
+    pub fn noise_words(&self) -> Vec<String> {
+        let mut told: Vec<(String, Vec<String>)> = Vec::new();
+        for film in &self.noise {
+            let (words, posture) = (words_of(film), film.posture.to_string());
+            match told.iter_mut().find(|(other, _)| *other == words) {
+                Some((_, postures)) => postures.push(posture),
+                None => told.push((words, vec![posture])),
+            }
+        }
+        told.iter().map(|(words, postures)| format!("{}: {words}", postures.join(", "))).collect()
+    }
+
+    /// What ended without result, a sentence each.
+    #[must_use]
+    pub fn failure_words(&self) -> Vec<String> {
+        let share = |count: u64| 100.0 * count as f64 / self.done.max(1) as f64;
+        self.failures
+            .iter()
+            .map(|failure| {
+                let places = [
+                    failure.line.map(|line| line.to_string()),
+                    failure.posture.map(|posture| format!("{posture} film")),
+                ];
+                let places: Vec<String> = places.into_iter().flatten().collect();
+                let place =
+                    if places.is_empty() { "whole analysis".to_owned() } else { places.join(", ") };
+                let (count, done) = (failure.count, self.done);
+                let percent = share(count);
+                format!("{place}: `{}` in {count} of {done} ({percent:.1} %)", failure.code)
+            })
+            .collect()
+    }
+}
+
+fn words_of(noise: &FilmNoise) -> String {
+    let source = match noise.source {
+        NoiseSource::Readings => "from the spread of the case's own readings",
+        NoiseSource::Assumed => "assumed for one careful reading, since nobody read it twice",
+        NoiseSource::Given => "as given",
+    };
+    let size = match noise.marks {
+        MarkNoise::Corners { sd_px: [column, row], sd_mm, axis_sd } => {
+            let mm = sd_mm.map_or_else(String::new, |[y, z]| format!(" ({y:.2} × {z:.2} mm)"));
+            let axis = axis_sd.map_or_else(String::new, |sd| format!(", axes set by hand {sd:.2}"));
+            format!("corners {column:.2} × {row:.2} px{mm}{axis}")
+        }
+        MarkNoise::Placements { location_sd_mm, tilt_sd } => {
+            format!("locations {location_sd_mm:.2} mm, tilts {tilt_sd:.2}")
+        }
+    };
+    format!("{size} per reading, {source}")
+}

@@ -1,0 +1,168 @@
+//! What every quantity is called.
+
+use super::{Quantity, QuantityUnit};
+use crate::analysis::Analysis;
+use crate::anatomy::Level;
+
+/// The two ends of the line, and the two windows of least rotation.
+const ENDS: [&str; 2] = ["caudal", "cranial"];
+
+impl Quantity {
+    /// The name of its kind, as in files; posture, level, region, line, group and end stand beside it.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::ChainLength => "chain_length",
+            Self::SegmentLength => "segment_length",
+            Self::LocationY(..) => "location_y",
+            Self::LocationZ(..) => "location_z",
+            Self::Tilt(..) => "tilt",
+            Self::Cobb(..) => "cobb",
+            Self::Ferguson(..) => "ferguson",
+            Self::InflectionCount => "inflection_count",
+            Self::InflectionPair => "inflection_pair",
+            Self::InflectionY(_) => "inflection_y",
+            Self::InflectionZ(_) => "inflection_z",
+            Self::InflectionArc(_) => "inflection_arc",
+            Self::LeastSegment(..) => "least_segment",
+            Self::LeastDistanceSegments(..) => "least_distance_segments",
+            Self::LeastDistance(..) => "least_distance",
+            Self::ComparisonAngle(_) => "line_comparison_angle",
+            Self::ComparisonDistance(_) => "line_comparison_distance",
+            Self::LineLean(..) => "line_lean",
+            Self::LineOffset(..) => "line_offset",
+            Self::Force(..) => "force",
+            Self::LogMultiplier(..) => "log_multiplier",
+            Self::LocationError(..) => "location_error",
+            Self::MeanLocationError(_, true) => "mean_location_error_fitted",
+            Self::MeanLocationError(_, false) => "mean_location_error_held_out",
+            Self::FergusonError(..) => "ferguson_error",
+            Self::ContradictedJoints(..) => "contradicted_joints",
+        }
+    }
+
+    /// The vertebra, where it has one.
+    #[must_use]
+    pub const fn level(self) -> Option<Level> {
+        match self {
+            Self::LocationY(_, level) | Self::LocationZ(_, level) | Self::Tilt(_, level) => {
+                Some(level)
+            }
+            _ => None,
+        }
+    }
+
+    /// The region, or the name of the joints that share a multiplier, where it has one.
+    #[must_use]
+    pub fn group(self, analysis: &Analysis) -> Option<String> {
+        match self {
+            Self::Cobb(_, region)
+            | Self::Ferguson(_, region)
+            | Self::FergusonError(_, _, region) => Some(region.key().to_owned()),
+            Self::LogMultiplier(kind, group) => {
+                let model = analysis.models.iter().find(|model| model.kind == kind);
+                let name = model.and_then(|model| model.groups.names().get(group).cloned());
+                Some(name.unwrap_or_else(|| format!("group {}", group + 1)))
+            }
+            _ => None,
+        }
+    }
+
+    /// `caudal` or `cranial`: which inflection or window.
+    #[must_use]
+    pub fn end(self) -> Option<&'static str> {
+        match self {
+            Self::InflectionY(end)
+            | Self::InflectionZ(end)
+            | Self::InflectionArc(end)
+            | Self::LeastSegment(_, end)
+            | Self::LeastDistanceSegments(_, end)
+            | Self::LeastDistance(_, end) => ENDS.get(end).copied(),
+            _ => None,
+        }
+    }
+
+    /// What it counts in.
+    #[must_use]
+    pub fn unit(self, analysis: &Analysis) -> QuantityUnit {
+        let film = match self {
+            Self::LocationY(posture, _) | Self::LocationZ(posture, _) => analysis.posture(posture),
+            _ => None,
+        };
+        let scale = film.map_or(analysis.scale(), |film| &film.outline.scale);
+        let length = if scale.pixels_per_mm.is_some() {
+            QuantityUnit::Pixels
+        } else {
+            QuantityUnit::Millimetres
+        };
+        match self {
+            Self::ChainLength
+            | Self::SegmentLength
+            | Self::LocationY(..)
+            | Self::LocationZ(..)
+            | Self::InflectionY(_)
+            | Self::InflectionZ(_)
+            | Self::InflectionArc(_)
+            | Self::LeastDistance(..)
+            | Self::ComparisonDistance(_)
+            | Self::LineOffset(..)
+            | Self::LocationError(..)
+            | Self::MeanLocationError(..) => length,
+            Self::Tilt(..)
+            | Self::Cobb(..)
+            | Self::Ferguson(..)
+            | Self::ComparisonAngle(_)
+            | Self::LineLean(..)
+            | Self::FergusonError(..) => QuantityUnit::Degrees,
+            Self::Force(..) => QuantityUnit::Force,
+            Self::LeastSegment(..) | Self::LeastDistanceSegments(..) => QuantityUnit::Segments,
+            Self::InflectionCount
+            | Self::InflectionPair
+            | Self::LogMultiplier(..)
+            | Self::ContradictedJoints(..) => QuantityUnit::One,
+        }
+    }
+
+    /// In words, with its place.
+    #[must_use]
+    pub fn label(self, analysis: &Analysis) -> String {
+        let what = match self {
+            Self::ChainLength => "length of the erect chain",
+            Self::SegmentLength => "length of a segment",
+            Self::LocationY(..) => "lateral place, to the patient's left",
+            Self::LocationZ(..) => "height",
+            Self::Tilt(..) => "tilt against L4, positive to the right",
+            Self::Cobb(..) => "Cobb angle, positive where convex to the left",
+            Self::Ferguson(..) => "Ferguson angle, positive where convex to the left",
+            Self::InflectionCount => "inflections of the erect curve",
+            Self::InflectionPair => "share with two inflections that carry a line",
+            Self::InflectionY(_) => "inflection on the erect film, to the patient's left",
+            Self::InflectionZ(_) => "inflection on the erect film, height",
+            Self::InflectionArc(_) => "inflection on the erect film, along the curve",
+            Self::LeastSegment(..) => "least-rotating segment",
+            Self::LeastDistanceSegments(..) | Self::LeastDistance(..) => {
+                "from the inflection to the least-rotating segment"
+            }
+            Self::ComparisonAngle(_) => "angle of the preferred line to the inflections' line",
+            Self::ComparisonDistance(_) => "distance of the preferred line from the inflections",
+            Self::LineLean(..) => "lean of the line of action, positive to the right",
+            Self::LineOffset(..) => "line of action from the middle of the inflections",
+            Self::Force(..) => "force along the line",
+            Self::LogMultiplier(..) => "ln of the stiffness multiplier",
+            Self::LocationError(..) => "mean location error",
+            Self::MeanLocationError(_, true) => "mean location error, fitted films",
+            Self::MeanLocationError(_, false) => "mean location error, held-out films",
+            Self::FergusonError(..) => "Ferguson error",
+            Self::ContradictedJoints(..) => "joints that turn against the force",
+        };
+        let places = [
+            self.line().map(|line| line.to_string()),
+            self.posture().map(|posture| posture.to_string()),
+            self.level().map(|level| level.to_string()),
+            self.group(analysis).map(|group| group.replace('_', " ")),
+            self.end().map(str::to_owned),
+        ];
+        let places: Vec<String> = places.into_iter().flatten().collect();
+        if places.is_empty() { what.to_owned() } else { format!("{what} ({})", places.join(", ")) }
+    }
+}
