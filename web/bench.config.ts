@@ -13,5 +13,5 @@ export default defineConfig(base, {
   workers: 1,
   timeout: 600_000,
   // A trace films the page, which costs more than what is measured.
-  use: { ...base.use, trace: "off" },
+  use: { ...base.use, trace: "off", actionTimeout: 30_000 },
 });

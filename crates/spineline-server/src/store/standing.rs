@@ -88,7 +88,7 @@ pub(super) struct Finals(RefCell<BTreeMap<ReadingId, ReadingState>>);
 
 impl Finals {
     /// The state of a reading, finished or not.
-    fn state(
+    pub fn state(
         &self,
         connection: &Connection,
         reading: &ReadingRecord,
