@@ -151,14 +151,6 @@ pub async fn study_result(state: &AppState, study: &Name) -> Answer<Arc<StudyRes
     }
 }
 
-/// Has the results of some studies computed before the store is asked for them, so that it is free meanwhile. What keeps
-/// one from being computed is told where it is asked for.
-pub async fn prepare(state: &AppState, studies: &[Name]) {
-    for study in studies {
-        let _ = study_result(state, study).await;
-    }
-}
-
 /// Computes beside the threads that answer. A request that is dropped before this begins computes nothing.
 ///
 /// # Errors

@@ -1,18 +1,17 @@
 //! What follows from a reading at once, together with the other films of its study.
 
 use axum::extract::State;
-use axum::http::StatusCode;
 use spineline::anatomy::Posture;
 use spineline::measure::{MeasureError, check_marks};
 
 use super::cache::{Outcome, StudyResult, computed};
+use super::sight::blinded;
 use super::words::{marked_text, progress};
 use super::{findings, notices, overlay};
-use crate::http::api::{FilmOverlay, LiveStatus, LiveView, Notice, Problem, RoleName, Severity};
+use crate::http::api::{FilmOverlay, LiveStatus, LiveView, Notice, Problem, Severity};
 use crate::http::extract::{Json, Path};
-use crate::http::studies::study_name;
-use crate::http::{Answer, AppState, Failure, User, readings};
-use crate::store::{Event, FilmId, Name, ReadingId, Sight, Stand, StandingFilm, Store, StoreError};
+use crate::http::{Answer, AppState, User, readings};
+use crate::store::{Event, FilmId, ReadingId, Stand, StandingFilm};
 
 /// What follows from a reading as it stands.
 #[utoipa::path(get, path = "/api/readings/{reading}/live", params(("reading" = i64, Path)),
@@ -46,44 +45,6 @@ pub async fn live_view(
     let Some((study, film, standing)) = found.await? else { return Ok(None) };
     let work = move || of_film(&StudyResult::of(&study, standing), film);
     computed(work).await.map(Some)
-}
-
-/// Whether results of a study may be shown to somebody who may see it.
-///
-/// While a plan of blinded readings is incomplete, only those who lead and do not read see results.
-///
-/// # Errors
-/// Whatever the store refuses.
-pub fn sees_results(store: &Store, user: &User, study: &Name) -> Result<bool, StoreError> {
-    Ok(match store.observer(&user.name).sight(study)? {
-        Sight::Open => true,
-        Sight::Reader => false,
-        Sight::Apart => user.role == RoleName::Admin,
-    })
-}
-
-/// Results are hidden.
-pub fn blinded() -> Failure {
-    Failure::new(
-        StatusCode::FORBIDDEN,
-        "blinded",
-        "results wait until all planned readings are finished",
-    )
-    .help("finish your readings; nothing of the study is shown to its readers before")
-}
-
-/// A study whose results whoever asks may see.
-///
-/// # Errors
-/// A refusal: unknown, or blinded.
-pub async fn open_study(state: &AppState, user: &User, study: &str) -> Answer<Name> {
-    let name = study_name(study)?;
-    let (asked, user) = (name.clone(), user.clone());
-    let sees = state.ask(move |store| {
-        user.on_study(store, &asked)?;
-        Ok(sees_results(store, &user, &asked)?)
-    });
-    if sees.await? { Ok(name) } else { Err(blinded()) }
 }
 
 /// What follows for one film of a study.

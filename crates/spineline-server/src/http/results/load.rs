@@ -14,7 +14,7 @@ use spineline::response::{
 use spineline::spatial::{Angle, Mat3, Vec3, vector_words};
 
 use super::cache::{StudyResult, computed, study_result};
-use super::live::open_study;
+use super::sight::open_study;
 use super::simulated::deformed_shape;
 use super::words::line_kind;
 use crate::http::api::{LoadAnswer, LoadRequest, Problem};

@@ -13,13 +13,14 @@ mod notices;
 mod overlay;
 mod preview;
 mod reliability;
+mod sight;
 mod simulated;
 mod study;
 mod summary;
 mod words;
 
-pub use cache::{Cache, prepare};
-pub use live::blinded;
+pub use cache::Cache;
+pub use sight::{blinded, prepare, prepared};
 pub(in crate::http) use summary::summary;
 
 use utoipa_axum::router::OpenApiRouter;

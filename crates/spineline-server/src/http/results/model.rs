@@ -7,8 +7,8 @@ use spineline::measure::{LengthScale, SpacingPlane, body_widths};
 use spineline::personalize::FitStatus;
 
 use super::cache::{StudyResult, computed, study_result};
-use super::live::open_study;
 use super::notices;
+use super::sight::open_study;
 use super::simulated::{deformed_shape, shape, simulated};
 use super::words::{length_unit, line_name, posture_name};
 use crate::http::api::{

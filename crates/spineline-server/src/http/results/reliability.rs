@@ -5,7 +5,7 @@ use spineline::measure::FilmReadings;
 use spineline::reliability::{DesignReliability, QuantityReliability, assess, film_quantities};
 
 use super::cache::{StudyResult, computed, study_result};
-use super::live::open_study;
+use super::sight::open_study;
 use crate::http::api::{BlandAltmanView, NamedText, Problem, ReliabilityView};
 use crate::http::extract::{Json, Path};
 use crate::http::{Answer, AppState, User};

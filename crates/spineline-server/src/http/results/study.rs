@@ -6,7 +6,8 @@ use spineline::anatomy::Posture;
 use spineline_io::AnalysisFile;
 
 use super::cache::{Outcome, StudyResult, computed, study_result};
-use super::live::{open_study, overlay_of};
+use super::live::overlay_of;
+use super::sight::open_study;
 use super::words::{marked_text, progress};
 use super::{findings as findings_of, notices};
 use crate::http::api::{FilmOverlay, LiveStatus, LiveView, Problem};

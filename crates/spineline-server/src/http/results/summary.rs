@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::cache::{Cache, Outcome, StudyResult};
+use super::sight::sees_results;
 use super::words::progress;
 use super::{curves, notices};
 use crate::http::User;
@@ -40,7 +41,7 @@ pub fn summary(
     user: &User,
     study: &Name,
 ) -> Result<ResultSummary, StoreError> {
-    if !super::live::sees_results(store, user, study)? {
+    if !sees_results(store, user, study)? {
         let text = "read blinded: results wait until all planned readings are finished".to_owned();
         return Ok(ResultSummary::bare(StudyStatus::Blinded, text));
     }

@@ -35,10 +35,8 @@ pub fn study_name(text: &str) -> Answer<Name> {
 /// The studies that the one who asks may see.
 #[utoipa::path(get, path = "/api/studies", responses((status = 200, body = [StudySummary])))]
 async fn list(State(state): State<AppState>, user: User) -> Answer<Json<Vec<StudySummary>>> {
-    let (asker, seen) = (state.clone(), user.clone());
-    let studies = state.ask(move |store| seen.studies(store)).await?;
-    let names: Vec<Name> = studies.iter().map(|(study, _)| study.id.clone()).collect();
-    results::prepare(&state, &names).await;
+    let studies = results::prepared(&state, &user).await?;
+    let asker = state.clone();
     let list = state.ask(move |store| {
         let summaries = studies.iter();
         summaries.map(|(study, role)| study_summary(&asker, store, &user, *role, study)).collect()
@@ -55,7 +53,7 @@ async fn study(
     Path(study): Path<String>,
 ) -> Answer<Json<StudyDetail>> {
     let (study, asker) = (study_name(&study)?, state.clone());
-    results::prepare(&state, std::slice::from_ref(&study)).await;
+    results::prepare(&state, &user, &study).await?;
     state.ask(move |store| detail(&asker, store, &user, &study)).await.map(Json)
 }
 
