@@ -12,7 +12,7 @@ use utoipa_axum::routes;
 
 use super::api::{Problem, RoleName, StudyDetail};
 use super::extract::Json;
-use super::films::draw_thumbnails;
+use super::films::{draw_thumbnails, keep_thumbnails};
 use super::{Answer, AppState, Failure, User, studies};
 use crate::store::{Hash, Name, NewCase, StoreError, Thumbnails};
 use crate::synthetic::{DrawnFilm, case_file, draw_film};
@@ -44,7 +44,7 @@ async fn demo(State(state): State<AppState>, user: User) -> Answer<Json<StudyDet
             match store.add_own_case(&case, &user.sign(now)) {
                 Ok(added) => {
                     for (content, small) in &thumbnails {
-                        store.keep_thumbnails(content, small)?;
+                        keep_thumbnails(store, content, small);
                     }
                     asker.changes().tell(&added.study, studies::of_study(&user));
                     return studies::detail(&asker, store, &user, &added.study);

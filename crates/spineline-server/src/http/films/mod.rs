@@ -18,7 +18,7 @@ use super::extract::{Json, Path};
 use super::{Answer, AppState, Failure, User, readings, studies, words};
 use crate::store::{FilmEdit, FilmId, FilmRecord, ReadingId, Store, StoreError};
 
-pub use screen::{Shelf, draw_thumbnails};
+pub use screen::{Shelf, draw_thumbnails, keep_thumbnails};
 pub use uploads::Upload;
 
 pub fn routes() -> OpenApiRouter<AppState> {

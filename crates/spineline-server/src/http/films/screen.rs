@@ -131,11 +131,15 @@ pub async fn thumbnails(state: &AppState, content: &Hash) -> Answer<Thumbnails> 
     let drawn = tokio::task::spawn_blocking(move || draw_thumbnails(&film));
     let (thumbnails, content) = (drawn.await.expect("drawing does not panic"), content.clone());
     let keep = move |store: &mut Store| {
-        // Where the store cannot be written now, they are drawn again another time.
-        let _ = store.keep_thumbnails(&content, &thumbnails);
+        keep_thumbnails(store, &content, &thumbnails);
         Ok(thumbnails)
     };
     state.store(keep).await
+}
+
+/// Keeps small pictures; where the store cannot be written now, they are drawn again another time.
+pub fn keep_thumbnails(store: &mut Store, content: &Hash, thumbnails: &Thumbnails) {
+    let _ = store.keep_thumbnails(content, thumbnails);
 }
 
 async fn kept_thumbnails(state: &AppState, content: &Hash) -> Answer<Option<Thumbnails>> {
