@@ -33,6 +33,7 @@
 
 mod distribution;
 mod landmarks;
+mod places;
 mod quantities;
 mod tally;
 mod words;

@@ -308,46 +308,6 @@ impl Quantity {
         })
     }
 
-    /// The line of action that it belongs to.
-    #[must_use]
-    pub const fn line(self) -> Option<LineKind> {
-        match self {
-            Self::LineLean(kind, _)
-            | Self::LineOffset(kind, _)
-            | Self::Force(kind, _)
-            | Self::LogMultiplier(kind, _)
-            | Self::LocationError(kind, _)
-            | Self::MeanLocationError(kind, _)
-            | Self::FergusonError(kind, _, _)
-            | Self::ContradictedJoints(kind, _) => Some(kind),
-            _ => None,
-        }
-    }
-
-    /// The film that it belongs to.
-    #[must_use]
-    pub const fn posture(self) -> Option<Posture> {
-        match self {
-            Self::LocationY(posture, _)
-            | Self::LocationZ(posture, _)
-            | Self::Tilt(posture, _)
-            | Self::Cobb(posture, _)
-            | Self::Ferguson(posture, _)
-            | Self::LeastSegment(posture, _)
-            | Self::LeastDistanceSegments(posture, _)
-            | Self::LeastDistance(posture, _)
-            | Self::ComparisonAngle(posture)
-            | Self::ComparisonDistance(posture)
-            | Self::LineLean(_, posture)
-            | Self::LineOffset(_, posture)
-            | Self::Force(_, posture)
-            | Self::LocationError(_, posture)
-            | Self::FergusonError(_, posture, _)
-            | Self::ContradictedJoints(_, posture) => Some(posture),
-            _ => None,
-        }
-    }
-
     /// An angle is the same after so many degrees; a line after half a turn.
     pub(super) const fn period_deg(self) -> Option<f64> {
         match self {

@@ -2,10 +2,6 @@
 
 use super::{Quantity, QuantityUnit};
 use crate::analysis::Analysis;
-use crate::anatomy::Level;
-
-/// The two ends of the line, and the two windows of least rotation.
-const ENDS: [&str; 2] = ["caudal", "cranial"];
 
 impl Quantity {
     /// The name of its kind, as in files; posture, level, region, line, group and end stand beside it.
@@ -38,47 +34,6 @@ impl Quantity {
             Self::MeanLocationError(_, false) => "mean_location_error_held_out",
             Self::FergusonError(..) => "ferguson_error",
             Self::ContradictedJoints(..) => "contradicted_joints",
-        }
-    }
-
-    /// The vertebra, where it has one.
-    #[must_use]
-    pub const fn level(self) -> Option<Level> {
-        match self {
-            Self::LocationY(_, level) | Self::LocationZ(_, level) | Self::Tilt(_, level) => {
-                Some(level)
-            }
-            _ => None,
-        }
-    }
-
-    /// The region, or the name of the joints that share a multiplier, where it has one.
-    #[must_use]
-    pub fn group(self, analysis: &Analysis) -> Option<String> {
-        match self {
-            Self::Cobb(_, region)
-            | Self::Ferguson(_, region)
-            | Self::FergusonError(_, _, region) => Some(region.key().to_owned()),
-            Self::LogMultiplier(kind, group) => {
-                let model = analysis.models.iter().find(|model| model.kind == kind);
-                let name = model.and_then(|model| model.groups.names().get(group).cloned());
-                Some(name.unwrap_or_else(|| format!("group {}", group + 1)))
-            }
-            _ => None,
-        }
-    }
-
-    /// `caudal` or `cranial`: which inflection or window.
-    #[must_use]
-    pub fn end(self) -> Option<&'static str> {
-        match self {
-            Self::InflectionY(end)
-            | Self::InflectionZ(end)
-            | Self::InflectionArc(end)
-            | Self::LeastSegment(_, end)
-            | Self::LeastDistanceSegments(_, end)
-            | Self::LeastDistance(_, end) => ENDS.get(end).copied(),
-            _ => None,
         }
     }
 
