@@ -1,9 +1,20 @@
+import type { Page } from "@playwright/test";
+
 import type { Api } from "../src/api/types";
-import { expect, expectAccessible, shot, test } from "./app";
+import { expect, expectAccessible, shot, test, type App } from "./app";
 import { CORNERS, FilmPage, LEVELS, cornerOf, farthest } from "./marking";
 
 /** What a mark may be beside the click that made it: places are kept to a thousandth of a pixel. */
 const CLOSE_PX = 0.01;
+
+/** A new reading of the demo's erect film, with L4 in the middle, and another reading to mark it by. */
+async function atL4(app: App, page: Page): Promise<{ film: FilmPage; truth: Api<"ReadingView"> }> {
+  await app.open(page);
+  const film = await FilmPage.ofDemo(page);
+  const truth = await film.truth();
+  await film.lookAt(cornerOf(truth, "L4", "superior_left"), 0.6);
+  return { film, truth };
+}
 
 test("a film is marked from nothing, and what follows from it appears", async ({ app, page }) => {
   test.slow();
@@ -41,10 +52,7 @@ for (const deviceScaleFactor of [1, 1.25, 2]) {
     test.use({ deviceScaleFactor });
 
     test("what is painted and what is clicked is where the film has it", async ({ app, page }) => {
-      await app.open(page);
-      const film = await FilmPage.ofDemo(page);
-      const truth = await film.truth();
-      await film.lookAt(cornerOf(truth, "L4", "superior_left"), 0.6);
+      const { film, truth } = await atL4(app, page);
       await film.mark(truth, "L4");
       await film.saved();
       expect(farthest(await film.reading(), truth)).toBeLessThan(CLOSE_PX);
@@ -113,10 +121,7 @@ test("a reload in the middle keeps everything, and undo goes on behind it", asyn
   app,
   page,
 }) => {
-  await app.open(page);
-  const film = await FilmPage.ofDemo(page);
-  const truth = await film.truth();
-  await film.lookAt(cornerOf(truth, "L4", "superior_left"), 0.6);
+  const { film, truth } = await atL4(app, page);
   await film.mark(truth, "L4");
   await film.click(cornerOf(truth, "L3", "superior_left"));
   // At once, while the last clicks may still be on their way.
@@ -262,10 +267,7 @@ test("a proposal counts only once somebody has touched it", async ({ app, page }
 });
 
 test("clicks while the program is away are saved when it is back", async ({ app, page }) => {
-  await app.open(page);
-  const film = await FilmPage.ofDemo(page);
-  const truth = await film.truth();
-  await film.lookAt(cornerOf(truth, "L4", "superior_left"), 0.6);
+  const { film, truth } = await atL4(app, page);
   await film.click(cornerOf(truth, "L4", "superior_left"));
   await film.saved();
   await app.kill();
@@ -287,10 +289,7 @@ test("a window that died with unsaved clicks does not lose them", async ({
   page,
   context,
 }) => {
-  await app.open(page);
-  const film = await FilmPage.ofDemo(page);
-  const truth = await film.truth();
-  await film.lookAt(cornerOf(truth, "L4", "superior_left"), 0.6);
+  const { film, truth } = await atL4(app, page);
   await page.route("**/events", (route) => route.abort());
   await film.click(cornerOf(truth, "L4", "superior_left"));
   await expect(page.getByTestId("saving")).toContainText("1 not saved");
@@ -323,10 +322,7 @@ test("the scale is read off two clicks and belongs to the film", async ({ app, p
 });
 
 test("a finished reading never changes again", async ({ app, page }) => {
-  await app.open(page);
-  const film = await FilmPage.ofDemo(page);
-  const truth = await film.truth();
-  await film.lookAt(cornerOf(truth, "L4", "superior_left"), 0.6);
+  const { film, truth } = await atL4(app, page);
   await film.mark(truth, "L4");
   await film.saved();
   await page.getByRole("button", { name: /finish reading/i }).click();
@@ -383,10 +379,7 @@ test("marks are recorded where the browser keeps nothing, which is told once", a
       throw new DOMException("full", "QuotaExceededError");
     };
   });
-  await app.open(page);
-  const film = await FilmPage.ofDemo(page);
-  const truth = await film.truth();
-  await film.lookAt(cornerOf(truth, "L4", "superior_left"), 0.6);
+  const { film, truth } = await atL4(app, page);
   await film.mark(truth, "L4");
   await film.saved();
   expect(farthest(await film.reading(), truth)).toBeLessThan(CLOSE_PX);
