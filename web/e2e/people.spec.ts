@@ -71,6 +71,20 @@ async function readAtOnce(app: App, ab: Page, cd: Page): Promise<void> {
     ).toHaveCount(1);
   }
   await shot(ab, "people-heard");
+  await expectSidesClear(ab, "cd has changed this study.");
+  await onTablet(ab, () => expectSidesClear(ab, "cd has changed this study."));
+}
+
+/** What is told over a film must not hide which side of it is which. */
+async function expectSidesClear(page: Page, told: string): Promise<void> {
+  const { y: top } = (await page.getByText(told).boundingBox())!;
+  const sides = page.locator(".sides text");
+  await expect(sides).toHaveCount(4);
+  for (const side of await sides.all()) {
+    const { x, y, width, height } = (await side.boundingBox())!;
+    expect(y + height).toBeLessThanOrEqual(top);
+    expect(x + width).toBeLessThanOrEqual(page.viewportSize()!.width);
+  }
 }
 
 /** Both record a scale from the same state of the film: the first stands, the second is kept. */
@@ -113,7 +127,7 @@ async function scaleAtOnce(ab: Page, cd: Page): Promise<void> {
     await expect(page.locator("details").filter({ has: lost })).toContainText("– cd,");
   }
   await shot(ab, "people-lost");
-  await shotOnTablet(cd, "people-lost-tablet");
+  await onTablet(cd, () => shot(cd, "people-lost-tablet"));
   const { body } = await get<Api<"StudyDetail">>(ab, `/api/studies/${SHARED}`);
   expect(body.conflicts).toHaveLength(1);
   expect(body.conflicts[0]).toMatchObject({ who: "cd", base_revision: 0, found_revision: 1 });
@@ -168,9 +182,9 @@ async function signedIn(browser: Browser, app: App, name: string): Promise<Page>
   return page;
 }
 
-async function shotOnTablet(page: Page, name: string): Promise<void> {
+async function onTablet(page: Page, look: () => Promise<void>): Promise<void> {
   const before = page.viewportSize()!;
-  await page.setViewportSize({ width: 820, height: 1180 });
-  await shot(page, name);
+  await page.setViewportSize({ width: 768, height: 1024 });
+  await look();
   await page.setViewportSize(before);
 }
