@@ -13,6 +13,9 @@ import type { Point } from "../shapes";
 
 const UP = new Vector3(0, 1, 0);
 
+/** Half the width of an arrow's head, as a part of its length. */
+export const HEAD_GIRTH = 0.36;
+
 /** A straight rod between two points. */
 export class Rod {
   readonly mesh: Mesh<CylinderGeometry, MeshBasicMaterial>;
@@ -65,7 +68,7 @@ export class Arrow {
     this.headEnds = [end.clone().addScaledVector(axis, -head), end.clone()];
     this.#head.position.copy(end).addScaledVector(axis, -head / 2);
     this.#head.quaternion.copy(new Quaternion().setFromUnitVectors(UP, axis));
-    this.#head.scale.set(head * 0.36, head, head * 0.36);
+    this.#head.scale.set(head * HEAD_GIRTH, head, head * HEAD_GIRTH);
     this.shaft.set(start, end.clone().addScaledVector(axis, -head * 0.9), 1.5);
     for (const material of [this.shaft.mesh.material, this.#head.material])
       material.color.set(colour);

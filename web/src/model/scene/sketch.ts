@@ -1,7 +1,7 @@
 import { Vector3, type Camera } from "three";
 
 import { at, placed, type BodySize, type Point, type Shape } from "../shapes";
-import type { Arrow, Rod } from "./arrow";
+import { HEAD_GIRTH, type Arrow, type Rod } from "./arrow";
 import { boneColour, type Palette, type Tone } from "./figure";
 import { hull, type Place } from "./hull";
 import { rimPoints } from "./vertebra";
@@ -35,6 +35,8 @@ interface Outline {
 /** Every other point of a rim: an outline needs no more. */
 const EVERY = 2;
 const JOINT_PX = 3;
+/** From stripe to stripe across what is not a result. */
+const STRIPES_PX = 6;
 
 /**
  * The picture in flat outlines, seen as the camera sees it. A machine that draws without a graphics card needs less time
@@ -43,6 +45,7 @@ const JOINT_PX = 3;
 export class Sketch {
   readonly #canvas = document.createElement("canvas");
   readonly #pen: CanvasRenderingContext2D;
+  readonly #stripes: CanvasPattern;
 
   constructor(
     over: HTMLCanvasElement,
@@ -52,6 +55,7 @@ export class Sketch {
     const pen = this.#canvas.getContext("2d", { alpha: false });
     if (!pen) throw new Error("no canvas");
     this.#pen = pen;
+    this.#stripes = stripes(pen, palette.background);
     this.#canvas.setAttribute("aria-hidden", "true");
     Object.assign(this.#canvas.style, { position: "absolute", inset: "0", pointerEvents: "none" });
     over.after(this.#canvas);
@@ -108,14 +112,20 @@ export class Sketch {
     const edge = spine.faint ? this.palette.measured : this.palette.background;
     const outlines = this.#outlines(spine, bone.getStyle(), project);
     outlines.sort((a, b) => b.depth - a.depth);
+    const paints = (fill: string): (string | CanvasPattern)[] => {
+      if (spine.faint) return [];
+      return spine.tone === "not_a_result" ? [fill, this.#stripes] : [fill];
+    };
     pen.lineWidth = 1;
     pen.strokeStyle = edge;
     for (const { places, fill } of outlines) {
       pen.beginPath();
       places.forEach(([x, y], index) => (index === 0 ? pen.moveTo(x, y) : pen.lineTo(x, y)));
       pen.closePath();
-      pen.fillStyle = fill;
-      if (!spine.faint) pen.fill();
+      for (const paint of paints(fill)) {
+        pen.fillStyle = paint;
+        pen.fill();
+      }
       pen.stroke();
     }
     if (spine.faint) return;
@@ -168,13 +178,27 @@ export class Sketch {
   #arrow(arrow: Arrow, window: Window, project: (point: Vector3) => Vector3): void {
     this.#rod(arrow.shaft, window, project);
     const [base, tip] = arrow.headEnds.map(project) as [Vector3, Vector3];
-    const across = [base.y - tip.y, tip.x - base.x].map((part) => 0.36 * part) as [number, number];
+    const half = tip.clone().sub(base).multiplyScalar(HEAD_GIRTH);
     const pen = this.#pen;
     pen.fillStyle = arrow.shaft.mesh.material.color.getStyle();
     pen.beginPath();
     pen.moveTo(tip.x, tip.y);
-    pen.lineTo(base.x + across[0], base.y + across[1]);
-    pen.lineTo(base.x - across[0], base.y - across[1]);
+    pen.lineTo(base.x - half.y, base.y + half.x);
+    pen.lineTo(base.x + half.y, base.y - half.x);
     pen.fill();
   }
+}
+
+/** What is not a result must not look like one, in print and to the colour-blind too. */
+function stripes(pen: CanvasRenderingContext2D, colour: string): CanvasPattern {
+  const tile = new OffscreenCanvas(STRIPES_PX, STRIPES_PX);
+  const paint = tile.getContext("2d");
+  if (!paint) throw new Error("no canvas");
+  paint.fillStyle = colour;
+  for (let x = 0; x < STRIPES_PX; x += 1)
+    for (let y = 0; y < STRIPES_PX; y += 1)
+      if ((x + y) % STRIPES_PX < STRIPES_PX / 2) paint.fillRect(x, y, 1, 1);
+  const pattern = pen.createPattern(tile, "repeat");
+  if (!pattern) throw new Error("no canvas");
+  return pattern;
 }

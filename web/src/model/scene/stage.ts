@@ -69,6 +69,7 @@ const PIXEL_RATIO = 2;
 /** How long a slow machine's picture rests before it is more than a sketch. */
 const REST_MS = 250;
 const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
+
 /** Which spines are in a part of the picture. */
 interface Seen {
   main: boolean;
