@@ -41,5 +41,5 @@ export function targetOf(
 
 function chosenTarget(reading: ReadingView, chosen: Chosen): Mark | null {
   if (chosen === null) return null;
-  return chosen === CRESTS ? missingCrest(reading) : missingCorner(reading, chosen as string);
+  return chosen === CRESTS ? missingCrest(reading) : missingCorner(reading, chosen);
 }
