@@ -149,11 +149,7 @@ pub(super) fn fit_models(analysis: &mut Analysis) {
         let text = "no bending film: stiffness cannot be personalised";
         warnings.push(Step::Personalize, "no_bending_film", text);
     } else {
-        let mut kinds = vec![LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
-        if !analysis.options.given_lines.is_empty() {
-            kinds.push(LineKind::Given);
-        }
-        for kind in kinds {
+        for kind in analysis.options.line_kinds() {
             if let Some(model) = fit_model(analysis, kind, estimate.as_ref(), &mut warnings) {
                 analysis.models.push(model);
             }

@@ -1,6 +1,6 @@
 use std::ops::RangeInclusive;
 
-use crate::action::LineOfAction;
+use crate::action::{LineKind, LineOfAction};
 use crate::anatomy::{Posture, SagittalProfile};
 use crate::chain::SEGMENT_WINDOW;
 use crate::curve::{InflectionChoice, MIN_TURN, OrderRule};
@@ -43,6 +43,17 @@ pub struct AnalysisOptions {
     pub grouping: Grouping,
     /// Lines given by the user.
     pub given_lines: Vec<(Posture, LineOfAction)>,
+}
+
+impl AnalysisOptions {
+    /// The lines of action that models are fitted with, where there is a bending film.
+    pub(crate) fn line_kinds(&self) -> Vec<LineKind> {
+        let mut kinds = vec![LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
+        if !self.given_lines.is_empty() {
+            kinds.push(LineKind::Given);
+        }
+        kinds
+    }
 }
 
 impl Default for AnalysisOptions {

@@ -110,13 +110,8 @@ impl<'a> MonteCarlo<'a> {
         seed: u64,
     ) -> Result<Self, UncertaintyError> {
         let bends = nominal.postures.iter().any(|p| p.outline.posture.bend().is_some());
-        let mut kinds = Vec::new();
-        if bends && !nominal.warnings.has("no_scale") {
-            kinds.extend([LineKind::Inflection, LineKind::Iliac, LineKind::Estimated]);
-            if !nominal.options.given_lines.is_empty() {
-                kinds.push(LineKind::Given);
-            }
-        }
+        let has_models = bends && !nominal.warnings.has("no_scale");
+        let kinds = if has_models { nominal.options.line_kinds() } else { Vec::new() };
         Ok(Self {
             nominal,
             noisy: NoisyCase::new(case, nominal, noise, seed)?,
