@@ -62,7 +62,7 @@ fn text(path: &Path, analysis: &Analysis) -> String {
     for warning in &odd {
         let place = warning.posture.map_or_else(String::new, |p| format!("{p} film: "));
         let level = warning.level.map_or_else(String::new, |l| format!("{l}: "));
-        text.push_str(&wrap(&format!("! {place}{level}{}", warning.message), 110, "  "));
+        text.push_str(&wrap(&format!("! {place}{level}{}", warning.text()), 110, "  "));
     }
     if odd.is_empty() {
         text.push_str("  nothing odd about these films\n");

@@ -41,8 +41,8 @@ pub fn warnings(analysis: &Analysis) -> String {
         .into_iter()
         .flatten()
         .collect();
-        let _ =
-            writeln!(text, "warning: {}: {} [{}]", place.join(", "), warning.message, warning.code);
+        let (place, said) = (place.join(", "), warning.text());
+        let _ = writeln!(text, "warning: {place}: {said} [{}]", warning.code);
     }
     text
 }

@@ -1,5 +1,6 @@
 //! Soft problems: they stop nothing, but everyone who reads a result sees them, and each says what was done about it.
 
+use crate::action::LineKind;
 use crate::anatomy::{Level, Posture};
 
 /// A step of the pipeline, in its order.
@@ -70,11 +71,26 @@ pub struct Warning {
     pub posture: Option<Posture>,
     /// The vertebra it is about.
     pub level: Option<Level>,
-    /// What happened and what to do, in words.
+    /// The line of action it is about.
+    pub line: Option<LineKind>,
+    /// What happened and what to do, in words, without the name of the line.
     pub message: String,
 }
 
 impl Warning {
+    /// The message, with the line that it is about.
+    #[must_use]
+    pub fn text(&self) -> String {
+        match self.line {
+            Some(line) => format!("{line}: {}", self.message),
+            None => self.message.clone(),
+        }
+    }
+
+    fn new(step: Step, code: &'static str, message: impl Into<String>) -> Self {
+        Self { code, step, posture: None, level: None, line: None, message: message.into() }
+    }
+
     /// How much it weighs.
     #[must_use]
     pub fn severity(&self) -> Severity {
@@ -95,7 +111,7 @@ pub struct Warnings(Vec<Warning>);
 impl Warnings {
     /// Adds a problem of a whole case.
     pub fn push(&mut self, step: Step, code: &'static str, message: impl Into<String>) {
-        self.add(step, code, None, None, message.into());
+        self.add(Warning::new(step, code, message));
     }
 
     /// Adds a problem of one film.
@@ -106,7 +122,7 @@ impl Warnings {
         posture: Posture,
         message: impl Into<String>,
     ) {
-        self.add(step, code, Some(posture), None, message.into());
+        self.add(Warning { posture: Some(posture), ..Warning::new(step, code, message) });
     }
 
     /// Adds a problem of one vertebra on one film.
@@ -118,18 +134,23 @@ impl Warnings {
         level: Level,
         message: impl Into<String>,
     ) {
-        self.add(step, code, Some(posture), Some(level), message.into());
+        let warning = Warning::new(step, code, message);
+        self.add(Warning { posture: Some(posture), level: Some(level), ..warning });
     }
 
-    fn add(
+    /// Adds a problem of a line of action, on one film where one is given.
+    pub fn line(
         &mut self,
         step: Step,
         code: &'static str,
+        line: LineKind,
         posture: Option<Posture>,
-        level: Option<Level>,
-        message: String,
+        message: impl Into<String>,
     ) {
-        let warning = Warning { code, step, posture, level, message };
+        self.add(Warning { line: Some(line), posture, ..Warning::new(step, code, message) });
+    }
+
+    fn add(&mut self, warning: Warning) {
         if !self.0.contains(&warning) {
             self.0.push(warning);
         }

@@ -3,15 +3,19 @@ import { expect, it } from "vitest";
 import type { Api } from "../api/types";
 import { byLine } from "./notices";
 
-const notice = (text: string): Api<"Notice"> => ({ severity: "warning", code: "code", text });
+const notice = (text: string, line: Api<"LineName"> | null = null): Api<"Notice"> => ({
+  severity: "warning",
+  code: "code",
+  line,
+  text,
+});
 
 it("puts what is said of a line under the line, and the rest first", () => {
-  const iliac = notice("iliac line: the fit ended with `iterations`");
   const all = [
-    iliac,
+    notice("the fit ended with `iterations`", "iliac_line"),
     notice("no scale"),
-    notice("inflection line: one"),
-    notice("iliac line: two"),
+    notice("one", "inflection_line"),
+    notice("two", "iliac_line"),
   ];
   expect(byLine(all)).toEqual([
     { line: null, notices: [notice("no scale")] },
@@ -20,8 +24,8 @@ it("puts what is said of a line under the line, and the rest first", () => {
   ]);
 });
 
-it("has no group without a notice, and knows a line only at the beginning", () => {
+it("has no group without a notice, and takes none from its words", () => {
   expect(byLine([])).toEqual([]);
-  const text = "on the iliac line: nothing";
-  expect(byLine([notice(text)])).toEqual([{ line: null, notices: [notice(text)] }]);
+  const told = notice("iliac line: nothing");
+  expect(byLine([told])).toEqual([{ line: null, notices: [told] }]);
 });

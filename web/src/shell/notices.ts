@@ -1,5 +1,5 @@
 import type { Api } from "../api/types";
-import { lineNames, lineWord } from "./words";
+import { lineNames } from "./words";
 
 type Notice = Api<"Notice">;
 type LineName = Api<"LineName">;
@@ -10,16 +10,12 @@ export interface LineNotices {
   notices: Notice[];
 }
 
-/** The program begins what it says of a line with the line's name. */
-const startOf = (line: LineName): string => `${lineWord(line).toLowerCase()}: `;
-
-/** Notices under the line that they are about, whose name is taken off; those about none first, and mere notes last. */
+/** Notices under the line that they are about, which they need not name again; those about none first, and mere notes last. */
 export function byLine(notices: readonly Notice[]): LineNotices[] {
   const groups: LineNotices[] = [null, ...lineNames].map((line) => ({ line, notices: [] }));
   for (const notice of notices) {
-    const line = lineNames.find((name) => notice.text.startsWith(startOf(name))) ?? null;
-    const text = line ? notice.text.slice(startOf(line).length) : notice.text;
-    groups.find((group) => group.line === line)?.notices.push({ ...notice, text });
+    const line = notice.line ?? null;
+    groups.find((group) => group.line === line)?.notices.push({ ...notice, line: null });
   }
   const isQuiet = (group: LineNotices): boolean =>
     group.notices.every(({ severity }) => severity === "note");

@@ -192,7 +192,7 @@ impl AnalysisFile {
                     step: w.step.key().to_owned(),
                     posture: w.posture.map(Into::into),
                     level: w.level.map(LevelKey),
-                    message: w.message.clone(),
+                    message: w.text(),
                 })
                 .collect(),
         }

@@ -263,7 +263,7 @@ fn fit_model(
     };
     let bends = bending_loads(analysis, kind, depth_mm, warnings);
     if bends.is_empty() {
-        warnings.push(Step::Action, "no_line", format!("{kind}: no bending film has such a line"));
+        warnings.line(Step::Action, "no_line", kind, None, "no bending film has such a line");
         return None;
     }
     let films: Vec<FitFilm<'_>> =
@@ -297,8 +297,8 @@ fn fit_model(
         match evaluation.simulate(posture, fitted, warnings) {
             Some(simulation) => simulations.push(simulation),
             None => {
-                let text = format!("{kind}: this film has no such line, so it is not simulated");
-                warnings.film(Step::Action, "no_line", name, text);
+                let text = "this film has no such line, so it is not simulated";
+                warnings.line(Step::Action, "no_line", kind, Some(name), text);
             }
         }
     }
@@ -421,11 +421,9 @@ fn scale_to_known_force(model: &mut LineModel, gauge: Gauge, warnings: &mut Warn
     let simulated =
         model.posture(posture).filter(|s| s.is_usable() && s.force_n != 0.0).map(|s| s.force_n);
     let Some(simulated) = simulated else {
-        let text = format!(
-            "{}: no usable force in this posture, so the known force fixes nothing",
-            model.kind
-        );
-        warnings.film(Step::Personalize, "known_force_unused", posture, text);
+        let text = "no usable force in this posture, so the known force fixes nothing";
+        let code = "known_force_unused";
+        warnings.line(Step::Personalize, code, model.kind, Some(posture), text);
         return;
     };
     let scale = force_n.abs() / simulated.abs();
@@ -442,46 +440,45 @@ fn scale_to_known_force(model: &mut LineModel, gauge: Gauge, warnings: &mut Warn
 }
 
 fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
+    let mut warn = |step, code, posture, text| warnings.line(step, code, model.kind, posture, text);
     if model.fit.status != FitStatus::Converged {
-        let text = format!("{}: the fit ended with `{}`", model.kind, model.fit.status.key());
-        warnings.push(Step::Personalize, "fit_not_converged", text);
+        let text = format!("the fit ended with `{}`", model.fit.status.key());
+        warn(Step::Personalize, "fit_not_converged", None, text);
     }
     for (name, bound) in model.groups.names().iter().zip(&model.fit.bounds) {
         if *bound != StiffnessBound::Inside {
             let text = format!(
-                "{}: the multiplier of {} ended at its bound, so its value is not identified",
-                model.kind,
+                "the multiplier of {} ended at its bound, so its value is not identified",
                 name.replace('_', " ")
             );
-            warnings.push(Step::Personalize, "multiplier_at_bound", text);
+            warn(Step::Personalize, "multiplier_at_bound", None, text);
         }
     }
     for simulation in &model.postures {
+        let posture = Some(simulation.posture);
         if !simulation.is_usable() {
             let text = format!(
-                "{}: the force was not found (`{}`); what is shown is the nearest shape, not a result",
-                model.kind,
+                "the force was not found (`{}`); what is shown is the nearest shape, not a result",
                 simulation.status.key()
             );
-            warnings.film(Step::Evaluate, "force_not_found", simulation.posture, text);
+            warn(Step::Evaluate, "force_not_found", posture, text);
         }
         if simulation.lost_forces > 0 {
             let text = format!(
-                "{}: the search for forces that meet the amplitude was lost {} times: there may be more",
-                model.kind, simulation.lost_forces
+                "the search for forces that meet the amplitude was lost {} times: there may be more",
+                simulation.lost_forces
             );
-            warnings.film(Step::Evaluate, "forces_lost", simulation.posture, text);
+            warn(Step::Evaluate, "forces_lost", posture, text);
         }
         let beyond = simulation.contradicted.iter().filter(|joint| joint.beyond_noise).count();
         if beyond > 0 {
             let text = format!(
-                "{}: {} of {} joints turn against the force, {beyond} of them beyond noise ({:.0} % of the work): no positive stiffness explains them",
-                model.kind,
+                "{} of {} joints turn against the force, {beyond} of them beyond noise ({:.0} % of the work): no positive stiffness explains them",
                 simulation.contradicted.len(),
                 simulation.location_errors_mm.len(),
                 100.0 * simulation.contradicted_weight()
             );
-            warnings.film(Step::Personalize, "joints_contradict_line", simulation.posture, text);
+            warn(Step::Personalize, "joints_contradict_line", posture, text);
         }
     }
 }

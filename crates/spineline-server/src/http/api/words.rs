@@ -68,7 +68,9 @@ pub struct Notice {
     pub posture: Option<PostureName>,
     /// Vertebra that it is about, such as `T12`.
     pub level: Option<String>,
-    /// What, where, which value and which limit.
+    /// Line of action that it is about.
+    pub line: Option<LineName>,
+    /// What, where, which value and which limit; the line is not named again.
     pub text: String,
 }
 

@@ -169,6 +169,7 @@ fn faults(
         code: fault.code().to_owned(),
         posture,
         level: fault.level().map(|level| level.to_string()),
+        line: None,
         text: fault.to_string(),
     });
     notices.collect()

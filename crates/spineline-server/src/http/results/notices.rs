@@ -6,13 +6,14 @@ use spineline::measure::{LengthScale, SpacingPlane};
 use spineline::warning::{Severity as Kind, Warning};
 
 use super::cache::{Outcome, StudyResult};
-use super::words::{listed, posture_name};
+use super::words::{line_name, listed, posture_name};
 use crate::http::api::{Notice, Severity};
 use crate::store::StandingCase;
 
 /// A notice of a whole study.
 pub fn notice(severity: Severity, code: &str, text: impl Into<String>) -> Notice {
-    Notice { severity, code: code.to_owned(), posture: None, level: None, text: text.into() }
+    let code = code.to_owned();
+    Notice { severity, code, posture: None, level: None, line: None, text: text.into() }
 }
 
 /// Everything to be seen beside the results of a study, worst first.
@@ -43,6 +44,7 @@ pub fn of_analysis(analysis: &Analysis) -> Vec<Notice> {
 }
 
 pub fn of_warning(warning: &Warning) -> Notice {
+    let line = warning.line.and_then(line_name);
     Notice {
         severity: match warning.severity() {
             Kind::Note => Severity::Note,
@@ -52,7 +54,8 @@ pub fn of_warning(warning: &Warning) -> Notice {
         code: warning.code.to_owned(),
         posture: warning.posture.map(posture_name),
         level: warning.level.map(|level| level.to_string()),
-        text: warning.message.clone(),
+        line,
+        text: if line.is_some() { warning.message.clone() } else { warning.text() },
     }
 }
 
