@@ -103,3 +103,28 @@ fn left_out(standing: &StandingCase) -> Vec<Notice> {
     });
     notices.chain(no_erect).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use spineline::action::LineKind;
+    use spineline::warning::{Step, Warnings};
+
+    use super::*;
+    use crate::http::api::LineName;
+
+    #[test]
+    fn a_line_is_named_once() {
+        let mut warnings = Warnings::default();
+        for kind in [LineKind::Iliac, LineKind::Given] {
+            let posture = Some(Posture::LeftBending);
+            warnings.line(Step::Evaluate, "force_not_found", kind, posture, "no force");
+        }
+        assert_eq!(warnings.all()[0].text(), "iliac line: no force");
+        let [iliac, given] = warnings.all() else { panic!("two lines, two warnings") };
+        let [iliac, given] = [of_warning(iliac), of_warning(given)];
+        assert_eq!((iliac.line, iliac.text.as_str()), (Some(LineName::IliacLine), "no force"));
+        // A line that the interface has no name for keeps its own.
+        assert_eq!((given.line, given.text.as_str()), (None, "given line: no force"));
+        assert_eq!(iliac.severity, Severity::Contradiction);
+    }
+}
