@@ -273,6 +273,7 @@ fn fit_model(
         target,
         gauge: options.gauge,
         support: options.support,
+        prior: options.prior,
         hints: &hints,
     };
     let evidence: Vec<(&FilmEvidence, Load)> =
