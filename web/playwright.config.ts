@@ -8,8 +8,7 @@ export default defineConfig({
   fullyParallel: true,
   timeout: 120_000,
   expect: { timeout: 15_000 },
-  // A browser under load now and then loses an event; a test that needs another try is told as flaky.
-  retries: 2,
+  retries: 0,
   reporter: [["list"]],
   use: {
     viewport: { width: 1280, height: 800 },

@@ -74,7 +74,7 @@ export class App {
 
 /** Runs the program to its end, such as to make phantoms. */
 export async function runProgram(...args: string[]): Promise<void> {
-  await runProgramWith("", ...args);
+  await promisify(execFile)(PROGRAM, args);
 }
 
 /** The same, with something to read, such as a password. */

@@ -1,5 +1,160 @@
-import { expect, shot, test } from "./app";
+import { mkdtemp, rm } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import path from "node:path";
+
+import type { Page } from "@playwright/test";
+
+import type { Api } from "../src/api/types";
+import { expect, runProgram, shot, test } from "./app";
 import { FilmPage } from "./marking";
+import { answers, get, send } from "./wire";
+
+const STUDY = "blind-1";
+/** What would tell a blinded reader which film it is, who else reads, or what came of it. */
+const TELLING = /erect|bending|neutral|traction|"eve"|cobb|lenke|phantom-rod/i;
+
+test("a plan hides films, readers and results until all is read", async ({ app, page }) => {
+  test.setTimeout(240_000);
+  await app.open(page, "lead");
+  await makeStudy(page);
+  const films = (await get<Api<"StudyDetail">>(page, `/api/studies/${STUDY}`)).body.summary.films;
+  const plan = { observers: ["bob", "eve"], repeats: 1, washout_days: 0, seed: 4 };
+  expect(await send(page, "POST", `/api/studies/${STUDY}/plan`, plan)).toMatchObject({
+    status: 200,
+  });
+
+  const bob = await page.context().browser()!.newPage();
+  const told = answers(bob);
+  await app.open(bob, "bob");
+  const row = bob.getByRole("article").filter({ hasText: STUDY });
+  await expect(row).toContainText("read blinded");
+  await expect(row.getByRole("img")).toHaveCount(0);
+  await shot(bob, "blinded-list");
+  await row.getByRole("link", { name: `Read ${STUDY}` }).click();
+  await shot(bob, "blinded-next");
+  const first = await beginNext(bob);
+  const film = new FilmPage(bob);
+  await film.painted();
+  await film.markSquare(await image(film));
+  await shot(bob, "blinded-reading");
+
+  // A reload goes on with the same film.
+  await bob.reload();
+  await expect(bob.getByRole("heading", { name: `Film ${first}` })).toBeVisible();
+  await expect(film.target).toContainText("L3");
+  const addresses = forbidden(films);
+  for (const address of addresses) {
+    const { status, body } = await get(bob, address);
+    expect([403, 404], address).toContain(status);
+    expect(JSON.stringify(body), address).not.toMatch(TELLING);
+  }
+  await finish(bob);
+  const second = await beginNext(bob);
+  expect(second).not.toBe(first);
+  await film.painted();
+  // Half a vertebra is no reading: it says which one.
+  await film.viewer.focus();
+  await bob.keyboard.press("c");
+  await bob.keyboard.press("Enter");
+  await film.saved();
+  await bob.getByRole("button", { name: /finish reading/i }).click();
+  const dialog = bob.getByRole("dialog", { name: /finish this reading/i });
+  await dialog.getByRole("button", { name: "Finish", exact: true }).click();
+  await expect(dialog.getByRole("alert")).toContainText("L4");
+  await shot(bob, "blinded-finish-refused");
+  await dialog.getByRole("button", { name: "Go on marking" }).click();
+  await bob.getByRole("button", { name: "Undo" }).click();
+  await film.saved();
+  await finish(bob);
+  await expect(bob.getByRole("heading", { name: /all films are read/i })).toBeVisible();
+  // What is finished does not open what others still read.
+  await bob.getByRole("link", { name: "Studies", exact: true }).click();
+  await expect(row).toContainText("read blinded");
+  for (const address of addresses) {
+    expect([403, 404], address).toContain((await get(bob, address)).status);
+  }
+  expect(told.texts.length).toBeGreaterThan(8);
+  for (const { address, text } of await told.read()) expect(text, address).not.toMatch(TELLING);
+  expect(told.kinds.has("image/png")).toBe(false);
+
+  const eve = await page.context().browser()!.newPage();
+  await app.open(eve, "eve");
+  await eve.getByRole("link", { name: `Read ${STUDY}` }).click();
+  for (const earlier of [first, second]) {
+    expect(await beginNext(eve)).not.toBe(earlier);
+    await new FilmPage(eve).painted();
+    await finish(eve);
+  }
+  await expect(eve.getByRole("heading", { name: /all films are read/i })).toBeVisible();
+  // All is read: postures and readings are everybody's, also without signing in again.
+  await bob.reload();
+  await row.getByRole("link", { name: `Measure ${STUDY}` }).click();
+  await expect(bob.getByRole("link", { name: /left bending/i })).toBeVisible();
+  const { body } = await get<Api<"StudyDetail">>(bob, `/api/studies/${STUDY}`);
+  expect(body.plan?.blinded).toBe(false);
+  expect(body.summary.films.flatMap(({ readings }) => readings)).toHaveLength(4);
+  await shot(bob, "blinded-open");
+  await bob.close();
+  await eve.close();
+});
+
+/** Two films of a phantom, dropped on the page. */
+async function makeStudy(page: Page): Promise<void> {
+  const phantom = await mkdtemp(path.join(tmpdir(), "spineline-phantom-"));
+  await runProgram("phantom", "--subject", "1", "--films", "--out", phantom);
+  await page.getByRole("link", { name: "New study" }).first().click();
+  const files = ["erect", "left_bending"].map((posture) =>
+    path.join(phantom, `phantom-rod-01-${posture}.dcm`),
+  );
+  await page.locator("input[type=file]").setInputFiles(files);
+  await expect(page.getByLabel("Posture")).toHaveCount(2, { timeout: 60_000 });
+  await rm(phantom, { recursive: true });
+  for (const film of await page.getByRole("article").all()) {
+    const sides = film.getByRole("group", { name: "The patient's left is on the" });
+    if (!(await sides.getByText("as the file says").isVisible()))
+      await sides.getByRole("radio", { name: "right of the picture" }).check();
+  }
+  await page.getByRole("textbox", { name: "Identifier" }).fill(STUDY);
+  await page.getByRole("button", { name: "Make the study" }).click();
+  await expect(page).toHaveURL(new RegExp(`#/studies/${STUDY}/measure`), { timeout: 60_000 });
+}
+
+/** Begins the film that is next, and returns its code. */
+async function beginNext(page: Page): Promise<string> {
+  const heading = page.getByRole("heading", { name: /next film/i });
+  await expect(heading).toBeVisible();
+  const code = /[A-Z2-9]{6}$/.exec((await heading.innerText()).trim())![0];
+  await page.getByRole("button", { name: "Begin" }).click();
+  await expect(page.getByRole("heading", { name: `Film ${code}` })).toBeVisible();
+  return code;
+}
+
+async function finish(page: Page): Promise<void> {
+  await page.getByRole("button", { name: /finish reading/i }).click();
+  const dialog = page.getByRole("dialog", { name: /finish this reading/i });
+  await dialog.getByRole("button", { name: "Finish", exact: true }).click();
+  await expect(dialog).toBeHidden();
+}
+
+/** The picture of the reading that is under way. */
+async function image(film: FilmPage): Promise<Api<"ReadingImage">> {
+  const next = (await film.detail()).plan?.next;
+  if (next?.kind !== "continue") throw new Error("no reading was begun");
+  return (await film.get<Api<"ReadingView">>(`/api/readings/${next.reading}`)).image;
+}
+
+/** Whatever says more of a study and its films than their codes. */
+function forbidden(films: Api<"FilmSummary">[]): string[] {
+  const ofStudy = ["findings", "model", "analysis.json", "case", "reliability"];
+  return [
+    ...ofStudy.map((what) => `/api/studies/${STUDY}/${what}`),
+    ...films.flatMap(({ film }) => [
+      `/api/studies/${STUDY}/films/${film}/overlay`,
+      `/api/films/${film}/pixels`,
+      `/api/films/${film}/thumbnail`,
+    ]),
+  ];
+}
 
 test("who has read all films is told so, and who has to wait sees until when", async ({
   app,

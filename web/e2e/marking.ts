@@ -75,14 +75,9 @@ export class FilmPage {
     await this.page.getByRole("button", { name: "Fit" }).click();
     while ((await this.view()).scale < scale) {
       const before = (await this.view()).scale;
-      // The picture may still be on its way to where the button put it, and a turn be swallowed with the pointer's move.
-      await expect(async () => {
-        await this.page.mouse.move(...(await this.where(place)));
-        await this.page.mouse.wheel(0, -200);
-        await expect
-          .poll(async () => (await this.view()).scale, { timeout: 1000 })
-          .toBeGreaterThan(before);
-      }).toPass({ timeout: 20_000 });
+      await this.page.mouse.move(...(await this.where(place)));
+      await this.page.mouse.wheel(0, -200);
+      await expect.poll(async () => (await this.view()).scale).toBeGreaterThan(before);
     }
     // Into the middle, so that its neighbours are in sight too.
     const box = (await this.viewer.boundingBox())!;
@@ -106,6 +101,19 @@ export class FilmPage {
       await expect(this.target).toContainText(wordsOf(corner));
       await this.click(cornerOf(truth, level, corner));
     }
+  }
+
+  /** Marks L4, the first vertebra that is asked for, as a square in the middle of the film. */
+  async markSquare(image: Api<"ReadingImage">): Promise<void> {
+    const left = image.patient_left === "image_left" ? -1 : 1;
+    for (const corner of CORNERS) {
+      await expect(this.target).toContainText(wordsOf(corner));
+      const x = corner.endsWith("left") ? left : -left;
+      const y = corner.startsWith("superior") ? -1 : 1;
+      await this.click([image.columns / 2 + 150 * x, image.rows / 2 + 100 * y]);
+    }
+    await expect(this.target).toContainText("L3");
+    await this.saved();
   }
 
   /** Takes hold of a place, and lets go of it at another one. */

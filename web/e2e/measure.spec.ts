@@ -1,3 +1,4 @@
+import type { Api } from "../src/api/types";
 import { expect, expectAccessible, shot, test } from "./app";
 import { CORNERS, FilmPage, LEVELS, cornerOf, farthest } from "./marking";
 
@@ -87,6 +88,26 @@ for (const deviceScaleFactor of [1, 1.25, 2]) {
     });
   });
 }
+
+test("the film stays as it was put while its study is read again", async ({ app, page }) => {
+  await app.open(page);
+  const film = await FilmPage.ofDemo(page);
+  const place = cornerOf(await film.truth(), "L4", "superior_left");
+  await film.lookAt(place, 0.6);
+  const view = await film.view();
+  const pixels: string[] = [];
+  page.on("request", (request) => {
+    if (request.url().endsWith("/pixels")) pixels.push(request.url());
+  });
+  // The rail hears of every mark, and asks how the study stands.
+  const again = page.waitForResponse((response) => /studies\/[^/]+$/.test(response.url()));
+  await film.click(place);
+  await film.saved();
+  await again;
+  await expect(page.getByRole("link", { name: /erect/i })).toContainText("0 of 15");
+  expect(await film.view()).toEqual(view);
+  expect(pixels).toEqual([]);
+});
 
 test("a reload in the middle keeps everything, and undo goes on behind it", async ({
   app,
@@ -319,4 +340,59 @@ test("a finished reading never changes again", async ({ app, page }) => {
   await expect(film.target).toContainText("L4");
   await shot(page, "measure-second-reading");
   expect((await film.reading()).repeat).toBe(2);
+});
+
+test("a bar says how long things on the film are, at every enlargement", async ({ app, page }) => {
+  const row_mm = 0.2;
+  await page.route("**/api/studies/*", async (route) => {
+    const response = await route.fetch();
+    const detail = (await response.json()) as Api<"StudyDetail">;
+    for (const film of detail.summary?.films ?? [])
+      Object.assign(film, { row_mm, plane: "detector" });
+    await route.fulfill({ response, json: detail });
+  });
+  await app.open(page);
+  await page.getByRole("button", { name: /demo/i }).first().click();
+  const film = new FilmPage(page);
+  await film.painted();
+  const bar = page.getByTestId("scale-bar");
+  for (const scale of [0, 0.6, 3]) {
+    await film.lookAt([900, 1800], scale);
+    const [, length, where] = /^(\d+) mm(.*)$/.exec((await bar.textContent())!.trim())!;
+    expect(where).toBe(" detector");
+    const drawn = await bar
+      .locator("path")
+      .last()
+      .evaluate((path) => {
+        const { width } = (path as SVGPathElement).getBBox();
+        return width;
+      });
+    const { scale: css, aspect } = await film.view();
+    expect(drawn).toBeCloseTo((Number(length) * css * aspect) / row_mm, 1);
+    expect(drawn).toBeLessThanOrEqual(160);
+    await shot(page, `measure-scale-bar-${scale}`);
+  }
+});
+
+test("marks are recorded where the browser keeps nothing, which is told once", async ({
+  app,
+  page,
+}) => {
+  await page.addInitScript(() => {
+    Storage.prototype.setItem = () => {
+      throw new DOMException("full", "QuotaExceededError");
+    };
+  });
+  await app.open(page);
+  const film = await FilmPage.ofDemo(page);
+  const truth = await film.truth();
+  await film.lookAt(cornerOf(truth, "L4", "superior_left"), 0.6);
+  await film.mark(truth, "L4");
+  await film.saved();
+  expect(farthest(await film.reading(), truth)).toBeLessThan(CLOSE_PX);
+  const told = page.getByText("This browser keeps nothing for this page");
+  await expect(told).toBeVisible();
+  await expectAccessible(page);
+  await page.getByRole("button", { name: "Seen" }).click();
+  await expect(told).toHaveCount(0);
 });

@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use spineline::analysis::{Analysis, AnalysisOptions, analyze};
+use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::Posture;
+use spineline::uncertainty::Uncertainty;
 use spineline_io::{AnalysisFile, ModelFile};
 use spineline_report::figures;
 
@@ -12,7 +13,7 @@ use crate::args::AnalyzeArgs;
 use crate::failure::{Ending, Failure};
 use crate::progress::map_all;
 use crate::rows::{chain_text, csv_text};
-use crate::{cohort, print, report};
+use crate::{cohort, print, report, uncertainty};
 
 /// What wrote a file.
 pub fn generator() -> String {
@@ -31,12 +32,18 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     if args.model.is_some() && paths.len() != 1 {
         return Err(Failure::usage("--model writes the model of one case; give one case file"));
     }
-    let results = map_all("analysing", &paths, args.threads, |path| analyze_file(path, &options))?;
-    let mut analyses = Vec::new();
+    let results = map_all("analysing", &paths, args.threads, |path| {
+        let case = read_case(path)?;
+        Ok((analyze_case(path, &case, &options)?, case))
+    })?;
+    let (mut analyses, mut spreads) = (Vec::new(), Vec::new());
     let mut ending = Ending::Done;
     for result in results {
         match result {
-            Ok(analysis) => analyses.push(analysis),
+            Ok((analysis, case)) => {
+                spreads.push(uncertainty::run(&case, &analysis, &args.uncertainty, args.threads)?);
+                analyses.push(analysis);
+            }
             Err(failure) if paths.len() == 1 => return Err(failure),
             Err(failure) => {
                 eprintln!("{failure}");
@@ -47,14 +54,18 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     for analysis in &analyses {
         eprint!("{}", report::warnings(analysis));
     }
-    write_files(args, &analyses, paths.len() > 1)?;
+    write_files(args, &analyses, &spreads, paths.len() > 1)?;
     let to_stdout = [&args.json, &args.csv, &args.chain]
         .into_iter()
         .flatten()
         .any(|path| path.as_os_str() == "-");
     if !to_stdout {
         print(&match &analyses[..] {
-            [one] if paths.len() == 1 => report::text(one),
+            [one] if paths.len() == 1 => {
+                let spread = spreads.first().and_then(Option::as_ref);
+                let spread = spread.map(|found| uncertainty::text(one, found));
+                report::text(one) + &spread.map_or_else(String::new, |text| format!("\n{text}"))
+            }
             all => cohort::text(all),
         })?;
     }
@@ -100,17 +111,35 @@ fn is_truth(path: &Path) -> bool {
 }
 
 pub fn analyze_file(path: &Path, options: &AnalysisOptions) -> Result<Analysis, Failure> {
-    let case = spineline_io::read_text(path)
+    analyze_case(path, &read_case(path)?, options)
+}
+
+fn read_case(path: &Path) -> Result<Case, Failure> {
+    spineline_io::read_text(path)
         .and_then(|text| spineline_io::parse_case(&text))
-        .map_err(|error| Failure::file(path, &error))?;
-    analyze(&case, options)
+        .map_err(|error| Failure::file(path, &error))
+}
+
+fn analyze_case(path: &Path, case: &Case, options: &AnalysisOptions) -> Result<Analysis, Failure> {
+    analyze(case, options)
         .map_err(|error| Failure::input(&path.display().to_string(), &error, error.help()))
 }
 
-fn write_files(args: &AnalyzeArgs, analyses: &[Analysis], many: bool) -> Result<(), Failure> {
+fn write_files(
+    args: &AnalyzeArgs,
+    analyses: &[Analysis],
+    spreads: &[Option<Uncertainty>],
+    many: bool,
+) -> Result<(), Failure> {
     if let Some(path) = &args.json {
-        let files: Vec<AnalysisFile> =
-            analyses.iter().map(|a| AnalysisFile::new(a, &generator())).collect();
+        let file = |(analysis, spread): (&Analysis, &Option<Uncertainty>)| {
+            let file = AnalysisFile::new(analysis, &generator());
+            match spread {
+                Some(found) => file.with_uncertainty(analysis, found),
+                None => file,
+            }
+        };
+        let files: Vec<AnalysisFile> = analyses.iter().zip(spreads).map(file).collect();
         let text = match &files[..] {
             [one] if !many => spineline_io::to_text(one),
             all => spineline_io::to_text(&all),

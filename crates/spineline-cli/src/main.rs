@@ -19,8 +19,10 @@ mod reproduce;
 mod rows;
 mod serve;
 mod simulate;
+mod stop;
 mod study;
 mod table;
+mod uncertainty;
 
 use std::io::Write;
 use std::process::ExitCode;

@@ -22,6 +22,17 @@ fn styled(bar: ProgressBar, template: &str, what: &str) -> ProgressBar {
     bar
 }
 
+/// So many threads (0: all cores).
+///
+/// # Errors
+/// If they cannot be started.
+pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| Failure::internal(format!("threads could not be started: {error}")))
+}
+
 /// Runs a function on all items with so many threads (0: all cores), in parallel, and keeps their order.
 ///
 /// # Errors
@@ -32,10 +43,7 @@ pub fn map_all<T: Sync, R: Send>(
     threads: usize,
     run: impl Fn(&T) -> R + Sync,
 ) -> Result<Vec<R>, Failure> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|error| Failure::internal(format!("threads could not be started: {error}")))?;
+    let pool = pool(threads)?;
     let bar = bar(what, items.len());
     let results = pool.install(|| {
         items

@@ -110,6 +110,34 @@ fn the_json_has_what_others_build_on() {
 }
 
 #[test]
+fn replicates_give_intervals_that_do_not_depend_on_threads() {
+    let here = folder();
+    phantom(here.path(), "rod", "2");
+    let case = "cases/phantom-rod-02.json";
+    let with = |more: &[&str]| run(here.path(), &[&["analyze", case], more].concat());
+    // More than one block, so that their order counts.
+    let asked = ["--replicates", "300", "--seed", "4", "--noise", "2.5"];
+    let json = |threads: &str| with(&[&asked[..], &["--json", "-", "--threads", threads]].concat());
+    let (one, _, code) = json("1");
+    assert_eq!(code, 0);
+    assert_eq!(one, json("2").0, "the same bytes for one thread and two");
+    let json: serde_json::Value = serde_json::from_str(&one).expect("JSON and nothing else");
+    assert_eq!(json["uncertainty"]["done"], 300);
+    assert_eq!(json["uncertainty"]["noise"]["neutral"]["corner_sd_px"][1], 2.5);
+
+    let (text, _, _) = with(&["--replicates", "20"]);
+    for word in ["20 replicates", "own readings", "95 % interval", "Cobb angle", "failed: 0 of 20"]
+    {
+        assert!(text.contains(word), "{word} is missing in\n{text}");
+    }
+    assert!(!with(&[]).0.contains("replicates"));
+    assert_eq!(with(&["--noise", "2"]).2, 2, "noise without replicates does nothing");
+    assert_eq!(with(&["--replicates", "20", "--noise", "-2"]).2, 2);
+    let help = run(here.path(), &["analyze", "--help"]).0;
+    assert!(help.contains("--replicates") && help.contains("measured|PX"), "{help}");
+}
+
+#[test]
 fn a_cohort_is_the_same_for_any_number_of_threads() {
     let here = folder();
     for subject in ["1", "5", "11"] {

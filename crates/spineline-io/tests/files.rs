@@ -8,6 +8,7 @@ use spineline::measure::{
 };
 use spineline::multibody::{Load, Solution, Statics, StiffnessLibrary};
 use spineline::spatial::Pixel;
+use spineline::uncertainty::{LandmarkNoise, MonteCarlo};
 use spineline_io::{
     AnalysisFile, CaseFile, FileError, FilmSource, ModelFile, StiffnessFile, parse_case,
     parse_model, parse_stiffness, to_text,
@@ -229,6 +230,33 @@ fn an_analysis_file_can_be_read_by_its_own_type_and_says_synthetic() {
     ] {
         assert!(text.contains(key), "{key}");
     }
+}
+
+#[test]
+fn an_analysis_file_holds_what_noise_does_and_is_read_with_it_and_without() {
+    let case = phantom(&Readers::default()).case;
+    let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
+    let monte_carlo =
+        MonteCarlo::new(&case, &analysis, LandmarkNoise::Pixels(2.0), 1).expect("sound noise");
+    let mut tally = monte_carlo.tally();
+    (0..3).for_each(|index| tally.add(&monte_carlo.replicate(index)));
+    let plain = AnalysisFile::new(&analysis, "test");
+    assert!(!to_text(&plain).contains("\"uncertainty\""));
+    let file = plain.with_uncertainty(&analysis, &tally.finish(4));
+    let text = to_text(&file);
+    let read: AnalysisFile = serde_json::from_str(&text).expect("our own file");
+    assert_eq!(read, file);
+    let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let found = &json["uncertainty"];
+    assert_eq!((&found["replicates"], &found["done"]), (&4.into(), &3.into()));
+    assert_eq!(found["noise"]["erect"]["source"], "given");
+    let cobb = found["quantities"].as_array().expect("a list").iter().find(|q| {
+        q["quantity"] == "cobb" && q["posture"] == "erect" && q["group"] == "main_thoracic"
+    });
+    let cobb = cobb.expect("the main curve");
+    assert_eq!(cobb["unit"], "deg");
+    assert_eq!(cobb["value"], json["clinical"]["curves"]["main_thoracic"]["cobb_deg"]["erect"]);
+    assert!(cobb["sd"].as_f64().is_some_and(|sd| sd > 0.0));
 }
 
 #[test]

@@ -1,4 +1,5 @@
 import type { Api } from "../api/types";
+import { lasting, ofWindow } from "../shell/storage.svelte";
 import type { Entry, Keeping } from "./outbox";
 
 type Event = Api<"Event">;
@@ -16,10 +17,10 @@ let tab: string | null = null;
  */
 export async function nameTab(): Promise<string> {
   if (tab !== null) return tab;
-  const earlier = sessionStorage.getItem(`${PREFIX}.tab`);
+  const earlier = ofWindow.get(`${PREFIX}.tab`);
   const name = earlier !== null && (await holdSoon(earlier)) ? earlier : freshName();
   if (name !== earlier) await hold(name);
-  sessionStorage.setItem(`${PREFIX}.tab`, name);
+  ofWindow.set(`${PREFIX}.tab`, name);
   tab = name;
   return name;
 }
@@ -79,7 +80,7 @@ export function keepingOf(reading: Api<"ReadingView">, tabName: string): Reading
     save: (entries) => keep(key, entries),
     lose: (events) => keep(key + LOST, [{ events: [...lost(), ...events], expected: 0 }]),
     lost,
-    decided: () => localStorage.removeItem(key + LOST),
+    decided: () => lasting.remove(key + LOST),
   };
 }
 
@@ -100,7 +101,7 @@ export async function leftBehind(
 ): Promise<LeftBehind | null> {
   const group = `${groupOf(reading)}.`;
   const open = await openWindows();
-  const keys = Object.keys(localStorage).filter((key) => {
+  const keys = lasting.keys().filter((key) => {
     if (!key.startsWith(group)) return false;
     const name = key.slice(group.length).replace(LOST, "");
     return name !== tabName && open?.has(`${PREFIX}.${name}`) !== true;
@@ -111,7 +112,7 @@ export async function leftBehind(
     events: kept.flatMap(({ entries }) => entries.flatMap(({ events }) => events)),
     since_ms: Math.max(...kept.map(({ kept_ms }) => kept_ms)),
     mayBeOpen: open === null,
-    forget: () => keys.forEach((key) => localStorage.removeItem(key)),
+    forget: () => keys.forEach((key) => lasting.remove(key)),
   };
 }
 
@@ -133,13 +134,14 @@ interface Kept {
 }
 
 function keep(key: string, entries: readonly Entry[]): void {
-  if (entries.length === 0) localStorage.removeItem(key);
-  else localStorage.setItem(key, JSON.stringify({ kept_ms: Date.now(), entries }));
+  if (entries.length === 0) lasting.remove(key);
+  else if (!lasting.set(key, JSON.stringify({ kept_ms: Date.now(), entries })))
+    lasting.refused = true;
 }
 
 function keptOf(key: string): Kept {
   const none = { kept_ms: 0, entries: [] };
-  const text = localStorage.getItem(key);
+  const text = lasting.get(key);
   if (text === null) return none;
   try {
     const kept = JSON.parse(text) as Partial<Kept> | null;

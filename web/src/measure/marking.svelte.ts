@@ -3,11 +3,9 @@ import { Latest } from "../api/latest";
 import type { Api } from "../api/types";
 import { keepingOf, keepsNothing, leftBehind, type ReadingKeeping } from "./keeping";
 import {
-  OPTIONAL_LEVELS,
   marksOf,
   missingCorner,
   missingCrest,
-  nextMark,
   placeOf,
   placing,
   remaining,
@@ -20,6 +18,7 @@ import {
   type ReadingView,
 } from "./marks";
 import { Outbox, type SaveState } from "./outbox";
+import { CRESTS, targetOf, type Chosen } from "./target";
 import { filmPoint, type FilmPoint } from "./viewport";
 
 type Preview = Api<"Preview">;
@@ -55,9 +54,6 @@ interface PreviewWish {
   readonly at: number;
 }
 
-/** Chosen in place of a level. */
-export const CRESTS = Symbol("iliac crests");
-
 /** A request of a drag older than this gives way to a newer one; a younger one is let finish, or a fast hand would see nothing. */
 const PATIENCE_MS = 250;
 /** How often, and how far apart, it is asked what just closed windows left. */
@@ -79,8 +75,7 @@ export class Marking {
   #draft = $state.raw<Event[]>([]);
   #preview = $state.raw<Preview | null>(null);
   #live = $state.raw<LiveView | null>(null);
-  /** Out of the guided order: a level, or the crests. */
-  #chosen = $state.raw<string | typeof CRESTS | null>(null);
+  #chosen = $state.raw<Chosen>(null);
   saving = $state.raw<SaveState>({ kind: "saved" });
   selected = $state.raw<Mark | null>(null);
   lost = $state.raw<Lost | null>(null);
@@ -95,11 +90,15 @@ export class Marking {
   );
   readonly live = $derived(this.#preview?.live ?? this.#live);
   readonly changeable = $derived(this.#recorded.mine && !this.#recorded.finished);
-  readonly target = $derived(this.#findTarget());
+  readonly target = $derived(
+    this.changeable ? targetOf(this.reading, this.#recorded, this.#pending, this.#chosen) : null,
+  );
   readonly dragging = $derived(this.#draft.length > 0);
 
   /** Where the axis that is dragged was pulled to last, and whether its angle there is known. */
   #turning: (Turning & { isAnswered: boolean }) | null = null;
+  /** An axis that waits for the angle where the hand let go. */
+  #dropped: Promise<void> | null = null;
   #isClosed = false;
   readonly #outbox: Outbox;
   readonly #keeping: ReadingKeeping;
@@ -187,12 +186,26 @@ export class Marking {
     this.#turning = null;
     this.#previews.cancel();
     if (turning && !turning.isAnswered) {
-      void this.#dropTurn(turning, draft);
+      const dropped = this.#dropTurn(turning, draft);
+      this.#dropped = dropped;
+      void dropped.then(() => {
+        if (this.#dropped === dropped) this.#dropped = null;
+      });
       return;
     }
     this.#draft = [];
     if (draft.length === 0) return;
     this.#record(draft);
+  }
+
+  /** The page goes: an axis that waits for its angle takes the one that is drawn. */
+  keepTurn(): void {
+    // A drag that is still on, of an axis or of another mark, is nobody's decision yet.
+    if (!this.#dropped || this.#turning) return;
+    const drawn = this.#draft.filter(({ kind }) => kind === "set_axis");
+    if (drawn.length === 0) return;
+    this.#draft = [];
+    this.#record(drawn);
   }
 
   abandonDrag(): void {
@@ -336,7 +349,9 @@ export class Marking {
     this.#isClosed = true;
     this.#previews.cancel();
     this.#lives.cancel();
-    this.#outbox.close();
+    // Another page of the app: what was dropped is recorded all the same.
+    if (this.#dropped) void this.#dropped.then(() => this.#outbox.close());
+    else this.#outbox.close();
   }
 
   #record(events: Event[]): void {
@@ -438,32 +453,6 @@ export class Marking {
 
   #proposal(): Api<"Proposal"> | null {
     return this.#pending.length === 0 ? (this.#recorded.proposal ?? null) : null;
-  }
-
-  #findTarget(): Mark | null {
-    if (!this.changeable) return null;
-    if (this.#pending.some(({ kind }) => kind === "undo" || kind === "redo")) return null;
-    const reading = this.reading;
-    const chosen = this.#chosenTarget(reading);
-    if (chosen) return chosen;
-    const next = nextMark(this.#recorded);
-    if (this.#pending.length === 0 || next?.kind !== "corner") {
-      return next && !placeOf(reading, next) ? next : null;
-    }
-    // A hand faster than the program: on through the guided order, as far as it is sure.
-    const rest = reading.order.slice(reading.order.indexOf(next.level));
-    const sure = rest.filter((level) => !OPTIONAL_LEVELS.includes(level));
-    for (const level of sure) {
-      const missing = missingCorner(reading, level);
-      if (missing) return missing;
-    }
-    return null;
-  }
-
-  #chosenTarget(reading: ReadingView): Mark | null {
-    const chosen = this.#chosen;
-    if (chosen === null) return null;
-    return chosen === CRESTS ? missingCrest(reading) : missingCorner(reading, chosen as string);
   }
 
   /** First what this window has lost, then what others left behind. */

@@ -1,5 +1,6 @@
 import { afterEach, beforeEach, expect, it, vi } from "vitest";
 
+import { lasting } from "../shell/storage.svelte";
 import { keepingOf } from "./keeping";
 import { Marking } from "./marking.svelte";
 import type { Event, ReadingView } from "./marks";
@@ -160,14 +161,14 @@ it("ignores a reading that was overtaken by a newer one", async () => {
   expect(marking.revision).toBe(1);
 });
 
-it("records an axis where the hand let go, not where the program answered last", async () => {
-  const angleOf = (json: unknown): number =>
-    (json as { turn_axis: { towards_px: number[] } }).turn_axis.towards_px[0]!;
+/** An axis that was answered at 10° and let go at 25°, and how to let the program answer the rest. */
+async function letGo(): Promise<{ marking: Marking; answerRest: () => void }> {
   const slow: (() => void)[] = [];
   const take = taking();
   answer = (one) => {
     if (!one.path.endsWith("/preview")) return take(one);
-    const body = { reading: turned(angleOf(one.json)), live: null };
+    const { turn_axis } = one.json as { turn_axis: { towards_px: [number, number] } };
+    const body = { reading: turned(turn_axis.towards_px[0]), live: null };
     return new Promise((resolve) => slow.push(() => resolve({ status: 200, body })));
   };
   const marking = new Marking(turned(0), "me");
@@ -177,11 +178,48 @@ it("records an axis where the hand let go, not where the program answered last",
   await settle();
   marking.drag({ kind: "axis", level: "L4" }, [25, 0]);
   marking.drop();
+  return { marking, answerRest: () => slow.forEach((now) => now()) };
+}
+
+it("records an axis where the hand let go, not where the program answered last", async () => {
+  const { answerRest } = await letGo();
   await settle();
   expect(sent()).toEqual([]);
-  for (const now of slow) now();
+  answerRest();
   await settle();
   expect(sent()).toEqual([{ kind: "set_axis", level: "L4", axis_deg: 25 }]);
+});
+
+it("records an axis that was let go just before another page of the app", async () => {
+  const { marking, answerRest } = await letGo();
+  marking.close();
+  answerRest();
+  await settle();
+  expect(sent()).toEqual([{ kind: "set_axis", level: "L4", axis_deg: 25 }]);
+});
+
+it("keeps an axis as it was drawn last where the window closes before its angle comes", async () => {
+  const { marking } = await letGo();
+  marking.keepTurn();
+  const [entry] = keepingOf(turned(0), "me").load();
+  expect(entry?.events).toEqual([{ kind: "set_axis", level: "L4", axis_deg: 10 }]);
+});
+
+it("goes on marking where the browser keeps nothing, and tells of it", async () => {
+  vi.stubGlobal("localStorage", {
+    getItem: () => null,
+    removeItem: () => undefined,
+    setItem: () => {
+      throw new DOMException("full", "QuotaExceededError");
+    },
+  });
+  answer = taking();
+  const marking = new Marking(reading(), "me");
+  marking.note("one");
+  await settle();
+  expect(sent()).toEqual([{ kind: "note", text: "one" }]);
+  expect(marking.saving.kind).toBe("saved");
+  expect(lasting.refused).toBe(true);
 });
 
 it("records no axis whose angle does not come, and says so", async () => {

@@ -88,12 +88,19 @@ export class StudyPage {
     });
   }
 
-  async edit(edit: Api<"FilmEditName">): Promise<void> {
-    const film = this.film;
-    if (!film) return;
-    const json: Api<"FilmChange"> = { expected_revision: film.revision, edit };
-    await ask("POST", `/api/films/${film.film}/edits`, { json });
-    await Promise.all([this.refresh(), this.marking?.reload()]);
+  /** A way to change the film's record as it is seen now: what somebody else changes in between wins. */
+  editor(): (edit: Api<"FilmEditName">) => Promise<void> {
+    const seen = this.film;
+    return async (edit) => {
+      if (!seen) return;
+      const json: Api<"FilmChange"> = { expected_revision: seen.revision, edit };
+      try {
+        await ask("POST", `/api/films/${seen.film}/edits`, { json });
+      } finally {
+        // After a refusal the film stands otherwise than it is shown.
+        await Promise.all([this.refresh(), this.marking?.reload()]);
+      }
+    };
   }
 
   /** Somebody, perhaps this window, has changed something. */

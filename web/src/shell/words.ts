@@ -32,13 +32,6 @@ const PLANES: Words<Api<"PlaneName">> = {
   pixels: "no scale: angles only",
 };
 
-const SHORT_PLANES: Words<Api<"PlaneName">> = {
-  patient: "patient mm",
-  detector: "detector mm",
-  unknown: "mm of an unknown plane",
-  pixels: "no scale",
-};
-
 const ROLES: Words<Api<"RoleName">> = { reader: "Reader", editor: "Editor", admin: "Admin" };
 
 const STATUSES: Words<Api<"StudyStatus">> = {
@@ -67,6 +60,9 @@ const LINES: Words<Api<"LineName">> = {
 /** Postures in the order in which people expect them. */
 export const postures = Object.keys(POSTURES) as Api<"PostureName">[];
 
+/** Lines of action in the order in which they are compared. */
+export const lineNames = Object.keys(LINES) as Api<"LineName">[];
+
 /** All statuses, in the order in which a study passes through them. */
 export const statuses = Object.keys(STATUSES) as Api<"StudyStatus">[];
 
@@ -80,8 +76,6 @@ export const sideWord = (side: Api<"SideName">): string => SIDES[side];
 export const imageSideWord = (side: Api<"ImageSideName">): string => IMAGE_SIDES[side];
 
 export const planeWord = (plane: Api<"PlaneName">): string => PLANES[plane];
-
-export const shortPlaneWord = (plane: Api<"PlaneName">): string => SHORT_PLANES[plane];
 
 export const roleWord = (role: Api<"RoleName">): string => ROLES[role];
 

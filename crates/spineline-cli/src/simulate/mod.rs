@@ -11,7 +11,6 @@ mod words;
 pub use args::{EXAMPLES, SimulateArgs};
 
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use spineline::multibody::{ForceSign, PathPoint};
@@ -19,7 +18,7 @@ use spineline::multibody::{ForceSign, PathPoint};
 use crate::analyze::write_or_print;
 use crate::failure::{Ending, Failure};
 use crate::model::read_model;
-use crate::print;
+use crate::{print, stop};
 use outcome::Outcome;
 
 pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
@@ -48,19 +47,11 @@ pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
     Ok(if outcome.response.ending.is_usable() { Ending::Done } else { Ending::NotConverged })
 }
 
-/// Set by Ctrl-C.
-static STOP: AtomicBool = AtomicBool::new(false);
-
 /// Shows how far a search has come, and breaks it off at Ctrl-C; a second Ctrl-C ends the program.
 fn with_progress<T>(
     search: impl FnOnce(&mut dyn FnMut(ForceSign, &PathPoint) -> ControlFlow<()>) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
-    let handler = ctrlc::set_handler(|| {
-        if STOP.swap(true, Ordering::SeqCst) {
-            std::process::exit(130);
-        }
-    });
-    handler.map_err(|error| Failure::internal(format!("Ctrl-C cannot be caught: {error}")))?;
+    stop::catch()?;
     let spinner = ProgressBar::new_spinner();
     let style = ProgressStyle::with_template("{spinner} {msg}");
     spinner.set_style(style.expect("the template is well-formed"));
@@ -69,7 +60,7 @@ fn with_progress<T>(
         points += 1;
         spinner.set_message(format!("following: {points} shapes, factor {:.3}", point.factor));
         spinner.tick();
-        if STOP.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if stop::is_wanted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     spinner.finish_and_clear();
     result

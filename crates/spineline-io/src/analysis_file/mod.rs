@@ -2,6 +2,7 @@
 
 mod model;
 mod posture;
+mod uncertainty;
 
 use std::collections::BTreeMap;
 
@@ -20,6 +21,8 @@ use crate::keys::{LevelKey, PostureKey};
 use crate::reliability_file::QuantityRecord;
 use model::ModelRecord;
 use posture::PostureRecord;
+use spineline::uncertainty::Uncertainty;
+use uncertainty::UncertaintyRecord;
 
 /// Everything that an analysis found. Lengths in mm of the films' plane, angles in degrees, frontal points `[y, z]` with y
 /// to the patient's left and z cranial; positive angles lean to the patient's right.
@@ -50,6 +53,9 @@ pub struct AnalysisFile {
     reliability: Option<Vec<QuantityRecord>>,
     /// One model per line of action: `inflection_line`, `iliac_line`, `estimated_line`, `given_line`.
     models: BTreeMap<String, ModelRecord>,
+    /// What the noise of landmarks does to every number; absent where nobody asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    uncertainty: Option<UncertaintyRecord>,
     warnings: Vec<WarningRecord>,
 }
 
@@ -176,6 +182,7 @@ impl AnalysisFile {
                 .iter()
                 .map(|m| (m.kind.key().to_owned(), ModelRecord::new(m, analysis)))
                 .collect(),
+            uncertainty: None,
             warnings: analysis
                 .warnings
                 .all()
@@ -189,6 +196,15 @@ impl AnalysisFile {
                 })
                 .collect(),
         }
+    }
+}
+
+impl AnalysisFile {
+    /// The same file with what noise does to its numbers.
+    #[must_use]
+    pub fn with_uncertainty(mut self, analysis: &Analysis, found: &Uncertainty) -> Self {
+        self.uncertainty = Some(UncertaintyRecord::new(found, analysis));
+        self
     }
 }
 

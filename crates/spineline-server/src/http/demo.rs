@@ -12,9 +12,9 @@ use utoipa_axum::routes;
 
 use super::api::{Problem, RoleName, StudyDetail};
 use super::extract::Json;
-use super::films::Thumbnails;
+use super::films::draw_thumbnails;
 use super::{Answer, AppState, Failure, User, studies};
-use crate::store::{Hash, Name, NewCase, StoreError};
+use crate::store::{Hash, Name, NewCase, StoreError, Thumbnails};
 use crate::synthetic::{DrawnFilm, case_file, draw_film};
 
 /// Pixels of 0.2 mm, as those of a computed radiograph of a whole spine; phantoms are drawn with a quarter of that area.
@@ -34,9 +34,6 @@ async fn demo(State(state): State<AppState>, user: User) -> Answer<Json<StudyDet
     user.need(RoleName::Editor)?;
     let drawn = tokio::task::spawn_blocking(draw);
     let (case, thumbnails) = drawn.await.expect("drawing does not panic")?;
-    for (content, small) in thumbnails {
-        state.films().keep_thumbnails(&content, small);
-    }
     let now = state.now();
     let asker = state.clone();
     let detail = state.ask(move |store| {
@@ -46,14 +43,11 @@ async fn demo(State(state): State<AppState>, user: User) -> Answer<Json<StudyDet
             case = case.named(Name::new(name)?);
             match store.add_own_case(&case, &user.sign(now)) {
                 Ok(added) => {
+                    for (content, small) in &thumbnails {
+                        store.keep_thumbnails(content, small)?;
+                    }
                     asker.changes().tell(&added.study, studies::of_study(&user));
-                    return studies::detail(
-                        (asker.studies(), asker.results()),
-                        store,
-                        &user,
-                        &added.study,
-                        now,
-                    );
+                    return studies::detail(&asker, store, &user, &added.study);
                 }
                 Err(StoreError::Exists { .. }) => {}
                 Err(other) => return Err(other.into()),
@@ -78,7 +72,7 @@ fn draw() -> Answer<Drawn> {
             .map_err(|error| internal(error.to_string()))?;
         // It was written a moment ago, by this program.
         let read = read_film(&drawn.bytes, &FilmLimits::default())?;
-        thumbnails.push((Hash::of(&drawn.bytes), Thumbnails::draw(&read)));
+        thumbnails.push((Hash::of(&drawn.bytes), draw_thumbnails(&read)));
         films.insert(film.posture, drawn);
     }
     let text = spineline_io::to_text(&case_file(&phantom, &films));

@@ -93,22 +93,3 @@ impl<T: DeserializeOwned + Send> FromRequestParts<AppState> for Path<T> {
         path.map(|path| Self(path.0)).map_err(|_| Failure::not_found())
     }
 }
-
-/// What stands behind the `?`.
-#[derive(Debug, Clone, Copy)]
-pub struct Query<T>(pub T);
-
-impl<T: DeserializeOwned> FromRequestParts<AppState> for Query<T> {
-    type Rejection = Failure;
-
-    async fn from_request_parts(parts: &mut Parts, state: &AppState) -> Result<Self, Failure> {
-        let query = axum::extract::Query::from_request_parts(parts, state).await;
-        query.map(|query| Self(query.0)).map_err(|_| {
-            Failure::new(
-                StatusCode::BAD_REQUEST,
-                "bad_request",
-                "behind the `?`: an unknown or missing key, or a value of another kind",
-            )
-        })
-    }
-}

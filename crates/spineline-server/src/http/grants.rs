@@ -7,6 +7,7 @@ use utoipa_axum::routes;
 
 use super::api::{Grant, Problem, RoleName};
 use super::extract::{Json, Path};
+use super::studies::study_name;
 use super::{Answer, AppState, Failure, User};
 use crate::store::{Name, Store, StoreError};
 
@@ -26,7 +27,7 @@ async fn grants(
     user: User,
     Path(id): Path<String>,
 ) -> Answer<Json<Vec<Grant>>> {
-    let study = Name::new(&id).map_err(|_| Failure::not_found())?;
+    let study = study_name(&id)?;
     let grants = state
         .ask(move |store| {
             user.need_on_study(store, &study, RoleName::Admin)?;
@@ -52,7 +53,7 @@ async fn put_grants(
     Path(id): Path<String>,
     Json(wanted): Json<Vec<Grant>>,
 ) -> Answer<Json<Vec<Grant>>> {
-    let study = Name::new(&id).map_err(|_| Failure::not_found())?;
+    let study = study_name(&id)?;
     let by = user.sign(state.now());
     let grants = state
         .ask(move |store| {

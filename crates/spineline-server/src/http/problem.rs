@@ -79,7 +79,24 @@ impl From<StoreError> for Failure {
             }
             _ => (S::UNPROCESSABLE_ENTITY, "refused"),
         };
-        Self::new(status, code, error.to_string()).help(error.help())
+        Self::new(status, code, words(&error)).help(error.help())
+    }
+}
+
+/// What the store says, without the names that only it uses.
+fn words(error: &StoreError) -> String {
+    match error {
+        StoreError::Conflict { .. } => {
+            "somebody has changed this since you saw it: your change was kept, and not applied"
+                .to_owned()
+        }
+        StoreError::Finished { .. } => "this reading is finished".to_owned(),
+        StoreError::NotYours { .. } => "this reading belongs to another observer".to_owned(),
+        StoreError::BadEvent { reason, .. } => (*reason).to_owned(),
+        StoreError::Incomplete { level, corners, .. } => {
+            format!("{level} has {corners} of four corners")
+        }
+        other => other.to_string(),
     }
 }
 

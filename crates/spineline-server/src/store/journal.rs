@@ -217,7 +217,7 @@ impl Store {
     pub fn reading_state(&self, reading: ReadingId) -> Result<ReadingState, StoreError> {
         let snapshot = self.connection.unchecked_transaction()?;
         let record = readings::reading(&snapshot, reading)?;
-        state(&snapshot, &record)
+        self.finals.state(&snapshot, &record)
     }
 
     /// The changes of a reading that lost a race, oldest first.

@@ -40,6 +40,7 @@ mod sessions;
 mod sight;
 mod standing;
 mod state;
+mod thumbnails;
 mod verify;
 
 #[cfg(test)]
@@ -59,6 +60,7 @@ pub use sessions::{Access, Session, SessionLimits};
 pub use sight::{LastChange, SeenReading, Sight};
 pub use standing::{Stand, StandingCase, StandingFilm};
 pub use state::{ReadingState, Scale, VertebraMarks};
+pub use thumbnails::Thumbnails;
 pub use verify::{Finding, Verification};
 
 use std::path::Path;
@@ -67,6 +69,7 @@ use std::time::Duration;
 use rusqlite::{Connection, MAIN_DB, OpenFlags, TransactionBehavior};
 
 use audit::Ledger;
+use standing::Finals;
 
 /// How long a write waits for another program, unless told otherwise.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(5);
@@ -75,6 +78,7 @@ const BUSY_TIMEOUT: Duration = Duration::from_secs(5);
 #[derive(Debug)]
 pub struct Store {
     connection: Connection,
+    finals: Finals,
 }
 
 impl Store {
@@ -93,7 +97,7 @@ impl Store {
                 StoreError::Damaged { .. } => taken(),
                 other => other,
             })?;
-        if created { Ok(Self { connection }) } else { Err(taken()) }
+        if created { Ok(Self::over(connection)) } else { Err(taken()) }
     }
 
     /// Opens a store for reading and writing. A store of an older schema is verified, backed up as `NAME.backup-vN` and migrated.
@@ -112,7 +116,7 @@ impl Store {
             schema::migrate(&mut connection, path, found)?;
         }
         schema::write_ahead(&connection)?;
-        Ok(Self { connection })
+        Ok(Self::over(connection))
     }
 
     /// Opens a store for reading only, such as a backup on a disk that cannot be written. Every change is refused as
@@ -125,7 +129,11 @@ impl Store {
         if found < schema::CURRENT {
             return Err(StoreError::OlderSchema { found, supported: schema::CURRENT });
         }
-        Ok(Self { connection })
+        Ok(Self::over(connection))
+    }
+
+    fn over(connection: Connection) -> Self {
+        Self { connection, finals: Finals::default() }
     }
 
     /// How long a write waits while another program writes, before it gives up as [`StoreError::Busy`]: 5 s at

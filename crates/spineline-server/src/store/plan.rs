@@ -177,10 +177,7 @@ impl Store {
     ) -> Result<ReadingId, StoreError> {
         self.write(by, |ledger| {
             let transaction = ledger.transaction;
-            let condition = "WHERE code = ?1 AND observer = ?2";
-            let own = params![code.as_str(), by.who.as_str()];
-            let slots = audit::load(transaction, "slots", condition, own, slot)?;
-            let slot = slots.first().ok_or(StoreError::OutOfTurn)?;
+            let slot = own_slot(transaction, code, &by.who)?;
             let study = films::film(transaction, slot.film)?.study;
             match next(transaction, &study, &by.who, by.at)? {
                 Next::Begin(film) if film.code == *code => {
@@ -210,6 +207,15 @@ pub struct ObserverView<'a> {
 }
 
 impl ObserverView<'_> {
+    /// The study of one of this observer's codes, for whoever asks what they may do there; a reader is not told.
+    ///
+    /// # Errors
+    /// [`StoreError::OutOfTurn`] for a code that is not theirs.
+    pub fn study_of(&self, code: &FilmCode) -> Result<Name, StoreError> {
+        let slot = own_slot(&self.store.connection, code, self.who)?;
+        Ok(films::film(&self.store.connection, slot.film)?.study)
+    }
+
     /// What this observer is to read next, if it is this late.
     ///
     /// # Errors
@@ -312,6 +318,13 @@ fn taken_codes(connection: &Connection) -> Result<BTreeSet<String>, StoreError> 
     let mut query = connection.prepare("SELECT code FROM slots")?;
     let codes = query.query_map([], |row| row.get(0))?;
     Ok(codes.collect::<Result<_, _>>()?)
+}
+
+fn own_slot(connection: &Connection, code: &FilmCode, who: &Name) -> Result<Slot, StoreError> {
+    let condition = "WHERE code = ?1 AND observer = ?2";
+    let own = params![code.as_str(), who.as_str()];
+    let mut slots = audit::load(connection, "slots", condition, own, slot)?;
+    slots.pop().ok_or(StoreError::OutOfTurn)
 }
 
 pub(super) fn exists(connection: &Connection, study: &Name) -> Result<bool, StoreError> {

@@ -16,8 +16,12 @@ use super::{backup, verify};
 pub(super) const APPLICATION_ID: i64 = 0x5370_5374;
 
 /// Step *n*, from 1, leads from schema *n* - 1 to schema *n*; an empty file has schema 0.
-const STEPS: [&str; 3] =
-    [include_str!("schema/v1.sql"), include_str!("schema/v2.sql"), include_str!("schema/v3.sql")];
+const STEPS: [&str; 4] = [
+    include_str!("schema/v1.sql"),
+    include_str!("schema/v2.sql"),
+    include_str!("schema/v3.sql"),
+    include_str!("schema/v4.sql"),
+];
 
 /// The newest schema, which this program writes.
 pub(super) const CURRENT: i64 = STEPS.len() as i64;

@@ -108,32 +108,47 @@ pub struct LastChange {
     pub at: Timestamp,
 }
 
+/// Objects of a study whose changes may move what follows from its finished readings.
+const SETTLED: &str = "SELECT 'study/' || ?1
+    UNION ALL SELECT 'film/' || id FROM own_films
+    UNION ALL SELECT 'reading/' || id FROM own_readings";
+/// The other objects of a study: its plan, the last click of every reading, and lost changes.
+const OTHERS: &str = "SELECT 'plan/' || id FROM plans WHERE study = ?1
+    UNION ALL SELECT 'event/' || (SELECT sequence FROM events
+        WHERE reading = own_readings.id ORDER BY revision DESC LIMIT 1) FROM own_readings
+    UNION ALL SELECT 'conflict/' || (SELECT max(id) FROM conflicts
+        WHERE object = 'film/' || own_films.id) FROM own_films
+    UNION ALL SELECT 'conflict/' || (SELECT max(id) FROM conflicts
+        WHERE object = 'reading/' || own_readings.id) FROM own_readings";
+
 impl Store {
     /// When a study, its films, readings, plan or lost changes changed last; a few look-ups, however long its journals are.
     ///
     /// # Errors
     /// [`StoreError::Unknown`].
     pub fn last_change(&self, study: &Name) -> Result<LastChange, StoreError> {
-        let query = "
-            WITH
-            own_films AS (SELECT id FROM films WHERE study = ?1),
+        self.last_entry(study, &format!("{SETTLED} UNION ALL {OTHERS}"))
+    }
+
+    /// When a study, a film of it, or the beginning or end of a reading changed last. Clicks in between move nothing that
+    /// follows from finished readings.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`].
+    pub fn last_settled(&self, study: &Name) -> Result<LastChange, StoreError> {
+        self.last_entry(study, SETTLED)
+    }
+
+    fn last_entry(&self, study: &Name, objects: &str) -> Result<LastChange, StoreError> {
+        let query = format!(
+            "WITH own_films AS (SELECT id FROM films WHERE study = ?1),
             own_readings AS (SELECT id FROM readings WHERE film IN (SELECT id FROM own_films)),
-            objects (object) AS (
-                SELECT 'study/' || ?1
-                UNION ALL SELECT 'plan/' || id FROM plans WHERE study = ?1
-                UNION ALL SELECT 'film/' || id FROM own_films
-                UNION ALL SELECT 'reading/' || id FROM own_readings
-                UNION ALL SELECT 'event/' || (SELECT sequence FROM events
-                    WHERE reading = own_readings.id ORDER BY revision DESC LIMIT 1) FROM own_readings
-                UNION ALL SELECT 'conflict/' || (SELECT max(id) FROM conflicts
-                    WHERE object = 'film/' || own_films.id) FROM own_films
-                UNION ALL SELECT 'conflict/' || (SELECT max(id) FROM conflicts
-                    WHERE object = 'reading/' || own_readings.id) FROM own_readings
-            )
+            objects (object) AS ({objects})
             SELECT sequence, time_ms FROM audit WHERE sequence = (
                 SELECT max((SELECT max(sequence) FROM audit WHERE audit.object = objects.object))
-                FROM objects WHERE object IS NOT NULL)";
-        let mut statement = self.connection.prepare(query)?;
+                FROM objects WHERE object IS NOT NULL)"
+        );
+        let mut statement = self.connection.prepare(&query)?;
         let found: Option<(i64, i64)> = statement
             .query_row([study.as_str()], |row| Ok((row.get(0)?, row.get(1)?)))
             .optional()?;

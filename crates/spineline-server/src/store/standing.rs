@@ -1,6 +1,7 @@
 //! A study as it stands: the case that results are computed from.
 
-use std::collections::BTreeSet;
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rusqlite::Connection;
 use serde_json::Value;
@@ -81,6 +82,29 @@ impl StandingCase {
     }
 }
 
+/// States of finished readings, which never change, as they were verified when they were first read.
+#[derive(Debug, Default)]
+pub(super) struct Finals(RefCell<BTreeMap<ReadingId, ReadingState>>);
+
+impl Finals {
+    /// The state of a reading, finished or not.
+    pub fn state(
+        &self,
+        connection: &Connection,
+        reading: &ReadingRecord,
+    ) -> Result<ReadingState, StoreError> {
+        if reading.finished_at.is_none() {
+            return journal::state(connection, reading);
+        }
+        if let Some(known) = self.0.borrow().get(&reading.id) {
+            return Ok(known.clone());
+        }
+        let state = journal::state(connection, reading)?;
+        self.0.borrow_mut().insert(reading.id, state.clone());
+        Ok(state)
+    }
+}
+
 impl Store {
     /// A study as it stands for results.
     ///
@@ -99,12 +123,12 @@ impl Store {
             let of_film: Vec<&ReadingRecord> =
                 readings.iter().filter(|reading| reading.film == film.id).collect();
             let standing = match stand {
-                Stand::Finished => finished(&snapshot, &of_film)?,
+                Stand::Finished => self.finished(&snapshot, &of_film)?,
                 Stand::InHand { reading, pending } => {
                     let hand = readings.iter().find(|record| record.id == reading);
                     let object = || reading.to_string();
                     let hand = hand.ok_or_else(|| StoreError::Unknown { object: object() })?;
-                    beside(&snapshot, hand, pending, &of_film)?
+                    self.beside(&snapshot, hand, pending, &of_film)?
                 }
             };
             let complete = |state: &ReadingState| -> BTreeSet<Level> {
@@ -122,43 +146,45 @@ impl Store {
         let case = parsed(study, synthetic, records)?;
         Ok(StandingCase { films, case })
     }
+
+    fn finished<'r>(
+        &self,
+        connection: &Connection,
+        of_film: &[&'r ReadingRecord],
+    ) -> Result<Read<'r>, StoreError> {
+        let finished = of_film.iter().filter(|reading| reading.finished_at.is_some());
+        finished.map(|&reading| Ok((reading, self.finals.state(connection, reading)?))).collect()
+    }
+
+    /// What stands for a film beside a reading in hand, which may be of this very film.
+    fn beside<'r>(
+        &self,
+        connection: &Connection,
+        hand: &ReadingRecord,
+        pending: &[Event],
+        of_film: &[&'r ReadingRecord],
+    ) -> Result<Read<'r>, StoreError> {
+        if let Some(&own) = of_film.iter().find(|reading| reading.id == hand.id) {
+            let events = journal::events(connection, own.id)?;
+            return Ok(vec![(own, sight::replayed(own, events, pending)?)]);
+        }
+        let mut own: Vec<&'r ReadingRecord> =
+            of_film.iter().copied().filter(|reading| reading.observer == hand.observer).collect();
+        own.sort_by_key(|reading| std::cmp::Reverse(reading.id));
+        for reading in own {
+            let state = self.finals.state(connection, reading)?;
+            let complete = |level: &Level| {
+                state.vertebrae.get(level).is_some_and(super::VertebraMarks::is_complete)
+            };
+            if Level::MODEL.iter().all(complete) {
+                return Ok(vec![(reading, state)]);
+            }
+        }
+        self.finished(connection, of_film)
+    }
 }
 
 type Read<'r> = Vec<(&'r ReadingRecord, ReadingState)>;
-
-fn finished<'r>(
-    connection: &Connection,
-    of_film: &[&'r ReadingRecord],
-) -> Result<Read<'r>, StoreError> {
-    let finished = of_film.iter().filter(|reading| reading.finished_at.is_some());
-    finished.map(|&reading| Ok((reading, journal::state(connection, reading)?))).collect()
-}
-
-/// What stands for a film beside a reading in hand, which may be of this very film.
-fn beside<'r>(
-    connection: &Connection,
-    hand: &ReadingRecord,
-    pending: &[Event],
-    of_film: &[&'r ReadingRecord],
-) -> Result<Read<'r>, StoreError> {
-    if let Some(&own) = of_film.iter().find(|reading| reading.id == hand.id) {
-        let events = journal::events(connection, own.id)?;
-        return Ok(vec![(own, sight::replayed(own, events, pending)?)]);
-    }
-    let mut own: Vec<&'r ReadingRecord> =
-        of_film.iter().copied().filter(|reading| reading.observer == hand.observer).collect();
-    own.sort_by_key(|reading| std::cmp::Reverse(reading.id));
-    for reading in own {
-        let state = journal::state(connection, reading)?;
-        let complete = |level: &Level| {
-            state.vertebrae.get(level).is_some_and(super::VertebraMarks::is_complete)
-        };
-        if Level::MODEL.iter().all(complete) {
-            return Ok(vec![(reading, state)]);
-        }
-    }
-    finished(connection, of_film)
-}
 
 fn parsed(study: &Name, synthetic: bool, films: Vec<Value>) -> Result<Case, StoreError> {
     let case = export::case_json(study, synthetic, films);

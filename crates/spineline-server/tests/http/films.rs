@@ -46,6 +46,26 @@ fn begin(browser: &Browser<'_>, film: i64) -> i64 {
 }
 
 #[test]
+fn small_pictures_and_scales_of_films_outlast_the_program() {
+    let app = app();
+    let browser = app.observer("Ann");
+    let film = |study: &Value| study["summary"]["films"][0].clone();
+    let before = film(&demo(&browser));
+    let id = before["film"].as_i64().expect("a number");
+    let small = browser.get(&format!("/api/films/{id}/thumbnail")).body;
+    drop(browser);
+    // No film can be decoded any more.
+    let nothing = ServeOptions { decoder: "/nowhere".into(), ..decoding() };
+    let app = app.restarted(nothing);
+    let browser = app.observer("Ann");
+    let again = browser.get(&format!("/api/films/{id}/thumbnail"));
+    assert_eq!(again.status, StatusCode::OK, "{}", again.text());
+    assert!(small.starts_with(b"\x89PNG") && again.body == small);
+    assert_eq!(film(&browser.get("/api/studies/demo-rod-01").json()), before);
+    assert_eq!(before["row_mm"], json!(0.2));
+}
+
+#[test]
 fn a_person_marks_undoes_reloads_and_finishes() {
     let app = app();
     let browser = app.observer("Ann");
@@ -152,7 +172,7 @@ fn f59_a_stale_edit_of_a_film_is_refused_and_kept() {
     let stale = edit(0, json!({ "kind": "inverted", "inverted": true }));
     assert_eq!(stale.status, StatusCode::CONFLICT);
     let study = browser.get("/api/studies/demo-rod-01").json();
-    assert_eq!(study["conflicts"][0]["text"], "dark and bright exchanged");
+    assert_eq!(study["conflicts"][0]["text"], "erect film: dark and bright exchanged");
     let case = browser.get("/api/studies/demo-rod-01/case");
     assert_eq!(case.header("content-disposition"), "attachment; filename=\"demo-rod-01.json\"");
     assert_eq!(case.json()["films"][0]["image"]["spacing_source"], "ball");

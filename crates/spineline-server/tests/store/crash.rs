@@ -34,7 +34,7 @@ fn child_session() {
         session::run(&mut store, step).expect("a step");
         println!("acknowledged {step}");
     }
-    assert_eq!(session::fingerprint(&store).lines().count(), 6, "the session ends as scripted");
+    assert_eq!(session::fingerprint(&store).lines().count(), 7, "the session ends as scripted");
 }
 
 fn start(path: &Path, largest_file_bytes: Option<u64>) -> Child {

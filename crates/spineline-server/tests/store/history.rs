@@ -4,9 +4,9 @@ use std::path::Path;
 
 use rusqlite::Connection;
 use sha2::{Digest, Sha256};
-use spineline_server::store::{Finding, Store};
+use spineline_server::store::{Finding, Hash, Store, StoreError, Thumbnails};
 
-use crate::session::{STEPS, create, run};
+use crate::session::{STEPS, create, name, run};
 
 fn full_session(path: &Path) -> Store {
     let mut store = create(path);
@@ -51,6 +51,45 @@ fn a_sound_store_has_no_findings_and_one_entry_per_change() {
     assert_eq!(log.len(), 1 + STEPS + 2 + 1);
     assert_eq!(log.iter().filter(|entry| entry.action == "clock_went_back").count(), 1);
     assert!(log.iter().map(|entry| entry.sequence).eq(1..=log.len() as i64));
+}
+
+#[test]
+fn a_click_is_a_change_of_a_study_and_settles_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut store = create(&folder.path().join("store"));
+    let study = name("S-1");
+    (0..2).for_each(|step| run(&mut store, step).expect("a step"));
+    for step in 2..STEPS {
+        let before = (store.last_change(&study), store.last_settled(&study));
+        run(&mut store, step).expect("a step");
+        let after = (store.last_change(&study), store.last_settled(&study));
+        let last = store.audit_log().expect("a log").pop().expect("an entry");
+        let [before, after] = [before, after].map(|(change, settled)| {
+            (change.expect("a change").sequence, settled.expect("a change").sequence)
+        });
+        assert_eq!(after.0, last.sequence, "{last:?}");
+        let is_click = last.object.starts_with("event/") || last.object.starts_with("conflict/");
+        assert_eq!(after.1, if is_click { before.1 } else { last.sequence }, "{last:?}");
+    }
+}
+
+#[test]
+fn small_pictures_are_kept_for_known_films_and_are_no_record() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("store");
+    let mut store = full_session(&path);
+    let content = store.films(&name("S-1")).expect("films")[0].content.clone();
+    let head = store.head().expect("a head");
+    assert_eq!(store.thumbnails(&content).expect("none"), None);
+    let thumbnails = Thumbnails { plain: vec![1, 2], inverted: vec![3] };
+    store.keep_thumbnails(&content, &thumbnails).expect("kept");
+    let unknown = store.keep_thumbnails(&Hash::of(b"no film"), &thumbnails);
+    assert!(matches!(unknown, Err(StoreError::Unknown { .. })), "{unknown:?}");
+    drop(store);
+    let store = Store::open(&path).expect("a store");
+    assert_eq!(store.thumbnails(&content).expect("kept"), Some(thumbnails));
+    assert!(store.verify(Some(&head)).expect("verifiable").is_clean());
+    assert_eq!(store.head().expect("a head"), head);
 }
 
 #[test]

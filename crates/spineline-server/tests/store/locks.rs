@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 use std::process::Command;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use rusqlite::Connection;
 use spineline_server::store::{Event, Store, StoreError};
@@ -24,8 +24,11 @@ fn a_store_that_another_program_writes_is_busy_and_free_again_afterwards() {
     store.set_busy_timeout(Duration::from_millis(200)).expect("a time");
     let other = Connection::open(&path).expect("a database");
     other.execute_batch("BEGIN IMMEDIATE").expect("a lock");
+    let asked = Instant::now();
     let refused = store.record(READING, &clicks()[0], 0, &by("A", 10));
     assert!(matches!(refused, Err(StoreError::Busy)), "{refused:?}");
+    // It waits for the other one before it gives up; how much longer depends on the machine.
+    assert!(asked.elapsed() >= Duration::from_millis(190), "{:?}", asked.elapsed());
     // Reading goes on.
     assert_eq!(store.reading_state(READING).expect("a state").revision, 0);
     assert!(store.verify(None).expect("verifiable").is_clean());

@@ -17,7 +17,7 @@ use crate::session::{by, film_bytes, image, name};
 const V1: &str = include_str!("../../src/store/schema/v1.sql");
 const CHILD: &str = "SPINELINE_TEST_MIGRATION_STORE";
 /// The schema that this program writes.
-const CURRENT: i64 = 3;
+const CURRENT: i64 = 4;
 const TIME_MS: i64 = 1_700_000_000_000;
 
 fn sha256(bytes: impl AsRef<[u8]>) -> String {

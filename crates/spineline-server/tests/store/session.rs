@@ -127,6 +127,7 @@ pub fn try_fingerprint(store: &Store) -> Result<String, StoreError> {
     let mut text = String::new();
     for study in store.studies()? {
         writeln!(text, "{study:?}").expect("memory");
+        writeln!(text, "{:?}", store.grants(&study.id)?).expect("memory");
         for film in store.films(&study.id)? {
             let bytes = store.content(&film.content)?.len();
             let lost = store.conflicts_of_film(film.id)?;
@@ -138,7 +139,7 @@ pub fn try_fingerprint(store: &Store) -> Result<String, StoreError> {
             writeln!(text, "{reading:?} {state:?} {lost:?}").expect("memory");
         }
     }
-    writeln!(text, "{:?}", store.head()?).expect("memory");
+    writeln!(text, "{:?} {:?}", store.accounts()?, store.head()?).expect("memory");
     Ok(text)
 }
 

@@ -234,6 +234,25 @@ fn geometric_line(
     }
 }
 
+/// The bending films that have such a line, with the load along it.
+fn bending_loads<'a>(
+    analysis: &'a Analysis,
+    kind: LineKind,
+    depth_mm: f64,
+    warnings: &mut Warnings,
+) -> Vec<(&'a PostureAnalysis, Load)> {
+    let bends = analysis.postures.iter().filter(|p| p.outline.posture.bend().is_some());
+    bends
+        .filter_map(|p| {
+            let load = match kind {
+                LineKind::Estimated => Load::Frontal { depth_mm },
+                _ => Load::along(geometric_line(analysis, kind, p, warnings)?, depth_mm),
+            };
+            Some((p, load))
+        })
+        .collect()
+}
+
 fn fit_model(
     analysis: &Analysis,
     kind: LineKind,
@@ -246,18 +265,7 @@ fn fit_model(
         Grouping::Regional => (JointGroups::regional(&analysis.regions), options.target),
         Grouping::PerJoint => (JointGroups::per_joint(), FitTarget::Shape),
     };
-    let bends: Vec<(&PostureAnalysis, Load)> = analysis
-        .postures
-        .iter()
-        .filter(|p| p.outline.posture.bend().is_some())
-        .filter_map(|p| {
-            let load = match kind {
-                LineKind::Estimated => Load::Frontal { depth_mm },
-                _ => Load::along(geometric_line(analysis, kind, p, warnings)?, depth_mm),
-            };
-            Some((p, load))
-        })
-        .collect();
+    let bends = bending_loads(analysis, kind, depth_mm, warnings);
     if bends.is_empty() {
         warnings.push(Step::Action, "no_line", format!("{kind}: no bending film has such a line"));
         return None;

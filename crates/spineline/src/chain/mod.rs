@@ -132,16 +132,16 @@ impl Chain {
     #[must_use]
     pub fn lay(&self, curve: &Curve) -> ChainPose {
         let mut last = Joint::at(curve, 0.0);
-        let mut stride_mm = [self.segment_mm / last.tangent.norm_mm(); 2];
+        let mut stride_mm = [self.segment_mm / last.tangent.norm_mm(); 3];
         let (mut t_mm, mut joints) = (vec![last.t_mm], vec![last.point]);
         loop {
-            // Strides change slowly from link to link, so that the last two tell the next.
-            let guess_mm = last.t_mm + 2.0 * stride_mm[1] - stride_mm[0];
+            // Strides change slowly from link to link, so that the last three tell the next.
+            let guess_mm = last.t_mm + 3.0 * (stride_mm[2] - stride_mm[1]) + stride_mm[0];
             let next = last.next(curve, guess_mm, self.segment_mm);
             if next.t_mm > curve.end_mm() {
                 break;
             }
-            stride_mm = [stride_mm[1], next.t_mm - last.t_mm];
+            stride_mm = [stride_mm[1], stride_mm[2], next.t_mm - last.t_mm];
             t_mm.push(next.t_mm);
             joints.push(next.point);
             last = next;

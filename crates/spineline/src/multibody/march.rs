@@ -396,11 +396,12 @@ impl<'a> Statics<'a> {
         let moment = wrench.moment_nmm - centre.cross(force);
         // How a hinge's moment changes as its axis turns.
         let levers = directions.map(|axis| axis.cross(&moment));
-        for (p, parameter) in parameters.iter().enumerate() {
-            let (midpoints, turned) =
-                (&mut solution.midpoint_rates[p], &mut solution.turn_rates[p]);
-            let mut turn = turned[j];
-            let centre_rate = midpoints[j] + turn.cross(arm);
+        let rates = solution.midpoint_rates.iter_mut().zip(&mut solution.turn_rates);
+        for (parameter, (midpoints, turned)) in parameters.iter().zip(rates) {
+            let ([midpoint, next_midpoint], [turned, next_turned]) =
+                (neighbours(midpoints, j), neighbours(turned, j));
+            let mut turn = *turned;
+            let centre_rate = *midpoint + turn.cross(arm);
             let mut moment_rate = force.cross(&centre_rate);
             let mut stretch = 0.0;
             match *parameter {
@@ -412,9 +413,9 @@ impl<'a> Statics<'a> {
                 }
                 // What is softer above moves nothing below.
                 Parameter::LogStiffness(_)
-                    if turn == Vec3::zeros() && midpoints[j] == Vec3::zeros() =>
+                    if turn == Vec3::zeros() && *midpoint == Vec3::zeros() =>
                 {
-                    (turned[j + 1], midpoints[j + 1]) = (turn, midpoints[j]);
+                    (*next_turned, *next_midpoint) = (turn, *midpoint);
                     continue;
                 }
                 Parameter::LogStiffness(_) => {}
@@ -428,8 +429,8 @@ impl<'a> Statics<'a> {
                 turn += directions[1] * rate(1, &turn);
                 turn += directions[2] * rate(2, &turn);
             }
-            turned[j + 1] = turn;
-            midpoints[j + 1] = centre_rate + turn.cross(rise);
+            *next_turned = turn;
+            *next_midpoint = centre_rate + turn.cross(rise);
         }
     }
 
@@ -445,6 +446,12 @@ impl<'a> Statics<'a> {
             rates.resize_with(parameters, || vec![Vec3::zeros(); vertebrae]);
         }
     }
+}
+
+/// What belongs to the inferior and to the superior vertebra of a joint.
+#[inline(always)]
+fn neighbours(rates: &mut [Vec3], joint: usize) -> &mut [Vec3; 2] {
+    rates[joint..].first_chunk_mut().expect("a joint stands between two vertebrae")
 }
 
 /// One joint of a march, as its derivatives need it.

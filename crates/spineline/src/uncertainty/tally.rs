@@ -179,10 +179,18 @@ impl Uncertainty {
         self.quantities.iter().find(|spread| spread.quantity == quantity)
     }
 
-    /// Which noise was laid on the marks, and where it comes from, in a sentence for each film.
+    /// Which noise was laid on the marks, and where it comes from: a sentence for all films that have the same.
     #[must_use]
     pub fn noise_words(&self) -> Vec<String> {
-        self.noise.iter().map(words_of).collect()
+        let mut told: Vec<(String, Vec<String>)> = Vec::new();
+        for film in &self.noise {
+            let (words, posture) = (words_of(film), film.posture.to_string());
+            match told.iter_mut().find(|(other, _)| *other == words) {
+                Some((_, postures)) => postures.push(posture),
+                None => told.push((words, vec![posture])),
+            }
+        }
+        told.iter().map(|(words, postures)| format!("{}: {words}", postures.join(", "))).collect()
     }
 
     /// What ended without result, a sentence each.
@@ -223,5 +231,5 @@ fn words_of(noise: &FilmNoise) -> String {
             format!("locations {location_sd_mm:.2} mm, tilts {tilt_sd:.2}")
         }
     };
-    format!("{} film: {size} per reading, {source}", noise.posture)
+    format!("{size} per reading, {source}")
 }

@@ -13,7 +13,14 @@ import {
 } from "three";
 
 import { at, placed, type BodySize, type Shape } from "../shapes";
-import { archGeometry, bendDisc, bodyGeometry, discGeometry, rimGeometry } from "./vertebra";
+import {
+  archGeometry,
+  bendDisc,
+  bodyGeometry,
+  discGeometry,
+  rimGeometry,
+  type Detail,
+} from "./vertebra";
 
 /** What a spine in the picture is. */
 export type Tone = "erect" | "measured" | "simulated" | "not_a_result";
@@ -24,7 +31,6 @@ export interface Palette {
   measured: string;
   simulated: string;
   contradiction: string;
-  accent: string;
   force: string;
   quiet: string;
   line: string;
@@ -33,19 +39,25 @@ export interface Palette {
 
 /** Geometries of all levels, shared by the spines of a picture. */
 export class Parts {
-  readonly bodies: BufferGeometry[];
-  readonly arches: BufferGeometry[];
+  readonly bodies: Record<Detail, BufferGeometry[]>;
+  readonly arches: Record<Detail, BufferGeometry[]>;
   readonly rims: BufferGeometry[];
-  readonly joint = new SphereGeometry(1, 16, 12);
+  readonly joint = new SphereGeometry(1, 12, 8);
 
   constructor(readonly sizes: readonly BodySize[]) {
-    this.bodies = sizes.map(bodyGeometry);
-    this.arches = sizes.map(archGeometry);
+    const inBoth = (make: (body: BodySize, detail: Detail) => BufferGeometry) => ({
+      fine: sizes.map((body) => make(body, "fine")),
+      coarse: sizes.map((body) => make(body, "coarse")),
+    });
+    this.bodies = inBoth(bodyGeometry);
+    this.arches = inBoth(archGeometry);
     this.rims = sizes.map(rimGeometry);
   }
 
   dispose(): void {
-    for (const part of [...this.bodies, ...this.arches, ...this.rims, this.joint]) part.dispose();
+    for (const detail of ["fine", "coarse"] as const)
+      for (const part of [...this.bodies[detail], ...this.arches[detail]]) part.dispose();
+    for (const part of [...this.rims, this.joint]) part.dispose();
   }
 }
 
@@ -120,6 +132,12 @@ export class Figure {
   /** What a pointer can meet: bodies and discs, with `level` or `joint` in their user data. */
   get targets(): Mesh[] {
     return [...this.#bodyMeshes, ...this.#discs, ...this.#joints];
+  }
+
+  detail(detail: Detail): void {
+    const { bodies, arches } = this.parts;
+    this.#bodyMeshes.forEach((body, index) => (body.geometry = at(bodies[detail], index)));
+    this.#arches.forEach((arch, index) => (arch.geometry = at(arches[detail], index)));
   }
 
   pose(shape: Shape): void {
@@ -211,9 +229,9 @@ export class Figure {
   #addVertebra(index: number): void {
     const vertebra = new Group();
     vertebra.matrixAutoUpdate = false;
-    const body = new Mesh(at(this.parts.bodies, index), this.#bone);
+    const body = new Mesh(at(this.parts.bodies.fine, index), this.#bone);
     body.userData.level = index;
-    const arch = new Mesh(at(this.parts.arches, index), this.#arch);
+    const arch = new Mesh(at(this.parts.arches.fine, index), this.#arch);
     const rim = new LineSegments(at(this.parts.rims, index), this.#rim);
     vertebra.add(body, arch, rim);
     this.#vertebrae.push(vertebra);

@@ -15,7 +15,7 @@ import type { BodySize, Point } from "../shapes";
 import type { Label } from "./labels";
 
 /** Side of a square of the grid on the ground. */
-export const GRID_MM = 50;
+const GRID_MM = 50;
 
 const AXIS_MM = 90;
 

@@ -21,6 +21,7 @@ import { Figure, Parts, placement, type FigureStyle, type Palette, type Tone } f
 import { Ground } from "./ground";
 import { Labels, type Label } from "./labels";
 import { PRESETS, lookOf, type Look, type Preset } from "./looks";
+import type { Detail } from "./vertebra";
 
 /** A line of action. */
 export interface LineDrawn {
@@ -51,7 +52,9 @@ export interface Picture {
 export interface Told {
   picked(target: { joint: number } | { level: number }): void;
   /** After every picture. */
-  drawn(look: Look, tip: [number, number] | null): void;
+  drawn(look: Look): void;
+  /** Where the tip of the load is on the screen. */
+  tipped(tip: [number, number] | null): void;
   lost(isLost: boolean): void;
 }
 
@@ -62,8 +65,7 @@ const GROUND_MM = 12;
 const MARGIN_MM = 26;
 const SHORTEST_LINE_MM = 160;
 /** Pixels of the picture for each CSS pixel: more than the screen has, which smooths edges; fewer where only speed counts. */
-const FINE_RATIO = 2;
-const COARSE_RATIO = 0.6;
+const RATIOS: Record<Detail, number> = { fine: 2, coarse: 0.5 };
 /** How long a slow machine's picture rests before it is drawn finely. */
 const REST_MS = 250;
 const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
@@ -146,7 +148,13 @@ export class Stage {
   }
 
   show(picture: Picture): void {
+    const last = this.#picture;
     this.#picture = picture;
+    // Its answer follows at once, and a slow machine has time for one picture of the two.
+    if (this.#isSlow && this.#isHeld && picture.load && last?.main.shape === picture.main.shape) {
+      this.#tellTip();
+      return;
+    }
     const { chosenJoint, chosenLevel, discs, contradicted, layout } = picture;
     const style: FigureStyle = {
       tone: picture.main.tone,
@@ -174,9 +182,9 @@ export class Stage {
     clearTimeout(this.#fine);
     this.#frame = requestAnimationFrame(() => {
       this.#frame = 0;
-      this.#render(this.#isSlow ? COARSE_RATIO : FINE_RATIO);
+      this.#render(this.#isSlow ? "coarse" : "fine");
       if (this.#isSlow && !this.#isHeld)
-        this.#fine = setTimeout(() => this.#render(FINE_RATIO), REST_MS);
+        this.#fine = setTimeout(() => this.#render("fine"), REST_MS);
     });
   }
 
@@ -313,16 +321,18 @@ export class Stage {
     this.draw();
   }
 
-  #render(ratio: number): void {
+  #render(detail: Detail): void {
     const picture = this.#picture;
     const { clientWidth, clientHeight } = this.canvas.parentElement ?? this.canvas;
     if (!picture || clientWidth === 0 || clientHeight === 0) return;
     const size = new Vector2(clientWidth, clientHeight);
     // A new size clears the canvas: only where it is one.
+    const ratio = RATIOS[detail];
     if (ratio !== this.#renderer.getPixelRatio()) this.#renderer.setPixelRatio(ratio);
     if (!size.equals(this.#renderer.getSize(new Vector2()))) {
       this.#renderer.setSize(clientWidth, clientHeight);
     }
+    for (const figure of [this.#main, this.#other]) figure.detail(detail);
     const isBeside = picture.layout === "beside" && picture.other !== null;
     const width = isBeside ? size.x / 2 : size.x;
     const scale = this.#fit(width, size.y);
@@ -343,10 +353,13 @@ export class Stage {
     const toward = this.#camera.position.clone().sub(this.#controls.target).normalize().toArray();
     this.#labels.set([...this.#staticLabels, ...(isBeside ? [] : this.#ground.labels(toward))]);
     this.#labels.place(this.#camera, left, width, size.y, scale);
-    this.told.drawn(
-      lookOf(this.#camera, scale),
-      picture.load ? this.#onScreen(picture.load.tip, left, width, size.y) : null,
-    );
+    this.told.drawn(lookOf(this.#camera, scale));
+    this.#tellTip();
+  }
+
+  #tellTip(): void {
+    const load = this.#picture?.load;
+    this.told.tipped(load ? this.#onScreen(load.tip) : null);
   }
 
   #half(
@@ -377,9 +390,11 @@ export class Stage {
     return perMm * this.#camera.zoom;
   }
 
-  #onScreen(point: Point, left: number, width: number, height: number): [number, number] {
+  /** A place in a picture that is one, not two halves. */
+  #onScreen(point: Point): [number, number] {
+    const { width, height } = this.#renderer.getSize(new Vector2());
     const seen = new Vector3(...point).project(this.#camera);
-    return [left + ((seen.x + 1) / 2) * width, ((1 - seen.y) / 2) * height];
+    return [((seen.x + 1) / 2) * width, ((1 - seen.y) / 2) * height];
   }
 
   #ray(clientX: number, clientY: number): Raycaster {

@@ -45,17 +45,22 @@ function rimPoints(body: BodySize): [number, number][] {
   return points;
 }
 
+/** How finely a vertebra is drawn: coarse has a quarter of the triangles, for what moves on a slow machine. */
+export type Detail = "fine" | "coarse";
+
 /** The body in its own axes: x anterior, y left, z cranial, its midpoint at zero. */
-export function bodyGeometry(body: BodySize): BufferGeometry {
+export function bodyGeometry(body: BodySize, detail: Detail = "fine"): BufferGeometry {
   const positions: number[] = [];
   const indices: number[] = [];
-  PROFILE.forEach(([height, width], ring) => {
-    for (let step = 0; step < AROUND; step += 1) {
-      const [x, y] = at(rimPoints(body), step);
+  const every = detail === "fine" ? 1 : 2;
+  const around = AROUND / every;
+  PROFILE.filter((_, index) => index % every === 0).forEach(([height, width], ring) => {
+    for (let step = 0; step < around; step += 1) {
+      const [x, y] = at(rimPoints(body), step * every);
       positions.push(x * width, y * width, (height * body.height_mm) / 2);
       if (ring === 0) continue;
-      const next = (step + 1) % AROUND;
-      const [low, high] = [(ring - 1) * AROUND, ring * AROUND];
+      const next = (step + 1) % around;
+      const [low, high] = [(ring - 1) * around, ring * around];
       indices.push(low + step, low + next, high + next, low + step, high + next, high + step);
     }
   });
@@ -86,31 +91,40 @@ export function rimGeometry(body: BodySize): BufferGeometry {
  * Arch and processes behind the body. They are a hint of which side is the back, in proportion to the body; the films
  * do not show them.
  */
-export function archGeometry(body: BodySize): BufferGeometry {
+export function archGeometry(body: BodySize, detail: Detail = "fine"): BufferGeometry {
   const [d, w, h] = [body.depth_mm, body.width_mm, body.height_mm];
   const back = -d / 2;
   const isLumbar = body.level.startsWith("L");
   const parts: BufferGeometry[] = [];
+  const add = (from: Point, to: Point, across: number, along: number): void => {
+    parts.push(strut(from, to, across, along, detail));
+  };
   for (const side of [-1, 1]) {
     const pedicle: Point = [back - 0.3 * d, side * 0.3 * w, 0.2 * h];
     const lamina: Point = [back - 0.66 * d, side * 0.03 * w, 0];
-    parts.push(strut([back + 0.1 * d, side * 0.3 * w, 0.2 * h], pedicle, 0.09 * w, 0.2 * h));
-    parts.push(strut(pedicle, lamina, 0.07 * w, 0.22 * h));
+    add([back + 0.1 * d, side * 0.3 * w, 0.2 * h], pedicle, 0.09 * w, 0.2 * h);
+    add(pedicle, lamina, 0.07 * w, 0.22 * h);
     // Lumbar processes point to the side, thoracic ones back as well.
     const tip: Point = [back - (isLumbar ? 0.32 : 0.5) * d, side * 0.66 * w, 0.24 * h];
-    parts.push(strut([back - 0.3 * d, side * 0.28 * w, 0.18 * h], tip, 0.055 * w, 0.1 * h));
+    add([back - 0.3 * d, side * 0.28 * w, 0.18 * h], tip, 0.055 * w, 0.1 * h);
   }
   // Lumbar spines are blades, thoracic ones slope down.
   const root: Point = [back - 0.58 * d, 0, 0];
   const tip: Point = [back - 1.2 * d, 0, (isLumbar ? -0.22 : -0.8) * h];
-  parts.push(strut(root, tip, 0.05 * w, (isLumbar ? 0.36 : 0.2) * h));
+  add(root, tip, 0.05 * w, (isLumbar ? 0.36 : 0.2) * h);
   const merged = mergeGeometries(parts);
   parts.forEach((part) => part.dispose());
   return merged;
 }
 
 /** A tapered rod between two points, `across` thick sideways and `along` thick in height. */
-function strut(from: Point, to: Point, across: number, along: number): BufferGeometry {
+function strut(
+  from: Point,
+  to: Point,
+  across: number,
+  along: number,
+  detail: Detail,
+): BufferGeometry {
   const [start, end] = [new Vector3(...from), new Vector3(...to)];
   const y = end.clone().sub(start);
   const half = y.length() / 2;
@@ -118,7 +132,7 @@ function strut(from: Point, to: Point, across: number, along: number): BufferGeo
   const x = y.clone().cross(new Vector3(0, 0, 1));
   if (x.lengthSq() < 1e-6) x.set(0, 1, 0);
   x.normalize();
-  const geometry = new SphereGeometry(1, 8, 6);
+  const geometry = detail === "fine" ? new SphereGeometry(1, 8, 6) : new SphereGeometry(1, 5, 3);
   // Blunter than a ball: its girth keeps up towards the ends.
   const points = geometry.getAttribute("position");
   for (let i = 0; i < points.count; i += 1) {

@@ -82,6 +82,8 @@ pub struct FilmSummary {
     pub pixel_aspect: f64,
     /// What lengths are measured in.
     pub plane: PlaneName,
+    /// Distance between neighbouring rows in the film's plane; null where the scale is unknown.
+    pub row_mm: Option<f64>,
     /// Spacing in words with its source, such as `0.143 mm × 0.143 mm, patient mm, by a ball (± 0.6 %)`.
     pub spacing_text: String,
     /// Side of the picture on which the patient's left is.

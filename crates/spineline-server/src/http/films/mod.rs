@@ -3,9 +3,8 @@
 mod screen;
 mod uploads;
 
-use axum::body::Bytes;
 use axum::extract::State;
-use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use spineline::measure::{Calibration, Calibrator};
 use spineline::spatial::Pixel;
@@ -19,7 +18,7 @@ use super::extract::{Json, Path};
 use super::{Answer, AppState, Failure, User, readings, studies, words};
 use crate::store::{FilmEdit, FilmId, FilmRecord, ReadingId, Store, StoreError};
 
-pub use screen::{Shelf, Thumbnails};
+pub use screen::{Shelf, draw_thumbnails};
 pub use uploads::Upload;
 
 pub fn routes() -> OpenApiRouter<AppState> {
@@ -47,18 +46,9 @@ async fn film_pixels(
     State(state): State<AppState>,
     user: User,
     Path(film): Path<i64>,
-    asked: HeaderMap,
 ) -> Answer<Response> {
     let film = state.ask(move |store| seen(store, &user, FilmId(film))).await?;
-    let tag = format!("\"{}\"", film.content);
-    if asked.get(header::IF_NONE_MATCH).is_some_and(|known| known.as_bytes() == tag.as_bytes()) {
-        return Ok(StatusCode::NOT_MODIFIED.into_response());
-    }
-    let mut response = pixels(&state, &film).await?;
-    if let Ok(tag) = HeaderValue::from_str(&tag) {
-        response.headers_mut().insert(header::ETAG, tag);
-    }
-    Ok(response)
+    pixels(&state, &film).await
 }
 
 /// Pixels of the film of a reading, as those of a film.
@@ -71,7 +61,6 @@ async fn reading_pixels(
     Path(reading): Path<i64>,
 ) -> Answer<Response> {
     let seen = state.ask(move |store| readings::seen(store, &user, ReadingId(reading))).await?;
-    // No tag: it would tell a blinded reader which readings are of one film.
     pixels(&state, &seen.film).await
 }
 
@@ -122,7 +111,7 @@ async fn edit(
         let change = Change { who, film: Some(film.id.0), reading: None, revision };
         asker.changes().tell(&film.study, change);
         edited?;
-        studies::film_summary(asker.studies(), store, &user, film.id)
+        studies::film_summary(&asker, store, &user, film.id)
     });
     summary.await.map(Json)
 }
@@ -172,18 +161,15 @@ async fn pixels(state: &AppState, film: &FilmRecord) -> Answer<Response> {
     for (name, number) in numbers {
         headers.insert(name, HeaderValue::from_str(&number.to_string()).expect("digits"));
     }
-    headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("private, no-cache"));
     Ok(response)
 }
 
 async fn thumbnail(state: &AppState, film: &FilmRecord) -> Answer<Response> {
     let thumbnails = screen::thumbnails(state, &film.content).await?;
-    Ok(png(thumbnails.of(film.inverted)))
+    Ok(png(if film.inverted { thumbnails.inverted } else { thumbnails.plain }))
 }
 
 /// An answer that is a PNG.
-pub fn png(bytes: Bytes) -> Response {
-    let headers =
-        [(header::CONTENT_TYPE, "image/png"), (header::CACHE_CONTROL, "private, max-age=60")];
-    (headers, bytes).into_response()
+pub fn png(bytes: Vec<u8>) -> Response {
+    ([(header::CONTENT_TYPE, "image/png")], bytes).into_response()
 }

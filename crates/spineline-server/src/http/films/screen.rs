@@ -1,6 +1,6 @@
 //! Decoded films, as long as there is room for them.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use axum::body::Bytes;
@@ -11,7 +11,7 @@ use tokio::sync::Semaphore;
 
 use super::super::{Answer, AppState, Failure, words};
 use super::uploads::Uploads;
-use crate::store::Hash;
+use crate::store::{Hash, Store, Thumbnails};
 
 /// Room for decoded films.
 const ROOM_BYTES: usize = 300 << 20;
@@ -33,28 +33,11 @@ pub struct Screen {
     pub max: u16,
 }
 
-/// A film's small pictures as PNG files.
-#[derive(Debug, Clone)]
-pub struct Thumbnails {
-    plain: Bytes,
-    inverted: Bytes,
-}
-
-impl Thumbnails {
-    /// Those of a decoded film, with the pixels' shape as its file tells it.
-    pub fn draw(film: &FilmFile) -> Self {
-        let aspect = words::pixel_aspect(judge_spacing(&film.tags.spacing).spacing);
-        let draw = |inverted| {
-            let small = film.display(None, inverted).thumbnail(THUMBNAIL_ROWS, aspect);
-            Bytes::from(small.to_png())
-        };
-        Self { plain: draw(false), inverted: draw(true) }
-    }
-
-    /// With dark and bright exchanged, or not.
-    pub fn of(&self, inverted: bool) -> Bytes {
-        if inverted { self.inverted.clone() } else { self.plain.clone() }
-    }
+/// The small pictures of a decoded film as PNG files, with the pixels' shape as its file tells it.
+pub fn draw_thumbnails(film: &FilmFile) -> Thumbnails {
+    let aspect = words::pixel_aspect(judge_spacing(&film.tags.spacing).spacing);
+    let draw = |inverted| film.display(None, inverted).thumbnail(THUMBNAIL_ROWS, aspect).to_png();
+    Thumbnails { plain: draw(false), inverted: draw(true) }
 }
 
 impl Screen {
@@ -70,23 +53,19 @@ impl Screen {
     }
 }
 
-/// Decoded films, the least recently asked for going first, and all small pictures.
+/// Decoded films, the least recently asked for going first.
 pub struct Shelf {
-    kept: Mutex<Kept>,
+    screens: Mutex<Screens>,
     turn: Semaphore,
     pub uploads: Uploads,
 }
 
-#[derive(Default)]
-struct Kept {
-    screens: VecDeque<(Hash, Arc<Screen>)>,
-    thumbnails: HashMap<String, Thumbnails>,
-}
+type Screens = VecDeque<(Hash, Arc<Screen>)>;
 
 impl Default for Shelf {
     fn default() -> Self {
         Self {
-            kept: Mutex::default(),
+            screens: Mutex::default(),
             turn: Semaphore::new(AT_A_TIME),
             uploads: Uploads::default(),
         }
@@ -94,12 +73,12 @@ impl Default for Shelf {
 }
 
 impl Shelf {
-    fn kept(&self) -> MutexGuard<'_, Kept> {
-        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    fn screens(&self) -> MutexGuard<'_, Screens> {
+        self.screens.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn screen(&self, content: &Hash) -> Option<Arc<Screen>> {
-        let screens = &mut self.kept().screens;
+        let screens = &mut self.screens();
         let at = screens.iter().position(|(known, _)| known == content)?;
         let found = screens.remove(at)?;
         let screen = found.1.clone();
@@ -108,25 +87,16 @@ impl Shelf {
     }
 
     fn keep(&self, content: &Hash, screen: Arc<Screen>) {
-        let screens = &mut self.kept().screens;
+        let screens = &mut self.screens();
         if screens.iter().all(|(known, _)| known != content) {
             screens.push_back((content.clone(), screen));
         }
-        let room = |screens: &VecDeque<(Hash, Arc<Screen>)>| -> usize {
+        let room = |screens: &Screens| -> usize {
             screens.iter().map(|(_, screen)| screen.bytes.len()).sum()
         };
         while screens.len() > 1 && room(screens) > ROOM_BYTES {
             screens.pop_front();
         }
-    }
-
-    fn thumbnails(&self, content: &Hash) -> Option<Thumbnails> {
-        self.kept().thumbnails.get(content.as_str()).cloned()
-    }
-
-    /// Keeps the small pictures of a film.
-    pub fn keep_thumbnails(&self, content: &Hash, thumbnails: Thumbnails) {
-        self.kept().thumbnails.insert(content.as_str().to_owned(), thumbnails);
     }
 }
 
@@ -140,37 +110,37 @@ pub async fn screen(state: &AppState, content: &Hash) -> Answer<Arc<Screen>> {
     if let Some(screen) = state.films().screen(content) {
         return Ok(screen);
     }
-    let (film, has_thumbnails) = (stored(state, content).await?, thumbs_known(state, content));
-    let made = tokio::task::spawn_blocking(move || {
-        let thumbnails = (!has_thumbnails).then(|| Thumbnails::draw(&film));
-        (Arc::new(Screen::of(&film)), thumbnails)
-    });
-    let (screen, thumbnails) = made.await.expect("drawing does not panic");
-    if let Some(thumbnails) = thumbnails {
-        state.films().keep_thumbnails(content, thumbnails);
-    }
+    let film = stored(state, content).await?;
+    let made = tokio::task::spawn_blocking(move || Arc::new(Screen::of(&film)));
+    let screen = made.await.expect("drawing does not panic");
     state.films().keep(content, screen.clone());
     Ok(screen)
 }
 
 /// The small pictures of a film of the store.
 pub async fn thumbnails(state: &AppState, content: &Hash) -> Answer<Thumbnails> {
-    if let Some(known) = state.films().thumbnails(content) {
+    if let Some(known) = kept_thumbnails(state, content).await? {
         return Ok(known);
     }
     let _turn = turn(state).await?;
-    if let Some(known) = state.films().thumbnails(content) {
+    // Somebody may have had them drawn while this one waited.
+    if let Some(known) = kept_thumbnails(state, content).await? {
         return Ok(known);
     }
     let film = stored(state, content).await?;
-    let drawn = tokio::task::spawn_blocking(move || Thumbnails::draw(&film));
-    let thumbnails = drawn.await.expect("drawing does not panic");
-    state.films().keep_thumbnails(content, thumbnails.clone());
-    Ok(thumbnails)
+    let drawn = tokio::task::spawn_blocking(move || draw_thumbnails(&film));
+    let (thumbnails, content) = (drawn.await.expect("drawing does not panic"), content.clone());
+    let keep = move |store: &mut Store| {
+        // Where the store cannot be written now, they are drawn again another time.
+        let _ = store.keep_thumbnails(&content, &thumbnails);
+        Ok(thumbnails)
+    };
+    state.store(keep).await
 }
 
-fn thumbs_known(state: &AppState, content: &Hash) -> bool {
-    state.films().thumbnails(content).is_some()
+async fn kept_thumbnails(state: &AppState, content: &Hash) -> Answer<Option<Thumbnails>> {
+    let content = content.clone();
+    state.store(move |store| store.thumbnails(&content)).await
 }
 
 pub async fn turn(state: &AppState) -> Answer<tokio::sync::SemaphorePermit<'_>> {

@@ -21,7 +21,7 @@ use super::super::extract::{Json, Path};
 use super::super::state::secret;
 use super::super::{Answer, AppState, Failure, User, words};
 use super::png;
-use super::screen::{Thumbnails, decode, turn};
+use super::screen::{decode, draw_thumbnails, turn};
 use crate::store::{Name, Timestamp};
 
 /// How long an upload is kept.
@@ -44,7 +44,8 @@ pub struct Upload {
     pub is_synthetic: bool,
     /// Of the decoded pixels: the same film in two files has the same.
     pub picture: String,
-    pub thumbnails: Thumbnails,
+    /// A small picture, as PNG.
+    pub thumbnail: Vec<u8>,
 }
 
 struct Staged {
@@ -153,7 +154,7 @@ async fn thumbnail(
     Path(upload): Path<String>,
 ) -> Answer<Response> {
     let upload = state.films().uploads.get(&user.name, &upload, state.now())?;
-    Ok(png(upload.thumbnails.of(false)))
+    Ok(png(upload.thumbnail.clone()))
 }
 
 /// What a film says of itself; nothing of it names the patient.
@@ -197,7 +198,7 @@ fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
         is_lateral,
         is_synthetic: film.tags.is_phantom,
         picture: sha256_hex(&picture),
-        thumbnails: Thumbnails::draw(film),
+        thumbnail: draw_thumbnails(film).plain,
     };
     (upload, view)
 }

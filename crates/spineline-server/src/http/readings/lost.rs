@@ -3,14 +3,18 @@
 use serde_json::Value;
 
 use super::super::api::LostChangeView;
-use crate::store::{FilmId, LostChange, ReadingId, Store, StoreError};
+use crate::store::{FilmRecord, LostChange, ReadingId, Store, StoreError};
 
 pub fn of_reading(store: &Store, reading: ReadingId) -> Result<Vec<LostChangeView>, StoreError> {
     Ok(store.conflicts_of_reading(reading)?.iter().map(view).collect())
 }
 
-pub fn of_film(store: &Store, film: FilmId) -> Result<Vec<LostChangeView>, StoreError> {
-    Ok(store.conflicts_of_film(film)?.iter().map(view).collect())
+pub fn of_film(store: &Store, film: &FilmRecord) -> Result<Vec<LostChangeView>, StoreError> {
+    let named = |lost: &LostChange| {
+        let lost = view(lost);
+        LostChangeView { text: format!("{} film: {}", film.posture, lost.text), ..lost }
+    };
+    Ok(store.conflicts_of_film(film.id)?.iter().map(named).collect())
 }
 
 fn view(lost: &LostChange) -> LostChangeView {
@@ -44,7 +48,9 @@ fn words(change: &Value) -> String {
         _ if !change["posture"].is_null() => format!("posture to {}", word("posture")),
         _ if !change["inverted"].is_null() => inverted(&change["inverted"]),
         _ => {
-            format!("scale to {} mm × {} mm", change["column_spacing_mm"], change["row_spacing_mm"])
+            let [column, row] = ["column_spacing_mm", "row_spacing_mm"]
+                .map(|key| change[key].as_f64().unwrap_or(f64::NAN));
+            format!("scale to {column:.3} mm × {row:.3} mm per pixel")
         }
     }
 }

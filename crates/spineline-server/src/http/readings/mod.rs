@@ -45,8 +45,7 @@ async fn begin(
         let film = films::seen(store, &user, FilmId(film))?;
         user.need_on_study(store, &film.study, RoleName::Editor)?;
         let id = store.begin_reading(film.id, new.repeat, &by)?;
-        tell(&asker, store, &user, id)?;
-        view(store, &user, id, &[])
+        told(&asker, store, &user, id)
     });
     view.await.map(Json)
 }
@@ -63,9 +62,11 @@ async fn begin_planned(
     let by = user.sign(state.now());
     let asker = state.clone();
     let view = state.ask(move |store| {
-        let id = store.begin_planned(&FilmCode::new(&code), &by)?;
-        tell(&asker, store, &user, id)?;
-        view(store, &user, id, &[])
+        let code = FilmCode::new(&code);
+        let study = store.observer(&user.name).study_of(&code)?;
+        user.on_study(store, &study)?;
+        let id = store.begin_planned(&code, &by)?;
+        told(&asker, store, &user, id)
     });
     view.await.map(Json)
 }
@@ -78,7 +79,11 @@ async fn reading(
     user: User,
     Path(reading): Path<i64>,
 ) -> Answer<Json<ReadingView>> {
-    state.ask(move |store| view(store, &user, ReadingId(reading), &[])).await.map(Json)
+    let view = state.ask(move |store| {
+        let seen = seen(store, &user, ReadingId(reading))?;
+        view(store, &user, &seen, &[])
+    });
+    view.await.map(Json)
 }
 
 /// Records events, all or none. The same request once more is answered once more, and records nothing.
@@ -148,14 +153,11 @@ fn settle(
     changed: Result<(), StoreError>,
 ) -> Answer<Response> {
     match changed {
-        Ok(()) => {
-            tell(state, store, user, reading)?;
-            Ok(Json(view(store, user, reading, &[])?).into_response())
-        }
+        Ok(()) => Ok(Json(told(state, store, user, reading)?).into_response()),
         Err(error @ StoreError::Conflict { .. }) => {
-            tell(state, store, user, reading)?;
             let problem = Failure::from(error).into_problem();
-            let reading = view(store, user, reading, &[])?;
+            // A lost change is news too: it is kept.
+            let reading = told(state, store, user, reading)?;
             let answer = ConflictAnswer { problem, reading };
             Ok((StatusCode::CONFLICT, Json(answer)).into_response())
         }
@@ -163,16 +165,18 @@ fn settle(
     }
 }
 
-fn tell(state: &AppState, store: &Store, user: &User, reading: ReadingId) -> Answer<()> {
+/// The reading as it stands, of which everybody who looks at its study is told.
+fn told(state: &AppState, store: &Store, user: &User, reading: ReadingId) -> Answer<ReadingView> {
     let seen = seen(store, user, reading)?;
+    let view = view(store, user, &seen, &[])?;
     let change = Change {
         who: user.name.to_string(),
         film: Some(seen.film.id.0),
         reading: Some(reading.0),
-        revision: Some(seen.state(&[])?.revision),
+        revision: Some(view.revision),
     };
     state.changes().tell(&seen.study.id, change);
-    Ok(())
+    Ok(view)
 }
 
 /// Refuses a film of a study of which this user may see codes only.

@@ -22,13 +22,12 @@ use crate::store::{
 pub(in crate::http) fn view(
     store: &Store,
     user: &User,
-    reading: ReadingId,
+    seen: &SeenReading,
     pending: &[Event],
 ) -> Answer<ReadingView> {
-    let seen = seen(store, user, reading)?;
     let state = seen.state(pending)?;
-    let conflicts = lost::of_reading(store, reading)?;
-    view_of(&seen, &state, conflicts, seen.record.observer == user.name)
+    let conflicts = lost::of_reading(store, seen.record.id)?;
+    view_of(seen, &state, conflicts, seen.record.observer == user.name)
 }
 
 /// A reading that this user may see; what is not theirs is not there.

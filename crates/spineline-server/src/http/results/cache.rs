@@ -1,4 +1,4 @@
-//! Analyses of studies, kept as long as nothing of the study has changed.
+//! Analyses of studies, kept until something changes from which they follow.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -83,7 +83,7 @@ impl StudyResult {
     }
 }
 
-/// Results by study, each with the last change that it knows.
+/// Results by study, each with the last change that it knows; clicks of unfinished readings are none.
 #[derive(Default)]
 pub struct Cache(Mutex<BTreeMap<Name, (i64, Arc<StudyResult>)>>);
 
@@ -113,7 +113,7 @@ impl Cache {
     /// # Errors
     /// As [`Store::standing_case`].
     pub fn result(&self, store: &Store, study: &Name) -> Result<Arc<StudyResult>, StoreError> {
-        let sequence = store.last_change(study)?.sequence;
+        let sequence = store.last_settled(study)?.sequence;
         if let Some(result) = self.get(study, sequence) {
             return Ok(result);
         }
@@ -131,7 +131,7 @@ impl Cache {
 pub async fn study_result(state: &AppState, study: &Name) -> Answer<Arc<StudyResult>> {
     let (cache, name) = (state.clone(), study.clone());
     let found = state.store(move |store| {
-        let sequence = store.last_change(&name)?.sequence;
+        let sequence = store.last_settled(&name)?.sequence;
         Ok(match cache.results().get(&name, sequence) {
             Some(result) => Ok(result),
             None => Err((sequence, store.standing_case(&name, Stand::Finished)?)),
@@ -148,6 +148,14 @@ pub async fn study_result(state: &AppState, study: &Name) -> Answer<Arc<StudyRes
             })
             .await
         }
+    }
+}
+
+/// Has the results of some studies computed before the store is asked for them, so that it is free meanwhile. What keeps
+/// one from being computed is told where it is asked for.
+pub async fn prepare(state: &AppState, studies: &[Name]) {
+    for study in studies {
+        let _ = study_result(state, study).await;
     }
 }
 

@@ -8,7 +8,7 @@ use spineline::analysis::Analysis;
 use spineline::cohort::{Clustered, Cohort};
 use spineline::evaluate::statistics::{Summary, box_summary};
 
-use super::cache::{Outcome, StudyResult, computed};
+use super::cache::{Outcome, StudyResult, computed, prepare};
 use super::curves::main_curve;
 use super::summary::{ResultSummary, known, of_result, summary};
 use super::{notices, reliability};
@@ -17,7 +17,7 @@ use crate::http::api::{
 };
 use crate::http::extract::Json;
 use crate::http::{Answer, AppState, User};
-use crate::store::StoreError;
+use crate::store::{Name, StoreError};
 
 /// The bootstrap starts from here.
 const BOOTSTRAP_SEED: u64 = 1;
@@ -35,11 +35,12 @@ struct Member {
 /// All studies that the one who asks may see.
 #[utoipa::path(get, path = "/api/cohort", responses((status = 200, body = CohortView)))]
 pub async fn cohort(State(state): State<AppState>, user: User) -> Answer<Json<CohortView>> {
-    let shared = state.clone();
+    let (shared, asker) = (state.clone(), user.clone());
+    let studies = state.ask(move |store| asker.studies(store)).await?;
+    let names: Vec<Name> = studies.iter().map(|(study, _)| study.id.clone()).collect();
+    prepare(&state, &names).await;
     let members = state.store(move |store| {
-        let mut seen = store.studies()?;
-        seen.retain(|study| user.on_study(store, &study.id).is_ok());
-        let members = seen.into_iter().map(|study| {
+        let members = studies.into_iter().map(|(study, _)| {
             let cache = shared.results();
             let hidden = !super::live::sees_results(store, &user, &study.id)?;
             let result = if hidden { None } else { known(cache, store, &study.id)?.ok() };

@@ -10,6 +10,7 @@ use super::words::{marked_text, progress};
 use super::{findings, notices, overlay};
 use crate::http::api::{FilmOverlay, LiveStatus, LiveView, Notice, Problem, RoleName, Severity};
 use crate::http::extract::{Json, Path};
+use crate::http::studies::study_name;
 use crate::http::{Answer, AppState, Failure, User, readings};
 use crate::store::{Event, FilmId, Name, ReadingId, Sight, Stand, StandingFilm, Store, StoreError};
 
@@ -76,7 +77,7 @@ pub fn blinded() -> Failure {
 /// # Errors
 /// A refusal: unknown, or blinded.
 pub async fn open_study(state: &AppState, user: &User, study: &str) -> Answer<Name> {
-    let name = Name::new(study).map_err(|_| Failure::not_found())?;
+    let name = study_name(study)?;
     let (asked, user) = (name.clone(), user.clone());
     let sees = state.ask(move |store| {
         user.on_study(store, &asked)?;

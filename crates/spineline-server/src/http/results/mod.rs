@@ -18,7 +18,8 @@ mod study;
 mod summary;
 mod words;
 
-pub use cache::Cache;
+pub use cache::{Cache, prepare};
+pub use live::blinded;
 pub(in crate::http) use summary::summary;
 
 use utoipa_axum::router::OpenApiRouter;

@@ -11,7 +11,7 @@ use super::live::live_view;
 use crate::http::api::{Preview, PreviewRequest, Problem, ReadingView, TurnAxis};
 use crate::http::extract::{Json, Path};
 use crate::http::{Answer, AppState, Failure, User, readings};
-use crate::store::{Event, ReadingId, Store, StoreError};
+use crate::store::{Event, FilmRecord, ReadingId, Store, StoreError};
 
 /// What would follow from events upon a reading.
 #[utoipa::path(post, path = "/api/readings/{reading}/preview", params(("reading" = i64, Path)),
@@ -40,22 +40,17 @@ fn before(
     request: PreviewRequest,
 ) -> Answer<(ReadingView, Vec<Event>)> {
     let mut events = request.events;
-    let mut view = readings::view(store, user, reading, &events)?;
+    let seen = readings::seen(store, user, reading)?;
+    let mut view = readings::view(store, user, &seen, &events)?;
     if let Some(turn) = &request.turn_axis {
-        events.push(turned(store, user, reading, &view, turn)?);
-        view = readings::view(store, user, reading, &events)?;
+        events.push(turned(&seen.film, &view, turn)?);
+        view = readings::view(store, user, &seen, &events)?;
     }
     Ok((view, events))
 }
 
 /// The turning of an axis towards the pointer as an event.
-fn turned(
-    store: &Store,
-    user: &User,
-    reading: ReadingId,
-    view: &ReadingView,
-    turn: &TurnAxis,
-) -> Answer<Event> {
+fn turned(film: &FilmRecord, view: &ReadingView, turn: &TurnAxis) -> Answer<Event> {
     let refused = |text: String, help| {
         Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text).help(help)
     };
@@ -67,7 +62,6 @@ fn turned(
         let text = format!("{level} has no four corners, and so no axis");
         refused(text, "place the missing corners first")
     })?;
-    let film = readings::seen(store, user, reading)?.film;
     let image = spineline_io::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
     let [from, towards] = [midpoint, turn.towards_px].map(|[column, row]| Pixel::new(column, row));
     let axis = turn_axis_towards(&image, from, towards).ok_or_else(|| {

@@ -1,8 +1,7 @@
 //! A study's results from its finished readings.
 
 use axum::extract::State;
-use axum::http::header;
-use axum::response::{IntoResponse, Response};
+use axum::response::Response;
 use spineline::anatomy::Posture;
 use spineline_io::AnalysisFile;
 
@@ -12,6 +11,7 @@ use super::words::{marked_text, progress};
 use super::{findings as findings_of, notices};
 use crate::http::api::{FilmOverlay, LiveStatus, LiveView, Problem};
 use crate::http::extract::{Json, Path};
+use crate::http::studies::attachment;
 use crate::http::{Answer, AppState, Failure, User};
 use crate::store::FilmId;
 
@@ -33,12 +33,7 @@ pub async fn analysis_file(
             .map(|analysis| spineline_io::to_text(&AnalysisFile::new(analysis, generator)))
     });
     let text = text.await??;
-    let headers = [
-        (header::CONTENT_TYPE, "application/json".to_owned()),
-        // A study's name has no sign that a header would mistake.
-        (header::CONTENT_DISPOSITION, format!("attachment; filename=\"{study}-analysis.json\"")),
-    ];
-    Ok((headers, text).into_response())
+    Ok(attachment(&format!("{study}-analysis.json"), text))
 }
 
 /// Clinical angles and rotations of a study.

@@ -105,7 +105,7 @@ async fn add(
         let added = store.add_own_case(&case, &user.sign(now))?;
         asker.films().uploads.forget(used.iter().map(String::as_str));
         asker.changes().tell(&added.study, of_study(&user));
-        detail((asker.studies(), asker.results()), store, &user, &added.study, now)
+        detail(&asker, store, &user, &added.study)
     });
     detail.await.map(Json)
 }

@@ -4,7 +4,7 @@ mod make;
 mod summary;
 
 use axum::extract::State;
-use axum::http::{StatusCode, header};
+use axum::http::header;
 use axum::response::{IntoResponse, Response};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -35,19 +35,13 @@ pub fn study_name(text: &str) -> Answer<Name> {
 /// The studies that the one who asks may see.
 #[utoipa::path(get, path = "/api/studies", responses((status = 200, body = [StudySummary])))]
 async fn list(State(state): State<AppState>, user: User) -> Answer<Json<Vec<StudySummary>>> {
-    let asker = state.clone();
+    let (asker, seen) = (state.clone(), user.clone());
+    let studies = state.ask(move |store| seen.studies(store)).await?;
+    let names: Vec<Name> = studies.iter().map(|(study, _)| study.id.clone()).collect();
+    results::prepare(&state, &names).await;
     let list = state.ask(move |store| {
-        let mut summaries = Vec::new();
-        for (study, role) in user.studies(store)? {
-            summaries.push(study_summary(
-                (asker.studies(), asker.results()),
-                store,
-                &user,
-                role,
-                &study,
-            )?);
-        }
-        Ok(summaries)
+        let summaries = studies.iter();
+        summaries.map(|(study, role)| study_summary(&asker, store, &user, *role, study)).collect()
     });
     list.await.map(Json)
 }
@@ -60,30 +54,21 @@ async fn study(
     user: User,
     Path(study): Path<String>,
 ) -> Answer<Json<StudyDetail>> {
-    let (study, now) = (study_name(&study)?, state.now());
-    let asker = state.clone();
-    state
-        .ask(move |store| detail((asker.studies(), asker.results()), store, &user, &study, now))
-        .await
-        .map(Json)
+    let (study, asker) = (study_name(&study)?, state.clone());
+    results::prepare(&state, std::slice::from_ref(&study)).await;
+    state.ask(move |store| detail(&asker, store, &user, &study)).await.map(Json)
 }
 
 /// A study with its lost changes and its plan.
-pub fn detail(
-    kept: (&Overviews, &results::Cache),
-    store: &Store,
-    user: &User,
-    study: &Name,
-    now: Timestamp,
-) -> Answer<StudyDetail> {
+pub fn detail(state: &AppState, store: &Store, user: &User, study: &Name) -> Answer<StudyDetail> {
     let role = user.on_study(store, study)?;
     let record = store.study(study)?;
-    let summary = study_summary(kept, store, user, role, &record)?;
+    let summary = study_summary(state, store, user, role, &record)?;
     let sight = store.observer(&user.name).sight(study)?;
     let mut conflicts = Vec::new();
     if sight != Sight::Reader {
         for film in store.films(study)? {
-            conflicts.extend(readings::lost_of_film(store, film.id)?);
+            conflicts.extend(readings::lost_of_film(store, &film)?);
         }
     }
     if sight == Sight::Open {
@@ -91,7 +76,7 @@ pub fn detail(
             conflicts.extend(readings::lost_of_reading(store, reading.id)?);
         }
     }
-    Ok(StudyDetail { summary, conflicts, plan: plan_view(store, user, study, sight, now)? })
+    Ok(StudyDetail { summary, conflicts, plan: plan_view(store, user, study, sight, state.now())? })
 }
 
 fn plan_view(
@@ -136,7 +121,7 @@ async fn plan(
         let design = PlanDesign { repeats, washout_days, seed };
         store.reading_plan(&study, &observers, design, &user.sign(now))?;
         asker.changes().tell(&study, of_study(&user));
-        detail((asker.studies(), asker.results()), store, &user, &study, now)
+        detail(&asker, store, &user, &study)
     });
     detail.await.map(Json)
 }
@@ -156,20 +141,22 @@ async fn case_file(
     Path(study): Path<String>,
 ) -> Answer<Response> {
     let study = study_name(&study)?;
-    // A study's name has no character that a file's name may not have.
-    let attachment = format!("attachment; filename=\"{study}.json\"");
+    let file = format!("{study}.json");
     let case = state.ask(move |store| {
         user.on_study(store, &study)?;
         if store.observer(&user.name).sight(&study)? != Sight::Open {
-            let text = "readings are blinded until all of the plan are finished";
-            return Err(Failure::new(StatusCode::FORBIDDEN, "blinded", text)
-                .help("wait until every observer has finished"));
+            return Err(results::blinded());
         }
         Ok(store.export_case(&study)?)
     });
+    Ok(attachment(&file, case.await?.text))
+}
+
+/// JSON that a browser keeps as a file. A study's name has no character that a file's name may not have.
+pub fn attachment(file: &str, json: String) -> Response {
     let headers = [
         (header::CONTENT_TYPE, "application/json".to_owned()),
-        (header::CONTENT_DISPOSITION, attachment),
+        (header::CONTENT_DISPOSITION, format!("attachment; filename=\"{file}\"")),
     ];
-    Ok((headers, case.await?.text).into_response())
+    (headers, json).into_response()
 }

@@ -7,10 +7,10 @@ use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::ImageGeometry;
 
 use super::super::api::{FilmSummary, ReadingSummary, RoleName, StudyStatus, StudySummary};
-use super::super::{Answer, User, results, words};
+use super::super::{Answer, AppState, User, results, words};
 use crate::store::{
-    Corner, FilmId, FilmRecord, Name, ReadingId, ReadingRecord, ReadingState, Sight, Store,
-    StoreError, Study,
+    FilmId, FilmRecord, Name, ReadingId, ReadingRecord, ReadingState, Sight, Store, StoreError,
+    Study,
 };
 
 /// What is known of studies as they were at a number of the log.
@@ -26,10 +26,20 @@ struct Overview {
     status: (StudyStatus, String),
 }
 
+impl Overview {
+    /// The count of a reading that was finished already and so has not changed.
+    fn final_count(&self, reading: &ReadingRecord) -> Option<u32> {
+        let known = self.readings.iter().find(|known| known.id == reading.id)?;
+        known.finished_at?;
+        self.complete.get(&reading.id).copied()
+    }
+}
+
 impl Overviews {
     fn of(&self, store: &Store, study: &Name, sequence: i64) -> Result<Arc<Overview>, StoreError> {
         let known = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((at, overview)) = known().get(study.as_str())
+        let before = known().get(study.as_str()).cloned();
+        if let Some((at, overview)) = &before
             && *at == sequence
         {
             return Ok(overview.clone());
@@ -37,7 +47,12 @@ impl Overviews {
         let (films, readings) = (store.films(study)?, store.readings(study)?);
         let mut complete = BTreeMap::new();
         for reading in &readings {
-            complete.insert(reading.id, complete_levels(&store.reading_state(reading.id)?));
+            let counted = before.as_ref().and_then(|(_, overview)| overview.final_count(reading));
+            let count = match counted {
+                Some(count) => count,
+                None => complete_levels(&store.reading_state(reading.id)?),
+            };
+            complete.insert(reading.id, count);
         }
         let status = status_of(&films, &readings, &complete);
         let overview = Arc::new(Overview { films, readings, complete, status });
@@ -47,11 +62,8 @@ impl Overviews {
 }
 
 fn complete_levels(state: &ReadingState) -> u32 {
-    let is_complete = |level: &Level| {
-        let marks = state.vertebrae.get(level);
-        marks.is_some_and(|marks| marks.corners.len() == Corner::ALL.len())
-    };
-    Level::MODEL.iter().filter(|level| is_complete(level)).count() as u32
+    let of_model = state.vertebrae.iter().filter(|(level, _)| level.model_index().is_some());
+    of_model.filter(|(_, marks)| marks.is_complete()).count() as u32
 }
 
 /// How far a study has come, from its marks alone.
@@ -81,16 +93,16 @@ fn status_of(
 
 /// A study in the list, as this user may see it.
 pub fn study_summary(
-    (overviews, results): (&Overviews, &results::Cache),
+    state: &AppState,
     store: &Store,
     user: &User,
     role: RoleName,
     study: &Study,
 ) -> Answer<StudySummary> {
     let changed = store.last_change(&study.id)?;
-    let overview = overviews.of(store, &study.id, changed.sequence)?;
+    let overview = state.studies().of(store, &study.id, changed.sequence)?;
     let sight = store.observer(&user.name).sight(&study.id)?;
-    let found = results::summary(results, store, user, &study.id)?;
+    let found = results::summary(state.results(), store, user, &study.id)?;
     let (status, status_text) = match found.status {
         // Marks that nobody has finished count as progress.
         StudyStatus::ToMark | StudyStatus::Marking => overview.status.clone(),
@@ -100,8 +112,7 @@ pub fn study_summary(
         // Postures would unblind.
         Sight::Reader => Vec::new(),
         Sight::Open | Sight::Apart => {
-            let films = overview.films.iter().map(|film| summary_of(film, &overview, user, sight));
-            films.collect::<Answer<_>>()?
+            overview.films.iter().map(|film| summary_of(film, &overview, user, sight)).collect()
         }
     };
     Ok(StudySummary {
@@ -121,26 +132,22 @@ pub fn study_summary(
 
 /// One film of a study in which readings are not hidden from this user, or are left out.
 pub fn film_summary(
-    overviews: &Overviews,
+    state: &AppState,
     store: &Store,
     user: &User,
     film: FilmId,
 ) -> Answer<FilmSummary> {
     let film = store.film(film)?;
     let changed = store.last_change(&film.study)?;
-    let overview = overviews.of(store, &film.study, changed.sequence)?;
-    summary_of(&film, &overview, user, store.observer(&user.name).sight(&film.study)?)
+    let overview = state.studies().of(store, &film.study, changed.sequence)?;
+    let sight = store.observer(&user.name).sight(&film.study)?;
+    Ok(summary_of(&film, &overview, user, sight))
 }
 
 const UNREADABLE: ImageGeometry =
     ImageGeometry { columns: 0, rows: 0, spacing: None, patient_left: ImageSide::Left };
 
-fn summary_of(
-    film: &FilmRecord,
-    overview: &Overview,
-    user: &User,
-    sight: Sight,
-) -> Answer<FilmSummary> {
+fn summary_of(film: &FilmRecord, overview: &Overview, user: &User, sight: Sight) -> FilmSummary {
     // One film that another program described must not hide all studies.
     let image = spineline_io::parse_image(&film.image, film.posture).unwrap_or(UNREADABLE);
     let readings = overview.readings.iter().filter(|reading| reading.film == film.id);
@@ -152,17 +159,18 @@ fn summary_of(
         finished: reading.finished_at.is_some(),
         complete_levels: overview.complete.get(&reading.id).copied().unwrap_or(0),
     });
-    Ok(FilmSummary {
+    FilmSummary {
         film: film.id.0,
         posture: words::posture_name(film.posture),
         columns: image.columns,
         rows: image.rows,
         pixel_aspect: words::pixel_aspect(image.spacing),
         plane: words::plane_of(&image),
+        row_mm: image.spacing.map(|spacing| spacing.row_mm),
         spacing_text: words::spacing_text(image.spacing),
         patient_left: words::image_side_name(image.patient_left),
         inverted: film.inverted,
         revision: film.revision,
         readings: readings.collect(),
-    })
+    }
 }

@@ -1,0 +1,151 @@
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use spineline::analysis::Analysis;
+use spineline::spatial::Angle;
+use spineline::uncertainty::{FilmNoise, MarkNoise, QuantitySpread, Uncertainty};
+
+use crate::keys::{LevelKey, PostureKey};
+
+/// What the noise of landmarks does to every number: all marks moved at random again and again, each time analysed anew.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub(super) struct UncertaintyRecord {
+    /// Replicates asked for.
+    replicates: u64,
+    /// Replicates that were run.
+    done: u64,
+    /// Replicates whose analysis stopped with an error.
+    failed: u64,
+    seed: u64,
+    noise: BTreeMap<PostureKey, NoiseRecord>,
+    /// What ended without result, by code, line and film.
+    failures: Vec<FailureRecord>,
+    quantities: Vec<SpreadRecord>,
+}
+
+/// Standard deviation of one reading of a film.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct NoiseRecord {
+    /// `readings` (their own spread), `assumed` (nobody read twice) or `given`.
+    source: String,
+    /// Of a corner's column and row.
+    corner_sd_px: Option<[f64; 2]>,
+    corner_sd_mm: Option<[f64; 2]>,
+    /// Of an axis set by hand; `null` where it follows from the corners.
+    axis_sd_deg: Option<f64>,
+    /// Of a coordinate, for films that give locations and tilts.
+    location_sd_mm: Option<f64>,
+    tilt_sd_deg: Option<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct FailureRecord {
+    /// Of the error that stopped an analysis, or `fit_not_converged` or `force_not_found`.
+    code: String,
+    line: Option<String>,
+    posture: Option<PostureKey>,
+    count: u64,
+}
+
+/// How one number scatters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct SpreadRecord {
+    /// Its kind; the keys after `unit` say which one.
+    quantity: String,
+    /// In words.
+    label: String,
+    /// `mm`, `px`, `deg`, `segments`, `force` (newtons, or relative where no force is known) or `1`.
+    unit: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    posture: Option<PostureKey>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    level: Option<LevelKey>,
+    /// Region, or the joints that share a multiplier.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    group: Option<String>,
+    /// `caudal` or `cranial`: which inflection or window.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    end: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    line: Option<String>,
+    /// In the case itself.
+    value: Option<f64>,
+    mean: Option<f64>,
+    sd: Option<f64>,
+    interval_95: Option<[f64; 2]>,
+    /// The 25, 50 and 75 % quantiles.
+    quartiles: Option<[f64; 3]>,
+    /// Replicates that have it.
+    count: u64,
+    /// Replicates that were analysed and do not have it, by reason.
+    absent: BTreeMap<String, u64>,
+}
+
+impl UncertaintyRecord {
+    pub fn new(found: &Uncertainty, analysis: &Analysis) -> Self {
+        Self {
+            replicates: found.asked,
+            done: found.done,
+            failed: found.failed,
+            seed: found.seed,
+            noise: found.noise.iter().map(|film| (film.posture.into(), noise(film))).collect(),
+            failures: found
+                .failures
+                .iter()
+                .map(|failure| FailureRecord {
+                    code: failure.code.to_owned(),
+                    line: failure.line.map(|line| line.key().to_owned()),
+                    posture: failure.posture.map(Into::into),
+                    count: failure.count,
+                })
+                .collect(),
+            quantities: found.quantities.iter().map(|spread| record(spread, analysis)).collect(),
+        }
+    }
+}
+
+fn noise(film: &FilmNoise) -> NoiseRecord {
+    let source = film.source.key().to_owned();
+    match film.marks {
+        MarkNoise::Corners { sd_px, sd_mm, axis_sd } => NoiseRecord {
+            source,
+            corner_sd_px: Some(sd_px),
+            corner_sd_mm: sd_mm,
+            axis_sd_deg: axis_sd.map(Angle::deg),
+            location_sd_mm: None,
+            tilt_sd_deg: None,
+        },
+        MarkNoise::Placements { location_sd_mm, tilt_sd } => NoiseRecord {
+            source,
+            corner_sd_px: None,
+            corner_sd_mm: None,
+            axis_sd_deg: None,
+            location_sd_mm: Some(location_sd_mm),
+            tilt_sd_deg: Some(tilt_sd.deg()),
+        },
+    }
+}
+
+fn record(found: &QuantitySpread, analysis: &Analysis) -> SpreadRecord {
+    let quantity = found.quantity;
+    let spread = found.spread;
+    let absent = found.absent.iter().map(|(why, count)| (why.key().to_owned(), *count));
+    SpreadRecord {
+        quantity: quantity.key().to_owned(),
+        label: quantity.label(analysis),
+        unit: quantity.unit(analysis).key().to_owned(),
+        posture: quantity.posture().map(Into::into),
+        level: quantity.level().map(LevelKey),
+        group: quantity.group(analysis),
+        end: quantity.end().map(str::to_owned),
+        line: quantity.line().map(|line| line.key().to_owned()),
+        value: found.nominal.ok(),
+        mean: spread.map(|s| s.mean),
+        sd: spread.map(|s| s.sd),
+        interval_95: spread.map(|s| s.interval_95()),
+        quartiles: spread.map(|s| [s.quantiles[1], s.quantiles[2], s.quantiles[3]]),
+        count: found.count,
+        absent: absent.collect(),
+    }
+}

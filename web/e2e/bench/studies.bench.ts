@@ -1,0 +1,166 @@
+import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import path from "node:path";
+
+import type { Page } from "@playwright/test";
+
+import type { Api } from "../../src/api/types";
+import { expect, runProgram, test, type App } from "../app";
+import { FilmPage } from "../marking";
+import { get, send } from "../wire";
+import { print, spread } from "./table";
+
+const CASE = "phantom-rod-01";
+const STUDIES = 50;
+
+declare global {
+  interface Window {
+    listPainted?: number;
+  }
+}
+
+test("fifty studies of five large films", async ({ app, page }) => {
+  await app.kill();
+  await fill(app);
+  await app.start();
+  // Answers are asked for before any page has warmed what the program keeps.
+  await page.addInitScript(() => {
+    const watch = new MutationObserver(() => {
+      if (!document.querySelector("article")) return;
+      watch.disconnect();
+      requestAnimationFrame(() => (window.listPainted = performance.now()));
+    });
+    watch.observe(document, { childList: true, subtree: true });
+  });
+  const first = page.waitForResponse((response) => response.url().endsWith("/api/studies"));
+  await app.open(page);
+  const answer = await first;
+  await answer.finished();
+  const cold = answer.request().timing().responseEnd;
+  const warm = await asked(page, 10);
+  const lists = await painted(page, 5);
+  const frames = await scrolled(page);
+  const changed = await askedAfterChange(page, 5);
+  const { size, opened, again } = await films(app, page);
+  print([
+    spread("/api/studies, the program just started", [cold]),
+    spread("/api/studies, nothing changed since", warm),
+    spread("/api/studies, one film's record changed", changed),
+    spread("list: from the page's start to its first paint", lists),
+    spread("list: frame to frame while scrolled", frames),
+    spread(`film of ${size}: click to pixels, first time`, opened),
+    spread(`film of ${size}: click to pixels, seen before`, again),
+  ]);
+});
+
+/** Puts one phantom into the store under many names: its pictures are stored once, its readings each time. */
+async function fill(app: App): Promise<void> {
+  const folder = await mkdtemp(path.join(tmpdir(), "spineline-phantom-"));
+  await runProgram("phantom", "--subject", "1", "--noise", "0", "--films", "--out", folder);
+  const text = await readFile(path.join(folder, `${CASE}.json`), "utf8");
+  const files: string[] = [];
+  for (let i = 1; i <= STUDIES; i += 1) {
+    const name = `S-${String(i).padStart(3, "0")}`;
+    const file = path.join(folder, `${name}.json`);
+    await writeFile(file, text.replaceAll(`"${CASE}"`, `"${name}"`));
+    files.push(file);
+  }
+  await runProgram("study", "add", app.store, ...files);
+  await rm(folder, { recursive: true });
+}
+
+function timed(page: Page): Promise<number> {
+  return page.evaluate(async () => {
+    const from = performance.now();
+    await (await fetch("/api/studies")).arrayBuffer();
+    return performance.now() - from;
+  });
+}
+
+async function asked(page: Page, times: number): Promise<number[]> {
+  const samples: number[] = [];
+  for (let i = 0; i < times; i += 1) samples.push(await timed(page));
+  return samples;
+}
+
+async function askedAfterChange(page: Page, times: number): Promise<number[]> {
+  const samples: number[] = [];
+  for (let i = 0; i < times; i += 1) {
+    const { body } = await get<Api<"StudySummary">[]>(page, "/api/studies");
+    const { film, revision, inverted } = body[i]!.films[0]!;
+    const edit = { kind: "inverted", inverted: !inverted };
+    await send(page, "POST", `/api/films/${film}/edits`, { expected_revision: revision, edit });
+    samples.push(await timed(page));
+  }
+  return samples;
+}
+
+async function painted(page: Page, times: number): Promise<number[]> {
+  const samples: number[] = [];
+  for (let i = 0; i < times; i += 1) {
+    await page.reload();
+    await page.getByRole("article").first().waitFor();
+    samples.push(await told(page, () => window.listPainted));
+  }
+  return samples;
+}
+
+/** Scrolls the list from end to end, and tells how long frames took. */
+async function scrolled(page: Page): Promise<number[]> {
+  return page.evaluate(async () => {
+    const article = document.querySelector("article")!;
+    let box: Element = article;
+    while (box.parentElement && box.scrollHeight <= box.clientHeight + 1) box = box.parentElement;
+    const samples: number[] = [];
+    let before = await new Promise<number>(requestAnimationFrame);
+    for (let i = 0; i < 180; i += 1) {
+      box.scrollTop += i < 90 ? 60 : -60;
+      const now = await new Promise<number>(requestAnimationFrame);
+      samples.push(now - before);
+      before = now;
+    }
+    return samples;
+  });
+}
+
+/** Opens each film of a study from the rail, when the program has just been started, and again. */
+async function films(
+  app: App,
+  page: Page,
+): Promise<{ size: string; opened: number[]; again: number[] }> {
+  await app.kill();
+  await app.start();
+  // An address that differs behind its # only would load nothing anew; the session has outlived the program.
+  await page.goto("about:blank");
+  await page.goto(new URL("#/studies/S-050/measure", app.address).href);
+  await new FilmPage(page).painted();
+  const [opened, again]: [number[], number[]] = [[], []];
+  const names = [/left bending/i, /right bending/i, /neutral/i, /traction/i];
+  for (const samples of [opened, again]) {
+    for (const name of names) samples.push(await clicked(page, name));
+  }
+  const { body } = await get<Api<"StudyDetail">>(page, "/api/studies/S-050");
+  const { columns, rows } = body.summary.films[1]!;
+  return { size: `${columns} × ${rows}`, opened, again };
+}
+
+/** From the click on a film to its first paint, both as the page has them. */
+async function clicked(page: Page, name: RegExp): Promise<number> {
+  await page.evaluate(() => {
+    performance.clearMarks();
+    addEventListener("click", () => performance.mark("clicked"), { capture: true, once: true });
+  });
+  await page.getByRole("navigation", { name: "Films" }).getByRole("link", { name }).click();
+  return told(page, () => {
+    const [from] = performance.getEntriesByName("clicked");
+    const [to] = performance.getEntriesByName("film-painted");
+    return from && to ? to.startTime - from.startTime : undefined;
+  });
+}
+
+/** What the page tells as soon as it knows it; the policy of the app lets nothing wait inside of the page. */
+async function told(page: Page, ask: () => number | undefined): Promise<number> {
+  let answer: number | undefined;
+  await expect.poll(async () => (answer = await page.evaluate(ask))).toBeDefined();
+  return answer!;
+}

@@ -1,0 +1,48 @@
+import type { Page } from "@playwright/test";
+
+import { expect } from "./app";
+
+/** Texts that would run as a program if a page took them for more than texts. */
+export const EVIL = [
+  `<img src=x onerror="window.ran=1">`,
+  `<svg onload="window.ran=1">`,
+  `"><script>window.ran=1</script>`,
+  `javascript:window.ran=1`,
+];
+
+/** Fields that hold what somebody wrote, or words made of it. */
+const WORDS =
+  /^(label|title|observer|who|region|axis|notes|texts|verdict|observers|message|help|(.*_)?(text|unit))$/;
+
+/** Whatever texts an answer has, replaced by hostile ones; no two are the same. */
+function poisoned(value: unknown, field: string, count: { of: number }): unknown {
+  if (Array.isArray(value)) return value.map((one) => poisoned(one, field, count));
+  if (value !== null && typeof value === "object") {
+    const entries = Object.entries(value);
+    return Object.fromEntries(entries.map(([key, one]) => [key, poisoned(one, key, count)]));
+  }
+  if (typeof value !== "string" || !WORDS.test(field)) return value;
+  count.of += 1;
+  return `${EVIL[count.of % EVIL.length]} ${count.of}`;
+}
+
+/** Puts hostile texts into everything that the program answers about studies and readings. */
+export async function poisonAnswers(page: Page): Promise<void> {
+  const count = { of: 0 };
+  await page.route(/\/api\/(studies|readings|films)\b/, async (route) => {
+    if (route.request().url().endsWith("/changes")) return route.continue();
+    const answer = await route.fetch();
+    if (!/json/.test(answer.headers()["content-type"] ?? "")) {
+      return route.fulfill({ response: answer });
+    }
+    const json = poisoned(await answer.json(), "", count);
+    return route.fulfill({ status: answer.status(), json });
+  });
+}
+
+/** Nothing of the hostile texts has become part of the page, or has run. */
+export async function expectHarmless(page: Page): Promise<void> {
+  expect(await page.evaluate(() => "ran" in window)).toBe(false);
+  const parts = "img[src=x], script:not([src]), [onload], [onerror], a[href^='javascript:' i]";
+  expect(await page.locator(parts).count()).toBe(0);
+}

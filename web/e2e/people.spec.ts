@@ -1,0 +1,176 @@
+import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import path from "node:path";
+
+import type { Browser, Page } from "@playwright/test";
+
+import type { Api } from "../src/api/types";
+import { expect, runProgram, runProgramWith, shot, test, usePages, type App } from "./app";
+import { FilmPage } from "./marking";
+import { get, send } from "./wire";
+
+const PASSWORD = "a password that is long enough";
+const [SHARED, OTHER] = ["phantom-rod-01", "of-ab-alone"];
+
+test("two editors of one study hear each other, and neither overwrites the other", async ({
+  app,
+  browser,
+}) => {
+  test.setTimeout(300_000);
+  await twoStudies(app);
+  await account(app, "lead", "admin");
+  for (const [name, role] of [
+    ["ab", "editor"],
+    ["cd", "editor"],
+    ["ef", "reader"],
+  ] as const) {
+    await account(app, name, role);
+    await runProgram("account", "grant", name, SHARED, "--role", role, app.store);
+  }
+  await runProgram("account", "grant", "ab", OTHER, "--role", "editor", app.store);
+  await app.start("--accounts");
+  const [ab, cd] = [await signedIn(browser, app, "ab"), await signedIn(browser, app, "cd")];
+
+  // A study without a grant is not there, neither in the list nor by its address.
+  await expect(ab.getByRole("article")).toHaveCount(2);
+  await expect(cd.getByRole("article")).toHaveCount(1);
+  await expect(cd.getByRole("article")).toContainText(SHARED);
+  await cd.goto(new URL(`#/studies/${OTHER}/measure`, app.address).href);
+  await expect(cd.getByRole("alert")).toBeVisible();
+  await shot(cd, "people-no-grant");
+  expect((await get(cd, `/api/studies/${OTHER}`)).status).toBe(404);
+
+  await readAtOnce(app, ab, cd);
+  await scaleAtOnce(ab, cd);
+
+  const ef = await signedIn(browser, app, "ef");
+  await expectLooking(app, ef);
+  for (const page of [ab, cd, ef]) await page.context().close();
+});
+
+/** Each finishes a reading, and the other one's list of readings tells so by itself. */
+async function readAtOnce(app: App, ab: Page, cd: Page): Promise<void> {
+  for (const page of [ab, cd]) {
+    await page.goto(new URL(`#/studies/${SHARED}/measure`, app.address).href);
+    await new FilmPage(page).begin();
+  }
+  for (const [page, name, other] of [
+    [ab, "ab", cd],
+    [cd, "cd", ab],
+  ] as const) {
+    const film = new FilmPage(page);
+    await film.markSquare((await film.reading()).image);
+    await page.getByRole("button", { name: /finish reading/i }).click();
+    const dialog = page.getByRole("dialog", { name: /finish this reading/i });
+    await dialog.getByRole("button", { name: "Finish", exact: true }).click();
+    await expect(film.target).toContainText("Finished");
+    await expect(other.getByText(`${name} has changed this study.`)).toBeVisible();
+    const readings = other.getByRole("combobox", { name: "Reading" });
+    await expect(
+      readings.getByRole("option", { name: `${name}, reading 1, finished` }),
+    ).toHaveCount(1);
+  }
+  await shot(ab, "people-heard");
+}
+
+/** Both record a scale from the same state of the film: the first stands, the second is kept. */
+async function scaleAtOnce(ab: Page, cd: Page): Promise<void> {
+  for (const [page, length_mm] of [
+    [ab, "25"],
+    [cd, "30"],
+  ] as const) {
+    await page.getByRole("button", { name: "Scale" }).click();
+    const box = (await page.getByTestId("viewer").boundingBox())!;
+    await page.mouse.click(box.x + box.width / 2, box.y + 200);
+    await page.mouse.click(box.x + box.width / 2, box.y + 300);
+    const dialog = page.getByRole("dialog", { name: /scale of this film/i });
+    await dialog.getByLabel(/true diameter/i).fill(length_mm);
+  }
+  // The second one's is on its way while the first one's is recorded.
+  let letGo = (): void => undefined;
+  const recorded = new Promise<void>((resolve) => (letGo = resolve));
+  await cd.route("**/edits", async (route) => {
+    await recorded;
+    await route.continue();
+  });
+  const sent = cd.waitForRequest("**/edits");
+  const set = { name: /set the scale/i };
+  await cd.getByRole("button", set).click();
+  await sent;
+  await ab.getByRole("button", set).click();
+  await expect(ab.getByTestId("spacing")).toContainText("ball");
+  const stands = await ab.getByTestId("spacing").innerText();
+  letGo();
+
+  const dialog = cd.getByRole("dialog", { name: /scale of this film/i });
+  await expect(dialog.getByRole("alert")).toContainText(/not recorded/i);
+  await shot(cd, "people-scale-lost");
+  await dialog.getByRole("button", { name: "Cancel" }).click();
+  await expect(cd.getByTestId("spacing")).toHaveText(stands);
+  for (const page of [ab, cd]) {
+    const lost = page.getByText(/lost changes of this study \(1\)/i);
+    await lost.click();
+    await expect(page.locator("details").filter({ has: lost })).toContainText("– cd,");
+  }
+  await shot(ab, "people-lost");
+  await shotOnTablet(cd, "people-lost-tablet");
+  const { body } = await get<Api<"StudyDetail">>(ab, `/api/studies/${SHARED}`);
+  expect(body.conflicts).toHaveLength(1);
+  expect(body.conflicts[0]).toMatchObject({ who: "cd", base_revision: 0, found_revision: 1 });
+  const erect = body.summary.films.find(({ posture }) => posture === "erect");
+  expect(erect).toMatchObject({ revision: 1, spacing_text: stands });
+}
+
+/** A reader has nothing that changes a study, and the program would not take it either. */
+async function expectLooking(app: App, ef: Page): Promise<void> {
+  await ef.goto(new URL(`#/studies/${SHARED}/measure`, app.address).href);
+  await new FilmPage(ef).painted();
+  await expect(ef.getByText("You may look at this study, but not mark its films.")).toBeVisible();
+  for (const name of [/^begin reading/i, /^scale$/i, /finish reading/i, /^mark$/i, /undo/i])
+    await expect(ef.getByRole("button", { name })).toHaveCount(0);
+  await shot(ef, "people-reader");
+  const { body } = await get<Api<"StudyDetail">>(ef, `/api/studies/${SHARED}`);
+  const { film, revision } = body.summary.films[0]!;
+  const edit = { expected_revision: revision, edit: { kind: "inverted", inverted: true } };
+  expect((await send(ef, "POST", `/api/films/${film}/edits`, edit)).status).toBe(403);
+  expect((await send(ef, "POST", `/api/films/${film}/readings`, { repeat: 1 })).status).toBe(403);
+  await ef.getByRole("link", { name: "Studies", exact: true }).click();
+  await expect(ef.getByRole("article")).toContainText("Reader: look only");
+  await expect(ef.getByRole("link", { name: "New study" })).toHaveCount(0);
+}
+
+/** Puts a phantom into the store twice, under two names, while the program is down. */
+async function twoStudies(app: App): Promise<void> {
+  await app.kill();
+  const folder = await mkdtemp(path.join(tmpdir(), "spineline-phantom-"));
+  await runProgram("phantom", "--subject", "1", "--films", "--out", folder);
+  const file = path.join(folder, `${SHARED}.json`);
+  const other = path.join(folder, "other.json");
+  await writeFile(other, (await readFile(file, "utf8")).replaceAll(`"${SHARED}"`, `"${OTHER}"`));
+  await runProgram("study", "add", app.store, file, other);
+  await rm(folder, { recursive: true });
+}
+
+async function account(app: App, name: string, role: string): Promise<void> {
+  const words = ["account", "add", name, "--role", role, "--password-stdin", app.store];
+  await runProgramWith(`${PASSWORD}\n`, ...words);
+}
+
+/** A browser of their own, signed in with an account. */
+async function signedIn(browser: Browser, app: App, name: string): Promise<Page> {
+  const page = await (await browser.newContext()).newPage();
+  await usePages(page);
+  await page.goto(app.address);
+  await page.getByRole("textbox", { name: "Account" }).fill(name);
+  await page.getByLabel("Password").fill(PASSWORD);
+  await page.getByRole("button", { name: "Sign in" }).click();
+  await expect(page.getByRole("heading", { name: "Studies", level: 1 })).toBeVisible();
+  return page;
+}
+
+async function shotOnTablet(page: Page, name: string): Promise<void> {
+  const before = page.viewportSize()!;
+  await page.setViewportSize({ width: 820, height: 1180 });
+  await shot(page, name);
+  await page.setViewportSize(before);
+}

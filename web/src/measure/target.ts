@@ -1,0 +1,45 @@
+import {
+  OPTIONAL_LEVELS,
+  missingCorner,
+  missingCrest,
+  nextMark,
+  placeOf,
+  type Event,
+  type Mark,
+  type ReadingView,
+} from "./marks";
+
+/** Chosen in place of a level. */
+export const CRESTS = Symbol("iliac crests");
+
+/** Out of the guided order: a level, or the crests. */
+export type Chosen = string | typeof CRESTS | null;
+
+/** What is to be marked next, in a reading as it is drawn and as the program has it. */
+export function targetOf(
+  reading: ReadingView,
+  recorded: ReadingView,
+  pending: readonly Event[],
+  chosen: Chosen,
+): Mark | null {
+  if (pending.some(({ kind }) => kind === "undo" || kind === "redo")) return null;
+  const wanted = chosenTarget(reading, chosen);
+  if (wanted) return wanted;
+  const next = nextMark(recorded);
+  if (pending.length === 0 || next?.kind !== "corner") {
+    return next && !placeOf(reading, next) ? next : null;
+  }
+  // A hand faster than the program: on through the guided order, as far as it is sure.
+  const rest = reading.order.slice(reading.order.indexOf(next.level));
+  const sure = rest.filter((level) => !OPTIONAL_LEVELS.includes(level));
+  for (const level of sure) {
+    const missing = missingCorner(reading, level);
+    if (missing) return missing;
+  }
+  return null;
+}
+
+function chosenTarget(reading: ReadingView, chosen: Chosen): Mark | null {
+  if (chosen === null) return null;
+  return chosen === CRESTS ? missingCrest(reading) : missingCorner(reading, chosen as string);
+}
