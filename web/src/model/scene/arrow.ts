@@ -16,6 +16,8 @@ const UP = new Vector3(0, 1, 0);
 /** A straight rod between two points. */
 export class Rod {
   readonly mesh: Mesh<CylinderGeometry, MeshBasicMaterial>;
+  ends: [Vector3, Vector3] = [new Vector3(), new Vector3()];
+  radius_mm = 0;
 
   constructor(geometry: CylinderGeometry) {
     this.mesh = new Mesh(geometry, new MeshBasicMaterial());
@@ -27,6 +29,8 @@ export class Rod {
   }
 
   set(from: Vector3, to: Vector3, radius_mm: number): void {
+    this.ends = [from.clone(), to.clone()];
+    this.radius_mm = radius_mm;
     const axis = to.clone().sub(from);
     const length = Math.max(axis.length(), 1e-6);
     this.mesh.position.copy(from).addScaledVector(axis, 0.5);
@@ -38,15 +42,16 @@ export class Rod {
 /** An arrow from a point to its tip. */
 export class Arrow {
   readonly group = new Group();
-  readonly #shaft: Rod;
+  readonly shaft: Rod;
+  headEnds: [Vector3, Vector3] = [new Vector3(), new Vector3()];
   readonly #head: Mesh<ConeGeometry, MeshBasicMaterial>;
 
   constructor(rod: CylinderGeometry, head: ConeGeometry, { isOnTop = false } = {}) {
-    this.#shaft = new Rod(rod);
+    this.shaft = new Rod(rod);
     this.#head = new Mesh(head, new MeshBasicMaterial());
     // What is being held must not be hidden by what it moves.
-    if (isOnTop) [this.#shaft.mesh, this.#head].forEach(putOnTop);
-    this.group.add(this.#shaft.mesh, this.#head);
+    if (isOnTop) [this.shaft.mesh, this.#head].forEach(putOnTop);
+    this.group.add(this.shaft.mesh, this.#head);
   }
 
   set(from: Point, tip: Point, colour: string): void {
@@ -57,16 +62,17 @@ export class Arrow {
     if (!this.group.visible) return;
     axis.normalize();
     const head = Math.min(14, length * 0.5);
+    this.headEnds = [end.clone().addScaledVector(axis, -head), end.clone()];
     this.#head.position.copy(end).addScaledVector(axis, -head / 2);
     this.#head.quaternion.copy(new Quaternion().setFromUnitVectors(UP, axis));
     this.#head.scale.set(head * 0.36, head, head * 0.36);
-    this.#shaft.set(start, end.clone().addScaledVector(axis, -head * 0.9), 1.5);
-    for (const material of [this.#shaft.mesh.material, this.#head.material])
+    this.shaft.set(start, end.clone().addScaledVector(axis, -head * 0.9), 1.5);
+    for (const material of [this.shaft.mesh.material, this.#head.material])
       material.color.set(colour);
   }
 
   dispose(): void {
-    this.#shaft.mesh.material.dispose();
+    this.shaft.mesh.material.dispose();
     this.#head.material.dispose();
   }
 }

@@ -13,14 +13,7 @@ import {
 } from "three";
 
 import { at, placed, type BodySize, type Shape } from "../shapes";
-import {
-  archGeometry,
-  bendDisc,
-  bodyGeometry,
-  discGeometry,
-  rimGeometry,
-  type Detail,
-} from "./vertebra";
+import { archGeometry, bendDisc, bodyGeometry, discGeometry, rimGeometry } from "./vertebra";
 
 /** What a spine in the picture is. */
 export type Tone = "erect" | "measured" | "simulated" | "not_a_result";
@@ -39,25 +32,19 @@ export interface Palette {
 
 /** Geometries of all levels, shared by the spines of a picture. */
 export class Parts {
-  readonly bodies: Record<Detail, BufferGeometry[]>;
-  readonly arches: Record<Detail, BufferGeometry[]>;
+  readonly bodies: BufferGeometry[];
+  readonly arches: BufferGeometry[];
   readonly rims: BufferGeometry[];
   readonly joint = new SphereGeometry(1, 12, 8);
 
   constructor(readonly sizes: readonly BodySize[]) {
-    const inBoth = (make: (body: BodySize, detail: Detail) => BufferGeometry) => ({
-      fine: sizes.map((body) => make(body, "fine")),
-      coarse: sizes.map((body) => make(body, "coarse")),
-    });
-    this.bodies = inBoth(bodyGeometry);
-    this.arches = inBoth(archGeometry);
+    this.bodies = sizes.map(bodyGeometry);
+    this.arches = sizes.map(archGeometry);
     this.rims = sizes.map(rimGeometry);
   }
 
   dispose(): void {
-    for (const detail of ["fine", "coarse"] as const)
-      for (const part of [...this.bodies[detail], ...this.arches[detail]]) part.dispose();
-    for (const part of [...this.rims, this.joint]) part.dispose();
+    for (const part of [...this.bodies, ...this.arches, ...this.rims, this.joint]) part.dispose();
   }
 }
 
@@ -134,12 +121,6 @@ export class Figure {
     return [...this.#bodyMeshes, ...this.#discs, ...this.#joints];
   }
 
-  detail(detail: Detail): void {
-    const { bodies, arches } = this.parts;
-    this.#bodyMeshes.forEach((body, index) => (body.geometry = at(bodies[detail], index)));
-    this.#arches.forEach((arch, index) => (arch.geometry = at(arches[detail], index)));
-  }
-
   pose(shape: Shape): void {
     if (shape === this.#shape) return;
     this.#shape = shape;
@@ -161,7 +142,7 @@ export class Figure {
   }
 
   dress(style: FigureStyle): void {
-    const bone = this.#boneColour(style.tone);
+    const bone = boneColour(this.palette, style.tone);
     this.#bone.color.copy(bone);
     this.#arch.color.copy(bone).multiplyScalar(0.62);
     this.#fixed.color.copy(bone).multiplyScalar(0.45);
@@ -212,13 +193,6 @@ export class Figure {
     joint.scale.setScalar(JOINT_RADIUS_MM * (isContradicted ? 1.9 : 1) * (isChosen ? 1.5 : 1));
   }
 
-  #boneColour(tone: Tone): Color {
-    const light = new Color(this.palette.measured);
-    if (tone === "simulated") return light.lerp(new Color(this.palette.simulated), 0.62);
-    if (tone === "not_a_result") return light.multiplyScalar(0.35);
-    return light.lerp(new Color(this.palette.bone), 0.6);
-  }
-
   #setHatched(hatched: boolean): void {
     if (hatched === this.#hatched) return;
     this.#hatched = hatched;
@@ -229,9 +203,9 @@ export class Figure {
   #addVertebra(index: number): void {
     const vertebra = new Group();
     vertebra.matrixAutoUpdate = false;
-    const body = new Mesh(at(this.parts.bodies.fine, index), this.#bone);
+    const body = new Mesh(at(this.parts.bodies, index), this.#bone);
     body.userData.level = index;
-    const arch = new Mesh(at(this.parts.arches.fine, index), this.#arch);
+    const arch = new Mesh(at(this.parts.arches, index), this.#arch);
     const rim = new LineSegments(at(this.parts.rims, index), this.#rim);
     vertebra.add(body, arch, rim);
     this.#vertebrae.push(vertebra);
@@ -277,4 +251,12 @@ function hatch(material: MeshPhongMaterial, isOn: () => boolean): void {
       if (mod(gl_FragCoord.x + gl_FragCoord.y, 12.0) < 5.0) diffuseColor.rgb *= 0.25;`,
     );
   };
+}
+
+/** The colour of the bodies of a spine. */
+export function boneColour(palette: Palette, tone: Tone): Color {
+  const light = new Color(palette.measured);
+  if (tone === "simulated") return light.lerp(new Color(palette.simulated), 0.62);
+  if (tone === "not_a_result") return light.multiplyScalar(0.35);
+  return light.lerp(new Color(palette.bone), 0.6);
 }

@@ -21,7 +21,7 @@ import { Figure, Parts, placement, type FigureStyle, type Palette, type Tone } f
 import { Ground } from "./ground";
 import { Labels, type Label } from "./labels";
 import { PRESETS, lookOf, type Look, type Preset } from "./looks";
-import type { Detail } from "./vertebra";
+import { Sketch, type Sketched, type Window } from "./sketch";
 
 /** A line of action. */
 export interface LineDrawn {
@@ -64,11 +64,17 @@ const FORCE_ARROW_MM = 55;
 const GROUND_MM = 12;
 const MARGIN_MM = 26;
 const SHORTEST_LINE_MM = 160;
-/** Pixels of the picture for each CSS pixel: more than the screen has, which smooths edges; fewer where only speed counts. */
-const RATIOS: Record<Detail, number> = { fine: 2, coarse: 0.5 };
-/** How long a slow machine's picture rests before it is drawn finely. */
+/** Pixels of the picture for each CSS pixel: more than the screen has, which smooths edges. */
+const PIXEL_RATIO = 2;
+/** How long a slow machine's picture rests before it is more than a sketch. */
 const REST_MS = 250;
 const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
+/** Which spines are in a part of the picture. */
+interface Seen {
+  main: boolean;
+  other: boolean;
+}
+
 const NO_STYLE = { contradicted: [], chosenJoint: null, chosenLevel: null, discs: null } as const;
 
 /** The picture in three dimensions: drawn when something changes, and at no other time. */
@@ -96,7 +102,9 @@ export class Stage {
   #pressed: Vector2 | null = null;
   #isSettling = false;
   #isHeld = false;
-  readonly #isSlow: boolean;
+  /** For machines without a graphics card. */
+  readonly #sketch: Sketch | null;
+  #posed: Picture | null = null;
   #fine: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
@@ -108,7 +116,9 @@ export class Stage {
     private readonly told: Told,
   ) {
     this.#renderer = new WebGLRenderer({ canvas });
-    this.#isSlow = SOFTWARE.test(rendererName(this.#renderer));
+    this.#renderer.setPixelRatio(PIXEL_RATIO);
+    const isSlow = SOFTWARE.test(rendererName(this.#renderer));
+    this.#sketch = isSlow ? new Sketch(canvas, sizes, palette) : null;
     this.#renderer.setScissorTest(true);
     this.#scene.background = new Color(palette.background);
     const [low, high] = [new Vector3(...range[0]), new Vector3(...range[1])];
@@ -151,24 +161,9 @@ export class Stage {
     const last = this.#picture;
     this.#picture = picture;
     // Its answer follows at once, and a slow machine has time for one picture of the two.
-    if (this.#isSlow && this.#isHeld && picture.load && last?.main.shape === picture.main.shape) {
+    if (this.#sketch && this.#isHeld && picture.load && last?.main.shape === picture.main.shape) {
       this.#tellTip();
       return;
-    }
-    const { chosenJoint, chosenLevel, discs, contradicted, layout } = picture;
-    const style: FigureStyle = {
-      tone: picture.main.tone,
-      faint: false,
-      discs,
-      contradicted,
-      chosenJoint,
-      chosenLevel,
-    };
-    this.#main.dress(style);
-    this.#main.pose(picture.main.shape);
-    if (picture.other) {
-      this.#other.dress({ ...NO_STYLE, tone: picture.other.tone, faint: layout === "overlay" });
-      this.#other.pose(picture.other.shape);
     }
     this.#showLines(picture);
     this.#load.group.visible = picture.load !== null;
@@ -182,13 +177,12 @@ export class Stage {
     clearTimeout(this.#fine);
     this.#frame = requestAnimationFrame(() => {
       this.#frame = 0;
-      this.#render(this.#isSlow ? "coarse" : "fine");
-      if (this.#isSlow && !this.#isHeld)
-        this.#fine = setTimeout(() => this.#render("fine"), REST_MS);
+      this.#render(this.#sketch);
+      if (this.#sketch && !this.#isHeld) this.#fine = setTimeout(() => this.#render(null), REST_MS);
     });
   }
 
-  /** While something is held, a slow machine has no time for fine pictures. */
+  /** While something is held, a slow machine has time for sketches only. */
   hold(isHeld: boolean): void {
     this.#isHeld = isHeld;
     this.draw();
@@ -259,6 +253,7 @@ export class Stage {
     ])
       part.dispose();
     for (const line of this.#lines) line.mesh.material.dispose();
+    this.#sketch?.dispose();
     this.#rod.dispose();
     this.#head.dispose();
     this.#renderer.dispose();
@@ -321,18 +316,42 @@ export class Stage {
     this.draw();
   }
 
-  #render(detail: Detail): void {
+  /** Puts the spines of a picture into the scene. */
+  #pose(picture: Picture): void {
+    if (this.#posed === picture) return;
+    this.#posed = picture;
+    const { chosenJoint, chosenLevel, discs, contradicted, layout } = picture;
+    const style: FigureStyle = {
+      tone: picture.main.tone,
+      faint: false,
+      discs,
+      contradicted,
+      chosenJoint,
+      chosenLevel,
+    };
+    this.#main.dress(style);
+    this.#main.pose(picture.main.shape);
+    if (picture.other) {
+      this.#other.dress({ ...NO_STYLE, tone: picture.other.tone, faint: layout === "overlay" });
+      this.#other.pose(picture.other.shape);
+    }
+  }
+
+  /** Draws the scene, or a sketch of it. */
+  #render(sketch: Sketch | null): void {
     const picture = this.#picture;
     const { clientWidth, clientHeight } = this.canvas.parentElement ?? this.canvas;
     if (!picture || clientWidth === 0 || clientHeight === 0) return;
     const size = new Vector2(clientWidth, clientHeight);
     // A new size clears the canvas: only where it is one.
-    const ratio = RATIOS[detail];
-    if (ratio !== this.#renderer.getPixelRatio()) this.#renderer.setPixelRatio(ratio);
     if (!size.equals(this.#renderer.getSize(new Vector2()))) {
       this.#renderer.setSize(clientWidth, clientHeight);
     }
-    for (const figure of [this.#main, this.#other]) figure.detail(detail);
+    if (sketch) sketch.begin(clientWidth, clientHeight);
+    else {
+      this.#pose(picture);
+      this.#sketch?.hide();
+    }
     const isBeside = picture.layout === "beside" && picture.other !== null;
     const width = isBeside ? size.x / 2 : size.x;
     const scale = this.#fit(width, size.y);
@@ -340,15 +359,14 @@ export class Stage {
     this.#light.target.position.copy(this.#centre);
     this.#light.position.fromArray(this.moved(this.#camera.position.toArray(), -1400, 1800));
     this.#light.target.updateMatrixWorld();
+    const half = sketch
+      ? (left: number, seen: Seen) =>
+          this.#sketchHalf(sketch, { left, width, height: size.y, pixelsPerMm: scale }, seen)
+      : (left: number, seen: Seen) => this.#half(left, width, size.y, seen);
     if (isBeside) {
-      this.#half(0, width, size.y, { main: false, other: true });
-      this.#half(width, width, size.y, { main: true, other: false });
-    } else {
-      this.#half(0, width, size.y, {
-        main: true,
-        other: picture.layout === "overlay" && picture.other !== null,
-      });
-    }
+      half(0, { main: false, other: true });
+      half(width, { main: true, other: false });
+    } else half(0, { main: true, other: picture.layout === "overlay" && picture.other !== null });
     const left = isBeside ? width : 0;
     const toward = this.#camera.position.clone().sub(this.#controls.target).normalize().toArray();
     this.#labels.set([...this.#staticLabels, ...(isBeside ? [] : this.#ground.labels(toward))]);
@@ -362,12 +380,21 @@ export class Stage {
     this.told.tipped(load ? this.#onScreen(load.tip) : null);
   }
 
-  #half(
-    left: number,
-    width: number,
-    height: number,
-    seen: { main: boolean; other: boolean },
-  ): void {
+  #sketchHalf(sketch: Sketch, window: Window, seen: Seen): void {
+    const picture = this.#picture;
+    if (!picture) return;
+    const spines: Sketched[] = [];
+    if (seen.main) spines.push({ ...picture, ...picture.main, faint: false });
+    if (seen.other && picture.other) {
+      spines.push({ ...NO_STYLE, ...picture.other, faint: picture.layout === "overlay" });
+    }
+    sketch.draw(window, this.#camera, spines, {
+      lines: this.#lines,
+      arrows: [this.#force, this.#load],
+    });
+  }
+
+  #half(left: number, width: number, height: number, seen: Seen): void {
     this.#main.group.visible = seen.main;
     this.#other.group.visible = seen.other;
     this.#renderer.setViewport(left, 0, width, height);

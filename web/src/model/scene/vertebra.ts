@@ -37,7 +37,7 @@ function rim(body: BodySize, angle: number): [number, number] {
 const rimsKnown = new WeakMap<BodySize, [number, number][]>();
 
 /** The points of a rim, one per step around it. */
-function rimPoints(body: BodySize): [number, number][] {
+export function rimPoints(body: BodySize): [number, number][] {
   const points =
     rimsKnown.get(body) ??
     Array.from({ length: AROUND }, (_, step) => rim(body, (step / AROUND) * 2 * Math.PI));
@@ -45,22 +45,17 @@ function rimPoints(body: BodySize): [number, number][] {
   return points;
 }
 
-/** How finely a vertebra is drawn: coarse has a quarter of the triangles, for what moves on a slow machine. */
-export type Detail = "fine" | "coarse";
-
 /** The body in its own axes: x anterior, y left, z cranial, its midpoint at zero. */
-export function bodyGeometry(body: BodySize, detail: Detail = "fine"): BufferGeometry {
+export function bodyGeometry(body: BodySize): BufferGeometry {
   const positions: number[] = [];
   const indices: number[] = [];
-  const every = detail === "fine" ? 1 : 2;
-  const around = AROUND / every;
-  PROFILE.filter((_, index) => index % every === 0).forEach(([height, width], ring) => {
-    for (let step = 0; step < around; step += 1) {
-      const [x, y] = at(rimPoints(body), step * every);
+  PROFILE.forEach(([height, width], ring) => {
+    for (let step = 0; step < AROUND; step += 1) {
+      const [x, y] = at(rimPoints(body), step);
       positions.push(x * width, y * width, (height * body.height_mm) / 2);
       if (ring === 0) continue;
-      const next = (step + 1) % around;
-      const [low, high] = [(ring - 1) * around, ring * around];
+      const next = (step + 1) % AROUND;
+      const [low, high] = [(ring - 1) * AROUND, ring * AROUND];
       indices.push(low + step, low + next, high + next, low + step, high + next, high + step);
     }
   });
@@ -91,13 +86,13 @@ export function rimGeometry(body: BodySize): BufferGeometry {
  * Arch and processes behind the body. They are a hint of which side is the back, in proportion to the body; the films
  * do not show them.
  */
-export function archGeometry(body: BodySize, detail: Detail = "fine"): BufferGeometry {
+export function archGeometry(body: BodySize): BufferGeometry {
   const [d, w, h] = [body.depth_mm, body.width_mm, body.height_mm];
   const back = -d / 2;
   const isLumbar = body.level.startsWith("L");
   const parts: BufferGeometry[] = [];
   const add = (from: Point, to: Point, across: number, along: number): void => {
-    parts.push(strut(from, to, across, along, detail));
+    parts.push(strut(from, to, across, along));
   };
   for (const side of [-1, 1]) {
     const pedicle: Point = [back - 0.3 * d, side * 0.3 * w, 0.2 * h];
@@ -118,13 +113,7 @@ export function archGeometry(body: BodySize, detail: Detail = "fine"): BufferGeo
 }
 
 /** A tapered rod between two points, `across` thick sideways and `along` thick in height. */
-function strut(
-  from: Point,
-  to: Point,
-  across: number,
-  along: number,
-  detail: Detail,
-): BufferGeometry {
+function strut(from: Point, to: Point, across: number, along: number): BufferGeometry {
   const [start, end] = [new Vector3(...from), new Vector3(...to)];
   const y = end.clone().sub(start);
   const half = y.length() / 2;
@@ -132,7 +121,7 @@ function strut(
   const x = y.clone().cross(new Vector3(0, 0, 1));
   if (x.lengthSq() < 1e-6) x.set(0, 1, 0);
   x.normalize();
-  const geometry = detail === "fine" ? new SphereGeometry(1, 8, 6) : new SphereGeometry(1, 5, 3);
+  const geometry = new SphereGeometry(1, 8, 6);
   // Blunter than a ball: its girth keeps up towards the ends.
   const points = geometry.getAttribute("position");
   for (let i = 0; i < points.count; i += 1) {
