@@ -9,7 +9,7 @@ use spineline::analysis::{AnalysisOptions, Grouping};
 use spineline::anatomy::{Level, Posture};
 use spineline::curve::{InflectionChoice, OrderRule, Site};
 use spineline::multibody::Support;
-use spineline::personalize::{FitTarget, Gauge};
+use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
 use spineline::uncertainty::LandmarkNoise;
 
@@ -220,6 +220,9 @@ pub struct AnalyzeArgs {
 #[derive(Args)]
 #[command(next_help_heading = "Uncertainty")]
 pub struct UncertaintyArgs {
+    /// Tell which multipliers the bending films identify: profile likelihood, 95 % intervals, the weakest direction
+    #[arg(long)]
+    pub identifiability: bool,
     /// Move all landmarks at random and analyse anew, so many times: every number then has a standard deviation and a 95 %
     /// interval, in the report and under `uncertainty` in the JSON. 1000 are enough for intervals, 10000 for their ends
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=10_000_000))]
@@ -324,6 +327,10 @@ pub struct OptionArgs {
     /// Which joints share a stiffness multiplier
     #[arg(long, value_enum, default_value_t = GroupingName::Regional)]
     multipliers: GroupingName,
+    /// What is known of multipliers before the films, as a log-normal spread about their mean: `none`, `in-vivo` (0.5, the
+    /// spread of segments of living scoliotic spines), or a standard deviation of ln such as 0.3
+    #[arg(long, value_name = "none|in-vivo|SD", default_value = "none", value_parser = prior)]
+    prior: Prior,
     /// Stiffness table to start from (`spineline stiffness` prints the built-in one)
     #[arg(long, value_name = "FILE")]
     stiffness: Option<PathBuf>,
@@ -354,6 +361,7 @@ impl OptionArgs {
                 GroupingName::Regional => Grouping::Regional,
                 GroupingName::PerJoint => Grouping::PerJoint,
             },
+            prior: self.prior.0,
             inflections: self
                 .inflections
                 .map_or(InflectionChoice::Automatic, InflectionChoice::ByHand),
@@ -367,6 +375,21 @@ impl OptionArgs {
             options.library = read.map_err(|error| Failure::file(path, &error))?;
         }
         Ok(options)
+    }
+}
+
+/// A prior, or none.
+#[derive(Clone, Copy)]
+struct Prior(Option<LogNormalPrior>);
+
+fn prior(text: &str) -> Result<Prior, String> {
+    match text {
+        "none" => Ok(Prior(None)),
+        "in-vivo" => Ok(Prior(Some(LogNormalPrior::IN_VIVO))),
+        other => match number(other) {
+            Ok(log_sd @ 0.01..=5.0) => Ok(Prior(Some(LogNormalPrior { log_sd }))),
+            _ => Err("expected `none`, `in-vivo`, or a deviation of 0.01 to 5".to_owned()),
+        },
     }
 }
 

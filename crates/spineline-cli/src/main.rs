@@ -9,6 +9,7 @@ mod decode;
 mod export;
 mod failure;
 mod film;
+mod identifiability;
 mod import;
 mod model;
 mod phantom;

@@ -303,7 +303,8 @@ fn fit_model(
     let logs = &model.fit.log_multipliers;
     let statics =
         Statics::new(&analysis.spine, &options.library, &model.groups, logs, options.support);
-    let evaluation = Evaluation { analysis, model: &model, statics, target: settings.target, depth_mm };
+    let evaluation =
+        Evaluation { analysis, model: &model, statics, target: settings.target, depth_mm };
     let mut simulations = Vec::new();
     for posture in analysis.postures.iter().filter(|p| p.motion.is_some()) {
         let name = posture.outline.posture;

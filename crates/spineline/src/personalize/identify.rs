@@ -158,8 +158,7 @@ pub fn identify(
     if fit.status != FitStatus::Converged {
         return None;
     }
-    let mut problem =
-        Problem::new(springs.model, springs.library, springs.groups, films, settings);
+    let mut problem = Problem::new(springs.model, springs.library, springs.groups, films, settings);
     let unscaled = |load: &Vec<f64>| load.iter().map(|part| part / fit.absolute_scale).collect();
     let start = Start {
         log_multipliers: fit.log_multipliers.clone(),
@@ -336,7 +335,12 @@ impl<'p, 'a> Asked<'p, 'a> {
     }
 
     /// The rise with one `ln α` held and everything else fitted anew; `None` where that does not converge.
-    fn held(&mut self, group: usize, value: f64, near: &DVector<f64>) -> Option<(f64, DVector<f64>)> {
+    fn held(
+        &mut self,
+        group: usize,
+        value: f64,
+        near: &DVector<f64>,
+    ) -> Option<(f64, DVector<f64>)> {
         let [mut lower, mut upper] = self.bounds.clone();
         let mut x = near.clone();
         // The others share what the gauge needs.

@@ -25,8 +25,8 @@ mod problem;
 mod rows;
 mod start;
 
-pub(crate) use fit::{Known, personalize_with};
 pub use fit::{FittedSprings, Personalization, StiffnessBound, personalize};
+pub(crate) use fit::{Known, personalize_with};
 pub use identify::{
     Direction, Identifiability, MultiplierInformation, Profile, ProfileEnd, ProfilePoint,
     ProfileVerdict, identify,

@@ -76,7 +76,13 @@ fn ferguson_rates(
 }
 
 /// Locations and tilts of every mobile vertebra, in standard deviations.
-pub(super) fn shape_rows(film: &FilmData, groups: usize, row: usize, system: &mut System, wanted: Wanted) {
+pub(super) fn shape_rows(
+    film: &FilmData,
+    groups: usize,
+    row: usize,
+    system: &mut System,
+    wanted: Wanted,
+) {
     let solution = &film.solution;
     let first = film.first.expect("the loads of a whole shape are unknown");
     let rows = 3 * (film.locations.len() - 1);
