@@ -18,6 +18,7 @@ use crate::export::{EXAMPLES, ExportArgs};
 use crate::failure::Failure;
 use crate::film::FilmArgs;
 use crate::import::{self, ImportArgs};
+use crate::noise_study::NoiseStudyArgs;
 use crate::reliability::{self, ReliabilityArgs};
 use crate::simulate;
 use crate::study::{self, StudyArgs};
@@ -37,6 +38,8 @@ pub struct Cli {
 pub enum Command {
     /// Run the paper on 54 synthetic patients and lay every number beside the paper's
     Reproduce(ReproduceArgs),
+    /// Tell over which landmark noise, for which curves and for which truth the paper's claims hold, on synthetic patients
+    NoiseStudy(NoiseStudyArgs),
     /// Analyse the films of one patient, or of a cohort
     Analyze(AnalyzeArgs),
     /// Tell what case files hold, what is odd about them, and what can be made of them
@@ -138,8 +141,7 @@ pub struct CheckArgs {
 
 #[derive(Args)]
 pub struct PhantomArgs {
-    /// What moved the spine: `rod`, a force through its inflections; `bend`, rotations all to one side; `pull`, a
-    /// horizontal force at T2
+    /// What moved the spine
     #[arg(long, value_enum, default_value_t = TruthName::Rod)]
     pub truth: TruthName,
     /// Subject of the paper's Table 1, 1 to 18; all of them if not given
@@ -179,9 +181,20 @@ pub enum EncodingName {
 
 #[derive(Clone, Copy, ValueEnum)]
 pub enum TruthName {
+    /// A force through its inflections
     Rod,
+    /// Rotations all to one side
     Bend,
+    /// A horizontal force at T2
     Pull,
+    /// Curvature scaled everywhere, no force
+    Flatten,
+    /// A force along a line beside the inflections
+    Offset,
+    /// A load spread over the whole spine
+    Spread,
+    /// Joints that turn at random
+    Random,
 }
 
 #[derive(Args)]
@@ -439,7 +452,7 @@ fn gauge(text: &str) -> Result<Gauge, String> {
     Ok(Gauge::KnownForce { posture: posture(name)?, force_n })
 }
 
-fn threads(text: &str) -> Result<usize, String> {
+pub fn threads(text: &str) -> Result<usize, String> {
     match text.parse::<usize>() {
         Ok(number @ 0..=1024) => Ok(number),
         _ => Err("expected 0 (all cores) to 1024".to_owned()),

@@ -19,6 +19,10 @@ pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
         TruthName::Rod => Truth::Rod,
         TruthName::Bend => Truth::Bend,
         TruthName::Pull => Truth::Pull,
+        TruthName::Flatten => Truth::Flatten,
+        TruthName::Offset => Truth::Offset,
+        TruthName::Spread => Truth::Spread,
+        TruthName::Random => Truth::Random,
     };
     let readers = readers(args.noise)?;
     let subjects = match args.subject {
