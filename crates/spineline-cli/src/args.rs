@@ -19,6 +19,7 @@ use crate::failure::Failure;
 use crate::film::FilmArgs;
 use crate::import::{self, ImportArgs};
 use crate::noise_study::NoiseStudyArgs;
+use crate::phantom::TruthName;
 use crate::reliability::{self, ReliabilityArgs};
 use crate::simulate;
 use crate::study::{self, StudyArgs};
@@ -177,24 +178,6 @@ pub enum EncodingName {
     Rle,
     /// Not compressed, about 30 MB each
     Plain,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum TruthName {
-    /// A force through its inflections
-    Rod,
-    /// Rotations all to one side
-    Bend,
-    /// A horizontal force at T2
-    Pull,
-    /// Curvature scaled everywhere, no force
-    Flatten,
-    /// A force along a line beside the inflections
-    Offset,
-    /// A load spread over the whole spine
-    Spread,
-    /// Joints that turn at random
-    Random,
 }
 
 #[derive(Args)]

@@ -11,7 +11,7 @@ mod text;
 use std::path::PathBuf;
 
 use clap::Args;
-use spineline::analysis::{AnalysisOptions, analyze};
+use spineline::analysis::{AnalysisOptions, analyze, analyze_movement};
 use spineline::cohort::{Claims, PatientClaims};
 use spineline::curve::OrderRule;
 use spineline::evaluate::statistics::Share;
@@ -21,21 +21,50 @@ use spineline_phantom::{Readers, SUBJECTS, Truth, generate_read};
 use crate::analyze::write_file;
 use crate::args::{FitName, threads};
 use crate::failure::{Ending, Failure};
+use crate::phantom::TruthName;
 use crate::print;
 use crate::progress::map_all;
 
 /// Standard deviations of a corner's coordinate in one reading.
 pub const NOISE_MM: [f64; 7] = [0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0];
-/// Rules of the curves' order, columns of the figure.
-pub const RULES: [OrderRule; 5] = [
-    OrderRule::LeaveOneOut,
-    OrderRule::Paper,
-    OrderRule::Fixed(6),
-    OrderRule::Fixed(9),
-    OrderRule::Fixed(12),
+/// How the films are analysed.
+pub const WAYS: [Way; 7] = [
+    Way { rule: OrderRule::LeaveOneOut, support: Some(Support::Free) },
+    Way { rule: OrderRule::Paper, support: Some(Support::Free) },
+    Way { rule: OrderRule::Fixed(6), support: Some(Support::Free) },
+    Way { rule: OrderRule::Fixed(9), support: None },
+    Way { rule: OrderRule::Fixed(12), support: None },
+    Way { rule: OrderRule::LeaveOneOut, support: Some(Support::Frontal) },
+    Way { rule: OrderRule::Paper, support: Some(Support::Frontal) },
 ];
-/// The paper's, and a patient on a table.
-pub const SUPPORTS: [Support; 2] = [Support::Free, Support::Frontal];
+
+/// One way to analyse films.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Way {
+    /// Order of the curves.
+    pub rule: OrderRule,
+    /// What holds the patient; `None`: no models, which take most of the time.
+    pub support: Option<Support>,
+}
+
+impl Way {
+    pub fn rule_name(self) -> String {
+        match self.rule {
+            OrderRule::LeaveOneOut => "leave-one-out".to_owned(),
+            OrderRule::Paper => "paper".to_owned(),
+            OrderRule::Fixed(order) => format!("order {order}"),
+        }
+    }
+
+    pub fn support_name(self) -> &'static str {
+        self.support.map_or("", crate::reproduce::support_name)
+    }
+
+    /// Whether it tells of movements: those do not depend on the support, and are told once.
+    pub fn tells_movement(self) -> bool {
+        self.support != Some(Support::Frontal)
+    }
+}
 
 /// What is studied.
 #[derive(Args)]
@@ -52,6 +81,9 @@ pub struct NoiseStudyArgs {
     /// Threads; 0 uses all cores. The results do not depend on it
     #[arg(long, default_value = "0", value_parser = threads)]
     pub threads: usize,
+    /// What moved the phantoms, separated by commas; all if not given
+    #[arg(long, value_name = "TRUTHS", value_enum, value_delimiter = ',')]
+    pub truths: Vec<TruthName>,
     /// What the stiffness is fitted to; the paper fitted Ferguson angles
     #[arg(long, value_enum, default_value_t = FitName::Ferguson)]
     pub fit: FitName,
@@ -60,26 +92,14 @@ pub struct NoiseStudyArgs {
 /// One point of a curve: what the claims are worth in one setting.
 pub struct Point {
     pub truth: Truth,
-    pub support: Support,
-    pub rule: OrderRule,
+    pub way: Way,
     pub noise_mm: f64,
     pub claims: Claims,
     /// Phantoms that could not be made or analysed.
     pub lost: usize,
-    /// Per claim: how often a rod phantom's number lies on the claim's side of one of this truth. 0.5: they cannot be told apart.
-    pub rod_exceeds: [Share; 3],
-}
-
-pub fn rule_name(rule: OrderRule) -> String {
-    match rule {
-        OrderRule::LeaveOneOut => "leave-one-out".to_owned(),
-        OrderRule::Paper => "paper".to_owned(),
-        OrderRule::Fixed(order) => format!("order {order}"),
-    }
-}
-
-pub fn support_name(support: Support) -> &'static str {
-    crate::reproduce::support_name(support)
+    /// Per claim: how often a rod phantom's number exceeds that of one of this truth. 0.5: they cannot be told apart. `None`
+    /// where rods are not studied.
+    pub rod_exceeds: Option<[Share; 3]>,
 }
 
 pub fn run(args: &NoiseStudyArgs) -> Result<Ending, Failure> {
@@ -96,30 +116,32 @@ pub fn run(args: &NoiseStudyArgs) -> Result<Ending, Failure> {
     ))
 }
 
-/// All settings of one truth that share phantoms, in the order of the points.
-fn settings() -> Vec<(Support, OrderRule, usize)> {
-    let mut all = Vec::new();
-    for support in SUPPORTS {
-        for rule in RULES {
-            all.extend((0..NOISE_MM.len()).map(|noise| (support, rule, noise)));
-        }
+/// Ways and deviations of one truth, in the order of the points.
+fn settings() -> impl Iterator<Item = (Way, usize)> {
+    WAYS.into_iter().flat_map(|way| (0..NOISE_MM.len()).map(move |noise| (way, noise)))
+}
+
+impl NoiseStudyArgs {
+    /// What is studied, in the order of the figure.
+    pub fn truths(&self) -> Vec<Truth> {
+        let wanted: Vec<Truth> = self.truths.iter().map(|name| name.truth()).collect();
+        let every = Truth::EVERY.into_iter();
+        every.filter(|truth| wanted.is_empty() || wanted.contains(truth)).collect()
     }
-    all
 }
 
 fn study(args: &NoiseStudyArgs) -> Result<Vec<Point>, Failure> {
-    let tasks: Vec<(Truth, u32)> = Truth::EVERY
-        .iter()
-        .flat_map(|&truth| (0..args.phantoms).map(move |i| (truth, i)))
-        .collect();
+    let truths = args.truths();
+    let tasks: Vec<(Truth, u32)> =
+        truths.iter().flat_map(|&truth| (0..args.phantoms).map(move |i| (truth, i))).collect();
     let found = map_all("phantoms", &tasks, args.threads, |&(truth, number)| {
         of_phantom(truth, number, args)
     })?;
     let phantoms = args.phantoms as usize;
     let mut points = Vec::new();
     let mut rods: Vec<Vec<PatientClaims>> = Vec::new();
-    for (truth, found) in Truth::EVERY.into_iter().zip(found.chunks(phantoms)) {
-        for (i, (support, rule, noise)) in settings().into_iter().enumerate() {
+    for (truth, found) in truths.into_iter().zip(found.chunks(phantoms)) {
+        for (i, (way, noise)) in settings().enumerate() {
             let patients: Vec<PatientClaims> =
                 found.iter().filter_map(|claims| claims.get(i)?.clone()).collect();
             if truth == Truth::Rod {
@@ -127,12 +149,11 @@ fn study(args: &NoiseStudyArgs) -> Result<Vec<Point>, Failure> {
             }
             points.push(Point {
                 truth,
-                support,
-                rule,
+                way,
                 noise_mm: NOISE_MM[noise],
                 claims: Claims::of(&patients, args.seed),
                 lost: phantoms - patients.len(),
-                rod_exceeds: exceeds(&rods[i], &patients),
+                rod_exceeds: rods.get(i).map(|rods| exceeds(rods, &patients)),
             });
         }
     }
@@ -147,17 +168,17 @@ fn of_phantom(truth: Truth, number: u32, args: &NoiseStudyArgs) -> Vec<Option<Pa
     let Ok(read) = generate_read(subject, number / rows, truth, &readers, args.seed) else {
         return Vec::new();
     };
-    let one = |(support, order_rule, noise): (Support, OrderRule, usize)| {
+    let one = |(way, noise): (Way, usize)| {
         let options = AnalysisOptions {
-            support,
-            order_rule,
+            support: way.support.unwrap_or_default(),
+            order_rule: way.rule,
             target: args.fit.target(),
             ..AnalysisOptions::default()
         };
-        let analysis = analyze(&read[noise].case, &options).ok()?;
-        Some(PatientClaims::of(&analysis))
+        let run = if way.support.is_some() { analyze } else { analyze_movement };
+        Some(PatientClaims::of(&run(&read[noise].case, &options).ok()?))
     };
-    settings().into_iter().map(one).collect()
+    settings().map(one).collect()
 }
 
 fn exceeds(rods: &[PatientClaims], others: &[PatientClaims]) -> [Share; 3] {

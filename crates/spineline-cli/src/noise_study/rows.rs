@@ -3,11 +3,11 @@
 use csv::Writer;
 use spineline::evaluate::statistics::Share;
 
-use super::{Point, rule_name, support_name};
+use super::Point;
 use crate::failure::Failure;
 use crate::rows::{failed, finish};
 
-const HEADING: [&str; 43] = [
+const HEADING: [&str; 47] = [
     "synthetic",
     "truth",
     "support",
@@ -47,7 +47,11 @@ const HEADING: [&str; 43] = [
     "rod_exceeds_near_share_low",
     "rod_exceeds_near_share_high",
     "rod_exceeds_below_mean_share",
+    "rod_exceeds_below_mean_share_low",
+    "rod_exceeds_below_mean_share_high",
     "rod_exceeds_advantage_share",
+    "rod_exceeds_advantage_share_low",
+    "rod_exceeds_advantage_share_high",
     "curve_residual_mm",
     "curve_residual_deg",
     "mean_order",
@@ -83,8 +87,8 @@ fn row(point: &Point) -> Vec<String> {
     let mut row = vec![
         "true".to_owned(),
         point.truth.key().to_owned(),
-        support_name(point.support).to_owned(),
-        rule_name(point.rule),
+        point.way.support_name().to_owned(),
+        point.way.rule_name(),
         format!("{}", point.noise_mm),
         claims.patients.to_string(),
         point.lost.to_string(),
@@ -112,13 +116,10 @@ fn row(point: &Point) -> Vec<String> {
     row.extend(share(&claims.better));
     row.extend([better_verdict, claims.better_held_out.n.to_string()]);
     row.extend(share(&claims.better_held_out));
-    row.extend(share(&point.rod_exceeds[0]));
-    row.extend([
-        cell(point.rod_exceeds[1].share, 4),
-        cell(point.rod_exceeds[2].share, 4),
-        cell(claims.residuals[0], 4),
-        cell(claims.residuals[1], 4),
-        cell(claims.order, 2),
-    ]);
+    let exceeds = point.rod_exceeds.as_ref();
+    for claim in 0..3 {
+        row.extend(exceeds.map_or_else(Default::default, |exceeds| share(&exceeds[claim])));
+    }
+    row.extend([cell(claims.residuals[0], 4), cell(claims.residuals[1], 4), cell(claims.order, 2)]);
     row
 }

@@ -1,11 +1,9 @@
 //! The study in words: up to which noise every claim holds.
 
 use spineline::cohort::{ClaimVerdict, Claims, NEAR_SEGMENTS};
-use spineline::curve::OrderRule;
-use spineline::multibody::Support;
 use spineline_phantom::Truth;
 
-use super::{NOISE_MM, NoiseStudyArgs, Point, RULES, SUPPORTS, rule_name, support_name};
+use super::{NOISE_MM, NoiseStudyArgs, Point, WAYS, Way};
 use crate::table::{Table, wrap};
 
 pub fn report(points: &[Point], args: &NoiseStudyArgs) -> String {
@@ -17,7 +15,7 @@ pub fn report(points: &[Point], args: &NoiseStudyArgs) -> String {
         NOISE_MM[0],
         NOISE_MM[NOISE_MM.len() - 1]
     );
-    for truth in Truth::EVERY {
+    for truth in args.truths() {
         text.push_str(&format!("  {:8} {}\n", truth.key(), truth.meaning()));
     }
     let lost: usize = points.iter().map(|point| point.lost).sum();
@@ -35,15 +33,15 @@ pub fn report(points: &[Point], args: &NoiseStudyArgs) -> String {
         "Claim 2: inflections rotate by more than {:.0} % less than the mean",
         percent(Claims::BELOW_LIMIT)
     );
-    text.push_str(&table(points, 0, Support::Free, &near));
-    text.push_str(&table(points, 1, Support::Free, &below));
-    for support in SUPPORTS {
-        let better = format!(
-            "Claim 3: the inflection line beats the iliac line in most patients, support {}",
-            support_name(support)
-        );
-        text.push_str(&table(points, 2, support, &better));
-    }
+    let told = WAYS.into_iter().filter(|way| way.tells_movement());
+    let told: Vec<(String, Way)> = told.map(|way| (way.rule_name(), way)).collect();
+    text.push_str(&table(points, args, 0, &told, &near));
+    text.push_str(&table(points, args, 1, &told, &below));
+    let modelled = WAYS.into_iter().filter(|way| way.support.is_some());
+    let name = |way: Way| format!("{}, {}", way.rule_name(), way.support_name());
+    let modelled: Vec<(String, Way)> = modelled.map(|way| (name(way), way)).collect();
+    let better = "Claim 3: the inflection line beats the iliac line in most patients";
+    text.push_str(&table(points, args, 2, &modelled, better));
     text.push_str(&wrap(
         "A claim holds where the whole 95 % interval over patients lies on its side, and fails where the whole of it lies on the \
          other; what is between is open. `to x mm`: holds at every noise from 0 to x. `reversed`: the opposite holds at every noise.",
@@ -53,24 +51,29 @@ pub fn report(points: &[Point], args: &NoiseStudyArgs) -> String {
     text
 }
 
-fn table(points: &[Point], claim: usize, support: Support, title: &str) -> String {
-    let names = RULES.map(rule_name);
+fn table(
+    points: &[Point],
+    args: &NoiseStudyArgs,
+    claim: usize,
+    ways: &[(String, Way)],
+    title: &str,
+) -> String {
     let mut heading = vec!["  truth"];
-    heading.extend(names.iter().map(String::as_str));
+    heading.extend(ways.iter().map(|(name, _)| name.as_str()));
     let mut table = Table::new(heading);
-    for truth in Truth::EVERY {
+    for truth in args.truths() {
         let mut cells = vec![format!("  {}", truth.key())];
-        cells.extend(RULES.map(|rule| verdict(points, claim, (truth, support, rule))));
+        cells.extend(ways.iter().map(|(_, way)| verdict(points, claim, truth, *way)));
         table.row(cells);
     }
     format!("\n{title}\n{}", table.text())
 }
 
 /// Where a claim holds, along the noise.
-fn verdict(points: &[Point], claim: usize, setting: (Truth, Support, OrderRule)) -> String {
+fn verdict(points: &[Point], claim: usize, truth: Truth, way: Way) -> String {
     let along: Vec<(f64, Option<ClaimVerdict>)> = points
         .iter()
-        .filter(|p| (p.truth, p.support, p.rule) == setting)
+        .filter(|p| (p.truth, p.way) == (truth, way))
         .map(|p| (p.noise_mm, p.claims.verdicts()[claim]))
         .collect();
     let holds = |verdict: &Option<ClaimVerdict>| *verdict == Some(ClaimVerdict::Holds);
