@@ -76,7 +76,7 @@ pub struct NoiseStudyArgs {
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Phantoms per truth; they take the rows of the paper's Table 1 in turn
-    #[arg(long, value_name = "N", default_value_t = 54, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 36, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub phantoms: u32,
     /// Threads; 0 uses all cores. The results do not depend on it
     #[arg(long, default_value = "0", value_parser = threads)]

@@ -105,7 +105,7 @@ fn draw_row(row: &NoiseRow, page: &Page, last: bool) -> Vec<Panel> {
         let x = Axis {
             label: if last { "noise (mm)".to_owned() } else { String::new() },
             range: [-0.05, 1.05],
-            step: 0.25,
+            step: 0.2,
             ticks: Ticks::Numbers,
         };
         let y = Axis {
