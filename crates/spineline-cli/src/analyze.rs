@@ -13,7 +13,7 @@ use crate::args::AnalyzeArgs;
 use crate::failure::{Ending, Failure};
 use crate::progress::map_all;
 use crate::rows::{chain_text, csv_text};
-use crate::{cohort, print, report, uncertainty};
+use crate::{cohort, identifiability, print, report, uncertainty};
 
 /// What wrote a file.
 pub fn generator() -> String {
@@ -64,7 +64,10 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
             [one] if paths.len() == 1 => {
                 let spread = spreads.first().and_then(Option::as_ref);
                 let spread = spread.map(|found| uncertainty::text(one, found));
-                report::text(one) + &spread.map_or_else(String::new, |text| format!("\n{text}"))
+                let identified =
+                    args.uncertainty.identifiability.then(|| identifiability::text(one));
+                let parts = [Some(report::text(one)), identified, spread];
+                parts.into_iter().flatten().collect::<Vec<_>>().join("\n")
             }
             all => cohort::text(all),
         })?;

@@ -9,7 +9,7 @@ use spineline::analysis::{AnalysisOptions, Grouping};
 use spineline::anatomy::{Level, Posture};
 use spineline::curve::{InflectionChoice, OrderRule, Site};
 use spineline::multibody::Support;
-use spineline::personalize::{FitTarget, Gauge};
+use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
 use spineline::uncertainty::LandmarkNoise;
 
@@ -18,6 +18,8 @@ use crate::export::{EXAMPLES, ExportArgs};
 use crate::failure::Failure;
 use crate::film::FilmArgs;
 use crate::import::{self, ImportArgs};
+use crate::noise_study::NoiseStudyArgs;
+use crate::phantom::TruthName;
 use crate::reliability::{self, ReliabilityArgs};
 use crate::simulate;
 use crate::study::{self, StudyArgs};
@@ -37,6 +39,8 @@ pub struct Cli {
 pub enum Command {
     /// Run the paper on 54 synthetic patients and lay every number beside the paper's
     Reproduce(ReproduceArgs),
+    /// Tell over which landmark noise, for which curves and for which truth the paper's claims hold, on synthetic patients
+    NoiseStudy(NoiseStudyArgs),
     /// Analyse the films of one patient, or of a cohort
     Analyze(AnalyzeArgs),
     /// Tell what case files hold, what is odd about them, and what can be made of them
@@ -138,8 +142,7 @@ pub struct CheckArgs {
 
 #[derive(Args)]
 pub struct PhantomArgs {
-    /// What moved the spine: `rod`, a force through its inflections; `bend`, rotations all to one side; `pull`, a
-    /// horizontal force at T2
+    /// What moved the spine
     #[arg(long, value_enum, default_value_t = TruthName::Rod)]
     pub truth: TruthName,
     /// Subject of the paper's Table 1, 1 to 18; all of them if not given
@@ -175,13 +178,6 @@ pub enum EncodingName {
     Rle,
     /// Not compressed, about 30 MB each
     Plain,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum TruthName {
-    Rod,
-    Bend,
-    Pull,
 }
 
 #[derive(Args)]
@@ -220,6 +216,9 @@ pub struct AnalyzeArgs {
 #[derive(Args)]
 #[command(next_help_heading = "Uncertainty")]
 pub struct UncertaintyArgs {
+    /// Tell which multipliers the bending films identify: profile likelihood, 95 % intervals, the weakest direction
+    #[arg(long)]
+    pub identifiability: bool,
     /// Move all landmarks at random and analyse anew, so many times: every number then has a standard deviation and a 95 %
     /// interval, in the report and under `uncertainty` in the JSON. 1000 are enough for intervals, 10000 for their ends
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=10_000_000))]
@@ -324,6 +323,10 @@ pub struct OptionArgs {
     /// Which joints share a stiffness multiplier
     #[arg(long, value_enum, default_value_t = GroupingName::Regional)]
     multipliers: GroupingName,
+    /// What is known of multipliers before the films, as a log-normal spread about their mean: `none`, `in-vivo` (0.5, the
+    /// spread of segments of living scoliotic spines), or a standard deviation of ln such as 0.3
+    #[arg(long, value_name = "none|in-vivo|SD", default_value = "none", value_parser = prior)]
+    prior: Prior,
     /// Stiffness table to start from (`spineline stiffness` prints the built-in one)
     #[arg(long, value_name = "FILE")]
     stiffness: Option<PathBuf>,
@@ -354,6 +357,7 @@ impl OptionArgs {
                 GroupingName::Regional => Grouping::Regional,
                 GroupingName::PerJoint => Grouping::PerJoint,
             },
+            prior: self.prior.0,
             inflections: self
                 .inflections
                 .map_or(InflectionChoice::Automatic, InflectionChoice::ByHand),
@@ -367,6 +371,21 @@ impl OptionArgs {
             options.library = read.map_err(|error| Failure::file(path, &error))?;
         }
         Ok(options)
+    }
+}
+
+/// A prior, or none.
+#[derive(Clone, Copy)]
+struct Prior(Option<LogNormalPrior>);
+
+fn prior(text: &str) -> Result<Prior, String> {
+    match text {
+        "none" => Ok(Prior(None)),
+        "in-vivo" => Ok(Prior(Some(LogNormalPrior::IN_VIVO))),
+        other => match number(other) {
+            Ok(log_sd @ 0.01..=5.0) => Ok(Prior(Some(LogNormalPrior { log_sd }))),
+            _ => Err("expected `none`, `in-vivo`, or a deviation of 0.01 to 5".to_owned()),
+        },
     }
 }
 
@@ -416,7 +435,7 @@ fn gauge(text: &str) -> Result<Gauge, String> {
     Ok(Gauge::KnownForce { posture: posture(name)?, force_n })
 }
 
-fn threads(text: &str) -> Result<usize, String> {
+pub fn threads(text: &str) -> Result<usize, String> {
     match text.parse::<usize>() {
         Ok(number @ 0..=1024) => Ok(number),
         _ => Err("expected 0 (all cores) to 1024".to_owned()),

@@ -9,8 +9,10 @@ mod decode;
 mod export;
 mod failure;
 mod film;
+mod identifiability;
 mod import;
 mod model;
+mod noise_study;
 mod phantom;
 mod progress;
 mod reliability;
@@ -46,6 +48,7 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<Ending, Failure> {
     match command {
         Command::Reproduce(args) => reproduce::run(&args),
+        Command::NoiseStudy(args) => noise_study::run(&args),
         Command::Analyze(args) => analyze::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Import(args) => import::run(&args),

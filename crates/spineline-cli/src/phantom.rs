@@ -4,22 +4,52 @@ mod films;
 
 use std::collections::BTreeMap;
 
+use clap::ValueEnum;
 use serde::Serialize;
 use spineline::anatomy::Region;
 use spineline_io::CaseFile;
 use spineline_phantom::{Phantom, Readers, SUBJECTS, Truth, generate};
 
 use crate::analyze::write_file;
-use crate::args::{PhantomArgs, TruthName};
+use crate::args::PhantomArgs;
 use crate::failure::{Ending, Failure};
 use crate::print;
 
+/// The truths as the command line calls them.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum TruthName {
+    /// A force through its inflections
+    Rod,
+    /// Rotations all to one side
+    Bend,
+    /// A horizontal force at T2
+    Pull,
+    /// Curvature scaled everywhere, no force
+    Flatten,
+    /// A force along a line beside the inflections
+    Offset,
+    /// A load spread over the whole spine
+    Spread,
+    /// Joints that turn at random
+    Random,
+}
+
+impl TruthName {
+    pub fn truth(self) -> Truth {
+        match self {
+            Self::Rod => Truth::Rod,
+            Self::Bend => Truth::Bend,
+            Self::Pull => Truth::Pull,
+            Self::Flatten => Truth::Flatten,
+            Self::Offset => Truth::Offset,
+            Self::Spread => Truth::Spread,
+            Self::Random => Truth::Random,
+        }
+    }
+}
+
 pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
-    let truth = match args.truth {
-        TruthName::Rod => Truth::Rod,
-        TruthName::Bend => Truth::Bend,
-        TruthName::Pull => Truth::Pull,
-    };
+    let truth = args.truth.truth();
     let readers = readers(args.noise)?;
     let subjects = match args.subject {
         Some(number) if (1..=SUBJECTS.len()).contains(&number) => number..=number,

@@ -2,13 +2,15 @@
 //!
 //! Real films of this protocol are not public, so the demonstration data are phantoms, and every result that came from
 //! one says `synthetic`. The subjects follow Table 1 of the paper. What truth is assumed decides which line of action
-//! wins, so there are three:
+//! wins, so there are several:
 //!
 //! - [`Truth::Rod`]: an elastic rod of 998 planar segments, bent by a force through its own inflections, found
 //!   self-consistently by continuation: the paper's hypothesis;
 //! - [`Truth::Bend`]: prescribed rotations of one sign at all levels, sized by published flexibility, vanishing at the
 //!   inflections: what clinicians see;
-//! - [`Truth::Pull`]: the same rod under a horizontal force at T2, Petit's hypothesis; its traction is a cranial one.
+//! - [`Truth::Pull`]: the same rod under a horizontal force at T2, Petit's hypothesis; its traction is a cranial one;
+//! - [`Truth::Flatten`], [`Truth::Offset`], [`Truth::Spread`] and [`Truth::Random`]: movements that no force through the
+//!   inflections made, as counter-examples.
 //!
 //! A [`TrueFilm`] is how a posture lies on its film. The readers mark it, and [`Phantom::radiograph`] draws it, so that the
 //! two agree to a part of a pixel.
@@ -23,6 +25,7 @@
 
 mod erect;
 mod film;
+mod other;
 mod radiograph;
 mod readers;
 mod rod;
@@ -50,11 +53,29 @@ pub enum Truth {
     Bend,
     /// A horizontal force at T2 (Petit's hypothesis).
     Pull,
+    /// All segments turn in proportion to their erect curvature: no force, yet nothing turns at the inflections.
+    Flatten,
+    /// A force as in [`Truth::Rod`] along a line that crosses the spine caudal of its inflections.
+    Offset,
+    /// A load of the same size on every millimetre of the spine: horizontal for bends, cranial for traction.
+    Spread,
+    /// Every joint turns at random.
+    Random,
 }
 
 impl Truth {
-    /// All truths.
+    /// The three hypotheses that `spineline reproduce` lays beside the paper.
     pub const ALL: [Self; 3] = [Self::Rod, Self::Bend, Self::Pull];
+    /// These and the counter-examples.
+    pub const EVERY: [Self; 7] = [
+        Self::Rod,
+        Self::Flatten,
+        Self::Offset,
+        Self::Bend,
+        Self::Pull,
+        Self::Spread,
+        Self::Random,
+    ];
 
     /// The name used in files.
     #[must_use]
@@ -63,6 +84,10 @@ impl Truth {
             Self::Rod => "rod",
             Self::Bend => "bend",
             Self::Pull => "pull",
+            Self::Flatten => "flatten",
+            Self::Offset => "offset",
+            Self::Spread => "spread",
+            Self::Random => "random",
         }
     }
 
@@ -73,6 +98,10 @@ impl Truth {
             Self::Rod => "force through the inflections",
             Self::Bend => "all joints turn to one side",
             Self::Pull => "horizontal force at T2",
+            Self::Flatten => "curvature scaled everywhere, no force",
+            Self::Offset => "force along a line beside the inflections",
+            Self::Spread => "load spread over the whole spine",
+            Self::Random => "joints turn at random",
         }
     }
 }
@@ -88,9 +117,9 @@ pub struct TruePosture {
     pub tilts: Vec<Angle>,
     /// True places of the two erect inflections, as material points.
     pub inflections: [Frontal; 2],
-    /// True line of action; `None` for prescribed rotations and for the erect posture.
+    /// True line of action; `None` for prescribed rotations, for a load that has none, and for the erect posture.
     pub line: Option<LineOfAction>,
-    /// True force along it.
+    /// True force along it; of a spread load, all of it.
     pub force_n: f64,
 }
 
@@ -149,17 +178,51 @@ pub fn generate(
     readers: &Readers,
     seed: u64,
 ) -> Result<Phantom, PhantomError> {
+    let mut phantoms = generate_read(index, 0, truth, std::slice::from_ref(readers), seed)?;
+    Ok(phantoms.pop().expect("one per kind of readers"))
+}
+
+/// Makes one phantom and lets several kinds of readers read its films, each beginning with the same random numbers.
+///
+/// `copy` is 0 for the phantom of [`generate`]; every other number makes another patient of the same row of Table 1.
+/// Readers who differ in their deviations alone err in the same directions, by different amounts.
+///
+/// # Errors
+/// [`PhantomError`].
+pub fn generate_read(
+    index: usize,
+    copy: u32,
+    truth: Truth,
+    readers: &[Readers],
+    seed: u64,
+) -> Result<Vec<Phantom>, PhantomError> {
     let row = SUBJECTS.get(index).ok_or(PhantomError::NoSubject { number: index + 1 })?;
+    let place = 8 * (index as u64 + SUBJECTS.len() as u64 * u64::from(copy));
     // Anatomy is the same for all truths; movement and readers have streams of their own.
-    let mut anatomy_rng = stream(seed, 8 * index as u64);
+    let mut anatomy_rng = stream(seed, place);
     let spine = erect::ErectSpine::draw(row, &mut anatomy_rng)?;
-    let mut rng = stream(seed, 8 * index as u64 + 1 + truth as u64);
+    // Eight streams per patient held the first three truths; the others have theirs far behind all of these.
+    let own = if truth <= Truth::Pull { place } else { (1 << 40) + 2 * place };
+    let mut rng = stream(seed, own + 1 + truth as u64);
     let (postures, multipliers) = truth::postures(row, truth, &spine, &mut rng)?;
     // What radiographs draw at random moves no landmark.
-    let mut look = stream(seed, 8 * index as u64 + 5 + truth as u64);
-    let (case, films) =
-        film::photograph(row, truth, &spine, &postures, readers, &mut rng, &mut look);
-    Ok(Phantom { case, truth, postures, multipliers, films })
+    let look = own + if truth <= Truth::Pull { 5 } else { 9 } + truth as u64;
+    let phantoms = readers.iter().map(|readers| {
+        let (mut case, films) = film::photograph(
+            row,
+            truth,
+            &spine,
+            &postures,
+            readers,
+            &mut rng.clone(),
+            &mut stream(seed, look),
+        );
+        if copy > 0 {
+            case.id = format!("{}-copy-{copy}", case.id);
+        }
+        Phantom { case, truth, postures: postures.clone(), multipliers, films }
+    });
+    Ok(phantoms.collect())
 }
 
 fn stream(seed: u64, number: u64) -> ChaCha12Rng {

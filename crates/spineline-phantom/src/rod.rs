@@ -24,7 +24,7 @@ impl ChainShape {
     }
 
     /// Grows the chain from L4, segment by segment; `turn` may depend on the node that a segment stands on.
-    fn grow(segment_mm: f64, turn: impl Fn(usize, Frontal) -> f64) -> Self {
+    fn grow(segment_mm: f64, mut turn: impl FnMut(usize, Frontal) -> f64) -> Self {
         let mut nodes = vec![Frontal::default()];
         let mut tilts: Vec<f64> = Vec::with_capacity(SEGMENTS);
         for k in 0..SEGMENTS {
@@ -101,17 +101,17 @@ impl<'a> Rod<'a> {
         })
     }
 
-    /// Equilibrium under a force along the line through the chain's own two inflections.
+    /// Equilibrium under a force along the line through the chain at two arc lengths, such as its inflections.
     ///
-    /// The line crosses the heights of the erect inflections at two unknown places; Newton moves them until the bent
-    /// inflections lie on the line. `places_mm` is the start and receives the solution.
-    pub fn bend_through_inflections(
+    /// The line crosses the heights of the erect points at two unknown places; Newton moves them until the bent points lie
+    /// on the line. `places_mm` is the start and receives the solution.
+    pub fn bend_through(
         &self,
+        s: [f64; 2],
         force_n: f64,
         erect: &ChainShape,
         places_mm: &mut [f64; 2],
     ) -> Option<(ChainShape, LineOfAction)> {
-        let s = self.spine.inflection_s_mm;
         let heights = s.map(|s| erect.point(s).z_mm);
         let line_at = |places: [f64; 2]| {
             let [low, high] = [0, 1].map(|i| Frontal::new(places[i], heights[i]));
@@ -138,6 +138,49 @@ impl<'a> Rod<'a> {
             places_mm[0] -= (j11 * off[0] - j01 * off[1]) / determinant;
             places_mm[1] -= (j00 * off[1] - j10 * off[0]) / determinant;
             if !places_mm.iter().all(|p| p.is_finite()) {
+                return None;
+            }
+        }
+        None
+    }
+
+    /// Equilibrium under a load of the same size and direction, fixed in space, on the upper node of every segment.
+    ///
+    /// `base_nmm`, the moment about L4, is the start of a secant iteration and receives the solution: marching up from it,
+    /// nothing is left at T2.
+    pub fn spread(
+        &self,
+        direction: Frontal,
+        force_n: f64,
+        base_nmm: &mut f64,
+    ) -> Option<ChainShape> {
+        let each = direction * (force_n / SEGMENTS as f64);
+        let march = |base: f64| {
+            let (mut moment, mut below) = (base, Frontal::default());
+            // The moment about a node less that about the next one is due to all loads above both.
+            let mut step = |k: usize, node: Frontal| {
+                moment -= (node - below).cross(each) * (SEGMENTS + 1 - k) as f64;
+                below = node;
+                moment
+            };
+            let shape = ChainShape::grow(self.spine.segment_mm(), |k, node| {
+                self.spine.turns_rad[k] + step(k, node) / self.stiffness_nmm_per_rad[k]
+            });
+            let left = step(SEGMENTS, shape.top());
+            (left, shape)
+        };
+        let (mut before, mut now) = (*base_nmm, *base_nmm + 1.0);
+        let mut left_before = march(before).0;
+        for _ in 0..60 {
+            let (left, shape) = march(now);
+            if left.abs() < 1e-6 {
+                *base_nmm = now;
+                return Some(shape);
+            }
+            let slope = (left - left_before) / (now - before);
+            (before, left_before) = (now, left);
+            now -= left / slope;
+            if !now.is_finite() {
                 return None;
             }
         }

@@ -1,4 +1,4 @@
-//! The three truths: what moves a spine from the erect posture to the others.
+//! The truths: what moves a spine from the erect posture to the others.
 
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, Uniform};
@@ -8,7 +8,7 @@ use spineline::spatial::{Angle, Frontal};
 
 use crate::erect::ErectSpine;
 use crate::rod::{ChainShape, Rod};
-use crate::{PhantomError, TableRow, TruePosture, Truth};
+use crate::{PhantomError, TableRow, TruePosture, Truth, other};
 
 /// Five true postures, and the stiffness multipliers behind them (ones where nothing elastic moved the spine).
 pub(crate) fn postures(
@@ -24,19 +24,24 @@ pub(crate) fn postures(
         Truth::Rod => rod(spine, &erect, rng).map_err(missing)?,
         Truth::Bend => bend(spine, rng),
         Truth::Pull => pull(spine, &erect, rng).map_err(missing)?,
+        Truth::Flatten => other::flatten(spine, &erect, rng),
+        Truth::Offset => other::offset(spine, &erect, rng).map_err(missing)?,
+        Truth::Spread => other::spread(spine, &erect, rng).map_err(missing)?,
+        Truth::Random => other::random(spine, &erect, rng),
     };
-    let multipliers = if truth == Truth::Bend { [1.0; 3] } else { spine.multipliers };
+    let elastic = !matches!(truth, Truth::Bend | Truth::Flatten | Truth::Random);
+    let multipliers = if elastic { spine.multipliers } else { [1.0; 3] };
     let first = Moved { posture: Posture::Erect, shape: erect, line: None, force_n: 0.0 };
     let all = std::iter::once(first).chain(moved).map(|moved| moved.observed(spine)).collect();
     Ok((all, multipliers))
 }
 
 /// One posture of the fine chain.
-struct Moved {
-    posture: Posture,
-    shape: ChainShape,
-    line: Option<LineOfAction>,
-    force_n: f64,
+pub(crate) struct Moved {
+    pub posture: Posture,
+    pub shape: ChainShape,
+    pub line: Option<LineOfAction>,
+    pub force_n: f64,
 }
 
 impl Moved {
@@ -55,7 +60,7 @@ impl Moved {
 }
 
 /// Turn of the main thoracic curve.
-fn main_turn(spine: &ErectSpine, shape: &ChainShape) -> f64 {
+pub(crate) fn main_turn(spine: &ErectSpine, shape: &ChainShape) -> f64 {
     let [low, high] = spine.inflection_s_mm.map(|s| shape.tilt(s).rad());
     high - low
 }
@@ -63,13 +68,13 @@ fn main_turn(spine: &ErectSpine, shape: &ChainShape) -> f64 {
 /// Steps a force from zero until a measure of the shape reaches a goal, then halves the last step.
 ///
 /// `solve` continues from the force before; `None` where the goal is not reached.
-fn force_for<S: Clone>(
+pub(crate) fn force_for<S: Clone, L>(
     step_n: f64,
     most_n: f64,
     start: S,
-    solve: impl Fn(f64, &mut S) -> Option<(ChainShape, LineOfAction)>,
+    solve: impl Fn(f64, &mut S) -> Option<(ChainShape, L)>,
     reached: impl Fn(&ChainShape) -> bool,
-) -> Option<(f64, ChainShape, LineOfAction)> {
+) -> Option<(f64, ChainShape, L)> {
     let (mut low_n, mut low_state) = (0.0, start);
     let mut step_n = step_n;
     let mut found = None;
@@ -106,33 +111,55 @@ fn rod(
     erect: &ChainShape,
     rng: &mut ChaCha12Rng,
 ) -> Result<Vec<Moved>, Posture> {
-    let vary = Uniform::new(0.9, 1.1).expect("0.9 is below 1.1");
+    through(spine, erect, spine.inflection_s_mm, rng)
+}
+
+/// As [`rod`], by a force along the line through the chain at two arc lengths.
+pub(crate) fn through(
+    spine: &ErectSpine,
+    erect: &ChainShape,
+    s_mm: [f64; 2],
+    rng: &mut ChaCha12Rng,
+) -> Result<Vec<Moved>, Posture> {
+    let vary = usual_variation();
     let rod = Rod::new(spine);
-    let start = spine.inflection_s_mm.map(|s| erect.point(s).y_mm);
+    let start = s_mm.map(|s| erect.point(s).y_mm);
     let mut at = |total_deg: f64, step_n: f64, posture: Posture| {
         let goal = Angle::from_deg(total_deg * vary.sample(rng));
         let reached = |shape: &ChainShape| shape.rotation_from(erect) >= goal;
-        let solve = |force_n: f64, places: &mut [f64; 2]| {
-            rod.bend_through_inflections(force_n, erect, places)
-        };
+        let solve =
+            |force_n: f64, places: &mut [f64; 2]| rod.bend_through(s_mm, force_n, erect, places);
         let (force_n, shape, line) =
             force_for(step_n, 20_000.0, start, solve, reached).ok_or(posture)?;
         Ok(Moved { posture, shape, line: Some(line), force_n })
     };
-    let straighter = at(42.0, 20.0, Posture::LeftBending)?;
-    let stronger = at(25.0, -10.0, Posture::RightBending)?;
-    // The one that leans further left is the left bend.
-    let left_first = straighter.shape.top().lean() < stronger.shape.top().lean();
-    let names = [Posture::LeftBending, Posture::RightBending];
-    let names = if left_first { names } else { [names[1], names[0]] };
-    let mut moved = vec![
-        Moved { posture: names[0], ..straighter },
-        Moved { posture: names[1], ..stronger },
-        at(20.0, 20.0, Posture::Neutral)?,
-        at(36.0, 20.0, Posture::Traction)?,
-    ];
-    moved.sort_by_key(|m| m.posture);
-    Ok(moved)
+    let [straighter, stronger, neutral, traction] = TOTAL_DEG;
+    Ok(in_order([
+        at(straighter, 20.0, Posture::LeftBending)?,
+        at(stronger, -10.0, Posture::RightBending)?,
+        at(neutral, 20.0, Posture::Neutral)?,
+        at(traction, 20.0, Posture::Traction)?,
+    ]))
+}
+
+/// Sums of the rotations of all segments: a bend that straightens, one that bends further, neutral and traction.
+pub(crate) const TOTAL_DEG: [f64; 4] = [42.0, 25.0, 20.0, 36.0];
+
+/// By how much one patient's movements differ from another's.
+pub(crate) fn usual_variation() -> Uniform<f64> {
+    Uniform::new(0.9, 1.1).expect("0.9 is below 1.1")
+}
+
+/// Two bends, neutral and traction in the order of postures: the bend that leans further left is the left one.
+pub(crate) fn in_order([first, second, neutral, traction]: [Moved; 4]) -> Vec<Moved> {
+    let left_first = first.shape.top().lean() < second.shape.top().lean();
+    let (left, right) = if left_first { (first, second) } else { (second, first) };
+    vec![
+        Moved { posture: Posture::LeftBending, ..left },
+        Moved { posture: Posture::RightBending, ..right },
+        neutral,
+        traction,
+    ]
 }
 
 /// Prescribed rotations to one side; neutral and traction scale the erect curve.
@@ -144,7 +171,7 @@ fn bend(spine: &ErectSpine, rng: &mut ChaCha12Rng) -> Vec<Moved> {
     const NEUTRAL: [f64; 3] = [0.19, 0.21, 0.09];
     const TRACTION: [f64; 3] = [0.45, 0.40, 0.30];
     const AWAY: f64 = 0.5;
-    let vary = Uniform::new(0.9, 1.1).expect("0.9 is below 1.1");
+    let vary = usual_variation();
     let [low, high] = spine.inflection_s_mm;
     let ends = [(0.0, low), (low, high), (high, spine.length_mm)];
     let segment_mm = spine.segment_mm();

@@ -77,6 +77,7 @@ impl Patient {
             target,
             gauge: Gauge::GeometricMean,
             support,
+            prior: None,
             hints: &[],
         };
         let fit = personalize(&self.model, &self.library, groups, &self.erect, &films, &settings);

@@ -63,6 +63,7 @@ fn fit(criterion: &mut Criterion) {
                 target,
                 gauge: Gauge::GeometricMean,
                 support,
+                prior: None,
                 hints: &[],
             };
             let mut next = 0;

@@ -205,6 +205,7 @@ fn without_a_film_nothing_is_fitted_and_nothing_panics() {
         target: FitTarget::Shape,
         gauge: Gauge::GeometricMean,
         support: Support::Frontal,
+        prior: None,
         hints: &[],
     };
     let fit = personalize(&model, &library, &groups, &erect, &[], &settings);

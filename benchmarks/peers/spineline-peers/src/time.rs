@@ -205,6 +205,7 @@ impl Fit {
             target: FitTarget::Shape,
             gauge: Gauge::GeometricMean,
             support: Support::Free,
+            prior: None,
             hints: &[],
         };
         personalize(&self.model, &self.library, &self.groups, &self.erect, &films, &settings)

@@ -10,6 +10,7 @@
 //! | [`force_path`] | 11 |
 //! | [`bland_altman`] | none: readings of two raters against one another |
 //! | [`case_overview`] | none: all postures of one patient side by side |
+//! | [`noise_study`] | none: the paper's claims over landmark noise |
 //! | [`loaded_spine`] | none: a model under loads, from behind and from the right |
 //!
 //! # Conventions
@@ -28,6 +29,7 @@ mod boxes;
 mod cohort;
 mod frontal;
 mod loaded;
+mod noise;
 mod overview;
 mod page;
 mod panel;
@@ -41,6 +43,7 @@ pub use cohort::{
     least_rotating_estimates, location_errors,
 };
 pub use loaded::{LoadedSpine, loaded_spine};
+pub use noise::{NoiseCurve, NoisePanel, NoiseRow, NoiseTruth, noise_study};
 pub use overview::case_overview;
 pub use rotation::rotations;
 pub use spines::{force_path, measured_and_simulated};

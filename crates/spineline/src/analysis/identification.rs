@@ -1,7 +1,11 @@
 //! What the films say of every stiffness multiplier.
 
+use super::models::{bending_loads, depth_mm, settings_of};
 use super::{Analysis, LineModel};
-use crate::personalize::{FitStatus, StiffnessBound};
+use crate::personalize::{
+    FitFilm, FitStatus, FittedSprings, Identifiability, StiffnessBound, identify,
+};
+use crate::warning::Warnings;
 
 /// What is known of a multiplier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,6 +72,25 @@ impl LineModel {
 }
 
 impl Analysis {
+    /// What the bending films say of a model's multipliers: profile likelihood, information, and what a prior adds; `None`
+    /// where its fit did not converge.
+    ///
+    /// Computed when it is asked for, since no other result depends on it: it takes tens of fits.
+    #[must_use]
+    pub fn identifiability(&self, model: &LineModel) -> Option<Identifiability> {
+        // What is wrong with its lines, the fit has told.
+        let mut told = Warnings::default();
+        let bends = bending_loads(self, model.kind, depth_mm(self), &mut told);
+        let films: Vec<FitFilm<'_>> =
+            bends.iter().map(|(p, load)| FitFilm { outline: &p.outline, load: *load }).collect();
+        let springs = FittedSprings {
+            model: &self.spine,
+            library: &self.options.library,
+            groups: &model.groups,
+        };
+        identify(&springs, &films, &settings_of(self, &[]), &model.fit)
+    }
+
     /// Lateral springs of every model's joints on one logarithmic scale: 0 for the softest of all models, 1 for the
     /// stiffest; a half where all are alike. By model and joint, caudal first.
     #[must_use]

@@ -9,7 +9,7 @@ mod verdict;
 mod words;
 
 pub(crate) use analyze::analyze_with_noise;
-pub use analyze::{Analysis, PostureAnalysis, analyze};
+pub use analyze::{Analysis, PostureAnalysis, analyze, analyze_movement};
 pub use identification::{Identification, MultiplierVerdict};
 pub use models::LineModel;
 pub use options::{AnalysisOptions, Grouping};

@@ -160,7 +160,7 @@ pub(super) fn fit_models(analysis: &mut Analysis) {
 
 /// Sagittal place of the lines: the mean depth of the vertebrae at the inflections; without inflections that of L4 and
 /// T2, which is zero.
-fn depth_mm(analysis: &Analysis) -> f64 {
+pub(super) fn depth_mm(analysis: &Analysis) -> f64 {
     let Some(pair) = analysis.inflections.pair else { return 0.0 };
     let at = |level: Level| level.model_index().map_or(0.0, |i| analysis.spine.midpoints_mm[i].x);
     pair.iter()
@@ -231,7 +231,7 @@ fn geometric_line(
 }
 
 /// The bending films that have such a line, with the load along it.
-fn bending_loads<'a>(
+pub(super) fn bending_loads<'a>(
     analysis: &'a Analysis,
     kind: LineKind,
     depth_mm: f64,
@@ -249,6 +249,22 @@ fn bending_loads<'a>(
         .collect()
 }
 
+/// What every fit of an analysis needs beside its films.
+pub(super) fn settings_of<'a>(analysis: &'a Analysis, hints: &'a [Start]) -> FitSettings<'a> {
+    let options = &analysis.options;
+    FitSettings {
+        regions: &analysis.regions,
+        target: match options.grouping {
+            Grouping::Regional => options.target,
+            Grouping::PerJoint => FitTarget::Shape,
+        },
+        gauge: options.gauge,
+        support: options.support,
+        prior: options.prior,
+        hints,
+    }
+}
+
 fn fit_model(
     analysis: &Analysis,
     kind: LineKind,
@@ -257,9 +273,9 @@ fn fit_model(
 ) -> Option<LineModel> {
     let options = &analysis.options;
     let depth_mm = depth_mm(analysis);
-    let (groups, target) = match options.grouping {
-        Grouping::Regional => (JointGroups::regional(&analysis.regions), options.target),
-        Grouping::PerJoint => (JointGroups::per_joint(), FitTarget::Shape),
+    let groups = match options.grouping {
+        Grouping::Regional => JointGroups::regional(&analysis.regions),
+        Grouping::PerJoint => JointGroups::per_joint(),
     };
     let bends = bending_loads(analysis, kind, depth_mm, warnings);
     if bends.is_empty() {
@@ -272,13 +288,7 @@ fn fit_model(
         LineKind::Estimated => hints(&analysis.models, &bends),
         _ => Vec::new(),
     };
-    let settings = FitSettings {
-        regions: &analysis.regions,
-        target,
-        gauge: options.gauge,
-        support: options.support,
-        hints: &hints,
-    };
+    let settings = settings_of(analysis, &hints);
     let evidence: Vec<(&FilmEvidence, Load)> =
         bends.iter().filter_map(|(p, load)| Some((p.evidence.as_ref()?, *load))).collect();
     // It was made for regional groups.
@@ -289,7 +299,8 @@ fn fit_model(
     let logs = &model.fit.log_multipliers;
     let statics =
         Statics::new(&analysis.spine, &options.library, &model.groups, logs, options.support);
-    let evaluation = Evaluation { analysis, model: &model, statics, target, depth_mm };
+    let evaluation =
+        Evaluation { analysis, model: &model, statics, target: settings.target, depth_mm };
     let mut simulations = Vec::new();
     for posture in analysis.postures.iter().filter(|p| p.motion.is_some()) {
         let name = posture.outline.posture;

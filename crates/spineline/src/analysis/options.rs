@@ -5,7 +5,7 @@ use crate::anatomy::{Posture, SagittalProfile};
 use crate::chain::SEGMENT_WINDOW;
 use crate::curve::{InflectionChoice, MIN_TURN, OrderRule};
 use crate::multibody::{StiffnessLibrary, Support};
-use crate::personalize::{FitTarget, Gauge};
+use crate::personalize::{FitTarget, Gauge, LogNormalPrior};
 use crate::spatial::Angle;
 
 /// Which joints share a multiplier.
@@ -41,6 +41,8 @@ pub struct AnalysisOptions {
     pub target: FitTarget,
     /// Which joints share a multiplier.
     pub grouping: Grouping,
+    /// What is known of the multipliers before the films; many of one per joint are not identified without.
+    pub prior: Option<LogNormalPrior>,
     /// Lines given by the user.
     pub given_lines: Vec<(Posture, LineOfAction)>,
 }
@@ -69,6 +71,7 @@ impl Default for AnalysisOptions {
             gauge: Gauge::default(),
             target: FitTarget::default(),
             grouping: Grouping::default(),
+            prior: None,
             given_lines: Vec::new(),
         }
     }

@@ -7,7 +7,10 @@
 //! # References
 //! [jalalian-loa], sections 3 and 4, table 2.
 
+mod claims;
 mod words;
+
+pub use claims::{ClaimVerdict, Claims, NEAR_SEGMENTS, PatientClaims};
 
 use crate::action::LineKind;
 use crate::analysis::{Analysis, PostureAnalysis};

@@ -139,6 +139,92 @@ pub fn cluster_bootstrap(clusters: &[Vec<f64>], resamples: u32, seed: u64) -> Op
     Some([quantile(&drawn, 0.025), quantile(&drawn, 0.975)])
 }
 
+/// A share and its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Share {
+    /// From 0 to 1; NaN where nothing was counted.
+    pub share: f64,
+    /// Independent units, such as patients.
+    pub n: usize,
+    /// Wilson's 95 % interval.
+    pub interval: [f64; 2],
+}
+
+impl Share {
+    /// The mean of one share per unit with Wilson's interval for so many units.
+    ///
+    /// For units that are 0 or 1 this is Wilson's own [wilson-1927]. A unit that is a share of several things varies no more
+    /// than that (its variance is at most `p (1 - p)`), so that the interval is then too wide rather than too narrow.
+    ///
+    /// ```
+    /// let share = spineline::evaluate::statistics::Share::of_units(&[1.0, 0.0, 1.0, 1.0]);
+    /// assert_eq!((share.share, share.n), (0.75, 4));
+    /// ```
+    #[must_use]
+    pub fn of_units(shares: &[f64]) -> Self {
+        Self::wilson(Summary::of(shares).mean, shares.len())
+    }
+
+    /// The share with which a value of the first sample exceeds one of the second, ties counted half: 0.5 where the two cannot
+    /// be told apart, 1 where every first value is larger.
+    ///
+    /// It is Mann and Whitney's U over its largest value. Its variance is at most that of a share of `n` independent units,
+    /// where `n` is the size of the smaller sample [van-dantzig-1951], which is what the interval takes.
+    ///
+    /// ```
+    /// use spineline::evaluate::statistics::Share;
+    /// assert_eq!(Share::of_exceeding(&[2.0, 3.0], &[1.0, 2.0]).share, 0.875);
+    /// ```
+    #[must_use]
+    pub fn of_exceeding(first: &[f64], second: &[f64]) -> Self {
+        let halves: usize = first
+            .iter()
+            .flat_map(|a| second.iter().map(move |b| usize::from(a > b) + usize::from(a >= b)))
+            .sum();
+        let share = 0.5 * halves as f64 / (first.len() * second.len()) as f64;
+        Self::wilson(share, first.len().min(second.len()))
+    }
+
+    fn wilson(share: f64, n: usize) -> Self {
+        const Z: f64 = 1.959_963_984_540_054;
+        let units = n as f64;
+        let centre = (share + 0.5 * Z * Z / units) / (1.0 + Z * Z / units);
+        let half = Z / (1.0 + Z * Z / units)
+            * (share * (1.0 - share) / units + 0.25 * Z * Z / (units * units)).sqrt();
+        Self { share, n, interval: [(centre - half).max(0.0), (centre + half).min(1.0)] }
+    }
+}
+
+/// Percentile interval of a ratio of two means by resampling pairs (patients) with a stated seed.
+///
+/// `None` for fewer than two pairs or samples of unequal length.
+#[must_use]
+pub fn ratio_bootstrap(
+    above: &[f64],
+    below: &[f64],
+    resamples: u32,
+    seed: u64,
+) -> Option<[f64; 2]> {
+    let n = above.len();
+    if n < 2 || below.len() != n {
+        return None;
+    }
+    let mut rng = ChaCha12Rng::seed_from_u64(seed);
+    let mut drawn: Vec<f64> = (0..resamples)
+        .map(|_| {
+            let (mut a, mut b) = (0.0, 0.0);
+            for _ in 0..n {
+                let i = rng.random_range(0..n);
+                a += above[i];
+                b += below[i];
+            }
+            a / b
+        })
+        .collect();
+    drawn.sort_by(f64::total_cmp);
+    Some([quantile(&drawn, 0.025), quantile(&drawn, 0.975)])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -153,6 +239,43 @@ mod tests {
         let tail = 0.5 - (x / (1.0 + x * x) + x.atan()) / std::f64::consts::PI;
         assert!((t.p_two_sided - 2.0 * tail).abs() < 1e-12);
         assert!((t.p_less - (1.0 - tail)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn shares_have_wilson_intervals() {
+        // Closed form: where nothing or all was counted, the interval ends at z² / (n + z²).
+        let z2 = 1.959_963_984_540_054_f64.powi(2);
+        let none = Share::of_units(&[0.0; 20]);
+        assert!(none.interval[0] < 1e-12 && (none.interval[1] - z2 / (20.0 + z2)).abs() < 1e-12);
+        let all = Share::of_units(&[1.0; 20]);
+        assert!(all.interval[1] > 1.0 - 1e-12);
+        assert!((all.interval[0] - 20.0 / (20.0 + z2)).abs() < 1e-12);
+        // Both ends solve (p - s)² = z² p (1 - p) / n.
+        let part = Share::of_units(&[1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        for p in part.interval {
+            assert!(((p - 2.0 / 7.0).powi(2) - z2 * p * (1.0 - p) / 7.0).abs() < 1e-12);
+        }
+        assert!(Share::of_units(&[]).share.is_nan());
+    }
+
+    #[test]
+    fn exceeding_counts_pairs_and_halves_of_ties() {
+        let same = Share::of_exceeding(&[1.0, 2.0, 3.0], &[3.0, 2.0, 1.0]);
+        assert_eq!((same.share, same.n), (0.5, 3));
+        assert_eq!(Share::of_exceeding(&[4.0, 5.0], &[1.0, 2.0, 3.0]).share, 1.0);
+        assert_eq!(Share::of_exceeding(&[1.0], &[1.0, 2.0, 3.0, 0.0]).share, 0.375);
+    }
+
+    #[test]
+    fn the_ratio_bootstrap_is_exact_where_all_ratios_are_equal_and_covers_elsewhere() {
+        let below: Vec<f64> = (1..=30).map(f64::from).collect();
+        let above: Vec<f64> = below.iter().map(|b| 0.25 * b).collect();
+        assert_eq!(ratio_bootstrap(&above, &below, 200, 3), Some([0.25, 0.25]));
+        let above: Vec<f64> = (0..30).map(|i| if i % 2 == 0 { 2.0 } else { 0.0 }).collect();
+        let [low, high] = ratio_bootstrap(&above, &[1.0; 30], 2000, 3).expect("pairs");
+        // Normal theory: 1 ± 1.96 · 1 / √30.
+        assert!((low - 0.642).abs() < 0.08 && (high - 1.358).abs() < 0.08);
+        assert_eq!(ratio_bootstrap(&above, &below[1..], 200, 3), None);
     }
 
     #[test]

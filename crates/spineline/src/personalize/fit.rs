@@ -41,6 +41,17 @@ pub struct Personalization {
     pub singular_values: Vec<f64>,
 }
 
+/// Springs that were fitted: those of a spine in groups.
+#[derive(Debug, Clone, Copy)]
+pub struct FittedSprings<'a> {
+    /// The unloaded spine.
+    pub model: &'a SpineModel,
+    /// Nominal springs.
+    pub library: &'a StiffnessLibrary,
+    /// Which joints share a multiplier.
+    pub groups: &'a JointGroups,
+}
+
 /// Data met so well leave nothing for another start to improve: half a degree is what a careful reading of 0.25 mm does
 /// to a Ferguson angle, and one is the standard deviation of a location or tilt.
 const fn satisfied_rms(target: FitTarget) -> f64 {

@@ -6,42 +6,42 @@ use super::estimate::{EstimatedLoads, estimate_load, estimate_loads};
 use super::evidence::FilmEvidence;
 use super::fit::Known;
 use super::levenberg_marquardt::{Minimum, System};
+use super::rows::{ferguson_rows, shape_rows};
 use super::start::{Start, closed_form, majority_signs};
 use super::{FitFilm, FitSettings, FitTarget, Gauge, MULTIPLIER_BOUNDS};
-use crate::clinical::{RegionBounds, ferguson_angle};
+use crate::clinical::ferguson_angle;
 use crate::multibody::{
     ForceSign, JointGroups, LARGEST_HINGE_RAD, Load, Parameter, Solution, SpineModel, Statics,
     StiffnessLibrary, match_amplitude,
 };
 use crate::spatial::{Angle, Frontal};
 
-/// A Ferguson angle counts in degrees; the gauge, which is linear, is held a thousand times tighter.
-const FERGUSON_UNIT: Angle = Angle::from_deg(1.0);
+/// The gauge, which is linear, is held a thousand times tighter than any data.
 const HELD: f64 = 1e3;
 
 /// What an evaluation fills.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Wanted {
+pub(super) enum Wanted {
     Residuals,
     /// Residuals and their derivatives.
     Derivatives,
 }
 
 /// One film's data.
-struct FilmData {
+pub(super) struct FilmData {
     load: Load,
     /// Place of its load's components among the unknowns; `None` where the amplitude determines the force.
-    first: Option<usize>,
+    pub first: Option<usize>,
     /// The load's components at the last evaluation.
     magnitude: Vec<f64>,
-    locations: Vec<Frontal>,
-    tilts: Vec<Angle>,
-    ferguson: [Angle; 3],
-    lean: Angle,
-    location_sd_mm: f64,
-    tilt_sd_rad: f64,
-    parameters: Vec<Parameter>,
-    solution: Solution,
+    pub locations: Vec<Frontal>,
+    pub tilts: Vec<Angle>,
+    pub ferguson: [Angle; 3],
+    pub lean: Angle,
+    pub location_sd_mm: f64,
+    pub tilt_sd_rad: f64,
+    pub parameters: Vec<Parameter>,
+    pub solution: Solution,
 }
 
 impl FilmData {
@@ -145,9 +145,15 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Rows of all films, and one for the gauge.
+    /// Rows of what was measured.
+    pub fn data_rows(&self) -> usize {
+        self.films.len() * self.rows_per_film()
+    }
+
+    /// Rows of all films, of the prior, and one for the gauge.
     pub fn rows(&self) -> usize {
-        self.films.len() * self.rows_per_film() + 1
+        let prior = if self.settings.prior.is_some() { self.groups.len() } else { 0 };
+        self.data_rows() + prior + 1
     }
 
     fn statics(&self, log_multipliers: &[f64]) -> Statics<'a> {
@@ -323,10 +329,11 @@ impl<'a> Problem<'a> {
                 FitTarget::Shape => shape_rows(film, g, index * rows, system, wanted),
             }
         }
+        self.prior_rows(x, system);
         // The gauge: the mean of ln α is held at zero, unless frozen forces fix the level.
         let last = system.residuals.len() - 1;
         system.residuals[last] = 0.0;
-        if settings.gauge != Gauge::FrozenForce {
+        if self.holds_mean() {
             let weight = HELD / g as f64;
             system.residuals[last] = weight * x.as_slice()[..g].iter().sum::<f64>();
             for i in 0..g {
@@ -336,9 +343,28 @@ impl<'a> Problem<'a> {
         system.residuals.iter().all(|r| r.is_finite())
     }
 
-    /// Root mean square of what was measured, without the row that holds the gauge.
+    /// Whether the mean of `ln α` is held, and not left to frozen forces.
+    pub fn holds_mean(&self) -> bool {
+        self.settings.gauge != Gauge::FrozenForce
+    }
+
+    /// How far every `ln α` lies from their mean, in deviations of the prior: it speaks of ratios, as the films do.
+    fn prior_rows(&self, x: &DVector<f64>, system: &mut System) {
+        let Some(prior) = self.settings.prior else { return };
+        let (first, g) = (self.data_rows(), self.groups.len());
+        let mean = x.as_slice()[..g].iter().sum::<f64>() / g as f64;
+        for i in 0..g {
+            system.residuals[first + i] = (x[i] - mean) / prior.log_sd;
+            for j in 0..g {
+                let own = if i == j { 1.0 } else { 0.0 };
+                system.jacobian[(first + i, j)] = (own - 1.0 / g as f64) / prior.log_sd;
+            }
+        }
+    }
+
+    /// Root mean square of what was measured.
     pub fn data_rms(&self, system: &System) -> f64 {
-        let data = system.residuals.len() - 1;
+        let data = self.data_rows();
         (system.residuals.rows(0, data).norm_squared() / data as f64).sqrt()
     }
 
@@ -373,112 +399,14 @@ impl<'a> Problem<'a> {
         x.as_slice()[..self.groups.len()].to_vec()
     }
 
-    /// Singular values of the data's derivative by `(ln α, ln F)`, so that all unknowns are ratios; the gauge's row is
-    /// no data.
+    /// Singular values of the data's derivative by `(ln α, ln F)`, so that all unknowns are ratios.
     pub fn singular_values(&self, minimum: &Minimum) -> Vec<f64> {
-        let mut scaled = minimum.system.jacobian.rows(0, self.rows() - 1).into_owned();
+        let mut scaled = minimum.system.jacobian.rows(0, self.data_rows()).into_owned();
         for i in self.groups.len()..minimum.x.len() {
             scaled.column_mut(i).scale_mut(minimum.x[i].abs());
         }
         let mut values: Vec<f64> = scaled.singular_values().iter().copied().collect();
         values.sort_by(|a, b| b.total_cmp(a));
         values
-    }
-}
-
-/// Three Ferguson angles in degrees, and the amplitude where it does not determine the force.
-fn ferguson_rows(
-    film: &FilmData,
-    regions: &[RegionBounds; 3],
-    groups: usize,
-    row: usize,
-    system: &mut System,
-    wanted: Wanted,
-) {
-    let unit = FERGUSON_UNIT.rad();
-    let solution = &film.solution;
-    let place = |i: usize| solution.deformed.location(i);
-    for (k, bounds) in regions.iter().enumerate() {
-        let upper = place(bounds.superior) - place(bounds.apex);
-        let lower = place(bounds.apex) - place(bounds.inferior);
-        let angle = (upper.lean() - lower.lean()).wrapped();
-        system.residuals[row + k] = (angle - film.ferguson[k]).wrapped().rad() / unit;
-        if wanted == Wanted::Derivatives {
-            ferguson_rates(film, bounds, groups, row + k, system);
-        }
-    }
-    if let Some(first) = film.first {
-        let row = row + regions.len();
-        system.residuals[row] = (solution.deformed.lean() - film.lean).wrapped().rad() / unit;
-        if wanted == Wanted::Derivatives {
-            for p in 0..=groups {
-                let column = if p == groups { first } else { p };
-                system.jacobian[(row, column)] = solution.lean_rate(p) / unit;
-            }
-        }
-    }
-}
-
-/// Derivatives of one Ferguson angle.
-fn ferguson_rates(
-    film: &FilmData,
-    bounds: &RegionBounds,
-    groups: usize,
-    row: usize,
-    system: &mut System,
-) {
-    let unit = FERGUSON_UNIT.rad();
-    let solution = &film.solution;
-    let force = groups;
-    let place = |i: usize| solution.deformed.location(i);
-    let upper = place(bounds.superior) - place(bounds.apex);
-    let lower = place(bounds.apex) - place(bounds.inferior);
-    let rate = |p: usize| {
-        let at = |i: usize| solution.location_rate(p, i);
-        let turn = |v: Frontal, dv: Frontal| v.cross(dv) / v.dot(v);
-        turn(upper, at(bounds.superior) - at(bounds.apex))
-            - turn(lower, at(bounds.apex) - at(bounds.inferior))
-    };
-    let by_force = rate(force);
-    for p in 0..groups {
-        // The force follows the amplitude where that holds it.
-        let follow = match film.first {
-            None => -solution.lean_rate(p) / solution.lean_rate(force),
-            Some(_) => 0.0,
-        };
-        system.jacobian[(row, p)] = (rate(p) + by_force * follow) / unit;
-    }
-    if let Some(first) = film.first {
-        system.jacobian[(row, first)] = by_force / unit;
-    }
-}
-
-/// Locations and tilts of every mobile vertebra, in standard deviations.
-fn shape_rows(film: &FilmData, groups: usize, row: usize, system: &mut System, wanted: Wanted) {
-    let solution = &film.solution;
-    let first = film.first.expect("the loads of a whole shape are unknown");
-    let rows = 3 * (film.locations.len() - 1);
-    let residuals = &mut system.residuals.as_mut_slice()[row..row + rows];
-    for (i, residuals) in (1..).zip(residuals.chunks_exact_mut(3)) {
-        let off = solution.deformed.location(i) - film.locations[i];
-        let turn = (solution.deformed.tilt(i) - film.tilts[i]).wrapped().rad();
-        residuals[0] = off.y_mm / film.location_sd_mm;
-        residuals[1] = off.z_mm / film.location_sd_mm;
-        residuals[2] = turn / film.tilt_sd_rad;
-    }
-    if wanted == Wanted::Residuals {
-        return;
-    }
-    let per_mm = 1.0 / film.location_sd_mm;
-    for p in 0..film.parameters.len() {
-        let column = if p < groups { p } else { first + p - groups };
-        let start = column * system.jacobian.nrows() + row;
-        let column = &mut system.jacobian.as_mut_slice()[start..start + rows];
-        for (i, rates) in (1..).zip(column.chunks_exact_mut(3)) {
-            let rate = solution.location_rate(p, i);
-            rates[0] = rate.y_mm * per_mm;
-            rates[1] = rate.z_mm * per_mm;
-            rates[2] = solution.tilt_rate(p, i) / film.tilt_sd_rad;
-        }
     }
 }

@@ -1,0 +1,115 @@
+//! Counter-examples: movements that a force through the inflections did not make.
+//!
+//! They show which findings of the paper follow from its hypothesis, and which would be found without it too. Sizes are those
+//! of the rod, so that noise meets all truths alike.
+
+use rand_chacha::ChaCha12Rng;
+use rand_distr::{Distribution, StandardNormal, Uniform};
+use spineline::anatomy::Posture;
+use spineline::spatial::{Angle, Frontal};
+
+use crate::erect::{ErectSpine, SEGMENTS};
+use crate::rod::{ChainShape, Rod};
+use crate::truth::{Moved, TOTAL_DEG, force_for, in_order, main_turn, through, usual_variation};
+
+/// How far caudal of the inflections the other line crosses the spine, as a part of its length: 60 of 998 segments.
+const OFFSET: f64 = 0.06;
+
+/// The four movements, in the order of [`TOTAL_DEG`].
+const FIRST_NAMES: [Posture; 4] =
+    [Posture::LeftBending, Posture::RightBending, Posture::Neutral, Posture::Traction];
+
+fn prescribed(posture: Posture, shape: ChainShape) -> Moved {
+    Moved { posture, shape, line: None, force_n: 0.0 }
+}
+
+/// Every segment's turn is scaled by one factor per posture.
+pub(crate) fn flatten(spine: &ErectSpine, erect: &ChainShape, rng: &mut ChaCha12Rng) -> Vec<Moved> {
+    let vary = usual_variation();
+    let straight = ChainShape::with_turns(spine, |_| 0.0);
+    let all = erect.rotation_from(&straight).deg();
+    in_order(std::array::from_fn(|i| {
+        // The second bend is the one that grows.
+        let sense = if i == 1 { 1.0 } else { -1.0 };
+        let factor = 1.0 + sense * TOTAL_DEG[i] * vary.sample(rng) / all;
+        let shape = ChainShape::with_turns(spine, |k| factor * spine.turns_rad[k]);
+        prescribed(FIRST_NAMES[i], shape)
+    }))
+}
+
+/// The force of the rod, along a line beside the inflections.
+pub(crate) fn offset(
+    spine: &ErectSpine,
+    erect: &ChainShape,
+    rng: &mut ChaCha12Rng,
+) -> Result<Vec<Moved>, Posture> {
+    let crossings = spine.inflection_s_mm.map(|s| s - OFFSET * spine.length_mm);
+    through(spine, erect, crossings, rng)
+}
+
+/// Horizontal loads lean the spine as far as those of `pull` do; a cranial one straightens it.
+pub(crate) fn spread(
+    spine: &ErectSpine,
+    erect: &ChainShape,
+    rng: &mut ChaCha12Rng,
+) -> Result<Vec<Moved>, Posture> {
+    let rod = Rod::new(spine);
+    let erect_lean = erect.top().lean();
+    let mut degrees = |from: f64, to: f64| {
+        Angle::from_deg(Uniform::new(from, to).expect("a range upwards").sample(rng))
+    };
+    let leans = [
+        (Posture::LeftBending, -degrees(15.0, 25.0)),
+        (Posture::RightBending, degrees(15.0, 25.0)),
+        (Posture::Neutral, degrees(-4.0, 4.0)),
+    ];
+    let solve = |direction: Frontal| {
+        let rod = &rod;
+        move |force_n: f64, base_nmm: &mut f64| {
+            rod.spread(direction, force_n, base_nmm).map(|shape| (shape, ()))
+        }
+    };
+    let mut moved = Vec::new();
+    for (posture, change) in leans {
+        let sense = change.rad().signum();
+        let goal = erect_lean + change;
+        let reached = |shape: &ChainShape| (shape.top().lean() - goal).rad() * sense >= 0.0;
+        let left = solve(Frontal::new(1.0, 0.0));
+        let (force_n, shape, ()) =
+            force_for(-4.0 * sense, 4000.0, 0.0, left, reached).ok_or(posture)?;
+        moved.push(Moved { posture, shape, line: None, force_n });
+    }
+    let whole = main_turn(spine, erect);
+    let reached = |shape: &ChainShape| main_turn(spine, shape) / whole <= 0.85;
+    let up = solve(Frontal::new(0.0, 1.0));
+    let (force_n, shape, ()) =
+        force_for(20.0, 40_000.0, 0.0, up, reached).ok_or(Posture::Traction)?;
+    moved.push(Moved { posture: Posture::Traction, shape, line: None, force_n });
+    Ok(moved)
+}
+
+/// Normal turns of the joints between vertebrae, spread over the segments of each, scaled to the rod's sums.
+pub(crate) fn random(spine: &ErectSpine, erect: &ChainShape, rng: &mut ChaCha12Rng) -> Vec<Moved> {
+    let vary = usual_variation();
+    let ends = &spine.vertebra_s_mm;
+    let joint_of = |k: usize| {
+        let s_mm = (k as f64 + 0.5) * spine.segment_mm();
+        ends.partition_point(|&end| end <= s_mm).clamp(1, ends.len() - 1) - 1
+    };
+    let joints: Vec<usize> = (0..SEGMENTS).map(joint_of).collect();
+    in_order(std::array::from_fn(|i| {
+        let goal = Angle::from_deg(TOTAL_DEG[i] * vary.sample(rng));
+        let turns: Vec<f64> = ends
+            .windows(2)
+            .map(|pair| {
+                let turn: f64 = StandardNormal.sample(rng);
+                turn / (pair[1] - pair[0])
+            })
+            .collect();
+        let unit = ChainShape::with_turns(spine, |k| spine.turns_rad[k] + 1e-3 * turns[joints[k]]);
+        let scale = 1e-3 * goal.rad() / unit.rotation_from(erect).rad();
+        let shape =
+            ChainShape::with_turns(spine, |k| spine.turns_rad[k] + scale * turns[joints[k]]);
+        prescribed(FIRST_NAMES[i], shape)
+    }))
+}

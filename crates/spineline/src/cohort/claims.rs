@@ -1,0 +1,288 @@
+use crate::action::LineKind;
+use crate::analysis::Analysis;
+use crate::evaluate::Simulation;
+use crate::evaluate::statistics::{
+    Share, Summary, cluster_bootstrap, paired_t, quantile, ratio_bootstrap,
+};
+use crate::motion::least_windows;
+
+use super::{RESAMPLES, simulations};
+
+/// The paper's inflections lie at most so many segments from the least-rotating ones.
+pub const NEAR_SEGMENTS: usize = 2;
+
+/// What one patient says of the paper's three headline claims, in a few numbers.
+///
+/// It holds no curve and no chain, so that those of many patients fit into memory.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PatientClaims {
+    /// Distance of every inflection to the least-rotating segment of its window, over all moved films: two per film.
+    pub distances_segments: Vec<f64>,
+    /// The share of them within [`NEAR_SEGMENTS`] that segments at random places of the windows would have.
+    pub near_by_chance: Option<f64>,
+    /// Mean rotation of the inflections over all moved films, in degrees.
+    pub inflection_rotation_deg: Option<f64>,
+    /// Mean rotation of all segments over the same films.
+    pub mean_rotation_deg: Option<f64>,
+    /// Mean location error of the inflection line and of the iliac line, on the fitted films that both could simulate.
+    pub fitted_mm: Option<[f64; 2]>,
+    /// The same on held-out films.
+    pub held_out_mm: Option<[f64; 2]>,
+    /// Mean over films of the curves' residuals: locations in mm, tilts in degrees.
+    pub residuals: [f64; 2],
+    /// Mean order of the curves.
+    pub order: f64,
+}
+
+impl PatientClaims {
+    /// Reads the numbers off an analysis.
+    #[must_use]
+    pub fn of(analysis: &Analysis) -> Self {
+        let moved = analysis.postures.iter().filter_map(|posture| {
+            Some((posture.motion.as_ref()?, posture.inflection_estimates.as_ref()?))
+        });
+        let (mut distances, mut inflections, mut all) = (Vec::new(), Vec::new(), Vec::new());
+        for (motion, estimates) in moved {
+            distances.extend(estimates.iter().map(|e| e.distance_segments as f64));
+            inflections.extend(estimates.iter().map(|e| e.rotation.deg()));
+            all.push(motion.mean_rotation().deg());
+        }
+        let erect = analysis.erect();
+        let windows = least_windows(&erect.fit, &erect.pose);
+        let chance = windows.map(|(from, to)| {
+            ((2 * NEAR_SEGMENTS + 1) as f64 / (to.saturating_sub(from) + 1) as f64).min(1.0)
+        });
+        let of_films = |value: &dyn Fn(&crate::curve::CurveFit) -> f64| {
+            mean(&analysis.postures.iter().map(|p| value(&p.fit)).collect::<Vec<_>>())
+                .unwrap_or(f64::NAN)
+        };
+        Self {
+            near_by_chance: (!distances.is_empty()).then_some(0.5 * (chance[0] + chance[1])),
+            distances_segments: distances,
+            inflection_rotation_deg: mean(&inflections),
+            mean_rotation_deg: mean(&all),
+            fitted_mm: both_lines(analysis, true),
+            held_out_mm: both_lines(analysis, false),
+            residuals: [of_films(&|fit| fit.rmse_mm), of_films(&|fit| fit.rmse_tilt.deg())],
+            order: of_films(&|fit| fit.order as f64),
+        }
+    }
+
+    /// Share of the inflections within [`NEAR_SEGMENTS`] of the least-rotating segment.
+    #[must_use]
+    pub fn near(&self) -> Option<f64> {
+        let near = |distance: &f64| f64::from(u8::from(*distance <= NEAR_SEGMENTS as f64));
+        mean(&self.distances_segments.iter().map(near).collect::<Vec<_>>())
+    }
+
+    /// How far the rotation of the inflections lies below the mean rotation, as a part of it.
+    #[must_use]
+    pub fn below_mean(&self) -> Option<f64> {
+        Some(1.0 - self.inflection_rotation_deg? / self.mean_rotation_deg?)
+    }
+
+    /// Location error of the iliac line minus that of the inflection line, on fitted or on held-out films.
+    #[must_use]
+    pub fn advantage_mm(&self, fitted: bool) -> Option<f64> {
+        let errors = if fitted { self.fitted_mm } else { self.held_out_mm };
+        errors.map(|[inflection, iliac]| iliac - inflection)
+    }
+}
+
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| Summary::of(values).mean)
+}
+
+/// Mean location errors of the inflection and the iliac line, on the films that both could simulate.
+fn both_lines(analysis: &Analysis, fitted: bool) -> Option<[f64; 2]> {
+    let usable = |kind| simulations(analysis, kind, fitted).filter(|s| s.is_usable());
+    let (mut first, mut second) = (Vec::new(), Vec::new());
+    for a in usable(LineKind::Inflection) {
+        let same = |b: &&Simulation| b.posture == a.posture;
+        if let Some(b) = usable(LineKind::Iliac).find(same) {
+            first.extend_from_slice(&a.location_errors_mm);
+            second.extend_from_slice(&b.location_errors_mm);
+        }
+    }
+    Some([mean(&first)?, mean(&second)?])
+}
+
+/// What the numbers say of a claim.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ClaimVerdict {
+    /// The whole interval is on the claim's side.
+    Holds,
+    /// The interval has both sides in it.
+    Open,
+    /// The whole interval is on the other side.
+    Fails,
+}
+
+impl ClaimVerdict {
+    /// Whether a value lies above a limit, judged by its interval.
+    #[must_use]
+    pub fn above(limit: f64, interval: [f64; 2]) -> Self {
+        if interval[0] > limit {
+            Self::Holds
+        } else if interval[1] < limit {
+            Self::Fails
+        } else {
+            Self::Open
+        }
+    }
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::Open => "open",
+            Self::Fails => "fails",
+        }
+    }
+}
+
+/// The paper's three headline claims over many patients, each with an interval over patients and a verdict.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Claims {
+    /// Patients.
+    pub patients: usize,
+    /// Claim 1: share of inflections within [`NEAR_SEGMENTS`] of the least-rotating segment, mean over patients.
+    pub near: Share,
+    /// What random places would have.
+    pub near_by_chance: f64,
+    /// Median of all distances, in segments; NaN where there is none.
+    pub median_distance_segments: f64,
+    /// Mean rotation of all segments and of the inflections, in degrees.
+    pub rotations_deg: [f64; 2],
+    /// Claim 2: by which part of it the rotation of the inflections lies below the mean rotation, with a bootstrap interval.
+    pub below_mean: f64,
+    /// Interval of [`Claims::below_mean`]; `None` for fewer than two patients.
+    pub below_mean_interval: Option<[f64; 2]>,
+    /// Claim 3: share of patients whose fitted films have a smaller mean location error with the inflection line than with
+    /// the iliac line.
+    pub better: Share,
+    /// The same on held-out films.
+    pub better_held_out: Share,
+    /// Mean error of the inflection and of the iliac line over the patients of [`Claims::better`], in mm.
+    pub errors_mm: [f64; 2],
+    /// Mean advantage of the inflection line over these patients, in mm, and its bootstrap interval.
+    pub advantage_mm: (f64, Option<[f64; 2]>),
+    /// One-sided probability of the paper's paired t-test with one mean per patient.
+    pub advantage_p: Option<f64>,
+    /// Mean residuals of the curves: mm and degrees.
+    pub residuals: [f64; 2],
+    /// Mean order of the curves.
+    pub order: f64,
+}
+
+impl Claims {
+    /// Nine of ten inflections lie near the least-rotating segment; the paper has all of 144.
+    pub const NEAR_LIMIT: f64 = 0.9;
+    /// The inflections rotate at most a tenth of the mean; the paper has 7 %.
+    pub const BELOW_LIMIT: f64 = 0.9;
+    /// The inflection line is better in more patients than not.
+    pub const BETTER_LIMIT: f64 = 0.5;
+
+    /// Statistics of some patients; the seed is that of the bootstrap.
+    #[must_use]
+    pub fn of(patients: &[PatientClaims], seed: u64) -> Self {
+        let all = |value: &dyn Fn(&PatientClaims) -> Option<f64>| -> Vec<f64> {
+            patients.iter().filter_map(value).collect()
+        };
+        let mut distances: Vec<f64> =
+            patients.iter().flat_map(|p| p.distances_segments.iter().copied()).collect();
+        distances.sort_by(f64::total_cmp);
+        let inflections = all(&|p| p.inflection_rotation_deg);
+        let means = all(&|p| p.mean_rotation_deg);
+        let rotations_deg = [&means, &inflections].map(|values| Summary::of(values).mean);
+        let wins = |fitted: bool| {
+            let win = |p: &PatientClaims| Some(f64::from(u8::from(p.advantage_mm(fitted)? > 0.0)));
+            Share::of_units(&all(&win))
+        };
+        let errors = [0, 1].map(|line| all(&|p| p.fitted_mm.map(|errors| errors[line])));
+        let clusters: Vec<Vec<f64>> =
+            all(&|p| p.advantage_mm(true)).into_iter().map(|a| vec![a]).collect();
+        let median = if distances.is_empty() { f64::NAN } else { quantile(&distances, 0.5) };
+        Self {
+            patients: patients.len(),
+            near: Share::of_units(&all(&PatientClaims::near)),
+            near_by_chance: Summary::of(&all(&|p| p.near_by_chance)).mean,
+            median_distance_segments: median,
+            rotations_deg,
+            below_mean: 1.0 - rotations_deg[1] / rotations_deg[0],
+            below_mean_interval: ratio_bootstrap(&inflections, &means, RESAMPLES, seed)
+                .map(|[low, high]| [1.0 - high, 1.0 - low]),
+            better: wins(true),
+            better_held_out: wins(false),
+            errors_mm: [0, 1].map(|line: usize| Summary::of(&errors[line]).mean),
+            advantage_mm: (
+                Summary::of(&clusters.concat()).mean,
+                cluster_bootstrap(&clusters, RESAMPLES, seed),
+            ),
+            advantage_p: paired_t(&errors[0], &errors[1]).map(|t| t.p_less),
+            residuals: [0, 1].map(|i: usize| Summary::of(&all(&|p| Some(p.residuals[i]))).mean),
+            order: Summary::of(&all(&|p| Some(p.order))).mean,
+        }
+    }
+
+    /// The three verdicts; `None` where nothing was counted.
+    #[must_use]
+    pub fn verdicts(&self) -> [Option<ClaimVerdict>; 3] {
+        let share = |share: &Share, limit: f64| {
+            (share.n > 0).then(|| ClaimVerdict::above(limit, share.interval))
+        };
+        [
+            share(&self.near, Self::NEAR_LIMIT),
+            self.below_mean_interval.map(|i| ClaimVerdict::above(Self::BELOW_LIMIT, i)),
+            share(&self.better, Self::BETTER_LIMIT),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn patient(distances: &[f64], rotations: [f64; 2], errors: [f64; 2]) -> PatientClaims {
+        PatientClaims {
+            distances_segments: distances.to_vec(),
+            near_by_chance: Some(0.02),
+            mean_rotation_deg: Some(rotations[0]),
+            inflection_rotation_deg: Some(rotations[1]),
+            fitted_mm: Some(errors),
+            held_out_mm: None,
+            residuals: [0.1, 0.2],
+            order: 6.0,
+        }
+    }
+
+    #[test]
+    fn claims_are_counted_by_patient() {
+        // By hand: shares near are 1/2 and 1; rotations 0.01 and 0.03 of 0.1 and 0.3; one win each way.
+        let patients = [
+            patient(&[0.0, 3.0], [0.1, 0.01], [1.0, 2.0]),
+            patient(&[1.0, 2.0], [0.3, 0.03], [4.0, 1.0]),
+            PatientClaims { order: 8.0, ..PatientClaims::default() },
+        ];
+        let claims = Claims::of(&patients, 1);
+        assert_eq!((claims.patients, claims.near.n, claims.better.n), (3, 2, 2));
+        assert_eq!((claims.near.share, claims.better.share), (0.75, 0.5));
+        assert_eq!(claims.median_distance_segments, 1.5);
+        assert!((claims.below_mean - 0.9).abs() < 1e-12);
+        assert_eq!((claims.errors_mm, claims.advantage_mm.0), ([2.5, 1.5], -1.0));
+        assert_eq!(claims.better_held_out.n, 0);
+        assert!((claims.order - 20.0 / 3.0).abs() < 1e-12);
+        let verdicts = claims.verdicts();
+        assert_eq!(verdicts[0], Some(ClaimVerdict::Open));
+        assert_eq!(verdicts[2], Some(ClaimVerdict::Open));
+    }
+
+    #[test]
+    fn a_verdict_needs_the_whole_interval() {
+        assert_eq!(ClaimVerdict::above(0.5, [0.6, 0.9]), ClaimVerdict::Holds);
+        assert_eq!(ClaimVerdict::above(0.5, [0.4, 0.9]), ClaimVerdict::Open);
+        assert_eq!(ClaimVerdict::above(0.5, [0.1, 0.4]), ClaimVerdict::Fails);
+        assert!(Claims::of(&[], 1).verdicts().iter().all(Option::is_none));
+    }
+}

@@ -1,0 +1,379 @@
+//! What the data of a fit say of every multiplier: information, profile likelihood, and what a prior adds.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::fit::{FittedSprings, Personalization};
+use super::levenberg_marquardt::{FitStatus, Minimum, minimize};
+use super::problem::Problem;
+use super::start::Start;
+use super::{FitFilm, FitSettings, Gauge, MULTIPLIER_BOUNDS};
+
+/// What the data of a fit say of its multipliers.
+///
+/// # Definition
+/// Residuals count in standard deviations of their measurement. Where the fit leaves more than those explain, every
+/// deviation and limit below is widened by [`Identifiability::variance_factor`]; where it leaves less, by nothing.
+///
+/// # References
+/// [raue-2009] for the profile likelihood; [gutenkunst-2007] for the directions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Identifiability {
+    /// Sum of squares over the degrees of freedom, and at least 1.
+    pub variance_factor: f64,
+    /// Measured numbers minus fitted ones.
+    pub freedom: usize,
+    /// Directions among the `ln α`, the least identified first, from the films alone: no gauge, no prior.
+    pub directions: Vec<Direction>,
+    /// Per group.
+    pub multipliers: Vec<MultiplierInformation>,
+}
+
+/// A way in which all `ln α` may change together, and how well the films fix it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Direction {
+    /// Its part in every group's `ln α`; of length 1.
+    pub log_multipliers: Vec<f64>,
+    /// Standard deviation along it, with the loads free; infinite where the films say nothing.
+    pub log_sd: f64,
+    /// How much of it is the direction that changes no ratio, 0 to 1: the one that the gauge fixes.
+    pub gauge_share: f64,
+}
+
+/// What is known of one multiplier under the gauge.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MultiplierInformation {
+    /// Standard deviation of `ln α` from the films alone, by curvature; infinite where they do not fix it.
+    pub log_sd: f64,
+    /// The same with the prior, where there is one.
+    pub log_sd_with_prior: Option<f64>,
+    /// Profile likelihood, with the prior where there is one.
+    pub profile: Profile,
+}
+
+impl MultiplierInformation {
+    /// Part of what is known that comes from the films and not from a prior of this deviation, 0 to 1.
+    #[must_use]
+    pub fn film_share(&self, prior_log_sd: f64) -> Option<f64> {
+        let ratio = self.log_sd_with_prior? / prior_log_sd;
+        Some((1.0 - ratio * ratio).clamp(0.0, 1.0))
+    }
+}
+
+/// The best that the fit can do when one `ln α` is held at one value after another.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile {
+    /// Points in the order of `ln α`.
+    pub points: Vec<ProfilePoint>,
+    /// Where the 95 % interval begins.
+    pub lower: ProfileEnd,
+    /// Where it ends.
+    pub upper: ProfileEnd,
+}
+
+/// One value of `ln α`, with everything else fitted anew.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProfilePoint {
+    /// The value held.
+    pub log_multiplier: f64,
+    /// Rise of the sum of squares over the fit's, widened by the variance factor.
+    pub rise: f64,
+}
+
+/// Where a profile leaves the 95 % region.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ProfileEnd {
+    /// At this `ln α`.
+    At(f64),
+    /// Not before the bound of a multiplier: the films allow every value on this side.
+    Open,
+    /// A fit on the way did not converge, last at this `ln α`.
+    Lost(f64),
+}
+
+/// What a profile says of its multiplier.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ProfileVerdict {
+    /// An interval with two ends.
+    Interval,
+    /// It is at least so stiff.
+    OnlyLower,
+    /// It is at most so stiff.
+    OnlyUpper,
+    /// Every stiffness within the bounds explains the films about as well.
+    NotIdentified,
+    /// The profile could not be followed to an end.
+    Lost,
+}
+
+impl ProfileVerdict {
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Interval => "interval",
+            Self::OnlyLower => "only_lower",
+            Self::OnlyUpper => "only_upper",
+            Self::NotIdentified => "not_identified",
+            Self::Lost => "lost",
+        }
+    }
+}
+
+impl Profile {
+    /// What it says.
+    #[must_use]
+    pub fn verdict(&self) -> ProfileVerdict {
+        match (self.lower, self.upper) {
+            (ProfileEnd::Lost(_), _) | (_, ProfileEnd::Lost(_)) => ProfileVerdict::Lost,
+            (ProfileEnd::At(_), ProfileEnd::At(_)) => ProfileVerdict::Interval,
+            (ProfileEnd::At(_), ProfileEnd::Open) => ProfileVerdict::OnlyLower,
+            (ProfileEnd::Open, ProfileEnd::At(_)) => ProfileVerdict::OnlyUpper,
+            (ProfileEnd::Open, ProfileEnd::Open) => ProfileVerdict::NotIdentified,
+        }
+    }
+
+    /// Whether a point does better than the fit: then that was no minimum.
+    #[must_use]
+    pub fn improves(&self) -> bool {
+        self.points.iter().any(|point| point.rise < -IMPROVEMENT)
+    }
+}
+
+/// 95 % of chi-squared on one degree of freedom.
+const LIMIT: f64 = 3.841_458_820_694_124;
+/// A rise that is lower than this is a better fit, and no rounding.
+const IMPROVEMENT: f64 = 1e-3;
+/// Most points on one side, before and while its end is narrowed down.
+const MOST_STEPS: usize = 24;
+const MOST_NARROWINGS: usize = 12;
+
+/// Asks what the films of a fit say of its multipliers; `None` where the fit did not converge.
+#[must_use]
+pub fn identify(
+    springs: &FittedSprings<'_>,
+    films: &[FitFilm<'_>],
+    settings: &FitSettings<'_>,
+    fit: &Personalization,
+) -> Option<Identifiability> {
+    if fit.status != FitStatus::Converged {
+        return None;
+    }
+    let mut problem = Problem::new(springs.model, springs.library, springs.groups, films, settings);
+    let unscaled = |load: &Vec<f64>| load.iter().map(|part| part / fit.absolute_scale).collect();
+    let start = Start {
+        log_multipliers: fit.log_multipliers.clone(),
+        loads: fit.loads.iter().map(unscaled).collect(),
+    };
+    let mut asked = Asked::begin(&mut problem, &start)?;
+    let g = springs.groups.len();
+    let across = asked.information();
+    let (alone, with_prior) = asked.deviations(&across, settings);
+    let multipliers = (0..g)
+        .map(|group| MultiplierInformation {
+            log_sd: alone[group],
+            log_sd_with_prior: with_prior.as_ref().map(|sds| sds[group]),
+            profile: asked.profile(group, with_prior.as_ref().unwrap_or(&alone)[group]),
+        })
+        .collect();
+    Some(Identifiability {
+        variance_factor: asked.factor,
+        freedom: asked.freedom,
+        directions: directions(&across, asked.factor),
+        multipliers,
+    })
+}
+
+/// A fit that is asked.
+struct Asked<'p, 'a> {
+    problem: &'p mut Problem<'a>,
+    minimum: Minimum,
+    bounds: [DVector<f64>; 2],
+    groups: usize,
+    factor: f64,
+    freedom: usize,
+}
+
+impl<'p, 'a> Asked<'p, 'a> {
+    fn begin(problem: &'p mut Problem<'a>, start: &Start) -> Option<Self> {
+        let x = problem.begin(start);
+        let bounds = problem.bounds(&x);
+        let (groups, rows) = (start.log_multipliers.len(), problem.rows());
+        let [lower, upper] = &bounds;
+        let minimum = minimize(x, lower, upper, rows, |x, system| problem.evaluate(x, system));
+        if minimum.status != FitStatus::Converged {
+            return None;
+        }
+        let free = (0..minimum.x.len()).filter(|&i| lower[i] < upper[i]).count();
+        // One of the unknowns is the gauge's; without one, all are the films'.
+        let fitted = free - usize::from(problem.holds_mean());
+        let freedom = problem.data_rows().saturating_sub(fitted).max(1);
+        let squares = problem.data_rms(&minimum.system).powi(2) * problem.data_rows() as f64;
+        let factor = (squares / freedom as f64).max(1.0);
+        Some(Self { problem, minimum, bounds, groups, factor, freedom })
+    }
+
+    /// Derivatives of what was measured by every `ln α`, less what free loads can make up for.
+    fn information(&self) -> DMatrix<f64> {
+        let data = self.minimum.system.jacobian.rows(0, self.problem.data_rows());
+        let stiffness = data.columns(0, self.groups).into_owned();
+        let [lower, upper] = &self.bounds;
+        let free: Vec<DVector<f64>> = (self.groups..self.minimum.x.len())
+            .filter(|&i| lower[i] < upper[i])
+            // Newtons and newton millimetres differ by hundreds.
+            .map(|i| data.column(i).into_owned())
+            .filter_map(|column| column.try_normalize(0.0))
+            .collect();
+        if free.is_empty() {
+            return stiffness;
+        }
+        let made_up = DMatrix::from_columns(&free).svd(true, false);
+        let basis = made_up.u.expect("it was asked for");
+        let strong: Vec<_> = (0..free.len())
+            .filter(|&i| made_up.singular_values[i] > 1e-10)
+            .map(|i| basis.column(i).into_owned())
+            .collect();
+        let basis = DMatrix::from_columns(&strong);
+        &stiffness - &basis * basis.tr_mul(&stiffness)
+    }
+
+    /// Standard deviations of every `ln α` under the gauge: from the films alone, and with the prior.
+    fn deviations(
+        &self,
+        across: &DMatrix<f64>,
+        settings: &FitSettings<'_>,
+    ) -> (Vec<f64>, Option<Vec<f64>>) {
+        let g = self.groups;
+        let information = across.tr_mul(across) / self.factor;
+        // Ways to change that keep the mean, or all ways where forces fix the level.
+        let ways = match settings.gauge {
+            Gauge::FrozenForce => DMatrix::identity(g, g),
+            Gauge::GeometricMean | Gauge::KnownForce { .. } => {
+                let own = |i, j| if i == j { 1.0 } else { 0.0 };
+                DMatrix::from_fn(g, g - 1, |i, j| own(i, j) - 1.0 / g as f64)
+            }
+        };
+        let deviations = |information: &DMatrix<f64>| -> Vec<f64> {
+            match (ways.tr_mul(information) * &ways).cholesky() {
+                Some(factor) => {
+                    let covariance = &ways * factor.inverse() * ways.transpose();
+                    (0..g).map(|i| covariance[(i, i)].max(0.0).sqrt()).collect()
+                }
+                None => vec![f64::INFINITY; g],
+            }
+        };
+        let with_prior = settings.prior.map(|prior| {
+            let mean = DMatrix::from_element(g, g, 1.0 / g as f64);
+            let spread = (DMatrix::identity(g, g) - mean) / (prior.log_sd * prior.log_sd);
+            deviations(&(&information + spread))
+        });
+        (deviations(&information), with_prior)
+    }
+
+    /// Follows the best fit with one `ln α` held, to both sides.
+    fn profile(&mut self, group: usize, log_sd: f64) -> Profile {
+        let best = self.minimum.x[group];
+        let mut points = vec![ProfilePoint { log_multiplier: best, rise: 0.0 }];
+        let step = if log_sd.is_finite() { log_sd.clamp(0.02, 0.5) } else { 0.5 };
+        let lower = self.follow(group, -step, &mut points);
+        points.reverse();
+        let upper = self.follow(group, step, &mut points);
+        points.sort_by(|a, b| a.log_multiplier.total_cmp(&b.log_multiplier));
+        Profile { points, lower, upper }
+    }
+
+    fn follow(&mut self, group: usize, step: f64, points: &mut Vec<ProfilePoint>) -> ProfileEnd {
+        let bounds = MULTIPLIER_BOUNDS.map(f64::ln);
+        let mut known = self.minimum.x.clone();
+        let (mut inside, mut step) = ((known[group], 0.0), step);
+        for _ in 0..MOST_STEPS {
+            let value = (inside.0 + step).clamp(bounds[0], bounds[1]);
+            if value == inside.0 {
+                return ProfileEnd::Open;
+            }
+            let Some((rise, x)) = self.held(group, value, &known) else {
+                return ProfileEnd::Lost(inside.0);
+            };
+            points.push(ProfilePoint { log_multiplier: value, rise });
+            if rise >= LIMIT {
+                return self.narrow(group, inside, (value, rise), &x, points);
+            }
+            known = x;
+            inside = (value, rise);
+            // Far from the end, longer strides.
+            if rise < 0.25 * LIMIT {
+                step *= 1.5;
+            }
+        }
+        ProfileEnd::Lost(inside.0)
+    }
+
+    /// Narrows the place where the rise meets its limit: secants on its root, which is nearly straight.
+    fn narrow(
+        &mut self,
+        group: usize,
+        mut inside: (f64, f64),
+        mut outside: (f64, f64),
+        known: &DVector<f64>,
+        points: &mut Vec<ProfilePoint>,
+    ) -> ProfileEnd {
+        const NARROW: f64 = 1e-3;
+        let root = |rise: f64| rise.max(0.0).sqrt();
+        for _ in 0..MOST_NARROWINGS {
+            let width = outside.0 - inside.0;
+            if width.abs() < NARROW || (outside.1 - LIMIT).abs() < 0.01 {
+                break;
+            }
+            let part = (LIMIT.sqrt() - root(inside.1)) / (root(outside.1) - root(inside.1));
+            let value = inside.0 + width * part.clamp(0.1, 0.9);
+            let Some((rise, _)) = self.held(group, value, known) else {
+                return ProfileEnd::Lost(inside.0);
+            };
+            points.push(ProfilePoint { log_multiplier: value, rise });
+            *(if rise >= LIMIT { &mut outside } else { &mut inside }) = (value, rise);
+        }
+        ProfileEnd::At(outside.0)
+    }
+
+    /// The rise with one `ln α` held and everything else fitted anew; `None` where that does not converge.
+    fn held(
+        &mut self,
+        group: usize,
+        value: f64,
+        near: &DVector<f64>,
+    ) -> Option<(f64, DVector<f64>)> {
+        let [mut lower, mut upper] = self.bounds.clone();
+        let mut x = near.clone();
+        // The others share what the gauge needs.
+        let shift = (x[group] - value) / (self.groups - 1).max(1) as f64;
+        for i in (0..self.groups).filter(|&i| i != group && self.problem.holds_mean()) {
+            x[i] += shift;
+        }
+        (x[group], lower[group], upper[group]) = (value, value, value);
+        let (rows, problem) = (self.problem.rows(), &mut self.problem);
+        let end = minimize(x, &lower, &upper, rows, |x, system| problem.evaluate(x, system));
+        let rise = (end.system.cost() - self.minimum.system.cost()) / self.factor;
+        (end.status == FitStatus::Converged).then_some((rise, end.x))
+    }
+}
+
+fn directions(across: &DMatrix<f64>, factor: f64) -> Vec<Direction> {
+    let g = across.ncols();
+    let found = across.clone().svd(false, true);
+    let ways = found.v_t.expect("it was asked for");
+    let mut directions: Vec<Direction> = (0..found.singular_values.len())
+        .map(|i| {
+            let way: Vec<f64> = ways.row(i).iter().copied().collect();
+            let sum: f64 = way.iter().sum();
+            // One way of the two that a line has.
+            let sign = if sum < 0.0 { -1.0 } else { 1.0 };
+            let value = found.singular_values[i];
+            Direction {
+                log_multipliers: way.into_iter().map(|part| sign * part).collect(),
+                log_sd: if value > 0.0 { factor.sqrt() / value } else { f64::INFINITY },
+                gauge_share: sum * sum / g as f64,
+            }
+        })
+        .collect();
+    directions.sort_by(|a, b| b.log_sd.total_cmp(&a.log_sd));
+    directions
+}

@@ -1,0 +1,112 @@
+//! Residuals of one film and their derivatives.
+
+use super::levenberg_marquardt::System;
+use super::problem::{FilmData, Wanted};
+use crate::clinical::RegionBounds;
+use crate::spatial::{Angle, Frontal};
+
+/// A Ferguson angle counts in degrees.
+const FERGUSON_UNIT: Angle = Angle::from_deg(1.0);
+
+/// Three Ferguson angles in degrees, and the amplitude where it does not determine the force.
+pub(super) fn ferguson_rows(
+    film: &FilmData,
+    regions: &[RegionBounds; 3],
+    groups: usize,
+    row: usize,
+    system: &mut System,
+    wanted: Wanted,
+) {
+    let unit = FERGUSON_UNIT.rad();
+    let solution = &film.solution;
+    let place = |i: usize| solution.deformed.location(i);
+    for (k, bounds) in regions.iter().enumerate() {
+        let upper = place(bounds.superior) - place(bounds.apex);
+        let lower = place(bounds.apex) - place(bounds.inferior);
+        let angle = (upper.lean() - lower.lean()).wrapped();
+        system.residuals[row + k] = (angle - film.ferguson[k]).wrapped().rad() / unit;
+        if wanted == Wanted::Derivatives {
+            ferguson_rates(film, bounds, groups, row + k, system);
+        }
+    }
+    if let Some(first) = film.first {
+        let row = row + regions.len();
+        system.residuals[row] = (solution.deformed.lean() - film.lean).wrapped().rad() / unit;
+        if wanted == Wanted::Derivatives {
+            for p in 0..=groups {
+                let column = if p == groups { first } else { p };
+                system.jacobian[(row, column)] = solution.lean_rate(p) / unit;
+            }
+        }
+    }
+}
+
+/// Derivatives of one Ferguson angle.
+fn ferguson_rates(
+    film: &FilmData,
+    bounds: &RegionBounds,
+    groups: usize,
+    row: usize,
+    system: &mut System,
+) {
+    let unit = FERGUSON_UNIT.rad();
+    let solution = &film.solution;
+    let force = groups;
+    let place = |i: usize| solution.deformed.location(i);
+    let upper = place(bounds.superior) - place(bounds.apex);
+    let lower = place(bounds.apex) - place(bounds.inferior);
+    let rate = |p: usize| {
+        let at = |i: usize| solution.location_rate(p, i);
+        let turn = |v: Frontal, dv: Frontal| v.cross(dv) / v.dot(v);
+        turn(upper, at(bounds.superior) - at(bounds.apex))
+            - turn(lower, at(bounds.apex) - at(bounds.inferior))
+    };
+    let by_force = rate(force);
+    for p in 0..groups {
+        // The force follows the amplitude where that holds it.
+        let follow = match film.first {
+            None => -solution.lean_rate(p) / solution.lean_rate(force),
+            Some(_) => 0.0,
+        };
+        system.jacobian[(row, p)] = (rate(p) + by_force * follow) / unit;
+    }
+    if let Some(first) = film.first {
+        system.jacobian[(row, first)] = by_force / unit;
+    }
+}
+
+/// Locations and tilts of every mobile vertebra, in standard deviations.
+pub(super) fn shape_rows(
+    film: &FilmData,
+    groups: usize,
+    row: usize,
+    system: &mut System,
+    wanted: Wanted,
+) {
+    let solution = &film.solution;
+    let first = film.first.expect("the loads of a whole shape are unknown");
+    let rows = 3 * (film.locations.len() - 1);
+    let residuals = &mut system.residuals.as_mut_slice()[row..row + rows];
+    for (i, residuals) in (1..).zip(residuals.chunks_exact_mut(3)) {
+        let off = solution.deformed.location(i) - film.locations[i];
+        let turn = (solution.deformed.tilt(i) - film.tilts[i]).wrapped().rad();
+        residuals[0] = off.y_mm / film.location_sd_mm;
+        residuals[1] = off.z_mm / film.location_sd_mm;
+        residuals[2] = turn / film.tilt_sd_rad;
+    }
+    if wanted == Wanted::Residuals {
+        return;
+    }
+    let per_mm = 1.0 / film.location_sd_mm;
+    for p in 0..film.parameters.len() {
+        let column = if p < groups { p } else { first + p - groups };
+        let start = column * system.jacobian.nrows() + row;
+        let column = &mut system.jacobian.as_mut_slice()[start..start + rows];
+        for (i, rates) in (1..).zip(column.chunks_exact_mut(3)) {
+            let rate = solution.location_rate(p, i);
+            rates[0] = rate.y_mm * per_mm;
+            rates[1] = rate.z_mm * per_mm;
+            rates[2] = solution.tilt_rate(p, i) / film.tilt_sd_rad;
+        }
+    }
+}
