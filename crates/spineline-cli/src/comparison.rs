@@ -77,7 +77,11 @@ pub fn cohort_text(cohort: &Cohort) -> String {
     let mut text = errors_table(compared);
     text.push('\n');
     text.push_str(&tests_table(compared));
-    let note = format!("{}. {}.", compared.believe_words(), compared.family_words());
+    let note = format!(
+        "Intervals are over patients. Left out: films on which some line has no result. Numbers fitted: free multipliers + forces + what places a free line. A bend left out is predicted with the stiffness that the other bend gave. {}. {}.",
+        compared.believe_words(),
+        compared.family_words()
+    );
     text.push_str(&wrap(&note, WIDTH, "  "));
     text
 }
@@ -87,14 +91,12 @@ fn errors_table(compared: &LinesOverPatients) -> String {
         "Lines on the same films",
         "patients",
         "films",
-        "not compared",
-        "location (mm)",
-        "95 % over patients",
-        "Ferguson (°)",
-        "95 % over patients",
+        "left out",
+        "location, mm (95 %)",
+        "Ferguson, ° (95 %)",
         "numbers from films",
     ]);
-    let mean = |values: &Clustered, places: usize| format!("{:.places$}", values.patients.mean);
+    let mean = |values: &Clustered| with_interval(values.patients.mean, values.bootstrap, 1);
     for errors in compared.errors.iter().filter(|errors| errors.films > 0) {
         let numbers = compared.numbers.iter().find(|(kind, _)| *kind == errors.kind);
         table.row(vec![
@@ -102,10 +104,8 @@ fn errors_table(compared: &LinesOverPatients) -> String {
             errors.location_mm.patients.n.to_string(),
             errors.films.to_string(),
             errors.left_out.to_string(),
-            mean(&errors.location_mm, 2),
-            interval(errors.location_mm.bootstrap, 2),
-            mean(&errors.ferguson_deg, 2),
-            interval(errors.ferguson_deg.bootstrap, 2),
+            mean(&errors.location_mm),
+            mean(&errors.ferguson_deg),
             numbers.map_or_else(String::new, |(_, n)| numbers_text(n, errors.role)),
         ]);
     }
@@ -117,27 +117,25 @@ fn tests_table(compared: &LinesOverPatients) -> String {
         "First minus second line",
         "error",
         "patients",
-        "difference",
-        "95 % over patients",
-        "d (95 %)",
-        "p (signs flipped)",
-        "p (Holm)",
-        "paper's pooled p",
+        "difference (95 %)",
+        "effect d (95 %)",
+        "sign-flip p",
+        "Holm p",
+        "pooled p",
     ]);
     let p = |p: Option<f64>| p.map_or_else(|| "-".to_owned(), |p| short(&probability(p)));
     for test in compared.tests.iter().filter(|test| test.holm_p.is_some()) {
         let c = &test.comparison;
-        let effect = c.effect.map(|e| format!("{:.1} ({})", e.d, interval(Some(e.interval), 1)));
+        let effect = c.effect.map(|e| with_interval(e.d, Some(e.interval), 1));
         table.row(vec![
             test_name(test),
             match test.error {
-                ErrorKind::Location => "location",
-                ErrorKind::Ferguson => "Ferguson",
+                ErrorKind::Location => "location, mm",
+                ErrorKind::Ferguson => "Ferguson, °",
             }
             .to_owned(),
             c.patients().to_string(),
-            format!("{:+.2} {}", c.mean_difference, test.error.unit()),
-            interval(c.bootstrap, 2),
+            with_interval(c.mean_difference, c.bootstrap, 1),
             effect.unwrap_or_else(|| "-".to_owned()),
             p(c.sign_flip.map(|t| t.p_two_sided)),
             p(test.holm_p),
@@ -156,8 +154,10 @@ fn short(probability: &str) -> String {
     probability.trim_start_matches("= ").to_owned()
 }
 
-fn interval(ends: Option<[f64; 2]>, places: usize) -> String {
-    ends.map_or_else(|| "-".to_owned(), |[low, high]| format!("{low:.places$} to {high:.places$}"))
+fn with_interval(mean: f64, ends: Option<[f64; 2]>, places: usize) -> String {
+    let ends = ends
+        .map_or_else(String::new, |[low, high]| format!(" ({low:.places$} to {high:.places$})"));
+    format!("{mean:.places$}{ends}")
 }
 
 /// One row per test, with the unit in the name of every column that has one.

@@ -81,8 +81,7 @@ fn a_film_counts_where_every_line_has_a_result_and_the_others_are_counted_too() 
 #[test]
 fn the_truth_decides_which_line_predicts_better() {
     let cohort = |truth| {
-        let analyses: Vec<Analysis> =
-            (0..8).map(|index| analyzed(&exact(index, truth))).collect();
+        let analyses: Vec<Analysis> = (0..8).map(|index| analyzed(&exact(index, truth))).collect();
         Cohort::of(&analyses.iter().collect::<Vec<_>>(), 1)
     };
     let better = |cohort: &Cohort| -> Vec<Option<LineKind>> {

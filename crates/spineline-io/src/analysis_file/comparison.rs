@@ -94,7 +94,7 @@ struct BendRecord {
     beyond_noise: usize,
     /// Their part in the work of all joints.
     weight: f64,
-    /// Probability of so many beyond noise by noise alone, after Holm's correction.
+    /// Probability that noise alone turns any joint so far against the force, after Holm's correction.
     joints_p_holm: f64,
     joints_reject: bool,
     /// Of the test of the line itself, after Holm's correction; `null` where there is none.

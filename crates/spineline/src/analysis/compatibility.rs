@@ -5,13 +5,16 @@ use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::evaluate::paired::holm;
 use crate::personalize::estimate::LineComparison;
+use crate::personalize::evidence::ContradictedJoint;
+use crate::spatial::Angle;
+use statrs::distribution::{ContinuousCDF, Normal};
 
 /// More of the joints' work than this against the force speaks against a line.
 const WEIGHT_AGAINST: f64 = 0.10;
 /// Findings of a patient are beyond chance below this probability, corrected for how many were looked for.
 const LEVEL: f64 = 0.05;
-/// How often noise alone carries a joint two standard deviations against the force, when it does not turn at all.
-const BEYOND_BY_CHANCE: f64 = 0.022_750_131_948_179_21;
+/// A joint nearer to the line than this may lie on its other side: an inflection's place along the curve is not known better.
+const SURE_ARM_MM: f64 = 5.0;
 
 /// What one bend says of a single force along a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,8 +29,8 @@ pub struct BendEvidence {
     pub beyond_noise: usize,
     /// Part of the joints' work `Σ |rotation × lever arm|` that is against the force.
     pub weight: f64,
-    /// Probability of so many beyond noise if no joint truly turned against the force: at most a binomial tail. Joints that
-    /// share a vertebra err in opposite directions, which makes it smaller still. Corrected over the patient's tests.
+    /// Probability that noise alone turns any joint so far against the force: that of the joint which speaks most against
+    /// it, at least 5 mm from the line, times the number of joints. Corrected over the patient's tests.
     pub joints_p: f64,
     /// The test of "the load runs through the inflections"; for the inflection line only.
     pub line_test: Option<LineComparison>,
@@ -36,7 +39,7 @@ pub struct BendEvidence {
 }
 
 impl BendEvidence {
-    /// Whether the joints speak against the line: more of them than chance gives, with more than a tenth of the work.
+    /// Whether the joints speak against the line: beyond chance, and with more than a tenth of the work.
     #[must_use]
     pub fn joints_reject(&self) -> bool {
         self.joints_p < LEVEL && self.weight > WEIGHT_AGAINST
@@ -78,8 +81,8 @@ impl Analysis {
     /// Whether the bends are compatible with a single force along a model's line.
     ///
     /// # Definition
-    /// Per bend two questions: do more joints turn against the force than noise would make, and does the load that the
-    /// rotations prefer run elsewhere (inflection line only). Holm's correction is over all of them, so that a patient whose
+    /// Per bend two questions: does any joint turn against the force further than noise carries one of so many, and does the
+    /// load that the rotations prefer run elsewhere (inflection line only). Holm's correction is over all of them, so that a patient whose
     /// bends are compatible is called otherwise with a probability of at most 0.05. The place of the line and
     /// the lever arms are taken as known, and so is the noise of the tilts.
     #[must_use]
@@ -90,17 +93,18 @@ impl Analysis {
             .map(|s| {
                 let beyond_noise = s.contradicted.iter().filter(|j| j.beyond_noise).count();
                 let joints = s.location_errors_mm.len();
-                let line_test = self
-                    .posture(s.posture)
+                let film = self.posture(s.posture);
+                let line_test = film
                     .filter(|_| model.kind == LineKind::Inflection)
                     .and_then(|posture| posture.line_comparison);
+                let sd = film.and_then(|film| film.evidence.as_ref()).map(|e| e.rotation_sd);
                 BendEvidence {
                     posture: s.posture,
                     joints,
                     against: s.contradicted.len(),
                     beyond_noise,
                     weight: s.contradicted_weight(),
-                    joints_p: binomial_tail(joints, beyond_noise, BEYOND_BY_CHANCE),
+                    joints_p: sd.map_or(1.0, |sd| against_by_chance(&s.contradicted, joints, sd)),
                     line_test,
                     line_p: line_test.map(|test| test.p_value),
                 }
@@ -120,34 +124,39 @@ impl Analysis {
     }
 }
 
-/// Probability of `count` or more of `n` independent events of probability `p` each.
-fn binomial_tail(n: usize, count: usize, p: f64) -> f64 {
-    let mut term = (1.0 - p).powi(n as i32);
-    let mut below = 0.0;
-    for k in 0..count {
-        below += term;
-        term *= (n - k) as f64 / (k + 1) as f64 * p / (1.0 - p);
-    }
-    // What is left of one loses digits, but not where it is compared with a level.
-    (1.0 - below).clamp(0.0, 1.0)
+/// Bonferroni's bound on the probability that noise of a deviation carries any of `joints` so far against the force, when
+/// none truly turns against it. It holds for any dependence: neighbours share a vertebra.
+fn against_by_chance(contradicted: &[ContradictedJoint], joints: usize, sd: Angle) -> f64 {
+    let sure = contradicted.iter().filter(|joint| joint.lever_arm_mm.abs() >= SURE_ARM_MM);
+    let furthest = sure.map(|joint| joint.rotation.rad().abs() / sd.rad()).fold(0.0, f64::max);
+    (joints as f64 * Normal::standard().sf(furthest)).min(1.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::anatomy::Level;
 
     #[test]
-    fn the_tail_is_the_textbook_sum() {
-        assert_eq!(binomial_tail(14, 0, 0.3), 1.0);
-        // 1 - q^14 - 14 p q^13.
-        let (p, q) = (BEYOND_BY_CHANCE, 1.0 - BEYOND_BY_CHANCE);
-        let two = 1.0 - q.powi(14) - 14.0 * p * q.powi(13);
-        assert!((binomial_tail(14, 2, p) - two).abs() < 1e-14);
-        assert!((binomial_tail(3, 3, 0.5) - 0.125).abs() < 1e-15);
+    fn the_joint_that_turns_furthest_counts_once_for_every_joint() {
+        let joint = |deg: f64, arm_mm: f64| ContradictedJoint {
+            inferior: Level::MODEL[0],
+            superior: Level::MODEL[1],
+            rotation: Angle::from_deg(deg),
+            lever_arm_mm: arm_mm,
+            weight: 0.5,
+            beyond_noise: true,
+        };
+        let p = |joints: &[ContradictedJoint]| against_by_chance(joints, 14, Angle::from_deg(1.0));
+        // Three standard deviations: 0.00135 on one side.
+        assert!((p(&[joint(-3.0, -20.0), joint(2.0, -30.0)]) - 14.0 * 0.001_349_898).abs() < 1e-8);
+        // A joint that the line nearly meets says nothing, however far it turns.
+        assert_eq!(p(&[joint(8.0, -4.9)]), 1.0);
+        assert_eq!(p(&[]), 1.0);
     }
 
     #[test]
-    fn joints_against_need_weight_and_number() {
+    fn joints_against_need_weight_and_more_than_chance() {
         let bend = BendEvidence {
             posture: Posture::LeftBending,
             joints: 14,

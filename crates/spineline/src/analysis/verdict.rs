@@ -64,9 +64,15 @@ impl Analysis {
             }
         }
         if !found.rejects() && !found.bends.is_empty() {
+            let joints = match found.bends.iter().map(|bend| bend.against).sum::<usize>() {
+                0 => "no joint turns against it".to_owned(),
+                _ => format!(
+                    "{} turn against it, no further than noise of marks and line may carry them",
+                    joints_against(&found.bends)
+                ),
+            };
             sentences.push(format!(
-                "The bends do not speak against a single force through the inflections: {} turn against it, no more than noise may make or with little of the work. That is no proof of one.",
-                joints_against(&found.bends)
+                "The bends do not speak against a single force through the inflections: {joints}. That is no proof of one."
             ));
         }
         sentences

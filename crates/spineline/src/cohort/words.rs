@@ -26,8 +26,7 @@ impl Cohort {
         let (against, asked) = self.incompatible;
         if asked > 0 {
             all.push(format!(
-                "In {against} of {asked} patients the bends are not compatible with a single force through the inflections; if they all were, chance would say so of at most 5 %, about {:.0}.",
-                (0.05 * asked as f64).ceil()
+                "In {against} of {asked} patients with an inflection line the bends are not compatible with a single force through it; if all were, chance would say so of one in twenty at most."
             ));
         }
         let (rejected, tested) = self.line_rejected;
@@ -84,6 +83,11 @@ impl LinesOverPatients {
                 "On films that were not fitted no line is better than another beyond chance by a fair comparison (Holm's correction over {family} tests)."
             ));
         }
+        let too_few = |test: &&LineTest| {
+            let least = 2.0_f64.powi(1 - test.comparison.patients() as i32);
+            test.holm_p.is_some() && least * family as f64 >= 0.05
+        };
+        all.extend(predicted().filter(too_few).filter_map(too_few_sentence));
         let fitted_only: Vec<String> = location()
             .filter(|test| test.role == FilmRole::Fitted)
             .filter_map(|test| {
@@ -92,13 +96,13 @@ impl LinesOverPatients {
                     .any(|p| p.lines == test.lines && p.predicts_better() == Some(nearer));
                 (!confirmed).then(|| {
                     let other = if nearer == test.lines[0] { test.lines[1] } else { test.lines[0] };
-                    format!("the {nearer} than the {other}")
+                    format!("the {nearer} comes nearer than the {other}")
                 })
             })
             .collect();
         if !fitted_only.is_empty() {
             all.push(format!(
-                "On fitted bends alone {} comes nearer: that shows how far it bends to data, and is no evidence for it.",
+                "On fitted bends {}: that shows how far a line bends to data, and is no evidence for it.",
                 listed(&fitted_only)
             ));
         }
@@ -108,6 +112,28 @@ impl LinesOverPatients {
             );
         }
         all
+    }
+}
+
+/// What is left to say where no probability can pass the correction.
+fn too_few_sentence(test: &LineTest) -> Option<String> {
+    let [low, high] = test.comparison.bootstrap?;
+    let [first, second] = test.lines;
+    let (more, less) =
+        if test.comparison.mean_difference > 0.0 { (first, second) } else { (second, first) };
+    Some(format!(
+        "{} patients are too few for any p to pass the correction: on {} the {more} misses by {:.1} mm more than the {less} (difference {low:+.1} to {high:+.1} mm, 95 % over patients), which is no proof.",
+        test.comparison.patients(),
+        films_words(test.role),
+        test.comparison.mean_difference.abs()
+    ))
+}
+
+const fn films_words(role: FilmRole) -> &'static str {
+    match role {
+        FilmRole::Fitted => "bends that were fitted",
+        FilmRole::LeftOutBend => "bends that were left out of the fit",
+        FilmRole::HeldOut => "neutral and traction films",
     }
 }
 
@@ -121,10 +147,7 @@ fn better_sentence(test: &LineTest) -> Option<String> {
         let [a, b] = test.per_predicted_film;
         (first, [b, a])
     };
-    let films = match test.role {
-        FilmRole::LeftOutBend => "bends that were left out of the fit",
-        _ => "neutral and traction films",
-    };
+    let films = films_words(test.role);
     let [low, high] = test.comparison.bootstrap?;
     let (least, most) = (low.abs().min(high.abs()), low.abs().max(high.abs()));
     let interval = if low.signum() == high.signum() {

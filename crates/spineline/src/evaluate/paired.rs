@@ -119,7 +119,7 @@ fn noncentrality(t: f64, freedom: usize, tail: f64) -> f64 {
     // No more than this many deviations of t at its noncentrality.
     let reach = 10.0 * (1.0 + t.abs());
     let (mut low, mut high) = (t - reach, t + reach);
-    for _ in 0..60 {
+    for _ in 0..45 {
         let middle = 0.5 * (low + high);
         if noncentral_t_cdf(t, freedom, middle) > tail {
             low = middle;
@@ -291,25 +291,30 @@ mod tests {
     #[test]
     fn over_cohorts_of_twelve_tests_err_and_intervals_cover_as_they_say() {
         const COHORTS: u32 = 2000;
+        const INTERVALS: u32 = 300;
         let mut rng = ChaCha12Rng::seed_from_u64(11);
         let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
         let (mut rejected, mut family, mut covered) = (0, 0, 0);
-        for _ in 0..COHORTS {
+        for cohort in 0..COHORTS {
             let differences: Vec<f64> = (0..12).map(|_| draw()).collect();
             let p = sign_flip(&differences, 1).expect("spread").p_two_sided;
             rejected += u32::from(p <= 0.05);
-            let shifted: Vec<f64> = differences.iter().map(|d| d + 0.8).collect();
-            let interval = effect_size(&shifted).expect("spread").interval;
-            covered += u32::from(interval[0] <= 0.8 && 0.8 <= interval[1]);
+            // An interval takes a thousand times as long as a test.
+            if cohort < INTERVALS {
+                let shifted: Vec<f64> = differences.iter().map(|d| d + 0.8).collect();
+                let interval = effect_size(&shifted).expect("spread").interval;
+                covered += u32::from(interval[0] <= 0.8 && 0.8 <= interval[1]);
+            }
             // A family of two that share half their data.
             let other: Vec<f64> = differences.iter().map(|d| 0.5 * (d + draw())).collect();
             let q = sign_flip(&other, 1).expect("spread").p_two_sided;
             family += u32::from(holm(&[p, q]).iter().any(|p| *p <= 0.05));
         }
-        // Three binomial deviations of 2000 at 5 % are 1.5 %.
+        // Three binomial deviations at 5 % are 1.5 % of 2000, and 3.8 % of 300.
         let part = |count: u32| f64::from(count) / f64::from(COHORTS);
         assert!((0.035..=0.065).contains(&part(rejected)), "{rejected}");
-        assert!((0.935..=0.965).contains(&part(covered)), "{covered}");
+        let covered = f64::from(covered) / f64::from(INTERVALS);
+        assert!((0.912..=0.988).contains(&covered), "{covered}");
         assert!(part(family) <= 0.065, "{family}");
     }
 
