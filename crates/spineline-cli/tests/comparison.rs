@@ -93,10 +93,7 @@ fn a_cohort_is_tested_by_patient_with_its_family_stated() {
         assert!(test["predicts_better"].is_null(), "{test}");
         assert!(test["holm_p"].as_f64() >= test["sign_flip_p"].as_f64(), "{test}");
     }
-    assert!(
-        text.contains("no line is better") && text.contains("4 patients are too few"),
-        "{text}"
-    );
+    assert!(text.contains("no line is better") && text.contains("Too few patients"), "{text}");
     run(here.path(), &["analyze", "cases", "--cohort", "all.csv", "--threads", "1"]);
     let csv = read("all.csv");
     assert_eq!(csv.lines().count(), 19, "{csv}");

@@ -135,7 +135,14 @@ impl LinesCompared {
             (FilmRole::LeftOutBend, "Each bend left out of the fit in turn and then predicted"),
             (FilmRole::HeldOut, "Neutral and traction films, predicted"),
         ] {
-            sentences.extend(self.errors_words(role).map(|errors| format!("{what}: {errors}.")));
+            let films = match self.counted(role) {
+                (_, 0) => String::new(),
+                (all, left) => {
+                    format!(" (the {} of {all} on which every line has a result)", all - left)
+                }
+            };
+            sentences
+                .extend(self.errors_words(role).map(|errors| format!("{what}{films}: {errors}.")));
         }
         sentences.extend(self.prediction_verdict());
         sentences.extend(self.errors_words(FilmRole::Fitted).map(|errors| {

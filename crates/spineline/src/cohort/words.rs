@@ -87,7 +87,23 @@ impl LinesOverPatients {
             let least = 2.0_f64.powi(1 - test.comparison.patients() as i32);
             test.holm_p.is_some() && least * family as f64 >= 0.05
         };
-        all.extend(predicted().filter(too_few).filter_map(too_few_sentence));
+        let differences: Vec<String> = predicted().filter(too_few).filter_map(difference).collect();
+        if !differences.is_empty() {
+            all.push(format!(
+                "Too few patients for any p to pass the correction; the differences, which prove nothing: {}.",
+                differences.join("; ")
+            ));
+        }
+        all.extend(predicted().filter_map(|test| {
+            let better = test.predicts_better()?;
+            let other = predicted().find(|t| t.lines == test.lines && t.role != test.role)?;
+            let divided = test.role == FilmRole::LeftOutBend
+                && other.predicts_better().is_some_and(|kind| kind != better);
+            let [first, second] = test.lines;
+            divided.then(|| {
+                format!("So between the {first} and the {second} the answer depends on the films.")
+            })
+        }));
         let fitted_only: Vec<String> = location()
             .filter(|test| test.role == FilmRole::Fitted)
             .filter_map(|test| {
@@ -115,17 +131,18 @@ impl LinesOverPatients {
     }
 }
 
-/// What is left to say where no probability can pass the correction.
-fn too_few_sentence(test: &LineTest) -> Option<String> {
+/// By how much one line misses more than another.
+fn difference(test: &LineTest) -> Option<String> {
     let [low, high] = test.comparison.bootstrap?;
     let [first, second] = test.lines;
-    let (more, less) =
-        if test.comparison.mean_difference > 0.0 { (first, second) } else { (second, first) };
+    let mean = test.comparison.mean_difference;
+    let (more, less, low, high) =
+        if mean > 0.0 { (first, second, low, high) } else { (second, first, -high, -low) };
     Some(format!(
-        "{} patients are too few for any p to pass the correction: on {} the {more} misses by {:.1} mm more than the {less} (difference {low:+.1} to {high:+.1} mm, 95 % over patients), which is no proof.",
-        test.comparison.patients(),
+        "on {} the {more} misses by {:.1} mm more than the {less} (95 % interval over {} patients {low:.1} to {high:.1} mm)",
         films_words(test.role),
-        test.comparison.mean_difference.abs()
+        mean.abs(),
+        test.comparison.patients()
     ))
 }
 
