@@ -104,11 +104,22 @@ impl LinesOverPatients {
                 format!("So between the {first} and the {second} the answer depends on the films.")
             })
         }));
-        let fitted_only: Vec<String> = location()
+        all.extend(self.fitted_sentence());
+        if !self.same_data {
+            all.push(
+                "A free line was fitted to whole shapes, the others to Ferguson angles: not the same data, so do not rank them on these films.".to_owned(),
+            );
+        }
+        all
+    }
+    /// Lines that are nearer on the bends that they were fitted to, and not shown to predict better.
+    fn fitted_sentence(&self) -> Option<String> {
+        let location = || self.tests.iter().filter(|test| test.error == ErrorKind::Location);
+        let nearer: Vec<String> = location()
             .filter(|test| test.role == FilmRole::Fitted)
             .filter_map(|test| {
                 let nearer = test.nearer()?;
-                let confirmed = predicted()
+                let confirmed = location()
                     .any(|p| p.lines == test.lines && p.predicts_better() == Some(nearer));
                 (!confirmed).then(|| {
                     let other = if nearer == test.lines[0] { test.lines[1] } else { test.lines[0] };
@@ -116,18 +127,12 @@ impl LinesOverPatients {
                 })
             })
             .collect();
-        if !fitted_only.is_empty() {
-            all.push(format!(
+        (!nearer.is_empty()).then(|| {
+            format!(
                 "On fitted bends {}: that shows how far a line bends to data, and is no evidence for it.",
-                listed(&fitted_only)
-            ));
-        }
-        if !self.same_data {
-            all.push(
-                "A free line was fitted to whole shapes, the others to Ferguson angles: not the same data, so do not rank them on these films.".to_owned(),
-            );
-        }
-        all
+                listed(&nearer)
+            )
+        })
     }
 }
 
