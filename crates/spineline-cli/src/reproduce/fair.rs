@@ -44,7 +44,7 @@ pub fn section(cohorts: [&Cohort; 3], support: Support) -> Section {
         }
     }
     let title = format!("Fair comparison with {}", support_words(support));
-    let note = "Location errors on films on which every line has a result; one mean per patient. Left-out bends: stiffness from the other bend, only the force free. The estimated line takes two more numbers from every film, so it can lose to another line by prediction but not win over it. Intervals resample patients; p flips the signs of the patients' differences, corrected by Holm over the 18 tests of a column. Believe these and not the pooled p of the paper, which takes 14 vertebrae of one spine for 14 patients.";
+    let note = "Location errors on films on which every line has a result; one mean per patient. Left-out bends: stiffness from the other bend, only the force free. The estimated line takes two more numbers from every film, so it can lose to another line by prediction but not win over it; with `--fit ferguson`, the default here, it is also fitted to other data, whole shapes. Intervals resample patients; p flips the signs of the patients' differences, corrected by Holm over the 18 tests of a column. Believe these and not the pooled p of the paper, which takes 14 vertebrae of one spine for 14 patients.";
     Section { title, support: Some(support), rows, note }
 }
 
