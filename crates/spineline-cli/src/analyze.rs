@@ -13,7 +13,7 @@ use crate::args::AnalyzeArgs;
 use crate::failure::{Ending, Failure};
 use crate::progress::map_all;
 use crate::rows::{chain_text, csv_text};
-use crate::{cohort, identifiability, print, report, uncertainty};
+use crate::{cohort, comparison, identifiability, print, report, uncertainty};
 
 /// What wrote a file.
 pub fn generator() -> String {
@@ -23,10 +23,11 @@ pub fn generator() -> String {
 pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     let options = args.options.options()?;
     let paths = case_files(&args.cases)?;
-    let outputs = [&args.json, &args.csv, &args.chain].into_iter().flatten();
-    if outputs.filter(|path| path.as_os_str() == "-").count() > 1 {
+    let outputs = [&args.json, &args.csv, &args.chain, &args.cohort].into_iter().flatten();
+    let to_stdout = outputs.filter(|path| path.as_os_str() == "-").count();
+    if to_stdout > 1 {
         return Err(Failure::usage(
-            "only one of --json, --csv and --chain can go to the standard output",
+            "only one of --json, --csv, --chain and --cohort can go to the standard output",
         ));
     }
     if args.model.is_some() && paths.len() != 1 {
@@ -55,11 +56,7 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
         eprint!("{}", report::warnings(analysis));
     }
     write_files(args, &analyses, &spreads, paths.len() > 1)?;
-    let to_stdout = [&args.json, &args.csv, &args.chain]
-        .into_iter()
-        .flatten()
-        .any(|path| path.as_os_str() == "-");
-    if !to_stdout {
+    if to_stdout == 0 {
         print(&match &analyses[..] {
             [one] if paths.len() == 1 => {
                 let spread = spreads.first().and_then(Option::as_ref);
@@ -154,6 +151,15 @@ fn write_files(
     }
     if let Some(path) = &args.chain {
         write_or_print(path, &chain_text(analyses)?)?;
+    }
+    if let Some(path) = &args.cohort {
+        let found = cohort::of(analyses);
+        let text = if path.extension().is_some_and(|end| end == "csv") {
+            comparison::cohort_csv(&found)?
+        } else {
+            spineline_io::to_text(&cohort::file(analyses, &found, &generator()))
+        };
+        write_or_print(path, &text)?;
     }
     if let (Some(path), [analysis]) = (&args.model, analyses) {
         let kind = args.model_line.kind();

@@ -93,6 +93,7 @@ pub enum Command {
 pub enum SchemaName {
     Case,
     Analysis,
+    Cohort,
     Model,
     Load,
     Reliability,
@@ -105,6 +106,7 @@ impl SchemaName {
         match self {
             Self::Case => "case",
             Self::Analysis => "analysis",
+            Self::Cohort => "cohort",
             Self::Model => "model",
             Self::Load => "load",
             Self::Reliability => "reliability",
@@ -194,6 +196,10 @@ pub struct AnalyzeArgs {
     /// Write the chain of every posture as a Denavit-Hartenberg table, one row per segment, as CSV (`-`: standard output)
     #[arg(long, value_name = "FILE")]
     pub chain: Option<PathBuf>,
+    /// Write what the cases say together of the lines of action, errors and every test, as JSON; as CSV, one row per test,
+    /// where the name ends in .csv (`-`: JSON to the standard output)
+    #[arg(long, value_name = "FILE")]
+    pub cohort: Option<PathBuf>,
     /// Write the personalised model of one case
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,

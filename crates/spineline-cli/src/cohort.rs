@@ -3,13 +3,27 @@
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::cohort::Cohort;
+use spineline_io::CohortFile;
 
-use crate::table::Table;
+use crate::comparison;
+use crate::table::{Table, wrap};
 
 /// The lines that the table shows.
 const LINES: [LineKind; 3] = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
 /// The bootstrap of the summary starts from here.
 const BOOTSTRAP_SEED: u64 = 1;
+const WIDTH: usize = 110;
+
+/// What the cases say together.
+pub fn of(analyses: &[Analysis]) -> Cohort {
+    Cohort::of(&analyses.iter().collect::<Vec<_>>(), BOOTSTRAP_SEED)
+}
+
+/// As [`of`], as a file.
+pub fn file(analyses: &[Analysis], cohort: &Cohort, generator: &str) -> CohortFile {
+    let ids = analyses.iter().map(|analysis| analysis.case_id.clone()).collect();
+    CohortFile::new(cohort, ids, BOOTSTRAP_SEED, generator)
+}
 
 /// A table of patients, and what they say together.
 pub fn text(analyses: &[Analysis]) -> String {
@@ -29,14 +43,15 @@ pub fn text(analyses: &[Analysis]) -> String {
     for analysis in analyses {
         table.row(row(analysis));
     }
-    let cohort = Cohort::of(&analyses.iter().collect::<Vec<_>>(), BOOTSTRAP_SEED);
+    let cohort = of(analyses);
     let mut text = format!(
         "Mean location errors in mm, fitted bends / held-out films; joints that turn against the inflection line's force\n{}\n",
         table.text()
     );
+    text.push_str(&comparison::cohort_text(&cohort));
+    text.push('\n');
     for sentence in cohort.sentences() {
-        text.push_str(&sentence);
-        text.push('\n');
+        text.push_str(&wrap(&sentence, WIDTH, "  "));
     }
     text
 }

@@ -5,6 +5,7 @@ mod analyze;
 mod args;
 mod check;
 mod cohort;
+mod comparison;
 mod decode;
 mod export;
 mod failure;

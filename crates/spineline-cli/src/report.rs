@@ -5,6 +5,7 @@ use std::fmt::Write;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::personalize::{FitStatus, StiffnessBound};
 
+use crate::comparison;
 use crate::table::{Table, wrap};
 
 const WIDTH: usize = 110;
@@ -25,6 +26,8 @@ pub fn text(analysis: &Analysis) -> String {
     text.push_str(&motion_text(analysis));
     if !analysis.models.is_empty() {
         text.push_str(&models_text(analysis));
+        text.push('\n');
+        text.push_str(&comparison::patient_text(analysis));
     }
     text
 }

@@ -14,6 +14,7 @@
 
 mod analysis_file;
 mod case_file;
+mod cohort_file;
 mod digest;
 mod error;
 mod export;
@@ -34,6 +35,7 @@ pub use case_file::{
     CaseFile, FilmSource, image_value, parse_case, parse_case_file, parse_image, with_spacing,
     written_axis_deg,
 };
+pub use cohort_file::CohortFile;
 pub use digest::sha256_hex;
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};
@@ -58,12 +60,13 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
         .map_err(|source| FileError::Read { path: path.to_owned(), source })
 }
 
-/// A file format by name: `case`, `analysis`, `model`, `load`, `reliability`, `simulation` or `stiffness`.
+/// A file format by name: `case`, `analysis`, `cohort`, `model`, `load`, `reliability`, `simulation` or `stiffness`.
 #[must_use]
 pub fn schema(name: &str) -> Option<Schema> {
     match name {
         "case" => Some(schemars::schema_for!(CaseFile)),
         "analysis" => Some(schemars::schema_for!(AnalysisFile)),
+        "cohort" => Some(schemars::schema_for!(CohortFile)),
         "model" => Some(schemars::schema_for!(ModelFile)),
         "load" => Some(schemars::schema_for!(LoadFile)),
         "reliability" => Some(schemars::schema_for!(ReliabilityFile)),

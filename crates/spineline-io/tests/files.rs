@@ -280,7 +280,9 @@ fn the_stiffness_table_comes_back_and_a_hole_is_named() {
 
 #[test]
 fn every_schema_is_an_object_that_requires_its_format() {
-    for name in ["case", "analysis", "model", "load", "reliability", "simulation", "stiffness"] {
+    for name in
+        ["case", "analysis", "cohort", "model", "load", "reliability", "simulation", "stiffness"]
+    {
         let schema = spineline_io::schema(name).expect("a known format");
         let required = schema.get("required").and_then(|r| r.as_array()).expect("required keys");
         assert!(required.iter().any(|key| key == "format"), "{name}");

@@ -4,6 +4,7 @@
 //! with a verdict in words. None of them is a goal: the truth that moved the phantoms decides which line wins.
 
 mod drawings;
+mod fair;
 mod files;
 mod rows;
 
@@ -41,6 +42,13 @@ pub fn support_name(support: Support) -> &'static str {
     match support {
         Support::Free => "free",
         Support::Frontal => "frontal",
+    }
+}
+
+fn support_words(support: Support) -> &'static str {
+    match support {
+        Support::Free => "free support (the paper's)",
+        Support::Frontal => "frontal support (the patient lies on a table)",
     }
 }
 

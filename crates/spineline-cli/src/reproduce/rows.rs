@@ -6,7 +6,7 @@ use spineline::cohort::{Clustered, Cohort, Comparison, ErrorStatistics, LineStat
 use spineline::evaluate::statistics::{PairedT, Summary};
 use spineline::multibody::Support;
 
-use super::Run;
+use super::{Run, fair, support_words};
 
 /// Rows under one heading.
 pub struct Section {
@@ -41,14 +41,14 @@ pub struct Cell {
 }
 
 impl Cell {
-    fn of(summary: &Summary, places: usize) -> Self {
+    pub fn of(summary: &Summary, places: usize) -> Self {
         let Summary { n, mean, sd } = *summary;
         let text =
             if n == 0 { "-".to_owned() } else { format!("{mean:.places$} ± {sd:.places$}") };
         Self { text, mean, sd, n, difference: f64::NAN }
     }
 
-    fn value(value: f64, n: usize, text: String) -> Self {
+    pub fn value(value: f64, n: usize, text: String) -> Self {
         Self { text, mean: value, sd: f64::NAN, n, difference: f64::NAN }
     }
 
@@ -79,6 +79,7 @@ pub fn sections(runs: &[Run]) -> Vec<Section> {
         vec![chain(of(Support::Free)), movement(of(Support::Free)), table_2(of(Support::Free))];
     for support in [Support::Free, Support::Frontal] {
         sections.push(models(of(support), support));
+        sections.push(fair::section(of(support), support));
     }
     sections
 }
@@ -271,10 +272,7 @@ fn patient_row(ours: [Cell; 3]) -> Row {
 }
 
 fn models(cohorts: [&Cohort; 3], support: Support) -> Section {
-    let title = match support {
-        Support::Free => "Models with free support (the paper's)",
-        Support::Frontal => "Models with frontal support (the patient lies on a table)",
-    };
+    let title = format!("Models with {}", support_words(support));
     let line = |c: &Cohort, kind, of: &dyn Fn(&LineStatistics) -> Cell| {
         c.line(kind).map_or_else(|| Cell::value(f64::NAN, 0, "-".to_owned()), of)
     };
@@ -340,7 +338,7 @@ fn models(cohorts: [&Cohort; 3], support: Support) -> Section {
     let against = |c: &Cohort| line(c, Inflection, &|l| Cell::of(&l.contradicted.pooled, 1));
     rows.push(row("joints of 14 against Model-1's force", "1", none, cohorts, against));
     let note = "Model-1 has the inflection line, Model-2 the iliac line. `rod` has the paper's line built in, `pull` Petit's, `bend` neither, and that decides which model wins. Held-out films are neutral and traction; no stiffness was fitted to them. `[1 without]`: films for which no force gave a result.";
-    Section { title: title.to_owned(), support: Some(support), rows, note }
+    Section { title, support: Some(support), rows, note }
 }
 
 /// The paper's one-sided tests on pooled values, and the same on one mean per patient.

@@ -1,5 +1,6 @@
 //! What an analysis found, as a file.
 
+mod comparison;
 mod model;
 mod posture;
 mod uncertainty;
@@ -19,6 +20,8 @@ use spineline::spatial::{Angle, Frontal};
 
 use crate::keys::{LevelKey, PostureKey};
 use crate::reliability_file::QuantityRecord;
+use comparison::ComparisonRecord;
+pub(crate) use comparison::NumbersRecord;
 use model::ModelRecord;
 use posture::PostureRecord;
 use spineline::uncertainty::Uncertainty;
@@ -53,6 +56,9 @@ pub struct AnalysisFile {
     reliability: Option<Vec<QuantityRecord>>,
     /// One model per line of action: `inflection_line`, `iliac_line`, `estimated_line`, `given_line`.
     models: BTreeMap<String, ModelRecord>,
+    /// The lines on the same films, every bend left out once; `null` where there is no model.
+    #[serde(default)]
+    comparison: Option<ComparisonRecord>,
     /// What the noise of landmarks does to every number; absent where nobody asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     uncertainty: Option<UncertaintyRecord>,
@@ -182,6 +188,7 @@ impl AnalysisFile {
                 .iter()
                 .map(|m| (m.kind.key().to_owned(), ModelRecord::new(m, analysis)))
                 .collect(),
+            comparison: ComparisonRecord::new(analysis),
             uncertainty: None,
             warnings: analysis
                 .warnings

@@ -2,6 +2,9 @@
 
 mod analyze;
 mod checks;
+mod comparison;
+mod compatibility;
+mod endings;
 mod identification;
 mod models;
 mod options;
@@ -10,9 +13,15 @@ mod words;
 
 pub(crate) use analyze::analyze_with_noise;
 pub use analyze::{Analysis, PostureAnalysis, analyze, analyze_movement};
+pub(crate) use comparison::ferguson_errors_deg;
+pub use comparison::{
+    ComparedFilm, ComparedLine, FilmRole, FreeNumbers, LeftOutBend, LinesCompared, MeanErrors,
+};
+pub use compatibility::{BendEvidence, Compatibility};
 pub use identification::{Identification, MultiplierVerdict};
 pub use models::LineModel;
 pub use options::{AnalysisOptions, Grouping};
+pub(crate) use verdict::listed;
 pub use verdict::probability;
 
 use crate::measure::{Film, LateralFilm};

@@ -1,5 +1,6 @@
 //! Lines of action, personalisation and evaluation of one patient.
 
+use super::endings::warn_of_endings;
 use super::{Analysis, Grouping, PostureAnalysis};
 use crate::action::{Application, LineKind, LineOfAction};
 use crate::anatomy::{Level, Posture};
@@ -14,7 +15,7 @@ use crate::personalize::estimate::{
 use crate::personalize::evidence::FilmEvidence;
 use crate::personalize::{
     FitFilm, FitSettings, FitStatus, FitTarget, Gauge, Known, Personalization, Start,
-    StiffnessBound, personalize_with,
+    personalize_with,
 };
 use crate::spatial::Frontal;
 use crate::warning::{Step, Warnings};
@@ -150,9 +151,15 @@ pub(super) fn fit_models(analysis: &mut Analysis) {
         warnings.push(Step::Personalize, "no_bending_film", text);
     } else {
         for kind in analysis.options.line_kinds() {
-            if let Some(model) = fit_model(analysis, kind, estimate.as_ref(), &mut warnings) {
-                analysis.models.push(model);
-            }
+            let bends = bending_loads(analysis, kind, depth_mm(analysis), &mut warnings);
+            let task = FitTask {
+                bends: &bends,
+                films: &Posture::MOVED,
+                models: &analysis.models,
+                estimate: estimate.as_ref(),
+            };
+            let model = fit_model(analysis, kind, task, &mut warnings);
+            analysis.models.extend(model);
         }
     }
     analysis.warnings = warnings;
@@ -265,19 +272,33 @@ pub(super) fn settings_of<'a>(analysis: &'a Analysis, hints: &'a [Start]) -> Fit
     }
 }
 
-fn fit_model(
+/// What a fit is to, and what is known before it.
+#[derive(Clone, Copy)]
+pub(super) struct FitTask<'a> {
+    /// Bends that are fitted.
+    pub bends: &'a [(&'a PostureAnalysis, Load)],
+    /// Films that are simulated; those that are not among the bends are held out.
+    pub films: &'a [Posture],
+    /// Models with other lines, fitted to these bends and no other.
+    pub models: &'a [LineModel],
+    /// The free loads of these bends.
+    pub estimate: Option<&'a EstimatedLoads>,
+}
+
+/// Fits one line's model to some bends, and predicts films with it.
+pub(super) fn fit_model(
     analysis: &Analysis,
     kind: LineKind,
-    estimate: Option<&EstimatedLoads>,
+    task: FitTask<'_>,
     warnings: &mut Warnings,
 ) -> Option<LineModel> {
+    let FitTask { bends, .. } = task;
     let options = &analysis.options;
     let depth_mm = depth_mm(analysis);
     let groups = match options.grouping {
         Grouping::Regional => JointGroups::regional(&analysis.regions),
         Grouping::PerJoint => JointGroups::per_joint(),
     };
-    let bends = bending_loads(analysis, kind, depth_mm, warnings);
     if bends.is_empty() {
         warnings.line(Step::Action, "no_line", kind, None, "no bending film has such a line");
         return None;
@@ -285,14 +306,14 @@ fn fit_model(
     let films: Vec<FitFilm<'_>> =
         bends.iter().map(|(p, load)| FitFilm { outline: &p.outline, load: *load }).collect();
     let hints = match kind {
-        LineKind::Estimated => hints(&analysis.models, &bends),
+        LineKind::Estimated => hints(task.models, bends),
         _ => Vec::new(),
     };
     let settings = settings_of(analysis, &hints);
     let evidence: Vec<(&FilmEvidence, Load)> =
         bends.iter().filter_map(|(p, load)| Some((p.evidence.as_ref()?, *load))).collect();
     // It was made for regional groups.
-    let estimate = estimate.filter(|_| options.grouping == Grouping::Regional);
+    let estimate = task.estimate.filter(|_| options.grouping == Grouping::Regional);
     let known = Known { evidence: &evidence, settings: &settings, estimate };
     let fit = personalize_with(&analysis.spine, &options.library, &groups, &films, &known);
     let mut model = LineModel { kind, groups, fit, postures: Vec::new() };
@@ -302,7 +323,7 @@ fn fit_model(
     let evaluation =
         Evaluation { analysis, model: &model, statics, target: settings.target, depth_mm };
     let mut simulations = Vec::new();
-    for posture in analysis.postures.iter().filter(|p| p.motion.is_some()) {
+    for posture in analysis.postures.iter().filter(|p| task.films.contains(&p.outline.posture)) {
         let name = posture.outline.posture;
         let fitted = bends.iter().position(|(p, _)| p.outline.posture == name);
         match evaluation.simulate(posture, fitted, warnings) {
@@ -349,10 +370,11 @@ impl Evaluation<'_> {
         let target = match (posture.outline.posture.bend(), fitted) {
             (_, Some(_)) if estimated => Target::Fitted(estimated_n),
             (_, Some(film)) if known => Target::Fitted(self.model.fit.loads[film][0]),
-            (Some(_), _) => Target::Amplitude,
-            // T2's place alone may fit either sign; the rotations that gave the line gave the sign too.
-            (None, _) if estimated => Target::NearestT2(Some(ForceSign::of(estimated_n))),
-            (None, _) => Target::NearestT2(None),
+            (Some(_), Some(_)) => Target::Amplitude,
+            // T2's place alone may fit either sign; the rotations that gave the line gave the sign too. A bend that was left
+            // out is predicted as any other film that was not fitted.
+            _ if estimated => Target::NearestT2(Some(ForceSign::of(estimated_n))),
+            _ => Target::NearestT2(None),
         };
         let mut simulation = simulate(
             &self.statics,
@@ -446,50 +468,6 @@ fn scale_to_known_force(model: &mut LineModel, gauge: Gauge, warnings: &mut Warn
         simulation.force_n *= scale;
         for other in &mut simulation.alternatives {
             other.force_n *= scale;
-        }
-    }
-}
-
-fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
-    let mut warn = |step, code, posture, text| warnings.line(step, code, model.kind, posture, text);
-    if model.fit.status != FitStatus::Converged {
-        let text = format!("the fit ended with `{}`", model.fit.status.key());
-        warn(Step::Personalize, "fit_not_converged", None, text);
-    }
-    for (name, bound) in model.groups.names().iter().zip(&model.fit.bounds) {
-        if *bound != StiffnessBound::Inside {
-            let text = format!(
-                "the multiplier of {} ended at its bound, so its value is not identified",
-                name.replace('_', " ")
-            );
-            warn(Step::Personalize, "multiplier_at_bound", None, text);
-        }
-    }
-    for simulation in &model.postures {
-        let posture = Some(simulation.posture);
-        if !simulation.is_usable() {
-            let text = format!(
-                "the force was not found (`{}`); what is shown is the nearest shape, not a result",
-                simulation.status.key()
-            );
-            warn(Step::Evaluate, "force_not_found", posture, text);
-        }
-        if simulation.lost_forces > 0 {
-            let text = format!(
-                "the search for forces that meet the amplitude was lost {} times: there may be more",
-                simulation.lost_forces
-            );
-            warn(Step::Evaluate, "forces_lost", posture, text);
-        }
-        let beyond = simulation.contradicted.iter().filter(|joint| joint.beyond_noise).count();
-        if beyond > 0 {
-            let text = format!(
-                "{} of {} joints turn against the force, {beyond} of them beyond noise ({:.0} % of the work): no positive stiffness explains them",
-                simulation.contradicted.len(),
-                simulation.location_errors_mm.len(),
-                100.0 * simulation.contradicted_weight()
-            );
-            warn(Step::Personalize, "joints_contradict_line", posture, text);
         }
     }
 }

@@ -1,16 +1,15 @@
 use super::analyze::counted;
+use super::comparison::{FilmRole, LinesCompared};
+use super::compatibility::{BendEvidence, Compatibility};
 use super::{Analysis, LineModel, PostureAnalysis};
 use crate::action::LineKind;
-use crate::evaluate::Simulation;
-
-/// More of the joints' work than this against the force speaks against a line.
-const WEIGHT_AGAINST: f64 = 0.10;
+use crate::anatomy::Posture;
 
 impl Analysis {
     /// What the data say of the lines of action, in plain sentences.
     ///
-    /// First whether the bends are compatible with a single force through the inflections, then which line reproduces
-    /// the fitted films best, and apart from that which one predicts the held-out films best.
+    /// First whether the bends are compatible with a single force through the inflections, then how well each line predicts
+    /// films that it was not fitted to, and last how near it comes to those that it was, which proves nothing.
     #[must_use]
     pub fn verdict(&self) -> Vec<String> {
         let mut sentences = Vec::new();
@@ -35,71 +34,202 @@ impl Analysis {
             )),
         }
         sentences.extend(self.postures.iter().filter_map(turning_sentence));
-        sentences.extend(self.best(true).map(|(model, error_mm)| {
-            format!(
-                "The {} reproduces the fitted bends best: {error_mm:.1} mm on average{}.",
-                model.kind,
-                if model.kind == LineKind::Estimated {
-                    ", with two more numbers fitted per bend"
-                } else {
-                    ""
-                }
-            )
-        }));
-        sentences.extend(self.best(false).map(|(model, error_mm)| {
-            let caveat = match model.kind {
-                LineKind::Estimated => ", its line taken from those films",
-                _ => "",
-            };
-            format!(
-                "The {} predicts the held-out films best: {error_mm:.1} mm on average{caveat}.",
-                model.kind
-            )
-        }));
+        sentences.extend(self.compare_lines().sentences());
         sentences
     }
 
     fn inflection_verdict(&self, model: &LineModel) -> Vec<String> {
-        let bends: Vec<&Simulation> =
-            model.postures.iter().filter(|s| s.posture.bend().is_some()).collect();
-        let mut sentences = Vec::new();
-        for bend in &bends {
-            let beyond = bend.contradicted.iter().filter(|joint| joint.beyond_noise).count();
-            let weight = bend.contradicted_weight();
-            let joints = bend.location_errors_mm.len();
-            if beyond > 0 && weight > WEIGHT_AGAINST {
+        let found = self.compatibility(model);
+        let mut sentences: Vec<String> = found
+            .without_force
+            .iter()
+            .map(|posture| {
+                format!(
+                    "No force through the inflections was found that reproduces the {}.",
+                    bend_name(*posture)
+                )
+            })
+            .collect();
+        sentences.extend(joints_sentence(&found));
+        for bend in found.bends.iter().filter(|bend| bend.line_rejects()) {
+            if let Some((test, p)) = bend.line_test.zip(bend.line_p) {
                 sentences.push(format!(
-                    "The {} is not compatible with a single force through the inflections: {} of {joints} joints turn against it, {beyond} of them beyond noise, with {:.0} % of the work.",
-                    bend.posture, bend.contradicted.len(), 100.0 * weight
+                    "In the {} the load that the joints' rotations prefer runs {:.0} mm from the middle of the inflections and {:.0}° off their line (p {}, corrected for {} tests).",
+                    bend_name(bend.posture),
+                    test.distance_mm,
+                    test.angle.deg(),
+                    probability(p),
+                    found.tests
                 ));
             }
         }
-        let tested = self.postures.iter().filter(|p| p.outline.posture.bend().is_some());
-        for (posture, test) in
-            tested.filter_map(|p| p.line_comparison.map(|c| (p.outline.posture, c)))
-        {
-            if test.rejects() {
-                sentences.push(format!(
-                    "In the {posture} the load that the joints' rotations prefer runs {:.0} mm from the middle of the inflections and {:.0}° off their line (p {}).",
-                    test.distance_mm, test.angle.deg(), probability(test.p_value)
-                ));
-            }
-        }
-        if sentences.is_empty() && !bends.is_empty() {
-            sentences.push(
-                "The bends do not speak against a single force through the inflections.".to_owned(),
-            );
+        if !found.rejects() && !found.bends.is_empty() {
+            let joints = match found.bends.iter().map(|bend| bend.against).sum::<usize>() {
+                0 => "no joint turns against it".to_owned(),
+                _ => format!(
+                    "{} turn against it, no further than noise of marks and line may carry them",
+                    joints_against(&found.bends)
+                ),
+            };
+            sentences.push(format!(
+                "The bends do not speak against a single force through the inflections: {joints}. That is no proof of one."
+            ));
         }
         sentences
     }
+}
 
-    /// The model with the least mean location error over fitted or held-out films.
-    fn best(&self, fitted: bool) -> Option<(&LineModel, f64)> {
-        let errors = self
-            .models
+/// "left bend".
+fn bend_name(posture: Posture) -> String {
+    posture.bend().map_or_else(|| posture.to_string(), |side| format!("{side} bend"))
+}
+
+/// "9 of 14 joints in the left bend and 3 of 14 in the right bend".
+fn joints_against(bends: &[BendEvidence]) -> String {
+    let parts = bends.iter().enumerate().map(|(i, bend)| {
+        let joints = if i == 0 { " joints" } else { "" };
+        format!("{} of {}{joints} in the {}", bend.against, bend.joints, bend_name(bend.posture))
+    });
+    listed(&parts.collect::<Vec<_>>())
+}
+
+/// Which bends are not compatible with the line, and why.
+fn joints_sentence(found: &Compatibility) -> Option<String> {
+    let against: Vec<BendEvidence> =
+        found.bends.iter().copied().filter(BendEvidence::joints_reject).collect();
+    let first = against.first()?;
+    let whole = against.len() == found.bends.len() && against.len() > 1;
+    let who = if whole {
+        "The bends of this patient are".to_owned()
+    } else {
+        format!("The {} of this patient is", bend_name(first.posture))
+    };
+    let parts: Vec<String> = against
+        .iter()
+        .enumerate()
+        .map(|(i, bend)| {
+            let joints = if i == 0 { " joints" } else { "" };
+            let place =
+                if whole { format!(" in the {}", bend_name(bend.posture)) } else { String::new() };
+            format!(
+                "{} of {}{joints}{place} turn against it ({} beyond noise, {:.0} % of the work)",
+                bend.against,
+                bend.joints,
+                bend.beyond_noise,
+                100.0 * bend.weight
+            )
+        })
+        .collect();
+    Some(format!(
+        "{who} not compatible with a single force through the inflections: {}.",
+        listed(&parts)
+    ))
+}
+
+impl LinesCompared {
+    /// How the lines compare: predicted films first, fitted ones last and with what they are worth.
+    #[must_use]
+    pub fn sentences(&self) -> Vec<String> {
+        let mut sentences = Vec::new();
+        for (role, what) in [
+            (FilmRole::LeftOutBend, "Each bend left out of the fit in turn and then predicted"),
+            (FilmRole::HeldOut, "Neutral and traction films, predicted"),
+        ] {
+            let films = match self.counted(role) {
+                (_, 0) => String::new(),
+                (all, left) => {
+                    format!(" (the {} of {all} on which every line has a result)", all - left)
+                }
+            };
+            sentences
+                .extend(self.errors_words(role).map(|errors| format!("{what}{films}: {errors}.")));
+        }
+        sentences.extend(self.prediction_verdict());
+        sentences.extend(self.errors_words(FilmRole::Fitted).map(|errors| {
+            format!("Fitted bends: {errors}. A small error there is no evidence for a line.")
+        }));
+        sentences
+    }
+
+    /// Mean location errors by line, the nearest first; `None` where no film is common to all.
+    fn errors_words(&self, role: FilmRole) -> Option<String> {
+        let mut found: Vec<(f64, String)> = self
+            .lines
             .iter()
-            .filter_map(|model| Some((model, model.mean_location_error_mm(fitted)?)));
-        errors.min_by(|a, b| a.1.total_cmp(&b.1))
+            .enumerate()
+            .filter_map(|(i, line)| {
+                let mm = self.errors(i, role)?.location_mm;
+                let numbers = match role {
+                    FilmRole::Fitted => format!(" ({} numbers fitted)", line.numbers.fitted()),
+                    _ if line.numbers.per_predicted_film > 1 => {
+                        let more = line.numbers.per_predicted_film - 1;
+                        format!(" (with {more} more numbers from each of these films)")
+                    }
+                    _ => String::new(),
+                };
+                Some((mm, format!("{} {mm:.1} mm{numbers}", line.kind)))
+            })
+            .collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let parts: Vec<String> = found.into_iter().map(|(_, words)| words).collect();
+        (!parts.is_empty()).then(|| listed(&parts))
+    }
+
+    /// Whether one of the lines that take equally few numbers from a predicted film is the nearest on every one of them.
+    fn prediction_verdict(&self) -> Option<String> {
+        let few = self.lines.iter().map(|line| line.numbers.per_predicted_film).min()?;
+        let fair: Vec<usize> = (0..self.lines.len())
+            .filter(|&i| self.lines[i].numbers.per_predicted_film == few)
+            .collect();
+        let nearest: Vec<usize> = self
+            .films
+            .iter()
+            .filter(|film| film.role != FilmRole::Fitted && film.is_common())
+            .filter_map(|film| {
+                let error =
+                    |i: &usize| film.simulations[*i].as_ref().map(|s| s.mean_location_error_mm());
+                fair.iter().copied().min_by(|a, b| {
+                    error(a).unwrap_or(f64::INFINITY).total_cmp(&error(b).unwrap_or(f64::INFINITY))
+                })
+            })
+            .collect();
+        let films = nearest.len();
+        if films == 0 || fair.len() < 2 {
+            return None;
+        }
+        let names: Vec<String> =
+            fair.iter().map(|&i| format!("the {}", self.lines[i].kind)).collect();
+        let best = nearest[0];
+        Some(if films > 1 && nearest.iter().all(|&line| line == best) {
+            format!(
+                "Of {}, which take one number from a film that they predict, the {} is nearer on all {films}. So few films are a hint, not a test.",
+                listed(&names),
+                self.lines[best].kind
+            )
+        } else if films == 1 {
+            "One predicted film decides nothing between the lines.".to_owned()
+        } else {
+            let wins: Vec<String> = fair
+                .iter()
+                .map(|&i| {
+                    let won = nearest.iter().filter(|&&line| line == i).count();
+                    format!("the {} on {won}", self.lines[i].kind)
+                })
+                .collect();
+            format!(
+                "Over the {films} predicted films no line is the nearest throughout: {}.",
+                listed(&wins)
+            )
+        })
+    }
+}
+
+/// "a", "a and b", "a, b and c".
+pub(crate) fn listed(parts: &[String]) -> String {
+    match parts {
+        [] => String::new(),
+        [one] => one.clone(),
+        [all @ .., last] => format!("{} and {last}", all.join(", ")),
     }
 }
 
@@ -108,7 +238,7 @@ fn turning_sentence(posture: &PostureAnalysis) -> Option<String> {
     let side = posture.outline.posture.bend()?;
     let joints = &posture.evidence.as_ref()?.joints;
     let same = joints.iter().filter(|joint| joint.rotation.side() == Some(side)).count();
-    let name = posture.outline.posture;
+    let name = bend_name(posture.outline.posture);
     Some(format!("In the {name} {same} of {} joints turn to the {side}.", joints.len()))
 }
 

@@ -8,14 +8,18 @@
 //! [jalalian-loa], sections 3 and 4, table 2.
 
 mod claims;
+mod comparison;
+mod lines;
 mod words;
 
 pub use claims::{ClaimVerdict, Claims, NEAR_SEGMENTS, PatientClaims};
+pub use comparison::Comparison;
+pub use lines::{ErrorKind, LineTest, LinesOverPatients, RoleErrors};
 
 use crate::action::LineKind;
-use crate::analysis::{Analysis, PostureAnalysis};
+use crate::analysis::{Analysis, PostureAnalysis, ferguson_errors_deg};
 use crate::evaluate::Simulation;
-use crate::evaluate::statistics::{PairedT, Summary, cluster_bootstrap, paired_t};
+use crate::evaluate::statistics::{Summary, cluster_bootstrap};
 use crate::motion::Estimate;
 
 /// Resamples of a cluster bootstrap.
@@ -51,27 +55,6 @@ impl Clustered {
     #[must_use]
     pub fn values(&self) -> Vec<f64> {
         self.by_patient.iter().flatten().copied().collect()
-    }
-}
-
-/// Two samples of the same things.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Comparison {
-    /// Over all pairs, as the paper did.
-    pub pooled: Option<PairedT>,
-    /// Over one mean difference per patient.
-    pub patients: Option<PairedT>,
-}
-
-impl Comparison {
-    fn new(a: &[Vec<f64>], b: &[Vec<f64>]) -> Self {
-        let flat = |v: &[Vec<f64>]| v.iter().flatten().copied().collect::<Vec<f64>>();
-        let (mut means_a, mut means_b) = (Vec::new(), Vec::new());
-        for (a, b) in a.iter().zip(b).filter(|(a, _)| !a.is_empty()) {
-            means_a.push(Summary::of(a).mean);
-            means_b.push(Summary::of(b).mean);
-        }
-        Self { pooled: paired_t(&flat(a), &flat(b)), patients: paired_t(&means_a, &means_b) }
     }
 }
 
@@ -154,10 +137,14 @@ pub struct Cohort {
     pub two_inflections: usize,
     /// Lines of action that were modelled.
     pub lines: Vec<LineStatistics>,
-    /// Ferguson errors of the inflection line against the iliac line on fitted films.
+    /// The lines on the same films, bends left out among them, with every test between them.
+    pub compared: LinesOverPatients,
+    /// Ferguson errors of the inflection line against the iliac line on fitted films: the paper's test.
     pub ferguson_test: Comparison,
-    /// Location errors of the inflection line against the iliac line on fitted films.
+    /// Location errors of the inflection line against the iliac line on fitted films: the paper's test.
     pub location_test: Comparison,
+    /// Patients whose bends speak against a single force through the inflections, and all whose bends were asked.
+    pub incompatible: (usize, usize),
     /// Bending films whose own load runs elsewhere than through the inflections, beyond chance and by what matters, and
     /// all that were tested.
     pub line_rejected: (usize, usize),
@@ -203,6 +190,14 @@ impl Cohort {
         let numbers = |value: &dyn Fn(&Analysis) -> f64| {
             Summary::of(&analyses.iter().map(|a| value(a)).collect::<Vec<f64>>())
         };
+        let asked: Vec<bool> = analyses
+            .iter()
+            .filter_map(|a| {
+                let model = a.models.iter().find(|m| m.kind == LineKind::Inflection)?;
+                Some(a.compatibility(model)).filter(|c| !c.bends.is_empty()).map(|c| c.rejects())
+            })
+            .collect();
+        let count = |of: &[bool]| (of.iter().filter(|found| **found).count(), of.len());
         let tested: Vec<bool> = analyses
             .iter()
             .flat_map(|a| &a.postures)
@@ -224,14 +219,14 @@ impl Cohort {
             }),
             inflection: [Films::All, Films::Bends, Films::Others].map(inflection),
             mean_least: [Films::Bends, Films::Others].map(mean_least),
-            table_2: table_2(analyses),
+            table_2: table_2(analyses, seed),
             two_inflections: analyses.iter().filter(|a| a.inflections.all.len() == 2).count(),
             lines: kinds.into_iter().filter_map(|kind| line(analyses, kind, seed)).collect(),
-            ferguson_test: compare_lines(analyses, |s| {
-                s.ferguson_difference.iter().map(|a| a.abs().deg()).collect()
-            }),
-            location_test: compare_lines(analyses, |s| s.location_errors_mm.clone()),
-            line_rejected: (tested.iter().filter(|rejected| **rejected).count(), tested.len()),
+            ferguson_test: paper_test(analyses, seed, ferguson_errors_deg),
+            location_test: paper_test(analyses, seed, |s| s.location_errors_mm.clone()),
+            compared: LinesOverPatients::of(analyses, seed),
+            incompatible: count(&asked),
+            line_rejected: count(&tested),
         }
     }
 
@@ -263,7 +258,7 @@ fn estimates(
 }
 
 /// Inflections against MMS_Mean where both are known.
-fn table_2(analyses: &[&Analysis]) -> [Comparison; 4] {
+fn table_2(analyses: &[&Analysis], seed: u64) -> [Comparison; 4] {
     let pairs = |which: Films, value: &dyn Fn(&Estimate) -> f64| {
         let (mut a, mut b) = (Vec::new(), Vec::new());
         for analysis in analyses {
@@ -278,7 +273,7 @@ fn table_2(analyses: &[&Analysis]) -> [Comparison; 4] {
             a.push(of_a);
             b.push(of_b);
         }
-        Comparison::new(&a, &b)
+        Comparison::new(&a, &b, seed)
     };
     let distance = |e: &Estimate| e.distance_segments as f64;
     let rotation = |e: &Estimate| e.rotation.deg();
@@ -310,9 +305,7 @@ fn line(analyses: &[&Analysis], kind: LineKind, seed: u64) -> Option<LineStatist
         Clustered::new(analyses.iter().map(patient).collect(), seed)
     };
     let errors = |fitted: bool| ErrorStatistics {
-        ferguson_deg: clustered(fitted, &|s| {
-            s.ferguson_difference.iter().map(|a| a.abs().deg()).collect()
-        }),
+        ferguson_deg: clustered(fitted, &ferguson_errors_deg),
         location_mm: clustered(fitted, &|s| s.location_errors_mm.clone()),
         unusable: analyses
             .iter()
@@ -330,7 +323,11 @@ fn line(analyses: &[&Analysis], kind: LineKind, seed: u64) -> Option<LineStatist
 }
 
 /// Errors of the inflection line against those of the iliac line, on fitted films that both could simulate.
-fn compare_lines(analyses: &[&Analysis], errors: impl Fn(&Simulation) -> Vec<f64>) -> Comparison {
+fn paper_test(
+    analyses: &[&Analysis],
+    seed: u64,
+    errors: impl Fn(&Simulation) -> Vec<f64>,
+) -> Comparison {
     let (mut a, mut b) = (Vec::new(), Vec::new());
     for analysis in analyses {
         let (mut of_a, mut of_b) = (Vec::new(), Vec::new());
@@ -345,5 +342,5 @@ fn compare_lines(analyses: &[&Analysis], errors: impl Fn(&Simulation) -> Vec<f64
         a.push(of_a);
         b.push(of_b);
     }
-    Comparison::new(&a, &b)
+    Comparison::new(&a, &b, seed)
 }

@@ -1,7 +1,7 @@
 //! A cohort in plain sentences, which all front ends share.
 
-use super::{Cohort, Comparison};
-use crate::analysis::probability;
+use super::{Cohort, Comparison, ErrorKind, LineTest, LinesOverPatients};
+use crate::analysis::{FilmRole, listed, probability};
 use crate::evaluate::statistics::PairedT;
 
 impl Cohort {
@@ -14,40 +14,183 @@ impl Cohort {
             if self.synthetic { " (synthetic)" } else { "" },
             self.two_inflections
         )];
-        for line in &self.lines {
-            for (films, errors) in [("fitted", &line.fitted), ("held out", &line.held_out)] {
-                if errors.location_mm.patients.n == 0 {
-                    continue;
-                }
-                let interval =
-                    errors.location_mm.bootstrap.map_or_else(String::new, |[low, high]| {
-                        format!(", 95 % interval over patients {low:.2} to {high:.2}")
-                    });
-                all.push(format!(
-                    "{:15} {films:8}  location error {:.2} mm{interval}; Ferguson error {:.2}°; films without a result: {}",
-                    line.kind.to_string(),
-                    errors.location_mm.patients.mean,
-                    errors.ferguson_deg.patients.mean,
-                    errors.unusable
-                ));
-            }
+        all.extend(self.verdict());
+        all
+    }
+
+    /// What the cohort says of the lines: whether its bends are compatible with a single force through the inflections,
+    /// and which line predicts better. A difference on fitted films alone is never called better.
+    #[must_use]
+    pub fn verdict(&self) -> Vec<String> {
+        let mut all = Vec::new();
+        let (against, asked) = self.incompatible;
+        if asked > 0 {
+            all.push(format!(
+                "In {against} of {asked} patients with an inflection line the bends are not compatible with a single force through it; if all were, chance would say so of one in twenty at most."
+            ));
         }
         let (rejected, tested) = self.line_rejected;
         if tested > 0 {
             all.push(format!(
-                "In {rejected} of {tested} bends the load that the joints' rotations prefer does not run through the inflections"
+                "In {rejected} of {tested} bends, each by itself, the load that the joints' rotations prefer does not run through the inflections."
             ));
         }
-        if let Some(t) = self.location_test.patients {
+        all.extend(self.compared.sentences());
+        all
+    }
+}
+
+impl LinesOverPatients {
+    /// Tests in the family that Holm's correction is over.
+    #[must_use]
+    pub fn family(&self) -> usize {
+        self.tests.iter().filter(|test| test.holm_p.is_some()).count()
+    }
+
+    /// What the family is.
+    #[must_use]
+    pub fn family_words(&self) -> String {
+        format!(
+            "Holm's correction is over {} tests: every pair of lines, on fitted bends, on bends left out and on neutral and traction films, by location and by Ferguson error",
+            self.family()
+        )
+    }
+
+    /// Which number to believe, and why.
+    #[must_use]
+    pub const fn believe_words(&self) -> &'static str {
+        "Believe the interval over patients and Holm's p, on films that were not fitted: a patient counts once, flipping signs asks for no normal distribution, and the correction pays for all tests. The paper's pooled p takes 14 vertebrae of one spine for 14 patients. A percentile interval of fewer than twenty patients is somewhat narrow; d and its interval ask for normal differences"
+    }
+
+    /// Which line predicts better, beyond chance and by a fair comparison.
+    #[must_use]
+    pub fn sentences(&self) -> Vec<String> {
+        let mut all = Vec::new();
+        let family = self.family();
+        if family == 0 {
+            return all;
+        }
+        let location = || self.tests.iter().filter(|test| test.error == ErrorKind::Location);
+        let predicted = || location().filter(|test| test.role != FilmRole::Fitted);
+        all.extend(predicted().filter_map(better_sentence));
+        if !predicted().any(|test| test.holm_p.is_some()) {
+            all.push(
+                "No films but the fitted ones: nothing can be said of which line predicts better."
+                    .to_owned(),
+            );
+        } else if !predicted().any(|test| test.predicts_better().is_some()) {
             all.push(format!(
-                "Inflection against iliac line, one mean per patient: {:+.2} mm (p {}, two-sided, n = {})",
-                t.mean_difference,
-                probability(t.p_two_sided),
-                t.n
+                "On films that were not fitted no line is better than another beyond chance by a fair comparison (Holm's correction over {family} tests)."
             ));
+        }
+        let too_few = |test: &&LineTest| {
+            let least = 2.0_f64.powi(1 - test.comparison.patients() as i32);
+            test.holm_p.is_some() && least * family as f64 >= 0.05
+        };
+        let differences: Vec<String> = predicted().filter(too_few).filter_map(difference).collect();
+        if !differences.is_empty() {
+            all.push(format!(
+                "Too few patients for any p to pass the correction; the differences, which prove nothing: {}.",
+                differences.join("; ")
+            ));
+        }
+        all.extend(predicted().filter_map(|test| {
+            let better = test.predicts_better()?;
+            let other = predicted().find(|t| t.lines == test.lines && t.role != test.role)?;
+            let divided = test.role == FilmRole::LeftOutBend
+                && other.predicts_better().is_some_and(|kind| kind != better);
+            let [first, second] = test.lines;
+            divided.then(|| {
+                format!("So between the {first} and the {second} the answer depends on the films.")
+            })
+        }));
+        all.extend(self.fitted_sentence());
+        if !self.same_data {
+            all.push(
+                "A free line was fitted to whole shapes, the others to Ferguson angles: not the same data, so do not rank them on these films.".to_owned(),
+            );
         }
         all
     }
+    /// Lines that are nearer on the bends that they were fitted to, and not shown to predict better.
+    fn fitted_sentence(&self) -> Option<String> {
+        let location = || self.tests.iter().filter(|test| test.error == ErrorKind::Location);
+        let nearer: Vec<String> = location()
+            .filter(|test| test.role == FilmRole::Fitted)
+            .filter_map(|test| {
+                let nearer = test.nearer()?;
+                let confirmed = location()
+                    .any(|p| p.lines == test.lines && p.predicts_better() == Some(nearer));
+                (!confirmed).then(|| {
+                    let other = if nearer == test.lines[0] { test.lines[1] } else { test.lines[0] };
+                    format!("the {nearer} comes nearer than the {other}")
+                })
+            })
+            .collect();
+        (!nearer.is_empty()).then(|| {
+            format!(
+                "On fitted bends {}: that shows how far a line bends to data, and is no evidence for it.",
+                listed(&nearer)
+            )
+        })
+    }
+}
+
+/// By how much one line misses more than another.
+fn difference(test: &LineTest) -> Option<String> {
+    let [low, high] = test.comparison.bootstrap?;
+    let [first, second] = test.lines;
+    let mean = test.comparison.mean_difference;
+    let (more, less, low, high) =
+        if mean > 0.0 { (first, second, low, high) } else { (second, first, -high, -low) };
+    Some(format!(
+        "on {} the {more} misses by {:.1} mm more than the {less} (95 % interval over {} patients {low:.1} to {high:.1} mm)",
+        films_words(test.role),
+        mean.abs(),
+        test.comparison.patients()
+    ))
+}
+
+const fn films_words(role: FilmRole) -> &'static str {
+    match role {
+        FilmRole::Fitted => "bends that were fitted",
+        FilmRole::LeftOutBend => "bends that were left out of the fit",
+        FilmRole::HeldOut => "neutral and traction films",
+    }
+}
+
+/// A difference in prediction that is beyond chance, and whether it is fair.
+fn better_sentence(test: &LineTest) -> Option<String> {
+    let nearer = test.nearer()?;
+    let [first, second] = test.lines;
+    let (other, [own, its]) = if nearer == first {
+        (second, test.per_predicted_film)
+    } else {
+        let [a, b] = test.per_predicted_film;
+        (first, [b, a])
+    };
+    let films = films_words(test.role);
+    let [low, high] = test.comparison.bootstrap?;
+    let (least, most) = (low.abs().min(high.abs()), low.abs().max(high.abs()));
+    let interval = if low.signum() == high.signum() {
+        format!("{least:.1} to {most:.1} mm")
+    } else {
+        format!("{low:+.1} to {high:+.1} mm, first minus second")
+    };
+    let caveat = if own > its {
+        format!(
+            " It takes {} more numbers from each of these films, so this is not a fair win.",
+            own - its
+        )
+    } else {
+        String::new()
+    };
+    Some(format!(
+        "On {films} the {nearer} is nearer than the {other} by {:.1} mm (95 % interval over {} patients {interval}; p {} after Holm's correction).{caveat}",
+        test.comparison.mean_difference.abs(),
+        test.comparison.patients(),
+        probability(test.holm_p?)
+    ))
 }
 
 impl Comparison {
@@ -61,11 +204,23 @@ impl Comparison {
         )
     }
 
-    /// The test over one mean per patient in words.
+    /// The numbers over one mean difference per patient in words: interval, chance and effect.
     #[must_use]
     pub fn patient_words(&self, unit: &str) -> String {
-        let patients = self.patients.map(|t| test_words(&t, unit, "patients"));
-        patients.unwrap_or_else(|| "too few patients to test".to_owned())
+        let (Some(test), Some([low, high])) = (self.sign_flip, self.bootstrap) else {
+            return "too few patients to test".to_owned();
+        };
+        let effect = self.effect.map_or_else(String::new, |effect| {
+            let [low, high] = effect.interval;
+            format!("; effect d {:.2}, 95 % {low:.2} to {high:.2}", effect.d)
+        });
+        format!(
+            "{:+.3} {unit}, 95 % {low:.3} to {high:.3} by resampling patients, p {} (signs flipped{}, {} patients){effect}",
+            self.mean_difference,
+            probability(test.p_two_sided),
+            if test.exact { ", exact" } else { "" },
+            test.n
+        )
     }
 }
 

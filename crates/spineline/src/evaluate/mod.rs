@@ -5,6 +5,7 @@
 //! # References
 //! [jalalian-loa], sections 3.2 and 4.
 
+pub mod paired;
 mod simulate;
 pub mod statistics;
 

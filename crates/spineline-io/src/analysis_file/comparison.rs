@@ -1,0 +1,198 @@
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use spineline::analysis::{
+    Analysis, BendEvidence, ComparedFilm, ComparedLine, Compatibility, FilmRole, FreeNumbers,
+    LinesCompared,
+};
+use spineline::evaluate::Simulation;
+use spineline::personalize::FitTarget;
+
+use super::model::ModelRecord;
+use crate::keys::PostureKey;
+
+/// The lines on the same films, every bend left out once.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub(super) struct ComparisonRecord {
+    /// Whether all lines were fitted to the same data. A free line needs the whole shape also where the others are fitted to
+    /// Ferguson angles.
+    same_data: bool,
+    /// By line.
+    lines: BTreeMap<String, LineRecord>,
+    /// Every film once per role.
+    films: Vec<FilmRecord>,
+    /// By line: whether the bends are compatible with a single force along it. The test of the line itself exists for
+    /// `inflection_line` only.
+    compatibility: BTreeMap<String, CompatibilityRecord>,
+    /// By the bend that was left out, and line: the model that the other bend alone gave, and what it predicts.
+    left_out_bends: BTreeMap<PostureKey, BTreeMap<String, ModelRecord>>,
+    /// The same in sentences, with all that is said of the patient's lines.
+    verdict: Vec<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct LineRecord {
+    /// What it was fitted to: `shape` or `ferguson`.
+    fitted_to: String,
+    numbers: NumbersRecord,
+    /// By role (`fitted`, `left_out_bend`, `held_out`), over the films on which every line has a result.
+    errors: BTreeMap<String, ErrorsRecord>,
+}
+
+/// Numbers that a model takes from films.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub(crate) struct NumbersRecord {
+    /// Free stiffness multipliers: one less than there are, where only ratios are identified.
+    multipliers: usize,
+    /// Forces, one per fitted film.
+    forces: usize,
+    /// What places the fitted films' loads beside their force.
+    line: usize,
+    /// Their sum.
+    fitted: usize,
+    /// Numbers that every further film gives before it is predicted.
+    per_predicted_film: usize,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct ErrorsRecord {
+    films: usize,
+    location_mm: f64,
+    ferguson_deg: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct FilmRecord {
+    posture: PostureKey,
+    /// `fitted`, `left_out_bend` or `held_out`.
+    role: String,
+    /// Whether every line has a result on it; else it takes no part.
+    compared: bool,
+    /// By line; `null` where it has no result.
+    location_mm: BTreeMap<String, Option<f64>>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct CompatibilityRecord {
+    /// Whether some bend speaks against the line.
+    rejected: bool,
+    /// Tests over which Holm's correction was taken.
+    tests: usize,
+    bends: Vec<BendRecord>,
+    /// Bends on which no force was found.
+    without_force: Vec<PostureKey>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct BendRecord {
+    posture: PostureKey,
+    joints: usize,
+    /// Joints that turn against the force.
+    against: usize,
+    /// Those beyond two standard deviations.
+    beyond_noise: usize,
+    /// Their part in the work of all joints.
+    weight: f64,
+    /// Probability that noise alone turns any joint so far against the force, after Holm's correction.
+    joints_p_holm: f64,
+    joints_reject: bool,
+    /// Of the test of the line itself, after Holm's correction; `null` where there is none.
+    line_p_holm: Option<f64>,
+    line_rejects: bool,
+}
+
+impl ComparisonRecord {
+    /// `None` where there is no model to compare.
+    pub fn new(analysis: &Analysis) -> Option<Self> {
+        if analysis.models.is_empty() {
+            return None;
+        }
+        let found = analysis.compare_lines();
+        let compatibility = analysis.models.iter().map(|model| {
+            (model.kind.key().to_owned(), compatibility(&analysis.compatibility(model)))
+        });
+        let left_out = found.left_out.iter().map(|bend| {
+            let models = bend.models.iter();
+            let models =
+                models.map(|m| (m.kind.key().to_owned(), ModelRecord::new(m, analysis))).collect();
+            (bend.posture.into(), models)
+        });
+        Some(Self {
+            same_data: found.same_data(),
+            lines: (0..found.lines.len()).map(|i| line(&found, i)).collect(),
+            films: found.films.iter().map(|f| film(f, &found.lines)).collect(),
+            compatibility: compatibility.collect(),
+            left_out_bends: left_out.collect(),
+            verdict: analysis.verdict(),
+        })
+    }
+}
+
+fn line(found: &LinesCompared, place: usize) -> (String, LineRecord) {
+    let line = &found.lines[place];
+    let errors = FilmRole::ALL.into_iter().filter_map(|role| {
+        let errors = found.errors(place, role)?;
+        let record = ErrorsRecord {
+            films: errors.films,
+            location_mm: errors.location_mm,
+            ferguson_deg: errors.ferguson_deg,
+        };
+        Some((role.key().to_owned(), record))
+    });
+    let fitted_to = match line.target {
+        FitTarget::Shape => "shape",
+        FitTarget::Ferguson => "ferguson",
+    };
+    let record = LineRecord {
+        fitted_to: fitted_to.to_owned(),
+        numbers: NumbersRecord::new(&line.numbers),
+        errors: errors.collect(),
+    };
+    (line.kind.key().to_owned(), record)
+}
+
+impl NumbersRecord {
+    pub fn new(numbers: &FreeNumbers) -> Self {
+        Self {
+            multipliers: numbers.multipliers,
+            forces: numbers.forces,
+            line: numbers.line,
+            fitted: numbers.fitted(),
+            per_predicted_film: numbers.per_predicted_film,
+        }
+    }
+}
+
+fn film(film: &ComparedFilm, lines: &[ComparedLine]) -> FilmRecord {
+    let location_mm = lines.iter().zip(&film.simulations).map(|(line, simulation)| {
+        let mm = simulation.as_ref().map(Simulation::mean_location_error_mm);
+        (line.kind.key().to_owned(), mm)
+    });
+    FilmRecord {
+        posture: film.posture.into(),
+        role: film.role.key().to_owned(),
+        compared: film.is_common(),
+        location_mm: location_mm.collect(),
+    }
+}
+
+fn compatibility(found: &Compatibility) -> CompatibilityRecord {
+    let bend = |bend: &BendEvidence| BendRecord {
+        posture: bend.posture.into(),
+        joints: bend.joints,
+        against: bend.against,
+        beyond_noise: bend.beyond_noise,
+        weight: bend.weight,
+        joints_p_holm: bend.joints_p,
+        joints_reject: bend.joints_reject(),
+        line_p_holm: bend.line_p,
+        line_rejects: bend.line_rejects(),
+    };
+    CompatibilityRecord {
+        rejected: found.rejects(),
+        tests: found.tests,
+        bends: found.bends.iter().map(bend).collect(),
+        without_force: found.without_force.iter().map(|&posture| posture.into()).collect(),
+    }
+}

@@ -1,0 +1,186 @@
+//! What many patients say together of the lines of action, as a file.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use spineline::cohort::{Clustered, Cohort, LineTest, RoleErrors};
+use spineline::evaluate::statistics::PairedT;
+
+use crate::analysis_file::NumbersRecord;
+
+/// The lines of action over many patients, on the same films. Location errors in mm, Ferguson errors in degrees.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(title = "Spineline cohort, version 1")]
+pub struct CohortFile {
+    format: String,
+    version: u32,
+    /// Program that wrote it.
+    generator: String,
+    /// Whether any patient is made up.
+    synthetic: bool,
+    case_ids: Vec<String>,
+    /// Seed of resampling and, beyond 20 patients, of the drawn sign flips.
+    seed: u64,
+    /// Which number to believe, and why.
+    believe: String,
+    /// What Holm's correction is over.
+    family: String,
+    /// Number of tests in it.
+    family_tests: usize,
+    /// Whether all lines were fitted to the same data.
+    same_data: bool,
+    /// Numbers that each line takes from films.
+    numbers: BTreeMap<String, NumbersRecord>,
+    /// By line and role, over the films on which every line has a result.
+    errors: Vec<ErrorsRecord>,
+    /// By pair of lines, role and error.
+    tests: Vec<TestRecord>,
+    /// Patients whose bends are not compatible with a single force through the inflections, and all who were asked.
+    incompatible_patients: [usize; 2],
+    verdict: Vec<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct ErrorsRecord {
+    line: String,
+    /// `fitted`, `left_out_bend` or `held_out`.
+    role: String,
+    films: usize,
+    /// Films without part in it, since some line has no result on them.
+    films_left_out: usize,
+    location_mm: SampleRecord,
+    ferguson_deg: SampleRecord,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct SampleRecord {
+    patients: usize,
+    /// Of one mean per patient.
+    mean: Option<f64>,
+    /// By resampling patients.
+    interval_95: Option<[f64; 2]>,
+    /// Of one mean per patient.
+    sd: Option<f64>,
+    /// As the paper has it: of all values, as if they were independent.
+    pooled_mean: Option<f64>,
+    pooled_sd: Option<f64>,
+}
+
+/// Two lines on the films that both could simulate. Differences are first minus second.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct TestRecord {
+    lines: [String; 2],
+    /// `fitted`, `left_out_bend` or `held_out`.
+    role: String,
+    /// `location_mm` or `ferguson_deg`.
+    error: String,
+    films: usize,
+    films_left_out: usize,
+    patients: usize,
+    /// Numbers that each line takes from a film before it predicts it.
+    per_predicted_film: [usize; 2],
+    /// Of one mean difference per patient.
+    mean_difference: Option<f64>,
+    /// By resampling patients.
+    interval_95: Option<[f64; 2]>,
+    /// Mean over the deviation of the patients' differences.
+    effect_d: Option<f64>,
+    /// By the noncentral t distribution.
+    effect_interval_95: Option<[f64; 2]>,
+    /// Of flipping the signs of the patients' differences, two-sided.
+    sign_flip_p: Option<f64>,
+    /// Whether all flips were counted.
+    sign_flip_exact: Option<bool>,
+    /// To believe: the same after Holm's correction.
+    holm_p: Option<f64>,
+    /// Paired t over one mean per patient, two-sided.
+    patient_t: Option<PairedRecord>,
+    /// The paper's paired t, as if all values were independent.
+    pooled_t: Option<PairedRecord>,
+    /// The line that predicts better: on films that were not fitted, beyond chance, without more numbers from them.
+    predicts_better: Option<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct PairedRecord {
+    n: usize,
+    t: f64,
+    p_two_sided: f64,
+}
+
+impl CohortFile {
+    /// The file of a cohort.
+    #[must_use]
+    pub fn new(cohort: &Cohort, case_ids: Vec<String>, seed: u64, generator: &str) -> Self {
+        let compared = &cohort.compared;
+        let numbers = compared.numbers.iter();
+        let (against, asked) = cohort.incompatible;
+        Self {
+            format: "spineline-cohort".to_owned(),
+            version: 1,
+            generator: generator.to_owned(),
+            synthetic: cohort.synthetic,
+            case_ids,
+            seed,
+            believe: compared.believe_words().to_owned(),
+            family: compared.family_words(),
+            family_tests: compared.family(),
+            same_data: compared.same_data,
+            numbers: numbers
+                .map(|(kind, n)| (kind.key().to_owned(), NumbersRecord::new(n)))
+                .collect(),
+            errors: compared.errors.iter().map(errors).collect(),
+            tests: compared.tests.iter().map(test).collect(),
+            incompatible_patients: [against, asked],
+            verdict: cohort.sentences(),
+        }
+    }
+}
+
+fn finite(value: f64) -> Option<f64> {
+    Some(value).filter(|value| value.is_finite())
+}
+
+fn errors(found: &RoleErrors) -> ErrorsRecord {
+    let sample = |values: &Clustered| SampleRecord {
+        patients: values.patients.n,
+        mean: finite(values.patients.mean),
+        interval_95: values.bootstrap,
+        sd: finite(values.patients.sd),
+        pooled_mean: finite(values.pooled.mean),
+        pooled_sd: finite(values.pooled.sd),
+    };
+    ErrorsRecord {
+        line: found.kind.key().to_owned(),
+        role: found.role.key().to_owned(),
+        films: found.films,
+        films_left_out: found.left_out,
+        location_mm: sample(&found.location_mm),
+        ferguson_deg: sample(&found.ferguson_deg),
+    }
+}
+
+fn test(found: &LineTest) -> TestRecord {
+    let paired = |t: PairedT| PairedRecord { n: t.n, t: t.t, p_two_sided: t.p_two_sided };
+    let c = &found.comparison;
+    TestRecord {
+        lines: found.lines.map(|kind| kind.key().to_owned()),
+        role: found.role.key().to_owned(),
+        error: found.error.key().to_owned(),
+        films: found.films,
+        films_left_out: found.left_out,
+        patients: c.patients(),
+        per_predicted_film: found.per_predicted_film,
+        mean_difference: finite(c.mean_difference),
+        interval_95: c.bootstrap,
+        effect_d: c.effect.map(|effect| effect.d),
+        effect_interval_95: c.effect.map(|effect| effect.interval),
+        sign_flip_p: c.sign_flip.map(|test| test.p_two_sided),
+        sign_flip_exact: c.sign_flip.map(|test| test.exact),
+        holm_p: found.holm_p,
+        patient_t: c.patients.map(paired),
+        pooled_t: c.pooled.map(paired),
+        predicts_better: found.predicts_better().map(|kind| kind.key().to_owned()),
+    }
+}

@@ -1,0 +1,114 @@
+//! Lines on the same films: what is left out stays out, numbers are counted, and the truth decides which line predicts.
+
+use spineline::action::LineKind;
+use spineline::analysis::{Analysis, AnalysisOptions, FilmRole, LinesCompared, analyze};
+use spineline::anatomy::Posture;
+use spineline::cohort::{Cohort, ErrorKind};
+use spineline::multibody::Support;
+use spineline_phantom::{Phantom, Readers, Truth, generate};
+
+fn exact(index: usize, truth: Truth) -> Phantom {
+    generate(index, truth, &Readers::exact(), 1).expect("all subjects have phantoms")
+}
+
+fn analyzed(phantom: &Phantom) -> Analysis {
+    let options = AnalysisOptions { support: Support::Frontal, ..Default::default() };
+    analyze(&phantom.case, &options).expect("phantoms are sound cases")
+}
+
+fn place(found: &LinesCompared, kind: LineKind) -> usize {
+    found.lines.iter().position(|line| line.kind == kind).expect("a phantom has every line")
+}
+
+#[test]
+fn a_bend_that_is_left_out_has_no_part_in_the_stiffness_that_predicts_it() {
+    let phantom = exact(2, Truth::Rod);
+    let mut other = phantom.clone();
+    let [own, theirs] = [&phantom, &exact(2, Truth::Bend)].map(|p| {
+        let right = |film: &spineline::measure::Film| film.posture == Posture::RightBending;
+        p.case.films.iter().position(right).map(|i| (i, p.case.films[i].clone())).expect("a bend")
+    });
+    other.case.films[own.0] = theirs.1;
+    let [first, second] = [&phantom, &other].map(|p| analyzed(p).compare_lines());
+    let fits = |found: &LinesCompared, posture: Posture, kind: LineKind| -> Vec<f64> {
+        let bend = found.left_out.iter().find(|bend| bend.posture == posture).expect("two bends");
+        let model = bend.models.iter().find(|model| model.kind == kind).expect("every line");
+        model.fit.log_multipliers.clone()
+    };
+    for kind in [LineKind::Iliac, LineKind::Estimated] {
+        let right = Posture::RightBending;
+        assert_eq!(fits(&first, right, kind), fits(&second, right, kind), "{kind}");
+        let left = Posture::LeftBending;
+        assert_ne!(fits(&first, left, kind), fits(&second, left, kind), "{kind}");
+    }
+    // One length of segments is for all films (problem 1 of the paper), and places an inflection to within a segment.
+    let [a, b] = [&first, &second].map(|f| fits(f, Posture::RightBending, LineKind::Inflection));
+    assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 0.01), "{a:?} {b:?}");
+    for model in first.left_out.iter().flat_map(|bend| &bend.models) {
+        assert_eq!(model.postures.iter().filter(|s| s.fitted).count(), 1);
+    }
+}
+
+#[test]
+fn every_number_that_comes_from_a_film_is_counted() {
+    let found = analyzed(&exact(0, Truth::Pull)).compare_lines();
+    let numbers = |kind| {
+        let n = found.lines[place(&found, kind)].numbers;
+        ([n.multipliers, n.forces, n.line], n.fitted(), n.per_predicted_film)
+    };
+    // Three regions are two ratios; two bends have a force each, and a free line has two numbers more per bend.
+    assert_eq!(numbers(LineKind::Inflection), ([2, 2, 0], 4, 1));
+    assert_eq!(numbers(LineKind::Iliac), ([2, 2, 0], 4, 1));
+    assert_eq!(numbers(LineKind::Estimated), ([2, 2, 4], 8, 3));
+    assert!(found.same_data());
+}
+
+#[test]
+fn a_film_counts_where_every_line_has_a_result_and_the_others_are_counted_too() {
+    let mut found = analyzed(&exact(4, Truth::Rod)).compare_lines();
+    let (all, left) = found.counted(FilmRole::LeftOutBend);
+    assert_eq!(all, 2);
+    let iliac = place(&found, LineKind::Iliac);
+    let film = found
+        .films
+        .iter_mut()
+        .find(|film| film.role == FilmRole::LeftOutBend && film.is_common())
+        .expect("some line predicts a bend");
+    film.simulations[iliac] = None;
+    assert_eq!(found.counted(FilmRole::LeftOutBend), (2, left + 1));
+    let films = |found: &LinesCompared, line| {
+        found.errors(line, FilmRole::LeftOutBend).map_or(0, |errors| errors.films)
+    };
+    for line in 0..found.lines.len() {
+        assert_eq!(films(&found, line), 2 - left - 1, "the same films for every line");
+    }
+}
+
+/// Without noise a rod's force runs through its inflections, and that of a pull does not: the same tests must tell them apart
+/// on films that were not fitted.
+#[test]
+fn the_truth_decides_which_line_predicts_better() {
+    let cohort = |truth| {
+        let analyses: Vec<Analysis> = (0..8).map(|index| analyzed(&exact(index, truth))).collect();
+        Cohort::of(&analyses.iter().collect::<Vec<_>>(), 1)
+    };
+    let better = |cohort: &Cohort| -> Vec<Option<LineKind>> {
+        let mine = cohort.compared.tests.iter().filter(|test| {
+            test.lines == [LineKind::Inflection, LineKind::Iliac]
+                && test.error == ErrorKind::Location
+                && test.role != FilmRole::Fitted
+        });
+        mine.map(|test| test.nearer()).collect()
+    };
+    let (rod, pull) = (cohort(Truth::Rod), cohort(Truth::Pull));
+    assert!(!better(&rod).contains(&Some(LineKind::Iliac)), "{:?}", better(&rod));
+    assert!(!better(&pull).contains(&Some(LineKind::Inflection)), "{:?}", better(&pull));
+    // Eighteen tests: three pairs on three kinds of films by two errors; none is corrected downwards.
+    for test in rod.compared.tests.iter().chain(&pull.compared.tests) {
+        let plain = test.comparison.sign_flip.map(|flip| flip.p_two_sided);
+        assert!(test.holm_p >= plain, "{test:?}");
+    }
+    let (against, asked) = pull.incompatible;
+    assert!(asked > 0 && 2 * against > asked, "{against} of {asked}");
+    assert_eq!(rod.incompatible.0, 0, "{:?}", rod.verdict());
+}

@@ -1,0 +1,245 @@
+//! Lines of action on the same films, with their free numbers counted and every bend left out once.
+
+use super::models::{FitTask, bending_loads, depth_mm, fit_model, settings_of};
+use super::{Analysis, LineModel};
+use crate::action::LineKind;
+use crate::anatomy::Posture;
+use crate::evaluate::Simulation;
+use crate::multibody::Load;
+use crate::personalize::{FitTarget, Gauge};
+use crate::warning::Warnings;
+
+/// What the stiffness knew of a film.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FilmRole {
+    /// It was fitted to it: a small error says how much the line can bend to data, not that it is right.
+    Fitted,
+    /// A bend, predicted with the stiffness that the other bend alone gave.
+    LeftOutBend,
+    /// A neutral or traction film, which no fit ever sees.
+    HeldOut,
+}
+
+impl FilmRole {
+    /// All, the fitted ones first.
+    pub const ALL: [Self; 3] = [Self::Fitted, Self::LeftOutBend, Self::HeldOut];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Fitted => "fitted",
+            Self::LeftOutBend => "left_out_bend",
+            Self::HeldOut => "held_out",
+        }
+    }
+}
+
+impl std::fmt::Display for FilmRole {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(match self {
+            Self::Fitted => "fitted bends",
+            Self::LeftOutBend => "bends left out",
+            Self::HeldOut => "neutral, traction",
+        })
+    }
+}
+
+/// Numbers that a model takes from films.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FreeNumbers {
+    /// Stiffness multipliers; one less than there are groups, since their level changes no shape, but for
+    /// [`Gauge::FrozenForce`].
+    pub multipliers: usize,
+    /// Forces, one per fitted film.
+    pub forces: usize,
+    /// Numbers that place and direct the fitted films' loads beside their force: none for a line that geometry gives, two
+    /// per film for a free one.
+    pub line: usize,
+    /// Numbers that every further film gives before it is predicted: its force, and what places a free load.
+    pub per_predicted_film: usize,
+}
+
+impl FreeNumbers {
+    /// Of a fitted model.
+    #[must_use]
+    pub fn of(model: &LineModel, gauge: Gauge) -> Self {
+        let level = usize::from(gauge != Gauge::FrozenForce);
+        let components = model.fit.loads.iter().map(Vec::len);
+        Self {
+            multipliers: model.groups.len() - level,
+            forces: components.len(),
+            line: components.clone().map(|n| n.saturating_sub(1)).sum(),
+            per_predicted_film: components.max().unwrap_or(1),
+        }
+    }
+
+    /// Numbers that were fitted together.
+    #[must_use]
+    pub const fn fitted(&self) -> usize {
+        self.multipliers + self.forces + self.line
+    }
+}
+
+/// One line of a comparison.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ComparedLine {
+    /// The line.
+    pub kind: LineKind,
+    /// What it takes from films.
+    pub numbers: FreeNumbers,
+    /// What it was fitted to: a free load needs the whole shape, also where the others are fitted to Ferguson angles.
+    pub target: FitTarget,
+}
+
+/// One film under every line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ComparedFilm {
+    /// The posture.
+    pub posture: Posture,
+    /// What the stiffness knew of it.
+    pub role: FilmRole,
+    /// By line; `None` where a line has no result on it.
+    pub simulations: Vec<Option<Simulation>>,
+}
+
+impl ComparedFilm {
+    /// Whether every line has a result: lines are compared on such films only.
+    #[must_use]
+    pub fn is_common(&self) -> bool {
+        self.simulations.iter().all(Option::is_some)
+    }
+}
+
+/// A bend, and the models that were fitted to the other one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LeftOutBend {
+    /// The bend that no part of these models has seen, but for its force and, for a free load, its line.
+    pub posture: Posture,
+    /// One model per line; its postures are the two bends.
+    pub models: Vec<LineModel>,
+}
+
+/// The lines of one patient on the same films.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinesCompared {
+    /// The lines that have a model.
+    pub lines: Vec<ComparedLine>,
+    /// Every film once per role: fitted, then left out, then held out.
+    pub films: Vec<ComparedFilm>,
+    /// The fits without one of the bends; empty where there is but one.
+    pub left_out: Vec<LeftOutBend>,
+}
+
+/// Mean errors of one line over the films that all lines could simulate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeanErrors {
+    /// Films.
+    pub films: usize,
+    /// Mean location error of their vertebrae.
+    pub location_mm: f64,
+    /// Mean absolute Ferguson error of their regions, in degrees.
+    pub ferguson_deg: f64,
+}
+
+impl LinesCompared {
+    /// Films of a role, and how many of them are left out of the comparison, since some line has no result there.
+    #[must_use]
+    pub fn counted(&self, role: FilmRole) -> (usize, usize) {
+        let films = || self.films.iter().filter(|film| film.role == role);
+        (films().count(), films().filter(|film| !film.is_common()).count())
+    }
+
+    /// Mean errors of a line, by its place, over the common films of a role.
+    #[must_use]
+    pub fn errors(&self, line: usize, role: FilmRole) -> Option<MeanErrors> {
+        let films = self.films.iter().filter(|film| film.role == role && film.is_common());
+        let found: Vec<&Simulation> =
+            films.filter_map(|film| film.simulations[line].as_ref()).collect();
+        let films = found.len();
+        let mean = |values: Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
+        let mm = found.iter().flat_map(|s| s.location_errors_mm.iter().copied()).collect();
+        let deg = found.iter().flat_map(|s| ferguson_errors_deg(s)).collect();
+        (films > 0).then(|| MeanErrors { films, location_mm: mean(mm), ferguson_deg: mean(deg) })
+    }
+
+    /// Whether all lines were fitted to the same data.
+    #[must_use]
+    pub fn same_data(&self) -> bool {
+        self.lines.windows(2).all(|pair| pair[0].target == pair[1].target)
+    }
+}
+
+/// Absolute errors of the Ferguson angles.
+pub(crate) fn ferguson_errors_deg(simulation: &Simulation) -> Vec<f64> {
+    simulation.ferguson_difference.iter().map(|angle| angle.abs().deg()).collect()
+}
+
+impl Analysis {
+    /// All lines on the same films, every bend left out once.
+    ///
+    /// Computed when it is asked for, since no other result depends on it: it takes one more fit per line and bend.
+    #[must_use]
+    pub fn compare_lines(&self) -> LinesCompared {
+        let settings = settings_of(self, &[]);
+        let lines = self.models.iter().map(|model| {
+            let numbers = FreeNumbers::of(model, self.options.gauge);
+            let free = numbers.per_predicted_film > 1;
+            let target = if free { FitTarget::Shape } else { settings.target };
+            ComparedLine { kind: model.kind, numbers, target }
+        });
+        let left_out = self.leave_bends_out();
+        let film = |posture, role, models: &[LineModel]| ComparedFilm {
+            posture,
+            role,
+            simulations: self
+                .models
+                .iter()
+                .map(|line| {
+                    let model = models.iter().find(|model| model.kind == line.kind)?;
+                    model.posture(posture).filter(|s| s.is_usable()).cloned()
+                })
+                .collect(),
+        };
+        let (mut fitted, mut held_out) = (Vec::new(), Vec::new());
+        let moved = self.postures.iter().map(|p| p.outline.posture);
+        for posture in moved.filter(|posture| *posture != Posture::Erect) {
+            match posture.bend() {
+                Some(_) => fitted.push(film(posture, FilmRole::Fitted, &self.models)),
+                None => held_out.push(film(posture, FilmRole::HeldOut, &self.models)),
+            }
+        }
+        let bends = left_out.iter().map(|b| film(b.posture, FilmRole::LeftOutBend, &b.models));
+        let films = fitted.into_iter().chain(bends).chain(held_out).collect();
+        LinesCompared { lines: lines.collect(), films, left_out }
+    }
+
+    /// Fits every line to one bend and predicts the other by the rule of all films that are not fitted: its force alone is
+    /// free, and brings T2 where it was.
+    fn leave_bends_out(&self) -> Vec<LeftOutBend> {
+        let depth_mm = depth_mm(self);
+        let bends: Vec<Posture> = self
+            .postures
+            .iter()
+            .map(|p| p.outline.posture)
+            .filter(|posture| posture.bend().is_some())
+            .collect();
+        if bends.len() < 2 {
+            return Vec::new();
+        }
+        let without = |posture: Posture| {
+            // The fits to all bends have told what is wrong with the lines.
+            let mut told = Warnings::default();
+            let mut models = Vec::new();
+            for line in &self.models {
+                let mut seen: Vec<(_, Load)> = bending_loads(self, line.kind, depth_mm, &mut told);
+                seen.retain(|(bend, _)| bend.outline.posture != posture);
+                let task = FitTask { bends: &seen, films: &bends, models: &models, estimate: None };
+                let model = fit_model(self, line.kind, task, &mut told);
+                models.extend(model);
+            }
+            LeftOutBend { posture, models }
+        };
+        bends.iter().map(|&posture| without(posture)).collect()
+    }
+}

@@ -1,0 +1,174 @@
+//! Whether the bends of a patient are compatible with a single force along a line.
+
+use super::{Analysis, LineModel};
+use crate::action::LineKind;
+use crate::anatomy::Posture;
+use crate::evaluate::paired::holm;
+use crate::personalize::estimate::LineComparison;
+use crate::personalize::evidence::ContradictedJoint;
+use crate::spatial::Angle;
+use statrs::distribution::{ContinuousCDF, Normal};
+
+/// More of the joints' work than this against the force speaks against a line.
+const WEIGHT_AGAINST: f64 = 0.10;
+/// Findings of a patient are beyond chance below this probability, corrected for how many were looked for.
+const LEVEL: f64 = 0.05;
+/// A joint nearer to the line than this may lie on its other side: an inflection's place along the curve is not known better.
+const SURE_ARM_MM: f64 = 5.0;
+
+/// What one bend says of a single force along a line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BendEvidence {
+    /// The bend.
+    pub posture: Posture,
+    /// Joints that can turn.
+    pub joints: usize,
+    /// Joints that turn against the force.
+    pub against: usize,
+    /// Those of them that do so beyond two standard deviations.
+    pub beyond_noise: usize,
+    /// Part of the joints' work `Σ |rotation × lever arm|` that is against the force.
+    pub weight: f64,
+    /// Probability that noise alone turns any joint so far against the force: that of the joint which speaks most against
+    /// it, at least 5 mm from the line, times the number of joints. Corrected over the patient's tests.
+    pub joints_p: f64,
+    /// The test of "the load runs through the inflections"; for the inflection line only.
+    pub line_test: Option<LineComparison>,
+    /// Its probability, corrected over the patient's tests.
+    pub line_p: Option<f64>,
+}
+
+impl BendEvidence {
+    /// Whether the joints speak against the line: beyond chance, and with more than a tenth of the work.
+    #[must_use]
+    pub fn joints_reject(&self) -> bool {
+        self.joints_p < LEVEL && self.weight > WEIGHT_AGAINST
+    }
+
+    /// Whether the load that the rotations prefer runs elsewhere: beyond chance, and by a distance or angle that matters.
+    #[must_use]
+    pub fn line_rejects(&self) -> bool {
+        self.line_test.is_some_and(|test| test.rejects()) && self.line_p.is_some_and(|p| p < LEVEL)
+    }
+
+    /// Whether either speaks against the line.
+    #[must_use]
+    pub fn rejects(&self) -> bool {
+        self.joints_reject() || self.line_rejects()
+    }
+}
+
+/// What all bends of a patient say of a single force along a line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Compatibility {
+    /// Bends on which the force was found.
+    pub bends: Vec<BendEvidence>,
+    /// Bends on which no force was found, so that nothing is said of them.
+    pub without_force: Vec<Posture>,
+    /// Tests over which Holm's correction was taken.
+    pub tests: usize,
+}
+
+impl Compatibility {
+    /// Whether some bend speaks against the line.
+    #[must_use]
+    pub fn rejects(&self) -> bool {
+        self.bends.iter().any(BendEvidence::rejects)
+    }
+}
+
+impl Analysis {
+    /// Whether the bends are compatible with a single force along a model's line.
+    ///
+    /// # Definition
+    /// Per bend two questions: does any joint turn against the force further than noise carries one of so many, and does the
+    /// load that the rotations prefer run elsewhere (inflection line only). Holm's correction is over all of them, so that a patient whose
+    /// bends are compatible is called otherwise with a probability of at most 0.05. The place of the line and
+    /// the lever arms are taken as known, and so is the noise of the tilts.
+    #[must_use]
+    pub fn compatibility(&self, model: &LineModel) -> Compatibility {
+        let films = || model.postures.iter().filter(|s| s.fitted && s.posture.bend().is_some());
+        let mut bends: Vec<BendEvidence> = films()
+            .filter(|s| s.is_usable())
+            .map(|s| {
+                let beyond_noise = s.contradicted.iter().filter(|j| j.beyond_noise).count();
+                let joints = s.location_errors_mm.len();
+                let film = self.posture(s.posture);
+                let line_test = film
+                    .filter(|_| model.kind == LineKind::Inflection)
+                    .and_then(|posture| posture.line_comparison);
+                let sd = film.and_then(|film| film.evidence.as_ref()).map(|e| e.rotation_sd);
+                BendEvidence {
+                    posture: s.posture,
+                    joints,
+                    against: s.contradicted.len(),
+                    beyond_noise,
+                    weight: s.contradicted_weight(),
+                    joints_p: sd.map_or(1.0, |sd| against_by_chance(&s.contradicted, joints, sd)),
+                    line_test,
+                    line_p: line_test.map(|test| test.p_value),
+                }
+            })
+            .collect();
+        let mut all: Vec<&mut f64> = bends
+            .iter_mut()
+            .flat_map(|bend| [Some(&mut bend.joints_p), bend.line_p.as_mut()])
+            .flatten()
+            .collect();
+        let adjusted = holm(&all.iter().map(|p| **p).collect::<Vec<f64>>());
+        for (p, adjusted) in all.iter_mut().zip(&adjusted) {
+            **p = *adjusted;
+        }
+        let without_force = films().filter(|s| !s.is_usable()).map(|s| s.posture).collect();
+        Compatibility { bends, without_force, tests: adjusted.len() }
+    }
+}
+
+/// Bonferroni's bound on the probability that noise of a deviation carries any of `joints` so far against the force, when
+/// none truly turns against it. It holds for any dependence: neighbours share a vertebra.
+fn against_by_chance(contradicted: &[ContradictedJoint], joints: usize, sd: Angle) -> f64 {
+    let sure = contradicted.iter().filter(|joint| joint.lever_arm_mm.abs() >= SURE_ARM_MM);
+    let furthest = sure.map(|joint| joint.rotation.rad().abs() / sd.rad()).fold(0.0, f64::max);
+    (joints as f64 * Normal::standard().sf(furthest)).min(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::anatomy::Level;
+
+    #[test]
+    fn the_joint_that_turns_furthest_counts_once_for_every_joint() {
+        let joint = |deg: f64, arm_mm: f64| ContradictedJoint {
+            inferior: Level::MODEL[0],
+            superior: Level::MODEL[1],
+            rotation: Angle::from_deg(deg),
+            lever_arm_mm: arm_mm,
+            weight: 0.5,
+            beyond_noise: true,
+        };
+        let p = |joints: &[ContradictedJoint]| against_by_chance(joints, 14, Angle::from_deg(1.0));
+        // Three standard deviations: 0.00135 on one side.
+        assert!((p(&[joint(-3.0, -20.0), joint(2.0, -30.0)]) - 14.0 * 0.001_349_898).abs() < 1e-8);
+        // A joint that the line nearly meets says nothing, however far it turns.
+        assert_eq!(p(&[joint(8.0, -4.9)]), 1.0);
+        assert_eq!(p(&[]), 1.0);
+    }
+
+    #[test]
+    fn joints_against_need_weight_and_more_than_chance() {
+        let bend = BendEvidence {
+            posture: Posture::LeftBending,
+            joints: 14,
+            against: 5,
+            beyond_noise: 3,
+            weight: 0.3,
+            joints_p: 0.01,
+            line_test: None,
+            line_p: None,
+        };
+        assert!(bend.joints_reject() && bend.rejects());
+        assert!(!BendEvidence { weight: 0.05, ..bend }.rejects());
+        assert!(!BendEvidence { joints_p: 0.2, ..bend }.rejects());
+    }
+}

@@ -1,0 +1,48 @@
+use super::LineModel;
+use crate::personalize::{FitStatus, StiffnessBound};
+use crate::warning::{Step, Warnings};
+
+/// Tells what of a fitted model is no result, and what speaks against its line.
+pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
+    let mut warn = |step, code, posture, text| warnings.line(step, code, model.kind, posture, text);
+    if model.fit.status != FitStatus::Converged {
+        let text = format!("the fit ended with `{}`", model.fit.status.key());
+        warn(Step::Personalize, "fit_not_converged", None, text);
+    }
+    for (name, bound) in model.groups.names().iter().zip(&model.fit.bounds) {
+        if *bound != StiffnessBound::Inside {
+            let text = format!(
+                "the multiplier of {} ended at its bound, so its value is not identified",
+                name.replace('_', " ")
+            );
+            warn(Step::Personalize, "multiplier_at_bound", None, text);
+        }
+    }
+    for simulation in &model.postures {
+        let posture = Some(simulation.posture);
+        if !simulation.is_usable() {
+            let text = format!(
+                "the force was not found (`{}`); what is shown is the nearest shape, not a result",
+                simulation.status.key()
+            );
+            warn(Step::Evaluate, "force_not_found", posture, text);
+        }
+        if simulation.lost_forces > 0 {
+            let text = format!(
+                "the search for forces that meet the amplitude was lost {} times: there may be more",
+                simulation.lost_forces
+            );
+            warn(Step::Evaluate, "forces_lost", posture, text);
+        }
+        let beyond = simulation.contradicted.iter().filter(|joint| joint.beyond_noise).count();
+        if beyond > 0 {
+            let text = format!(
+                "{} of {} joints turn against the force, {beyond} of them beyond noise ({:.0} % of the work): no positive stiffness explains them",
+                simulation.contradicted.len(),
+                simulation.location_errors_mm.len(),
+                100.0 * simulation.contradicted_weight()
+            );
+            warn(Step::Personalize, "joints_contradict_line", posture, text);
+        }
+    }
+}

@@ -1,0 +1,241 @@
+//! The lines of action of many patients on the same films.
+
+use super::{Clustered, Comparison};
+use crate::action::LineKind;
+use crate::analysis::{
+    Analysis, ComparedFilm, FilmRole, FreeNumbers, LinesCompared, ferguson_errors_deg,
+};
+use crate::evaluate::Simulation;
+use crate::evaluate::paired::holm;
+
+/// Which error is compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErrorKind {
+    /// Distance of vertebrae, in mm: what a verdict is about.
+    Location,
+    /// Absolute errors of Ferguson angles, in degrees.
+    Ferguson,
+}
+
+impl ErrorKind {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Location, Self::Ferguson];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Location => "location_mm",
+            Self::Ferguson => "ferguson_deg",
+        }
+    }
+
+    /// What it is measured in.
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Location => "mm",
+            Self::Ferguson => "°",
+        }
+    }
+
+    fn of(self, simulation: &Simulation) -> Vec<f64> {
+        match self {
+            Self::Location => simulation.location_errors_mm.clone(),
+            Self::Ferguson => ferguson_errors_deg(simulation),
+        }
+    }
+}
+
+/// Errors of one line over the films of a role that all lines of the cohort could simulate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RoleErrors {
+    /// The line.
+    pub kind: LineKind,
+    /// What the stiffness knew of the films.
+    pub role: FilmRole,
+    /// Films in the comparison.
+    pub films: usize,
+    /// Films that are not, since some line has no result on them.
+    pub left_out: usize,
+    /// Location errors, in mm.
+    pub location_mm: Clustered,
+    /// Absolute Ferguson errors, in degrees.
+    pub ferguson_deg: Clustered,
+}
+
+/// Two lines on the films of a role that both could simulate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LineTest {
+    /// First and second line; differences are first minus second, so that a negative one is the first's advantage.
+    pub lines: [LineKind; 2],
+    /// What the stiffness knew of the films.
+    pub role: FilmRole,
+    /// Which error.
+    pub error: ErrorKind,
+    /// Films in the comparison.
+    pub films: usize,
+    /// Films that are not, since one of the two has no result on them.
+    pub left_out: usize,
+    /// The tests.
+    pub comparison: Comparison,
+    /// The sign-flip probability, corrected by Holm over all tests of the cohort's lines.
+    pub holm_p: Option<f64>,
+    /// Numbers that each line takes from a film before it predicts it.
+    pub per_predicted_film: [usize; 2],
+}
+
+impl LineTest {
+    /// The nearer line, where the difference is beyond chance in the whole family.
+    #[must_use]
+    pub fn nearer(&self) -> Option<LineKind> {
+        let [first, second] = self.lines;
+        self.holm_p
+            .filter(|p| *p < 0.05)
+            .map(|_| if self.comparison.mean_difference < 0.0 { first } else { second })
+    }
+
+    /// The line that predicts better: nearer on films that were not fitted, beyond chance, and without taking more
+    /// numbers from them than the other.
+    #[must_use]
+    pub fn predicts_better(&self) -> Option<LineKind> {
+        let nearer = self.nearer().filter(|_| self.role != FilmRole::Fitted)?;
+        let [first, second] = self.per_predicted_film;
+        let (own, other) = if nearer == self.lines[0] { (first, second) } else { (second, first) };
+        (own <= other).then_some(nearer)
+    }
+}
+
+/// The lines of many patients, on the same films.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinesOverPatients {
+    /// Numbers that each line takes from films, of the first patient with a model of it.
+    pub numbers: Vec<(LineKind, FreeNumbers)>,
+    /// Whether all lines were fitted to the same data in every patient.
+    pub same_data: bool,
+    /// By line and role.
+    pub errors: Vec<RoleErrors>,
+    /// By pair of lines, role and error: one family.
+    pub tests: Vec<LineTest>,
+}
+
+/// Films of one patient with the place of each of the cohort's lines among that patient's.
+struct Patient {
+    compared: LinesCompared,
+    places: Vec<Option<usize>>,
+}
+
+impl Patient {
+    fn films(&self, role: FilmRole) -> impl Iterator<Item = &ComparedFilm> {
+        self.compared.films.iter().filter(move |film| film.role == role)
+    }
+
+    fn simulation<'a>(&self, film: &'a ComparedFilm, line: usize) -> Option<&'a Simulation> {
+        film.simulations[self.places[line]?].as_ref()
+    }
+}
+
+impl LinesOverPatients {
+    pub(super) fn of(analyses: &[&Analysis], seed: u64) -> Self {
+        let compared: Vec<LinesCompared> = analyses.iter().map(|a| a.compare_lines()).collect();
+        let mut numbers: Vec<(LineKind, FreeNumbers)> = Vec::new();
+        for line in compared.iter().flat_map(|c| &c.lines) {
+            if numbers.iter().all(|(kind, _)| *kind != line.kind) {
+                numbers.push((line.kind, line.numbers));
+            }
+        }
+        numbers.sort_by_key(|(kind, _)| *kind);
+        let same_data = compared.iter().all(LinesCompared::same_data);
+        let patients: Vec<Patient> = compared
+            .into_iter()
+            .map(|compared| {
+                let place = |(kind, _): &(LineKind, FreeNumbers)| {
+                    compared.lines.iter().position(|line| line.kind == *kind)
+                };
+                Patient { places: numbers.iter().map(place).collect(), compared }
+            })
+            .collect();
+        let lines: Vec<usize> = (0..numbers.len()).collect();
+        let mut errors = Vec::new();
+        for role in FilmRole::ALL {
+            let common = common_films(&patients, role, &lines);
+            for (place, &line) in lines.iter().enumerate() {
+                let clustered = |error| Clustered::new(common.values(place, error), seed);
+                errors.push(RoleErrors {
+                    kind: numbers[line].0,
+                    role,
+                    films: common.films,
+                    left_out: common.left_out,
+                    location_mm: clustered(ErrorKind::Location),
+                    ferguson_deg: clustered(ErrorKind::Ferguson),
+                });
+            }
+        }
+        Self { tests: tests(&patients, &numbers, seed), numbers, same_data, errors }
+    }
+}
+
+/// Simulations of the films that some lines share: by patient and film, one per line.
+struct Common<'a> {
+    by_patient: Vec<Vec<Vec<&'a Simulation>>>,
+    films: usize,
+    left_out: usize,
+}
+
+impl Common<'_> {
+    fn values(&self, place: usize, error: ErrorKind) -> Vec<Vec<f64>> {
+        let patient =
+            |films: &Vec<Vec<&Simulation>>| films.iter().flat_map(|f| error.of(f[place])).collect();
+        self.by_patient.iter().map(patient).collect()
+    }
+}
+
+fn common_films<'a>(patients: &'a [Patient], role: FilmRole, lines: &[usize]) -> Common<'a> {
+    let all: usize = patients.iter().map(|p| p.films(role).count()).sum();
+    let by_patient: Vec<Vec<Vec<&Simulation>>> = patients
+        .iter()
+        .map(|p| {
+            p.films(role)
+                .filter_map(|film| lines.iter().map(|&line| p.simulation(film, line)).collect())
+                .collect()
+        })
+        .collect();
+    let films = by_patient.iter().map(Vec::len).sum();
+    Common { by_patient, films, left_out: all - films }
+}
+
+/// Every pair of lines on every kind of films by either error, corrected as one family.
+fn tests(patients: &[Patient], numbers: &[(LineKind, FreeNumbers)], seed: u64) -> Vec<LineTest> {
+    let mut tests = Vec::new();
+    for first in 0..numbers.len() {
+        for second in first + 1..numbers.len() {
+            let of = |place: usize| numbers[place];
+            for role in FilmRole::ALL {
+                let common = common_films(patients, role, &[first, second]);
+                for error in ErrorKind::ALL {
+                    let [a, b] = [0, 1].map(|place| common.values(place, error));
+                    tests.push(LineTest {
+                        lines: [of(first).0, of(second).0],
+                        role,
+                        error,
+                        films: common.films,
+                        left_out: common.left_out,
+                        comparison: Comparison::new(&a, &b, seed),
+                        holm_p: None,
+                        per_predicted_film: [first, second].map(|i| of(i).1.per_predicted_film),
+                    });
+                }
+            }
+        }
+    }
+    let flips: Vec<(usize, f64)> = tests
+        .iter()
+        .enumerate()
+        .filter_map(|(i, test)| Some((i, test.comparison.sign_flip?.p_two_sided)))
+        .collect();
+    let adjusted = holm(&flips.iter().map(|(_, p)| *p).collect::<Vec<f64>>());
+    for ((test, _), p) in flips.iter().zip(adjusted) {
+        tests[*test].holm_p = Some(p);
+    }
+    tests
+}
