@@ -5,6 +5,7 @@ mod checks;
 mod identification;
 mod models;
 mod options;
+mod preference;
 mod verdict;
 mod words;
 
@@ -13,6 +14,7 @@ pub use analyze::{Analysis, PostureAnalysis, analyze};
 pub use identification::{Identification, MultiplierVerdict};
 pub use models::LineModel;
 pub use options::{AnalysisOptions, Grouping};
+pub use preference::{LineComparison, LineCrossing, PreferredLine};
 pub use verdict::probability;
 
 use crate::measure::{Film, LateralFilm};

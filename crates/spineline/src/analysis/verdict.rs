@@ -76,12 +76,12 @@ impl Analysis {
         }
         let tested = self.postures.iter().filter(|p| p.outline.posture.bend().is_some());
         for (posture, test) in
-            tested.filter_map(|p| p.line_comparison.map(|c| (p.outline.posture, c)))
+            tested.filter_map(|p| p.line_comparison().map(|c| (p.outline.posture, c)))
         {
-            if test.rejects() {
+            if test.test.rejects() {
                 sentences.push(format!(
                     "In the {posture} the load that the joints' rotations prefer runs {:.0} mm from the middle of the inflections and {:.0}° off their line (p {}).",
-                    test.distance_mm, test.angle.deg(), probability(test.p_value)
+                    test.distance_mm, test.angle.deg(), probability(test.test.p_value)
                 ));
             }
         }
