@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::Posture;
+use spineline::personalize::Identifiability;
 use spineline::uncertainty::Uncertainty;
 use spineline_io::{AnalysisFile, ModelFile};
 use spineline_report::figures;
@@ -37,12 +38,12 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
         let case = read_case(path)?;
         Ok((analyze_case(path, &case, &options)?, case))
     })?;
-    let (mut analyses, mut spreads) = (Vec::new(), Vec::new());
+    let (mut analyses, mut sureness) = (Vec::new(), Vec::new());
     let mut ending = Ending::Done;
     for result in results {
         match result {
             Ok((analysis, case)) => {
-                spreads.push(uncertainty::run(&case, &analysis, &args.uncertainty, args.threads)?);
+                sureness.push(Sureness::ask(&case, &analysis, args)?);
                 analyses.push(analysis);
             }
             Err(failure) if paths.len() == 1 => return Err(failure),
@@ -55,16 +56,12 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     for analysis in &analyses {
         eprint!("{}", report::warnings(analysis));
     }
-    write_files(args, &analyses, &spreads, paths.len() > 1)?;
+    write_files(args, &analyses, &sureness, paths.len() > 1)?;
     if to_stdout == 0 {
         print(&match &analyses[..] {
             [one] if paths.len() == 1 => {
-                let spread = spreads.first().and_then(Option::as_ref);
-                let spread = spread.map(|found| uncertainty::text(one, found));
-                let identified =
-                    args.uncertainty.identifiability.then(|| identifiability::text(one));
-                let parts = [Some(report::text(one)), identified, spread];
-                parts.into_iter().flatten().collect::<Vec<_>>().join("\n")
+                let sure = sureness.iter().flat_map(|sure| sure.texts(one));
+                [report::text(one)].into_iter().chain(sure).collect::<Vec<_>>().join("\n")
             }
             all => cohort::text(all),
         })?;
@@ -73,6 +70,41 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
         ending = Ending::NotConverged;
     }
     Ok(ending)
+}
+
+/// What was asked about how sure the numbers of one patient are.
+struct Sureness {
+    identified: Option<Vec<Option<Identifiability>>>,
+    spread: Option<Uncertainty>,
+}
+
+impl Sureness {
+    fn ask(case: &Case, analysis: &Analysis, args: &AnalyzeArgs) -> Result<Self, Failure> {
+        let asked = &args.uncertainty;
+        let identified =
+            asked.identifiability.then(|| identifiability::run(analysis, args.threads));
+        Ok(Self {
+            identified: identified.transpose()?,
+            spread: uncertainty::run(case, analysis, asked, args.threads)?,
+        })
+    }
+
+    fn texts(&self, analysis: &Analysis) -> impl Iterator<Item = String> {
+        let identified =
+            self.identified.as_ref().map(|found| identifiability::text(analysis, found));
+        let spread = self.spread.as_ref().map(|found| uncertainty::text(analysis, found));
+        identified.into_iter().chain(spread)
+    }
+
+    fn write(&self, analysis: &Analysis, mut file: AnalysisFile) -> AnalysisFile {
+        if let Some(found) = &self.identified {
+            file = file.with_identifiability(analysis, found);
+        }
+        if let Some(found) = &self.spread {
+            file = file.with_uncertainty(analysis, found);
+        }
+        file
+    }
 }
 
 /// The case files behind files and folders, in order; a folder stands for the `.json` files in it.
@@ -128,18 +160,15 @@ fn analyze_case(path: &Path, case: &Case, options: &AnalysisOptions) -> Result<A
 fn write_files(
     args: &AnalyzeArgs,
     analyses: &[Analysis],
-    spreads: &[Option<Uncertainty>],
+    sureness: &[Sureness],
     many: bool,
 ) -> Result<(), Failure> {
     if let Some(path) = &args.json {
-        let file = |(analysis, spread): (&Analysis, &Option<Uncertainty>)| {
-            let file = AnalysisFile::new(analysis, &generator());
-            match spread {
-                Some(found) => file.with_uncertainty(analysis, found),
-                None => file,
-            }
-        };
-        let files: Vec<AnalysisFile> = analyses.iter().zip(spreads).map(file).collect();
+        let files: Vec<AnalysisFile> = analyses
+            .iter()
+            .zip(sureness)
+            .map(|(one, sure)| sure.write(one, AnalysisFile::new(one, &generator())))
+            .collect();
         let text = match &files[..] {
             [one] if !many => spineline_io::to_text(one),
             all => spineline_io::to_text(&all),

@@ -5,16 +5,26 @@ use std::fmt::Write;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::personalize::{Identifiability, MultiplierInformation, ProfileEnd, ProfileVerdict};
 
+use crate::failure::Failure;
+use crate::progress::map_all;
 use crate::table::Table;
 
+/// Asks the films of every model, on so many threads.
+///
+/// # Errors
+/// If the threads cannot be started.
+pub fn run(analysis: &Analysis, threads: usize) -> Result<Vec<Option<Identifiability>>, Failure> {
+    map_all("profiles", &analysis.models, threads, |model| analysis.identifiability(model))
+}
+
 /// The part of a report that tells which multipliers the bending films identify.
-pub fn text(analysis: &Analysis) -> String {
+pub fn text(analysis: &Analysis, found: &[Option<Identifiability>]) -> String {
     let mut text = String::from(
-        "What the bending films say of every multiplier (profile likelihood, 95 %; ratios to their geometric mean)\n",
+        "What the bending films say of every multiplier (profile likelihood; ratios to their geometric mean)\n",
     );
-    for model in &analysis.models {
-        match analysis.identifiability(model) {
-            Some(found) => text.push_str(&model_text(analysis, model, &found)),
+    for (model, found) in analysis.models.iter().zip(found) {
+        match found {
+            Some(found) => text.push_str(&model_text(analysis, model, found)),
             None => {
                 let _ = writeln!(
                     text,

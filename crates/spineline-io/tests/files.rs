@@ -260,6 +260,27 @@ fn an_analysis_file_holds_what_noise_does_and_is_read_with_it_and_without() {
 }
 
 #[test]
+fn an_analysis_file_holds_what_the_films_say_of_multipliers() {
+    let analysis = analyze(&phantom(&Readers::default()).case, &AnalysisOptions::default());
+    let analysis = analysis.expect("a phantom");
+    let plain = AnalysisFile::new(&analysis, "test");
+    assert!(!to_text(&plain).contains("\"identifiability\""));
+    let found: Vec<_> = analysis.models.iter().map(|m| analysis.identifiability(m)).collect();
+    let text = to_text(&plain.with_identifiability(&analysis, &found));
+    let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let model = &json["models"]["inflection_line"];
+    let records = model["identifiability"]["multipliers"].as_object().expect("by name");
+    assert_eq!(records.len(), model["multipliers"].as_object().expect("by name").len());
+    for (name, record) in records {
+        let value = model["multipliers"][name].as_f64().expect("a number");
+        assert_eq!(record["verdict"], "interval", "{name}");
+        let ends = [0, 1].map(|end| record["interval_95"][end].as_f64().expect("an end"));
+        assert!(ends[0] < value && value < ends[1], "{name}: {value} in {ends:?}");
+    }
+    assert!(model["identifiability"]["directions"][0]["gauge_share"].as_f64() > Some(0.9));
+}
+
+#[test]
 fn the_stiffness_table_comes_back_and_a_hole_is_named() {
     let library = StiffnessLibrary::default();
     let text = to_text(&StiffnessFile::from(&library));

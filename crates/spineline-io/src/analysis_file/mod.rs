@@ -1,6 +1,7 @@
 //! What an analysis found, as a file.
 
 mod comparison;
+mod identifiability;
 mod model;
 mod posture;
 mod uncertainty;
@@ -15,13 +16,14 @@ use spineline::clinical::ClinicalCurve;
 use spineline::curve::OrderRule;
 use spineline::measure::LengthScale;
 use spineline::multibody::Support;
-use spineline::personalize::FitTarget;
+use spineline::personalize::{FitTarget, Identifiability};
 use spineline::spatial::{Angle, Frontal};
 
 use crate::keys::{LevelKey, PostureKey};
 use crate::reliability_file::QuantityRecord;
 use comparison::ComparisonRecord;
 pub(crate) use comparison::NumbersRecord;
+use identifiability::IdentifiabilityRecord;
 use model::ModelRecord;
 use posture::PostureRecord;
 use spineline::uncertainty::Uncertainty;
@@ -72,6 +74,8 @@ struct OptionsRecord {
     gauge: String,
     fit: String,
     multipliers: String,
+    /// Deviation of `ln α` that nature has before any film is seen; `null` for no prior.
+    prior_log_sd: Option<f64>,
     /// A lobe of the erect curve counts from so many degrees on.
     min_lobe_deg: f64,
     /// Fewest and most segments of the erect chain.
@@ -213,6 +217,21 @@ impl AnalysisFile {
         self.uncertainty = Some(UncertaintyRecord::new(found, analysis));
         self
     }
+
+    /// The same file with what the films say of every model's multipliers, in the order of the analysis' models.
+    #[must_use]
+    pub fn with_identifiability(
+        mut self,
+        analysis: &Analysis,
+        found: &[Option<Identifiability>],
+    ) -> Self {
+        for (model, found) in analysis.models.iter().zip(found) {
+            let record = self.models.get_mut(model.kind.key()).expect("made from the same models");
+            record.identifiability =
+                found.as_ref().map(|found| IdentifiabilityRecord::new(found, &model.groups));
+        }
+        self
+    }
 }
 
 fn options(analysis: &Analysis) -> OptionsRecord {
@@ -239,6 +258,7 @@ fn options(analysis: &Analysis) -> OptionsRecord {
             Grouping::PerJoint => "per_joint",
         }
         .to_owned(),
+        prior_log_sd: options.prior.map(|prior| prior.log_sd),
         min_lobe_deg: options.min_lobe.deg(),
         segment_window: [*options.segment_window.start(), *options.segment_window.end()],
     }

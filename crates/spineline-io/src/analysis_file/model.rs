@@ -10,6 +10,7 @@ use spineline::personalize::StiffnessBound;
 use spineline::personalize::evidence::ContradictedJoint;
 use spineline::spatial::Angle;
 
+use super::identifiability::IdentifiabilityRecord;
 use super::{by_level, point};
 use crate::keys::{LevelKey, PostureKey};
 
@@ -24,6 +25,9 @@ pub(super) struct ModelRecord {
     /// Whether forces and stiffness are absolute.
     absolute: bool,
     fit: FitRecord,
+    /// What the films say of the multipliers; absent where nobody asked or the fit did not converge.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) identifiability: Option<IdentifiabilityRecord>,
     postures: BTreeMap<PostureKey, SimulationRecord>,
 }
 
@@ -120,6 +124,7 @@ impl ModelRecord {
                 residual_rms: Some(m.fit.residual_rms).filter(|rms| rms.is_finite()),
                 singular_values: m.fit.singular_values.clone(),
             },
+            identifiability: None,
             postures: m.postures.iter().map(|s| (s.posture.into(), simulation(s))).collect(),
         }
     }

@@ -2,11 +2,12 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use spineline::analysis::PostureAnalysis;
+use spineline::analysis::{PostureAnalysis, PreferredLine};
 use spineline::anatomy::Level;
 use spineline::curve::CurveForm;
 use spineline::measure::LengthScale;
 use spineline::motion::Estimate;
+use spineline::personalize::{Crossing, LineTest};
 use spineline::spatial::{Angle, Frontal};
 
 use super::{by_level, point_mm, point_px};
@@ -39,7 +40,7 @@ pub(super) struct PostureRecord {
     /// MMS_Mean against the least-rotating ones.
     mean_least_estimates: Option<[EstimateRecord; 2]>,
     /// The load that the measured rotations prefer against the line through the inflections.
-    line_comparison: Option<LineComparisonRecord>,
+    preferred_line: Option<PreferredLineRecord>,
 }
 
 /// What the lengths of a film are. A wrong scale makes all of them wrong by the same factor, and no angle.
@@ -87,14 +88,83 @@ struct EstimateRecord {
     rotation_deg: f64,
 }
 
+/// The line of the load that the film's rotations prefer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct PreferredLineRecord {
+    point_mm: [f64; 2],
+    /// Cranial.
+    direction: [f64; 2],
+    /// At the heights of the inflections; of L4 and T2 where there are none.
+    crossings: [CrossingRecord; 2],
+    /// Against the line through the inflections.
+    inflection_line: Option<LineComparisonRecord>,
+    /// Of "it is parallel to the iliac line"; `null` where no crests are marked.
+    parallel_to_iliac_line: Option<TestRecord>,
+    /// Deviation of ln stiffness among the joints of a region, from all films together.
+    joint_log_sd: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct CrossingRecord {
+    z_mm: f64,
+    /// To the patient's left.
+    y_mm: Option<f64>,
+    /// With 95 % confidence; `null` where the line may cross anywhere.
+    interval_95_mm: Option<[f64; 2]>,
+}
+
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct LineComparisonRecord {
     angle_deg: f64,
+    /// From the middle of the two inflections.
     distance_mm: f64,
-    /// On 2 and `freedom` degrees, of "the moment vanishes at both inflections".
+    /// Of "it runs through both inflections".
+    test: TestRecord,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct TestRecord {
     f_statistic: f64,
-    freedom: usize,
+    restrictions: u32,
+    /// `null` where it is as good as infinite.
+    degrees_of_freedom: Option<f64>,
     p_value: f64,
+}
+
+impl PreferredLineRecord {
+    fn new(found: &PreferredLine) -> Self {
+        let finite = |value: f64| Some(value).filter(|value| value.is_finite());
+        Self {
+            point_mm: [found.line.point.y_mm, found.line.point.z_mm],
+            direction: [found.line.direction.y_mm, found.line.direction.z_mm],
+            crossings: found.crossings.map(|at| CrossingRecord {
+                z_mm: at.z_mm,
+                y_mm: finite(at.y_mm),
+                interval_95_mm: match at.within {
+                    Crossing::Between(ends) => Some(ends),
+                    Crossing::Open => None,
+                },
+            }),
+            inflection_line: found.inflection.map(|c| LineComparisonRecord {
+                angle_deg: c.angle.deg(),
+                distance_mm: c.distance_mm,
+                test: TestRecord::new(c.test),
+            }),
+            parallel_to_iliac_line: found.iliac.map(TestRecord::new),
+            joint_log_sd: found.joint_log_sd,
+        }
+    }
+}
+
+impl TestRecord {
+    fn new(test: LineTest) -> Self {
+        Self {
+            f_statistic: test.f_statistic,
+            restrictions: test.restrictions,
+            degrees_of_freedom: Some(test.freedom).filter(|freedom| freedom.is_finite()),
+            p_value: test.p_value,
+        }
+    }
 }
 
 impl PostureRecord {
@@ -159,13 +229,7 @@ impl PostureRecord {
             inflection_px: inflections(point_px),
             inflection_estimates: estimates(p.inflection_estimates),
             mean_least_estimates: estimates(p.mean_least_estimates),
-            line_comparison: p.line_comparison.map(|c| LineComparisonRecord {
-                angle_deg: c.angle.deg(),
-                distance_mm: c.distance_mm,
-                f_statistic: c.f_statistic,
-                freedom: c.freedom,
-                p_value: c.p_value,
-            }),
+            preferred_line: p.preferred_line.as_ref().map(PreferredLineRecord::new),
         }
     }
 }

@@ -1,5 +1,6 @@
 use super::checks::{check_outlines, check_postures, warn_of_shifted_levels};
 use super::models::fit_models;
+use super::preference::{PreferredLine, prefer_lines};
 use super::{AnalysisOptions, Case, LineModel};
 use crate::anatomy::{Level, Posture};
 use crate::chain::{Chain, ChainPose};
@@ -9,7 +10,6 @@ use crate::error::Error;
 use crate::measure::{Film, FilmReadings, LengthScale, Noise, Outline, outline_of};
 use crate::motion::{Estimate, Motion, least_windows, mean_least};
 use crate::multibody::SpineModel;
-use crate::personalize::estimate::LineComparison;
 use crate::personalize::evidence::FilmEvidence;
 use crate::reliability::{QuantityReliability, assess, film_quantities};
 use crate::spatial::{Angle, Frontal};
@@ -34,8 +34,8 @@ pub struct PostureAnalysis {
     pub inflection_points: Option<[Frontal; 2]>,
     /// Rotations and joint centres; `None` for the erect posture.
     pub evidence: Option<FilmEvidence>,
-    /// The line that the data prefer against the line through the inflections.
-    pub line_comparison: Option<LineComparison>,
+    /// The line that the film's rotations prefer.
+    pub preferred_line: Option<PreferredLine>,
 }
 
 /// Everything that was found out about one patient.
@@ -133,6 +133,7 @@ pub(crate) fn analyze_with_noise(
 ) -> Result<Analysis, Error> {
     let mut analysis = movement(case, options, noise)?;
     // 5, 7 and 8: lines of action, personalisation, evaluation
+    prefer_lines(&mut analysis);
     fit_models(&mut analysis);
     Ok(analysis)
 }
@@ -213,7 +214,7 @@ fn movement(
                     Some([*pose.joints.get(caudal)?, *pose.joints.get(cranial)?])
                 }),
                 evidence: moved.then(measure),
-                line_comparison: None,
+                preferred_line: None,
                 motion,
                 outline,
                 fit,

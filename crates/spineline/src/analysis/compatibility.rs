@@ -1,11 +1,10 @@
 //! Whether the bends of a patient are compatible with a single force along a line.
 
-use super::{Analysis, LineModel};
+use super::{Analysis, LineComparison, LineModel, PostureAnalysis};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::evaluate::paired::holm;
-use crate::personalize::estimate::LineComparison;
-use crate::personalize::evidence::ContradictedJoint;
+use crate::personalize::evidence::{ContradictedJoint, FilmEvidence};
 use crate::spatial::Angle;
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -45,10 +44,10 @@ impl BendEvidence {
         self.joints_p < LEVEL && self.weight > WEIGHT_AGAINST
     }
 
-    /// Whether the load that the rotations prefer runs elsewhere: beyond chance, and by a distance or angle that matters.
+    /// Whether the load that the rotations prefer runs elsewhere, beyond chance.
     #[must_use]
     pub fn line_rejects(&self) -> bool {
-        self.line_test.is_some_and(|test| test.rejects()) && self.line_p.is_some_and(|p| p < LEVEL)
+        self.line_p.is_some_and(|p| p < LEVEL)
     }
 
     /// Whether either speaks against the line.
@@ -83,8 +82,8 @@ impl Analysis {
     /// # Definition
     /// Per bend two questions: does any joint turn against the force further than noise carries one of so many, and does the
     /// load that the rotations prefer run elsewhere (inflection line only). Holm's correction is over all of them, so that a patient whose
-    /// bends are compatible is called otherwise with a probability of at most 0.05. The place of the line and
-    /// the lever arms are taken as known, and so is the noise of the tilts.
+    /// bends are compatible is called otherwise with a probability of at most 0.05. The joints' question takes the place of the
+    /// line, the lever arms and the noise of the tilts as known; the line's does not ([`crate::personalize::PreferredLoads`]).
     #[must_use]
     pub fn compatibility(&self, model: &LineModel) -> Compatibility {
         let films = || model.postures.iter().filter(|s| s.fitted && s.posture.bend().is_some());
@@ -96,8 +95,9 @@ impl Analysis {
                 let film = self.posture(s.posture);
                 let line_test = film
                     .filter(|_| model.kind == LineKind::Inflection)
-                    .and_then(|posture| posture.line_comparison);
-                let sd = film.and_then(|film| film.evidence.as_ref()).map(|e| e.rotation_sd);
+                    .and_then(PostureAnalysis::line_comparison);
+                let sd =
+                    film.and_then(|film| film.evidence.as_ref()).map(FilmEvidence::rotation_sd);
                 BendEvidence {
                     posture: s.posture,
                     joints,
@@ -106,7 +106,7 @@ impl Analysis {
                     weight: s.contradicted_weight(),
                     joints_p: sd.map_or(1.0, |sd| against_by_chance(&s.contradicted, joints, sd)),
                     line_test,
-                    line_p: line_test.map(|test| test.p_value),
+                    line_p: line_test.map(|line| line.test.p_value),
                 }
             })
             .collect();

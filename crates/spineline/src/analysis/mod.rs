@@ -8,6 +8,7 @@ mod endings;
 mod identification;
 mod models;
 mod options;
+mod preference;
 mod verdict;
 mod words;
 
@@ -21,6 +22,7 @@ pub use compatibility::{BendEvidence, Compatibility};
 pub use identification::{Identification, MultiplierVerdict};
 pub use models::LineModel;
 pub use options::{AnalysisOptions, Grouping};
+pub use preference::{LineComparison, LineCrossing, PreferredLine};
 pub(crate) use verdict::listed;
 pub use verdict::probability;
 

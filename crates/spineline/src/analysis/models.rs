@@ -144,7 +144,7 @@ pub(super) fn fit_models(analysis: &mut Analysis) {
         analysis.warnings = warnings;
         return;
     }
-    let estimate = compare_lines(analysis);
+    let estimate = estimate_bends(analysis);
     let bends = analysis.postures.iter().filter(|p| p.outline.posture.bend().is_some()).count();
     if bends == 0 {
         let text = "no bending film: stiffness cannot be personalised";
@@ -176,31 +176,16 @@ pub(super) fn depth_mm(analysis: &Analysis) -> f64 {
         / 2.0
 }
 
-/// Tests, film by film, whether the load that the rotations prefer runs through the inflections; answers with the loads of the
-/// bends.
-fn compare_lines(analysis: &mut Analysis) -> Option<EstimatedLoads> {
-    let depth_mm = depth_mm(analysis);
-    let groups = JointGroups::regional(&analysis.regions);
+/// The loads of the bends that fits of the estimated line start from.
+fn estimate_bends(analysis: &Analysis) -> Option<EstimatedLoads> {
     let bends: Vec<&FilmEvidence> = analysis
         .postures
         .iter()
         .filter(|p| p.outline.posture.bend().is_some())
         .filter_map(|p| p.evidence.as_ref())
         .collect();
-    if bends.is_empty() {
-        return None;
-    }
-    let estimate = estimate_loads(&bends, depth_mm, &groups);
-    for posture in &mut analysis.postures {
-        let Some((evidence, points)) = posture.evidence.as_ref().zip(posture.inflection_points)
-        else {
-            continue;
-        };
-        let responses = evidence.responses(&Load::Frontal { depth_mm });
-        let load = estimate_load(evidence, &responses, &groups, &estimate.log_multipliers);
-        posture.line_comparison = load.compare(points);
-    }
-    Some(estimate)
+    let groups = JointGroups::regional(&analysis.regions);
+    (!bends.is_empty()).then(|| estimate_loads(&bends, depth_mm(analysis), &groups))
 }
 
 /// The line of a posture where geometry alone gives it; `None` for a line that must be estimated.

@@ -202,7 +202,7 @@ impl Cohort {
             .iter()
             .flat_map(|a| &a.postures)
             .filter(|p| Films::Bends.has(p))
-            .filter_map(|p| p.line_comparison.map(|c| c.rejects()))
+            .filter_map(|p| p.line_comparison().map(|c| c.test.rejects()))
             .collect();
         Self {
             patients: analyses.len(),

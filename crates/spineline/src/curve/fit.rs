@@ -165,10 +165,22 @@ fn least_residual_with_two_inflections<'a>(
 }
 
 /// The weighted rows of the fit: `matrix · coefficients ≈ target`, in blocks of one vertebra each.
-struct Rows {
-    matrix: DMatrix<f64>,
-    target: DVector<f64>,
+pub(super) struct Rows {
+    pub matrix: DMatrix<f64>,
+    pub target: DVector<f64>,
     block: usize,
+}
+
+pub(super) fn weighted_rows(
+    outline: &Outline,
+    form: CurveForm,
+    t_mm: &[f64],
+    order: usize,
+) -> Rows {
+    match form {
+        CurveForm::Graph => graph_rows(outline, t_mm, order - 1),
+        CurveForm::Parametric => parametric_rows(outline, t_mm, order - 1),
+    }
 }
 
 fn fit_order(outline: &Outline, form: CurveForm, order: usize) -> Result<CurveFit, CurveError> {
@@ -176,10 +188,7 @@ fn fit_order(outline: &Outline, form: CurveForm, order: usize) -> Result<CurveFi
     let terms = order - 1;
     let t_mm = parameters_mm(outline, form);
     let end_mm = t_mm[t_mm.len() - 1];
-    let rows = match form {
-        CurveForm::Graph => graph_rows(outline, &t_mm, terms),
-        CurveForm::Parametric => parametric_rows(outline, &t_mm, terms),
-    };
+    let rows = weighted_rows(outline, form, &t_mm, order);
     let qr = rows.matrix.clone().qr();
     let q = qr.q();
     let solution =

@@ -20,11 +20,13 @@ mod fit;
 mod inflection;
 mod residual;
 mod series;
+mod spread;
 
 pub use fit::{CurveError, CurveFit, OrderRule, fit_curve};
 pub(crate) use inflection::MIN_TURN;
 pub use inflection::{Inflection, InflectionChoice, Inflections, Lobe, Site, find_inflections};
 pub use residual::CurveResidual;
+pub use spread::CurveSpread;
 
 use crate::spatial::{Angle, Frontal};
 use series::Series;
@@ -89,10 +91,31 @@ impl Curve {
     /// Rate at which the tilt grows with the parameter, in rad/mm; zero where the curve inflects.
     #[must_use]
     pub fn turning(&self, t_mm: f64) -> f64 {
+        let (tangent, bend) = self.tangent_and_bend(t_mm);
+        tangent.cross(bend) / tangent.dot(tangent)
+    }
+
+    /// First and second derivative of the point by the parameter.
+    fn tangent_and_bend(&self, t_mm: f64) -> (Frontal, Frontal) {
         let [_, dy, ddy] = self.y.jet(t_mm);
         let [_, dz, ddz] = self.z.jet(t_mm);
-        let tangent = Frontal::new(dy, 1.0 + dz);
-        tangent.cross(Frontal::new(ddy, ddz)) / tangent.dot(tangent)
+        (Frontal::new(dy, 1.0 + dz), Frontal::new(ddy, ddz))
+    }
+
+    /// What vanishes where the curve inflects.
+    fn bending(&self, t_mm: f64) -> f64 {
+        let (tangent, bend) = self.tangent_and_bend(t_mm);
+        tangent.cross(bend)
+    }
+
+    /// The parameter of the curve's point nearest to a place beside it, to a thousandth of its length.
+    #[must_use]
+    pub fn nearest_t_mm(&self, place: Frontal) -> f64 {
+        let distance_mm = |t: &f64| self.point(*t).distance_mm(place);
+        (0..=1000)
+            .map(|i| f64::from(i) / 1000.0 * self.end_mm)
+            .min_by(|a, b| distance_mm(a).total_cmp(&distance_mm(b)))
+            .unwrap_or(0.0)
     }
 
     /// Arc length from L4 to a parameter.

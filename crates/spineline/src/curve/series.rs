@@ -15,6 +15,10 @@ impl Series {
         Self::new(scale_mm, Vec::new())
     }
 
+    pub(super) fn coefficients(&self) -> impl Iterator<Item = f64> {
+        self.coefficients.iter().copied()
+    }
+
     pub(super) fn value(&self, t_mm: f64) -> f64 {
         self.value_and_slope(t_mm)[0]
     }

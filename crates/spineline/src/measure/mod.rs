@@ -19,6 +19,7 @@ mod frame;
 mod lateral;
 mod marking;
 mod marking_proposal;
+mod noise;
 mod order;
 mod outline;
 mod readings;
@@ -35,8 +36,9 @@ pub use frame::{FilmFrame, body_widths, endplate_centres};
 pub use lateral::{LateralCorners, LateralFilm};
 pub use marking::{MarkedBody, MarkingFault, PartialMark, PartialReading, turn_axis_towards};
 pub use marking_proposal::{CornerName, NextLandmark, Proposal};
+pub use noise::Noise;
 pub(crate) use outline::outline_of;
-pub use outline::{MeasuredVertebra, Noise, Outline, check_marks, measure_film};
+pub use outline::{MeasuredVertebra, Outline, check_marks, measure_film};
 pub use readings::{FilmReadings, measure_readings};
 pub use spacing::{LengthScale, Spacing, SpacingPlane, SpacingSource};
 pub use view::{

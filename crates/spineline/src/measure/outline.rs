@@ -4,37 +4,11 @@ use super::order::{LEAST_SHARE, steps, typical_distance_mm};
 use super::spacing::is_spacing;
 use super::{
     CornerFault, Film, FilmMarks, IliacCrests, ImageGeometry, LengthScale, Mark, MeasureError,
-    Placement, Reading, ReadingId, SpacingPlane, measure_readings,
+    Noise, Placement, Reading, ReadingId, SpacingPlane, measure_readings,
 };
 use crate::anatomy::{Level, Posture};
 use crate::spatial::{Angle, Frontal};
 use crate::warning::{Step, Warnings};
-
-/// Standard deviation of a film's measured values (means over its readings).
-///
-/// It is pooled over observers and repeats alike; a bias that all observers share does not show in it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Noise {
-    /// Of a coordinate of a location.
-    pub location_mm: f64,
-    /// Of a tilt.
-    pub tilt: Angle,
-    /// Whether it was measured from the spread of readings; else it is the assumption for one careful reading.
-    pub measured: bool,
-}
-
-impl Noise {
-    /// What one careful reading is taken to have: 0.5 mm per corner, so 0.25 mm at their crossing, and 0.7°.
-    ///
-    /// # References
-    /// Tilt: intra-observer deviation of [vrtovec-2015]. Corners: assumption.
-    pub const ONE_READING: Self =
-        Self { location_mm: 0.25, tilt: Angle::from_deg(0.7), measured: false };
-
-    /// Rounding to a pixel and to 0.1° leaves at least about so much.
-    const FLOOR_LOCATION_MM: f64 = 0.03;
-    const FLOOR_TILT: Angle = Angle::from_deg(0.03);
-}
 
 /// One vertebra in the global frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -118,6 +92,7 @@ pub(crate) fn outline_of(
     let PlacedFilm { readings: placed, scale, iliac_normal } =
         place_film(film, readings, warnings)?;
     let on_film = average(&placed);
+    let observers: Vec<&str> = readings.iter().map(|one| one.id.observer.as_str()).collect();
     let base =
         on_film.get(&Level::L4).ok_or(MeasureError::LevelMissing { posture, level: Level::L4 })?.0;
     // The global frame: L4's midpoint is the origin, and L4's own axis is +Z.
@@ -153,7 +128,7 @@ pub(crate) fn outline_of(
         iliac_normal,
         l4_on_film: base.tilt,
         l4_midpoint_on_film: base.location,
-        noise: noise(&placed, &on_film),
+        noise: Noise::of_means(&observers, &placed, &on_film),
         scale,
         readings: placed.len(),
     })
@@ -366,59 +341,22 @@ fn average(placed: &[BTreeMap<Level, Placement>]) -> BTreeMap<Level, (Placement,
             values.entry(level).or_default().push(placement);
         }
     }
-    values
-        .into_iter()
-        .map(|(level, mut all)| {
-            // Sums in a fixed order: the order of the readings must not reach the last bit.
-            all.sort_by(|a, b| {
-                let key = |p: &Placement| [p.location.y_mm, p.location.z_mm, p.tilt.rad()];
-                key(a).partial_cmp(&key(b)).expect("readings were checked to be finite")
-            });
-            let n = all.len() as f64;
-            let location =
-                all.iter().fold(Frontal::default(), |sum, p| sum + p.location) * (1.0 / n);
-            // Against one of them, so that a film held upside down averages as any other.
-            let off = all.iter().fold(Angle::ZERO, |sum, p| sum + (p.tilt - all[0].tilt).wrapped());
-            let tilt = all[0].tilt + off * (1.0 / n);
-            (level, (Placement { location, tilt }, all.len()))
-        })
-        .collect()
+    values.into_iter().map(|(level, all)| (level, (mean_placement(&all), all.len()))).collect()
 }
 
-/// Deviation of the means from the pooled spread of the readings.
-fn noise(
-    placed: &[BTreeMap<Level, Placement>],
-    means: &BTreeMap<Level, (Placement, usize)>,
-) -> Noise {
-    let (mut location, mut tilt, mut freedom, mut values) = (0.0, 0.0, 0usize, 0usize);
-    for (level, (mean, count)) in means {
-        freedom += count - 1;
-        values += count;
-        let mut readings: Vec<(f64, f64)> = placed
-            .iter()
-            .filter_map(|reading| reading.get(level))
-            .map(|placement| {
-                let off = placement.location - mean.location;
-                (off.dot(off), (placement.tilt - mean.tilt).wrapped().rad().powi(2))
-            })
-            .collect();
-        readings.sort_by(|a, b| a.partial_cmp(b).expect("readings were checked to be finite"));
-        location += readings.iter().map(|r| r.0).sum::<f64>();
-        tilt += readings.iter().map(|r| r.1).sum::<f64>();
-    }
-    if freedom == 0 {
-        return Noise::ONE_READING;
-    }
-    let freedom = freedom as f64;
-    let readings_per_value = values as f64 / means.len() as f64;
-    // Two coordinates share the squared distance.
-    let location_mm = (location / (2.0 * freedom * readings_per_value)).sqrt();
-    let tilt = (tilt / (freedom * readings_per_value)).sqrt();
-    Noise {
-        location_mm: location_mm.max(Noise::FLOOR_LOCATION_MM),
-        tilt: Angle::from_rad(tilt.max(Noise::FLOOR_TILT.rad())),
-        measured: true,
-    }
+/// Mean of some placements, of which there is at least one.
+pub(super) fn mean_placement(all: &[Placement]) -> Placement {
+    // Sums in a fixed order: the order of the readings must not reach the last bit.
+    let mut all = all.to_vec();
+    all.sort_by(|a, b| {
+        let key = |p: &Placement| [p.location.y_mm, p.location.z_mm, p.tilt.rad()];
+        key(a).partial_cmp(&key(b)).expect("readings were checked to be finite")
+    });
+    let n = all.len() as f64;
+    let location = all.iter().fold(Frontal::default(), |sum, p| sum + p.location) * (1.0 / n);
+    // Against one of them, so that a film held upside down averages as any other.
+    let off = all.iter().fold(Angle::ZERO, |sum, p| sum + (p.tilt - all[0].tilt).wrapped());
+    Placement { location, tilt: all[0].tilt + off * (1.0 / n) }
 }
 
 fn check_order(

@@ -1,23 +1,18 @@
-//! The line of action that the data themselves prefer, and how far it lies from a proposed one.
+//! The line of action that the data themselves prefer: where a fit of the estimated line starts.
 
-use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use nalgebra::{Matrix3, Vector3};
 
 use super::MULTIPLIER_BOUNDS;
 use super::evidence::FilmEvidence;
 use crate::action::{Application, LineOfAction};
 use crate::multibody::{JointGroups, Load};
-use crate::spatial::{Angle, Frontal};
+use crate::spatial::Frontal;
 
 /// The planar load that measured rotations prefer on one film.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimatedLoad {
     /// `(fy, fz, mx)` about the origin of `G`, in N and N·mm, up to the level of stiffness.
     pub components: Vector3<f64>,
-    /// Covariance of the components, from the scatter of the rotations about the fit.
-    pub covariance: Matrix3<f64>,
-    /// Joints minus fitted numbers.
-    pub freedom: usize,
 }
 
 /// The loads of several films and the multipliers that they share.
@@ -36,22 +31,6 @@ pub struct EstimatedLine {
     pub line: LineOfAction,
     /// Signed force along it.
     pub force_n: f64,
-}
-
-/// How far the data's own line lies from a proposed one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LineComparison {
-    /// Angle between the lines.
-    pub angle: Angle,
-    /// Distance of the estimated line from the middle of the two inflections.
-    pub distance_mm: f64,
-    /// F statistic, on 2 and `freedom` degrees, of "the moment vanishes at both inflections".
-    pub f_statistic: f64,
-    /// Degrees of freedom of the denominator.
-    pub freedom: usize,
-    /// Probability of a larger statistic if it does, for given multipliers. Where those were estimated from the same film,
-    /// it is somewhat too small.
-    pub p_value: f64,
 }
 
 /// Estimates one load per film and the multipliers that all films share, by alternating linear least squares.
@@ -79,7 +58,7 @@ pub fn estimate_loads(
             .collect();
         let mut sums = vec![(0.0, 0.0); groups.len()];
         for ((film, responses), load) in films.iter().zip(&responses).zip(&loads) {
-            let weight = film.rotation_sd.rad().powi(-2);
+            let weight = film.rotation_sd().rad().powi(-2);
             for ((joint, response), &group) in
                 film.joints.iter().zip(responses).zip(groups.of_joint())
             {
@@ -139,12 +118,7 @@ pub fn estimate_load(
     let inverse = inverse_of(scaled);
     let inverse = Matrix3::from_fn(|i, j| inverse[(i, j)] * scale[i] * scale[j]);
     let components = inverse * right;
-    let freedom = rows.len().saturating_sub(3).max(1);
-    let scatter: f64 =
-        rows.iter().map(|(row, rotation)| (rotation - row.dot(&components)).powi(2)).sum();
-    // The scatter includes what the model cannot explain; it is never taken below the noise of the tilts.
-    let variance = (scatter / freedom as f64).max(film.rotation_sd.rad().powi(2));
-    EstimatedLoad { components, covariance: inverse * variance, freedom }
+    EstimatedLoad { components }
 }
 
 /// Inverse of a symmetric matrix with a diagonal of ones; of what it determines, where it does not determine all.
@@ -156,50 +130,6 @@ fn inverse_of(scaled: Matrix3<f64>) -> Matrix3<f64> {
             factor.inverse()
         }
         _ => scaled.pseudo_inverse(1e-12).unwrap_or_else(|_| Matrix3::zeros()),
-    }
-}
-
-impl LineComparison {
-    /// Lines that differ by less are one line: an inflection's place along the curve is not known better, and the test
-    /// takes it as known.
-    const MATTERS_MM: f64 = 5.0;
-    const MATTERS_ANGLE: Angle = Angle::from_deg(5.0);
-
-    /// Whether the data reject the proposed line: beyond chance, and by a distance or an angle that matters.
-    #[must_use]
-    pub fn rejects(&self) -> bool {
-        let matters = self.distance_mm > Self::MATTERS_MM || self.angle > Self::MATTERS_ANGLE;
-        self.p_value < 0.05 && matters
-    }
-}
-
-impl EstimatedLoad {
-    /// The line of this load; `None` for a pure couple.
-    #[must_use]
-    pub fn line(&self, near: Frontal) -> Option<EstimatedLine> {
-        line_of(&self.components.into(), near)
-    }
-
-    /// Compares it with the line through two points: at both, a force along that line has no moment.
-    #[must_use]
-    pub fn compare(&self, points: [Frontal; 2]) -> Option<LineComparison> {
-        let proposed = LineOfAction::through(points[0], points[1]).ok()?;
-        let middle = (points[0] + points[1]) * 0.5;
-        let own = self.line(middle)?;
-        // Moment about a point: m - (point × f).
-        let rows = points.map(|p| Vector3::new(p.z_mm, -p.y_mm, 1.0));
-        let moments = Vector2::new(rows[0].dot(&self.components), rows[1].dot(&self.components));
-        let covariance =
-            Matrix2::from_fn(|i, j| (rows[i].transpose() * self.covariance * rows[j])[(0, 0)]);
-        let f_statistic = 0.5 * (moments.transpose() * covariance.try_inverse()? * moments)[(0, 0)];
-        let tail = FisherSnedecor::new(2.0, self.freedom as f64).ok()?;
-        Some(LineComparison {
-            angle: own.line.angle_to(&proposed),
-            distance_mm: own.line.lever_arm_mm(middle).abs(),
-            f_statistic,
-            freedom: self.freedom,
-            p_value: tail.sf(f_statistic),
-        })
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::anatomy::Level;
 use crate::measure::Outline;
 use crate::multibody::{JointGroups, Load, SpineModel, StiffnessLibrary};
-use crate::spatial::{Angle, Vec3};
+use crate::spatial::{Angle, Frontal, Vec3};
 
 /// One joint on one film.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,6 +12,8 @@ pub struct JointEvidence {
     pub rotation: Angle,
     /// Centre of the joint on the film.
     pub centre_mm: Vec3,
+    /// From the lower vertebra's midpoint to the upper one's, of length 1.
+    pub along: Frontal,
     /// Lateral hinge axis on the film.
     pub hinge: Vec3,
     /// Nominal lateral compliance, as it shows on the film.
@@ -23,8 +25,10 @@ pub struct JointEvidence {
 pub struct FilmEvidence {
     /// Joints, caudal first.
     pub joints: Vec<JointEvidence>,
-    /// Standard deviation of a rotation: four tilts take part in it.
-    pub rotation_sd: Angle,
+    /// Standard deviation of a tilt on the film.
+    pub tilt_sd: Angle,
+    /// The same on the erect film.
+    pub erect_tilt_sd: Angle,
 }
 
 /// A joint that turns against the moment of the force.
@@ -65,14 +69,24 @@ impl FilmEvidence {
                 JointEvidence {
                     rotation: moved(j + 1) - moved(j),
                     centre_mm: midpoints[j] + axes[j] * joint.centre_in_inferior_mm,
+                    along: {
+                        let along = film.vertebrae[j + 1].location - film.vertebrae[j].location;
+                        along * (1.0 / along.norm_mm())
+                    },
                     hinge,
                     // A hinge that is pitched out of the film shows only a part of its turn.
                     compliance_rad_per_nmm: hinge.x / row.nmm_per_rad[0],
                 }
             })
             .collect();
-        let variance = 2.0 * (film.noise.tilt.rad().powi(2) + erect.noise.tilt.rad().powi(2));
-        Self { joints, rotation_sd: Angle::from_rad(variance.sqrt()) }
+        Self { joints, tilt_sd: film.noise.tilt, erect_tilt_sd: erect.noise.tilt }
+    }
+
+    /// Standard deviation of a rotation: two tilts of each film take part in it.
+    #[must_use]
+    pub fn rotation_sd(&self) -> Angle {
+        let variance = 2.0 * (self.tilt_sd.rad().powi(2) + self.erect_tilt_sd.rad().powi(2));
+        Angle::from_rad(variance.sqrt())
     }
 
     /// Nominal rotation of every joint per unit of each component of a load.
@@ -120,7 +134,7 @@ impl FilmEvidence {
                     rotation,
                     lever_arm_mm: arms[j] * rotation.rad().signum(),
                     weight: work(j) / total,
-                    beyond_noise: rotation.abs() > self.rotation_sd * 2.0,
+                    beyond_noise: rotation.abs() > self.rotation_sd() * 2.0,
                 }
             })
             .collect()

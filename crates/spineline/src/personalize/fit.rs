@@ -37,8 +37,23 @@ pub struct Personalization {
     pub starts: u32,
     /// Root mean square of the data's residuals: degrees for Ferguson angles, standard deviations for a shape.
     pub residual_rms: f64,
+    /// How the films scatter about the model where no prior holds it: sum of squares over the degrees of freedom, and at least
+    /// 1, which is noise alone.
+    pub variance_factor: f64,
     /// Singular values of the derivative of the data by the unknowns `(ln α, ln F)`: small ones are not identified.
     pub singular_values: Vec<f64>,
+}
+
+impl Personalization {
+    /// Where a fit may start that is to end near this one.
+    pub(super) fn as_start(&self) -> Start {
+        let unscaled =
+            |load: &Vec<f64>| load.iter().map(|part| part / self.absolute_scale).collect();
+        Start {
+            log_multipliers: self.log_multipliers.clone(),
+            loads: self.loads.iter().map(unscaled).collect(),
+        }
+    }
 }
 
 /// Springs that were fitted: those of a spine in groups.
@@ -108,10 +123,21 @@ pub(crate) fn personalize_with(
     known: &Known<'_>,
 ) -> Personalization {
     let Known { evidence, settings, .. } = *known;
+    // Films that the model explains badly say less, and nature varies no less: what they say is weighed without the prior.
+    let free = settings.prior.map(|_| {
+        let settings = FitSettings { prior: None, ..*settings };
+        let known = Known { settings: &settings, ..*known };
+        personalize_with(model, library, groups, films, &known)
+    });
+    let weighed = free.as_ref().map(|free| settings.weighed(free.variance_factor));
+    let settings = weighed.as_ref().unwrap_or(settings);
     let mut problem = Problem::new(model, library, groups, films, settings);
     let enough = satisfied_rms(problem.target());
     let mut best = Best::default();
-    let starts = problem.starts(known);
+    let mut starts = problem.starts(known);
+    if let Some(free) = &free {
+        starts.insert(0, free.as_start());
+    }
     // The likeliest start alone satisfies most films.
     if !starts.is_empty() {
         best.improve(&mut problem, &starts[0]);
@@ -124,10 +150,7 @@ pub(crate) fn personalize_with(
         let settings = FitSettings { target: FitTarget::Shape, ..*settings };
         let known = Known { settings: &settings, ..*known };
         let shape = personalize_with(model, library, groups, films, &known);
-        best.improve(
-            &mut problem,
-            &Start { log_multipliers: shape.log_multipliers, loads: shape.loads },
-        );
+        best.improve(&mut problem, &shape.as_start());
     }
     let Some((minimum, loads)) = best.minimum else {
         return nominal(groups, films, best.starts);
@@ -142,6 +165,10 @@ pub(crate) fn personalize_with(
         iterations: minimum.iterations,
         starts: best.starts,
         residual_rms: problem.data_rms(&minimum.system),
+        variance_factor: match free {
+            Some(free) => free.variance_factor,
+            None => problem.variance_factor(&minimum),
+        },
         singular_values: problem.singular_values(&minimum),
     }
 }
@@ -166,6 +193,7 @@ fn nominal(groups: &JointGroups, films: &[FitFilm<'_>], starts: u32) -> Personal
         iterations: 0,
         starts,
         residual_rms: f64::NAN,
+        variance_factor: f64::NAN,
         singular_values: Vec::new(),
     }
 }

@@ -5,20 +5,20 @@ use nalgebra::{DMatrix, DVector};
 use super::fit::{FittedSprings, Personalization};
 use super::levenberg_marquardt::{FitStatus, Minimum, minimize};
 use super::problem::Problem;
-use super::start::Start;
 use super::{FitFilm, FitSettings, Gauge, MULTIPLIER_BOUNDS};
 
 /// What the data of a fit say of its multipliers.
 ///
 /// # Definition
 /// Residuals count in standard deviations of their measurement. Where the fit leaves more than those explain, every
-/// deviation and limit below is widened by [`Identifiability::variance_factor`]; where it leaves less, by nothing.
+/// deviation and limit below is widened by [`Identifiability::variance_factor`]; where it leaves less, by nothing. A prior is
+/// not widened.
 ///
 /// # References
 /// [raue-2009] for the profile likelihood; [gutenkunst-2007] for the directions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identifiability {
-    /// Sum of squares over the degrees of freedom, and at least 1.
+    /// [`Personalization::variance_factor`].
     pub variance_factor: f64,
     /// Measured numbers minus fitted ones.
     pub freedom: usize,
@@ -158,13 +158,9 @@ pub fn identify(
     if fit.status != FitStatus::Converged {
         return None;
     }
-    let mut problem = Problem::new(springs.model, springs.library, springs.groups, films, settings);
-    let unscaled = |load: &Vec<f64>| load.iter().map(|part| part / fit.absolute_scale).collect();
-    let start = Start {
-        log_multipliers: fit.log_multipliers.clone(),
-        loads: fit.loads.iter().map(unscaled).collect(),
-    };
-    let mut asked = Asked::begin(&mut problem, &start)?;
+    let weighed = settings.weighed(fit.variance_factor);
+    let mut problem = Problem::new(springs.model, springs.library, springs.groups, films, &weighed);
+    let mut asked = Asked::begin(&mut problem, fit)?;
     let g = springs.groups.len();
     let across = asked.information();
     let (alone, with_prior) = asked.deviations(&across, settings);
@@ -194,22 +190,17 @@ struct Asked<'p, 'a> {
 }
 
 impl<'p, 'a> Asked<'p, 'a> {
-    fn begin(problem: &'p mut Problem<'a>, start: &Start) -> Option<Self> {
-        let x = problem.begin(start);
+    fn begin(problem: &'p mut Problem<'a>, fit: &Personalization) -> Option<Self> {
+        let x = problem.begin(&fit.as_start());
         let bounds = problem.bounds(&x);
-        let (groups, rows) = (start.log_multipliers.len(), problem.rows());
+        let rows = problem.rows();
         let [lower, upper] = &bounds;
         let minimum = minimize(x, lower, upper, rows, |x, system| problem.evaluate(x, system));
         if minimum.status != FitStatus::Converged {
             return None;
         }
-        let free = (0..minimum.x.len()).filter(|&i| lower[i] < upper[i]).count();
-        // One of the unknowns is the gauge's; without one, all are the films'.
-        let fitted = free - usize::from(problem.holds_mean());
-        let freedom = problem.data_rows().saturating_sub(fitted).max(1);
-        let squares = problem.data_rms(&minimum.system).powi(2) * problem.data_rows() as f64;
-        let factor = (squares / freedom as f64).max(1.0);
-        Some(Self { problem, minimum, bounds, groups, factor, freedom })
+        let (groups, freedom) = (fit.log_multipliers.len(), problem.freedom(&minimum.x));
+        Some(Self { problem, minimum, bounds, groups, factor: fit.variance_factor, freedom })
     }
 
     /// Derivatives of what was measured by every `ln α`, less what free loads can make up for.

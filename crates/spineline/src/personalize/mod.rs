@@ -21,6 +21,8 @@ pub mod evidence;
 mod fit;
 mod identify;
 mod levenberg_marquardt;
+mod line_test;
+mod preferred;
 mod problem;
 mod rows;
 mod start;
@@ -32,6 +34,8 @@ pub use identify::{
     ProfileVerdict, identify,
 };
 pub use levenberg_marquardt::FitStatus;
+pub use line_test::{Crossing, Hypothesis, LineTest, SIGNIFICANCE};
+pub use preferred::PreferredLoads;
 pub use start::Start;
 
 use crate::anatomy::Posture;
@@ -122,4 +126,15 @@ pub struct FitSettings<'a> {
     pub prior: Option<LogNormalPrior>,
     /// Starts beside those in closed form, such as what a fit with another line has found.
     pub hints: &'a [Start],
+}
+
+impl FitSettings<'_> {
+    /// The same, for films that scatter about the model by a factor of their noise's variance: residuals stay in deviations of
+    /// the noise, and the prior holds as much harder.
+    pub(crate) fn weighed(&self, variance_factor: f64) -> Self {
+        let weighed = |prior: LogNormalPrior| LogNormalPrior {
+            log_sd: prior.log_sd / variance_factor.sqrt(),
+        };
+        Self { prior: self.prior.map(weighed), ..*self }
+    }
 }

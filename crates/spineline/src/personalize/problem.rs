@@ -150,6 +150,19 @@ impl<'a> Problem<'a> {
         self.films.len() * self.rows_per_film()
     }
 
+    /// Measured numbers minus fitted ones, of which one is the gauge's where it holds the mean.
+    pub fn freedom(&self, x: &DVector<f64>) -> usize {
+        let [lower, upper] = self.bounds(x);
+        let free = (0..x.len()).filter(|&i| lower[i] < upper[i]).count();
+        self.data_rows().saturating_sub(free - usize::from(self.holds_mean())).max(1)
+    }
+
+    /// Sum of squares over the degrees of freedom, and at least 1.
+    pub fn variance_factor(&self, minimum: &Minimum) -> f64 {
+        let squares = self.data_rms(&minimum.system).powi(2) * self.data_rows() as f64;
+        (squares / self.freedom(&minimum.x) as f64).max(1.0)
+    }
+
     /// Rows of all films, of the prior, and one for the gauge.
     pub fn rows(&self) -> usize {
         let prior = if self.settings.prior.is_some() { self.groups.len() } else { 0 };

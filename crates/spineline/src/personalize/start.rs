@@ -49,7 +49,7 @@ pub(super) fn closed_form(
                 continue;
             }
             // The variance of ln x is that of x over x², and that of x falls with Σ a².
-            let weight = product * product / square / evidence.rotation_sd.rad().powi(2);
+            let weight = product * product / square / evidence.rotation_sd().rad().powi(2);
             let value = slope.ln();
             normal[(g + film, g + film)] += weight;
             normal[(group, group)] += weight;

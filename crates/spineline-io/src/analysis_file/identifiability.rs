@@ -1,0 +1,92 @@
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use spineline::multibody::JointGroups;
+use spineline::personalize::{Direction, Identifiability, MultiplierInformation, ProfileEnd};
+
+/// What the bending films say of a model's multipliers, in natural logarithms.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub(super) struct IdentifiabilityRecord {
+    /// By region or joint, under the gauge.
+    multipliers: BTreeMap<String, InformationRecord>,
+    /// Ways in which all may change together, the least known first; from the films alone, without gauge and prior.
+    directions: Vec<DirectionRecord>,
+    /// Sum of squares over the degrees of freedom, and at least 1; deviations and limits are widened by it.
+    variance_factor: f64,
+    /// Measured numbers minus fitted ones.
+    degrees_of_freedom: usize,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct InformationRecord {
+    /// `interval`, `only_lower`, `only_upper`, `not_identified` or `lost`.
+    verdict: String,
+    /// Ends of the 95 % interval of the multiplier; `null` where the films allow every value up to its bound.
+    interval_95: [Option<f64>; 2],
+    /// From the films alone; `null` where they do not fix it.
+    log_sd: Option<f64>,
+    /// With the prior; absent where there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    log_sd_with_prior: Option<f64>,
+    profile: ProfileRecord,
+}
+
+/// The best fit with this multiplier held at one value after another.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct ProfileRecord {
+    log_multiplier: Vec<f64>,
+    /// Rise of the sum of squares, over `variance_factor`; the interval ends at 3.84.
+    rise: Vec<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct DirectionRecord {
+    /// Its part in every multiplier's logarithm.
+    log_multipliers: BTreeMap<String, f64>,
+    /// `null` where the films say nothing.
+    log_sd: Option<f64>,
+    /// 1 for the direction that changes no ratio, which the gauge fixes; 0 for a ratio.
+    gauge_share: f64,
+}
+
+impl IdentifiabilityRecord {
+    pub fn new(found: &Identifiability, groups: &JointGroups) -> Self {
+        let names = || groups.names().iter().cloned();
+        Self {
+            multipliers: names().zip(found.multipliers.iter().map(information)).collect(),
+            directions: found
+                .directions
+                .iter()
+                .map(|Direction { log_multipliers, log_sd, gauge_share }| DirectionRecord {
+                    log_multipliers: names().zip(log_multipliers.iter().copied()).collect(),
+                    log_sd: finite(*log_sd),
+                    gauge_share: *gauge_share,
+                })
+                .collect(),
+            variance_factor: found.variance_factor,
+            degrees_of_freedom: found.freedom,
+        }
+    }
+}
+
+fn information(one: &MultiplierInformation) -> InformationRecord {
+    let end = |end| match end {
+        ProfileEnd::At(log) => Some(f64::exp(log)),
+        ProfileEnd::Open | ProfileEnd::Lost(_) => None,
+    };
+    InformationRecord {
+        verdict: one.profile.verdict().key().to_owned(),
+        interval_95: [end(one.profile.lower), end(one.profile.upper)],
+        log_sd: finite(one.log_sd),
+        log_sd_with_prior: one.log_sd_with_prior.and_then(finite),
+        profile: ProfileRecord {
+            log_multiplier: one.profile.points.iter().map(|point| point.log_multiplier).collect(),
+            rise: one.profile.points.iter().map(|point| point.rise).collect(),
+        },
+    }
+}
+
+fn finite(value: f64) -> Option<f64> {
+    Some(value).filter(|value| value.is_finite())
+}

@@ -1,0 +1,173 @@
+//! Whether films are compatible with a line of action, and where their own line may run.
+
+use nalgebra::{DMatrix, DVector, Matrix4, RowVector3, Vector2, Vector4};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use super::estimate::{EstimatedLine, line_of};
+use super::preferred::PreferredLoads;
+use crate::spatial::{Angle, Frontal};
+
+/// What is said of the line on one film.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Hypothesis {
+    /// It runs through two points, which are known up to a covariance of `(y, z)` of the first and of the second, in mm².
+    Through {
+        /// The points.
+        points: [Frontal; 2],
+        /// Their covariance.
+        covariance: Matrix4<f64>,
+    },
+    /// It has this direction, known up to an angle.
+    Along {
+        /// A unit vector.
+        direction: Frontal,
+        /// Standard deviation of its angle.
+        sd: Angle,
+    },
+}
+
+/// A test of a hypothesis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LineTest {
+    /// F statistic: the mean square of what should vanish, in its standard deviations.
+    pub f_statistic: f64,
+    /// Numbers that should vanish: 2 for a line, 1 for a direction.
+    pub restrictions: u32,
+    /// Degrees of freedom of the denominator; infinite where the springs of a group do not differ.
+    pub freedom: f64,
+    /// Probability of a larger statistic if the hypothesis is true.
+    pub p_value: f64,
+}
+
+/// Where a line may cross a height.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Crossing {
+    /// Between these places, in mm to the patient's left.
+    Between([f64; 2]),
+    /// Anywhere, or nearly so: the films do not tell.
+    Open,
+}
+
+/// Hypotheses with less probability are rejected.
+pub const SIGNIFICANCE: f64 = 0.05;
+
+impl LineTest {
+    /// Whether the films reject the hypothesis, with an error of 5 % if it is true.
+    #[must_use]
+    pub fn rejects(&self) -> bool {
+        self.p_value < SIGNIFICANCE
+    }
+}
+
+impl PreferredLoads {
+    /// The line of one film's load; `None` for a pure couple.
+    #[must_use]
+    pub fn line(&self, film: usize, near: Frontal) -> Option<EstimatedLine> {
+        line_of(self.components.get(film)?, near)
+    }
+
+    /// Tests a hypothesis on one film.
+    ///
+    /// # Definition
+    /// A force along a line has no moment about points of it, and no part across its direction: these numbers are linear in
+    /// the load. Their covariance is that of the load and, by the load's force, that of the points or the direction. F has
+    /// the degrees of freedom by which the variances of what joints have of their own are known ([satterthwaite-1946]; of two
+    /// numbers, in the mean of their directions).
+    #[must_use]
+    pub fn test(&self, film: usize, hypothesis: &Hypothesis) -> Option<LineTest> {
+        let [fy, fz, mx] = *self.components.get(film)?;
+        let (rows, known) = match hypothesis {
+            Hypothesis::Through { points, covariance } => {
+                // The moment about a point falls with fz to the left and grows with fy upwards.
+                let slope = [Vector4::new(-fz, fy, 0.0, 0.0), Vector4::new(0.0, 0.0, -fz, fy)];
+                let known = DMatrix::from_fn(2, 2, |i, j| (covariance * slope[j]).dot(&slope[i]));
+                (points.map(moment_about).to_vec(), known)
+            }
+            Hypothesis::Along { direction, sd } => {
+                let row = RowVector3::new(direction.z_mm, -direction.y_mm, 0.0);
+                let along = fy * direction.y_mm + fz * direction.z_mm;
+                let known = (along * sd.rad()).powi(2);
+                (vec![row], DMatrix::from_element(1, 1, known))
+            }
+        };
+        let load = RowVector3::new(fy, fz, mx);
+        let off = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.dot(&load)));
+        let covariance = self.about(film, &rows, &self.covariance) + known;
+        let slopes = self.covariance_slopes.each_ref().map(|by| self.about(film, &rows, by));
+        self.f_test(&off, &covariance, &slopes)
+    }
+
+    /// Where the film's line may cross a height, with 95 % confidence for this height alone.
+    ///
+    /// # Definition
+    /// All places about which the moment vanishes as far as its test tells (Fieller's set).
+    #[must_use]
+    pub fn crossing(&self, film: usize, z_mm: f64) -> Option<Crossing> {
+        let load = self.components.get(film)?;
+        // The moment about (y, z) is a - b y.
+        let rows = [RowVector3::new(z_mm, 0.0, 1.0), RowVector3::new(0.0, 1.0, 0.0)];
+        let [a, b] = rows.map(|row| row.dot(&RowVector3::from(*load)));
+        let c = self.about(film, &rows, &self.covariance);
+        let place = a / b;
+        let row = moment_about(Frontal::new(place, z_mm));
+        let variance = self.about(film, &[row], &self.covariance)[(0, 0)];
+        let slopes =
+            self.covariance_slopes.each_ref().map(|by| self.about(film, &[row], by)[(0, 0)]);
+        let freedom = self.satterthwaite(variance, slopes);
+        let limit = f_quantile(1.0, freedom)?;
+        // (a - b y)² <= limit (c00 - 2 c01 y + c11 y²)
+        let square = b * b - limit * c[(1, 1)];
+        let half = a * b - limit * c[(0, 1)];
+        let rest = a * a - limit * c[(0, 0)];
+        let root = half * half - square * rest;
+        if square <= 0.0 || root < 0.0 {
+            return Some(Crossing::Open);
+        }
+        Some(Crossing::Between([(half - root.sqrt()) / square, (half + root.sqrt()) / square]))
+    }
+
+    fn about(&self, film: usize, rows: &[RowVector3<f64>], of: &DMatrix<f64>) -> DMatrix<f64> {
+        let own = of.fixed_view::<3, 3>(3 * film, 3 * film);
+        DMatrix::from_fn(rows.len(), rows.len(), |i, j| (rows[i] * own * rows[j].transpose())[0])
+    }
+
+    /// Degrees of freedom of a variance with slopes by the variances of what joints have of their own.
+    fn satterthwaite(&self, variance: f64, slopes: [f64; 2]) -> f64 {
+        let slopes = Vector2::from(slopes);
+        2.0 * variance * variance / (self.of_variances * slopes).dot(&slopes)
+    }
+
+    fn f_test(
+        &self,
+        off: &DVector<f64>,
+        covariance: &DMatrix<f64>,
+        slopes: &[DMatrix<f64>; 2],
+    ) -> Option<LineTest> {
+        let count = off.len() as f64;
+        let inverse = covariance.clone().cholesky()?.inverse();
+        let f_statistic = (off.transpose() * &inverse * off)[(0, 0)] / count;
+        // By what part of itself the covariance grows, in the mean of its directions.
+        let freedom = self
+            .satterthwaite(1.0, slopes.each_ref().map(|slope| (&inverse * slope).trace() / count));
+        Some(LineTest {
+            f_statistic,
+            restrictions: off.len() as u32,
+            freedom,
+            p_value: FisherSnedecor::new(count, bounded(freedom)).ok()?.sf(f_statistic),
+        })
+    }
+}
+
+/// Moment about a point, of components `(fy, fz, mx)`.
+fn moment_about(point: Frontal) -> RowVector3<f64> {
+    RowVector3::new(point.z_mm, -point.y_mm, 1.0)
+}
+
+/// F beyond a million degrees is chi-squared.
+fn bounded(freedom: f64) -> f64 {
+    freedom.clamp(1.0, 1e6)
+}
+
+fn f_quantile(count: f64, freedom: f64) -> Option<f64> {
+    Some(FisherSnedecor::new(count, bounded(freedom)).ok()?.inverse_cdf(1.0 - SIGNIFICANCE))
+}

@@ -1,0 +1,328 @@
+//! The loads that rotations of films prefer, with all that is unsure about them.
+//!
+//! # Model
+//! The rotation of joint `j` on a film is `(a_j · w) / α e^(δ_j)` and noise: `w` is the planar load, `a_j` its nominal
+//! response about the joint's centre and `α` the multiplier of the joint's group. What a joint has of its own is the same on
+//! every film: `δ_j` of its stiffness, and a centre that lies higher up the spine than the model has it, by a part that all
+//! joints share and a part of its own. Noise is that of the tilts: neighbouring joints share a vertebra and all films share
+//! the erect one, so that the rotations of all films have one covariance.
+//!
+//! Loads, multipliers and the shared part of the centres are fitted by generalised least squares; the deviations of what
+//! joints have of their own by restricted maximum likelihood (scoring). So the films tell themselves how far joints of one
+//! group differ, and a load is as unsure as they do.
+//!
+//! # References
+//! [harville-1977] for the restricted likelihood.
+
+use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
+
+use super::MULTIPLIER_BOUNDS;
+use super::evidence::{FilmEvidence, JointEvidence};
+use crate::multibody::{JointGroups, Load};
+
+/// Loads of several films that share springs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PreferredLoads {
+    /// `(fy, fz, mx)` about the origin of `G` per film, in N and N·mm, up to the level of stiffness.
+    pub components: Vec<[f64; 3]>,
+    /// `ln α` of the lateral springs per group.
+    pub log_multipliers: Vec<f64>,
+    /// How much further up the spine the joints turn than the model has their centres, on all films.
+    pub centres_higher_mm: f64,
+    /// Deviation of `ln` stiffness among the joints of a group.
+    pub joint_log_sd: f64,
+    /// Deviation of the joints' centres along the spine, about that.
+    pub centre_sd_mm: f64,
+    /// Covariance of all components, film by film, with multipliers free.
+    pub(super) covariance: DMatrix<f64>,
+    /// How the covariance grows with the variances of what joints have of their own.
+    pub(super) covariance_slopes: [DMatrix<f64>; 2],
+    /// Covariance of the estimates of those variances.
+    pub(super) of_variances: Matrix2<f64>,
+}
+
+/// Variances beyond these are none of springs (of `ln`) and of centres (mm²).
+const MOST_VARIANCES: Vector2<f64> = Vector2::new(1.0, 100.0);
+/// Centres of rotation lie within the vertebrae.
+const MOST_HIGHER_MM: f64 = 15.0;
+const ROUNDS: usize = 60;
+
+impl PreferredLoads {
+    /// Fits them; `None` without films, or where the films' joints do not determine the loads.
+    ///
+    /// `depth_mm` is the sagittal place of the forces.
+    #[must_use]
+    pub fn estimate(films: &[&FilmEvidence], depth_mm: f64, groups: &JointGroups) -> Option<Self> {
+        if films.is_empty() {
+            return None;
+        }
+        let mut fit = Fit::new(films, depth_mm, groups);
+        fit.solve_loads(&fit.noise.clone().cholesky()?.inverse())?;
+        let mut variances = Vector2::zeros();
+        let mut state = fit.weigh(variances)?;
+        for _ in 0..ROUNDS {
+            let moved = fit.step(&state)?;
+            state = fit.weigh(variances)?;
+            let next = state.better(variances);
+            let change = (next - variances).component_div(&MOST_VARIANCES).amax();
+            variances = next;
+            state = fit.weigh(variances)?;
+            if change < 1e-7 && moved < 1e-8 {
+                break;
+            }
+        }
+        Some(fit.finish(variances, &state))
+    }
+}
+
+/// Rotations of all films below one another, and what is fitted to them.
+struct Fit<'a> {
+    films: usize,
+    joints: usize,
+    group_of: &'a [usize],
+    /// Nominal responses to the components of every film's own load.
+    responses: Vec<Vec<[f64; 3]>>,
+    /// By how much they grow per millimetre that a joint turns higher up the spine.
+    higher: Vec<Vec<[f64; 3]>>,
+    centres_higher_mm: f64,
+    rotations: DVector<f64>,
+    noise: DMatrix<f64>,
+    loads: DVector<f64>,
+    logs: Vec<f64>,
+}
+
+/// The fit at some variances of what joints have of their own.
+struct Weighed {
+    /// Derivative of the rotations by the loads and the free multipliers, in scaled columns.
+    jacobian: DMatrix<f64>,
+    scales: DVector<f64>,
+    /// Inverse of the rotations' covariance.
+    weights: DMatrix<f64>,
+    /// Covariance of the scaled unknowns.
+    covariance: DMatrix<f64>,
+    residual: DVector<f64>,
+    /// What one unit of each variance adds to the rotations' covariance.
+    own: [DMatrix<f64>; 2],
+    score: Vector2<f64>,
+    information: Matrix2<f64>,
+    ways: DMatrix<f64>,
+}
+
+impl Weighed {
+    /// One scoring step of the variances; one that would be negative is held at zero.
+    fn better(&self, variances: Vector2<f64>) -> Vector2<f64> {
+        let bounded =
+            |value: Vector2<f64>| value.zip_map(&MOST_VARIANCES, |v, most| v.clamp(0.0, most));
+        let both = self.information.try_inverse().map(|inverse| variances + inverse * self.score);
+        if let Some(both) = both.filter(|both| both.min() >= 0.0) {
+            return bounded(both);
+        }
+        // One at zero: the other alone, whichever of the two the films want more.
+        let alone = |i: usize| {
+            let other = 1 - i;
+            let score = self.score[i] + self.information[(i, other)] * variances[other];
+            (variances[i] + score / self.information[(i, i)].max(f64::MIN_POSITIVE)).max(0.0)
+        };
+        let gain = |i: usize| self.information[(i, i)] * alone(i).powi(2);
+        let kept = if gain(0) >= gain(1) { 0 } else { 1 };
+        let mut next = Vector2::zeros();
+        next[kept] = alone(kept);
+        bounded(next)
+    }
+}
+
+impl<'a> Fit<'a> {
+    fn new(films: &[&FilmEvidence], depth_mm: f64, groups: &'a JointGroups) -> Self {
+        let joints = groups.of_joint().len();
+        let all = films.iter().flat_map(|film| &film.joints).map(|joint| joint.rotation.rad());
+        let rows = films.len() * joints;
+        let noise = DMatrix::from_fn(rows, rows, |a, b| {
+            let shared = match (a % joints).abs_diff(b % joints) {
+                0 => 2.0,
+                1 => -1.0,
+                _ => return 0.0,
+            };
+            let film = &films[a / joints];
+            let own = if a / joints == b / joints { film.tilt_sd.rad().powi(2) } else { 0.0 };
+            shared * (own + film.erect_tilt_sd.rad().powi(2))
+        });
+        Self {
+            films: films.len(),
+            joints,
+            group_of: groups.of_joint(),
+            responses: films
+                .iter()
+                .map(|film| film.responses(&Load::Frontal { depth_mm }))
+                .collect(),
+            higher: films.iter().map(|film| film.joints.iter().map(higher).collect()).collect(),
+            centres_higher_mm: 0.0,
+            rotations: DVector::from_iterator(rows, all),
+            noise,
+            loads: DVector::zeros(3 * films.len()),
+            logs: vec![0.0; groups.len()],
+        }
+    }
+
+    /// Rotations by the loads' components at the multipliers of now.
+    fn by_loads(&self) -> DMatrix<f64> {
+        self.matrix_of(|film, joint, part| {
+            self.responses[film][joint][part]
+                + self.centres_higher_mm * self.higher[film][joint][part]
+        })
+    }
+
+    /// Responses of all films' joints, softened by the multipliers of now.
+    fn matrix_of(&self, response: impl Fn(usize, usize, usize) -> f64) -> DMatrix<f64> {
+        let mut matrix = DMatrix::zeros(self.rotations.len(), 3 * self.films);
+        for film in 0..self.films {
+            for joint in 0..self.joints {
+                let softness = (-self.logs[self.group_of[joint]]).exp();
+                for part in 0..3 {
+                    matrix[(film * self.joints + joint, 3 * film + part)] =
+                        softness * response(film, joint, part);
+                }
+            }
+        }
+        matrix
+    }
+
+    /// Directions among the `ln α` that keep their mean and leave those at a bound where they are.
+    fn ways(&self) -> DMatrix<f64> {
+        let g = self.logs.len();
+        let limit = MULTIPLIER_BOUNDS[1].ln();
+        let free: Vec<usize> = (0..g).filter(|&i| self.logs[i].abs() < limit).collect();
+        let Some((&last, others)) = free.split_last() else { return DMatrix::zeros(g, 0) };
+        let mut ways = DMatrix::zeros(g, others.len());
+        for (column, &group) in others.iter().enumerate() {
+            (ways[(group, column)], ways[(last, column)]) = (1.0, -1.0);
+        }
+        ways
+    }
+
+    fn weigh(&self, variances: Vector2<f64>) -> Option<Weighed> {
+        let by_loads = self.by_loads();
+        let predicted = &by_loads * &self.loads;
+        let ways = self.ways();
+        let (rows, loads) = (self.rotations.len(), 3 * self.films);
+        let higher =
+            self.matrix_of(|film, joint, part| self.higher[film][joint][part]) * &self.loads;
+        let mut jacobian = DMatrix::zeros(rows, loads + ways.ncols() + 1);
+        jacobian.column_mut(loads + ways.ncols()).copy_from(&higher);
+        jacobian.columns_mut(0, loads).copy_from(&by_loads);
+        for row in 0..rows {
+            let group = self.group_of[row % self.joints];
+            for way in 0..ways.ncols() {
+                jacobian[(row, loads + way)] = -predicted[row] * ways[(group, way)];
+            }
+        }
+        let scales = scale_columns(&mut jacobian);
+        let own = [&predicted, &higher].map(|by| {
+            let shared =
+                |a, b| if a % self.joints == b % self.joints { by[a] * by[b] } else { 0.0 };
+            DMatrix::from_fn(rows, rows, shared)
+        });
+        let weights =
+            (&self.noise + &own[0] * variances[0] + &own[1] * variances[1]).cholesky()?.inverse();
+        let weighted = &weights * &jacobian;
+        let covariance = jacobian.tr_mul(&weighted).cholesky()?.inverse();
+        let residual = &self.rotations - predicted;
+        let projected = &weights - &weighted * &covariance * weighted.transpose();
+        let spread = [&projected * &own[0], &projected * &own[1]];
+        let seen = &projected * &residual;
+        let score =
+            |i: usize| 0.5 * ((seen.transpose() * &own[i] * &seen)[(0, 0)] - spread[i].trace());
+        Some(Weighed {
+            score: Vector2::new(score(0), score(1)),
+            information: Matrix2::from_fn(|i, j| 0.5 * spread[i].dot(&spread[j].transpose())),
+            jacobian,
+            scales,
+            weights,
+            covariance,
+            residual,
+            own,
+            ways,
+        })
+    }
+
+    /// One Gauss-Newton step of loads and multipliers; answers with the change of a multiplier.
+    fn step(&mut self, at: &Weighed) -> Option<f64> {
+        let right = at.jacobian.tr_mul(&(&at.weights * &at.residual));
+        let step = (&at.covariance * right).component_div(&at.scales);
+        // A long stride leaves what the linear theory knows.
+        const STRIDE: f64 = 0.5;
+        let change = &at.ways * step.rows(3 * self.films, at.ways.ncols());
+        let longest = change.amax();
+        let part = if longest > STRIDE { STRIDE / longest } else { 1.0 };
+        let limit = MULTIPLIER_BOUNDS[1].ln();
+        for (log, change) in self.logs.iter_mut().zip(change.iter()) {
+            *log = (*log + part * change).clamp(-limit, limit);
+        }
+        let shift = step[3 * self.films + at.ways.ncols()];
+        self.centres_higher_mm =
+            (self.centres_higher_mm + part * shift).clamp(-MOST_HIGHER_MM, MOST_HIGHER_MM);
+        self.solve_loads(&at.weights)?;
+        Some(longest)
+    }
+
+    /// The best loads at the multipliers of now, which is linear.
+    fn solve_loads(&mut self, weights: &DMatrix<f64>) -> Option<()> {
+        let mut by_loads = self.by_loads();
+        let scales = scale_columns(&mut by_loads);
+        let weighted = weights * &by_loads;
+        let solved =
+            by_loads.tr_mul(&weighted).cholesky()?.solve(&weighted.tr_mul(&self.rotations));
+        self.loads = solved.component_div(&scales);
+        Some(())
+    }
+
+    fn finish(&self, variances: Vector2<f64>, at: &Weighed) -> PreferredLoads {
+        let weighted = &at.weights * &at.jacobian * &at.covariance;
+        let loads = 3 * self.films;
+        let unscaled = |matrix: &DMatrix<f64>| {
+            DMatrix::from_fn(loads, loads, |i, j| matrix[(i, j)] / (at.scales[i] * at.scales[j]))
+        };
+        PreferredLoads {
+            components: (0..self.films)
+                .map(|film| [0, 1, 2].map(|part| self.loads[3 * film + part]))
+                .collect(),
+            log_multipliers: self.logs.clone(),
+            centres_higher_mm: self.centres_higher_mm,
+            joint_log_sd: variances[0].sqrt(),
+            centre_sd_mm: variances[1].sqrt(),
+            covariance: unscaled(&at.covariance),
+            covariance_slopes: [0, 1]
+                .map(|i| unscaled(&weighted.tr_mul(&(&at.own[i] * &weighted)))),
+            of_variances: of_variances(&at.information, variances),
+        }
+    }
+}
+
+/// Divides every column by its largest entry, and answers with those: newtons and newton millimetres differ by hundreds.
+fn scale_columns(matrix: &mut DMatrix<f64>) -> DVector<f64> {
+    let largest = matrix.column_iter().map(|column| column.amax().max(f64::MIN_POSITIVE));
+    let scales = DVector::from_iterator(matrix.ncols(), largest);
+    for (mut column, scale) in matrix.column_iter_mut().zip(scales.iter()) {
+        column /= *scale;
+    }
+    scales
+}
+
+fn higher(joint: &JointEvidence) -> [f64; 3] {
+    // The moment about a point falls with fz to the left and grows with fy upwards.
+    [joint.along.z_mm, -joint.along.y_mm, 0.0].map(|part| part * joint.compliance_rad_per_nmm)
+}
+
+/// Covariance of the variances' estimates; one that was found to be zero is taken as known.
+fn of_variances(information: &Matrix2<f64>, variances: Vector2<f64>) -> Matrix2<f64> {
+    let alone = |i: usize| {
+        let mut one = Matrix2::zeros();
+        one[(i, i)] = 1.0 / information[(i, i)];
+        one
+    };
+    match [variances[0] > 0.0, variances[1] > 0.0] {
+        [true, true] => information.try_inverse().unwrap_or_else(|| alone(0) + alone(1)),
+        [true, false] => alone(0),
+        [false, true] => alone(1),
+        [false, false] => Matrix2::zeros(),
+    }
+}
