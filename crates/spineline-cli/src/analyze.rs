@@ -13,7 +13,7 @@ use crate::args::AnalyzeArgs;
 use crate::failure::{Ending, Failure};
 use crate::progress::map_all;
 use crate::rows::{chain_text, csv_text};
-use crate::{cohort, identifiability, print, report, uncertainty};
+use crate::{cohort, identifiability, models, print, report, uncertainty};
 
 /// What wrote a file.
 pub fn generator() -> String {
@@ -66,10 +66,11 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
                 let spread = spread.map(|found| uncertainty::text(one, found));
                 let identified =
                     args.uncertainty.identifiability.then(|| identifiability::text(one));
-                let parts = [Some(report::text(one)), identified, spread];
+                let compared = Some(models::text(&analyses)).filter(|text| !text.is_empty());
+                let parts = [Some(report::text(one)), compared, identified, spread];
                 parts.into_iter().flatten().collect::<Vec<_>>().join("\n")
             }
-            all => cohort::text(all),
+            all => format!("{}{}", cohort::text(all), models::text(all)),
         })?;
     }
     if ending == Ending::Done && !analyses.iter().all(Analysis::is_converged) {

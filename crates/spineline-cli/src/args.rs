@@ -8,6 +8,7 @@ use spineline::action::{LineKind, LineOfAction};
 use spineline::analysis::{AnalysisOptions, Grouping};
 use spineline::anatomy::{Level, Posture};
 use spineline::curve::{InflectionChoice, OrderRule, Site};
+use spineline::hypothesis::Hypothesis;
 use spineline::multibody::Support;
 use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
@@ -344,6 +345,10 @@ pub struct OptionArgs {
     /// positive; may be repeated
     #[arg(long, value_name = "LINE", value_parser = given_line)]
     given_line: Vec<(Posture, LineOfAction)>,
+    /// Compare other loads and bases with the paper's line, fitted and left out: `all`, or names such as
+    /// couple,weight,inflection-line+free-base (see docs/models.md)
+    #[arg(long, value_name = "all|NAME,NAME", value_parser = hypotheses)]
+    compare_models: Option<Hypotheses>,
 }
 
 impl OptionArgs {
@@ -367,6 +372,7 @@ impl OptionArgs {
                 .map_or(InflectionChoice::Automatic, InflectionChoice::ByHand),
             min_lobe: self.min_lobe,
             given_lines: self.given_line.clone(),
+            hypotheses: self.compare_models.clone().map(|chosen| chosen.0).unwrap_or_default(),
             ..AnalysisOptions::default()
         };
         if let Some(path) = &self.stiffness {
@@ -376,6 +382,18 @@ impl OptionArgs {
         }
         Ok(options)
     }
+}
+
+/// Loads and bases to compare.
+#[derive(Clone)]
+struct Hypotheses(Vec<Hypothesis>);
+
+fn hypotheses(text: &str) -> Result<Hypotheses, String> {
+    if text == "all" {
+        return Ok(Hypotheses(Hypothesis::compared()));
+    }
+    let chosen = text.split(',').map(Hypothesis::from_str).collect::<Result<_, _>>();
+    chosen.map(Hypotheses).map_err(|error| error.to_string())
 }
 
 /// A prior, or none.

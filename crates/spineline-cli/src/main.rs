@@ -12,6 +12,7 @@ mod film;
 mod identifiability;
 mod import;
 mod model;
+mod models;
 mod phantom;
 mod progress;
 mod reliability;

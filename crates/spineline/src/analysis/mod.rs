@@ -2,6 +2,7 @@
 
 mod analyze;
 mod checks;
+mod hypotheses;
 mod identification;
 mod models;
 mod options;

@@ -32,6 +32,7 @@ pub use identify::{
     ProfileVerdict, identify,
 };
 pub use levenberg_marquardt::FitStatus;
+pub(crate) use levenberg_marquardt::{System, minimize};
 pub use start::Start;
 
 use crate::anatomy::Posture;
