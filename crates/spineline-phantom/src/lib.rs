@@ -10,6 +10,8 @@
 //!   inflections: what clinicians see;
 //! - [`Truth::Pull`]: the same rod under a horizontal force at T2, Petit's hypothesis; its traction is a cranial one.
 //!
+//! [`Truth::OTHERS`] bend the same rod by loads that no single line describes, or turn its base: for comparisons of loads.
+//!
 //! A [`TrueFilm`] is how a posture lies on its film. The readers mark it, and [`Phantom::radiograph`] draws it, so that the
 //! two agree to a part of a pixel.
 //!
@@ -23,6 +25,7 @@
 
 mod erect;
 mod film;
+mod others;
 mod radiograph;
 mod readers;
 mod rod;
@@ -50,11 +53,25 @@ pub enum Truth {
     Bend,
     /// A horizontal force at T2 (Petit's hypothesis).
     Pull,
+    /// The weight of trunk, head and arms along the film's vertical, which leans against L4.
+    Weight,
+    /// A horizontal force spread evenly over the length.
+    Lateral,
+    /// One moment at all levels.
+    Couple,
+    /// A force through the inflections and a horizontal one at the apex of the main thoracic curve.
+    TwoForces,
+    /// As the rod, with the axis of L4 turned on the bends: all above it stands turned in its frame.
+    TurnedBase,
 }
 
 impl Truth {
-    /// All truths.
+    /// The truths of a reproduction of the paper.
     pub const ALL: [Self; 3] = [Self::Rod, Self::Bend, Self::Pull];
+
+    /// Truths for a comparison of loads.
+    pub const OTHERS: [Self; 5] =
+        [Self::Weight, Self::Lateral, Self::Couple, Self::TwoForces, Self::TurnedBase];
 
     /// The name used in files.
     #[must_use]
@@ -63,6 +80,11 @@ impl Truth {
             Self::Rod => "rod",
             Self::Bend => "bend",
             Self::Pull => "pull",
+            Self::Weight => "weight",
+            Self::Lateral => "lateral",
+            Self::Couple => "couple",
+            Self::TwoForces => "two-forces",
+            Self::TurnedBase => "turned-base",
         }
     }
 
@@ -73,6 +95,11 @@ impl Truth {
             Self::Rod => "force through the inflections",
             Self::Bend => "all joints turn to one side",
             Self::Pull => "horizontal force at T2",
+            Self::Weight => "weight along a vertical that leans",
+            Self::Lateral => "horizontal force spread over the length",
+            Self::Couple => "one moment at all levels",
+            Self::TwoForces => "forces through the inflections and at the apex",
+            Self::TurnedBase => "force through the inflections, and L4's axis turned",
         }
     }
 }
@@ -90,8 +117,10 @@ pub struct TruePosture {
     pub inflections: [Frontal; 2],
     /// True line of action; `None` for prescribed rotations and for the erect posture.
     pub line: Option<LineOfAction>,
-    /// True force along it.
+    /// True force along it, or size of another load.
     pub force_n: f64,
+    /// L4's tilt on the film, where the load depends on it; else the patient stands by chance.
+    pub l4_on_film: Option<Angle>,
 }
 
 /// A synthetic patient: the films as readers see them, and the truth behind them.
@@ -153,13 +182,26 @@ pub fn generate(
     // Anatomy is the same for all truths; movement and readers have streams of their own.
     let mut anatomy_rng = stream(seed, 8 * index as u64);
     let spine = erect::ErectSpine::draw(row, &mut anatomy_rng)?;
-    let mut rng = stream(seed, 8 * index as u64 + 1 + truth as u64);
+    let (movement, look) = streams(index as u64, truth);
+    let mut rng = stream(seed, movement);
     let (postures, multipliers) = truth::postures(row, truth, &spine, &mut rng)?;
     // What radiographs draw at random moves no landmark.
-    let mut look = stream(seed, 8 * index as u64 + 5 + truth as u64);
+    let mut look = stream(seed, look);
     let (case, films) =
         film::photograph(row, truth, &spine, &postures, readers, &mut rng, &mut look);
     Ok(Phantom { case, truth, postures, multipliers, films })
+}
+
+/// Numbers of the streams of movement with readers, and of radiographs.
+fn streams(index: u64, truth: Truth) -> (u64, u64) {
+    let place = truth as u64;
+    let count = Truth::ALL.len() as u64;
+    if place < count {
+        (8 * index + 1 + place, 8 * index + 5 + place)
+    } else {
+        let own = 1000 + 16 * index + 2 * (place - count);
+        (own, own + 1)
+    }
 }
 
 fn stream(seed: u64, number: u64) -> ChaCha12Rng {
