@@ -36,7 +36,7 @@ pub(crate) fn move_by(
             let goal = Angle::from_deg(total_deg * vary.sample(rng));
             let lean = Angle::from_deg(25.0 * sense);
             // A vertical that leans; the film of every posture shows it.
-            let l4_on_film = (truth == Truth::Weight).then_some(-lean);
+            let l4_on_film = (truth == Truth::Weight).then_some(lean);
             let reached = |shape: &ChainShape| shape.rotation_from(erect) >= goal;
             let solve = |size: f64, shape: &mut ChainShape| {
                 *shape = rod.bend_by(shape, couple(truth, size, sense), |now| {
@@ -69,7 +69,7 @@ fn forces(
     let sideways = Frontal::new(-sense * size, 0.0);
     match truth {
         Truth::Weight => {
-            let down = Frontal::leaning(lean) * -size;
+            let down = Frontal::leaning(-lean) * -size;
             let levels = Level::MODEL.iter().zip(s).skip(1);
             levels.map(|(&level, &s)| at(s, down * trunk_weight_share(level))).collect()
         }

@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use super::near_t2::nearest_t2;
 use super::problem::{LoadedFilm, ShapeProblem, statics};
 use super::start::{JointResponses, alternate};
-use super::{Criteria, Hypothesis, HypothesisFilm, Spine};
+use super::{Base, Criteria, Hypothesis, HypothesisFilm, Spine};
 use crate::anatomy::Posture;
 use crate::personalize::{FitStatus, System, minimize};
 use crate::spatial::{Angle, Frontal};
@@ -205,7 +205,15 @@ fn fit_to<'a>(
     let [lower, upper] = problem.bounds();
     let rows = problem.rows();
     let mut best: Option<(f64, FitStatus, DVector<f64>)> = None;
-    for start in starts(&problem, films, spine, held.as_deref()) {
+    let mut all = starts(&problem, films, spine, held.as_deref());
+    if hypothesis.base != Base::Fixed {
+        // A base that turns does no worse than one that does not.
+        let fixed = fit_to(Hypothesis::of(hypothesis.load), spine, films, held)?;
+        if fixed.status != FitStatus::NotEvaluable {
+            all.insert(0, on_free_base(&fixed, &problem, spine.groups.len()));
+        }
+    }
+    for start in all {
         let Some(start) = evaluable(&mut problem, start, spine.groups.len()) else { continue };
         problem.reset();
         let end = minimize(start, &lower, &upper, rows, |x, system| problem.evaluate(x, system));
@@ -224,6 +232,17 @@ fn fit_to<'a>(
         (f64::NAN, FitStatus::NotEvaluable, DVector::zeros(problem.unknowns()))
     });
     Some(Ended { problem, hypothesis, films: films.len(), status, x, chi_squared })
+}
+
+/// What was found on a fixed base as a start.
+fn on_free_base(fixed: &Ended<'_>, problem: &ShapeProblem<'_>, groups: usize) -> DVector<f64> {
+    let mut x = DVector::zeros(problem.unknowns());
+    x.rows_mut(0, groups).copy_from(&fixed.x.rows(0, groups));
+    for (index, film) in problem.films.iter().enumerate() {
+        let (components, _) = fixed.problem.of_film(index, fixed.x.as_slice());
+        x.as_mut_slice()[film.first..film.first + components.len()].copy_from_slice(components);
+    }
+    x
 }
 
 /// The start with its loads halved until there is an equilibrium.

@@ -9,11 +9,13 @@ use crate::spatial::{Angle, Frontal};
 
 /// T2's places that differ by less are equally good (decision 0008).
 const TOLERANCE_MM: f64 = 1.0;
-/// The search begins where T2 hardly moves, and ends where only its distance counts.
-const FIRST_WEIGHT: f64 = 1e8;
-const LAST_WEIGHT: f64 = 1e-2;
-const WEIGHT_STEP: f64 = 0.1;
+/// Weights of a load's size against T2's distance: where T2 hardly moves, and where only its distance counts.
+const MOST_WEIGHT: f64 = 1e8;
+const LEAST_WEIGHT: f64 = 1e-2;
+const WEIGHT_STEP: f64 = 10.0;
 const BISECTIONS: u32 = 12;
+/// T2's distance may have several minima: sizes of load, in rad, from which they are sought.
+const START_SIZES: [f64; 4] = [0.1, 0.2, 0.4, 0.8];
 
 /// A load that was found.
 pub(super) struct NearT2 {
@@ -21,11 +23,13 @@ pub(super) struct NearT2 {
     pub base: Angle,
 }
 
-/// Finds it by following, from no load on, the shapes that minimise `|T2 - measured|² + w · size²` as `w` falls.
+/// Finds it: minima of `|T2 - measured|² + w · size²` for a weight that is next to nothing, sought from no load and from every
+/// component by itself, both ways and in several sizes. Of those within a millimetre of the nearest the smallest counts, and from
+/// there the weight grows for as long as T2 stays within that millimetre.
 ///
 /// The size of a load is how far it turns the unloaded spine to first order, joint by joint in the root of the sum of squares, so that
 /// forces and moments are compared alike. For one component it is proportional to the force. A free base counts
-/// as one more joint; a noisy one stays at zero, which is expected of it. `None` where the path was lost.
+/// as one more joint; a noisy one stays at zero, which is expected of it. `None` where no equilibrium was found.
 pub(super) fn nearest_t2(
     hypothesis: Hypothesis,
     loaded: &mut LoadedFilm,
@@ -34,33 +38,19 @@ pub(super) fn nearest_t2(
     spine: &Spine<'_>,
 ) -> Option<NearT2> {
     let mut search = Search::new(hypothesis, loaded, log_multipliers, measured, spine)?;
-    let mut found: Vec<(f64, DVector<f64>, f64)> = Vec::new();
-    let mut x = DVector::zeros(search.unknowns());
-    let mut weight = FIRST_WEIGHT;
-    while weight >= LAST_WEIGHT {
-        // A path that is lost ends at its last shape.
-        let Some(next) = search.at(weight, &x) else { break };
-        x = next;
-        found.push((weight, x.clone(), search.gap_mm(&x)?));
-        weight *= WEIGHT_STEP;
-    }
-    let least_mm = found.iter().map(|(.., gap)| *gap).fold(f64::INFINITY, f64::min);
-    let enough_mm = least_mm + TOLERANCE_MM;
-    let first = found.iter().position(|(.., gap)| *gap <= enough_mm)?;
-    let (mut near, mut x, _) = found.swap_remove(first);
-    if first > 0 {
-        let mut far = near / WEIGHT_STEP;
-        for _ in 0..BISECTIONS {
-            let middle = (near * far).sqrt();
-            let Some(next) = search.at(middle, &x) else { break };
-            let gap = search.gap_mm(&next)?;
-            if gap <= enough_mm {
-                (near, x) = (middle, next);
-            } else {
-                far = middle;
-            }
-        }
-    }
+    let minima: Vec<(f64, f64, DVector<f64>)> = search
+        .starts()
+        .into_iter()
+        .filter_map(|start| {
+            let x = search.at(LEAST_WEIGHT, &start)?;
+            Some((search.gap_mm(&x)?, (&search.size * &x).norm(), x))
+        })
+        .collect();
+    let nearest_mm = minima.iter().map(|(gap, ..)| *gap).fold(f64::INFINITY, f64::min);
+    let enough_mm = nearest_mm + TOLERANCE_MM;
+    let near = minima.into_iter().filter(|(gap, ..)| *gap <= enough_mm);
+    let (.., x) = near.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let x = search.lighten(x, enough_mm);
     let (components, base) = search.split(&x);
     Some(NearT2 { components: components.to_vec(), base })
 }
@@ -124,10 +114,48 @@ impl<'s, 'a> Search<'s, 'a> {
         solved.then(|| self.loaded.location(self.top).distance_mm(self.measured))
     }
 
+    /// No load, and every component by itself.
+    fn starts(&self) -> Vec<DVector<f64>> {
+        let none = DVector::zeros(self.unknowns());
+        let mut starts = vec![none.clone()];
+        for i in 0..self.components {
+            let unit = self.size.column(i).norm();
+            for size in START_SIZES.into_iter().flat_map(|size| [size, -size]) {
+                let mut start = none.clone();
+                start[i] = size / unit;
+                starts.push(start);
+            }
+        }
+        starts
+    }
+
+    /// The least load on the way from a minimum to no load that leaves T2 near enough.
+    fn lighten(&mut self, minimum: DVector<f64>, enough_mm: f64) -> DVector<f64> {
+        let (mut x, mut light, mut heavy) = (minimum, LEAST_WEIGHT, LEAST_WEIGHT);
+        let mut step = |weight: f64, x: &DVector<f64>| {
+            let next = self.at(weight, x)?;
+            (self.gap_mm(&next)? <= enough_mm).then_some(next)
+        };
+        while heavy < MOST_WEIGHT {
+            heavy = light * WEIGHT_STEP;
+            let Some(next) = step(heavy, &x) else { break };
+            (x, light) = (next, heavy);
+        }
+        for _ in 0..BISECTIONS {
+            let middle = (light * heavy).sqrt();
+            match step(middle, &x) {
+                Some(next) => (x, light) = (next, middle),
+                None => heavy = middle,
+            }
+        }
+        x
+    }
+
     fn at(&mut self, weight: f64, from: &DVector<f64>) -> Option<DVector<f64>> {
         let unknowns = self.unknowns();
         let free = DVector::from_element(unknowns, f64::INFINITY);
         let root = weight.sqrt();
+        self.loaded.reset();
         let end = minimize(from.clone(), &-&free, &free, 2 + unknowns, |x, system: &mut System| {
             let (components, base) = self.split(x);
             if !self.loaded.solve(&self.statics, components, base) {
