@@ -8,7 +8,6 @@ use spineline::action::{LineKind, LineOfAction};
 use spineline::analysis::{AnalysisOptions, Grouping};
 use spineline::anatomy::{Level, Posture};
 use spineline::curve::{InflectionChoice, OrderRule, Site};
-use spineline::hypothesis::Hypothesis;
 use spineline::multibody::Support;
 use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
@@ -19,6 +18,7 @@ use crate::export::{EXAMPLES, ExportArgs};
 use crate::failure::Failure;
 use crate::film::FilmArgs;
 use crate::import::{self, ImportArgs};
+use crate::models::{self, Chosen};
 use crate::reliability::{self, ReliabilityArgs};
 use crate::simulate;
 use crate::study::{self, StudyArgs};
@@ -347,8 +347,8 @@ pub struct OptionArgs {
     given_line: Vec<(Posture, LineOfAction)>,
     /// Compare other loads and bases with the paper's line, fitted and left out: `all`, or names such as
     /// couple,weight,inflection-line+free-base (see docs/models.md)
-    #[arg(long, value_name = "all|NAME,NAME", value_parser = hypotheses)]
-    compare_models: Option<Hypotheses>,
+    #[arg(long, value_name = "all|NAME,NAME", value_parser = models::chosen)]
+    compare_models: Option<Chosen>,
 }
 
 impl OptionArgs {
@@ -382,18 +382,6 @@ impl OptionArgs {
         }
         Ok(options)
     }
-}
-
-/// Loads and bases to compare.
-#[derive(Clone)]
-struct Hypotheses(Vec<Hypothesis>);
-
-fn hypotheses(text: &str) -> Result<Hypotheses, String> {
-    if text == "all" {
-        return Ok(Hypotheses(Hypothesis::compared()));
-    }
-    let chosen = text.split(',').map(Hypothesis::from_str).collect::<Result<_, _>>();
-    chosen.map(Hypotheses).map_err(|error| error.to_string())
 }
 
 /// A prior, or none.

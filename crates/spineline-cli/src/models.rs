@@ -1,21 +1,56 @@
 //! Other loads and bases than the lines, fitted and left out, as text.
 
-use spineline::analysis::Analysis;
-use spineline::hypothesis::{Hypothesis, HypothesisFit, Role};
+use std::fmt::Write;
+use std::str::FromStr;
 
-use crate::table::Table;
+use spineline::analysis::Analysis;
+use spineline::hypothesis::{
+    Comparison, Hypothesis, HypothesisFit, HypothesisSummary, Role, compare,
+};
+
+use crate::table::{Table, wrap};
+
+/// Loads and bases that were asked for.
+#[derive(Clone)]
+pub struct Chosen(pub Vec<Hypothesis>);
+
+/// `all`, or names with commas between.
+pub fn chosen(text: &str) -> Result<Chosen, String> {
+    if text == "all" {
+        return Ok(Chosen(Hypothesis::compared()));
+    }
+    let chosen = text.split(',').map(Hypothesis::from_str).collect::<Result<_, _>>();
+    chosen.map(Chosen).map_err(|error| error.to_string())
+}
+
+const WIDTH: usize = 110;
+const LEGEND: &str = "E_LOC in mm, one mean per patient. Fitted: stiffness and loads to both bends. Left out: a bend by the stiffness of the other and the least load that brings T2 near. Load fitted: the same with the load fitted to the whole shape. Held out: neutral and traction, as left out. Turns: root mean square of the errors of joint rotations in degrees, which no frame changes. Against: joints per bend that turn against the load. AICc and BIC: differences from the first row. Best: patients in whom no other is better left out, by AICc. Lost: films without a prediction and fits that did not converge.";
 
 /// The hypotheses that were asked for, over one patient or several; nothing where none was.
 pub fn text(analyses: &[Analysis]) -> String {
-    let mut names: Vec<Hypothesis> = Vec::new();
-    for fit in analyses.iter().flat_map(|a| &a.hypotheses) {
-        if !names.contains(&fit.hypothesis) {
-            names.push(fit.hypothesis);
-        }
-    }
-    if names.is_empty() {
+    let patients: Vec<&[HypothesisFit]> = analyses.iter().map(|a| &a.hypotheses[..]).collect();
+    let blocks = compare(&patients);
+    if blocks.is_empty() {
         return String::new();
     }
+    let synthetic = if analyses.iter().any(|a| a.synthetic) { " (synthetic)" } else { "" };
+    let mut text = format!("Loads and bases compared{synthetic}\n");
+    for block in &blocks {
+        if analyses.len() > 1 {
+            let _ = writeln!(
+                text,
+                "\n{} of {} patients, who have all of these",
+                block.patients,
+                analyses.len()
+            );
+        }
+        text.push_str(&table(block));
+    }
+    text.push_str(&wrap(LEGEND, WIDTH, ""));
+    text
+}
+
+fn table(block: &Comparison) -> String {
     let mut table = Table::new([
         "Load and base",
         "free",
@@ -23,64 +58,42 @@ pub fn text(analyses: &[Analysis]) -> String {
         "left out",
         "load fitted",
         "held out",
-        "rotation",
-        "left out",
+        "turns fitted",
+        "turns left out",
         "against",
         "AICc",
         "BIC",
-        "n",
+        "best",
+        "lost",
     ]);
-    for hypothesis in names {
-        table.row(row(hypothesis, analyses));
+    for summary in &block.hypotheses {
+        table.row(row(summary));
     }
     table.text()
 }
 
-fn row(hypothesis: Hypothesis, analyses: &[Analysis]) -> Vec<String> {
-    let fits: Vec<(&Analysis, &HypothesisFit)> = analyses
-        .iter()
-        .filter_map(|a| Some((a, a.hypotheses.iter().find(|f| f.hypothesis == hypothesis)?)))
-        .collect();
-    let mean = |value: &dyn Fn(&HypothesisFit) -> Option<f64>, digits: usize| {
-        let values: Vec<f64> = fits.iter().filter_map(|(_, fit)| value(fit)).collect();
-        let n = values.len();
-        if n == 0 {
-            return "-".to_owned();
-        }
-        format!("{:.digits$}", values.iter().sum::<f64>() / n as f64)
+fn row(summary: &HypothesisSummary) -> Vec<String> {
+    let number = |value: Option<f64>, digits: usize| {
+        value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
     };
-    let paper = |a: &Analysis| {
-        let own = a.hypotheses.iter().find(|f| f.hypothesis == a.hypotheses[0].hypothesis)?;
-        Some(own.criteria)
+    let of = |values: &[Option<f64>; 4], role: Role| {
+        values[Role::ALL.iter().position(|one| *one == role).expect("it is one of all")]
     };
-    let delta = |value: &dyn Fn(&spineline::hypothesis::Criteria) -> f64| {
-        let all: Vec<f64> =
-            fits.iter().filter_map(|(a, f)| Some(value(&f.criteria) - value(&paper(a)?))).collect();
-        format!("{:+.0}", all.iter().sum::<f64>() / all.len() as f64)
-    };
-    let location = |role| mean(&|fit: &HypothesisFit| fit.mean_location_error_mm(role), 1);
-    let rotation = |role| {
-        mean(&|fit: &HypothesisFit| fit.mean_rotation_rms(role).map(|a| a.deg()), 2)
-    };
+    let mm = |role| number(of(&summary.location_mm, role), 1);
+    let deg = |role| number(of(&summary.rotation_deg, role), 1);
     vec![
-        hypothesis.to_string(),
-        fits.first().map_or(0, |(_, f)| f.criteria.fitted - 1).to_string(),
-        location(Role::Fitted),
-        location(Role::LeftOut),
-        location(Role::LeftOutLoadFitted),
-        location(Role::HeldOut),
-        rotation(Role::Fitted),
-        rotation(Role::LeftOut),
-        mean(
-            &|fit: &HypothesisFit| {
-                let of: Vec<f64> =
-                    fit.of_role(Role::Fitted).map(|p| p.against.joints as f64).collect();
-                (!of.is_empty()).then(|| of.iter().sum::<f64>() / of.len() as f64)
-            },
-            1,
-        ),
-        delta(&|c| c.aicc),
-        delta(&|c| c.bic),
-        fits.len().to_string(),
+        summary.hypothesis.to_string(),
+        summary.free.to_string(),
+        mm(Role::Fitted),
+        mm(Role::LeftOut),
+        mm(Role::LeftOutLoadFitted),
+        mm(Role::HeldOut),
+        deg(Role::Fitted),
+        deg(Role::LeftOut),
+        number(summary.against, 1),
+        format!("{:+.0}", summary.aicc_difference),
+        format!("{:+.0}", summary.bic_difference),
+        format!("{}, {}", summary.best_left_out, summary.best_aicc),
+        summary.lost.to_string(),
     ]
 }

@@ -100,8 +100,8 @@ fn apex(spine: &ErectSpine) -> usize {
     let [low, high] = spine.inflection_s_mm;
     let (from, to) = (erect.point(low), erect.point(high));
     let off = |v: &usize| (to - from).cross(erect.point(spine.vertebra_s_mm[*v]) - from).abs();
-    let inside = (1..Level::MODEL.len() - 1)
-        .filter(|&v| (low..high).contains(&spine.vertebra_s_mm[v]));
+    let inside =
+        (1..Level::MODEL.len() - 1).filter(|&v| (low..high).contains(&spine.vertebra_s_mm[v]));
     inside.max_by(|a, b| off(a).total_cmp(&off(b))).expect("a curve has vertebrae")
 }
 

@@ -1,5 +1,6 @@
 //! What an analysis found, as a file.
 
+mod hypothesis;
 mod model;
 mod posture;
 mod uncertainty;
@@ -19,6 +20,7 @@ use spineline::spatial::{Angle, Frontal};
 
 use crate::keys::{LevelKey, PostureKey};
 use crate::reliability_file::QuantityRecord;
+use hypothesis::HypothesisRecord;
 use model::ModelRecord;
 use posture::PostureRecord;
 use spineline::uncertainty::Uncertainty;
@@ -53,6 +55,9 @@ pub struct AnalysisFile {
     reliability: Option<Vec<QuantityRecord>>,
     /// One model per line of action: `inflection_line`, `iliac_line`, `estimated_line`, `given_line`.
     models: BTreeMap<String, ModelRecord>,
+    /// Other loads and bases, such as `couple` or `inflection_line+free_base`; absent where nobody asked.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    hypotheses: BTreeMap<String, HypothesisRecord>,
     /// What the noise of landmarks does to every number; absent where nobody asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     uncertainty: Option<UncertaintyRecord>,
@@ -181,6 +186,11 @@ impl AnalysisFile {
                 .models
                 .iter()
                 .map(|m| (m.kind.key().to_owned(), ModelRecord::new(m, analysis)))
+                .collect(),
+            hypotheses: analysis
+                .hypotheses
+                .iter()
+                .map(|fit| (fit.hypothesis.key(), HypothesisRecord::new(fit)))
                 .collect(),
             uncertainty: None,
             warnings: analysis

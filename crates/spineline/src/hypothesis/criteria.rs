@@ -42,8 +42,7 @@ impl Criteria {
         let (n, k) = (measured as f64, fitted as f64);
         let misfit = n * (chi_squared / n).ln();
         let rest = n - k - 1.0;
-        let correction =
-            if rest > 0.0 { 2.0 * k * (k + 1.0) / rest } else { f64::INFINITY };
+        let correction = if rest > 0.0 { 2.0 * k * (k + 1.0) / rest } else { f64::INFINITY };
         Self {
             measured,
             fitted,

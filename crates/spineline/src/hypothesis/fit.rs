@@ -100,6 +100,12 @@ pub struct HypothesisFit {
 }
 
 impl HypothesisFit {
+    /// Whether the fit to all bends came to an end that may be shown as a result.
+    #[must_use]
+    pub fn is_converged(&self) -> bool {
+        self.status == FitStatus::Converged
+    }
+
     /// Predictions of one role.
     pub fn of_role(&self, role: Role) -> impl Iterator<Item = &ShapePrediction> {
         self.predictions.iter().filter(move |p| p.role == role)
@@ -144,19 +150,19 @@ pub fn fit_hypothesis(
         predictions: Vec::new(),
         lost: Vec::new(),
     };
-    let mut told = |film: &HypothesisFilm<'_>, role, prediction: Option<ShapePrediction>| {
-        match prediction {
+    let mut told =
+        |film: &HypothesisFilm<'_>, role, prediction: Option<ShapePrediction>| match prediction {
             Some(prediction) => fit.predictions.push(prediction),
             None => fit.lost.push((film.outline.posture, role)),
-        }
-    };
+        };
     for (i, film) in bends.iter().enumerate() {
         told(film, Role::Fitted, found.prediction(i, film, spine, Role::Fitted));
     }
     let usable = found.status != FitStatus::NotEvaluable;
     let logs = found.log_multipliers(spine);
     for film in &others {
-        let near = if usable { predict(hypothesis, spine, film, &logs, Role::HeldOut) } else { None };
+        let near =
+            if usable { predict(hypothesis, spine, film, &logs, Role::HeldOut) } else { None };
         told(film, Role::HeldOut, near);
     }
     if let [a, b] = bends[..] {
@@ -228,9 +234,8 @@ fn fit_to<'a>(
             break;
         }
     }
-    let (chi_squared, status, x) = best.unwrap_or_else(|| {
-        (f64::NAN, FitStatus::NotEvaluable, DVector::zeros(problem.unknowns()))
-    });
+    let (chi_squared, status, x) = best
+        .unwrap_or_else(|| (f64::NAN, FitStatus::NotEvaluable, DVector::zeros(problem.unknowns())));
     Some(Ended { problem, hypothesis, films: films.len(), status, x, chi_squared })
 }
 
@@ -282,8 +287,7 @@ fn starts(
     };
     let nominal = vec![0.0; spine.groups.len()];
     let known = held.unwrap_or(&nominal);
-    let loads: Vec<Vec<f64>> =
-        measured.iter().map(|film| film.components(groups, known)).collect();
+    let loads: Vec<Vec<f64>> = measured.iter().map(|film| film.components(groups, known)).collect();
     let mut starts = Vec::new();
     if held.is_none() {
         let (logs, loads) = alternate(&measured, spine);
@@ -405,7 +409,10 @@ fn against(film: &JointResponses, components: &[f64]) -> Against {
         works.iter().filter(|(work, _)| *work < -1e-9 * total).collect();
     Against {
         joints: contrary.len(),
-        beyond_noise: contrary.iter().filter(|(_, turn)| turn.abs() > 2.0 * film.rotation_sd).count(),
+        beyond_noise: contrary
+            .iter()
+            .filter(|(_, turn)| turn.abs() > 2.0 * film.rotation_sd)
+            .count(),
         weight: contrary.iter().map(|(work, _)| work.abs()).sum::<f64>() / total,
     }
 }

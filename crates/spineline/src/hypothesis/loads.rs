@@ -118,10 +118,7 @@ pub(super) fn unit_loads(
         LoadShape::FreeLine => {
             let along = |direction| UnitLoad {
                 vertebra: top,
-                kind: UnitKind::OnLine {
-                    point_mm: Vec3::x() * spine.depth_mm,
-                    force: direction,
-                },
+                kind: UnitKind::OnLine { point_mm: Vec3::x() * spine.depth_mm, force: direction },
             };
             vec![vec![along(Vec3::y())], vec![along(Vec3::z())], vec![couple(top, 1.0)]]
         }

@@ -21,6 +21,7 @@
 //!
 //! [`GeneralStatics`]: crate::multibody::GeneralStatics
 
+mod comparison;
 mod criteria;
 mod fit;
 mod loads;
@@ -28,6 +29,7 @@ mod near_t2;
 mod problem;
 mod start;
 
+pub use comparison::{Comparison, HypothesisSummary, compare};
 pub use criteria::Criteria;
 pub use fit::{Against, HypothesisFit, Role, ShapePrediction, fit_hypothesis};
 

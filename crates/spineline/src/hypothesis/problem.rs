@@ -22,8 +22,9 @@ pub(super) fn statics<'a>(spine: &Spine<'a>, log_multipliers: &[f64]) -> General
         let [lateral, flexion, axial] = row.nmm_per_rad;
         Mat3::from_diagonal(&Vec3::new(lateral * log_multipliers[group].exp(), flexion, axial))
     });
-    GeneralStatics::new(spine.model, springs, spine.support)
-        .expect("a library has one positive spring per joint and axis, and multipliers are positive")
+    GeneralStatics::new(spine.model, springs, spine.support).expect(
+        "a library has one positive spring per joint and axis, and multipliers are positive",
+    )
 }
 
 /// One film under its loads.
@@ -64,12 +65,7 @@ impl LoadedFilm {
     }
 
     /// Equilibrium with its derivatives by `ln α` of every group, by the components, and by the base's angle.
-    pub fn solve(
-        &mut self,
-        statics: &GeneralStatics<'_>,
-        components: &[f64],
-        base: Angle,
-    ) -> bool {
+    pub fn solve(&mut self, statics: &GeneralStatics<'_>, components: &[f64], base: Angle) -> bool {
         self.base = base;
         let items = self.items(components);
         let loading = Loading { items, rods: Vec::new() };
@@ -108,7 +104,8 @@ impl LoadedFilm {
     fn solves(&mut self, statics: &GeneralStatics<'_>, loading: &Loading, part: f64) -> bool {
         let converged = statics.solve_near(loading, part, &mut self.work).converged;
         let hinges = self.work.hinges_mut().iter();
-        converged && hinges.fold(0.0, |most: f64, turns| most.max(turns.amax())) <= LARGEST_HINGE_RAD
+        converged
+            && hinges.fold(0.0, |most: f64, turns| most.max(turns.amax())) <= LARGEST_HINGE_RAD
     }
 
     /// Lets the loads grow from zero.
@@ -210,8 +207,7 @@ impl<'a> ShapeProblem<'a> {
 
     pub fn unknowns(&self) -> usize {
         self.spine.groups.len()
-            + self.films.len()
-                * (self.hypothesis.load.components() + self.hypothesis.base.angles())
+            + self.films.len() * (self.hypothesis.load.components() + self.hypothesis.base.angles())
     }
 
     fn rows_per_film(&self) -> usize {
@@ -307,8 +303,7 @@ impl<'a> ShapeProblem<'a> {
                 let rate = film.loaded.location_rate(p, i);
                 system.jacobian[(row, column)] = rate.y_mm / film.location_sd_mm;
                 system.jacobian[(row + 1, column)] = rate.z_mm / film.location_sd_mm;
-                system.jacobian[(row + 2, column)] =
-                    film.loaded.tilt_rate(p, i) / film.tilt_sd_rad;
+                system.jacobian[(row + 2, column)] = film.loaded.tilt_rate(p, i) / film.tilt_sd_rad;
             }
         }
     }

@@ -20,11 +20,7 @@ pub(super) struct JointResponses {
 }
 
 impl JointResponses {
-    pub fn measure(
-        film: &HypothesisFilm<'_>,
-        units: &[Vec<UnitLoad>],
-        spine: &Spine<'_>,
-    ) -> Self {
+    pub fn measure(film: &HypothesisFilm<'_>, units: &[Vec<UnitLoad>], spine: &Spine<'_>) -> Self {
         let evidence = FilmEvidence::measure(spine.model, spine.library, spine.erect, film.outline);
         let (midpoints, _) = spine.model.posed_on_film(film.outline, spine.erect);
         let joints = || evidence.joints.iter();
