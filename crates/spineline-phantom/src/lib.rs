@@ -121,6 +121,8 @@ pub struct TruePosture {
     pub force_n: f64,
     /// L4's tilt on the film, where the load depends on it; else the patient stands by chance.
     pub l4_on_film: Option<Angle>,
+    /// By how much all above L4 stands turned in L4's frame, beyond what the load does.
+    pub base_turn: Angle,
 }
 
 /// A synthetic patient: the films as readers see them, and the truth behind them.

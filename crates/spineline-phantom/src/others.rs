@@ -113,6 +113,7 @@ pub(crate) fn turn_base(posture: &mut TruePosture, rng: &mut ChaCha12Rng) {
         Posture::RightBending => Angle::from_deg(size),
         _ => return,
     };
+    posture.base_turn = turn;
     for location in posture.locations.iter_mut().chain(&mut posture.inflections) {
         *location = location.rotated(turn);
     }

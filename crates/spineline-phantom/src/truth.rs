@@ -67,6 +67,7 @@ impl Moved {
             line: self.line,
             force_n: self.force_n,
             l4_on_film: self.l4_on_film,
+            base_turn: Angle::ZERO,
         }
     }
 }
