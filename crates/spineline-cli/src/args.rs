@@ -140,7 +140,7 @@ pub struct CheckArgs {
 #[derive(Args)]
 pub struct PhantomArgs {
     /// What moved the spine: `rod`, a force through its inflections; `bend`, rotations all to one side; `pull`, a
-    /// horizontal force at T2
+    /// horizontal force at T2; the others are for `analyze --compare-models`
     #[arg(long, value_enum, default_value_t = TruthName::Rod)]
     pub truth: TruthName,
     /// Subject of the paper's Table 1, 1 to 18; all of them if not given
@@ -183,6 +183,11 @@ pub enum TruthName {
     Rod,
     Bend,
     Pull,
+    Weight,
+    Lateral,
+    Couple,
+    TwoForces,
+    TurnedBase,
 }
 
 #[derive(Args)]

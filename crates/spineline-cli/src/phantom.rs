@@ -19,6 +19,11 @@ pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
         TruthName::Rod => Truth::Rod,
         TruthName::Bend => Truth::Bend,
         TruthName::Pull => Truth::Pull,
+        TruthName::Weight => Truth::Weight,
+        TruthName::Lateral => Truth::Lateral,
+        TruthName::Couple => Truth::Couple,
+        TruthName::TwoForces => Truth::TwoForces,
+        TruthName::TurnedBase => Truth::TurnedBase,
     };
     let readers = readers(args.noise)?;
     let subjects = match args.subject {
