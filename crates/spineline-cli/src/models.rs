@@ -24,7 +24,7 @@ pub fn chosen(text: &str) -> Result<Chosen, String> {
 }
 
 const WIDTH: usize = 110;
-const LEGEND: &str = "E_LOC in mm, one mean per patient. Fitted: stiffness and loads to both bends. Left out: a bend by the stiffness of the other and the least load that brings T2 near. Load fitted: the same with the load fitted to the whole shape. Held out: neutral and traction, as left out. Turns: root mean square of the errors of joint rotations in degrees, which no frame changes. Against: joints per bend that turn against the load. AICc and BIC: differences from the first row. Best: patients in whom no other is better left out, by AICc. Lost: films without a prediction and fits that did not converge.";
+const LEGEND: &str = "E_LOC in mm, one mean per patient. Fitted: stiffness and loads to both bends. Left out: a bend by the stiffness of the other and the least load that brings T2 near. Load fitted: the same with the load fitted to the whole shape. Held out: neutral and traction, as left out. Turns: root mean square of the errors of joint rotations in degrees; a base's turn counts at the lowest joint. Against: joints per bend that turn against the load. AICc and BIC: differences from the first row. Best: patients in whom no other is better left out, by AICc. Lost: films without a prediction and fits that did not converge.";
 
 /// The hypotheses that were asked for, over one patient or several; nothing where none was.
 pub fn text(analyses: &[Analysis]) -> String {

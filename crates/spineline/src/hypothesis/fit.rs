@@ -68,7 +68,8 @@ pub struct ShapePrediction {
     pub tilts: Vec<Angle>,
     /// Distance between simulated and measured location of L3…T2: E_LOC.
     pub location_errors_mm: Vec<f64>,
-    /// Root mean square of the errors of the joints' rotations, which no frame changes.
+    /// Root mean square of the errors of the joints' rotations, with L4's axis as it was read: where the base turns, the lowest
+    /// joint is wrong by that.
     pub rotation_rms: Angle,
     /// Joints that turn against this load.
     pub against: Against,
@@ -374,7 +375,7 @@ fn prediction(
     let tilts: Vec<Angle> = (0..measured.len()).map(|i| loaded.tilt(i)).collect();
     let squares: f64 = (1..measured.len())
         .map(|i| {
-            // L4's tilt on a turned base is the base's; in the measured frame it is zero.
+            // L4's tilt on a turned base is the base's; as it was read it is zero.
             let simulated = tilts[i] - tilts[i - 1];
             (simulated - (measured[i].tilt - measured[i - 1].tilt)).wrapped().rad().powi(2)
         })
