@@ -14,7 +14,7 @@ use crate::args::AnalyzeArgs;
 use crate::failure::{Ending, Failure};
 use crate::progress::map_all;
 use crate::rows::{chain_text, csv_text};
-use crate::{cohort, comparison, identifiability, print, report, uncertainty};
+use crate::{cohort, comparison, identifiability, models, print, report, uncertainty};
 
 /// What wrote a file.
 pub fn generator() -> String {
@@ -60,10 +60,12 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     if to_stdout == 0 {
         print(&match &analyses[..] {
             [one] if paths.len() == 1 => {
+                let compared = Some(models::text(&analyses)).filter(|text| !text.is_empty());
                 let sure = sureness.iter().flat_map(|sure| sure.texts(one));
-                [report::text(one)].into_iter().chain(sure).collect::<Vec<_>>().join("\n")
+                let parts = [report::text(one)].into_iter().chain(compared).chain(sure);
+                parts.collect::<Vec<_>>().join("\n")
             }
-            all => cohort::text(all),
+            all => format!("{}{}", cohort::text(all), models::text(all)),
         })?;
     }
     if ending == Ending::Done && !analyses.iter().all(Analysis::is_converged) {

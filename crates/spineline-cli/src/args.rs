@@ -18,6 +18,7 @@ use crate::export::{EXAMPLES, ExportArgs};
 use crate::failure::Failure;
 use crate::film::FilmArgs;
 use crate::import::{self, ImportArgs};
+use crate::models::{self, Chosen};
 use crate::noise_study::NoiseStudyArgs;
 use crate::phantom::TruthName;
 use crate::reliability::{self, ReliabilityArgs};
@@ -346,6 +347,10 @@ pub struct OptionArgs {
     /// positive; may be repeated
     #[arg(long, value_name = "LINE", value_parser = given_line)]
     given_line: Vec<(Posture, LineOfAction)>,
+    /// Compare other loads and bases with the paper's line, fitted and left out: `all`, or names such as
+    /// couple,weight,inflection-line+free-base (see docs/models.md)
+    #[arg(long, value_name = "all|NAME,NAME", value_parser = models::chosen)]
+    compare_models: Option<Chosen>,
 }
 
 impl OptionArgs {
@@ -369,6 +374,7 @@ impl OptionArgs {
                 .map_or(InflectionChoice::Automatic, InflectionChoice::ByHand),
             min_lobe: self.min_lobe,
             given_lines: self.given_line.clone(),
+            hypotheses: self.compare_models.clone().map(|chosen| chosen.0).unwrap_or_default(),
             ..AnalysisOptions::default()
         };
         if let Some(path) = &self.stiffness {

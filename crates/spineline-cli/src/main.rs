@@ -13,6 +13,7 @@ mod film;
 mod identifiability;
 mod import;
 mod model;
+mod models;
 mod noise_study;
 mod phantom;
 mod progress;

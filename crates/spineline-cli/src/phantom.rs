@@ -32,6 +32,16 @@ pub enum TruthName {
     Spread,
     /// Joints that turn at random
     Random,
+    /// The body's weight along a vertical that leans
+    Weight,
+    /// A horizontal force spread over the length
+    Lateral,
+    /// One moment at all levels
+    Couple,
+    /// Forces through the inflections and at the apex
+    TwoForces,
+    /// A force through the inflections, and L4's axis turned
+    TurnedBase,
 }
 
 impl TruthName {
@@ -44,6 +54,11 @@ impl TruthName {
             Self::Offset => Truth::Offset,
             Self::Spread => Truth::Spread,
             Self::Random => Truth::Random,
+            Self::Weight => Truth::Weight,
+            Self::Lateral => Truth::Lateral,
+            Self::Couple => Truth::Couple,
+            Self::TwoForces => Truth::TwoForces,
+            Self::TurnedBase => Truth::TurnedBase,
         }
     }
 }

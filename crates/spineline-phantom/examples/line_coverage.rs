@@ -1,7 +1,7 @@
 //! How often regions and tests of the line of action are right, on synthetic patients whose line is known.
 use nalgebra::Matrix4;
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
-use spineline::personalize::{Crossing, Hypothesis};
+use spineline::personalize::{Crossing, Proposal};
 use spineline_phantom::{Phantom, Readers, SUBJECTS, Truth, generate};
 
 fn main() {
@@ -69,7 +69,7 @@ fn one(phantom: &Phantom, analysis: &Analysis, count: &mut dyn FnMut(String, boo
             by[i] * by[j] * turn * turn
                 + if i % 2 == j % 2 { noise.location_mm.powi(2) } else { 0.0 }
         });
-        if let Some(test) = loads.test(film, &Hypothesis::Through { points, covariance }) {
+        if let Some(test) = loads.test(film, &Proposal::Through { points, covariance }) {
             count(format!("{name}: true line in the region"), !test.rejects());
         }
         if let Some(own) = &posture.preferred_line {

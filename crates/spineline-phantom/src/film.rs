@@ -139,7 +139,8 @@ impl Placed {
         rng: &mut ChaCha12Rng,
     ) -> Self {
         // Patients never stand quite straight before the detector.
-        let pose = Angle::from_deg(Uniform::new(-3.0, 3.0).expect("a range").sample(rng));
+        let chance = Angle::from_deg(Uniform::new(-3.0, 3.0).expect("a range").sample(rng));
+        let pose = posture.l4_on_film.unwrap_or(chance);
         let on_film = |point: Frontal| point.rotated(pose);
         let stands: Vec<(Frontal, Angle)> = posture
             .locations

@@ -12,6 +12,8 @@
 //! - [`Truth::Flatten`], [`Truth::Offset`], [`Truth::Spread`] and [`Truth::Random`]: movements that no force through the
 //!   inflections made, as counter-examples.
 //!
+//! [`Truth::OTHERS`] bend the same rod by loads that no single line describes, or turn its base: for comparisons of loads.
+//!
 //! A [`TrueFilm`] is how a posture lies on its film. The readers mark it, and [`Phantom::radiograph`] draws it, so that the
 //! two agree to a part of a pixel.
 //!
@@ -23,9 +25,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod counter;
 mod erect;
 mod film;
-mod other;
+mod loads;
 mod radiograph;
 mod readers;
 mod rod;
@@ -61,6 +64,16 @@ pub enum Truth {
     Spread,
     /// Every joint turns at random.
     Random,
+    /// The weight of trunk, head and arms along the film's vertical, which leans against L4.
+    Weight,
+    /// A horizontal force spread evenly over the length.
+    Lateral,
+    /// One moment at all levels.
+    Couple,
+    /// A force through the inflections and a horizontal one at the apex of the main thoracic curve.
+    TwoForces,
+    /// As the rod, with the axis of L4 turned on the bends: all above it stands turned in its frame.
+    TurnedBase,
 }
 
 impl Truth {
@@ -77,6 +90,10 @@ impl Truth {
         Self::Random,
     ];
 
+    /// Truths for a comparison of loads.
+    pub const OTHERS: [Self; 5] =
+        [Self::Weight, Self::Lateral, Self::Couple, Self::TwoForces, Self::TurnedBase];
+
     /// The name used in files.
     #[must_use]
     pub const fn key(self) -> &'static str {
@@ -88,6 +105,11 @@ impl Truth {
             Self::Offset => "offset",
             Self::Spread => "spread",
             Self::Random => "random",
+            Self::Weight => "weight",
+            Self::Lateral => "lateral",
+            Self::Couple => "couple",
+            Self::TwoForces => "two-forces",
+            Self::TurnedBase => "turned-base",
         }
     }
 
@@ -102,6 +124,11 @@ impl Truth {
             Self::Offset => "force along a line beside the inflections",
             Self::Spread => "load spread over the whole spine",
             Self::Random => "joints turn at random",
+            Self::Weight => "weight along a vertical that leans",
+            Self::Lateral => "horizontal force spread over the length",
+            Self::Couple => "one moment at all levels",
+            Self::TwoForces => "forces through the inflections and at the apex",
+            Self::TurnedBase => "force through the inflections, and L4's axis turned",
         }
     }
 }
@@ -119,8 +146,12 @@ pub struct TruePosture {
     pub inflections: [Frontal; 2],
     /// True line of action; `None` for prescribed rotations, for a load that has none, and for the erect posture.
     pub line: Option<LineOfAction>,
-    /// True force along it; of a spread load, all of it.
+    /// True force along it; of another load, its size.
     pub force_n: f64,
+    /// L4's tilt on the film, where the load depends on it; else the patient stands by chance.
+    pub l4_on_film: Option<Angle>,
+    /// By how much all above L4 stands turned in L4's frame, beyond what the load does.
+    pub base_turn: Angle,
 }
 
 /// A synthetic patient: the films as readers see them, and the truth behind them.
@@ -201,12 +232,10 @@ pub fn generate_read(
     // Anatomy is the same for all truths; movement and readers have streams of their own.
     let mut anatomy_rng = stream(seed, place);
     let spine = erect::ErectSpine::draw(row, &mut anatomy_rng)?;
-    // Eight streams per patient held the first three truths; the others have theirs far behind all of these.
-    let own = if truth <= Truth::Pull { place } else { (1 << 40) + 2 * place };
-    let mut rng = stream(seed, own + 1 + truth as u64);
+    let (movement, look) = streams(place, truth);
+    let mut rng = stream(seed, movement);
     let (postures, multipliers) = truth::postures(row, truth, &spine, &mut rng)?;
     // What radiographs draw at random moves no landmark.
-    let look = own + if truth <= Truth::Pull { 5 } else { 9 } + truth as u64;
     let phantoms = readers.iter().map(|readers| {
         let (mut case, films) = film::photograph(
             row,
@@ -223,6 +252,26 @@ pub fn generate_read(
         Phantom { case, truth, postures: postures.clone(), multipliers, films }
     });
     Ok(phantoms.collect())
+}
+
+/// Numbers of the streams of movement with readers, and of radiographs, for the patient whose anatomy has the stream `place`.
+///
+/// Eight streams per patient held the first three truths; the others have theirs beside and far behind all of these.
+fn streams(place: u64, truth: Truth) -> (u64, u64) {
+    let number = truth as u64;
+    if truth <= Truth::Pull {
+        return (place + 1 + number, place + 5 + number);
+    }
+    match Truth::OTHERS.iter().position(|other| *other == truth) {
+        Some(other) => {
+            let own = 1000 + 2 * (place + other as u64);
+            (own, own + 1)
+        }
+        None => {
+            let own = (1 << 40) + 2 * place;
+            (own + 1 + number, own + 9 + number)
+        }
+    }
 }
 
 fn stream(seed: u64, number: u64) -> ChaCha12Rng {

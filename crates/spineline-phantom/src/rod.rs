@@ -218,4 +218,46 @@ impl<'a> Rod<'a> {
         }
         None
     }
+
+    /// Equilibrium under forces at material points that move with the chain, and a moment on its top; `forces` says which, as
+    /// they are in a shape. Fixed points: moments in one shape make the next one.
+    pub fn bend_by(
+        &self,
+        start: &ChainShape,
+        couple_nmm: f64,
+        forces: impl Fn(&ChainShape) -> Vec<PointForce>,
+    ) -> Option<ChainShape> {
+        let segment_mm = self.spine.segment_mm();
+        let mut shape = start.clone();
+        for _ in 0..400 {
+            let acting = forces(&shape);
+            let moment = |k: usize| {
+                let (node, s) = (shape.nodes[k], k as f64 * segment_mm);
+                let above = acting.iter().filter(|one| one.s_mm > s);
+                couple_nmm + above.map(|one| (one.point - node).cross(one.force)).sum::<f64>()
+            };
+            let next = ChainShape::with_turns(self.spine, |k| {
+                self.spine.turns_rad[k] + moment(k) / self.stiffness_nmm_per_rad[k]
+            });
+            let moves = next.nodes.iter().zip(&shape.nodes);
+            let most = moves.map(|(a, b)| a.distance_mm(*b)).fold(0.0, f64::max);
+            shape = next;
+            if most < 1e-9 {
+                return Some(shape);
+            }
+            if !most.is_finite() {
+                return None;
+            }
+        }
+        None
+    }
+}
+
+/// A force on all of the chain below its material point.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PointForce {
+    pub s_mm: f64,
+    /// Any point of its line.
+    pub point: Frontal,
+    pub force: Frontal,
 }

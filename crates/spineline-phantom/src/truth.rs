@@ -8,7 +8,7 @@ use spineline::spatial::{Angle, Frontal};
 
 use crate::erect::ErectSpine;
 use crate::rod::{ChainShape, Rod};
-use crate::{PhantomError, TableRow, TruePosture, Truth, other};
+use crate::{PhantomError, TableRow, TruePosture, Truth, counter, loads};
 
 /// Five true postures, and the stiffness multipliers behind them (ones where nothing elastic moved the spine).
 pub(crate) fn postures(
@@ -24,15 +24,25 @@ pub(crate) fn postures(
         Truth::Rod => rod(spine, &erect, rng).map_err(missing)?,
         Truth::Bend => bend(spine, rng),
         Truth::Pull => pull(spine, &erect, rng).map_err(missing)?,
-        Truth::Flatten => other::flatten(spine, &erect, rng),
-        Truth::Offset => other::offset(spine, &erect, rng).map_err(missing)?,
-        Truth::Spread => other::spread(spine, &erect, rng).map_err(missing)?,
-        Truth::Random => other::random(spine, &erect, rng),
+        Truth::Flatten => counter::flatten(spine, &erect, rng),
+        Truth::Offset => counter::offset(spine, &erect, rng).map_err(missing)?,
+        Truth::Spread => counter::spread(spine, &erect, rng).map_err(missing)?,
+        Truth::Random => counter::random(spine, &erect, rng),
+        Truth::TurnedBase => rod(spine, &erect, rng).map_err(missing)?,
+        Truth::Weight | Truth::Lateral | Truth::Couple | Truth::TwoForces => {
+            loads::move_by(truth, spine, &erect, rng).map_err(missing)?
+        }
     };
     let elastic = !matches!(truth, Truth::Bend | Truth::Flatten | Truth::Random);
     let multipliers = if elastic { spine.multipliers } else { [1.0; 3] };
-    let first = Moved { posture: Posture::Erect, shape: erect, line: None, force_n: 0.0 };
-    let all = std::iter::once(first).chain(moved).map(|moved| moved.observed(spine)).collect();
+    let first = Moved::at(Posture::Erect, erect, 0.0);
+    let mut all: Vec<TruePosture> =
+        std::iter::once(first).chain(moved).map(|moved| moved.observed(spine)).collect();
+    if truth == Truth::TurnedBase {
+        for posture in &mut all {
+            loads::turn_base(posture, rng);
+        }
+    }
     Ok((all, multipliers))
 }
 
@@ -42,9 +52,15 @@ pub(crate) struct Moved {
     pub shape: ChainShape,
     pub line: Option<LineOfAction>,
     pub force_n: f64,
+    pub l4_on_film: Option<Angle>,
 }
 
 impl Moved {
+    /// A shape without a line.
+    pub fn at(posture: Posture, shape: ChainShape, force_n: f64) -> Self {
+        Self { posture, shape, line: None, force_n, l4_on_film: None }
+    }
+
     /// What a perfect film would show of it.
     fn observed(self, spine: &ErectSpine) -> TruePosture {
         let s = &spine.vertebra_s_mm;
@@ -55,6 +71,8 @@ impl Moved {
             inflections: spine.inflection_s_mm.map(|s| self.shape.point(s)),
             line: self.line,
             force_n: self.force_n,
+            l4_on_film: self.l4_on_film,
+            base_turn: Angle::ZERO,
         }
     }
 }
@@ -131,7 +149,7 @@ pub(crate) fn through(
             |force_n: f64, places: &mut [f64; 2]| rod.bend_through(s_mm, force_n, erect, places);
         let (force_n, shape, line) =
             force_for(step_n, 20_000.0, start, solve, reached).ok_or(posture)?;
-        Ok(Moved { posture, shape, line: Some(line), force_n })
+        Ok(Moved { line: Some(line), ..Moved::at(posture, shape, force_n) })
     };
     let [straighter, stronger, neutral, traction] = TOTAL_DEG;
     Ok(in_order([
@@ -200,7 +218,7 @@ fn bend(spine: &ErectSpine, rng: &mut ChaCha12Rng) -> Vec<Moved> {
             let (region, value) = weight(k);
             spine.turns_rad[k] + rotations[region] * value / sums[region]
         });
-        Moved { posture, shape, line: None, force_n: 0.0 }
+        Moved::at(posture, shape, 0.0)
     };
     let mut moved = Vec::new();
     for (posture, sense) in [(Posture::LeftBending, -1.0), (Posture::RightBending, 1.0)] {
@@ -216,7 +234,7 @@ fn bend(spine: &ErectSpine, rng: &mut ChaCha12Rng) -> Vec<Moved> {
         let shape = ChainShape::with_turns(spine, |k| {
             spine.turns_rad[k] * (1.0 - parts[spine.region(place(k))])
         });
-        moved.push(Moved { posture, shape, line: None, force_n: 0.0 });
+        moved.push(Moved::at(posture, shape, 0.0));
     }
     moved
 }
@@ -254,13 +272,13 @@ fn pull(
         let reached = |shape: &ChainShape| (shape.top().lean() - goal).rad() * sense >= 0.0;
         let (force_n, shape, line) =
             force_for(-2.0 * sense, 2000.0, erect.top(), solve(left), reached).ok_or(posture)?;
-        moved.push(Moved { posture, shape, line: Some(line), force_n });
+        moved.push(Moved { line: Some(line), ..Moved::at(posture, shape, force_n) });
     }
     let whole = main_turn(spine, erect);
     let reached = |shape: &ChainShape| main_turn(spine, shape) / whole <= 0.85;
     let (force_n, shape, line) =
         force_for(10.0, 20_000.0, erect.top(), solve(Frontal::new(0.0, 1.0)), reached)
             .ok_or(Posture::Traction)?;
-    moved.push(Moved { posture: Posture::Traction, shape, line: Some(line), force_n });
+    moved.push(Moved { line: Some(line), ..Moved::at(Posture::Traction, shape, force_n) });
     Ok(moved)
 }

@@ -27,6 +27,7 @@ pub mod cohort;
 pub mod curve;
 pub mod error;
 pub mod evaluate;
+pub mod hypothesis;
 pub mod measure;
 pub mod motion;
 pub mod multibody;

@@ -1,6 +1,7 @@
 //! What an analysis found, as a file.
 
 mod comparison;
+mod hypothesis;
 mod identifiability;
 mod model;
 mod posture;
@@ -23,6 +24,7 @@ use crate::keys::{LevelKey, PostureKey};
 use crate::reliability_file::QuantityRecord;
 use comparison::ComparisonRecord;
 pub(crate) use comparison::NumbersRecord;
+use hypothesis::HypothesisRecord;
 use identifiability::IdentifiabilityRecord;
 use model::ModelRecord;
 use posture::PostureRecord;
@@ -61,6 +63,9 @@ pub struct AnalysisFile {
     /// The lines on the same films, every bend left out once; `null` where there is no model.
     #[serde(default)]
     comparison: Option<ComparisonRecord>,
+    /// Other loads and bases, such as `couple` or `inflection_line+free_base`; absent where nobody asked.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    hypotheses: BTreeMap<String, HypothesisRecord>,
     /// What the noise of landmarks does to every number; absent where nobody asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     uncertainty: Option<UncertaintyRecord>,
@@ -193,6 +198,11 @@ impl AnalysisFile {
                 .map(|m| (m.kind.key().to_owned(), ModelRecord::new(m, analysis)))
                 .collect(),
             comparison: ComparisonRecord::new(analysis),
+            hypotheses: analysis
+                .hypotheses
+                .iter()
+                .map(|fit| (fit.hypothesis.key(), HypothesisRecord::new(fit)))
+                .collect(),
             uncertainty: None,
             warnings: analysis
                 .warnings

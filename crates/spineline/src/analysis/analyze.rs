@@ -1,4 +1,5 @@
 use super::checks::{check_outlines, check_postures, warn_of_shifted_levels};
+use super::hypotheses::fit_hypotheses;
 use super::models::fit_models;
 use super::preference::{PreferredLine, prefer_lines};
 use super::{AnalysisOptions, Case, LineModel};
@@ -7,6 +8,7 @@ use crate::chain::{Chain, ChainPose};
 use crate::clinical::{ClinicalCurve, LenkeType, Regions, lenke_type, measure_curves};
 use crate::curve::{CurveFit, InflectionChoice, Inflections, find_inflections, fit_curve};
 use crate::error::Error;
+use crate::hypothesis::HypothesisFit;
 use crate::measure::{Film, FilmReadings, LengthScale, Noise, Outline, outline_of};
 use crate::motion::{Estimate, Motion, least_windows, mean_least};
 use crate::multibody::SpineModel;
@@ -69,6 +71,8 @@ pub struct Analysis {
     pub lateral_measured: bool,
     /// One personalised model per line of action.
     pub models: Vec<LineModel>,
+    /// Other loads and bases that were asked for.
+    pub hypotheses: Vec<HypothesisFit>,
     /// Choices.
     pub options: AnalysisOptions,
     /// Soft problems.
@@ -135,6 +139,7 @@ pub(crate) fn analyze_with_noise(
     // 5, 7 and 8: lines of action, personalisation, evaluation
     prefer_lines(&mut analysis);
     fit_models(&mut analysis);
+    fit_hypotheses(&mut analysis);
     Ok(analysis)
 }
 
@@ -238,6 +243,7 @@ fn movement(
         spine,
         lateral_measured,
         models: Vec::new(),
+        hypotheses: Vec::new(),
         options: options.clone(),
         warnings,
     })

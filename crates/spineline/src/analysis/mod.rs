@@ -5,6 +5,7 @@ mod checks;
 mod comparison;
 mod compatibility;
 mod endings;
+mod hypotheses;
 mod identification;
 mod models;
 mod options;

@@ -129,7 +129,7 @@ impl Analysis {
         self.models.iter().all(|model| {
             model.fit.status == FitStatus::Converged
                 && model.postures.iter().all(Simulation::is_usable)
-        })
+        }) && self.hypotheses.iter().all(|fit| fit.is_converged() && fit.lost.is_empty())
     }
 }
 

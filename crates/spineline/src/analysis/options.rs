@@ -4,6 +4,7 @@ use crate::action::{LineKind, LineOfAction};
 use crate::anatomy::{Posture, SagittalProfile};
 use crate::chain::SEGMENT_WINDOW;
 use crate::curve::{InflectionChoice, MIN_TURN, OrderRule};
+use crate::hypothesis::Hypothesis;
 use crate::multibody::{StiffnessLibrary, Support};
 use crate::personalize::{FitTarget, Gauge, LogNormalPrior};
 use crate::spatial::Angle;
@@ -45,6 +46,8 @@ pub struct AnalysisOptions {
     pub prior: Option<LogNormalPrior>,
     /// Lines given by the user.
     pub given_lines: Vec<(Posture, LineOfAction)>,
+    /// Other loads and bases that are fitted beside the lines; none by default.
+    pub hypotheses: Vec<Hypothesis>,
 }
 
 impl AnalysisOptions {
@@ -73,6 +76,7 @@ impl Default for AnalysisOptions {
             grouping: Grouping::default(),
             prior: None,
             given_lines: Vec::new(),
+            hypotheses: Vec::new(),
         }
     }
 }

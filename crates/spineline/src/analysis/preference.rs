@@ -9,7 +9,7 @@ use crate::curve::CurveSpread;
 use crate::measure::SpacingPlane;
 use crate::multibody::JointGroups;
 use crate::personalize::evidence::FilmEvidence;
-use crate::personalize::{Crossing, Hypothesis, LineTest, PreferredLoads};
+use crate::personalize::{Crossing, LineTest, PreferredLoads, Proposal};
 use crate::spatial::{Angle, Frontal};
 
 /// The line of the load that one film's rotations prefer.
@@ -125,7 +125,7 @@ fn against_inflections(
     Some(LineComparison {
         angle: line.angle_to(&proposed),
         distance_mm: line.lever_arm_mm((points[0] + points[1]) * 0.5).abs(),
-        test: loads.test(film, &Hypothesis::Through { points, covariance })?,
+        test: loads.test(film, &Proposal::Through { points, covariance })?,
     })
 }
 
@@ -167,5 +167,5 @@ fn against_iliac(
     const CRESTS_MM: f64 = 250.0;
     // A crest is marked like a corner, and a location is the mean of four.
     let sd = Angle::from_rad(2.0 * f64::sqrt(2.0) * outline.noise.location_mm / CRESTS_MM);
-    loads.test(film, &Hypothesis::Along { direction, sd })
+    loads.test(film, &Proposal::Along { direction, sd })
 }

@@ -27,7 +27,7 @@ pub use bodies::BodySize;
 pub use general::{
     BodyLoad, BranchEvent, BranchEventKind, Equilibrium, EquilibriumPath, GeneralStatics, Goal,
     LoadItem, LoadPlace, Loading, LoadingError, LoadingFault, NearbyReport, NewtonWork, OnPoint,
-    PathEnding, PathOptions, PathPoint, Rod, SpringError, Timing, UNIT_TOLERANCE,
+    PathEnding, PathOptions, PathPoint, Rod, ShapeParameter, SpringError, Timing, UNIT_TOLERANCE,
 };
 pub use geometry::{Joint, SpineModel};
 pub use march::{Deformed, Load, Parameter, Solution, Statics, Wrench};

@@ -25,7 +25,7 @@ impl FitStatus {
 
 /// Residuals and their derivatives, in memory that is used again and again.
 #[derive(Debug, Clone)]
-pub(super) struct System {
+pub(crate) struct System {
     pub residuals: DVector<f64>,
     pub jacobian: DMatrix<f64>,
 }
@@ -42,7 +42,7 @@ impl System {
 
 /// The end of a minimisation.
 #[derive(Debug, Clone)]
-pub(super) struct Minimum {
+pub(crate) struct Minimum {
     pub status: FitStatus,
     pub iterations: u32,
     pub x: DVector<f64>,
@@ -56,7 +56,7 @@ pub(super) struct Minimum {
 ///
 /// # References
 /// [more-1978], [nielsen-1999].
-pub(super) fn minimize(
+pub(crate) fn minimize(
     mut x: DVector<f64>,
     lower: &DVector<f64>,
     upper: &DVector<f64>,

@@ -7,9 +7,9 @@ use super::estimate::{EstimatedLine, line_of};
 use super::preferred::PreferredLoads;
 use crate::spatial::{Angle, Frontal};
 
-/// What is said of the line on one film.
+/// What is proposed of the line on one film.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Hypothesis {
+pub enum Proposal {
     /// It runs through two points, which are known up to a covariance of `(y, z)` of the first and of the second, in mm².
     Through {
         /// The points.
@@ -26,7 +26,7 @@ pub enum Hypothesis {
     },
 }
 
-/// A test of a hypothesis.
+/// A test of a proposal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineTest {
     /// F statistic: the mean square of what should vanish, in its standard deviations.
@@ -35,7 +35,7 @@ pub struct LineTest {
     pub restrictions: u32,
     /// Degrees of freedom of the denominator; infinite where the springs of a group do not differ.
     pub freedom: f64,
-    /// Probability of a larger statistic if the hypothesis is true.
+    /// Probability of a larger statistic if the proposal is true.
     pub p_value: f64,
 }
 
@@ -48,11 +48,11 @@ pub enum Crossing {
     Open,
 }
 
-/// Hypotheses with less probability are rejected.
+/// Proposals with less probability are rejected.
 pub const SIGNIFICANCE: f64 = 0.05;
 
 impl LineTest {
-    /// Whether the films reject the hypothesis, with an error of 5 % if it is true.
+    /// Whether the films reject it, with an error of 5 % if it is true.
     #[must_use]
     pub fn rejects(&self) -> bool {
         self.p_value < SIGNIFICANCE
@@ -66,7 +66,7 @@ impl PreferredLoads {
         line_of(self.components.get(film)?, near)
     }
 
-    /// Tests a hypothesis on one film.
+    /// Tests a proposal on one film.
     ///
     /// # Definition
     /// A force along a line has no moment about points of it, and no part across its direction: these numbers are linear in
@@ -74,16 +74,16 @@ impl PreferredLoads {
     /// the degrees of freedom by which the variances of what joints have of their own are known ([satterthwaite-1946]; of two
     /// numbers, in the mean of their directions).
     #[must_use]
-    pub fn test(&self, film: usize, hypothesis: &Hypothesis) -> Option<LineTest> {
+    pub fn test(&self, film: usize, proposal: &Proposal) -> Option<LineTest> {
         let [fy, fz, mx] = *self.components.get(film)?;
-        let (rows, known) = match hypothesis {
-            Hypothesis::Through { points, covariance } => {
+        let (rows, known) = match proposal {
+            Proposal::Through { points, covariance } => {
                 // The moment about a point falls with fz to the left and grows with fy upwards.
                 let slope = [Vector4::new(-fz, fy, 0.0, 0.0), Vector4::new(0.0, 0.0, -fz, fy)];
                 let known = DMatrix::from_fn(2, 2, |i, j| (covariance * slope[j]).dot(&slope[i]));
                 (points.map(moment_about).to_vec(), known)
             }
-            Hypothesis::Along { direction, sd } => {
+            Proposal::Along { direction, sd } => {
                 let row = RowVector3::new(direction.z_mm, -direction.y_mm, 0.0);
                 let along = fy * direction.y_mm + fz * direction.z_mm;
                 let known = (along * sd.rad()).powi(2);

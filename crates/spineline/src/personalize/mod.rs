@@ -34,7 +34,8 @@ pub use identify::{
     ProfileVerdict, identify,
 };
 pub use levenberg_marquardt::FitStatus;
-pub use line_test::{Crossing, Hypothesis, LineTest, SIGNIFICANCE};
+pub(crate) use levenberg_marquardt::{System, minimize};
+pub use line_test::{Crossing, LineTest, Proposal, SIGNIFICANCE};
 pub use preferred::PreferredLoads;
 pub use start::Start;
 

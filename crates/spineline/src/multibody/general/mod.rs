@@ -15,6 +15,7 @@ mod equilibrium;
 mod loading;
 mod newton;
 mod path;
+mod rates;
 mod singular;
 mod solver;
 mod stability;
@@ -29,4 +30,5 @@ pub use loading::{
     BodyLoad, LoadItem, LoadPlace, Loading, LoadingError, LoadingFault, Rod, Timing, UNIT_TOLERANCE,
 };
 pub use path::{Goal, OnPoint, PathOptions};
+pub use rates::ShapeParameter;
 pub use solver::{GeneralStatics, NearbyReport, NewtonWork, SpringError};

@@ -133,6 +133,16 @@ impl Newton {
         failed(MOST_ITERATIONS, residual_rad)
     }
 
+    /// Eliminates the tangent of the state; `false` where a pivot is no number.
+    pub(super) fn factor(&mut self, balance: &Balance<'_>) -> bool {
+        self.elimination.factor(balance, &self.state)
+    }
+
+    /// Turns of the hinges that answer given moments about them, by the tangent that was eliminated last.
+    pub(super) fn answer(&mut self, moments: impl Fn(usize) -> Vec3, turns: &mut [Vec3]) {
+        self.elimination.solve(moments, turns);
+    }
+
     /// One step; its largest turn, or NaN.
     fn step(&mut self, balance: &Balance<'_>, factors: &mut Factors, closing: &Closing<'_>) -> f64 {
         let Self { state, elimination, answers, .. } = self;

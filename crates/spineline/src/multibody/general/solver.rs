@@ -55,6 +55,10 @@ pub struct NearbyReport {
 pub struct NewtonWork(Newton);
 
 impl NewtonWork {
+    pub(super) fn newton_mut(&mut self) -> &mut Newton {
+        &mut self.0
+    }
+
     /// Hinge angles, in and out.
     pub fn hinges_mut(&mut self) -> &mut [Vec3] {
         &mut self.0.state.hinges
@@ -102,7 +106,7 @@ impl<'a> GeneralStatics<'a> {
         Ok(Self { model, stiffness, support })
     }
 
-    fn balance<'b>(&'b self, loading: &'b Loading) -> Balance<'b> {
+    pub(super) fn balance<'b>(&'b self, loading: &'b Loading) -> Balance<'b> {
         Balance { model: self.model, stiffness: &self.stiffness, support: self.support, loading }
     }
 

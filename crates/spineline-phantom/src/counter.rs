@@ -20,7 +20,7 @@ const FIRST_NAMES: [Posture; 4] =
     [Posture::LeftBending, Posture::RightBending, Posture::Neutral, Posture::Traction];
 
 fn prescribed(posture: Posture, shape: ChainShape) -> Moved {
-    Moved { posture, shape, line: None, force_n: 0.0 }
+    Moved::at(posture, shape, 0.0)
 }
 
 /// Every segment's turn is scaled by one factor per posture.
@@ -77,14 +77,14 @@ pub(crate) fn spread(
         let left = solve(Frontal::new(1.0, 0.0));
         let (force_n, shape, ()) =
             force_for(-4.0 * sense, 4000.0, 0.0, left, reached).ok_or(posture)?;
-        moved.push(Moved { posture, shape, line: None, force_n });
+        moved.push(Moved::at(posture, shape, force_n));
     }
     let whole = main_turn(spine, erect);
     let reached = |shape: &ChainShape| main_turn(spine, shape) / whole <= 0.85;
     let up = solve(Frontal::new(0.0, 1.0));
     let (force_n, shape, ()) =
         force_for(20.0, 40_000.0, 0.0, up, reached).ok_or(Posture::Traction)?;
-    moved.push(Moved { posture: Posture::Traction, shape, line: None, force_n });
+    moved.push(Moved::at(Posture::Traction, shape, force_n));
     Ok(moved)
 }
 

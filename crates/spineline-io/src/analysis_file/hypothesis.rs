@@ -1,0 +1,100 @@
+//! Other loads and bases than the lines, as a file has them.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use spineline::hypothesis::{HypothesisFit, ShapePrediction};
+
+use crate::keys::PostureKey;
+
+/// A load and base fitted to the bends, and what it predicts. Lengths in mm, angles in degrees.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub(super) struct HypothesisRecord {
+    /// How the fit to all bends ended.
+    status: String,
+    /// Multipliers of the lateral springs, in the order of the groups.
+    multipliers: Vec<f64>,
+    /// Measured numbers of the fit: n.
+    measured_numbers: usize,
+    /// Fitted numbers with the size of the residuals: K.
+    fitted_numbers: usize,
+    /// Root mean square of the residuals in deviations of their measurement; `null` where there is no fit.
+    residual_rms: Option<f64>,
+    /// n ln(χ²/n) + 2K + 2K(K + 1)/(n - K - 1).
+    aicc: Option<f64>,
+    /// n ln(χ²/n) + K ln n.
+    bic: Option<f64>,
+    predictions: Vec<PredictionRecord>,
+    /// Films without a prediction, by role.
+    lost: BTreeMap<String, Vec<PostureKey>>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct PredictionRecord {
+    posture: PostureKey,
+    /// `fitted`; `held_out` (neutral, traction); `left_out` (a bend by the stiffness of the other, load by T2's place);
+    /// `left_out_load_fitted` (the same, load by the whole shape).
+    role: String,
+    /// Components of the load: N, N·mm for couples, the body's weight for `weight`; relative where no force is known.
+    components: Vec<f64>,
+    /// Turn of the whole spine about L4; positive to the patient's right.
+    base_deg: f64,
+    /// Mean distance of simulated and measured locations of L3 to T2.
+    mean_location_error_mm: f64,
+    location_errors_mm: Vec<f64>,
+    /// Root mean square of the errors of the joints' rotations.
+    rotation_rms_deg: f64,
+    /// Joints that turn against the load.
+    joints_against: usize,
+    /// Those beyond two deviations of their measurement.
+    joints_against_beyond_noise: usize,
+    /// Their part in the work of all joints.
+    work_against: f64,
+    /// L4 to T2.
+    locations_mm: Vec<[f64; 2]>,
+    tilts_deg: Vec<f64>,
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+impl HypothesisRecord {
+    pub(super) fn new(fit: &HypothesisFit) -> Self {
+        let mut lost: BTreeMap<String, Vec<PostureKey>> = BTreeMap::new();
+        for (posture, role) in &fit.lost {
+            lost.entry(role.key().to_owned()).or_default().push((*posture).into());
+        }
+        Self {
+            status: fit.status.key().to_owned(),
+            multipliers: fit.log_multipliers.iter().map(|log| log.exp()).collect(),
+            measured_numbers: fit.criteria.measured,
+            fitted_numbers: fit.criteria.fitted,
+            residual_rms: finite(fit.criteria.residual_rms()),
+            aicc: finite(fit.criteria.aicc),
+            bic: finite(fit.criteria.bic),
+            predictions: fit.predictions.iter().map(PredictionRecord::new).collect(),
+            lost,
+        }
+    }
+}
+
+impl PredictionRecord {
+    fn new(prediction: &ShapePrediction) -> Self {
+        Self {
+            posture: prediction.posture.into(),
+            role: prediction.role.key().to_owned(),
+            components: prediction.components.clone(),
+            base_deg: prediction.base.deg(),
+            mean_location_error_mm: prediction.mean_location_error_mm(),
+            location_errors_mm: prediction.location_errors_mm.clone(),
+            rotation_rms_deg: prediction.rotation_rms.deg(),
+            joints_against: prediction.against.joints,
+            joints_against_beyond_noise: prediction.against.beyond_noise,
+            work_against: prediction.against.weight,
+            locations_mm: prediction.locations.iter().map(|p| [p.y_mm, p.z_mm]).collect(),
+            tilts_deg: prediction.tilts.iter().map(|tilt| tilt.deg()).collect(),
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! Other loads and bases than the lines, where they were asked for.
+
+use super::models::depth_mm;
+use super::{Analysis, Grouping};
+use crate::clinical::{RegionBounds, ferguson_angle};
+use crate::hypothesis::{HypothesisFilm, HypothesisFit, Spine, fit_hypothesis};
+use crate::measure::SpacingPlane;
+use crate::multibody::JointGroups;
+use crate::personalize::FitStatus;
+use crate::spatial::Frontal;
+use crate::warning::{Step, Warnings};
+
+/// Fits every hypothesis of the options.
+pub(super) fn fit_hypotheses(analysis: &mut Analysis) {
+    let without_scale =
+        analysis.postures.iter().any(|p| p.outline.scale.plane == SpacingPlane::Pixels);
+    let has_bend = analysis.postures.iter().any(|p| p.outline.posture.bend().is_some());
+    // The lines have warned of both.
+    if without_scale || !has_bend {
+        return;
+    }
+    let mut warnings = std::mem::take(&mut analysis.warnings);
+    let groups = match analysis.options.grouping {
+        Grouping::Regional => JointGroups::regional(&analysis.regions),
+        Grouping::PerJoint => JointGroups::per_joint(),
+    };
+    let spine = Spine {
+        model: &analysis.spine,
+        library: &analysis.options.library,
+        groups: &groups,
+        erect: &analysis.erect().outline,
+        support: analysis.options.support,
+        depth_mm: depth_mm(analysis),
+        apex: largest_apex(analysis),
+    };
+    let films: Vec<HypothesisFilm<'_>> = analysis
+        .postures
+        .iter()
+        .filter(|p| p.motion.is_some())
+        .map(|p| HypothesisFilm { outline: &p.outline, inflections: p.inflection_points })
+        .collect();
+    let mut fits: Vec<HypothesisFit> = Vec::new();
+    for &hypothesis in &analysis.options.hypotheses {
+        match fit_hypothesis(hypothesis, &spine, &films) {
+            Some(fit) => {
+                warn_of_endings(&fit, &mut warnings);
+                fits.push(fit);
+            }
+            None => {
+                let text = format!("{hypothesis}: no bending film has such a line");
+                warnings.push(Step::Action, "no_line", text);
+            }
+        }
+    }
+    analysis.hypotheses = fits;
+    analysis.warnings = warnings;
+}
+
+/// The apex of the erect curve with the largest Ferguson angle.
+fn largest_apex(analysis: &Analysis) -> usize {
+    let locations: Vec<Frontal> = analysis.erect().outline.locations().collect();
+    let size = |bounds: &&RegionBounds| ferguson_angle(&locations, bounds).abs();
+    let bounds = analysis.regions.bounds.iter();
+    let largest = bounds.max_by(|a, b| size(a).rad().total_cmp(&size(b).rad()));
+    largest.expect("there are three regions").apex
+}
+
+fn warn_of_endings(fit: &HypothesisFit, warnings: &mut Warnings) {
+    let name = fit.hypothesis;
+    if fit.status != FitStatus::Converged {
+        let text = format!("{name}: the fit ended with `{}`", fit.status.key());
+        warnings.push(Step::Personalize, "fit_not_converged", text);
+    }
+    for (posture, role) in &fit.lost {
+        let text = format!(
+            "{name}: no equilibrium was found for this film ({}), so it is not predicted",
+            role.key().replace('_', " ")
+        );
+        warnings.film(Step::Evaluate, "force_not_found", *posture, text);
+    }
+}

@@ -1,0 +1,118 @@
+//! Hypotheses side by side over some patients.
+
+use super::{Criteria, Hypothesis, HypothesisFit, Role, ShapePrediction};
+
+/// One hypothesis over some patients: means of one value per patient, over those that have it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HypothesisSummary {
+    /// Which.
+    pub hypothesis: Hypothesis,
+    /// Free numbers of a patient's fit, beside the size of its residuals; the most of any patient.
+    pub free: usize,
+    /// Location errors by role, in the order of [`Role::ALL`], in mm.
+    pub location_mm: [Option<f64>; 4],
+    /// Root mean squares of the rotations' errors by role, in degrees.
+    pub rotation_deg: [Option<f64>; 4],
+    /// Joints per fitted film that turn against the load.
+    pub against: Option<f64>,
+    /// AICc less that of the first hypothesis of the comparison.
+    pub aicc_difference: f64,
+    /// BIC less that of the first hypothesis.
+    pub bic_difference: f64,
+    /// Patients for whom no other hypothesis has a lower left-out error.
+    pub best_left_out: usize,
+    /// Patients for whom no other has a lower AICc.
+    pub best_aicc: usize,
+    /// Films and roles without a prediction, and fits that did not converge, over all patients.
+    pub lost: usize,
+}
+
+/// Patients and hypotheses that may be compared: every one of these patients has every one of these hypotheses.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// How many patients.
+    pub patients: usize,
+    /// In the order in which they were asked for.
+    pub hypotheses: Vec<HypothesisSummary>,
+}
+
+/// Compares on equal terms: all hypotheses on the patients that have all of them, and, where that is not everyone, the
+/// hypotheses that everyone has on all patients. One item per patient.
+#[must_use]
+pub fn compare(patients: &[&[HypothesisFit]]) -> Vec<Comparison> {
+    let mut all: Vec<Hypothesis> = Vec::new();
+    for fit in patients.iter().copied().flatten() {
+        if !all.contains(&fit.hypothesis) {
+            all.push(fit.hypothesis);
+        }
+    }
+    all.sort();
+    let has = |fits: &[HypothesisFit], which| fits.iter().any(|fit| fit.hypothesis == which);
+    let whole: Vec<&[HypothesisFit]> =
+        patients.iter().copied().filter(|fits| all.iter().all(|&h| has(fits, h))).collect();
+    let shared: Vec<Hypothesis> =
+        all.iter().copied().filter(|&h| patients.iter().all(|fits| has(fits, h))).collect();
+    let mut blocks = Vec::new();
+    if !whole.is_empty() {
+        blocks.push(block(&whole, &all));
+    }
+    if whole.len() < patients.len() && !shared.is_empty() {
+        blocks.push(block(patients, &shared));
+    }
+    blocks.retain(|block| !block.hypotheses.is_empty());
+    blocks
+}
+
+fn block(patients: &[&[HypothesisFit]], hypotheses: &[Hypothesis]) -> Comparison {
+    let of = |h: Hypothesis| -> Vec<&HypothesisFit> {
+        patients.iter().filter_map(|fits| fits.iter().find(|fit| fit.hypothesis == h)).collect()
+    };
+    let all: Vec<Vec<&HypothesisFit>> = hypotheses.iter().map(|&h| of(h)).collect();
+    let left_out = |fit: &HypothesisFit| fit.mean_location_error_mm(Role::LeftOut);
+    let aicc = |fit: &HypothesisFit| Some(fit.criteria.aicc);
+    let summaries = hypotheses.iter().zip(&all).map(|(&hypothesis, fits)| {
+        let difference = |value: fn(&Criteria) -> f64| {
+            let both = fits.iter().zip(&all[0]);
+            let differences = both.map(|(a, b)| value(&a.criteria) - value(&b.criteria));
+            mean(differences.map(Some)).unwrap_or(f64::NAN)
+        };
+        HypothesisSummary {
+            hypothesis,
+            free: fits.iter().map(|fit| fit.criteria.fitted - 1).max().unwrap_or(0),
+            location_mm: Role::ALL
+                .map(|role| mean(fits.iter().map(|fit| fit.mean_location_error_mm(role)))),
+            rotation_deg: Role::ALL
+                .map(|role| mean(fits.iter().map(|f| f.mean_rotation_rms(role).map(|a| a.deg())))),
+            against: mean(fits.iter().map(|fit| against(fit))),
+            aicc_difference: difference(|c| c.aicc),
+            bic_difference: difference(|c| c.bic),
+            best_left_out: best(fits, &all, left_out),
+            best_aicc: best(fits, &all, aicc),
+            lost: fits.iter().map(|fit| fit.lost.len() + usize::from(!fit.is_converged())).sum(),
+        }
+    });
+    Comparison { patients: patients.len(), hypotheses: summaries.collect() }
+}
+
+/// In how many patients no other hypothesis has a lower value.
+fn best(
+    own: &[&HypothesisFit],
+    all: &[Vec<&HypothesisFit>],
+    value: impl Fn(&HypothesisFit) -> Option<f64>,
+) -> usize {
+    let least = |patient: usize| {
+        all.iter().filter_map(|fits| value(fits[patient])).fold(f64::INFINITY, f64::min)
+    };
+    (0..own.len()).filter(|&p| value(own[p]).is_some_and(|value| value <= least(p))).count()
+}
+
+fn against(fit: &HypothesisFit) -> Option<f64> {
+    let joints = |p: &ShapePrediction| Some(p.against.joints as f64);
+    mean(fit.of_role(Role::Fitted).map(joints))
+}
+
+/// Mean of the values that are there.
+fn mean(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+    let (sum, count) = values.flatten().fold((0.0, 0), |(sum, n), value| (sum + value, n + 1));
+    (count > 0).then(|| sum / f64::from(count))
+}

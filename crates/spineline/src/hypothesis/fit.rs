@@ -1,0 +1,419 @@
+//! A hypothesis fitted to the bends of a patient, and what it predicts of films that it did not see.
+
+use nalgebra::DVector;
+
+use super::near_t2::nearest_t2;
+use super::problem::{LoadedFilm, ShapeProblem, statics};
+use super::start::{JointResponses, alternate};
+use super::{Base, Criteria, Hypothesis, HypothesisFilm, Spine};
+use crate::anatomy::Posture;
+use crate::personalize::{FitStatus, System, minimize};
+use crate::spatial::{Angle, Frontal};
+
+/// What a film was to a prediction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Role {
+    /// Stiffness and load were fitted to it.
+    Fitted,
+    /// Neither bend nor fitted: the load is the least one that brings T2 near.
+    HeldOut,
+    /// A bend; stiffness was fitted to the other one, and the load is the least one that brings T2 near.
+    LeftOut,
+    /// A bend; stiffness was fitted to the other one, and the load to the whole shape of this one.
+    LeftOutLoadFitted,
+}
+
+impl Role {
+    /// All of them.
+    pub const ALL: [Self; 4] =
+        [Self::Fitted, Self::HeldOut, Self::LeftOut, Self::LeftOutLoadFitted];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Fitted => "fitted",
+            Self::HeldOut => "held_out",
+            Self::LeftOut => "left_out",
+            Self::LeftOutLoadFitted => "left_out_load_fitted",
+        }
+    }
+}
+
+/// Joints that turn against the moment of a load, where the film shows both.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Against {
+    /// How many.
+    pub joints: usize,
+    /// How many of them by more than two deviations of their measurement.
+    pub beyond_noise: usize,
+    /// Their part in the work `Σ |rotation × moment|` of all joints.
+    pub weight: f64,
+}
+
+/// A film as a hypothesis has it, beside what was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShapePrediction {
+    /// The posture.
+    pub posture: Posture,
+    /// What the film was to it.
+    pub role: Role,
+    /// Components of the load: N, or N·mm for couples; of the body's weight for [`super::LoadShape::Weight`].
+    pub components: Vec<f64>,
+    /// Turn of the whole spine about L4, about +X.
+    pub base: Angle,
+    /// Locations L4 to T2, in `G`.
+    pub locations: Vec<Frontal>,
+    /// Tilts.
+    pub tilts: Vec<Angle>,
+    /// Distance between simulated and measured location of L3…T2: E_LOC.
+    pub location_errors_mm: Vec<f64>,
+    /// Root mean square of the errors of the joints' rotations, with L4's axis as it was read: where the base turns, the lowest
+    /// joint is wrong by that.
+    pub rotation_rms: Angle,
+    /// Joints that turn against this load.
+    pub against: Against,
+}
+
+impl ShapePrediction {
+    /// Mean of the location errors.
+    #[must_use]
+    pub fn mean_location_error_mm(&self) -> f64 {
+        self.location_errors_mm.iter().sum::<f64>() / self.location_errors_mm.len() as f64
+    }
+}
+
+/// A hypothesis fitted to one patient.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HypothesisFit {
+    /// Which.
+    pub hypothesis: Hypothesis,
+    /// How the fit to all bends ended.
+    pub status: FitStatus,
+    /// `ln α` per group.
+    pub log_multipliers: Vec<f64>,
+    /// What the fit is worth.
+    pub criteria: Criteria,
+    /// Fitted films, films held out, and bends left out, in this order.
+    pub predictions: Vec<ShapePrediction>,
+    /// Films and roles for which there is no prediction, since no equilibrium or no fit was found.
+    pub lost: Vec<(Posture, Role)>,
+}
+
+impl HypothesisFit {
+    /// Whether the fit to all bends came to an end that may be shown as a result.
+    #[must_use]
+    pub fn is_converged(&self) -> bool {
+        self.status == FitStatus::Converged
+    }
+
+    /// Predictions of one role.
+    pub fn of_role(&self, role: Role) -> impl Iterator<Item = &ShapePrediction> {
+        self.predictions.iter().filter(move |p| p.role == role)
+    }
+
+    /// Mean location error over the films of a role; `None` where there is none.
+    #[must_use]
+    pub fn mean_location_error_mm(&self, role: Role) -> Option<f64> {
+        mean(self.of_role(role).map(ShapePrediction::mean_location_error_mm))
+    }
+
+    /// Mean over the films of a role of the rotations' errors.
+    #[must_use]
+    pub fn mean_rotation_rms(&self, role: Role) -> Option<Angle> {
+        mean(self.of_role(role).map(|p| p.rotation_rms.rad())).map(Angle::from_rad)
+    }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / f64::from(count))
+}
+
+/// Fits a hypothesis to the bends among some films, and predicts every film: fitted, held out, and each bend from the other.
+///
+/// `None` where no bend has such a line.
+#[must_use]
+pub fn fit_hypothesis(
+    hypothesis: Hypothesis,
+    spine: &Spine<'_>,
+    films: &[HypothesisFilm<'_>],
+) -> Option<HypothesisFit> {
+    let has_line = |film: &&HypothesisFilm<'_>| LoadedFilm::new(hypothesis, film, spine).is_some();
+    let (bends, others): (Vec<HypothesisFilm<'_>>, Vec<_>) =
+        films.iter().filter(has_line).partition(|film| film.outline.posture.bend().is_some());
+    let mut found = fit_to(hypothesis, spine, &bends, None)?;
+    let mut fit = HypothesisFit {
+        hypothesis,
+        status: found.status,
+        log_multipliers: found.log_multipliers(spine),
+        criteria: found.criteria(spine),
+        predictions: Vec::new(),
+        lost: Vec::new(),
+    };
+    let mut told =
+        |film: &HypothesisFilm<'_>, role, prediction: Option<ShapePrediction>| match prediction {
+            Some(prediction) => fit.predictions.push(prediction),
+            None => fit.lost.push((film.outline.posture, role)),
+        };
+    for (i, film) in bends.iter().enumerate() {
+        told(film, Role::Fitted, found.prediction(i, film, spine, Role::Fitted));
+    }
+    let usable = found.status != FitStatus::NotEvaluable;
+    let logs = found.log_multipliers(spine);
+    for film in &others {
+        let near =
+            if usable { predict(hypothesis, spine, film, &logs, Role::HeldOut) } else { None };
+        told(film, Role::HeldOut, near);
+    }
+    if let [a, b] = bends[..] {
+        for (known, left) in [(b, a), (a, b)] {
+            let other = fit_to(hypothesis, spine, &[known], None);
+            let logs = other
+                .filter(|other| other.status != FitStatus::NotEvaluable)
+                .map(|other| other.log_multipliers(spine));
+            let near = logs
+                .as_ref()
+                .and_then(|logs| predict(hypothesis, spine, &left, logs, Role::LeftOut));
+            told(&left, Role::LeftOut, near);
+            let role = Role::LeftOutLoadFitted;
+            let own = logs.and_then(|logs| {
+                fit_to(hypothesis, spine, &[left], Some(logs))?.prediction(0, &left, spine, role)
+            });
+            told(&left, role, own);
+        }
+    }
+    Some(fit)
+}
+
+/// A fit that has ended.
+struct Ended<'a> {
+    problem: ShapeProblem<'a>,
+    hypothesis: Hypothesis,
+    films: usize,
+    status: FitStatus,
+    x: DVector<f64>,
+    chi_squared: f64,
+}
+
+/// Data met within their noise leave nothing for another start to improve.
+const ENOUGH_RMS: f64 = 1.0;
+/// Loads of a start that has no equilibrium are halved so often.
+const HALVINGS: u32 = 4;
+
+/// Fits multipliers, unless they are known, and loads to some films.
+fn fit_to<'a>(
+    hypothesis: Hypothesis,
+    spine: &Spine<'a>,
+    films: &[HypothesisFilm<'a>],
+    held: Option<Vec<f64>>,
+) -> Option<Ended<'a>> {
+    let mut problem = ShapeProblem::new(hypothesis, films, spine, held.clone())?;
+    let [lower, upper] = problem.bounds();
+    let rows = problem.rows();
+    let mut best: Option<(f64, FitStatus, DVector<f64>)> = None;
+    let mut all = starts(&problem, films, spine, held.as_deref());
+    if hypothesis.base != Base::Fixed {
+        // A base that turns does no worse than one that does not.
+        let fixed = fit_to(Hypothesis::of(hypothesis.load), spine, films, held)?;
+        if fixed.status != FitStatus::NotEvaluable {
+            all.insert(0, on_free_base(&fixed, &problem, spine.groups.len()));
+        }
+    }
+    for start in all {
+        let Some(start) = evaluable(&mut problem, start, spine.groups.len()) else { continue };
+        problem.reset();
+        let end = minimize(start, &lower, &upper, rows, |x, system| problem.evaluate(x, system));
+        if end.status == FitStatus::NotEvaluable {
+            continue;
+        }
+        let chi_squared = problem.data_squares(&end.system);
+        if best.as_ref().is_none_or(|(least, ..)| chi_squared < *least) {
+            best = Some((chi_squared, end.status, end.x));
+        }
+        if chi_squared < ENOUGH_RMS * ENOUGH_RMS * problem.data_rows() as f64 {
+            break;
+        }
+    }
+    let (chi_squared, status, x) = best
+        .unwrap_or_else(|| (f64::NAN, FitStatus::NotEvaluable, DVector::zeros(problem.unknowns())));
+    Some(Ended { problem, hypothesis, films: films.len(), status, x, chi_squared })
+}
+
+/// What was found on a fixed base as a start.
+fn on_free_base(fixed: &Ended<'_>, problem: &ShapeProblem<'_>, groups: usize) -> DVector<f64> {
+    let mut x = DVector::zeros(problem.unknowns());
+    x.rows_mut(0, groups).copy_from(&fixed.x.rows(0, groups));
+    for (index, film) in problem.films.iter().enumerate() {
+        let (components, _) = fixed.problem.of_film(index, fixed.x.as_slice());
+        x.as_mut_slice()[film.first..film.first + components.len()].copy_from_slice(components);
+    }
+    x
+}
+
+/// The start with its loads halved until there is an equilibrium.
+fn evaluable(
+    problem: &mut ShapeProblem<'_>,
+    mut start: DVector<f64>,
+    groups: usize,
+) -> Option<DVector<f64>> {
+    let mut system = System::new(problem.rows(), problem.unknowns());
+    for _ in 0..=HALVINGS {
+        problem.reset();
+        if problem.evaluate(&start, &mut system) {
+            return Some(start);
+        }
+        start.as_mut_slice()[groups..].iter_mut().for_each(|load| *load *= 0.5);
+    }
+    None
+}
+
+/// Starts in closed form: multipliers and loads together; loads for the multipliers given, or else nominal ones; and the
+/// latter with the load of every film the other way round.
+fn starts(
+    problem: &ShapeProblem<'_>,
+    films: &[HypothesisFilm<'_>],
+    spine: &Spine<'_>,
+    held: Option<&[f64]>,
+) -> Vec<DVector<f64>> {
+    let measured = responses(problem, films, spine);
+    let groups = spine.groups.of_joint();
+    let put = |logs: &[f64], loads: &[Vec<f64>]| {
+        let mut x = DVector::zeros(problem.unknowns());
+        x.as_mut_slice()[..logs.len()].copy_from_slice(logs);
+        for (film, load) in problem.films.iter().zip(loads) {
+            x.as_mut_slice()[film.first..film.first + load.len()].copy_from_slice(load);
+        }
+        x
+    };
+    let nominal = vec![0.0; spine.groups.len()];
+    let known = held.unwrap_or(&nominal);
+    let loads: Vec<Vec<f64>> = measured.iter().map(|film| film.components(groups, known)).collect();
+    let mut starts = Vec::new();
+    if held.is_none() {
+        let (logs, loads) = alternate(&measured, spine);
+        starts.push(put(&logs, &loads));
+    }
+    for flips in 0..1_u32 << films.len() {
+        let flipped: Vec<Vec<f64>> = loads
+            .iter()
+            .enumerate()
+            .map(|(film, load)| {
+                let sign = if flips >> film & 1 == 1 { -1.0 } else { 1.0 };
+                load.iter().map(|part| sign * part).collect()
+            })
+            .collect();
+        starts.push(put(known, &flipped));
+    }
+    starts
+}
+
+fn responses(
+    problem: &ShapeProblem<'_>,
+    films: &[HypothesisFilm<'_>],
+    spine: &Spine<'_>,
+) -> Vec<JointResponses> {
+    let both = problem.films.iter().zip(films);
+    both.map(|(own, film)| JointResponses::measure(film, &own.loaded.units, spine)).collect()
+}
+
+impl Ended<'_> {
+    fn log_multipliers(&self, spine: &Spine<'_>) -> Vec<f64> {
+        self.x.as_slice()[..spine.groups.len()].to_vec()
+    }
+
+    fn criteria(&self, spine: &Spine<'_>) -> Criteria {
+        let free = self.hypothesis.free_numbers(self.films, spine.groups.len());
+        Criteria::new(self.chi_squared, self.problem.data_rows(), free)
+    }
+
+    fn prediction(
+        &mut self,
+        index: usize,
+        film: &HypothesisFilm<'_>,
+        spine: &Spine<'_>,
+        role: Role,
+    ) -> Option<ShapePrediction> {
+        if self.status == FitStatus::NotEvaluable {
+            return None;
+        }
+        let statics = statics(spine, &self.log_multipliers(spine));
+        let (components, base) = self.problem.of_film(index, self.x.as_slice());
+        let components = components.to_vec();
+        let loaded = &mut self.problem.films[index].loaded;
+        let solved = loaded.solve(&statics, &components, base);
+        solved.then(|| prediction(loaded, film, spine, role, components, base))
+    }
+}
+
+/// The film under the least load that brings T2 near.
+fn predict(
+    hypothesis: Hypothesis,
+    spine: &Spine<'_>,
+    film: &HypothesisFilm<'_>,
+    log_multipliers: &[f64],
+    role: Role,
+) -> Option<ShapePrediction> {
+    let mut loaded = LoadedFilm::new(hypothesis, film, spine)?;
+    let top = film.outline.vertebrae.last()?.location;
+    let near = nearest_t2(hypothesis, &mut loaded, log_multipliers, top, spine)?;
+    let statics = statics(spine, log_multipliers);
+    let solved = loaded.solve(&statics, &near.components, near.base);
+    solved.then(|| prediction(&loaded, film, spine, role, near.components, near.base))
+}
+
+fn prediction(
+    loaded: &LoadedFilm,
+    film: &HypothesisFilm<'_>,
+    spine: &Spine<'_>,
+    role: Role,
+    components: Vec<f64>,
+    base: Angle,
+) -> ShapePrediction {
+    let measured = &film.outline.vertebrae;
+    let locations: Vec<Frontal> = (0..measured.len()).map(|i| loaded.location(i)).collect();
+    let tilts: Vec<Angle> = (0..measured.len()).map(|i| loaded.tilt(i)).collect();
+    let squares: f64 = (1..measured.len())
+        .map(|i| {
+            // L4's tilt on a turned base is the base's; as it was read it is zero.
+            let simulated = tilts[i] - tilts[i - 1];
+            (simulated - (measured[i].tilt - measured[i - 1].tilt)).wrapped().rad().powi(2)
+        })
+        .sum();
+    let joints = (measured.len() - 1) as f64;
+    ShapePrediction {
+        posture: film.outline.posture,
+        role,
+        against: against(&JointResponses::measure(film, &loaded.units, spine), &components),
+        components,
+        base,
+        location_errors_mm: locations
+            .iter()
+            .zip(measured)
+            .skip(1)
+            .map(|(simulated, vertebra)| simulated.distance_mm(vertebra.location))
+            .collect(),
+        locations,
+        tilts,
+        rotation_rms: Angle::from_rad((squares / joints).sqrt()),
+    }
+}
+
+/// Joints that turn against the moment of a load of given components.
+fn against(film: &JointResponses, components: &[f64]) -> Against {
+    let moments = film.compliances.iter().enumerate().map(|(j, c)| film.turn(j, components) / c);
+    let works: Vec<(f64, f64)> =
+        moments.zip(&film.rotations).map(|(moment, &turn)| (moment * turn, turn)).collect();
+    let total: f64 = works.iter().map(|(work, _)| work.abs()).sum();
+    // A joint that does not turn but for rounding contradicts nothing.
+    let contrary: Vec<&(f64, f64)> =
+        works.iter().filter(|(work, _)| *work < -1e-9 * total).collect();
+    Against {
+        joints: contrary.len(),
+        beyond_noise: contrary
+            .iter()
+            .filter(|(_, turn)| turn.abs() > 2.0 * film.rotation_sd)
+            .count(),
+        weight: contrary.iter().map(|(work, _)| work.abs()).sum::<f64>() / total,
+    }
+}

@@ -1,0 +1,249 @@
+//! Other loads than one force along a line: what else may bend the spine, and which of them the films support.
+//!
+//! # Model
+//! A [`Hypothesis`] is the kind of load that acts on every bend ([`LoadShape`], with one to three free components per film)
+//! and what is done with the base ([`Base`]). Springs are those of [`crate::personalize`]: one `ln α` per group of joints, shared
+//! by all bends, their mean held at zero. Loads that move with their vertebra are solved by [`GeneralStatics`]; a line
+//! fixed in space is one of them, so that the paper's line is fitted by the same code as its rivals.
+//!
+//! # The base
+//! L4 is the origin of every film's frame and its axis is the frame's, so that L4 is at rest by definition and its own turn in
+//! the patient is not seen. What is seen: an error of L4's axis on a film, or a turn of L4 under the soft
+//! tissue that the erect film does not show, turns **all that lies above by one angle** and changes no angle between two vertebrae. That
+//! angle about L4's midpoint is the base's: held at zero, weighed against what reading two axes makes of it, or free.
+//!
+//! # What decides
+//! Never the fit. Films that were not fitted ([`Role::HeldOut`], [`Role::LeftOut`]) are predicted from T2's place alone, two
+//! numbers for every hypothesis; [`Criteria`] count the free numbers of the fit.
+//!
+//! # References
+//! [jalalian-loa], [petit-2004]; [burnham-2002] for the criteria.
+//!
+//! [`GeneralStatics`]: crate::multibody::GeneralStatics
+
+mod comparison;
+mod criteria;
+mod fit;
+mod loads;
+mod near_t2;
+mod problem;
+mod start;
+
+pub use comparison::{Comparison, HypothesisSummary, compare};
+pub use criteria::Criteria;
+pub use fit::{Against, HypothesisFit, Role, ShapePrediction, fit_hypothesis};
+
+use crate::measure::Outline;
+use crate::multibody::{JointGroups, SpineModel, StiffnessLibrary, Support};
+use crate::spatial::Frontal;
+
+/// What acts on the spine of one film. The number of free components is that of each film.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum LoadShape {
+    /// A force along the line through the two inflections, carried by T2 (the paper): 1.
+    InflectionLine,
+    /// A force at T2 parallel to the iliac line (Petit): 1.
+    IliacLine,
+    /// Any force and moment in the frontal plane, carried by T2: 3.
+    FreeLine,
+    /// The force of the inflection line, and one at the apex of the largest erect curve, parallel to the iliac line: 2.
+    TwoForces,
+    /// Weight of the trunk's slices, head and arms at their vertebrae, along the film's vertical: 1.
+    Weight,
+    /// A force parallel to the iliac line, spread evenly over the length of the spine: 1.
+    Lateral,
+    /// As [`LoadShape::Lateral`], with a second part that grows with height: 2.
+    GradedLateral,
+    /// The same moment about every joint, as a muscle along one side makes: 1.
+    Couple,
+    /// A moment that falls or grows evenly with height, as muscles that end at every vertebra make: 2.
+    GradedCouple,
+}
+
+impl LoadShape {
+    /// All of them.
+    pub const ALL: [Self; 9] = [
+        Self::InflectionLine,
+        Self::IliacLine,
+        Self::FreeLine,
+        Self::TwoForces,
+        Self::Weight,
+        Self::Lateral,
+        Self::GradedLateral,
+        Self::Couple,
+        Self::GradedCouple,
+    ];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::InflectionLine => "inflection_line",
+            Self::IliacLine => "iliac_line",
+            Self::FreeLine => "free_line",
+            Self::TwoForces => "two_forces",
+            Self::Weight => "weight",
+            Self::Lateral => "lateral_load",
+            Self::GradedLateral => "graded_lateral_load",
+            Self::Couple => "couple",
+            Self::GradedCouple => "graded_couple",
+        }
+    }
+
+    /// Free components per film.
+    #[must_use]
+    pub const fn components(self) -> usize {
+        match self {
+            Self::InflectionLine
+            | Self::IliacLine
+            | Self::Weight
+            | Self::Lateral
+            | Self::Couple => 1,
+            Self::TwoForces | Self::GradedLateral | Self::GradedCouple => 2,
+            Self::FreeLine => 3,
+        }
+    }
+}
+
+/// What is done with the angle by which the whole spine may turn about L4 on a film.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub enum Base {
+    /// It is zero (the paper).
+    #[default]
+    Fixed,
+    /// It is normal about zero, with the deviation that reading L4's axis on both films gives: the covariance that a shared
+    /// frame makes between all locations and tilts of a film.
+    Noisy,
+    /// It is free on every fitted film.
+    Free,
+}
+
+impl Base {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Fixed, Self::Noisy, Self::Free];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Fixed => "fixed_base",
+            Self::Noisy => "noisy_base",
+            Self::Free => "free_base",
+        }
+    }
+
+    /// Free angles per fitted film.
+    #[must_use]
+    pub const fn angles(self) -> usize {
+        match self {
+            Self::Fixed => 0,
+            Self::Noisy | Self::Free => 1,
+        }
+    }
+}
+
+/// What may have bent a spine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Hypothesis {
+    /// The load.
+    pub load: LoadShape,
+    /// The base.
+    pub base: Base,
+}
+
+impl Hypothesis {
+    /// A load on a fixed base.
+    #[must_use]
+    pub const fn of(load: LoadShape) -> Self {
+        Self { load, base: Base::Fixed }
+    }
+
+    /// What a comparison tries: every load on a fixed base, and the other bases for the paper's line, the free line and the
+    /// couples.
+    #[must_use]
+    pub fn compared() -> Vec<Self> {
+        let fixed = LoadShape::ALL.map(Self::of);
+        let others = [
+            LoadShape::InflectionLine,
+            LoadShape::FreeLine,
+            LoadShape::Couple,
+            LoadShape::GradedCouple,
+        ]
+        .into_iter()
+        .flat_map(|load| [Base::Noisy, Base::Free].map(|base| Self { load, base }));
+        fixed.into_iter().chain(others).collect()
+    }
+
+    /// The name used in files, such as `couple+free_base`.
+    #[must_use]
+    pub fn key(self) -> String {
+        match self.base {
+            Base::Fixed => self.load.key().to_owned(),
+            base => format!("{}+{}", self.load.key(), base.key()),
+        }
+    }
+
+    /// Free numbers of a fit to so many films, with so many multipliers of which the level is held.
+    #[must_use]
+    pub const fn free_numbers(self, films: usize, groups: usize) -> usize {
+        groups - 1 + films * (self.load.components() + self.base.angles())
+    }
+}
+
+impl std::fmt::Display for Hypothesis {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(&self.key().replace('_', " ").replace('+', ", "))
+    }
+}
+
+/// A text that names no hypothesis.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "`{text}` names no load; give one of {}, with +noisy_base or +free_base behind it if the base may turn",
+    LoadShape::ALL.map(LoadShape::key).join(", ")
+)]
+pub struct HypothesisNameError {
+    /// What was given.
+    pub text: String,
+}
+
+impl std::str::FromStr for Hypothesis {
+    type Err = HypothesisNameError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let plain = text.trim().replace('-', "_");
+        let (load, base) = plain.split_once('+').unwrap_or((&plain, Base::Fixed.key()));
+        let load = LoadShape::ALL.into_iter().find(|one| one.key() == load);
+        let base = Base::ALL.into_iter().find(|one| one.key() == base);
+        let found = load.zip(base).map(|(load, base)| Self { load, base });
+        found.ok_or_else(|| HypothesisNameError { text: text.to_owned() })
+    }
+}
+
+/// A film that takes part.
+#[derive(Debug, Clone, Copy)]
+pub struct HypothesisFilm<'a> {
+    /// What was measured.
+    pub outline: &'a Outline,
+    /// Where the two inflections lie on it.
+    pub inflections: Option<[Frontal; 2]>,
+}
+
+/// A patient's spine, and what all fits to it share.
+#[derive(Debug, Clone, Copy)]
+pub struct Spine<'a> {
+    /// The unloaded spine.
+    pub model: &'a SpineModel,
+    /// Nominal springs.
+    pub library: &'a StiffnessLibrary,
+    /// Which joints share a multiplier.
+    pub groups: &'a JointGroups,
+    /// The erect film.
+    pub erect: &'a Outline,
+    /// What holds the patient.
+    pub support: Support,
+    /// Sagittal place of lines fixed in space.
+    pub depth_mm: f64,
+    /// The vertebra at the apex of the largest erect curve.
+    pub apex: usize,
+}

@@ -1,0 +1,315 @@
+//! Equilibria of a film under a hypothesis, and the residuals of a fit with their derivatives.
+
+use nalgebra::DVector;
+
+use super::loads::{UnitLoad, unit_loads};
+use super::{Base, Hypothesis, HypothesisFilm, Spine};
+use crate::measure::Outline;
+use crate::multibody::{
+    GeneralStatics, LARGEST_HINGE_RAD, LoadItem, Loading, NewtonWork, ShapeParameter, Solution,
+};
+use crate::personalize::{MULTIPLIER_BOUNDS, System};
+use crate::spatial::{Angle, Frontal, Mat3, Vec3};
+
+/// The gauge, which is linear, is held a thousand times tighter than any data.
+const HELD: f64 = 1e3;
+/// Steps in which loads grow from zero where Newton does not get to them at once.
+const GROWTH_STEPS: u32 = 12;
+
+/// Springs of the spine with given multipliers.
+pub(super) fn statics<'a>(spine: &Spine<'a>, log_multipliers: &[f64]) -> GeneralStatics<'a> {
+    let springs = spine.library.rows().iter().zip(spine.groups.of_joint()).map(|(row, &group)| {
+        let [lateral, flexion, axial] = row.nmm_per_rad;
+        Mat3::from_diagonal(&Vec3::new(lateral * log_multipliers[group].exp(), flexion, axial))
+    });
+    GeneralStatics::new(spine.model, springs, spine.support).expect(
+        "a library has one positive spring per joint and axis, and multipliers are positive",
+    )
+}
+
+/// One film under its loads.
+pub(super) struct LoadedFilm {
+    pub units: Vec<Vec<UnitLoad>>,
+    work: NewtonWork,
+    solution: Solution,
+    base: Angle,
+    /// Joints of every group.
+    marks: Vec<Vec<bool>>,
+}
+
+impl LoadedFilm {
+    /// `None` where the film has no such line.
+    pub fn new(
+        hypothesis: Hypothesis,
+        film: &HypothesisFilm<'_>,
+        spine: &Spine<'_>,
+    ) -> Option<Self> {
+        let units = unit_loads(hypothesis.load, film, spine)?;
+        let joints = spine.groups.of_joint();
+        let nominal = statics(spine, &vec![0.0; spine.groups.len()]);
+        let work = nominal.work(&Loading::default()).expect("no load can be wrong");
+        Some(Self {
+            units,
+            work,
+            solution: Solution::default(),
+            base: Angle::ZERO,
+            marks: (0..spine.groups.len())
+                .map(|group| joints.iter().map(|of| *of == group).collect())
+                .collect(),
+        })
+    }
+
+    /// Forgets the last shape, from which the next one is sought.
+    pub fn reset(&mut self) {
+        self.work.hinges_mut().fill(Vec3::zeros());
+    }
+
+    /// Equilibrium with its derivatives by `ln α` of every group, by the components, and by the base's angle.
+    pub fn solve(&mut self, statics: &GeneralStatics<'_>, components: &[f64], base: Angle) -> bool {
+        self.base = base;
+        let items = self.items(components);
+        let loading = Loading { items, rods: Vec::new() };
+        if !(self.solves(statics, &loading, 1.0) || self.grows(statics, &loading)) {
+            return false;
+        }
+        let by_component: Vec<Vec<LoadItem>> = self
+            .units
+            .iter()
+            .map(|units| units.iter().map(|unit| unit.item(1.0, base)).collect())
+            .collect();
+        let by_base: Vec<LoadItem> = self
+            .units
+            .iter()
+            .zip(components)
+            .flat_map(|(units, &times)| units.iter().flat_map(move |u| u.turned_items(times, base)))
+            .collect();
+        let parameters: Vec<ShapeParameter<'_>> = self
+            .marks
+            .iter()
+            .map(|marks| ShapeParameter::LogLateral(marks))
+            .chain(by_component.iter().map(|items| ShapeParameter::Loads(items)))
+            .chain([ShapeParameter::Loads(&by_base)])
+            .collect();
+        statics.differentiate(&loading, &mut self.work, &parameters, &mut self.solution);
+        self.solution.converged
+    }
+
+    fn items(&self, components: &[f64]) -> Vec<LoadItem> {
+        let base = self.base;
+        let all = self.units.iter().zip(components);
+        all.flat_map(|(units, &times)| units.iter().map(move |unit| unit.item(times, base)))
+            .collect()
+    }
+
+    fn solves(&mut self, statics: &GeneralStatics<'_>, loading: &Loading, part: f64) -> bool {
+        let converged = statics.solve_near(loading, part, &mut self.work).converged;
+        let hinges = self.work.hinges_mut().iter();
+        converged
+            && hinges.fold(0.0, |most: f64, turns| most.max(turns.amax())) <= LARGEST_HINGE_RAD
+    }
+
+    /// Lets the loads grow from zero.
+    fn grows(&mut self, statics: &GeneralStatics<'_>, loading: &Loading) -> bool {
+        self.reset();
+        let parts = (1..=GROWTH_STEPS).map(|step| f64::from(step) / f64::from(GROWTH_STEPS));
+        let grown = parts.into_iter().all(|part| self.solves(statics, loading, part));
+        if !grown {
+            self.reset();
+        }
+        grown
+    }
+
+    /// A location as the film shows it, on the turned base.
+    pub fn location(&self, vertebra: usize) -> Frontal {
+        self.solution.deformed.location(vertebra).rotated(self.base)
+    }
+
+    /// A tilt as the film shows it.
+    pub fn tilt(&self, vertebra: usize) -> Angle {
+        (self.solution.deformed.tilt(vertebra) + self.base).wrapped()
+    }
+
+    fn base_parameter(&self) -> usize {
+        self.marks.len() + self.units.len()
+    }
+
+    /// Derivative of a location.
+    pub fn location_rate(&self, parameter: usize, vertebra: usize) -> Frontal {
+        let rate = self.solution.location_rate(parameter, vertebra).rotated(self.base);
+        if parameter < self.base_parameter() {
+            return rate;
+        }
+        let place = self.location(vertebra);
+        rate + Frontal::new(-place.z_mm, place.y_mm)
+    }
+
+    /// Derivative of a tilt.
+    pub fn tilt_rate(&self, parameter: usize, vertebra: usize) -> f64 {
+        let own = if parameter < self.base_parameter() { 0.0 } else { 1.0 };
+        self.solution.tilt_rate(parameter, vertebra) + own
+    }
+
+    /// Turn of a joint per unit of a component.
+    pub fn joint_rate(&self, component: usize, joint: usize) -> Vec3 {
+        let turns = &self.solution.turn_rates[self.marks.len() + component];
+        turns[joint + 1] - turns[joint]
+    }
+}
+
+/// One film of a fit.
+pub(super) struct FittedFilm<'a> {
+    pub outline: &'a Outline,
+    pub loaded: LoadedFilm,
+    /// Place of its components among the unknowns; the base's angle follows them.
+    pub first: usize,
+    location_sd_mm: f64,
+    tilt_sd_rad: f64,
+}
+
+/// Residuals of all films for given unknowns: `ln α` of every group, then per film the components and perhaps the base's angle.
+///
+/// Rows are locations and tilts of L3…T2 over the deviation of their difference from the erect film's, then per film the
+/// base's angle over its deviation where that is known, then the gauge.
+pub(super) struct ShapeProblem<'a> {
+    spine: Spine<'a>,
+    hypothesis: Hypothesis,
+    pub films: Vec<FittedFilm<'a>>,
+    /// Multipliers that are known already.
+    held: Option<Vec<f64>>,
+}
+
+impl<'a> ShapeProblem<'a> {
+    /// `None` where a film has no such line, or there is no film.
+    pub fn new(
+        hypothesis: Hypothesis,
+        films: &[HypothesisFilm<'a>],
+        spine: &Spine<'a>,
+        held: Option<Vec<f64>>,
+    ) -> Option<Self> {
+        let per_film = hypothesis.load.components() + hypothesis.base.angles();
+        let erect = spine.erect.noise;
+        let films: Vec<FittedFilm<'a>> = films
+            .iter()
+            .enumerate()
+            .map(|(i, film)| {
+                let noise = film.outline.noise;
+                Some(FittedFilm {
+                    outline: film.outline,
+                    loaded: LoadedFilm::new(hypothesis, film, spine)?,
+                    first: spine.groups.len() + i * per_film,
+                    location_sd_mm: noise.location_mm.hypot(erect.location_mm),
+                    tilt_sd_rad: noise.tilt.rad().hypot(erect.tilt.rad()),
+                })
+            })
+            .collect::<Option<_>>()?;
+        (!films.is_empty()).then_some(Self { spine: *spine, hypothesis, films, held })
+    }
+
+    pub fn unknowns(&self) -> usize {
+        self.spine.groups.len()
+            + self.films.len() * (self.hypothesis.load.components() + self.hypothesis.base.angles())
+    }
+
+    fn rows_per_film(&self) -> usize {
+        3 * (self.spine.model.midpoints_mm.len() - 1)
+    }
+
+    /// Rows of what was measured: a base of known deviation counts as one measured number per film.
+    pub fn data_rows(&self) -> usize {
+        let prior = usize::from(self.hypothesis.base == Base::Noisy);
+        self.films.len() * (self.rows_per_film() + prior)
+    }
+
+    pub fn rows(&self) -> usize {
+        self.data_rows() + 1
+    }
+
+    pub fn bounds(&self) -> [DVector<f64>; 2] {
+        let g = self.spine.groups.len();
+        let bound = |limit: f64, free: f64| {
+            DVector::from_fn(self.unknowns(), |i, _| match &self.held {
+                Some(held) if i < g => held[i],
+                None if i < g => limit.ln(),
+                _ => free,
+            })
+        };
+        [bound(MULTIPLIER_BOUNDS[0], f64::NEG_INFINITY), bound(MULTIPLIER_BOUNDS[1], f64::INFINITY)]
+    }
+
+    /// Components and base's angle of a film among the unknowns.
+    pub fn of_film<'x>(&self, film: usize, x: &'x [f64]) -> (&'x [f64], Angle) {
+        let components = self.hypothesis.load.components();
+        let first = self.films[film].first;
+        let base = match self.hypothesis.base {
+            Base::Fixed => 0.0,
+            Base::Noisy | Base::Free => x[first + components],
+        };
+        (&x[first..first + components], Angle::from_rad(base))
+    }
+
+    pub fn reset(&mut self) {
+        for film in &mut self.films {
+            film.loaded.reset();
+        }
+    }
+
+    /// Residuals and derivatives; whether every film has an equilibrium that counts.
+    pub fn evaluate(&mut self, x: &DVector<f64>, system: &mut System) -> bool {
+        let g = self.spine.groups.len();
+        let statics = statics(&self.spine, &x.as_slice()[..g]);
+        let rows = self.rows_per_film();
+        system.jacobian.fill(0.0);
+        for index in 0..self.films.len() {
+            let (components, base) = self.of_film(index, x.as_slice());
+            if !self.films[index].loaded.solve(&statics, components, base) {
+                return false;
+            }
+            self.film_rows(index, index * rows, system);
+        }
+        if self.hypothesis.base == Base::Noisy {
+            let first = self.films.len() * rows;
+            for (i, film) in self.films.iter().enumerate() {
+                let column = film.first + self.hypothesis.load.components();
+                system.residuals[first + i] = x[column] / film.tilt_sd_rad;
+                system.jacobian[(first + i, column)] = 1.0 / film.tilt_sd_rad;
+            }
+        }
+        // The mean of ln α is held at zero.
+        let last = system.residuals.len() - 1;
+        system.residuals[last] = 0.0;
+        if self.held.is_none() {
+            let weight = HELD / g as f64;
+            system.residuals[last] = weight * x.as_slice()[..g].iter().sum::<f64>();
+            for i in 0..g {
+                system.jacobian[(last, i)] = weight;
+            }
+        }
+        system.residuals.iter().all(|r| r.is_finite())
+    }
+
+    fn film_rows(&self, index: usize, row: usize, system: &mut System) {
+        let g = self.spine.groups.len();
+        let film = &self.films[index];
+        let free = g + self.hypothesis.load.components() + self.hypothesis.base.angles();
+        for (i, vertebra) in film.outline.vertebrae.iter().enumerate().skip(1) {
+            let row = row + 3 * (i - 1);
+            let off = film.loaded.location(i) - vertebra.location;
+            let turn = (film.loaded.tilt(i) - vertebra.tilt).wrapped().rad();
+            system.residuals[row] = off.y_mm / film.location_sd_mm;
+            system.residuals[row + 1] = off.z_mm / film.location_sd_mm;
+            system.residuals[row + 2] = turn / film.tilt_sd_rad;
+            for p in 0..free {
+                let column = if p < g { p } else { film.first + p - g };
+                let rate = film.loaded.location_rate(p, i);
+                system.jacobian[(row, column)] = rate.y_mm / film.location_sd_mm;
+                system.jacobian[(row + 1, column)] = rate.z_mm / film.location_sd_mm;
+                system.jacobian[(row + 2, column)] = film.loaded.tilt_rate(p, i) / film.tilt_sd_rad;
+            }
+        }
+    }
+
+    /// Sum of squares of what was measured.
+    pub fn data_squares(&self, system: &System) -> f64 {
+        system.residuals.rows(0, self.data_rows()).norm_squared()
+    }
+}

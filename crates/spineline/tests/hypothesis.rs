@@ -1,0 +1,205 @@
+//! Loads and bases beside the paper's line: derivatives, agreement with the march, and what no frame may change.
+
+use spineline::action::LineOfAction;
+use spineline::analysis::{Analysis, AnalysisOptions, analyze};
+use spineline::hypothesis::{
+    Base, Hypothesis, HypothesisFilm, HypothesisFit, LoadShape, Role, Spine, fit_hypothesis,
+};
+use spineline::measure::Outline;
+use spineline::multibody::{
+    BodyLoad, GeneralStatics, JointGroups, Load, LoadItem, Loading, NewtonWork, ShapeParameter,
+    Solution, Statics, StiffnessLibrary, Support, Timing,
+};
+use spineline::spatial::{Angle, Frontal, Mat3, Vec3};
+use spineline_phantom::{Readers, Truth, generate};
+
+fn analysis() -> Analysis {
+    let phantom = generate(0, Truth::Rod, &Readers::exact(), 1).expect("a phantom");
+    analyze(&phantom.case, &AnalysisOptions::default()).expect("a sound case")
+}
+
+/// Dead forces on two vertebrae, a line and a moment on T2.
+fn loads(times: [f64; 3]) -> Vec<LoadItem> {
+    let at = |vertebra, load| LoadItem { vertebra, load, timing: Timing::Growing };
+    let dead = |force_n| BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };
+    vec![
+        at(6, dead(Vec3::new(0.0, 12.0, -25.0) * times[0])),
+        at(11, dead(Vec3::new(0.0, -6.0, -30.0) * times[0])),
+        at(
+            14,
+            BodyLoad::ForceOnLine {
+                force_n: Vec3::new(0.0, 8.0, 20.0) * times[1],
+                point_mm: Vec3::new(-5.0, 14.0, 90.0),
+            },
+        ),
+        at(14, BodyLoad::Moment { moment_nmm: Vec3::x() * (2000.0 * times[2]) }),
+    ]
+}
+
+fn springs(marks: &[bool], log: f64) -> Vec<Mat3> {
+    let rows = StiffnessLibrary::default();
+    let of = |(row, &marked): (&spineline::multibody::JointStiffness, &bool)| {
+        let [x, y, z] = row.nmm_per_rad;
+        Mat3::from_diagonal(&Vec3::new(if marked { x * log.exp() } else { x }, y, z))
+    };
+    rows.rows().iter().zip(marks).map(of).collect()
+}
+
+#[test]
+fn derivatives_of_a_shape_are_those_of_differences() {
+    // Oracle: central differences of equilibria; their error is of the order of the step's square.
+    let analysis = analysis();
+    let marks: Vec<bool> = (0..14).map(|joint| (4..9).contains(&joint)).collect();
+    let solved = |times: [f64; 3], log: f64| -> Vec<Vec3> {
+        let statics =
+            GeneralStatics::new(&analysis.spine, springs(&marks, log), Support::Free).expect("ok");
+        let loading = Loading { items: loads(times), rods: Vec::new() };
+        let mut work = statics.work(&loading).expect("sound loads");
+        assert!(statics.solve_near(&loading, 1.0, &mut work).converged);
+        work.midpoints_mm().to_vec()
+    };
+    let statics =
+        GeneralStatics::new(&analysis.spine, springs(&marks, 0.3), Support::Free).expect("ok");
+    let loading = Loading { items: loads([1.0; 3]), rods: Vec::new() };
+    let mut work: NewtonWork = statics.work(&loading).expect("sound loads");
+    assert!(statics.solve_near(&loading, 1.0, &mut work).converged);
+    let all = loads([1.0; 3]);
+    let parameters = [
+        ShapeParameter::Loads(&all[..2]),
+        ShapeParameter::Loads(&all[2..3]),
+        ShapeParameter::Loads(&all[3..]),
+        ShapeParameter::LogLateral(&marks),
+    ];
+    let mut solution = Solution::default();
+    statics.differentiate(&loading, &mut work, &parameters, &mut solution);
+    assert!(solution.converged);
+    const STEP: f64 = 1e-4;
+    for p in 0..parameters.len() {
+        let moved = |by: f64| {
+            let mut times = [1.0; 3];
+            if p < 3 {
+                times[p] += by;
+            }
+            solved(times, if p == 3 { 0.3 + by } else { 0.3 })
+        };
+        let (above, below) = (moved(STEP), moved(-STEP));
+        for (v, (above, below)) in above.iter().zip(&below).enumerate() {
+            let difference = (above - below) / (2.0 * STEP);
+            let off = (solution.midpoint_rates[p][v] - difference).norm();
+            assert!(off < 1e-5 * (1.0 + difference.norm()), "parameter {p}, vertebra {v}: {off}");
+        }
+    }
+}
+
+#[test]
+fn a_line_alone_has_the_shape_and_derivatives_of_the_march() {
+    // Oracle: the explicit march.
+    let analysis = analysis();
+    let groups = JointGroups::per_joint();
+    let library = StiffnessLibrary::default();
+    let march = Statics::new(&analysis.spine, &library, &groups, &[0.0; 14], Support::Free);
+    let line = LineOfAction::leaning(Frontal::new(12.0, 100.0), Angle::from_deg(8.0));
+    let mut expected = Solution::default();
+    let parameters = [
+        spineline::multibody::Parameter::Load(0),
+        spineline::multibody::Parameter::LogStiffness(5),
+    ];
+    march.solve(&Load::along(line, 0.0), &[60.0], &parameters, &mut expected);
+    let statics = GeneralStatics::new(&analysis.spine, springs(&[false; 14], 0.0), Support::Free)
+        .expect("sound springs");
+    let unit = LoadItem {
+        vertebra: 14,
+        load: BodyLoad::ForceOnLine {
+            force_n: Vec3::new(0.0, line.direction.y_mm, line.direction.z_mm),
+            point_mm: Vec3::new(0.0, line.point.y_mm, line.point.z_mm),
+        },
+        timing: Timing::Growing,
+    };
+    let BodyLoad::ForceOnLine { force_n, point_mm } = unit.load else { panic!("a line") };
+    let load = BodyLoad::ForceOnLine { force_n: force_n * 60.0, point_mm };
+    let loading = Loading { items: vec![LoadItem { load, ..unit }], rods: Vec::new() };
+    let mut work = statics.work(&loading).expect("sound loads");
+    assert!(statics.solve_near(&loading, 1.0, &mut work).converged);
+    let mut marks = [false; 14];
+    marks[5] = true;
+    let mut found = Solution::default();
+    let parameters = [ShapeParameter::Loads(&[unit]), ShapeParameter::LogLateral(&marks)];
+    statics.differentiate(&loading, &mut work, &parameters, &mut found);
+    for v in 0..15 {
+        assert!((found.deformed.midpoints_mm[v] - expected.deformed.midpoints_mm[v]).norm() < 1e-9);
+        for p in 0..2 {
+            assert!((found.midpoint_rates[p][v] - expected.midpoint_rates[p][v]).norm() < 1e-9);
+            assert!((found.turn_rates[p][v] - expected.turn_rates[p][v]).norm() < 1e-11);
+        }
+    }
+}
+
+fn fitted(analysis: &Analysis, hypothesis: Hypothesis, turn: Angle) -> HypothesisFit {
+    let groups = JointGroups::regional(&analysis.regions);
+    let spine = Spine {
+        model: &analysis.spine,
+        library: &analysis.options.library,
+        groups: &groups,
+        erect: &analysis.erect().outline,
+        support: Support::Frontal,
+        depth_mm: 0.0,
+        apex: 7,
+    };
+    let outlines: Vec<(Outline, Option<[Frontal; 2]>)> = analysis
+        .postures
+        .iter()
+        .filter(|p| p.outline.posture.bend().is_some())
+        .map(|p| {
+            // L4's axis read otherwise: all that lies above turns about L4.
+            let mut outline = p.outline.clone();
+            for vertebra in outline.vertebrae.iter_mut().skip(1) {
+                vertebra.location = vertebra.location.rotated(turn);
+                vertebra.tilt = vertebra.tilt + turn;
+            }
+            outline.iliac_normal = outline.iliac_normal.map(|normal| normal + turn);
+            outline.l4_on_film = outline.l4_on_film - turn;
+            (outline, p.inflection_points.map(|pair| pair.map(|point| point.rotated(turn))))
+        })
+        .collect();
+    let films: Vec<HypothesisFilm<'_>> = outlines
+        .iter()
+        .map(|(outline, inflections)| HypothesisFilm { outline, inflections: *inflections })
+        .collect();
+    fit_hypothesis(hypothesis, &spine, &films).expect("bends with lines")
+}
+
+#[test]
+fn on_a_free_base_an_axis_of_l4_that_is_read_otherwise_changes_nothing_but_the_base() {
+    // Oracle: a rotation of the film about L4 is a rotation of the base.
+    let analysis = analysis();
+    let turn = Angle::from_deg(5.0);
+    for load in [LoadShape::InflectionLine, LoadShape::Weight, LoadShape::Couple] {
+        let hypothesis = Hypothesis { load, base: Base::Free };
+        let [still, turned] = [Angle::ZERO, turn].map(|turn| fitted(&analysis, hypothesis, turn));
+        let change = turned.criteria.chi_squared / still.criteria.chi_squared - 1.0;
+        assert!(change.abs() < 1e-3, "{load:?}: {change}");
+        for (a, b) in still.of_role(Role::Fitted).zip(turned.of_role(Role::Fitted)) {
+            let (a_deg, b_deg) = (a.base.deg(), (b.base - turn).deg());
+            assert!((a_deg - b_deg).abs() < 0.05, "{load:?}: {a_deg} {b_deg}");
+            for i in 1..14 {
+                let joint = |tilts: &[Angle]| (tilts[i + 1] - tilts[i]).deg();
+                assert!((joint(&a.tilts) - joint(&b.tilts)).abs() < 0.05, "{load:?}, joint {i}");
+            }
+        }
+    }
+}
+
+#[test]
+fn names_come_back_and_wrong_ones_are_refused() {
+    for hypothesis in Hypothesis::compared() {
+        assert_eq!(hypothesis.key().parse(), Ok(hypothesis));
+        assert_eq!(hypothesis.key().replace('_', "-").parse(), Ok(hypothesis));
+    }
+    let refused = "inflection+free".parse::<Hypothesis>().expect_err("no such name");
+    assert!(refused.to_string().contains("inflection_line"));
+}
+
+#[test]
+fn nothing_is_fitted_that_nobody_asked_for() {
+    assert!(analysis().hypotheses.is_empty());
+}
