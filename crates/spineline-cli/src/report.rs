@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use spineline::analysis::{Analysis, LineModel};
-use spineline::personalize::{FitStatus, StiffnessBound};
+use spineline::analysis::{Analysis, LineCrossing, LineModel, probability};
+use spineline::personalize::{Crossing, FitStatus, LineTest, StiffnessBound};
 
 use crate::comparison;
 use crate::table::{Table, wrap};
@@ -24,6 +24,7 @@ pub fn text(analysis: &Analysis) -> String {
     text.push_str(&curve_text(analysis));
     text.push_str(&clinical_text(analysis));
     text.push_str(&motion_text(analysis));
+    text.push_str(&own_lines_text(analysis));
     if !analysis.models.is_empty() {
         text.push_str(&models_text(analysis));
         text.push('\n');
@@ -113,6 +114,46 @@ fn motion_text(analysis: &Analysis) -> String {
         ]);
     }
     format!("{}\n", table.text())
+}
+
+/// The line that every film's rotations prefer, and what it says of the proposed ones.
+fn own_lines_text(analysis: &Analysis) -> String {
+    let mut table = Table::new([
+        "Line that the rotations prefer",
+        "leans",
+        "at the caudal inflection (mm left)",
+        "at the cranial one",
+        "p: through both",
+        "p: parallel to iliac",
+    ]);
+    let crossing = |at: &LineCrossing| match at.within {
+        Crossing::Between([low, high]) => format!("{:.0} ({low:.0} to {high:.0})", at.y_mm),
+        Crossing::Open => "anywhere".to_owned(),
+    };
+    let p_value = |test: Option<LineTest>| {
+        test.map_or_else(|| "-".to_owned(), |test| probability(test.p_value).replace("= ", ""))
+    };
+    let own = analysis.postures.iter().filter_map(|p| Some((p, p.preferred_line.as_ref()?)));
+    for (posture, own) in own.clone() {
+        let [caudal, cranial] = &own.crossings;
+        table.row(vec![
+            posture.outline.posture.to_string(),
+            own.line.lean().to_string(),
+            crossing(caudal),
+            crossing(cranial),
+            p_value(own.inflection.map(|found| found.test)),
+            p_value(own.iliac),
+        ]);
+    }
+    let Some((_, any)) = own.clone().next() else { return String::new() };
+    let mut text = table.text();
+    let said = format!(
+        "In brackets 95 % confidence. Joints of a region differ in stiffness by {:.0} % on these films.",
+        100.0 * any.joint_log_sd
+    );
+    text.push_str(&wrap(&said, WIDTH, "  "));
+    text.push('\n');
+    text
 }
 
 fn models_text(analysis: &Analysis) -> String {

@@ -138,6 +138,47 @@ fn replicates_give_intervals_that_do_not_depend_on_threads() {
 }
 
 #[test]
+fn what_films_say_of_multipliers_is_told_on_demand_with_and_without_a_prior() {
+    let here = folder();
+    phantom(here.path(), "rod", "2");
+    let case = "cases/phantom-rod-02.json";
+    let with = |more: &[&str]| run(here.path(), &[&["analyze", case], more].concat()).0;
+    let plain = with(&[]);
+    assert!(!plain.contains("profile likelihood"), "{plain}");
+    for word in ["Line that the rotations prefer", "p: through both", "p: parallel to iliac"] {
+        assert!(plain.contains(word), "{word} is missing in\n{plain}");
+    }
+    let asked = with(&["--identifiability"]);
+    for word in ["profile likelihood", "identified as a ratio", "Least known"] {
+        assert!(asked.contains(word), "{word} is missing in\n{asked}");
+    }
+    let prior = ["--identifiability", "--multipliers", "per-joint", "--prior", "in-vivo"];
+    assert!(with(&prior).contains("of it from films"));
+    let json = with(&[&prior[..], &["--json", "-"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON and nothing else");
+    assert_eq!(json["options"]["prior_log_sd"], 0.5);
+    let joint = &json["models"]["inflection_line"]["identifiability"]["multipliers"]["L4/L3"];
+    let [films, both] = ["log_sd", "log_sd_with_prior"].map(|key| joint[key].as_f64());
+    assert!(both < films && both < Some(0.5), "{joint}");
+    let wrong = run(here.path(), &["analyze", case, "--prior", "9"]);
+    assert!(wrong.2 == 2 && wrong.1.contains("0.01 to 5"), "{}", wrong.1);
+}
+
+#[test]
+fn other_loads_are_compared_where_they_are_asked_for() {
+    let here = folder();
+    phantom(here.path(), "couple", "2");
+    let case = "cases/phantom-couple-02.json";
+    let asked = ["analyze", case, "--compare-models", "inflection-line,couple"];
+    let (text, error, code) = run(here.path(), &asked);
+    assert!(code == 0 && text.contains("couple"), "{code} {error}\n{text}");
+    let (text, _, _) = run(here.path(), &[&asked[..], &["--json", "-"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&text).expect("JSON and nothing else");
+    assert!(json["hypotheses"]["couple"].is_object(), "{}", json["hypotheses"]);
+    assert!(run(here.path(), &["analyze", case, "--compare-models", "magic"]).1.contains("couple"));
+}
+
+#[test]
 fn a_cohort_is_the_same_for_any_number_of_threads() {
     let here = folder();
     for subject in ["1", "5", "11"] {
