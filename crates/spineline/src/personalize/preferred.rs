@@ -12,7 +12,7 @@
 //! group differ, and a load is as unsure as they do.
 //!
 //! # References
-//! [harville-1977] for the restricted likelihood.
+//! [harville-1977] for the restricted likelihood; [kenward-roger-1997] for what its estimate adds to the covariance.
 
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
@@ -100,6 +100,8 @@ struct Weighed {
     weights: DMatrix<f64>,
     /// Covariance of the scaled unknowns.
     covariance: DMatrix<f64>,
+    /// The weights, less what loads and multipliers can make up for.
+    projected: DMatrix<f64>,
     residual: DVector<f64>,
     /// What one unit of each variance adds to the rotations' covariance.
     own: [DMatrix<f64>; 2],
@@ -238,6 +240,7 @@ impl<'a> Fit<'a> {
             scales,
             weights,
             covariance,
+            projected,
             residual,
             own,
             ways,
@@ -277,6 +280,16 @@ impl<'a> Fit<'a> {
 
     fn finish(&self, variances: Vector2<f64>, at: &Weighed) -> PreferredLoads {
         let weighted = &at.weights * &at.jacobian * &at.covariance;
+        let owned = at.own.each_ref().map(|own| own * &weighted);
+        let of_variances = of_variances(&at.information, variances);
+        let mut covariance = at.covariance.clone();
+        // Variances that were estimated leave loads less sure than known ones would.
+        for i in 0..2 {
+            for j in 0..2 {
+                let part = owned[i].tr_mul(&(&at.projected * &owned[j]));
+                covariance += part * (2.0 * of_variances[(i, j)]);
+            }
+        }
         let loads = 3 * self.films;
         let unscaled = |matrix: &DMatrix<f64>| {
             DMatrix::from_fn(loads, loads, |i, j| matrix[(i, j)] / (at.scales[i] * at.scales[j]))
@@ -289,10 +302,9 @@ impl<'a> Fit<'a> {
             centres_higher_mm: self.centres_higher_mm,
             joint_log_sd: variances[0].sqrt(),
             centre_sd_mm: variances[1].sqrt(),
-            covariance: unscaled(&at.covariance),
-            covariance_slopes: [0, 1]
-                .map(|i| unscaled(&weighted.tr_mul(&(&at.own[i] * &weighted)))),
-            of_variances: of_variances(&at.information, variances),
+            covariance: unscaled(&covariance),
+            covariance_slopes: owned.map(|owned| unscaled(&weighted.tr_mul(&owned))),
+            of_variances,
         }
     }
 }
