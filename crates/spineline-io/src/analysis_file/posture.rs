@@ -124,10 +124,9 @@ struct LineComparisonRecord {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct TestRecord {
-    f_statistic: f64,
+    chi_squared: f64,
+    /// Degrees of freedom.
     restrictions: u32,
-    /// `null` where it is as good as infinite.
-    degrees_of_freedom: Option<f64>,
     p_value: f64,
 }
 
@@ -159,9 +158,8 @@ impl PreferredLineRecord {
 impl TestRecord {
     fn new(test: LineTest) -> Self {
         Self {
-            f_statistic: test.f_statistic,
+            chi_squared: test.chi_squared,
             restrictions: test.restrictions,
-            degrees_of_freedom: Some(test.freedom).filter(|freedom| freedom.is_finite()),
             p_value: test.p_value,
         }
     }

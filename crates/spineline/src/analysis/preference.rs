@@ -165,7 +165,8 @@ fn against_iliac(
     let direction = LineOfAction::along_iliac(t2, Some(normal)).direction;
     /// Between the crests of grown-ups (assumption).
     const CRESTS_MM: f64 = 250.0;
-    // A crest is marked like a corner, and a location is the mean of four.
-    let sd = Angle::from_rad(2.0 * f64::sqrt(2.0) * outline.noise.location_mm / CRESTS_MM);
+    // Crests are marked once, and like a corner; a location is the mean of four corners and of all readings.
+    let crest_mm = 2.0 * outline.noise.location_mm * (outline.readings as f64).sqrt();
+    let sd = Angle::from_rad(f64::sqrt(2.0) * crest_mm / CRESTS_MM);
     loads.test(film, &Proposal::Along { direction, sd })
 }

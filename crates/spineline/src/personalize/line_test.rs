@@ -1,7 +1,7 @@
 //! Whether films are compatible with a line of action, and where their own line may run.
 
-use nalgebra::{DMatrix, DVector, Matrix4, RowVector3, Vector2, Vector4};
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use nalgebra::{DMatrix, DVector, Matrix4, RowVector3, Vector4};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::estimate::{EstimatedLine, line_of};
 use super::preferred::PreferredLoads;
@@ -29,12 +29,10 @@ pub enum Proposal {
 /// A test of a proposal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineTest {
-    /// F statistic: the mean square of what should vanish, in its standard deviations.
-    pub f_statistic: f64,
+    /// Sum of squares of what should vanish, in its standard deviations.
+    pub chi_squared: f64,
     /// Numbers that should vanish: 2 for a line, 1 for a direction.
     pub restrictions: u32,
-    /// Degrees of freedom of the denominator; infinite where the springs of a group do not differ.
-    pub freedom: f64,
     /// Probability of a larger statistic if the proposal is true.
     pub p_value: f64,
 }
@@ -49,7 +47,9 @@ pub enum Crossing {
 }
 
 /// Proposals with less probability are rejected.
-pub const SIGNIFICANCE: f64 = 0.05;
+const SIGNIFICANCE: f64 = 0.05;
+/// 95 % of chi-squared on one degree of freedom.
+const LIMIT: f64 = 3.841_458_820_694_124;
 
 impl LineTest {
     /// Whether the films reject it, with an error of 5 % if it is true.
@@ -70,9 +70,7 @@ impl PreferredLoads {
     ///
     /// # Definition
     /// A force along a line has no moment about points of it, and no part across its direction: these numbers are linear in
-    /// the load. Their covariance is that of the load and, by the load's force, that of the points or the direction. F has
-    /// the degrees of freedom by which the variances of what joints have of their own are known ([satterthwaite-1946]; of two
-    /// numbers, in the mean of their directions).
+    /// the load. Their covariance is that of the load and, by the load's force, that of the points or the direction.
     #[must_use]
     pub fn test(&self, film: usize, proposal: &Proposal) -> Option<LineTest> {
         let [fy, fz, mx] = *self.components.get(film)?;
@@ -92,9 +90,13 @@ impl PreferredLoads {
         };
         let load = RowVector3::new(fy, fz, mx);
         let off = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.dot(&load)));
-        let covariance = self.about(film, &rows, &self.covariance) + known;
-        let slopes = self.covariance_slopes.each_ref().map(|by| self.about(film, &rows, by));
-        self.f_test(&off, &covariance, &slopes)
+        let covariance = self.about(film, &rows) + known;
+        let chi_squared = off.dot(&(covariance.cholesky()?.inverse() * &off));
+        Some(LineTest {
+            chi_squared,
+            restrictions: rows.len() as u32,
+            p_value: ChiSquared::new(rows.len() as f64).ok()?.sf(chi_squared),
+        })
     }
 
     /// Where the film's line may cross a height, with 95 % confidence for this height alone.
@@ -107,18 +109,11 @@ impl PreferredLoads {
         // The moment about (y, z) is a - b y.
         let rows = [RowVector3::new(z_mm, 0.0, 1.0), RowVector3::new(0.0, 1.0, 0.0)];
         let [a, b] = rows.map(|row| row.dot(&RowVector3::from(*load)));
-        let c = self.about(film, &rows, &self.covariance);
-        let place = a / b;
-        let row = moment_about(Frontal::new(place, z_mm));
-        let variance = self.about(film, &[row], &self.covariance)[(0, 0)];
-        let slopes =
-            self.covariance_slopes.each_ref().map(|by| self.about(film, &[row], by)[(0, 0)]);
-        let freedom = self.satterthwaite(variance, slopes);
-        let limit = f_quantile(1.0, freedom)?;
+        let c = self.about(film, &rows);
         // (a - b y)² <= limit (c00 - 2 c01 y + c11 y²)
-        let square = b * b - limit * c[(1, 1)];
-        let half = a * b - limit * c[(0, 1)];
-        let rest = a * a - limit * c[(0, 0)];
+        let square = b * b - LIMIT * c[(1, 1)];
+        let half = a * b - LIMIT * c[(0, 1)];
+        let rest = a * a - LIMIT * c[(0, 0)];
         let root = half * half - square * rest;
         if square <= 0.0 || root < 0.0 {
             return Some(Crossing::Open);
@@ -126,48 +121,14 @@ impl PreferredLoads {
         Some(Crossing::Between([(half - root.sqrt()) / square, (half + root.sqrt()) / square]))
     }
 
-    fn about(&self, film: usize, rows: &[RowVector3<f64>], of: &DMatrix<f64>) -> DMatrix<f64> {
-        let own = of.fixed_view::<3, 3>(3 * film, 3 * film);
+    /// Covariance of some linear numbers of a film's load.
+    fn about(&self, film: usize, rows: &[RowVector3<f64>]) -> DMatrix<f64> {
+        let own = self.covariance.fixed_view::<3, 3>(3 * film, 3 * film);
         DMatrix::from_fn(rows.len(), rows.len(), |i, j| (rows[i] * own * rows[j].transpose())[0])
-    }
-
-    /// Degrees of freedom of a variance with slopes by the variances of what joints have of their own.
-    fn satterthwaite(&self, variance: f64, slopes: [f64; 2]) -> f64 {
-        let slopes = Vector2::from(slopes);
-        2.0 * variance * variance / (self.of_variances * slopes).dot(&slopes)
-    }
-
-    fn f_test(
-        &self,
-        off: &DVector<f64>,
-        covariance: &DMatrix<f64>,
-        slopes: &[DMatrix<f64>; 2],
-    ) -> Option<LineTest> {
-        let count = off.len() as f64;
-        let inverse = covariance.clone().cholesky()?.inverse();
-        let f_statistic = (off.transpose() * &inverse * off)[(0, 0)] / count;
-        // By what part of itself the covariance grows, in the mean of its directions.
-        let freedom = self
-            .satterthwaite(1.0, slopes.each_ref().map(|slope| (&inverse * slope).trace() / count));
-        Some(LineTest {
-            f_statistic,
-            restrictions: off.len() as u32,
-            freedom,
-            p_value: FisherSnedecor::new(count, bounded(freedom)).ok()?.sf(f_statistic),
-        })
     }
 }
 
 /// Moment about a point, of components `(fy, fz, mx)`.
 fn moment_about(point: Frontal) -> RowVector3<f64> {
     RowVector3::new(point.z_mm, -point.y_mm, 1.0)
-}
-
-/// F beyond a million degrees is chi-squared.
-fn bounded(freedom: f64) -> f64 {
-    freedom.clamp(1.0, 1e6)
-}
-
-fn f_quantile(count: f64, freedom: f64) -> Option<f64> {
-    Some(FisherSnedecor::new(count, bounded(freedom)).ok()?.inverse_cdf(1.0 - SIGNIFICANCE))
 }

@@ -8,11 +8,11 @@
 //! the erect one, so that the rotations of all films have one covariance.
 //!
 //! Loads, multipliers and the shared part of the centres are fitted by generalised least squares; the deviations of what
-//! joints have of their own by restricted maximum likelihood (scoring). So the films tell themselves how far joints of one
+//! joints have of their own by restricted maximum likelihood (scoring), penalised so that none is zero. So the films tell themselves how far joints of one
 //! group differ, and a load is as unsure as they do.
 //!
 //! # References
-//! [harville-1977] for the restricted likelihood; [kenward-roger-1997] for what its estimate adds to the covariance.
+//! [harville-1977] for the restricted likelihood, [chung-2013] for its penalty.
 
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
@@ -35,10 +35,6 @@ pub struct PreferredLoads {
     pub centre_sd_mm: f64,
     /// Covariance of all components, film by film, with multipliers free.
     pub(super) covariance: DMatrix<f64>,
-    /// How the covariance grows with the variances of what joints have of their own.
-    pub(super) covariance_slopes: [DMatrix<f64>; 2],
-    /// Covariance of the estimates of those variances.
-    pub(super) of_variances: Matrix2<f64>,
 }
 
 /// Variances beyond these are none of springs (of `ln`) and of centres (mm²).
@@ -58,16 +54,16 @@ impl PreferredLoads {
         }
         let mut fit = Fit::new(films, depth_mm, groups);
         fit.solve_loads(&fit.noise.clone().cholesky()?.inverse())?;
-        let mut variances = Vector2::zeros();
+        let mut variances = MOST_VARIANCES * 1e-2;
         let mut state = fit.weigh(variances)?;
         for _ in 0..ROUNDS {
             let moved = fit.step(&state)?;
             state = fit.weigh(variances)?;
             let next = state.better(variances);
-            let change = (next - variances).component_div(&MOST_VARIANCES).amax();
+            let change = (next - variances).component_div(&variances).amax();
             variances = next;
             state = fit.weigh(variances)?;
-            if change < 1e-7 && moved < 1e-8 {
+            if change < 1e-4 && moved < 1e-7 {
                 break;
             }
         }
@@ -100,36 +96,25 @@ struct Weighed {
     weights: DMatrix<f64>,
     /// Covariance of the scaled unknowns.
     covariance: DMatrix<f64>,
-    /// The weights, less what loads and multipliers can make up for.
-    projected: DMatrix<f64>,
     residual: DVector<f64>,
-    /// What one unit of each variance adds to the rotations' covariance.
-    own: [DMatrix<f64>; 2],
+    /// Of the restricted likelihood by the variances.
     score: Vector2<f64>,
     information: Matrix2<f64>,
     ways: DMatrix<f64>,
 }
 
 impl Weighed {
-    /// One scoring step of the variances; one that would be negative is held at zero.
+    /// One scoring step of the variances' logarithms. A penalty of `ln` of every deviation keeps them off zero, where nothing would be
+    /// known of them.
     fn better(&self, variances: Vector2<f64>) -> Vector2<f64> {
-        let bounded =
-            |value: Vector2<f64>| value.zip_map(&MOST_VARIANCES, |v, most| v.clamp(0.0, most));
-        let both = self.information.try_inverse().map(|inverse| variances + inverse * self.score);
-        if let Some(both) = both.filter(|both| both.min() >= 0.0) {
-            return bounded(both);
-        }
-        // One at zero: the other alone, whichever of the two the films want more.
-        let alone = |i: usize| {
-            let other = 1 - i;
-            let score = self.score[i] + self.information[(i, other)] * variances[other];
-            (variances[i] + score / self.information[(i, i)].max(f64::MIN_POSITIVE)).max(0.0)
-        };
-        let gain = |i: usize| self.information[(i, i)] * alone(i).powi(2);
-        let kept = if gain(0) >= gain(1) { 0 } else { 1 };
-        let mut next = Vector2::zeros();
-        next[kept] = alone(kept);
-        bounded(next)
+        const STRIDE: f64 = 2.0;
+        let score = variances.component_mul(&self.score) + Vector2::repeat(0.5);
+        let scaled = Matrix2::from_diagonal(&variances);
+        // The penalty has no curvature in logarithms; this much keeps a step finite where films say nothing.
+        let information = scaled * self.information * scaled + Matrix2::identity() * 0.25;
+        let step = information.try_inverse().map_or(score, |inverse| inverse * score);
+        let next = variances.zip_map(&step, |v, step| v * step.clamp(-STRIDE, STRIDE).exp());
+        next.zip_map(&MOST_VARIANCES, |v, most| v.clamp(1e-9 * most, most))
     }
 }
 
@@ -240,9 +225,7 @@ impl<'a> Fit<'a> {
             scales,
             weights,
             covariance,
-            projected,
             residual,
-            own,
             ways,
         })
     }
@@ -279,21 +262,10 @@ impl<'a> Fit<'a> {
     }
 
     fn finish(&self, variances: Vector2<f64>, at: &Weighed) -> PreferredLoads {
-        let weighted = &at.weights * &at.jacobian * &at.covariance;
-        let owned = at.own.each_ref().map(|own| own * &weighted);
-        let of_variances = of_variances(&at.information, variances);
-        let mut covariance = at.covariance.clone();
-        // Variances that were estimated leave loads less sure than known ones would.
-        for i in 0..2 {
-            for j in 0..2 {
-                let part = owned[i].tr_mul(&(&at.projected * &owned[j]));
-                covariance += part * (2.0 * of_variances[(i, j)]);
-            }
-        }
         let loads = 3 * self.films;
-        let unscaled = |matrix: &DMatrix<f64>| {
-            DMatrix::from_fn(loads, loads, |i, j| matrix[(i, j)] / (at.scales[i] * at.scales[j]))
-        };
+        let covariance = DMatrix::from_fn(loads, loads, |i, j| {
+            at.covariance[(i, j)] / (at.scales[i] * at.scales[j])
+        });
         PreferredLoads {
             components: (0..self.films)
                 .map(|film| [0, 1, 2].map(|part| self.loads[3 * film + part]))
@@ -302,9 +274,7 @@ impl<'a> Fit<'a> {
             centres_higher_mm: self.centres_higher_mm,
             joint_log_sd: variances[0].sqrt(),
             centre_sd_mm: variances[1].sqrt(),
-            covariance: unscaled(&covariance),
-            covariance_slopes: owned.map(|owned| unscaled(&weighted.tr_mul(&owned))),
-            of_variances,
+            covariance,
         }
     }
 }
@@ -322,19 +292,4 @@ fn scale_columns(matrix: &mut DMatrix<f64>) -> DVector<f64> {
 fn higher(joint: &JointEvidence) -> [f64; 3] {
     // The moment about a point falls with fz to the left and grows with fy upwards.
     [joint.along.z_mm, -joint.along.y_mm, 0.0].map(|part| part * joint.compliance_rad_per_nmm)
-}
-
-/// Covariance of the variances' estimates; one that was found to be zero is taken as known.
-fn of_variances(information: &Matrix2<f64>, variances: Vector2<f64>) -> Matrix2<f64> {
-    let alone = |i: usize| {
-        let mut one = Matrix2::zeros();
-        one[(i, i)] = 1.0 / information[(i, i)];
-        one
-    };
-    match [variances[0] > 0.0, variances[1] > 0.0] {
-        [true, true] => information.try_inverse().unwrap_or_else(|| alone(0) + alone(1)),
-        [true, false] => alone(0),
-        [false, true] => alone(1),
-        [false, false] => Matrix2::zeros(),
-    }
 }
