@@ -4,9 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules of the core; each uses only those before it.
-const MODULES: [&str; 18] = [
+const MODULES: [&str; 19] = [
     "anatomy",
     "spatial",
+    "action",
     "warning",
     "measure",
     "reliability",
@@ -14,11 +15,11 @@ const MODULES: [&str; 18] = [
     "clinical",
     "chain",
     "motion",
-    "action",
     "multibody",
     "response",
     "personalize",
     "evaluate",
+    "hypothesis",
     "error",
     "analysis",
     "uncertainty",

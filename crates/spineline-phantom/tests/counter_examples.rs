@@ -132,7 +132,7 @@ fn copies_are_other_patients_of_the_same_row() {
     let first = generate(1, Truth::Rod, &readers, 3).expect("a phantom");
     let copies =
         [0, 1].map(|copy| generate_read(1, copy, Truth::Rod, &[readers], 3).expect("a phantom"));
-    assert_eq!(copies[0], [first.clone()]);
+    assert_eq!(copies[0], std::slice::from_ref(&first));
     assert_eq!(copies[1][0].case.subject, first.case.subject);
     assert_ne!(copies[1][0].case.id, first.case.id);
     assert_ne!(copies[1][0].postures[0].locations, first.postures[0].locations);

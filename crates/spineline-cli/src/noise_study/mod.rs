@@ -182,10 +182,13 @@ fn of_phantom(truth: Truth, number: u32, args: &NoiseStudyArgs) -> Vec<Option<Pa
 }
 
 fn exceeds(rods: &[PatientClaims], others: &[PatientClaims]) -> [Share; 3] {
-    let numbers = |patients: &[PatientClaims], value: &dyn Fn(&PatientClaims) -> Option<f64>| {
-        patients.iter().filter_map(value).collect::<Vec<f64>>()
+    let by = |value: &dyn Fn(&PatientClaims) -> Option<f64>| {
+        let numbers = |all: &[PatientClaims]| all.iter().filter_map(value).collect::<Vec<f64>>();
+        Share::of_exceeding(&numbers(rods), &numbers(others))
     };
-    let values: [&dyn Fn(&PatientClaims) -> Option<f64>; 3] =
-        [&PatientClaims::near, &PatientClaims::below_mean, &|patient| patient.advantage_mm(true)];
-    values.map(|value| Share::of_exceeding(&numbers(rods, value), &numbers(others, value)))
+    [
+        by(&PatientClaims::near),
+        by(&PatientClaims::below_mean),
+        by(&|patient| patient.advantage_mm(true)),
+    ]
 }
