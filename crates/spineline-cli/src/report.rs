@@ -121,7 +121,7 @@ fn own_lines_text(analysis: &Analysis) -> String {
     let mut table = Table::new([
         "Line that the rotations prefer",
         "leans",
-        "at the caudal inflection (mm left)",
+        "at the caudal inflection (mm left, - right)",
         "at the cranial one",
         "p: through both",
         "p: parallel to iliac",
@@ -138,7 +138,7 @@ fn own_lines_text(analysis: &Analysis) -> String {
         let [caudal, cranial] = &own.crossings;
         table.row(vec![
             posture.outline.posture.to_string(),
-            own.line.lean().to_string(),
+            own.line.lean().leaning(),
             crossing(caudal),
             crossing(cranial),
             p_value(own.inflection.map(|found| found.test)),
@@ -148,7 +148,7 @@ fn own_lines_text(analysis: &Analysis) -> String {
     let Some((_, any)) = own.clone().next() else { return String::new() };
     let mut text = table.text();
     let said = format!(
-        "In brackets 95 % confidence. Joints of a region differ in stiffness by {:.0} % on these films.",
+        "In brackets 95 % confidence, of this place alone; p below 0.05 speaks against the line. Joints of a region differ in stiffness by {:.0} % on these films.",
         100.0 * any.joint_log_sd
     );
     text.push_str(&wrap(&said, WIDTH, "  "));

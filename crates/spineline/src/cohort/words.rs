@@ -32,7 +32,7 @@ impl Cohort {
         let (rejected, tested) = self.line_rejected;
         if tested > 0 {
             all.push(format!(
-                "In {rejected} of {tested} bends, each by itself, the load that the joints' rotations prefer does not run through the inflections."
+                "In {rejected} of {tested} bends, each by itself, the load that the joints' rotations prefer does not run through the inflections; if it did in all, chance would say so of one in twenty."
             ));
         }
         all.extend(self.compared.sentences());

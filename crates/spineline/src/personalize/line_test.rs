@@ -132,3 +132,73 @@ impl PreferredLoads {
 fn moment_about(point: Frontal) -> RowVector3<f64> {
     RowVector3::new(point.z_mm, -point.y_mm, 1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 100 N straight up, 10 mm to the left of the origin, with given variances of `fy`, `fz` and `mx`.
+    fn upwards(variances: [f64; 3]) -> PreferredLoads {
+        PreferredLoads {
+            components: vec![[0.0, 100.0, 1000.0]],
+            log_multipliers: vec![0.0],
+            centres_higher_mm: 0.0,
+            joint_log_sd: 0.1,
+            centre_sd_mm: 1.0,
+            covariance: DMatrix::from_diagonal(&DVector::from_column_slice(&variances)),
+        }
+    }
+
+    #[test]
+    fn an_unsure_moment_shifts_the_line_by_its_deviation_over_the_force() {
+        // 100 N·mm over 100 N are 1 mm, at any height.
+        let loads = upwards([0.0, 0.0, 1e4]);
+        for z_mm in [0.0, 300.0] {
+            let Some(Crossing::Between([low, high])) = loads.crossing(0, z_mm) else {
+                panic!("an interval")
+            };
+            let reach = LIMIT.sqrt();
+            assert!((low - (10.0 - reach)).abs() < 1e-9 && (high - (10.0 + reach)).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_force_that_may_be_none_crosses_anywhere() {
+        // Its deviation is more than 1/1.96 of it.
+        assert_eq!(upwards([0.0, 3000.0, 1.0]).crossing(0, 100.0), Some(Crossing::Open));
+    }
+
+    #[test]
+    fn a_direction_is_tested_by_the_force_across_it() {
+        // Across a line that leans by a, 100 sin a; its deviation is cos a for 1 N of fy.
+        let lean = Angle::from_deg(1.0);
+        let along = |sd| Proposal::Along { direction: Frontal::leaning(lean), sd };
+        let loads = upwards([1.0, 0.0, 1.0]);
+        let test = loads.test(0, &along(Angle::ZERO)).expect("a load");
+        let (sin, cos) = lean.rad().sin_cos();
+        assert!((test.chi_squared - (100.0 * sin / cos).powi(2)).abs() < 1e-9);
+        assert_eq!(test.restrictions, 1);
+        // On one degree of freedom p is 2 (1 - Φ(√χ²)), 0.0809 for 1.7455.
+        assert!((test.p_value - 0.0809).abs() < 1e-4 && !test.rejects(), "{}", test.p_value);
+        // A direction known to 1° only adds 100 N times that across.
+        let unsure = loads.test(0, &along(Angle::from_deg(1.0))).expect("a load");
+        let variance = cos * cos + (100.0 * cos * lean.rad()).powi(2);
+        assert!((unsure.chi_squared - (100.0 * sin).powi(2) / variance).abs() < 1e-9);
+    }
+
+    #[test]
+    fn two_points_beside_the_line_are_rejected_as_far_as_they_are_known() {
+        // Moments of 100 N about points 2 mm beside it: 200 N·mm each, with 100 N times 0.5 mm of deviation.
+        let points = [Frontal::new(12.0, 50.0), Frontal::new(12.0, 200.0)];
+        let through = |mm2: f64| {
+            let covariance = Matrix4::identity() * mm2;
+            let test = upwards([0.0, 0.0, 0.0]).test(0, &Proposal::Through { points, covariance });
+            test.expect("a load")
+        };
+        let test = through(0.25);
+        assert!((test.chi_squared - 2.0 * 16.0).abs() < 1e-9 && test.rejects());
+        // On two degrees p is exp(-χ²/2).
+        assert!((test.p_value - (-16.0_f64).exp()).abs() < 1e-12);
+        assert!(!through(4.0).rejects());
+    }
+}
