@@ -14,7 +14,8 @@
 //! # References
 //! [harville-1977] for the restricted likelihood, [chung-2013] for its penalty.
 
-use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
+use nalgebra::allocator::Allocator;
+use nalgebra::{Cholesky, DMatrix, DVector, DefaultAllocator, Dim, Dyn, Matrix2, OMatrix, Vector2};
 
 use super::MULTIPLIER_BOUNDS;
 use super::evidence::{FilmEvidence, JointEvidence};
@@ -52,15 +53,14 @@ impl PreferredLoads {
         if films.is_empty() {
             return None;
         }
-        let mut fit = Fit::new(films, depth_mm, groups);
-        fit.solve_loads(&fit.noise.clone().cholesky()?.inverse())?;
+        let mut fit = Fit::new(films, depth_mm, groups)?;
+        fit.solve_loads(&Own::nothing(fit.rotations.len()))?;
         let mut variances = MOST_VARIANCES * 1e-2;
         let mut state = fit.weigh(variances)?;
         for _ in 0..ROUNDS {
-            let moved = fit.step(&state)?;
-            state = fit.weigh(variances)?;
             let next = state.better(variances);
             let change = (next - variances).component_div(&variances).amax();
+            let moved = fit.step(&state)?;
             variances = next;
             state = fit.weigh(variances)?;
             if change < 1e-4 && moved < 1e-7 {
@@ -71,7 +71,7 @@ impl PreferredLoads {
     }
 }
 
-/// Rotations of all films below one another, and what is fitted to them.
+/// Rotations of all films below one another, and what is fitted to them; in deviations of the noise, where that is said.
 struct Fit<'a> {
     films: usize,
     joints: usize,
@@ -82,25 +82,53 @@ struct Fit<'a> {
     higher: Vec<Vec<[f64; 3]>>,
     centres_higher_mm: f64,
     rotations: DVector<f64>,
-    noise: DMatrix<f64>,
+    /// What carries rotations into deviations of the noise, and back.
+    noise: Cholesky<f64, Dyn>,
     loads: DVector<f64>,
     logs: Vec<f64>,
 }
 
 /// The fit at some variances of what joints have of their own.
 struct Weighed {
-    /// Derivative of the rotations by the loads and the free multipliers, in scaled columns.
-    jacobian: DMatrix<f64>,
+    /// By the loads, the free multipliers and the centres, in scaled columns.
     scales: DVector<f64>,
-    /// Inverse of the rotations' covariance.
-    weights: DMatrix<f64>,
-    /// Covariance of the scaled unknowns.
+    /// Derivative of the likelihood by these.
+    slope: DVector<f64>,
+    /// Their covariance.
     covariance: DMatrix<f64>,
-    residual: DVector<f64>,
+    own: Own,
     /// Of the restricted likelihood by the variances.
     score: Vector2<f64>,
     information: Matrix2<f64>,
     ways: DMatrix<f64>,
+}
+
+/// What joints have of their own, beside noise of one deviation everywhere.
+struct Own {
+    /// Per unit of every joint's own stiffness, and then of its own centre; in deviations of the noise.
+    columns: DMatrix<f64>,
+    /// By how much they are known from the rotations.
+    inner: DMatrix<f64>,
+}
+
+impl Own {
+    fn nothing(rows: usize) -> Self {
+        Self { columns: DMatrix::zeros(rows, 0), inner: DMatrix::zeros(0, 0) }
+    }
+
+    fn new(columns: DMatrix<f64>, variances: Vector2<f64>) -> Option<Self> {
+        let joints = columns.ncols() / 2;
+        let mut inner = columns.tr_mul(&columns);
+        for i in 0..2 * joints {
+            inner[(i, i)] += 1.0 / variances[i / joints];
+        }
+        Some(Self { inner: inner.cholesky()?.inverse(), columns })
+    }
+
+    /// The inverse of the covariance, times a matrix (Woodbury's identity).
+    fn weigh(&self, matrix: &DMatrix<f64>) -> DMatrix<f64> {
+        matrix - &self.columns * (&self.inner * self.columns.tr_mul(matrix))
+    }
 }
 
 impl Weighed {
@@ -119,7 +147,7 @@ impl Weighed {
 }
 
 impl<'a> Fit<'a> {
-    fn new(films: &[&FilmEvidence], depth_mm: f64, groups: &'a JointGroups) -> Self {
+    fn new(films: &[&FilmEvidence], depth_mm: f64, groups: &'a JointGroups) -> Option<Self> {
         let joints = groups.of_joint().len();
         let all = films.iter().flat_map(|film| &film.joints).map(|joint| joint.rotation.rad());
         let rows = films.len() * joints;
@@ -133,7 +161,7 @@ impl<'a> Fit<'a> {
             let own = if a / joints == b / joints { film.tilt_sd.rad().powi(2) } else { 0.0 };
             shared * (own + film.erect_tilt_sd.rad().powi(2))
         });
-        Self {
+        Some(Self {
             films: films.len(),
             joints,
             group_of: groups.of_joint(),
@@ -144,10 +172,10 @@ impl<'a> Fit<'a> {
             higher: films.iter().map(|film| film.joints.iter().map(higher).collect()).collect(),
             centres_higher_mm: 0.0,
             rotations: DVector::from_iterator(rows, all),
-            noise,
+            noise: noise.cholesky()?,
             loads: DVector::zeros(3 * films.len()),
             logs: vec![0.0; groups.len()],
-        }
+        })
     }
 
     /// Rotations by the loads' components at the multipliers of now.
@@ -203,37 +231,53 @@ impl<'a> Fit<'a> {
             }
         }
         let scales = scale_columns(&mut jacobian);
-        let own = [&predicted, &higher].map(|by| {
-            let shared =
-                |a, b| if a % self.joints == b % self.joints { by[a] * by[b] } else { 0.0 };
-            DMatrix::from_fn(rows, rows, shared)
-        });
-        let weights =
-            (&self.noise + &own[0] * variances[0] + &own[1] * variances[1]).cholesky()?.inverse();
-        let weighted = &weights * &jacobian;
+        let mut columns = DMatrix::zeros(rows, 2 * self.joints);
+        for row in 0..rows {
+            let joint = row % self.joints;
+            columns[(row, joint)] = predicted[row];
+            columns[(row, self.joints + joint)] = higher[row];
+        }
+        let own = Own::new(self.in_deviations(columns), variances)?;
+        let jacobian = self.in_deviations(jacobian);
+        let residual = self.in_deviations(&self.rotations - predicted);
+        let weighted = own.weigh(&jacobian);
         let covariance = jacobian.tr_mul(&weighted).cholesky()?.inverse();
-        let residual = &self.rotations - predicted;
-        let projected = &weights - &weighted * &covariance * weighted.transpose();
-        let spread = [&projected * &own[0], &projected * &own[1]];
-        let seen = &projected * &residual;
-        let score =
-            |i: usize| 0.5 * ((seen.transpose() * &own[i] * &seen)[(0, 0)] - spread[i].trace());
+        // Weighed, and less what the unknowns can make up for.
+        let seen =
+            own.weigh(&own.columns) - &weighted * (&covariance * weighted.tr_mul(&own.columns));
+        let (of_residual, of_own) = (seen.tr_mul(&residual), own.columns.tr_mul(&seen));
+        let part = |i: usize, j: usize| {
+            let size = (self.joints, self.joints);
+            of_own.view((i * self.joints, j * self.joints), size)
+        };
+        let score = |i: usize| {
+            let squares = of_residual.rows(i * self.joints, self.joints).norm_squared();
+            0.5 * (squares - part(i, i).trace())
+        };
         Some(Weighed {
             score: Vector2::new(score(0), score(1)),
-            information: Matrix2::from_fn(|i, j| 0.5 * spread[i].dot(&spread[j].transpose())),
-            jacobian,
+            information: Matrix2::from_fn(|i, j| 0.5 * part(i, j).norm_squared()),
+            slope: weighted.tr_mul(&residual),
             scales,
-            weights,
             covariance,
-            residual,
+            own,
             ways,
         })
     }
 
+    /// Carries rotations into deviations of the noise, so that they scatter alike and each by itself.
+    fn in_deviations<C: Dim>(&self, rotations: OMatrix<f64, Dyn, C>) -> OMatrix<f64, Dyn, C>
+    where
+        DefaultAllocator: Allocator<Dyn, C>,
+    {
+        let mut carried = rotations;
+        self.noise.l_dirty().solve_lower_triangular_mut(&mut carried);
+        carried
+    }
+
     /// One Gauss-Newton step of loads and multipliers; answers with the change of a multiplier.
     fn step(&mut self, at: &Weighed) -> Option<f64> {
-        let right = at.jacobian.tr_mul(&(&at.weights * &at.residual));
-        let step = (&at.covariance * right).component_div(&at.scales);
+        let step = (&at.covariance * &at.slope).component_div(&at.scales);
         // A long stride leaves what the linear theory knows.
         const STRIDE: f64 = 0.5;
         let change = &at.ways * step.rows(3 * self.films, at.ways.ncols());
@@ -246,17 +290,18 @@ impl<'a> Fit<'a> {
         let shift = step[3 * self.films + at.ways.ncols()];
         self.centres_higher_mm =
             (self.centres_higher_mm + part * shift).clamp(-MOST_HIGHER_MM, MOST_HIGHER_MM);
-        self.solve_loads(&at.weights)?;
+        self.solve_loads(&at.own)?;
         Some(longest)
     }
 
     /// The best loads at the multipliers of now, which is linear.
-    fn solve_loads(&mut self, weights: &DMatrix<f64>) -> Option<()> {
+    fn solve_loads(&mut self, own: &Own) -> Option<()> {
         let mut by_loads = self.by_loads();
         let scales = scale_columns(&mut by_loads);
-        let weighted = weights * &by_loads;
-        let solved =
-            by_loads.tr_mul(&weighted).cholesky()?.solve(&weighted.tr_mul(&self.rotations));
+        let by_loads = self.in_deviations(by_loads);
+        let weighted = own.weigh(&by_loads);
+        let rotations = self.in_deviations(self.rotations.clone());
+        let solved = by_loads.tr_mul(&weighted).cholesky()?.solve(&weighted.tr_mul(&rotations));
         self.loads = solved.component_div(&scales);
         Some(())
     }
