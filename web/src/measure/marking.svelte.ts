@@ -10,6 +10,7 @@ import {
   placing,
   remaining,
   sameMark,
+  stepsAfter,
   withEvents,
   wordsOf,
   wordsOfEvent,
@@ -151,11 +152,11 @@ export class Marking {
   }
 
   get canUndo(): boolean {
-    return this.changeable && (this.#recorded.can_undo || this.#pending.length > 0);
+    return this.changeable && stepsAfter(this.#recorded, this.#pending).undoable > 0;
   }
 
   get canRedo(): boolean {
-    return this.changeable && this.#pending.length === 0 && this.#recorded.can_redo;
+    return this.changeable && stepsAfter(this.#recorded, this.#pending).redoable > 0;
   }
 
   /** Puts the next mark, or the one that was chosen, at a place. */

@@ -113,6 +113,17 @@ it("shows what was lost again after a reload, until somebody decides", async () 
   expect(keepingOf(reading(), "me").lost()).toEqual([]);
 });
 
+it("does again as often as it is asked, while the first time is still on its way", async () => {
+  answer = taking();
+  const marking = new Marking({ ...reading(), redoable: 2 }, "me");
+  marking.redo();
+  marking.redo();
+  expect(marking.canRedo).toBe(false);
+  marking.redo();
+  await settle();
+  expect(sent()).toEqual([{ kind: "redo" }, { kind: "redo" }]);
+});
+
 it("applies nothing to a finished reading, and keeps what was lost", async () => {
   keepingOf(reading(), "me").save([{ events: [crest(1)], expected: 0 }]);
   answer = () => conflict({ finished: true });

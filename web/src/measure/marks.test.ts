@@ -8,6 +8,7 @@ import {
   placeOf,
   placing,
   remaining,
+  stepsAfter,
   withEvents,
   wordsOfEvent,
   type Event,
@@ -80,4 +81,18 @@ it("takes undos out of events together with what they undid, and leaves undos of
   ]);
   expect(remaining([invert(true), undo!, redo!])).toEqual([invert(true)]);
   expect(remaining([invert(true), undo!, invert(false), redo!])).toEqual([invert(false)]);
+});
+
+it("counts what can be done again while events are on their way", () => {
+  const invert: Event = { kind: "invert", inverted: true };
+  const [undo, redo]: Event[] = [{ kind: "undo" }, { kind: "redo" }];
+  const recorded = { undoable: 1, redoable: 2 };
+  expect(stepsAfter(recorded, [])).toEqual(recorded);
+  expect(stepsAfter(recorded, [redo!])).toEqual({ undoable: 2, redoable: 1 });
+  expect(stepsAfter(recorded, [redo!, redo!])).toEqual({ undoable: 3, redoable: 0 });
+  expect(stepsAfter(recorded, [undo!, { kind: "note", text: "a" }])).toEqual({
+    undoable: 0,
+    redoable: 3,
+  });
+  expect(stepsAfter(recorded, [redo!, invert, undo!])).toEqual({ undoable: 2, redoable: 1 });
 });

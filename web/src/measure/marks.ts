@@ -181,6 +181,21 @@ export function remaining(events: readonly Event[]): Event[] {
   return done;
 }
 
+/** How far a reading can be undone and done again once the events on their way have arrived. */
+export function stepsAfter(
+  recorded: Pick<ReadingView, "undoable" | "redoable">,
+  pending: readonly Event[],
+): { undoable: number; redoable: number } {
+  let { undoable, redoable } = recorded;
+  for (const { kind } of pending) {
+    if (kind === "note") continue;
+    undoable += kind === "undo" ? -1 : 1;
+    if (kind === "undo") redoable += 1;
+    else redoable = kind === "redo" ? redoable - 1 : 0;
+  }
+  return { undoable, redoable };
+}
+
 /** Events in words, for people who are asked what to do with them. */
 export function wordsOfEvent(event: Event): string {
   const at = (column: number, row: number): string =>

@@ -49,10 +49,10 @@ pub struct ReadingState {
     pub inverted: Option<bool>,
     /// Notes, oldest first; undo does not touch them.
     pub notes: Vec<String>,
-    /// Whether there is something to undo.
-    pub can_undo: bool,
-    /// Whether there is something to redo.
-    pub can_redo: bool,
+    /// How many changes can be undone.
+    pub undoable: usize,
+    /// How many can be done again.
+    pub redoable: usize,
     /// Whether the reading is finished.
     pub finished: bool,
 }
@@ -75,8 +75,8 @@ impl ReadingState {
         let mut state = Self {
             revision: events.len() as u64,
             notes,
-            can_undo: !done.is_empty(),
-            can_redo: !undone.is_empty(),
+            undoable: done.len(),
+            redoable: undone.len(),
             finished,
             ..Self::default()
         };
@@ -144,8 +144,8 @@ impl ReadingState {
                     "a scale has a length, in pixels and in mm",
                 )
             }
-            Event::Undo => (self.can_undo, "nothing to undo"),
-            Event::Redo => (self.can_redo, "nothing to redo"),
+            Event::Undo => (self.undoable > 0, "nothing to undo"),
+            Event::Redo => (self.redoable > 0, "nothing to redo"),
             Event::Invert { .. } | Event::Note { .. } => (true, ""),
         };
         (!sound).then_some(reason)

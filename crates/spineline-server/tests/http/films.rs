@@ -105,8 +105,8 @@ fn a_person_marks_undoes_reloads_and_finishes() {
     assert_eq!(marked["vertebrae"][0]["complete"], true);
     let undone = record(&browser, reading, 4, json!([{ "kind": "undo" }])).json();
     assert_eq!(
-        (&undone["can_redo"], &undone["vertebrae"][0]["complete"]),
-        (&json!(true), &json!(false))
+        (&undone["undoable"], &undone["redoable"], &undone["vertebrae"][0]["complete"]),
+        (&json!(3), &json!(1), &json!(false))
     );
 
     let app = app.restarted(decoding());

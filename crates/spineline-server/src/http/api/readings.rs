@@ -41,10 +41,10 @@ pub struct ReadingView {
     pub image: ReadingImage,
     /// Number of events: to be sent with the next one.
     pub revision: u64,
-    /// Whether there is something to undo.
-    pub can_undo: bool,
-    /// Whether there is something to redo.
-    pub can_redo: bool,
+    /// How many changes can be undone.
+    pub undoable: usize,
+    /// How many can be done again.
+    pub redoable: usize,
     /// Vertebrae with a mark, caudal first.
     pub vertebrae: Vec<VertebraView>,
     /// Superior tips of the iliac crests.
