@@ -12,6 +12,7 @@ use spineline::multibody::Support;
 use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
 use spineline::uncertainty::LandmarkNoise;
+use spineline_phantom::Truth;
 
 use crate::account::{self, AccountArgs};
 use crate::export::{EXAMPLES, ExportArgs};
@@ -146,7 +147,7 @@ pub struct CheckArgs {
 #[derive(Args)]
 pub struct PhantomArgs {
     /// What moved the spine
-    #[arg(long, value_enum, default_value_t = TruthName::Rod)]
+    #[arg(long, value_enum, default_value_t = TruthName(Truth::Rod))]
     pub truth: TruthName,
     /// Subject of the paper's Table 1, 1 to 18; all of them if not given
     #[arg(long, value_name = "N")]

@@ -3,8 +3,10 @@
 mod films;
 
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 use clap::ValueEnum;
+use clap::builder::PossibleValue;
 use serde::Serialize;
 use spineline::anatomy::Region;
 use spineline_io::CaseFile;
@@ -15,56 +17,25 @@ use crate::args::PhantomArgs;
 use crate::failure::{Ending, Failure};
 use crate::print;
 
-/// The truths as the command line calls them.
-#[derive(Clone, Copy, ValueEnum)]
-pub enum TruthName {
-    /// A force through its inflections
-    Rod,
-    /// Rotations all to one side
-    Bend,
-    /// A horizontal force at T2
-    Pull,
-    /// Curvature scaled everywhere, no force
-    Flatten,
-    /// A force along a line beside the inflections
-    Offset,
-    /// A load spread over the whole spine
-    Spread,
-    /// Joints that turn at random
-    Random,
-    /// The body's weight along a vertical that leans
-    Weight,
-    /// A horizontal force spread over the length
-    Lateral,
-    /// One moment at all levels
-    Couple,
-    /// Forces through the inflections and at the apex
-    TwoForces,
-    /// A force through the inflections, and L4's axis turned
-    TurnedBase,
-}
+/// A truth as the command line calls it.
+#[derive(Clone, Copy)]
+pub struct TruthName(pub Truth);
 
-impl TruthName {
-    pub fn truth(self) -> Truth {
-        match self {
-            Self::Rod => Truth::Rod,
-            Self::Bend => Truth::Bend,
-            Self::Pull => Truth::Pull,
-            Self::Flatten => Truth::Flatten,
-            Self::Offset => Truth::Offset,
-            Self::Spread => Truth::Spread,
-            Self::Random => Truth::Random,
-            Self::Weight => Truth::Weight,
-            Self::Lateral => Truth::Lateral,
-            Self::Couple => Truth::Couple,
-            Self::TwoForces => Truth::TwoForces,
-            Self::TurnedBase => Truth::TurnedBase,
-        }
+impl ValueEnum for TruthName {
+    fn value_variants<'a>() -> &'a [Self] {
+        static NAMES: LazyLock<Vec<TruthName>> = LazyLock::new(|| {
+            Truth::EVERY.into_iter().chain(Truth::OTHERS).map(TruthName).collect()
+        });
+        &NAMES
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.0.key()).help(self.0.meaning()))
     }
 }
 
 pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
-    let truth = args.truth.truth();
+    let truth = args.truth.0;
     let readers = readers(args.noise)?;
     let subjects = match args.subject {
         Some(number) if (1..=SUBJECTS.len()).contains(&number) => number..=number,

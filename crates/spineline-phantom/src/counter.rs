@@ -4,13 +4,15 @@
 //! of the rod, so that noise meets all truths alike.
 
 use rand_chacha::ChaCha12Rng;
-use rand_distr::{Distribution, StandardNormal, Uniform};
+use rand_distr::{Distribution, StandardNormal};
 use spineline::anatomy::Posture;
 use spineline::spatial::{Angle, Frontal};
 
 use crate::erect::{ErectSpine, SEGMENTS};
 use crate::rod::{ChainShape, Rod};
-use crate::truth::{Moved, TOTAL_DEG, force_for, in_order, main_turn, through, usual_variation};
+use crate::truth::{
+    Moved, TOTAL_DEG, force_for, in_order, leans, main_turn, through, usual_variation,
+};
 
 /// How far caudal of the inflections the other line crosses the spine, as a part of its length: 60 of 998 segments.
 const OFFSET: f64 = 0.06;
@@ -55,14 +57,6 @@ pub(crate) fn spread(
 ) -> Result<Vec<Moved>, Posture> {
     let rod = Rod::new(spine);
     let erect_lean = erect.top().lean();
-    let mut degrees = |from: f64, to: f64| {
-        Angle::from_deg(Uniform::new(from, to).expect("a range upwards").sample(rng))
-    };
-    let leans = [
-        (Posture::LeftBending, -degrees(15.0, 25.0)),
-        (Posture::RightBending, degrees(15.0, 25.0)),
-        (Posture::Neutral, degrees(-4.0, 4.0)),
-    ];
     let solve = |direction: Frontal| {
         let rod = &rod;
         move |force_n: f64, base_nmm: &mut f64| {
@@ -70,7 +64,7 @@ pub(crate) fn spread(
         }
     };
     let mut moved = Vec::new();
-    for (posture, change) in leans {
+    for (posture, change) in leans(rng) {
         let sense = change.rad().signum();
         let goal = erect_lean + change;
         let reached = |shape: &ChainShape| (shape.top().lean() - goal).rad() * sense >= 0.0;

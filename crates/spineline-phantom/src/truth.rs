@@ -239,6 +239,18 @@ fn bend(spine: &ErectSpine, rng: &mut ChaCha12Rng) -> Vec<Moved> {
     moved
 }
 
+/// How far L4-T2 leans on the bends and at rest beside the erect film.
+pub(crate) fn leans(rng: &mut ChaCha12Rng) -> [(Posture, Angle); 3] {
+    let mut degrees = |from: f64, to: f64| {
+        Angle::from_deg(Uniform::new(from, to).expect("a range upwards").sample(rng))
+    };
+    [
+        (Posture::LeftBending, -degrees(15.0, 25.0)),
+        (Posture::RightBending, degrees(15.0, 25.0)),
+        (Posture::Neutral, degrees(-4.0, 4.0)),
+    ]
+}
+
 /// A horizontal force at T2 for the bends and at rest, and a cranial one for traction.
 fn pull(
     spine: &ErectSpine,
@@ -248,14 +260,6 @@ fn pull(
     let rod = Rod::new(spine);
     let left = Frontal::new(1.0, 0.0);
     let erect_lean = erect.top().lean();
-    let mut degrees = |from: f64, to: f64| {
-        Angle::from_deg(Uniform::new(from, to).expect("a range upwards").sample(rng))
-    };
-    let leans = [
-        (Posture::LeftBending, -degrees(15.0, 25.0)),
-        (Posture::RightBending, degrees(15.0, 25.0)),
-        (Posture::Neutral, degrees(-4.0, 4.0)),
-    ];
     let solve = |direction: Frontal| {
         let rod = &rod;
         move |force_n: f64, top: &mut Frontal| {
@@ -266,7 +270,7 @@ fn pull(
         }
     };
     let mut moved = Vec::new();
-    for (posture, change) in leans {
+    for (posture, change) in leans(rng) {
         let sense = change.rad().signum();
         let goal = erect_lean + change;
         let reached = |shape: &ChainShape| (shape.top().lean() - goal).rad() * sense >= 0.0;

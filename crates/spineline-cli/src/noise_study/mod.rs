@@ -124,7 +124,7 @@ fn settings() -> impl Iterator<Item = (Way, usize)> {
 impl NoiseStudyArgs {
     /// What is studied, in the order of the figure.
     pub fn truths(&self) -> Vec<Truth> {
-        let wanted: Vec<Truth> = self.truths.iter().map(|name| name.truth()).collect();
+        let wanted: Vec<Truth> = self.truths.iter().map(|name| name.0).collect();
         let every = Truth::EVERY.into_iter();
         every.filter(|truth| wanted.is_empty() || wanted.contains(truth)).collect()
     }
