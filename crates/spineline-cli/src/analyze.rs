@@ -65,7 +65,7 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
                 let parts = [report::text(one)].into_iter().chain(compared).chain(sure);
                 parts.collect::<Vec<_>>().join("\n")
             }
-            all => format!("{}{}", cohort::text(all), models::text(all)),
+            all => format!("{}{}", cohort::text(all, &cohort::of(all)), models::text(all)),
         })?;
     }
     if ending == Ending::Done && !analyses.iter().all(Analysis::is_converged) {

@@ -26,7 +26,7 @@ pub fn file(analyses: &[Analysis], cohort: &Cohort, generator: &str) -> CohortFi
 }
 
 /// A table of patients, and what they say together.
-pub fn text(analyses: &[Analysis]) -> String {
+pub fn text(analyses: &[Analysis], cohort: &Cohort) -> String {
     if analyses.is_empty() {
         return "no case could be analysed\n".to_owned();
     }
@@ -43,12 +43,11 @@ pub fn text(analyses: &[Analysis]) -> String {
     for analysis in analyses {
         table.row(row(analysis));
     }
-    let cohort = of(analyses);
     let mut text = format!(
         "Mean location errors in mm, fitted bends / held-out films; joints that turn against the inflection line's force\n{}\n",
         table.text()
     );
-    text.push_str(&comparison::cohort_text(&cohort));
+    text.push_str(&comparison::cohort_text(cohort));
     text.push('\n');
     for sentence in cohort.sentences() {
         text.push_str(&wrap(&sentence, WIDTH, "  "));

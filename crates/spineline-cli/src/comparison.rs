@@ -1,8 +1,8 @@
 //! Lines of action on the same films, of one patient and of a cohort.
 
 use csv::Writer;
-use spineline::analysis::{Analysis, FilmRole, FreeNumbers, LinesCompared, probability};
-use spineline::cohort::{Clustered, Cohort, ErrorKind, LineTest, LinesOverPatients};
+use spineline::analysis::{FilmRole, FreeNumbers, LinesCompared, probability};
+use spineline::cohort::{Clustered, Cohort, ErrorKind, LinePairTest, LinesOverPatients};
 use spineline::evaluate::statistics::PairedT;
 
 use crate::failure::Failure;
@@ -12,8 +12,7 @@ use crate::table::{Table, wrap};
 const WIDTH: usize = 110;
 
 /// One patient: every line by kind of film.
-pub fn patient_text(analysis: &Analysis) -> String {
-    let found = analysis.compare_lines();
+pub fn patient_text(found: &LinesCompared) -> String {
     let mut table = Table::new([
         "Lines on the same films",
         "films",
@@ -33,7 +32,7 @@ pub fn patient_text(analysis: &Analysis) -> String {
             ]);
         }
     }
-    format!("{}{}\n", table.text(), wrap(&patient_note(&found), WIDTH, "  "))
+    format!("{}{}\n", table.text(), wrap(&patient_note(found), WIDTH, "  "))
 }
 
 fn patient_note(found: &LinesCompared) -> String {
@@ -145,7 +144,7 @@ fn tests_table(compared: &LinesOverPatients) -> String {
     table.text()
 }
 
-fn test_name(test: &LineTest) -> String {
+fn test_name(test: &LinePairTest) -> String {
     let [first, second] = test.lines.map(|kind| kind.to_string().replace(" line", ""));
     format!("{:24} {}", format!("{first} - {second}"), test.role)
 }

@@ -17,7 +17,8 @@ pub fn text(analysis: &Analysis) -> String {
     let unit = analysis.erect().outline.scale;
     let films = analysis.postures.len();
     let _ = writeln!(text, "{}{synthetic} · films: {films} · lengths in {unit}", analysis.case_id);
-    for sentence in analysis.verdict() {
+    let compared = analysis.compare_lines();
+    for sentence in analysis.verdict(&compared) {
         text.push_str(&wrap(&sentence, WIDTH, "  "));
     }
     text.push('\n');
@@ -28,7 +29,7 @@ pub fn text(analysis: &Analysis) -> String {
     if !analysis.models.is_empty() {
         text.push_str(&models_text(analysis));
         text.push('\n');
-        text.push_str(&comparison::patient_text(analysis));
+        text.push_str(&comparison::patient_text(&compared));
     }
     text
 }

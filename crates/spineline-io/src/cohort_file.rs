@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use spineline::cohort::{Clustered, Cohort, LineTest, RoleErrors};
+use spineline::cohort::{Clustered, Cohort, LinePairTest, RoleErrors};
 use spineline::evaluate::statistics::PairedT;
 
 use crate::analysis_file::NumbersRecord;
@@ -161,7 +161,7 @@ fn errors(found: &RoleErrors) -> ErrorsRecord {
     }
 }
 
-fn test(found: &LineTest) -> TestRecord {
+fn test(found: &LinePairTest) -> TestRecord {
     let paired = |t: PairedT| PairedRecord { n: t.n, t: t.t, p_two_sided: t.p_two_sided };
     let c = &found.comparison;
     TestRecord {

@@ -51,8 +51,7 @@ fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut
         let iliac = own.iliac.expect("marked crests");
         add("'parallel to the iliac line' is not rejected", !iliac.rejects());
         for at in own.crossings.iter().filter(|_| line.direction.z_mm.abs() > 0.2) {
-            let slope = line.direction.y_mm / line.direction.z_mm;
-            let y_mm = line.point.y_mm + (at.z_mm - line.point.z_mm) * slope;
+            let y_mm = line.y_mm_at(at.z_mm);
             let right = match at.within {
                 Crossing::Between([low, high]) => (low..=high).contains(&y_mm),
                 Crossing::Open => true,

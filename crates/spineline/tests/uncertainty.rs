@@ -26,7 +26,16 @@ fn analyzed(case: &Case) -> Analysis {
 
 fn run(case: &Case, noise: LandmarkNoise, seed: u64, count: u64) -> Uncertainty {
     let nominal = analyzed(case);
+    told(&MonteCarlo::new(case, &nominal, noise, seed).expect("sound noise"), count)
+}
+
+fn run_anew(case: &Case, noise: LandmarkNoise, seed: u64, count: u64) -> Uncertainty {
+    let nominal = analyzed(case);
     let monte_carlo = MonteCarlo::new(case, &nominal, noise, seed).expect("sound noise");
+    told(&monte_carlo.searching_anew(), count)
+}
+
+fn told(monte_carlo: &MonteCarlo<'_>, count: u64) -> Uncertainty {
     let mut tally = monte_carlo.tally();
     (0..count).for_each(|index| tally.add(&monte_carlo.replicate(index)));
     tally.finish(count)
@@ -72,8 +81,40 @@ fn without_noise_nothing_scatters_and_everything_is_the_case_itself() {
         let Ok(nominal) = quantity.nominal else { continue };
         let spread = quantity.spread.expect("the case has it");
         assert_eq!(quantity.count, 3, "{:?}", quantity.quantity);
+        // A fit goes on from where that of the case has ended, which moves it by what was left.
+        let left = 1e-4 * nominal.abs().max(1e-3);
+        assert_eq!(spread.sd, 0.0, "{:?}", quantity.quantity);
+        assert_eq!(spread.interval_95(), [spread.mean; 2], "{:?}", quantity.quantity);
+        assert!((spread.mean - nominal).abs() < left, "{:?}", quantity.quantity);
+    }
+    let searched = run_anew(&case, LandmarkNoise::Pixels(0.0), 1, 2);
+    for quantity in &searched.quantities {
+        let Ok(nominal) = quantity.nominal else { continue };
+        let spread = quantity.spread.expect("the case has it");
         assert_eq!((spread.sd, spread.mean), (0.0, nominal), "{:?}", quantity.quantity);
-        assert_eq!(spread.interval_95(), [nominal; 2], "{:?}", quantity.quantity);
+    }
+}
+
+#[test]
+fn replicates_that_follow_the_minima_of_the_case_tell_what_a_search_anew_tells() {
+    // Oracle: every replicate analysed as a case of its own.
+    for (subject, truth) in [(1, Truth::Rod), (2, Truth::Bend), (6, Truth::Pull)] {
+        let case = case(subject, truth, &Readers::default());
+        let [found, oracle] = [run as fn(_, _, _, _) -> _, run_anew]
+            .map(|run| run(&case, LandmarkNoise::Measured, 5, 40));
+        assert_eq!(found.done, oracle.done);
+        let (mut compared, mut apart) = (0, Vec::new());
+        for (one, other) in found.quantities.iter().zip(&oracle.quantities) {
+            assert_eq!(one.quantity, other.quantity);
+            let (Some(a), Some(b)) = (one.spread, other.spread) else { continue };
+            compared += 1;
+            let off = (a.mean - b.mean).abs().max((a.sd - b.sd).abs());
+            if off > 0.1 * b.sd {
+                apart.push((one.quantity, a, b));
+            }
+        }
+        assert!(compared > 300, "{compared}");
+        assert!(apart.len() * 50 <= compared, "{truth:?}: {apart:#?}");
     }
 }
 

@@ -2,7 +2,7 @@
 
 use spineline::action::LineKind;
 use spineline::analysis::{FilmRole, probability};
-use spineline::cohort::{Cohort, ErrorKind, LineTest, RoleErrors};
+use spineline::cohort::{Cohort, ErrorKind, LinePairTest, RoleErrors};
 use spineline::multibody::Support;
 
 use super::rows::{Cell, Row, Section};
@@ -60,7 +60,7 @@ fn error(cohort: &Cohort, kind: LineKind, role: FilmRole) -> Cell {
     })
 }
 
-fn test(cohort: &Cohort, lines: [LineKind; 2], role: FilmRole) -> Option<&LineTest> {
+fn test(cohort: &Cohort, lines: [LineKind; 2], role: FilmRole) -> Option<&LinePairTest> {
     cohort
         .compared
         .tests
@@ -68,7 +68,7 @@ fn test(cohort: &Cohort, lines: [LineKind; 2], role: FilmRole) -> Option<&LineTe
         .find(|t| t.lines == lines && t.role == role && t.error == ErrorKind::Location)
 }
 
-fn difference(test: Option<&LineTest>) -> Cell {
+fn difference(test: Option<&LinePairTest>) -> Cell {
     let found = test.and_then(|test| Some((test, test.comparison.bootstrap?)));
     let Some((test, [low, high])) = found else {
         return Cell::value(f64::NAN, 0, "-".to_owned());
@@ -78,7 +78,7 @@ fn difference(test: Option<&LineTest>) -> Cell {
     Cell::value(mean, test.comparison.patients(), text)
 }
 
-fn holm(test: Option<&LineTest>) -> Cell {
+fn holm(test: Option<&LinePairTest>) -> Cell {
     let found = test.and_then(|test| Some((test, test.holm_p?)));
     found.map_or_else(
         || Cell::value(f64::NAN, 0, "-".to_owned()),
@@ -87,7 +87,7 @@ fn holm(test: Option<&LineTest>) -> Cell {
 }
 
 /// Which line predicts better, by truth; nothing is said of fitted films.
-fn verdict(tests: [Option<&LineTest>; 3], role: FilmRole) -> String {
+fn verdict(tests: [Option<&LinePairTest>; 3], role: FilmRole) -> String {
     if role == FilmRole::Fitted {
         return String::new();
     }

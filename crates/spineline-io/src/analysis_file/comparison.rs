@@ -124,7 +124,7 @@ impl ComparisonRecord {
             films: found.films.iter().map(|f| film(f, &found.lines)).collect(),
             compatibility: compatibility.collect(),
             left_out_bends: left_out.collect(),
-            verdict: analysis.verdict(),
+            verdict: analysis.verdict(&found),
         })
     }
 }

@@ -130,6 +130,12 @@ impl LineOfAction {
         (self.point - about).cross(self.direction)
     }
 
+    /// Where the line crosses a height, in mm to the patient's left; infinite for a line that runs along the height.
+    #[must_use]
+    pub fn y_mm_at(&self, z_mm: f64) -> f64 {
+        self.point.y_mm + (z_mm - self.point.z_mm) * self.direction.y_mm / self.direction.z_mm
+    }
+
     /// Lean of the line's direction from cranial.
     #[must_use]
     pub fn lean(&self) -> Angle {

@@ -2,16 +2,17 @@ use super::checks::{check_outlines, check_postures, warn_of_shifted_levels};
 use super::hypotheses::fit_hypotheses;
 use super::models::fit_models;
 use super::preference::{PreferredLine, prefer_lines};
-use super::{AnalysisOptions, Case, LineModel};
+use super::{AnalysisOptions, Case, Grouping, LineModel};
 use crate::anatomy::{Level, Posture};
 use crate::chain::{Chain, ChainPose};
 use crate::clinical::{ClinicalCurve, LenkeType, Regions, lenke_type, measure_curves};
 use crate::curve::{CurveFit, InflectionChoice, Inflections, find_inflections, fit_curve};
 use crate::error::Error;
 use crate::hypothesis::HypothesisFit;
-use crate::measure::{Film, FilmReadings, LengthScale, Noise, Outline, outline_of};
+use crate::measure::{Film, FilmReadings, LengthScale, Noise, Outline, SpacingPlane, outline_of};
 use crate::motion::{Estimate, Motion, least_windows, mean_least};
-use crate::multibody::SpineModel;
+use crate::multibody::{JointGroups, SpineModel};
+use crate::personalize::PreferredLoads;
 use crate::personalize::evidence::FilmEvidence;
 use crate::reliability::{QuantityReliability, assess, film_quantities};
 use crate::spatial::{Angle, Frontal};
@@ -103,6 +104,21 @@ impl Analysis {
         &self.postures[0]
     }
 
+    /// A film without spacing, if there is one: then there are angles, but no lengths to put a line or a model on.
+    #[must_use]
+    pub fn film_without_scale(&self) -> Option<Posture> {
+        let without = |p: &&PostureAnalysis| p.outline.scale.plane == SpacingPlane::Pixels;
+        self.postures.iter().find(without).map(|p| p.outline.posture)
+    }
+
+    /// Which joints share a multiplier.
+    pub(super) fn joint_groups(&self) -> JointGroups {
+        match self.options.grouping {
+            Grouping::Regional => JointGroups::regional(&self.regions),
+            Grouping::PerJoint => JointGroups::per_joint(),
+        }
+    }
+
     /// What the lengths of the chain, its inflections and the clinical curves are measured in: they are the erect film's.
     #[must_use]
     pub fn scale(&self) -> &LengthScale {
@@ -118,7 +134,7 @@ impl Analysis {
 /// # Errors
 /// [`Error`]: bad input only.
 pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error> {
-    analyze_with_noise(case, options, None)
+    analyze_known(case, options, None)
 }
 
 /// As [`analyze`], without lines of action and personalised models: steps 1 to 4, in a small part of the time.
@@ -129,16 +145,27 @@ pub fn analyze_movement(case: &Case, options: &AnalysisOptions) -> Result<Analys
     movement(case, options, None)
 }
 
-/// As [`analyze`], with deviations of the films' measured values that are known from elsewhere, in the order of the postures.
-pub(crate) fn analyze_with_noise(
+/// What other readings of the same films have told.
+#[derive(Debug, Clone)]
+pub(crate) struct OtherReadings<'a> {
+    /// Deviations of the films' measured values, in the order of the postures.
+    pub noise: Vec<Noise>,
+    /// Loads near which those of these readings are thought to be.
+    pub loads: Option<PreferredLoads>,
+    /// Models near which those of these readings are thought to be.
+    pub models: &'a [LineModel],
+}
+
+/// As [`analyze`], with what is known from other readings of the films.
+pub(crate) fn analyze_known(
     case: &Case,
     options: &AnalysisOptions,
-    noise: Option<&[Noise]>,
+    known: Option<&OtherReadings<'_>>,
 ) -> Result<Analysis, Error> {
-    let mut analysis = movement(case, options, noise)?;
+    let mut analysis = movement(case, options, known.map(|known| &known.noise[..]))?;
     // 5, 7 and 8: lines of action, personalisation, evaluation
-    prefer_lines(&mut analysis);
-    fit_models(&mut analysis);
+    prefer_lines(&mut analysis, known.and_then(|known| known.loads.as_ref()));
+    fit_models(&mut analysis, known.map_or(&[][..], |known| known.models));
     fit_hypotheses(&mut analysis);
     Ok(analysis)
 }

@@ -234,7 +234,13 @@ impl Analysis {
             for line in &self.models {
                 let mut seen: Vec<(_, Load)> = bending_loads(self, line.kind, depth_mm, &mut told);
                 seen.retain(|(bend, _)| bend.outline.posture != posture);
-                let task = FitTask { bends: &seen, films: &bends, models: &models, estimate: None };
+                let task = FitTask {
+                    bends: &seen,
+                    films: &bends,
+                    models: &models,
+                    estimate: None,
+                    other: None,
+                };
                 let model = fit_model(self, line.kind, task, &mut told);
                 models.extend(model);
             }

@@ -4,14 +4,13 @@ use super::{Analysis, LineComparison, LineModel, PostureAnalysis};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::evaluate::paired::holm;
+use crate::personalize::SIGNIFICANCE;
 use crate::personalize::evidence::{ContradictedJoint, FilmEvidence};
 use crate::spatial::Angle;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// More of the joints' work than this against the force speaks against a line.
 const WEIGHT_AGAINST: f64 = 0.10;
-/// Findings of a patient are beyond chance below this probability, corrected for how many were looked for.
-const LEVEL: f64 = 0.05;
 /// A joint nearer to the line than this may lie on its other side: an inflection's place along the curve is not known better.
 const SURE_ARM_MM: f64 = 5.0;
 
@@ -41,13 +40,13 @@ impl BendEvidence {
     /// Whether the joints speak against the line: beyond chance, and with more than a tenth of the work.
     #[must_use]
     pub fn joints_reject(&self) -> bool {
-        self.joints_p < LEVEL && self.weight > WEIGHT_AGAINST
+        self.joints_p < SIGNIFICANCE && self.weight > WEIGHT_AGAINST
     }
 
     /// Whether the load that the rotations prefer runs elsewhere, beyond chance.
     #[must_use]
     pub fn line_rejects(&self) -> bool {
-        self.line_p.is_some_and(|p| p < LEVEL)
+        self.line_p.is_some_and(|p| p < SIGNIFICANCE)
     }
 
     /// Whether either speaks against the line.

@@ -1,29 +1,22 @@
 //! Other loads and bases than the lines, where they were asked for.
 
+use super::Analysis;
 use super::models::depth_mm;
-use super::{Analysis, Grouping};
 use crate::clinical::{RegionBounds, ferguson_angle};
 use crate::hypothesis::{HypothesisFilm, HypothesisFit, Spine, fit_hypothesis};
-use crate::measure::SpacingPlane;
-use crate::multibody::JointGroups;
 use crate::personalize::FitStatus;
 use crate::spatial::Frontal;
 use crate::warning::{Step, Warnings};
 
 /// Fits every hypothesis of the options.
 pub(super) fn fit_hypotheses(analysis: &mut Analysis) {
-    let without_scale =
-        analysis.postures.iter().any(|p| p.outline.scale.plane == SpacingPlane::Pixels);
     let has_bend = analysis.postures.iter().any(|p| p.outline.posture.bend().is_some());
     // The lines have warned of both.
-    if without_scale || !has_bend {
+    if analysis.film_without_scale().is_some() || !has_bend {
         return;
     }
     let mut warnings = std::mem::take(&mut analysis.warnings);
-    let groups = match analysis.options.grouping {
-        Grouping::Regional => JointGroups::regional(&analysis.regions),
-        Grouping::PerJoint => JointGroups::per_joint(),
-    };
+    let groups = analysis.joint_groups();
     let spine = Spine {
         model: &analysis.spine,
         library: &analysis.options.library,

@@ -13,8 +13,8 @@ mod preference;
 mod verdict;
 mod words;
 
-pub(crate) use analyze::analyze_with_noise;
 pub use analyze::{Analysis, PostureAnalysis, analyze, analyze_movement};
+pub(crate) use analyze::{OtherReadings, analyze_known};
 pub(crate) use comparison::ferguson_errors_deg;
 pub use comparison::{
     ComparedFilm, ComparedLine, FilmRole, FreeNumbers, LeftOutBend, LinesCompared, MeanErrors,

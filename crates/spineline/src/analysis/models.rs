@@ -5,7 +5,6 @@ use super::{Analysis, Grouping, PostureAnalysis};
 use crate::action::{Application, LineKind, LineOfAction};
 use crate::anatomy::{Level, Posture};
 use crate::evaluate::{Simulation, Target, simulate};
-use crate::measure::SpacingPlane;
 use crate::multibody::{
     Deformed, ForceSign, JointGroups, Load, MatchStatus, Solution, Statics, StiffnessLibrary,
 };
@@ -134,22 +133,24 @@ impl Analysis {
 }
 
 /// Fits one model per line of action and evaluates it on every film.
-pub(super) fn fit_models(analysis: &mut Analysis) {
+///
+/// `others` are models of other readings of the same films.
+pub(super) fn fit_models(analysis: &mut Analysis, others: &[LineModel]) {
     let mut warnings = std::mem::take(&mut analysis.warnings);
-    let without = analysis.postures.iter().find(|p| p.outline.scale.plane == SpacingPlane::Pixels);
-    if let Some(film) = without {
+    if let Some(film) = analysis.film_without_scale() {
         let text =
             "a film without a spacing has no lengths to put a model on: angles are all it gives";
-        warnings.film(Step::Multibody, "no_scale", film.outline.posture, text);
+        warnings.film(Step::Multibody, "no_scale", film, text);
         analysis.warnings = warnings;
         return;
     }
-    let estimate = estimate_bends(analysis);
     let bends = analysis.postures.iter().filter(|p| p.outline.posture.bend().is_some()).count();
     if bends == 0 {
         let text = "no bending film: stiffness cannot be personalised";
         warnings.push(Step::Personalize, "no_bending_film", text);
     } else {
+        // What was found for other readings is nearer.
+        let estimate = if others.is_empty() { estimate_bends(analysis) } else { None };
         for kind in analysis.options.line_kinds() {
             let bends = bending_loads(analysis, kind, depth_mm(analysis), &mut warnings);
             let task = FitTask {
@@ -157,6 +158,7 @@ pub(super) fn fit_models(analysis: &mut Analysis) {
                 films: &Posture::MOVED,
                 models: &analysis.models,
                 estimate: estimate.as_ref(),
+                other: others.iter().find(|model| model.kind == kind).map(|model| &model.fit),
             };
             let model = fit_model(analysis, kind, task, &mut warnings);
             analysis.models.extend(model);
@@ -268,6 +270,8 @@ pub(super) struct FitTask<'a> {
     pub models: &'a [LineModel],
     /// The free loads of these bends.
     pub estimate: Option<&'a EstimatedLoads>,
+    /// The fit to other readings of these bends.
+    pub other: Option<&'a Personalization>,
 }
 
 /// Fits one line's model to some bends, and predicts films with it.
@@ -280,10 +284,7 @@ pub(super) fn fit_model(
     let FitTask { bends, .. } = task;
     let options = &analysis.options;
     let depth_mm = depth_mm(analysis);
-    let groups = match options.grouping {
-        Grouping::Regional => JointGroups::regional(&analysis.regions),
-        Grouping::PerJoint => JointGroups::per_joint(),
-    };
+    let groups = analysis.joint_groups();
     if bends.is_empty() {
         warnings.line(Step::Action, "no_line", kind, None, "no bending film has such a line");
         return None;
@@ -299,7 +300,7 @@ pub(super) fn fit_model(
         bends.iter().filter_map(|(p, load)| Some((p.evidence.as_ref()?, *load))).collect();
     // It was made for regional groups.
     let estimate = task.estimate.filter(|_| options.grouping == Grouping::Regional);
-    let known = Known { evidence: &evidence, settings: &settings, estimate };
+    let known = Known { evidence: &evidence, settings: &settings, estimate, other: task.other };
     let fit = personalize_with(&analysis.spine, &options.library, &groups, &films, &known);
     let mut model = LineModel { kind, groups, fit, postures: Vec::new() };
     let logs = &model.fit.log_multipliers;

@@ -6,11 +6,11 @@ use super::models::depth_mm;
 use super::{Analysis, PostureAnalysis};
 use crate::action::LineOfAction;
 use crate::curve::CurveSpread;
-use crate::measure::SpacingPlane;
 use crate::multibody::JointGroups;
 use crate::personalize::evidence::FilmEvidence;
 use crate::personalize::{Crossing, LineTest, PreferredLoads, Proposal};
-use crate::spatial::{Angle, Frontal};
+use crate::spatial::Angle;
+use crate::warning::Step;
 
 /// The line of the load that one film's rotations prefer.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,26 +61,45 @@ impl Analysis {
     /// The loads that all films but the erect one prefer, with regional multipliers; films in the order of the postures.
     #[must_use]
     pub fn preferred_loads(&self) -> Option<PreferredLoads> {
+        self.preferred_loads_near(None)
+    }
+
+    fn preferred_loads_near(&self, near: Option<&PreferredLoads>) -> Option<PreferredLoads> {
+        if self.film_without_scale().is_some() {
+            return None;
+        }
         let films: Vec<&FilmEvidence> =
             self.postures.iter().filter_map(|p| p.evidence.as_ref()).collect();
         let groups = JointGroups::regional(&self.regions);
-        PreferredLoads::estimate(&films, depth_mm(self), &groups)
+        PreferredLoads::estimate(&films, depth_mm(self), &groups, near)
     }
 }
 
-/// Finds every film's own line.
-pub(super) fn prefer_lines(analysis: &mut Analysis) {
+/// Finds every film's own line, from loads that are thought to be near.
+pub(super) fn prefer_lines(analysis: &mut Analysis, near: Option<&PreferredLoads>) {
     // Without lengths there are no lines.
-    if analysis.postures.iter().any(|p| p.outline.scale.plane == SpacingPlane::Pixels) {
+    if analysis.film_without_scale().is_some() || analysis.postures.len() < 2 {
         return;
     }
-    let Some(loads) = analysis.preferred_loads() else { return };
+    let Some(loads) = analysis.preferred_loads_near(near) else {
+        let text = "the fit of the loads that the rotations prefer came to no end, so that no film has a line of its own and no line is tested";
+        analysis.warnings.push(Step::Action, "own_lines_not_found", text);
+        return;
+    };
+    let inflections_mm2 = inflections_along_mm2(analysis);
     let lines: Vec<Option<PreferredLine>> = analysis
         .postures
         .iter()
         .filter(|posture| posture.evidence.is_some())
         .enumerate()
-        .map(|(film, posture)| preferred_line(analysis, &loads, film, posture))
+        .map(|(film, posture)| {
+            let line = loads.line(film, posture.middle())?.line;
+            let places = analysis.inflection_segments.zip(inflections_mm2);
+            let inflection = places.and_then(|(segments, along_mm2)| {
+                against_inflections(&loads, film, (posture, segments), along_mm2, &line)
+            });
+            preferred_line(&loads, film, posture, (line, inflection))
+        })
         .collect();
     let moved = analysis.postures.iter_mut().filter(|posture| posture.evidence.is_some());
     for (posture, line) in moved.zip(lines) {
@@ -89,23 +108,21 @@ pub(super) fn prefer_lines(analysis: &mut Analysis) {
 }
 
 fn preferred_line(
-    analysis: &Analysis,
     loads: &PreferredLoads,
     film: usize,
     posture: &PostureAnalysis,
+    (line, inflection): (LineOfAction, Option<LineComparison>),
 ) -> Option<PreferredLine> {
-    let line = loads.line(film, posture.middle())?.line;
     let vertebrae = &posture.outline.vertebrae;
     let ends = [vertebrae[0].location, vertebrae[vertebrae.len() - 1].location];
     let heights = posture.inflection_points.unwrap_or(ends).map(|point| point.z_mm);
     let [caudal, cranial] = heights.map(|z_mm| {
-        let y_mm =
-            line.point.y_mm + (z_mm - line.point.z_mm) * line.direction.y_mm / line.direction.z_mm;
-        Some(LineCrossing { z_mm, y_mm, within: loads.crossing(film, z_mm)? })
+        let within = loads.crossing(film, z_mm)?;
+        Some(LineCrossing { z_mm, y_mm: line.y_mm_at(z_mm), within })
     });
     Some(PreferredLine {
         crossings: [caudal?, cranial?],
-        inflection: against_inflections(analysis, loads, film, posture, &line),
+        inflection,
         iliac: against_iliac(loads, film, posture),
         joint_log_sd: loads.joint_log_sd,
         line,
@@ -113,15 +130,15 @@ fn preferred_line(
 }
 
 fn against_inflections(
-    analysis: &Analysis,
     loads: &PreferredLoads,
     film: usize,
-    posture: &PostureAnalysis,
+    (posture, segments): (&PostureAnalysis, [usize; 2]),
+    along_mm2: Matrix2<f64>,
     line: &LineOfAction,
 ) -> Option<LineComparison> {
     let points = posture.inflection_points?;
     let proposed = LineOfAction::through(points[0], points[1]).ok()?;
-    let covariance = inflection_covariance(analysis, posture, points)?;
+    let covariance = inflection_covariance(posture, segments, along_mm2)?;
     Some(LineComparison {
         angle: line.angle_to(&proposed),
         distance_mm: line.lever_arm_mm((points[0] + points[1]) * 0.5).abs(),
@@ -129,27 +146,30 @@ fn against_inflections(
     })
 }
 
-/// Covariance of the inflections as they lie on a film: along its curve by what the erect curve and the length of a segment leave
-/// open, and with the curve itself.
-fn inflection_covariance(
-    analysis: &Analysis,
-    posture: &PostureAnalysis,
-    points: [Frontal; 2],
-) -> Option<Matrix4<f64>> {
+/// Covariance of the two inflections along the spine: what the erect curve and the length of a segment leave open.
+fn inflections_along_mm2(analysis: &Analysis) -> Option<Matrix2<f64>> {
     let erect = analysis.erect();
     let pair = analysis.inflections.pair?;
     let segment_mm2 = analysis.chain.segment_mm.powi(2) / 12.0;
-    let along = erect.fit.spread(&erect.outline)?.inflections_mm2(pair.map(|i| i.t_mm))
-        + Matrix2::identity() * segment_mm2;
+    let on_curve = erect.fit.spread(&erect.outline)?.inflections_mm2(pair.map(|i| i.t_mm));
+    Some(on_curve + Matrix2::identity() * segment_mm2)
+}
+
+/// Covariance of the inflections as they lie on a film: along its curve, and with the curve itself.
+fn inflection_covariance(
+    posture: &PostureAnalysis,
+    segments: [usize; 2],
+    along_mm2: Matrix2<f64>,
+) -> Option<Matrix4<f64>> {
     let spread: CurveSpread<'_> = posture.fit.spread(&posture.outline)?;
-    let places = points.map(|point| posture.fit.curve.nearest_t_mm(point));
+    let places = segments.map(|segment| posture.pose.t_mm[segment]);
     let tangents = places.map(|t| {
         let tangent = posture.fit.curve.tangent(t);
         let unit = tangent * (1.0 / tangent.norm_mm());
         Vector2::new(unit.y_mm, unit.z_mm)
     });
     let carried = Matrix4::from_fn(|i, j| {
-        tangents[i / 2][i % 2] * along[(i / 2, j / 2)] * tangents[j / 2][j % 2]
+        tangents[i / 2][i % 2] * along_mm2[(i / 2, j / 2)] * tangents[j / 2][j % 2]
     });
     Some(carried + spread.points_mm2(places))
 }

@@ -10,11 +10,13 @@ impl Analysis {
     ///
     /// First whether the bends are compatible with a single force through the inflections, then how well each line predicts
     /// films that it was not fitted to, and last how near it comes to those that it was, which proves nothing.
+    ///
+    /// `compared` is what [`Analysis::compare_lines`] gives.
     #[must_use]
-    pub fn verdict(&self) -> Vec<String> {
+    pub fn verdict(&self, compared: &LinesCompared) -> Vec<String> {
         let mut sentences = Vec::new();
         if self.models.is_empty() {
-            let why = if self.warnings.has("no_scale") {
+            let why = if self.film_without_scale().is_some() {
                 "Without a spacing on every film there are angles, but no lengths and no model."
             } else {
                 "No bending film: the curve is measured, but no stiffness can be fitted."
@@ -34,7 +36,7 @@ impl Analysis {
             )),
         }
         sentences.extend(self.postures.iter().filter_map(turning_sentence));
-        sentences.extend(self.compare_lines().sentences());
+        sentences.extend(compared.sentences());
         sentences
     }
 

@@ -7,6 +7,7 @@ use crate::analysis::{
 };
 use crate::evaluate::Simulation;
 use crate::evaluate::paired::holm;
+use crate::personalize::SIGNIFICANCE;
 
 /// Which error is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,7 +67,7 @@ pub struct RoleErrors {
 
 /// Two lines on the films of a role that both could simulate.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LineTest {
+pub struct LinePairTest {
     /// First and second line; differences are first minus second, so that a negative one is the first's advantage.
     pub lines: [LineKind; 2],
     /// What the stiffness knew of the films.
@@ -85,13 +86,13 @@ pub struct LineTest {
     pub per_predicted_film: [usize; 2],
 }
 
-impl LineTest {
+impl LinePairTest {
     /// The nearer line, where the difference is beyond chance in the whole family.
     #[must_use]
     pub fn nearer(&self) -> Option<LineKind> {
         let [first, second] = self.lines;
         self.holm_p
-            .filter(|p| *p < 0.05)
+            .filter(|p| *p < SIGNIFICANCE)
             .map(|_| if self.comparison.mean_difference < 0.0 { first } else { second })
     }
 
@@ -116,7 +117,7 @@ pub struct LinesOverPatients {
     /// By line and role.
     pub errors: Vec<RoleErrors>,
     /// By pair of lines, role and error: one family.
-    pub tests: Vec<LineTest>,
+    pub tests: Vec<LinePairTest>,
 }
 
 /// Films of one patient with the place of each of the cohort's lines among that patient's.
@@ -205,7 +206,11 @@ fn common_films<'a>(patients: &'a [Patient], role: FilmRole, lines: &[usize]) ->
 }
 
 /// Every pair of lines on every kind of films by either error, corrected as one family.
-fn tests(patients: &[Patient], numbers: &[(LineKind, FreeNumbers)], seed: u64) -> Vec<LineTest> {
+fn tests(
+    patients: &[Patient],
+    numbers: &[(LineKind, FreeNumbers)],
+    seed: u64,
+) -> Vec<LinePairTest> {
     let mut tests = Vec::new();
     for first in 0..numbers.len() {
         for second in first + 1..numbers.len() {
@@ -214,7 +219,7 @@ fn tests(patients: &[Patient], numbers: &[(LineKind, FreeNumbers)], seed: u64) -
                 let common = common_films(patients, role, &[first, second]);
                 for error in ErrorKind::ALL {
                     let [a, b] = [0, 1].map(|place| common.values(place, error));
-                    tests.push(LineTest {
+                    tests.push(LinePairTest {
                         lines: [of(first).0, of(second).0],
                         role,
                         error,

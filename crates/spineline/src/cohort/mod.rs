@@ -14,7 +14,7 @@ mod words;
 
 pub use claims::{ClaimVerdict, Claims, NEAR_SEGMENTS, PatientClaims};
 pub use comparison::Comparison;
-pub use lines::{ErrorKind, LineTest, LinesOverPatients, RoleErrors};
+pub use lines::{ErrorKind, LinePairTest, LinesOverPatients, RoleErrors};
 
 use crate::action::LineKind;
 use crate::analysis::{Analysis, PostureAnalysis, ferguson_errors_deg};

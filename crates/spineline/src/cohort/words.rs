@@ -1,8 +1,9 @@
 //! A cohort in plain sentences, which all front ends share.
 
-use super::{Cohort, Comparison, ErrorKind, LineTest, LinesOverPatients};
+use super::{Cohort, Comparison, ErrorKind, LinePairTest, LinesOverPatients};
 use crate::analysis::{FilmRole, listed, probability};
 use crate::evaluate::statistics::PairedT;
+use crate::personalize::SIGNIFICANCE;
 
 impl Cohort {
     /// What was found, one finding per sentence.
@@ -83,9 +84,9 @@ impl LinesOverPatients {
                 "On films that were not fitted no line is better than another beyond chance by a fair comparison (Holm's correction over {family} tests)."
             ));
         }
-        let too_few = |test: &&LineTest| {
+        let too_few = |test: &&LinePairTest| {
             let least = 2.0_f64.powi(1 - test.comparison.patients() as i32);
-            test.holm_p.is_some() && least * family as f64 >= 0.05
+            test.holm_p.is_some() && least * family as f64 >= SIGNIFICANCE
         };
         let differences: Vec<String> = predicted().filter(too_few).filter_map(difference).collect();
         if !differences.is_empty() {
@@ -137,7 +138,7 @@ impl LinesOverPatients {
 }
 
 /// By how much one line misses more than another.
-fn difference(test: &LineTest) -> Option<String> {
+fn difference(test: &LinePairTest) -> Option<String> {
     let [low, high] = test.comparison.bootstrap?;
     let [first, second] = test.lines;
     let mean = test.comparison.mean_difference;
@@ -160,7 +161,7 @@ const fn films_words(role: FilmRole) -> &'static str {
 }
 
 /// A difference in prediction that is beyond chance, and whether it is fair.
-fn better_sentence(test: &LineTest) -> Option<String> {
+fn better_sentence(test: &LinePairTest) -> Option<String> {
     let nearer = test.nearer()?;
     let [first, second] = test.lines;
     let (other, [own, its]) = if nearer == first {

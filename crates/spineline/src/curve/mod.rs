@@ -108,16 +108,6 @@ impl Curve {
         tangent.cross(bend)
     }
 
-    /// The parameter of the curve's point nearest to a place beside it, to a thousandth of its length.
-    #[must_use]
-    pub fn nearest_t_mm(&self, place: Frontal) -> f64 {
-        let distance_mm = |t: &f64| self.point(*t).distance_mm(place);
-        (0..=1000)
-            .map(|i| f64::from(i) / 1000.0 * self.end_mm)
-            .min_by(|a, b| distance_mm(a).total_cmp(&distance_mm(b)))
-            .unwrap_or(0.0)
-    }
-
     /// Arc length from L4 to a parameter.
     #[must_use]
     pub fn length_mm(&self, to_mm: f64) -> f64 {

@@ -42,6 +42,9 @@ pub struct Personalization {
     pub variance_factor: f64,
     /// Singular values of the derivative of the data by the unknowns `(ln α, ln F)`: small ones are not identified.
     pub singular_values: Vec<f64>,
+    /// The minima that starts ended in, the best first, but for those that are far worse: other readings of these films have
+    /// theirs near them. Loads are those before a known force scales them.
+    pub(crate) minima: Vec<Start>,
 }
 
 impl Personalization {
@@ -100,7 +103,7 @@ pub fn personalize(
         library,
         groups,
         films,
-        &Known { evidence: &evidence, settings, estimate: None },
+        &Known { evidence: &evidence, settings, estimate: None, other: None },
     )
 }
 
@@ -112,6 +115,21 @@ pub(crate) struct Known<'a> {
     pub settings: &'a FitSettings<'a>,
     /// What [`estimate_loads`](super::estimate::estimate_loads) found for a free load of these films and groups.
     pub estimate: Option<&'a EstimatedLoads>,
+    /// The fit to other readings of these films.
+    pub other: Option<&'a Personalization>,
+}
+
+impl<'a> Known<'a> {
+    /// Minima of other readings' fit, where it has the same unknowns.
+    fn minima(&self, groups: &JointGroups, films: &[FitFilm<'_>]) -> Option<&'a [Start]> {
+        let fits = |start: &Start| {
+            let sizes = start.loads.iter().map(Vec::len);
+            start.log_multipliers.len() == groups.len()
+                && sizes.eq(films.iter().map(|film| film.load.components()))
+        };
+        let minima = &self.other?.minima[..];
+        (!minima.is_empty() && minima.iter().all(fits)).then_some(minima)
+    }
 }
 
 /// As [`personalize`], where the evidence of the films is known already.
@@ -122,7 +140,7 @@ pub(crate) fn personalize_with(
     films: &[FitFilm<'_>],
     known: &Known<'_>,
 ) -> Personalization {
-    let Known { evidence, settings, .. } = *known;
+    let settings = known.settings;
     // Films that the model explains badly say less, and nature varies no less: what they say is weighed without the prior.
     let free = settings.prior.map(|_| {
         let settings = FitSettings { prior: None, ..*settings };
@@ -132,26 +150,10 @@ pub(crate) fn personalize_with(
     let weighed = free.as_ref().map(|free| settings.weighed(free.variance_factor));
     let settings = weighed.as_ref().unwrap_or(settings);
     let mut problem = Problem::new(model, library, groups, films, settings);
-    let enough = satisfied_rms(problem.target());
-    let mut best = Best::default();
-    let mut starts = problem.starts(known);
-    if let Some(free) = &free {
-        starts.insert(0, free.as_start());
-    }
-    // The likeliest start alone satisfies most films.
-    if !starts.is_empty() {
-        best.improve(&mut problem, &starts[0]);
-    }
-    if !best.satisfies(&problem, enough) {
-        best.improve_further(&mut problem, &starts, evidence, enough);
-    }
-    // Three angles per bend have more wrong minima than the whole shape: that fit is one more start.
-    if problem.target() == FitTarget::Ferguson && !best.satisfies(&problem, enough) {
-        let settings = FitSettings { target: FitTarget::Shape, ..*settings };
-        let known = Known { settings: &settings, ..*known };
-        let shape = personalize_with(model, library, groups, films, &known);
-        best.improve(&mut problem, &shape.as_start());
-    }
+    let springs = FittedSprings { model, library, groups };
+    let known = Known { settings, ..*known };
+    let best = find_best(&mut problem, springs, films, &known, free.as_ref());
+    let minima = best.minima();
     let Some((minimum, loads)) = best.minimum else {
         return nominal(groups, films, best.starts);
     };
@@ -170,7 +172,42 @@ pub(crate) fn personalize_with(
             None => problem.variance_factor(&minimum),
         },
         singular_values: problem.singular_values(&minimum),
+        minima,
     }
+}
+
+/// Follows the minima of other readings, and where there are none, or they have become poor, refines starts of all kinds.
+fn find_best(
+    problem: &mut Problem<'_>,
+    springs: FittedSprings<'_>,
+    films: &[FitFilm<'_>],
+    known: &Known<'_>,
+    free: Option<&Personalization>,
+) -> Best {
+    /// Fits that are so much worse than that of other readings have other minima.
+    const WORSE: f64 = 1.5;
+    let FittedSprings { model, library, groups } = springs;
+    let enough = satisfied_rms(problem.target());
+    let mut best = Best::default();
+    if let Some((minima, other)) = known.minima(groups, films).zip(known.other) {
+        best.follow(problem, minima, enough);
+        if best.satisfies(problem, enough.max(WORSE * other.residual_rms)) {
+            return best;
+        }
+    }
+    let mut starts = problem.starts(known);
+    if let Some(free) = free {
+        starts.insert(0, free.as_start());
+    }
+    best.search(problem, &starts, known.evidence, enough);
+    // Three angles per bend have more wrong minima than the whole shape: that fit is one more start.
+    if problem.target() == FitTarget::Ferguson && !best.satisfies(problem, enough) {
+        let settings = FitSettings { target: FitTarget::Shape, ..*known.settings };
+        let known = Known { settings: &settings, other: None, ..*known };
+        let shape = personalize_with(model, library, groups, films, &known);
+        best.improve(problem, &shape.as_start());
+    }
+    best
 }
 
 fn bound_of(log_multiplier: f64) -> StiffnessBound {
@@ -195,6 +232,7 @@ fn nominal(groups: &JointGroups, films: &[FitFilm<'_>], starts: u32) -> Personal
         residual_rms: f64::NAN,
         variance_factor: f64::NAN,
         singular_values: Vec::new(),
+        minima: Vec::new(),
     }
 }
 
@@ -211,6 +249,8 @@ const POOR_DEG: f64 = 12.0;
 struct Best {
     minimum: Option<(Minimum, Vec<Vec<f64>>)>,
     starts: u32,
+    /// Where starts ended, with their sums of squares.
+    ends: Vec<(Start, f64)>,
 }
 
 impl Best {
@@ -221,10 +261,49 @@ impl Best {
         let rows = problem.rows();
         let end = minimize(x, &lower, &upper, rows, |x, system| problem.evaluate(x, system));
         let better = self.minimum.as_ref().is_none_or(|(b, _)| end.system.cost() < b.system.cost());
-        if end.status != FitStatus::NotEvaluable && better {
-            let loads = problem.loads_at(&end.x);
+        if end.status == FitStatus::NotEvaluable {
+            return;
+        }
+        let loads = problem.loads_at(&end.x);
+        let log_multipliers = problem.log_multipliers(&end.x);
+        self.ends.push((Start { log_multipliers, loads: loads.clone() }, end.system.cost()));
+        if better {
             self.minimum = Some((end, loads));
         }
+    }
+
+    /// The likeliest start first, which alone satisfies most films, and then the others.
+    fn search(
+        &mut self,
+        problem: &mut Problem<'_>,
+        starts: &[Start],
+        evidence: &[(&FilmEvidence, Load)],
+        enough: f64,
+    ) {
+        if let Some(first) = starts.first() {
+            self.improve(problem, first);
+        }
+        if !self.satisfies(problem, enough) {
+            self.improve_further(problem, starts, evidence, enough);
+        }
+    }
+
+    /// Follows the minima of another fit, the one that these data like best first.
+    fn follow(&mut self, problem: &mut Problem<'_>, minima: &[Start], enough: f64) {
+        let mut priced = problem.priced(minima);
+        priced.sort_by(|a, b| a.1.total_cmp(&b.1));
+        self.improve_from(problem, &priced, enough);
+    }
+
+    /// Distinct ends that are not far worse than the best, that one first.
+    fn minima(&self) -> Vec<Start> {
+        /// Ends whose sums of squares agree like this are one.
+        const SAME: f64 = 1e-4;
+        let mut ends: Vec<&(Start, f64)> = self.ends.iter().collect();
+        ends.sort_by(|a, b| a.1.total_cmp(&b.1));
+        ends.dedup_by(|b, a| b.1 - a.1 <= SAME * a.1);
+        let most = PROMISING * ends.first().map_or(0.0, |end| end.1);
+        ends.into_iter().filter(|end| end.1 <= most).map(|end| end.0.clone()).collect()
     }
 
     /// Refines the promising ones of the starts beside the first, and every start where the fit misses the data by far.

@@ -46,8 +46,8 @@ pub enum Crossing {
     Open,
 }
 
-/// Proposals with less probability are rejected.
-const SIGNIFICANCE: f64 = 0.05;
+/// What is less probable than this is rejected, here and in every other test.
+pub const SIGNIFICANCE: f64 = 0.05;
 /// 95 % of chi-squared on one degree of freedom.
 const LIMIT: f64 = 3.841_458_820_694_124;
 

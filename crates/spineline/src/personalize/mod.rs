@@ -35,7 +35,7 @@ pub use identify::{
 };
 pub use levenberg_marquardt::FitStatus;
 pub(crate) use levenberg_marquardt::{System, minimize};
-pub use line_test::{Crossing, LineTest, Proposal};
+pub use line_test::{Crossing, LineTest, Proposal, SIGNIFICANCE};
 pub use preferred::PreferredLoads;
 pub use start::Start;
 

@@ -8,14 +8,13 @@
 //! the erect one, so that the rotations of all films have one covariance.
 //!
 //! Loads, multipliers and the shared part of the centres are fitted by generalised least squares; the deviations of what
-//! joints have of their own by restricted maximum likelihood (scoring), penalised so that none is zero. So the films tell themselves how far joints of one
-//! group differ, and a load is as unsure as they do.
+//! joints have of their own by restricted maximum likelihood (scoring), penalised so that none is zero. So the films tell
+//! themselves how far joints of one group differ, and a load is as unsure as they do.
 //!
 //! # References
 //! [harville-1977] for the restricted likelihood, [chung-2013] for its penalty.
 
-use nalgebra::allocator::Allocator;
-use nalgebra::{Cholesky, DMatrix, DVector, DefaultAllocator, Dim, Dyn, Matrix2, OMatrix, Vector2};
+use nalgebra::{DMatrix, DVector, Dyn, Matrix2, Vector2};
 
 use super::MULTIPLIER_BOUNDS;
 use super::evidence::{FilmEvidence, JointEvidence};
@@ -45,17 +44,28 @@ const MOST_HIGHER_MM: f64 = 15.0;
 const ROUNDS: usize = 60;
 
 impl PreferredLoads {
-    /// Fits them; `None` without films, or where the films' joints do not determine the loads.
+    /// Fits them; `None` without films, where the films' joints do not determine the loads, or where the fit does not settle.
     ///
-    /// `depth_mm` is the sagittal place of the forces.
+    /// `depth_mm` is the sagittal place of the forces. `near` is a fit that is thought to end nearby, such as that of other
+    /// readings of the same films.
     #[must_use]
-    pub fn estimate(films: &[&FilmEvidence], depth_mm: f64, groups: &JointGroups) -> Option<Self> {
+    pub fn estimate(
+        films: &[&FilmEvidence],
+        depth_mm: f64,
+        groups: &JointGroups,
+        near: Option<&Self>,
+    ) -> Option<Self> {
         if films.is_empty() {
             return None;
         }
         let mut fit = Fit::new(films, depth_mm, groups)?;
-        fit.solve_loads(&Own::nothing(fit.rotations.len()))?;
         let mut variances = MOST_VARIANCES * 1e-2;
+        if let Some(near) = near.filter(|near| near.log_multipliers.len() == groups.len()) {
+            fit.logs.clone_from(&near.log_multipliers);
+            fit.centres_higher_mm = near.centres_higher_mm;
+            variances = Vector2::new(near.joint_log_sd.powi(2), near.centre_sd_mm.powi(2));
+        }
+        fit.solve_loads(None)?;
         let mut state = fit.weigh(variances)?;
         for _ in 0..ROUNDS {
             let next = state.better(variances);
@@ -64,14 +74,14 @@ impl PreferredLoads {
             variances = next;
             state = fit.weigh(variances)?;
             if change < 1e-4 && moved < 1e-7 {
-                break;
+                return Some(fit.finish(variances, &state));
             }
         }
-        Some(fit.finish(variances, &state))
+        None
     }
 }
 
-/// Rotations of all films below one another, and what is fitted to them; in deviations of the noise, where that is said.
+/// Rotations of all films below one another, and what is fitted to them.
 struct Fit<'a> {
     films: usize,
     joints: usize,
@@ -82,10 +92,43 @@ struct Fit<'a> {
     higher: Vec<Vec<[f64; 3]>>,
     centres_higher_mm: f64,
     rotations: DVector<f64>,
-    /// What carries rotations into deviations of the noise, and back.
-    noise: Cholesky<f64, Dyn>,
+    precision: Precision,
     loads: DVector<f64>,
     logs: Vec<f64>,
+}
+
+/// The inverse of the noise's covariance.
+///
+/// Neighbouring joints share a vertebra on every film alike, and all films share the erect one at every joint alike: the
+/// covariance is the product of one over films and one over joints, and so is its inverse.
+struct Precision {
+    films: DMatrix<f64>,
+    joints: DMatrix<f64>,
+}
+
+impl Precision {
+    fn new(films: &[&FilmEvidence], joints: usize) -> Option<Self> {
+        let over_films = DMatrix::from_fn(films.len(), films.len(), |a, b| {
+            let own = if a == b { films[a].tilt_sd.rad().powi(2) } else { 0.0 };
+            own + films[a].erect_tilt_sd.rad().powi(2)
+        });
+        // Of the matrix with 2 on its diagonal and -1 beside it.
+        let over_joints = DMatrix::from_fn(joints, joints, |a, b| {
+            ((a.min(b) + 1) * (joints - a.max(b))) as f64 / (joints + 1) as f64
+        });
+        Some(Self { films: over_films.cholesky()?.inverse(), joints: over_joints })
+    }
+
+    /// Times columns of rotations of all films below one another.
+    fn times(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut product = DMatrix::zeros(columns.nrows(), columns.ncols());
+        for (from, mut to) in columns.column_iter().zip(product.column_iter_mut()) {
+            let from = from.reshape_generic(Dyn(self.joints.nrows()), Dyn(self.films.nrows()));
+            let weighed = &self.joints * (from * &self.films);
+            to.copy_from_slice(weighed.as_slice());
+        }
+        product
+    }
 }
 
 /// The fit at some variances of what joints have of their own.
@@ -103,31 +146,42 @@ struct Weighed {
     ways: DMatrix<f64>,
 }
 
-/// What joints have of their own, beside noise of one deviation everywhere.
+/// What joints have of their own, beside the noise.
 struct Own {
-    /// Per unit of every joint's own stiffness, and then of its own centre; in deviations of the noise.
-    columns: DMatrix<f64>,
-    /// By how much they are known from the rotations.
-    inner: DMatrix<f64>,
+    /// Rotations per unit of every joint's own stiffness, and of its own centre: joints by films.
+    rotations: [DMatrix<f64>; 2],
+    /// Its covariance once the rotations are known.
+    covariance: DMatrix<f64>,
 }
 
 impl Own {
-    fn nothing(rows: usize) -> Self {
-        Self { columns: DMatrix::zeros(rows, 0), inner: DMatrix::zeros(0, 0) }
-    }
-
-    fn new(columns: DMatrix<f64>, variances: Vector2<f64>) -> Option<Self> {
-        let joints = columns.ncols() / 2;
-        let mut inner = columns.tr_mul(&columns);
-        for i in 0..2 * joints {
-            inner[(i, i)] += 1.0 / variances[i / joints];
+    fn new(
+        rotations: [DMatrix<f64>; 2],
+        precision: &Precision,
+        variances: Vector2<f64>,
+    ) -> Option<Self> {
+        let joints = precision.joints.nrows();
+        let mut known = DMatrix::zeros(2 * joints, 2 * joints);
+        let weighed = rotations.each_ref().map(|part| part * &precision.films);
+        for (a, part) in rotations.iter().enumerate() {
+            for (b, weighed) in weighed.iter().enumerate() {
+                let block = (part * weighed.transpose()).component_mul(&precision.joints);
+                known.view_mut((a * joints, b * joints), (joints, joints)).copy_from(&block);
+            }
         }
-        Some(Self { inner: inner.cholesky()?.inverse(), columns })
+        for i in 0..2 * joints {
+            known[(i, i)] += 1.0 / variances[i / joints];
+        }
+        Some(Self { covariance: known.cholesky()?.inverse(), rotations })
     }
 
-    /// The inverse of the covariance, times a matrix (Woodbury's identity).
-    fn weigh(&self, matrix: &DMatrix<f64>) -> DMatrix<f64> {
-        matrix - &self.columns * (&self.inner * self.columns.tr_mul(matrix))
+    /// What weighed columns of rotations say of it.
+    fn gather(&self, weighed: &DMatrix<f64>) -> DMatrix<f64> {
+        let (joints, films) = self.rotations[0].shape();
+        DMatrix::from_fn(2 * joints, weighed.ncols(), |own, column| {
+            let (part, joint) = (&self.rotations[own / joints], own % joints);
+            (0..films).map(|a| part[(joint, a)] * weighed[(a * joints + joint, column)]).sum()
+        })
     }
 }
 
@@ -150,17 +204,6 @@ impl<'a> Fit<'a> {
     fn new(films: &[&FilmEvidence], depth_mm: f64, groups: &'a JointGroups) -> Option<Self> {
         let joints = groups.of_joint().len();
         let all = films.iter().flat_map(|film| &film.joints).map(|joint| joint.rotation.rad());
-        let rows = films.len() * joints;
-        let noise = DMatrix::from_fn(rows, rows, |a, b| {
-            let shared = match (a % joints).abs_diff(b % joints) {
-                0 => 2.0,
-                1 => -1.0,
-                _ => return 0.0,
-            };
-            let film = &films[a / joints];
-            let own = if a / joints == b / joints { film.tilt_sd.rad().powi(2) } else { 0.0 };
-            shared * (own + film.erect_tilt_sd.rad().powi(2))
-        });
         Some(Self {
             films: films.len(),
             joints,
@@ -171,8 +214,8 @@ impl<'a> Fit<'a> {
                 .collect(),
             higher: films.iter().map(|film| film.joints.iter().map(higher).collect()).collect(),
             centres_higher_mm: 0.0,
-            rotations: DVector::from_iterator(rows, all),
-            noise: noise.cholesky()?,
+            rotations: DVector::from_iterator(films.len() * joints, all),
+            precision: Precision::new(films, joints)?,
             loads: DVector::zeros(3 * films.len()),
             logs: vec![0.0; groups.len()],
         })
@@ -231,48 +274,34 @@ impl<'a> Fit<'a> {
             }
         }
         let scales = scale_columns(&mut jacobian);
-        let mut columns = DMatrix::zeros(rows, 2 * self.joints);
-        for row in 0..rows {
-            let joint = row % self.joints;
-            columns[(row, joint)] = predicted[row];
-            columns[(row, self.joints + joint)] = higher[row];
-        }
-        let own = Own::new(self.in_deviations(columns), variances)?;
-        let jacobian = self.in_deviations(jacobian);
-        let residual = self.in_deviations(&self.rotations - predicted);
-        let weighted = own.weigh(&jacobian);
-        let covariance = jacobian.tr_mul(&weighted).cholesky()?.inverse();
-        // Weighed, and less what the unknowns can make up for.
-        let seen =
-            own.weigh(&own.columns) - &weighted * (&covariance * weighted.tr_mul(&own.columns));
-        let (of_residual, of_own) = (seen.tr_mul(&residual), own.columns.tr_mul(&seen));
-        let part = |i: usize, j: usize| {
-            let size = (self.joints, self.joints);
-            of_own.view((i * self.joints, j * self.joints), size)
+        let residual =
+            DMatrix::from_column_slice(rows, 1, (&self.rotations - &predicted).as_slice());
+        let by_films = |rotations: &DVector<f64>| {
+            DMatrix::from_column_slice(self.joints, self.films, rotations.as_slice())
         };
-        let score = |i: usize| {
-            let squares = of_residual.rows(i * self.joints, self.joints).norm_squared();
-            0.5 * (squares - part(i, i).trace())
-        };
-        Some(Weighed {
-            score: Vector2::new(score(0), score(1)),
-            information: Matrix2::from_fn(|i, j| 0.5 * part(i, j).norm_squared()),
-            slope: weighted.tr_mul(&residual),
-            scales,
-            covariance,
-            own,
-            ways,
-        })
-    }
-
-    /// Carries rotations into deviations of the noise, so that they scatter alike and each by itself.
-    fn in_deviations<C: Dim>(&self, rotations: OMatrix<f64, Dyn, C>) -> OMatrix<f64, Dyn, C>
-    where
-        DefaultAllocator: Allocator<Dyn, C>,
-    {
-        let mut carried = rotations;
-        self.noise.l_dirty().solve_lower_triangular_mut(&mut carried);
-        carried
+        let own = Own::new([by_films(&predicted), by_films(&higher)], &self.precision, variances)?;
+        let found = Normal::new(&jacobian, &residual, &self.precision, Some(&own));
+        let covariance = found.matrix.cholesky()?.inverse();
+        let slope = found.right.column(0).into_owned();
+        // What joints have of their own as the rotations tell it, and how unsure that is: by rotations and unknowns.
+        let told = &found.own_by_residual - &found.own_by_columns * (&covariance * &found.right);
+        let unsure = &own.covariance
+            + &found.own_by_columns * &covariance * found.own_by_columns.transpose();
+        let joints = self.joints;
+        let score = Vector2::from_fn(|i, _| {
+            let squares = told.rows(i * joints, joints).norm_squared() / variances[i];
+            let known =
+                unsure.view((i * joints, i * joints), (joints, joints)).trace() / variances[i];
+            0.5 * (squares - (joints as f64 - known)) / variances[i]
+        });
+        let information = Matrix2::from_fn(|i, j| {
+            let unsure = unsure.view((i * joints, j * joints), (joints, joints));
+            let known = if i == j { 1.0 / variances[i] } else { 0.0 };
+            let part =
+                DMatrix::identity(joints, joints) * known - unsure / (variances[i] * variances[j]);
+            0.5 * part.norm_squared()
+        });
+        Some(Weighed { score, information, slope, scales, covariance, own, ways })
     }
 
     /// One Gauss-Newton step of loads and multipliers; answers with the change of a multiplier.
@@ -290,19 +319,18 @@ impl<'a> Fit<'a> {
         let shift = step[3 * self.films + at.ways.ncols()];
         self.centres_higher_mm =
             (self.centres_higher_mm + part * shift).clamp(-MOST_HIGHER_MM, MOST_HIGHER_MM);
-        self.solve_loads(&at.own)?;
+        self.solve_loads(Some(&at.own))?;
         Some(longest)
     }
 
     /// The best loads at the multipliers of now, which is linear.
-    fn solve_loads(&mut self, own: &Own) -> Option<()> {
+    fn solve_loads(&mut self, own: Option<&Own>) -> Option<()> {
         let mut by_loads = self.by_loads();
         let scales = scale_columns(&mut by_loads);
-        let by_loads = self.in_deviations(by_loads);
-        let weighted = own.weigh(&by_loads);
-        let rotations = self.in_deviations(self.rotations.clone());
-        let solved = by_loads.tr_mul(&weighted).cholesky()?.solve(&weighted.tr_mul(&rotations));
-        self.loads = solved.component_div(&scales);
+        let rotations = DMatrix::from_column_slice(by_loads.nrows(), 1, self.rotations.as_slice());
+        let found = Normal::new(&by_loads, &rotations, &self.precision, own);
+        let solved = found.matrix.cholesky()?.solve(&found.right);
+        self.loads = solved.column(0).component_div(&scales);
         Some(())
     }
 
@@ -321,6 +349,37 @@ impl<'a> Fit<'a> {
             centre_sd_mm: variances[1].sqrt(),
             covariance,
         }
+    }
+}
+
+/// The normal equations of columns and a residual, weighed by noise and by what joints have of their own.
+struct Normal {
+    matrix: DMatrix<f64>,
+    right: DMatrix<f64>,
+    /// What joints have of their own, as the columns and the residual alone would tell it.
+    own_by_columns: DMatrix<f64>,
+    own_by_residual: DMatrix<f64>,
+}
+
+impl Normal {
+    fn new(
+        columns: &DMatrix<f64>,
+        residual: &DMatrix<f64>,
+        precision: &Precision,
+        own: Option<&Own>,
+    ) -> Self {
+        let (by_columns, by_residual) = (precision.times(columns), precision.times(residual));
+        let (mut matrix, mut right) = (columns.tr_mul(&by_columns), columns.tr_mul(&by_residual));
+        let (mut own_by_columns, mut own_by_residual) = Default::default();
+        if let Some(own) = own {
+            // Woodbury's identity.
+            let (columns, residual) = (own.gather(&by_columns), own.gather(&by_residual));
+            own_by_columns = &own.covariance * &columns;
+            own_by_residual = &own.covariance * &residual;
+            matrix -= columns.tr_mul(&own_by_columns);
+            right -= columns.tr_mul(&own_by_residual);
+        }
+        Self { matrix, right, own_by_columns, own_by_residual }
     }
 }
 

@@ -43,9 +43,8 @@ pub use quantities::{Absent, Quantity, QuantityUnit};
 pub use tally::{FailureCount, QuantitySpread, Spread, Tally, Uncertainty};
 
 use crate::action::LineKind;
-use crate::analysis::{Analysis, Case, analyze_with_noise};
+use crate::analysis::{Analysis, Case, OtherReadings, analyze_known};
 use crate::anatomy::Posture;
-use crate::measure::Noise;
 use crate::personalize::FitStatus;
 use landmarks::NoisyCase;
 
@@ -83,8 +82,8 @@ impl UncertaintyError {
 pub struct MonteCarlo<'a> {
     nominal: &'a Analysis,
     noisy: NoisyCase,
-    /// Deviations of the case's films, in the order of the postures.
-    held: Vec<Noise>,
+    /// What is known from the case's own readings.
+    known: OtherReadings<'a>,
     quantities: Vec<Quantity>,
     seed: u64,
 }
@@ -110,22 +109,35 @@ impl<'a> MonteCarlo<'a> {
         seed: u64,
     ) -> Result<Self, UncertaintyError> {
         let bends = nominal.postures.iter().any(|p| p.outline.posture.bend().is_some());
-        let has_models = bends && !nominal.warnings.has("no_scale");
+        let has_models = bends && nominal.film_without_scale().is_none();
         let kinds = if has_models { nominal.options.line_kinds() } else { Vec::new() };
         Ok(Self {
             nominal,
             noisy: NoisyCase::new(case, nominal, noise, seed)?,
-            held: nominal.postures.iter().map(|posture| posture.outline.noise).collect(),
+            known: OtherReadings {
+                noise: nominal.postures.iter().map(|posture| posture.outline.noise).collect(),
+                loads: nominal.preferred_loads(),
+                models: &nominal.models,
+            },
             quantities: quantities::all_of(nominal, &kinds),
             seed,
         })
+    }
+
+    /// The same, where every replicate searches for its fits as if the case had none: several times slower.
+    ///
+    /// Else a replicate follows all minima that were found for the case, and searches anew where it fits much worse.
+    #[must_use]
+    pub fn searching_anew(mut self) -> Self {
+        (self.known.models, self.known.loads) = (&[], None);
+        self
     }
 
     /// One replicate; every index has a random stream of its own, so that any may be computed alone, in any order.
     #[must_use]
     pub fn replicate(&self, index: u64) -> Replicate {
         let case = self.noisy.replicate(index);
-        let analysis = match analyze_with_noise(&case, &self.nominal.options, Some(&self.held)) {
+        let analysis = match analyze_known(&case, &self.nominal.options, Some(&self.known)) {
             Ok(analysis) => analysis,
             Err(error) => return Replicate { values: Err(error.code()), endings: Vec::new() },
         };

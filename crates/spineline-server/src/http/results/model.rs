@@ -56,7 +56,7 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
             })
             .collect(),
         lines: lines.filter_map(|(model, relative)| line(analysis, model, relative)).collect(),
-        verdict: analysis.verdict(),
+        verdict: analysis.verdict(&analysis.compare_lines()),
         notices: model_notices(result, analysis),
     }
 }
