@@ -7,12 +7,15 @@ use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::Posture;
 use spineline::personalize::Identifiability;
 use spineline::uncertainty::Uncertainty;
-use spineline_io::{AnalysisFile, ModelFile};
+use spineline_io::{
+    AnalysisFile, FilmOrigin, InputFile, ModelFile, ProgramRun, Provenance, Request,
+};
 use spineline_report::figures;
 
 use crate::args::AnalyzeArgs;
 use crate::failure::{Ending, Failure};
 use crate::progress::map_all;
+use crate::provenance::{Source, in_svg, read_input, this_run, write_table};
 use crate::rows::{chain_text, csv_text};
 use crate::{cohort, comparison, identifiability, models, print, report, uncertainty};
 
@@ -22,7 +25,7 @@ pub fn generator() -> String {
 }
 
 pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
-    let options = args.options.options()?;
+    let request = request(args)?;
     let paths = case_files(&args.cases)?;
     let outputs = [&args.json, &args.csv, &args.chain, &args.cohort].into_iter().flatten();
     let to_stdout = outputs.filter(|path| path.as_os_str() == "-").count();
@@ -35,15 +38,22 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
         return Err(Failure::usage("--model writes the model of one case; give one case file"));
     }
     let results = map_all("analysing", &paths, args.threads, |path| {
-        let case = read_case(path)?;
-        Ok((analyze_case(path, &case, &options)?, case))
+        let source = Source::read(path)?;
+        Ok((analyze_case(path, &source.case, &request.options)?, source))
     })?;
-    let (mut analyses, mut sureness) = (Vec::new(), Vec::new());
+    let mut origins = Origins::new(args, request)?;
+    let (mut analyses, mut sureness) = (Vec::<Analysis>::new(), Vec::new());
     let mut ending = Ending::Done;
     for result in results {
-        match result {
-            Ok((analysis, case)) => {
-                sureness.push(Sureness::ask(&case, &analysis, args)?);
+        match result.and_then(|one| origins.once(one)) {
+            Ok((analysis, source)) => {
+                sureness.push(Sureness::ask(
+                    &source.case,
+                    &analysis,
+                    &origins.request,
+                    args.threads,
+                )?);
+                origins.sources.push(source);
                 analyses.push(analysis);
             }
             Err(failure) if paths.len() == 1 => return Err(failure),
@@ -53,10 +63,11 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
             }
         }
     }
+    eprint!("{}", origins.warnings());
     for analysis in &analyses {
         eprint!("{}", report::warnings(analysis));
     }
-    write_files(args, &analyses, &sureness, paths.len() > 1)?;
+    write_files(args, &analyses, &sureness, &origins, paths.len() > 1)?;
     if to_stdout == 0 {
         print(&match &analyses[..] {
             [one] if paths.len() == 1 => {
@@ -74,21 +85,90 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     Ok(ending)
 }
 
+/// What the command line asks of every case.
+fn request(args: &AnalyzeArgs) -> Result<Request, Failure> {
+    Ok(Request {
+        options: args.options.options()?,
+        replicates: args.uncertainty.replicates(),
+        identifiability: args.uncertainty.identifiability,
+    })
+}
+
+/// What all outputs of a run come from.
+struct Origins {
+    run: ProgramRun,
+    request: Request,
+    /// Read for all cases.
+    shared: Vec<InputFile>,
+    /// In the order of the analyses.
+    sources: Vec<Source>,
+}
+
+impl Origins {
+    fn new(args: &AnalyzeArgs, request: Request) -> Result<Self, Failure> {
+        let tables = args.options.stiffness.iter();
+        let shared = tables.map(|path| read_input(path)).collect::<Result<_, _>>()?;
+        Ok(Self { run: this_run()?, request, shared, sources: Vec::new() })
+    }
+
+    /// Refuses a case that was there before: a cohort would count its patient twice.
+    fn once(&self, (analysis, source): (Analysis, Source)) -> Result<(Analysis, Source), Failure> {
+        if self.sources.iter().any(|earlier| earlier.case.id == source.case.id) {
+            let text = format!("the case {} was given already", source.case.id);
+            let help = "give every case a `case_id` of its own";
+            return Err(Failure::input(&source.input.name, &text, help));
+        }
+        Ok((analysis, source))
+    }
+
+    /// Cases that were analysed before in another way.
+    fn warnings(&self) -> String {
+        let other = |asked: &Request| asked.options != self.request.options;
+        let others = self.sources.iter().filter(|source| source.asked.as_ref().is_some_and(other));
+        let warning = |source: &Source| {
+            format!(
+                "warning: {}: this analysis had other options; `spineline rerun` keeps its own [other_options]\n",
+                source.input.name
+            )
+        };
+        others.map(warning).collect()
+    }
+
+    /// Of an output that is made from some of the cases.
+    fn of(&self, sources: &[Source]) -> Provenance {
+        let films = FilmOrigin::of(sources.iter().map(|source| source.case.synthetic));
+        let inputs = sources.iter().map(|source| source.input.clone());
+        let inputs = inputs.chain(self.shared.iter().cloned()).collect();
+        Provenance::new(self.run.clone(), films, inputs).asking(&self.request)
+    }
+
+    /// Of an output that is made from all of them.
+    fn of_all(&self) -> Provenance {
+        self.of(&self.sources)
+    }
+}
+
 /// What was asked about how sure the numbers of one patient are.
-struct Sureness {
+pub struct Sureness {
     identified: Option<Vec<Option<Identifiability>>>,
     spread: Option<Uncertainty>,
 }
 
 impl Sureness {
-    fn ask(case: &Case, analysis: &Analysis, args: &AnalyzeArgs) -> Result<Self, Failure> {
-        let asked = &args.uncertainty;
-        let identified =
-            asked.identifiability.then(|| identifiability::run(analysis, args.threads));
-        Ok(Self {
-            identified: identified.transpose()?,
-            spread: uncertainty::run(case, analysis, asked, args.threads)?,
-        })
+    /// Asks it, on so many threads.
+    ///
+    /// # Errors
+    /// If the noise cannot be laid on this case.
+    pub fn ask(
+        case: &Case,
+        analysis: &Analysis,
+        request: &Request,
+        threads: usize,
+    ) -> Result<Self, Failure> {
+        let identified = request.identifiability.then(|| identifiability::run(analysis, threads));
+        let spread =
+            request.replicates.map(|asked| uncertainty::run(case, analysis, &asked, threads));
+        Ok(Self { identified: identified.transpose()?, spread: spread.transpose()? })
     }
 
     fn texts(&self, analysis: &Analysis) -> impl Iterator<Item = String> {
@@ -98,7 +178,8 @@ impl Sureness {
         identified.into_iter().chain(spread)
     }
 
-    fn write(&self, analysis: &Analysis, mut file: AnalysisFile) -> AnalysisFile {
+    /// The file of an analysis with the answers.
+    pub fn write(&self, analysis: &Analysis, mut file: AnalysisFile) -> AnalysisFile {
         if let Some(found) = &self.identified {
             file = file.with_identifiability(analysis, found);
         }
@@ -145,16 +226,18 @@ fn is_truth(path: &Path) -> bool {
 }
 
 pub fn analyze_file(path: &Path, options: &AnalysisOptions) -> Result<Analysis, Failure> {
-    analyze_case(path, &read_case(path)?, options)
+    analyze_case(path, &Source::read(path)?.case, options)
 }
 
-fn read_case(path: &Path) -> Result<Case, Failure> {
-    spineline_io::read_text(path)
-        .and_then(|text| spineline_io::parse_case(&text))
-        .map_err(|error| Failure::file(path, &error))
-}
-
-fn analyze_case(path: &Path, case: &Case, options: &AnalysisOptions) -> Result<Analysis, Failure> {
+/// Analyses a case; what stops it is told with the file.
+///
+/// # Errors
+/// What stops the analysis.
+pub fn analyze_case(
+    path: &Path,
+    case: &Case,
+    options: &AnalysisOptions,
+) -> Result<Analysis, Failure> {
     analyze(case, options)
         .map_err(|error| Failure::input(&path.display().to_string(), &error, error.help()))
 }
@@ -163,13 +246,16 @@ fn write_files(
     args: &AnalyzeArgs,
     analyses: &[Analysis],
     sureness: &[Sureness],
+    origins: &Origins,
     many: bool,
 ) -> Result<(), Failure> {
     if let Some(path) = &args.json {
-        let files: Vec<AnalysisFile> = analyses
-            .iter()
-            .zip(sureness)
-            .map(|(one, sure)| sure.write(one, AnalysisFile::new(one, &generator())))
+        let files = analyses.iter().zip(sureness).zip(&origins.sources);
+        let files: Vec<AnalysisFile> = files
+            .map(|((one, sure), source)| {
+                let provenance = origins.of(std::slice::from_ref(source));
+                sure.write(one, AnalysisFile::new(one, source.file.clone(), provenance))
+            })
             .collect();
         let text = match &files[..] {
             [one] if !many => spineline_io::to_text(one),
@@ -178,42 +264,49 @@ fn write_files(
         write_or_print(path, &text)?;
     }
     if let Some(path) = &args.csv {
-        write_or_print(path, &csv_text(analyses)?)?;
+        write_table(path, &csv_text(analyses)?, &origins.of_all())?;
     }
     if let Some(path) = &args.chain {
-        write_or_print(path, &chain_text(analyses)?)?;
+        write_table(path, &chain_text(analyses)?, &origins.of_all())?;
     }
     if let Some(path) = &args.cohort {
         let found = cohort::of(analyses);
-        let text = if path.extension().is_some_and(|end| end == "csv") {
-            comparison::cohort_csv(&found)?
+        if path.extension().is_some_and(|end| end == "csv") {
+            write_table(path, &comparison::cohort_csv(&found)?, &origins.of_all())?;
         } else {
-            spineline_io::to_text(&cohort::file(analyses, &found, &generator()))
-        };
-        write_or_print(path, &text)?;
+            let file = cohort::file(analyses, &found, &generator());
+            let file = file.with_provenance(origins.of_all());
+            write_or_print(path, &spineline_io::to_text(&file))?;
+        }
     }
     if let (Some(path), [analysis]) = (&args.model, analyses) {
-        let kind = args.model_line.kind();
-        let Some(model) = analysis.models.iter().find(|model| model.kind == kind) else {
-            let text =
-                format!("there is no model with the {kind}, so --model has nothing to write");
-            return Err(Failure::input(
-                &analysis.case_id,
-                &text,
-                "the warnings say why; try --model-line iliac",
-            ));
-        };
-        write_or_print(
-            path,
-            &spineline_io::to_text(&ModelFile::new(analysis, model, &generator())),
-        )?;
+        write_model(path, args, analysis, origins)?;
     }
     if let Some(folder) = &args.figures {
-        for analysis in analyses {
-            draw(analysis, folder)?;
+        for (analysis, source) in analyses.iter().zip(&origins.sources) {
+            draw(analysis, &origins.of(std::slice::from_ref(source)), folder)?;
         }
     }
     Ok(())
+}
+
+fn write_model(
+    path: &Path,
+    args: &AnalyzeArgs,
+    analysis: &Analysis,
+    origins: &Origins,
+) -> Result<(), Failure> {
+    let kind = args.model_line.kind();
+    let Some(model) = analysis.models.iter().find(|model| model.kind == kind) else {
+        let text = format!("there is no model with the {kind}, so --model has nothing to write");
+        return Err(Failure::input(
+            &analysis.case_id,
+            &text,
+            "the warnings say why; try --model-line iliac",
+        ));
+    };
+    let file = ModelFile::new(analysis, model, &generator()).with_provenance(origins.of_all());
+    write_or_print(path, &spineline_io::to_text(&file))
 }
 
 /// Writes a file as a whole: a reader never sees half of it.
@@ -234,11 +327,14 @@ pub fn write_or_print(path: &Path, text: &str) -> Result<(), Failure> {
 }
 
 /// The figures of one patient.
-fn draw(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
+///
+/// # Errors
+/// If they cannot be written.
+pub fn draw(analysis: &Analysis, provenance: &Provenance, folder: &Path) -> Result<(), Failure> {
     let save = |name: &str, svg: &str| {
         write_file(
             &folder.join(format!("{}-{name}.svg", analysis.case_id.replace(['/', '\\'], "_"))),
-            svg,
+            in_svg(svg, provenance),
         )
     };
     save("overview", &figures::case_overview(analysis))?;

@@ -59,6 +59,9 @@ pub enum Command {
     /// Keep films, blinded readings and every click in one file that proves its own history
     #[command(after_help = study::EXAMPLES)]
     Study(StudyArgs),
+    /// Repeat analyses from their files or reports, and say what differs
+    #[command(after_help = crate::rerun::EXAMPLES)]
+    Rerun(crate::rerun::RerunArgs),
     /// Open the browser app: from films to a model, on this machine
     #[command(after_help = crate::serve::EXAMPLES)]
     Serve(crate::serve::ServeArgs),
@@ -98,6 +101,7 @@ pub enum SchemaName {
     Cohort,
     Model,
     Load,
+    Provenance,
     Reliability,
     Simulation,
     Stiffness,
@@ -111,6 +115,7 @@ impl SchemaName {
             Self::Cohort => "cohort",
             Self::Model => "model",
             Self::Load => "load",
+            Self::Provenance => "provenance",
             Self::Reliability => "reliability",
             Self::Simulation => "simulation",
             Self::Stiffness => "stiffness",
@@ -186,7 +191,7 @@ pub enum EncodingName {
 
 #[derive(Args)]
 pub struct AnalyzeArgs {
-    /// Case files, or folders of them; more than one case is a cohort
+    /// Case files or analyses, or folders of them; more than one case is a cohort
     #[arg(required = true, value_name = "CASE")]
     pub cases: Vec<PathBuf>,
     /// Write the analysis as JSON (`-`: standard output); a list for a cohort
@@ -337,7 +342,7 @@ pub struct OptionArgs {
     prior: Prior,
     /// Stiffness table to start from (`spineline stiffness` prints the built-in one)
     #[arg(long, value_name = "FILE")]
-    stiffness: Option<PathBuf>,
+    pub stiffness: Option<PathBuf>,
     /// Inflections picked by hand, caudal first, each a vertebra or a disc: L1/T12,T6
     #[arg(long, value_name = "SITE,SITE", value_parser = inflection_sites)]
     inflections: Option<[Site; 2]>,

@@ -14,6 +14,8 @@ pub enum Ending {
     BadInput,
     /// Finished, but something did not converge.
     NotConverged,
+    /// What was repeated came out different.
+    Differs,
 }
 
 impl From<Ending> for ExitCode {
@@ -21,7 +23,7 @@ impl From<Ending> for ExitCode {
         Self::from(match ending {
             Ending::Done => 0,
             Ending::BadInput => 3,
-            Ending::NotConverged => 4,
+            Ending::NotConverged | Ending::Differs => 4,
         })
     }
 }

@@ -17,9 +17,11 @@ mod models;
 mod noise_study;
 mod phantom;
 mod progress;
+mod provenance;
 mod reliability;
 mod report;
 mod reproduce;
+mod rerun;
 mod rows;
 mod serve;
 mod simulate;
@@ -57,6 +59,7 @@ fn run(command: Command) -> Result<Ending, Failure> {
         Command::Study(args) => study::run(&args),
         Command::Serve(args) => serve::run(&args),
         Command::Account(args) => account::run(&args),
+        Command::Rerun(args) => rerun::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Reliability(args) => reliability::run(&args),
         Command::Phantom(args) => phantom::run(&args),

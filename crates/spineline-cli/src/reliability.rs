@@ -9,12 +9,13 @@ use spineline::reliability::{
     BlandAltman, Design, DesignReliability, Quantity, QuantityReliability, Statistic, assess,
     film_quantities, shown_measure,
 };
-use spineline_io::ReliabilityFile;
+use spineline_io::{FilmOrigin, InputFile, Provenance, ReliabilityFile};
 use spineline_report::figures;
 
 use crate::analyze::{case_files, generator, write_file, write_or_print};
 use crate::failure::{Ending, Failure};
 use crate::print;
+use crate::provenance::{Source, in_svg, input_of, this_run, write_table};
 use crate::rows::{failed, finish};
 use crate::table::{Table, wrap};
 
@@ -56,17 +57,19 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
     if to_stdout > 1 {
         return Err(Failure::usage("only one of --json and --csv can go to the standard output"));
     }
-    let (quantities, synthetic) = read(&args.inputs)?;
+    let Readings { quantities, synthetic, inputs } = read(&args.inputs)?;
+    let provenance = Provenance::new(this_run()?, FilmOrigin::of([synthetic]), inputs);
     let found: Vec<QuantityReliability> = quantities.iter().map(assess).collect();
     if let Some(path) = &args.json {
-        let file = ReliabilityFile::new(&found, synthetic, &generator());
+        let file = ReliabilityFile::new(&found, synthetic, &generator())
+            .with_provenance(provenance.clone());
         write_or_print(path, &spineline_io::to_text(&file))?;
     }
     if let Some(path) = &args.csv {
-        write_or_print(path, &csv_text(&found, synthetic)?)?;
+        write_table(path, &csv_text(&found, synthetic)?, &provenance)?;
     }
     if let Some(folder) = &args.figure {
-        draw(&found, synthetic, folder)?;
+        draw(&found, synthetic, &provenance, folder)?;
     }
     if to_stdout == 0 {
         print(&text(&found, synthetic))?;
@@ -74,8 +77,16 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
     Ok(Ending::Done)
 }
 
-/// The quantities of a table or of cases, and whether any is made up.
-fn read(inputs: &[PathBuf]) -> Result<(Vec<Quantity>, bool), Failure> {
+/// What was read.
+struct Readings {
+    quantities: Vec<Quantity>,
+    /// Whether any film is made up.
+    synthetic: bool,
+    inputs: Vec<InputFile>,
+}
+
+/// The quantities of a table or of cases.
+fn read(inputs: &[PathBuf]) -> Result<Readings, Failure> {
     let is_table = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
     if !inputs.iter().any(is_table) {
         return read_cases(inputs);
@@ -83,19 +94,19 @@ fn read(inputs: &[PathBuf]) -> Result<(Vec<Quantity>, bool), Failure> {
     let [path] = inputs else {
         return Err(Failure::usage("give either case files, or one table of readings"));
     };
-    let table = spineline_io::read_text(path)
-        .and_then(|text| spineline_io::parse_readings(&text))
-        .map_err(|error| Failure::file(path, &error))?;
-    Ok((table.quantities, table.synthetic))
+    let failed = |error| Failure::file(path, &error);
+    let text = spineline_io::read_text(path).map_err(failed)?;
+    let table = spineline_io::parse_readings(&text).map_err(failed)?;
+    let (quantities, synthetic) = (table.quantities, table.synthetic);
+    Ok(Readings { quantities, synthetic, inputs: vec![input_of(path, &text)] })
 }
 
-fn read_cases(inputs: &[PathBuf]) -> Result<(Vec<Quantity>, bool), Failure> {
+fn read_cases(given: &[PathBuf]) -> Result<Readings, Failure> {
     let mut cases: Vec<(String, Vec<FilmReadings>)> = Vec::new();
-    let mut synthetic = false;
-    for path in case_files(inputs)? {
-        let case = spineline_io::read_text(&path)
-            .and_then(|text| spineline_io::parse_case(&text))
-            .map_err(|error| Failure::file(&path, &error))?;
+    let (mut synthetic, mut inputs) = (false, Vec::new());
+    for path in case_files(given)? {
+        let Source { case, input, .. } = Source::read(&path)?;
+        inputs.push(input);
         let place = path.display().to_string();
         if cases.iter().any(|(id, _)| *id == case.id) {
             let text = format!("the case {} was given already", case.id);
@@ -108,7 +119,7 @@ fn read_cases(inputs: &[PathBuf]) -> Result<(Vec<Quantity>, bool), Failure> {
     }
     let borrowed: Vec<(&str, &[FilmReadings])> =
         cases.iter().map(|(id, films)| (id.as_str(), films.as_slice())).collect();
-    Ok((film_quantities(&borrowed), synthetic))
+    Ok(Readings { quantities: film_quantities(&borrowed), synthetic, inputs })
 }
 
 /// One table per quantity and design, the errors first.
@@ -278,14 +289,19 @@ fn limit_cells(
 }
 
 /// One picture per quantity and design; observers' names stay out of the files' names.
-fn draw(found: &[QuantityReliability], synthetic: bool, folder: &Path) -> Result<(), Failure> {
+fn draw(
+    found: &[QuantityReliability],
+    synthetic: bool,
+    provenance: &Provenance,
+    folder: &Path,
+) -> Result<(), Failure> {
     let plain = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
     for (i, quantity) in found.iter().enumerate() {
         for (j, design) in quantity.designs.iter().enumerate() {
             let Some(svg) = figures::bland_altman(quantity, design, synthetic) else { continue };
             let name: String = quantity.key.chars().map(plain).take(40).collect();
             let file = format!("{:02}-{name}-{}-{}.svg", i + 1, j + 1, design.design.key());
-            write_file(&folder.join(file), &svg)?;
+            write_file(&folder.join(file), in_svg(&svg, provenance))?;
         }
     }
     Ok(())

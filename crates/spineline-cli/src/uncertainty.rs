@@ -9,6 +9,7 @@ use spineline::anatomy::{Level, Posture};
 use spineline::uncertainty::{
     MonteCarlo, Quantity, QuantitySpread, QuantityUnit, Replicate, Uncertainty,
 };
+use spineline_io::Replicates;
 
 use crate::args::UncertaintyArgs;
 use crate::failure::Failure;
@@ -18,21 +19,29 @@ use crate::{progress, stop};
 /// Replicates that are computed before they are told in order; more would only take memory.
 const BLOCK: u64 = 256;
 
-/// Runs the replicates that were asked for; `None` where none were. Ctrl-C ends them early, with what is done.
+impl UncertaintyArgs {
+    /// The replicates that were asked for.
+    pub fn replicates(&self) -> Option<Replicates> {
+        let count = self.replicates?;
+        Some(Replicates { count, noise: self.noise, seed: self.seed })
+    }
+}
+
+/// Runs the replicates that were asked for. Ctrl-C ends them early, with what is done.
 ///
 /// # Errors
 /// If the noise cannot be laid on this case.
 pub fn run(
     case: &Case,
     nominal: &Analysis,
-    args: &UncertaintyArgs,
+    asked: &Replicates,
     threads: usize,
-) -> Result<Option<Uncertainty>, Failure> {
-    let Some(asked) = args.replicates else { return Ok(None) };
-    let monte_carlo = MonteCarlo::new(case, nominal, args.noise, args.seed)
+) -> Result<Uncertainty, Failure> {
+    let monte_carlo = MonteCarlo::new(case, nominal, asked.noise, asked.seed)
         .map_err(|error| Failure::input(&case.id, &error, error.help()))?;
     stop::catch()?;
     let pool = progress::pool(threads)?;
+    let asked = asked.count;
     let bar = progress::bar("replicates", usize::try_from(asked).unwrap_or(usize::MAX));
     let mut tally = monte_carlo.tally();
     let mut next = 0;
@@ -44,7 +53,7 @@ pub fn run(
         next = end;
     }
     bar.finish_and_clear();
-    Ok(Some(tally.finish(asked)))
+    Ok(tally.finish(asked))
 }
 
 fn block(

@@ -9,7 +9,10 @@ use spineline::anatomy::Posture;
 use spineline::measure::{FilmMarks, ImageGeometry};
 use spineline_io::film::{DicomFilm, Encoding, FilmPolarity, View, write_dicom};
 use spineline_io::landmarks::{LandmarkTarget, ReportOf, SourceImage, export_landmarks, write_sr};
-use spineline_io::{CaseFile, ModelFile, StiffnessFile, to_text};
+use spineline_io::{
+    AnalysisFile, CaseFile, FilmOrigin, ModelFile, ProgramRun, Provenance, Request, StiffnessFile,
+    to_text,
+};
 use spineline_phantom::{Readers, Truth, generate};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -19,6 +22,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     put("case", "phantom", to_text(&CaseFile::from_case(case)))?;
     let model = ModelFile::new(&analysis, &analysis.models[0], "seeds");
     put("other_files", "model", to_text(&model))?;
+    let run = ProgramRun {
+        program: "seeds".to_owned(),
+        command: Vec::new(),
+        date_utc: "1970-01-01T00:00:00Z".to_owned(),
+    };
+    let provenance = Provenance::new(run, FilmOrigin::Synthetic, Vec::new());
+    let provenance = provenance.asking(&Request::default());
+    let file = AnalysisFile::new(&analysis, CaseFile::from_case(case), provenance);
+    put("other_files", "analysis", to_text(&file))?;
     let library = spineline::multibody::StiffnessLibrary::default();
     put("other_files", "stiffness", to_text(&StiffnessFile::from(&library)))?;
     put("other_files", "load", LOAD)?;

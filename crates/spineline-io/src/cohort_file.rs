@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use spineline::cohort::{Clustered, Cohort, LinePairTest, RoleErrors};
 use spineline::evaluate::statistics::PairedT;
 
+use crate::Provenance;
 use crate::analysis_file::NumbersRecord;
 
 /// The lines of action over many patients, on the same films. Location errors in mm, Ferguson errors in degrees.
@@ -17,6 +18,9 @@ pub struct CohortFile {
     version: u32,
     /// Program that wrote it.
     generator: String,
+    /// Where it comes from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    provenance: Option<Provenance>,
     /// Whether any patient is made up.
     synthetic: bool,
     case_ids: Vec<String>,
@@ -120,6 +124,7 @@ impl CohortFile {
             format: "spineline-cohort".to_owned(),
             version: 1,
             generator: generator.to_owned(),
+            provenance: None,
             synthetic: cohort.synthetic,
             case_ids,
             seed,
@@ -135,6 +140,13 @@ impl CohortFile {
             incompatible_patients: [against, asked],
             verdict: cohort.sentences(),
         }
+    }
+
+    /// The same file with where it comes from.
+    #[must_use]
+    pub fn with_provenance(mut self, provenance: Provenance) -> Self {
+        self.provenance = Some(provenance);
+        self
     }
 }
 

@@ -96,6 +96,18 @@ pub enum FileError {
         /// Film.
         posture: Posture,
     },
+    /// An analysis that does not hold what it was made from.
+    #[error("it has no `{part}`, so nobody can say what it was made from")]
+    NotRepeatable {
+        /// What is missing.
+        part: &'static str,
+    },
+    /// The gauge of a known force without the force.
+    #[error("the gauge is `known_force`, and there is no `known_force` beside it")]
+    NoKnownForce,
+    /// Replicates without a seed.
+    #[error("there are `replicates`, and no `seed` beside them")]
+    NoSeed,
     /// A stiffness table that the model cannot use.
     #[error(transparent)]
     Stiffness(#[from] spineline::multibody::StiffnessError),
@@ -202,7 +214,7 @@ impl FileError {
                 "`spineline schema case` (or model, load, stiffness) prints every key with its meaning"
             }
             Self::Format { .. } => {
-                "`analyze` and `check` read cases; `simulate` reads a model, which `analyze CASE --model FILE` writes, and `--load` a load"
+                "`analyze` and `check` read cases and analyses, `rerun` analyses; `simulate` reads a model, which `analyze CASE --model FILE` writes, and `--load` a load"
             }
             Self::Version { .. } => {
                 "install a newer Spineline, or write the file again with this one"
@@ -218,6 +230,9 @@ impl FileError {
             }
             Self::SpacingOfPixels { .. } => {
                 "leave the spacings out, or say in which plane they are: patient, detector or unknown"
+            }
+            Self::NotRepeatable { .. } | Self::NoKnownForce | Self::NoSeed => {
+                "analyse the case again with `spineline analyze CASE --json FILE`"
             }
             Self::Stiffness(_) => {
                 "`spineline schema stiffness` prints the format; give every joint from L4/L3 to T3/T2 one row"

@@ -17,7 +17,7 @@ pub(crate) fn parse<T: DeserializeOwned>(
     format: &'static str,
     version: u32,
 ) -> Result<T, FileError> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let text = without_mark(text);
     // What kind of file it is comes first: a model given as a case should say so, not list its keys.
     if let Ok(header) = serde_json::from_str::<Header>(text) {
         let found = header.format.unwrap_or_default();
@@ -29,6 +29,15 @@ pub(crate) fn parse<T: DeserializeOwned>(
         }
     }
     parse_value(text)
+}
+
+/// What kind of file it says it is.
+pub(crate) fn format_of(text: &str) -> Option<String> {
+    serde_json::from_str::<Header>(without_mark(text)).ok()?.format
+}
+
+fn without_mark(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
 /// Reads a part of a file.

@@ -10,6 +10,7 @@ use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use spineline::anatomy::{Level, Posture, Region};
 use spineline::measure::SpacingSource;
+use spineline::multibody::Support;
 
 /// A vertebra as a key: `L4`, `T12` (`Th12` and `D12` are read too).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -173,6 +174,34 @@ impl From<Region> for RegionKey {
             Region::ThoracolumbarLumbar => Self::ThoracolumbarLumbar,
             Region::MainThoracic => Self::MainThoracic,
             Region::ProximalThoracic => Self::ProximalThoracic,
+        }
+    }
+}
+
+/// What holds a patient.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SupportKey {
+    /// Nothing but L4.
+    Free,
+    /// A table: flexion and axial hinges are locked.
+    Frontal,
+}
+
+impl From<Support> for SupportKey {
+    fn from(support: Support) -> Self {
+        match support {
+            Support::Free => Self::Free,
+            Support::Frontal => Self::Frontal,
+        }
+    }
+}
+
+impl From<SupportKey> for Support {
+    fn from(key: SupportKey) -> Self {
+        match key {
+            SupportKey::Free => Self::Free,
+            SupportKey::Frontal => Self::Frontal,
         }
     }
 }

@@ -25,12 +25,15 @@ mod keys;
 pub mod landmarks;
 mod load_file;
 mod model_file;
+mod options_record;
+mod provenance;
 mod readings_table;
 mod reliability_file;
+mod request;
 mod simulation_file;
 mod stiffness_file;
 
-pub use analysis_file::AnalysisFile;
+pub use analysis_file::{AnalysisFile, StoredAnalysis, parse_analysis, parse_case_within};
 pub use case_file::{
     CaseFile, FilmSource, image_value, parse_case, parse_case_file, parse_image, with_spacing,
     written_axis_deg,
@@ -42,8 +45,10 @@ pub use export::{ExportError, ExportFormat, export};
 pub use keys::LevelKey;
 pub use load_file::{AppliedLoad, LoadFile, PlacedLoads, TimingKey, parse_load};
 pub use model_file::{ApplicationKey, LoadRecord, ModelFile, StoredModel, parse_model};
+pub use provenance::{FilmOrigin, InputFile, ProgramRun, Provenance, ProvenanceFile};
 pub use readings_table::{ReadingsTable, parse_readings};
 pub use reliability_file::ReliabilityFile;
+pub use request::{Replicates, Request};
 pub use simulation_file::{SimulationFile, SimulationWarning};
 pub use stiffness_file::{StiffnessFile, parse_stiffness};
 
@@ -60,7 +65,8 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
         .map_err(|source| FileError::Read { path: path.to_owned(), source })
 }
 
-/// A file format by name: `case`, `analysis`, `cohort`, `model`, `load`, `reliability`, `simulation` or `stiffness`.
+/// A file format by name: `case`, `analysis`, `cohort`, `model`, `load`, `provenance`, `reliability`, `simulation` or
+/// `stiffness`.
 #[must_use]
 pub fn schema(name: &str) -> Option<Schema> {
     match name {
@@ -69,6 +75,7 @@ pub fn schema(name: &str) -> Option<Schema> {
         "cohort" => Some(schemars::schema_for!(CohortFile)),
         "model" => Some(schemars::schema_for!(ModelFile)),
         "load" => Some(schemars::schema_for!(LoadFile)),
+        "provenance" => Some(schemars::schema_for!(ProvenanceFile)),
         "reliability" => Some(schemars::schema_for!(ReliabilityFile)),
         "simulation" => Some(schemars::schema_for!(SimulationFile)),
         "stiffness" => Some(schemars::schema_for!(StiffnessFile)),

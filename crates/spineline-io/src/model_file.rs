@@ -8,8 +8,9 @@ use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Mat3, Vec3};
 
 use crate::FileError;
+use crate::Provenance;
 use crate::json::parse;
-use crate::keys::{LevelKey, PostureKey, RegionKey};
+use crate::keys::{LevelKey, PostureKey, RegionKey, SupportKey};
 
 const FORMAT: &str = "spineline-model";
 const VERSION: u32 = 1;
@@ -49,6 +50,9 @@ pub struct ModelFile {
     /// Where Cobb and Ferguson angles are measured, caudal first; the usual places if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     regions: Option<Vec<RegionRecord>>,
+    /// Where it comes from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    provenance: Option<Provenance>,
 }
 
 /// Between which vertebrae a curve is measured, chosen on the erect film.
@@ -65,13 +69,6 @@ struct RegionRecord {
     cobb_inferior: LevelKey,
     /// Upper end vertebra of the Cobb angle.
     cobb_superior: LevelKey,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-enum SupportKey {
-    Free,
-    Frontal,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -136,6 +133,24 @@ pub enum ApplicationKey {
     Fixed,
     /// At T2's midpoint.
     AtT2,
+}
+
+impl From<Application> for ApplicationKey {
+    fn from(application: Application) -> Self {
+        match application {
+            Application::Fixed => Self::Fixed,
+            Application::AtT2 => Self::AtT2,
+        }
+    }
+}
+
+impl From<ApplicationKey> for Application {
+    fn from(key: ApplicationKey) -> Self {
+        match key {
+            ApplicationKey::Fixed => Self::Fixed,
+            ApplicationKey::AtT2 => Self::AtT2,
+        }
+    }
 }
 
 /// A model as read back: what a simulation needs.
@@ -219,10 +234,7 @@ impl ModelFile {
                     Application::AtT2 => [top_x_mm, s.line.point.y_mm, s.line.point.z_mm],
                 },
                 direction: [0.0, s.line.direction.y_mm, s.line.direction.z_mm],
-                application: match s.line.application {
-                    Application::Fixed => ApplicationKey::Fixed,
-                    Application::AtT2 => ApplicationKey::AtT2,
-                },
+                application: s.line.application.into(),
             })
             .collect();
         Self {
@@ -232,17 +244,22 @@ impl ModelFile {
             case_id: analysis.case_id.clone(),
             synthetic: analysis.synthetic,
             line: model.kind.key().to_owned(),
-            support: match analysis.options.support {
-                Support::Free => SupportKey::Free,
-                Support::Frontal => SupportKey::Frontal,
-            },
+            support: analysis.options.support.into(),
             gauge: analysis.options.gauge.key().to_owned(),
             absolute: model.is_absolute(analysis.options.gauge),
             vertebrae,
             joints,
             loads,
             regions: Some(regions(analysis)),
+            provenance: None,
         }
+    }
+
+    /// The same file with where it comes from.
+    #[must_use]
+    pub fn with_provenance(mut self, provenance: Provenance) -> Self {
+        self.provenance = Some(provenance);
+        self
     }
 }
 
@@ -340,10 +357,7 @@ pub fn parse_model(text: &str) -> Result<StoredModel, FileError> {
             .collect(),
         stiffness: file.joints.iter().map(JointRecord::stiffness).collect(),
         curves,
-        support: match file.support {
-            SupportKey::Free => Support::Free,
-            SupportKey::Frontal => Support::Frontal,
-        },
+        support: file.support.into(),
         loads: file.loads,
     })
 }

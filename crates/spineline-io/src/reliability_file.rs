@@ -6,6 +6,8 @@ use spineline::reliability::{
     BlandAltman, Design, DesignReliability, QuantityReliability, Statistic,
 };
 
+use crate::Provenance;
+
 /// Reliability and error of readings. Lengths in the unit of their quantity, angles in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(title = "Spineline reliability, version 1")]
@@ -14,6 +16,9 @@ pub struct ReliabilityFile {
     version: u32,
     /// Program that wrote it.
     generator: String,
+    /// Where it comes from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    provenance: Option<Provenance>,
     /// Whether any reading is of made-up films.
     synthetic: bool,
     quantities: Vec<QuantityRecord>,
@@ -97,9 +102,17 @@ impl ReliabilityFile {
             format: "spineline-reliability".to_owned(),
             version: 1,
             generator: generator.to_owned(),
+            provenance: None,
             synthetic,
             quantities: quantities.iter().map(QuantityRecord::new).collect(),
         }
+    }
+
+    /// The same file with where it comes from.
+    #[must_use]
+    pub fn with_provenance(mut self, provenance: Provenance) -> Self {
+        self.provenance = Some(provenance);
+        self
     }
 }
 

@@ -11,7 +11,7 @@ use spineline::spatial::{Mat3, Vec3};
 
 use crate::keys::{ByLevel, JointKey, LevelKey, RegionKey};
 use crate::load_file::TimingKey;
-use crate::{AppliedLoad, LoadFile, PlacedLoads, StoredModel};
+use crate::{AppliedLoad, LoadFile, PlacedLoads, Provenance, StoredModel};
 
 /// What a personalised model does under loads. `G`: x anterior, y left, z cranial, origin at L4's midpoint; mm, N, N·mm,
 /// rad, angles for people in degrees. A positive lean is to the patient's right, positive Cobb and Ferguson angles are
@@ -25,6 +25,9 @@ pub struct SimulationFile {
     version: u32,
     /// Program that wrote it.
     generator: String,
+    /// Where it comes from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    provenance: Option<Provenance>,
     case_id: String,
     /// Whether the films behind the model are made up: then every number here is.
     synthetic: bool,
@@ -171,6 +174,7 @@ impl SimulationFile {
             format: "spineline-simulation".to_owned(),
             version: 1,
             generator: generator.to_owned(),
+            provenance: None,
             case_id: model.case_id.clone(),
             synthetic: model.synthetic,
             absolute: model.absolute,
@@ -185,6 +189,13 @@ impl SimulationFile {
             path: response.paths.iter().flat_map(|signed| writer.path(signed)).collect(),
             warnings,
         }
+    }
+
+    /// The same file with where it comes from.
+    #[must_use]
+    pub fn with_provenance(mut self, provenance: Provenance) -> Self {
+        self.provenance = Some(provenance);
+        self
     }
 }
 

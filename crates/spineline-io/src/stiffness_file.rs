@@ -40,21 +40,39 @@ struct JointRow {
 /// # Errors
 /// [`FileError`].
 pub fn parse_stiffness(text: &str) -> Result<StiffnessLibrary, FileError> {
-    let file: StiffnessFile = parse(text, FORMAT, VERSION)?;
-    let rows = file.joints.into_iter().map(|row| JointStiffness {
-        inferior: row.inferior.0,
-        superior: row.superior.0,
-        nmm_per_rad: [row.lateral_nm_per_rad, row.flexion_nm_per_rad, row.axial_nm_per_rad]
-            .map(|newton_metres| 1000.0 * newton_metres),
-        source: row.source,
-    });
-    Ok(StiffnessLibrary::from_rows(rows.collect())?)
+    parse::<StiffnessFile>(text, FORMAT, VERSION)?.library()
+}
+
+impl StiffnessFile {
+    /// The springs that this file holds.
+    pub(crate) fn library(self) -> Result<StiffnessLibrary, FileError> {
+        let rows = self.joints.into_iter().map(|row| JointStiffness {
+            inferior: row.inferior.0,
+            superior: row.superior.0,
+            nmm_per_rad: [row.lateral_nm_per_rad, row.flexion_nm_per_rad, row.axial_nm_per_rad]
+                .map(newton_millimetres),
+            source: row.source,
+        });
+        Ok(StiffnessLibrary::from_rows(rows.collect())?)
+    }
+}
+
+fn newton_millimetres(newton_metres: f64) -> f64 {
+    1000.0 * newton_metres
+}
+
+/// A number in a file's unit that reading turns into the same bits again, where one of the neighbours of the rounded one
+/// does; so an analysis is repeated from its file to the last bit.
+pub(crate) fn border(inside: f64, rounded: f64, read: impl Fn(f64) -> f64) -> f64 {
+    let neighbours = [rounded, rounded.next_up(), rounded.next_down()];
+    neighbours.into_iter().find(|&written| read(written) == inside).unwrap_or(rounded)
 }
 
 impl From<&StiffnessLibrary> for StiffnessFile {
     fn from(library: &StiffnessLibrary) -> Self {
         let row = |row: &JointStiffness| {
-            let [lateral, flexion, axial] = row.nmm_per_rad.map(|value| value / 1000.0);
+            let [lateral, flexion, axial] =
+                row.nmm_per_rad.map(|nmm| border(nmm, nmm / 1000.0, newton_millimetres));
             JointRow {
                 inferior: LevelKey(row.inferior),
                 superior: LevelKey(row.superior),

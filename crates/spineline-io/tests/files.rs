@@ -1,6 +1,6 @@
 //! Files: what is written is read back the same, and what is wrong is told by place and name.
 
-use spineline::analysis::{AnalysisOptions, analyze};
+use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{
     FilmMarks, LateralCorners, LateralFilm, Reading, ReadingId, Spacing, SpacingPlane,
@@ -10,8 +10,8 @@ use spineline::multibody::{Load, Solution, Statics, StiffnessLibrary};
 use spineline::spatial::Pixel;
 use spineline::uncertainty::{LandmarkNoise, MonteCarlo};
 use spineline_io::{
-    AnalysisFile, CaseFile, FileError, FilmSource, ModelFile, StiffnessFile, parse_case,
-    parse_model, parse_stiffness, to_text,
+    AnalysisFile, CaseFile, FileError, FilmOrigin, FilmSource, InputFile, ModelFile, ProgramRun,
+    Provenance, Request, StiffnessFile, parse_case, parse_model, parse_stiffness, to_text,
 };
 use spineline_phantom::{Phantom, Readers, Truth, generate};
 
@@ -213,11 +213,25 @@ fn a_stored_model_gives_the_shapes_of_the_analysis() {
     }
 }
 
+fn provenance() -> Provenance {
+    let run = ProgramRun {
+        program: "spineline 0".to_owned(),
+        command: vec!["spineline".to_owned(), "analyze".to_owned()],
+        date_utc: "2026-01-02T03:04:05Z".to_owned(),
+    };
+    Provenance::new(run, FilmOrigin::Synthetic, vec![InputFile::of("case.json", b"{}")])
+}
+
+fn analysis_file(analysis: &Analysis, case: &Case) -> AnalysisFile {
+    let request = Request { options: analysis.options.clone(), ..Request::default() };
+    AnalysisFile::new(analysis, CaseFile::from_case(case), provenance().asking(&request))
+}
+
 #[test]
 fn an_analysis_file_can_be_read_by_its_own_type_and_says_synthetic() {
     let case = phantom(&Readers::default()).case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
-    let file = AnalysisFile::new(&analysis, "test");
+    let file = analysis_file(&analysis, &case);
     let text = to_text(&file);
     let read: AnalysisFile = serde_json::from_str(&text).expect("our own file");
     assert_eq!(read, file);
@@ -240,7 +254,7 @@ fn an_analysis_file_holds_what_noise_does_and_is_read_with_it_and_without() {
         MonteCarlo::new(&case, &analysis, LandmarkNoise::Pixels(2.0), 1).expect("sound noise");
     let mut tally = monte_carlo.tally();
     (0..3).for_each(|index| tally.add(&monte_carlo.replicate(index)));
-    let plain = AnalysisFile::new(&analysis, "test");
+    let plain = analysis_file(&analysis, &case);
     assert!(!to_text(&plain).contains("\"uncertainty\""));
     let file = plain.with_uncertainty(&analysis, &tally.finish(4));
     let text = to_text(&file);
@@ -261,9 +275,9 @@ fn an_analysis_file_holds_what_noise_does_and_is_read_with_it_and_without() {
 
 #[test]
 fn an_analysis_file_holds_what_the_films_say_of_multipliers() {
-    let analysis = analyze(&phantom(&Readers::default()).case, &AnalysisOptions::default());
-    let analysis = analysis.expect("a phantom");
-    let plain = AnalysisFile::new(&analysis, "test");
+    let case = phantom(&Readers::default()).case;
+    let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
+    let plain = analysis_file(&analysis, &case);
     assert!(!to_text(&plain).contains("\"identifiability\""));
     let found: Vec<_> = analysis.models.iter().map(|m| analysis.identifiability(m)).collect();
     let text = to_text(&plain.with_identifiability(&analysis, &found));
@@ -305,9 +319,17 @@ fn the_stiffness_table_comes_back_and_a_hole_is_named() {
 
 #[test]
 fn every_schema_is_an_object_that_requires_its_format() {
-    for name in
-        ["case", "analysis", "cohort", "model", "load", "reliability", "simulation", "stiffness"]
-    {
+    for name in [
+        "case",
+        "analysis",
+        "cohort",
+        "model",
+        "load",
+        "provenance",
+        "reliability",
+        "simulation",
+        "stiffness",
+    ] {
         let schema = spineline_io::schema(name).expect("a known format");
         let required = schema.get("required").and_then(|r| r.as_array()).expect("required keys");
         assert!(required.iter().any(|key| key == "format"), "{name}");

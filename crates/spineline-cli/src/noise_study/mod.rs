@@ -16,6 +16,7 @@ use spineline::cohort::{Claims, PatientClaims};
 use spineline::curve::OrderRule;
 use spineline::evaluate::statistics::Share;
 use spineline::multibody::Support;
+use spineline_io::{FilmOrigin, Provenance};
 use spineline_phantom::{Readers, SUBJECTS, Truth, generate_read};
 
 use crate::analyze::write_file;
@@ -24,6 +25,7 @@ use crate::failure::{Ending, Failure};
 use crate::phantom::TruthName;
 use crate::print;
 use crate::progress::map_all;
+use crate::provenance::{in_svg, this_run, write_table};
 
 /// Standard deviations of a corner's coordinate in one reading.
 pub const NOISE_MM: [f64; 7] = [0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0];
@@ -106,8 +108,10 @@ pub fn run(args: &NoiseStudyArgs) -> Result<Ending, Failure> {
     let points = study(args)?;
     let table = args.out.join("noise-study.csv");
     let figure = args.out.join("noise-study.svg");
-    write_file(&table, rows::csv_text(&points)?)?;
-    write_file(&figure, drawing::svg(&points, args))?;
+    let provenance =
+        Provenance::new(this_run()?, FilmOrigin::Synthetic, Vec::new()).with_seed(args.seed);
+    write_table(&table, &rows::csv_text(&points)?, &provenance)?;
+    write_file(&figure, in_svg(&drawing::svg(&points, args), &provenance))?;
     print(&text::report(&points, args))?;
     print(&format!(
         "\nTable   {}\nFigure  {} (open it in a browser)\n",

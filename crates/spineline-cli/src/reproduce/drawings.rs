@@ -6,6 +6,7 @@ use spineline::action::LineKind;
 use spineline::anatomy::Posture;
 use spineline::cohort::EstimateStatistics;
 use spineline::multibody::Support;
+use spineline_io::Provenance;
 use spineline_report::figures::{
     self, EstimateGroup, EstimateSample, InflectionSample, LocationErrorSample,
 };
@@ -13,12 +14,15 @@ use spineline_report::figures::{
 use super::{Run, support_name};
 use crate::analyze::write_file;
 use crate::failure::Failure;
+use crate::provenance::in_svg;
 
 /// The patient that stands for all in figures of one patient.
 const EXAMPLE: usize = 0;
 
-pub fn write(folder: &Path, runs: &[Run]) -> Result<(), Failure> {
-    let save = |name: String, svg: &str| write_file(&folder.join(format!("{name}.svg")), svg);
+pub fn write(folder: &Path, runs: &[Run], provenance: &Provenance) -> Result<(), Failure> {
+    let save = |name: String, svg: &str| {
+        write_file(&folder.join(format!("{name}.svg")), in_svg(svg, provenance))
+    };
     for run in runs.iter().filter(|run| run.support == Support::Free) {
         let (truth, example) = (run.truth.key(), &run.analyses[EXAMPLE]);
         save(format!("overview-{truth}"), &figures::case_overview(example))?;

@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use serde::Serialize;
-use spineline_io::AnalysisFile;
+use spineline_io::{AnalysisFile, CaseFile, Provenance, Request};
 
 use super::rows::Section;
 use super::{Run, support_name};
 use crate::analyze::{generator, write_file};
 use crate::args::ReproduceArgs;
 use crate::failure::Failure;
+use crate::provenance::write_table;
 use crate::rows::{csv_text, finish};
 
 /// `summary.csv` and `summary.json` hold the table; `errors.csv` every vertebra; `analyses/` every patient.
@@ -18,13 +19,15 @@ pub fn write(
     runs: &[Run],
     sections: &[Section],
     args: &ReproduceArgs,
+    provenance: &Provenance,
 ) -> Result<(), Failure> {
-    write_file(&out.join("summary.csv"), &summary_csv(sections)?)?;
+    write_table(&out.join("summary.csv"), &summary_csv(sections)?, provenance)?;
     let summary = Summary {
         format: "spineline-reproduction",
         version: 1,
         generator: generator(),
         synthetic: true,
+        provenance: provenance.clone(),
         seed: args.seed,
         noise: args.noise,
         rows: sections.iter().flat_map(records).collect(),
@@ -33,11 +36,13 @@ pub fn write(
     for run in runs {
         let support = support_name(run.support);
         let name = format!("errors-{}-{support}.csv", run.truth.key());
-        write_file(&out.join("errors").join(name), &csv_text(&run.analyses)?)?;
-        for analysis in &run.analyses {
+        write_table(&out.join("errors").join(name), &csv_text(&run.analyses)?, provenance)?;
+        for (case, analysis) in run.cases.iter().zip(&run.analyses) {
             let name = format!("{}-{support}.json", analysis.case_id);
-            let text = spineline_io::to_text(&AnalysisFile::new(analysis, &generator()));
-            write_file(&out.join("analyses").join(name), &text)?;
+            let request = Request { options: analysis.options.clone(), ..Request::default() };
+            let provenance = provenance.clone().asking(&request);
+            let file = AnalysisFile::new(analysis, CaseFile::from_case(case), provenance);
+            write_file(&out.join("analyses").join(name), spineline_io::to_text(&file))?;
         }
     }
     Ok(())
@@ -48,6 +53,7 @@ struct Summary {
     format: &'static str,
     version: u32,
     generator: String,
+    provenance: Provenance,
     synthetic: bool,
     seed: u64,
     noise: f64,

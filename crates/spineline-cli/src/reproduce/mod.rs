@@ -10,9 +10,10 @@ mod rows;
 
 use std::path::Path;
 
-use spineline::analysis::{Analysis, AnalysisOptions, analyze};
+use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::cohort::Cohort;
 use spineline::multibody::Support;
+use spineline_io::{FilmOrigin, Provenance};
 use spineline_phantom::{Readers, SUBJECTS, Truth, generate};
 
 use crate::args::ReproduceArgs;
@@ -20,6 +21,7 @@ use crate::failure::{Ending, Failure};
 use crate::phantom::readers;
 use crate::print;
 use crate::progress::map_all;
+use crate::provenance::this_run;
 use crate::table::{Table, wrap};
 use rows::Section;
 
@@ -29,7 +31,9 @@ pub struct Run {
     pub truth: Truth,
     /// What held them.
     pub support: Support,
-    /// One analysis per subject of Table 1.
+    /// One case per subject of Table 1.
+    pub cases: Vec<Case>,
+    /// Their analyses.
     pub analyses: Vec<Analysis>,
     /// Their statistics.
     pub cohort: Cohort,
@@ -57,8 +61,10 @@ pub fn run(args: &ReproduceArgs) -> Result<Ending, Failure> {
     let runs = all_runs(args, &readers)?;
     let sections = rows::sections(&runs);
     print(&text(&sections, args))?;
-    files::write(&args.out, &runs, &sections, args)?;
-    drawings::write(&args.out.join("figures"), &runs)?;
+    let provenance =
+        Provenance::new(this_run()?, FilmOrigin::Synthetic, Vec::new()).with_seed(args.seed);
+    files::write(&args.out, &runs, &sections, args, &provenance)?;
+    drawings::write(&args.out.join("figures"), &runs, &provenance)?;
     print(&closing(&args.out))?;
     // A model without result against a truth that contradicts it is a finding: the table counts it.
     Ok(Ending::Done)
@@ -80,21 +86,25 @@ fn all_runs(args: &ReproduceArgs, readers: &Readers) -> Result<Vec<Run>, Failure
             analyze(&phantom.case, &options)
                 .map_err(|error| format!("{}: {error}", phantom.case.id))
         };
-        Ok::<_, String>([with(SUPPORTS[0])?, with(SUPPORTS[1])?])
+        let analyses = [with(SUPPORTS[0])?, with(SUPPORTS[1])?];
+        Ok::<_, String>((phantom.case, analyses))
     })?;
     let mut by_support: [Vec<Analysis>; 2] = Default::default();
+    let mut cases = Vec::new();
     for result in results {
-        let [free, frontal] = result.map_err(Failure::internal)?;
+        let (case, [free, frontal]) = result.map_err(Failure::internal)?;
+        cases.push(case);
         by_support[0].push(free);
         by_support[1].push(frontal);
     }
     let mut runs = Vec::new();
     for (support, analyses) in SUPPORTS.into_iter().zip(by_support) {
-        let mut analyses = analyses.into_iter();
+        let (mut cases, mut analyses) = (cases.iter().cloned(), analyses.into_iter());
         for truth in Truth::ALL {
             let analyses: Vec<Analysis> = analyses.by_ref().take(SUBJECTS.len()).collect();
             let cohort = Cohort::of(&analyses.iter().collect::<Vec<_>>(), args.seed);
-            runs.push(Run { truth, support, analyses, cohort });
+            let cases = cases.by_ref().take(SUBJECTS.len()).collect();
+            runs.push(Run { truth, support, cases, analyses, cohort });
         }
     }
     Ok(runs)

@@ -14,10 +14,12 @@ use std::ops::ControlFlow;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use spineline::multibody::{ForceSign, PathPoint};
+use spineline_io::{FilmOrigin, Provenance, to_text};
 
 use crate::analyze::write_or_print;
 use crate::failure::{Ending, Failure};
 use crate::model::read_model;
+use crate::provenance::{in_svg, read_input, this_run, write_table};
 use crate::{print, stop};
 use outcome::Outcome;
 
@@ -68,14 +70,18 @@ fn with_progress<T>(
 
 impl Outcome {
     fn write(&self, args: &SimulateArgs) -> Result<(), Failure> {
+        let inputs = std::iter::once(&args.model).chain(&args.load);
+        let inputs = inputs.map(|path| read_input(path)).collect::<Result<_, _>>()?;
+        let films = FilmOrigin::of([self.model.synthetic]);
+        let provenance = Provenance::new(this_run()?, films, inputs);
         if let Some(path) = &args.json {
-            write_or_print(path, &self.json())?;
+            write_or_print(path, &to_text(&self.file().with_provenance(provenance.clone())))?;
         }
         if let Some(path) = &args.csv {
-            write_or_print(path, &path_rows::csv_text(self)?)?;
+            write_table(path, &path_rows::csv_text(self)?, &provenance)?;
         }
         if let Some(path) = &args.svg {
-            write_or_print(path, &self.svg())?;
+            write_or_print(path, &in_svg(&self.svg(), &provenance))?;
         }
         Ok(())
     }
@@ -87,7 +93,7 @@ mod tests {
     use clap::Parser;
     use spineline::analysis::{AnalysisOptions, analyze};
     use spineline::multibody::PathEnding;
-    use spineline_io::{ModelFile, parse_model, to_text};
+    use spineline_io::{ModelFile, parse_model};
     use spineline_phantom::{Readers, Truth, generate};
 
     use crate::args::{Cli, Command};
@@ -117,7 +123,8 @@ mod tests {
         ] {
             let outcome = broken_off(arguments, 3);
             assert_eq!(outcome.response.ending, PathEnding::Interrupted);
-            let json: serde_json::Value = serde_json::from_str(&outcome.json()).expect("whole");
+            let json: serde_json::Value =
+                serde_json::from_str(&to_text(&outcome.file())).expect("whole");
             assert_eq!(json["status"], "interrupted");
             assert_eq!(json["path"].as_array().expect("a list").len(), 3);
             assert!(outcome.svg().contains("not a result (interrupted)"));

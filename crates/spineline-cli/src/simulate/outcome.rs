@@ -5,9 +5,7 @@ use spineline::clinical::CurvePlaces;
 use spineline::multibody::{GeneralStatics, Goal, PathOptions, Timing};
 use spineline::response::{OnSignedPoint, Response, erect_shape, largest_factor, respond};
 use spineline::spatial::Angle;
-use spineline_io::{
-    LoadFile, PlacedLoads, SimulationFile, SimulationWarning, StoredModel, to_text,
-};
+use spineline_io::{LoadFile, PlacedLoads, SimulationFile, SimulationWarning, StoredModel};
 use spineline_report::figures::{LoadedSpine, loaded_spine};
 
 use super::args::SimulateArgs;
@@ -54,15 +52,15 @@ impl Outcome {
     }
 
     /// The simulation as a file.
-    pub fn json(&self) -> String {
-        to_text(&SimulationFile::new(
+    pub fn file(&self) -> SimulationFile {
+        SimulationFile::new(
             &self.model,
             (&self.loads, &self.placed),
             &self.places,
             &self.response,
             self.warnings.clone(),
             &generator(),
-        ))
+        )
     }
 
     /// The picture.

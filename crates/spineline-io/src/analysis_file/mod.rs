@@ -5,23 +5,23 @@ mod hypothesis;
 mod identifiability;
 mod model;
 mod posture;
+mod stored;
 mod uncertainty;
 
 use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use spineline::analysis::{Analysis, Grouping};
+use spineline::analysis::Analysis;
 use spineline::anatomy::{Level, Posture};
 use spineline::clinical::ClinicalCurve;
-use spineline::curve::OrderRule;
 use spineline::measure::LengthScale;
-use spineline::multibody::Support;
-use spineline::personalize::{FitTarget, Identifiability};
+use spineline::personalize::Identifiability;
 use spineline::spatial::{Angle, Frontal};
 
 use crate::keys::{LevelKey, PostureKey};
 use crate::reliability_file::QuantityRecord;
+use crate::{CaseFile, Provenance};
 use comparison::ComparisonRecord;
 pub(crate) use comparison::NumbersRecord;
 use hypothesis::HypothesisRecord;
@@ -29,24 +29,27 @@ use identifiability::IdentifiabilityRecord;
 use model::ModelRecord;
 use posture::PostureRecord;
 use spineline::uncertainty::Uncertainty;
+pub use stored::{StoredAnalysis, parse_analysis, parse_case_within};
 use uncertainty::UncertaintyRecord;
 
-/// Everything that an analysis found. Lengths in mm of the films' plane, angles in degrees, frontal points `[y, z]` with y
+const FORMAT: &str = "spineline-analysis";
+const VERSION: u32 = 1;
+
+/// Everything that an analysis found, and all that is needed to find it again. Lengths in mm of the films' plane, angles in degrees, frontal points `[y, z]` with y
 /// to the patient's left and z cranial; positive angles lean to the patient's right.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(title = "Spineline analysis, version 1")]
 pub struct AnalysisFile {
     format: String,
     version: u32,
-    /// Program that wrote it.
-    generator: String,
     case_id: String,
     /// Whether the films are made up: then every number here is.
     synthetic: bool,
     /// What the lengths of the erect film, of its chain and curves are: mm in the patient, on the detector or not stated
     /// where, or pixels.
     length_unit: String,
-    options: OptionsRecord,
+    /// What was asked, of which files, by whom and when.
+    provenance: Provenance,
     chain: ChainRecord,
     /// The two inflections of the erect curve that carry the line; empty where there is no such pair.
     inflections: Vec<InflectionRecord>,
@@ -70,21 +73,8 @@ pub struct AnalysisFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     uncertainty: Option<UncertaintyRecord>,
     warnings: Vec<WarningRecord>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-struct OptionsRecord {
-    order_rule: String,
-    support: String,
-    gauge: String,
-    fit: String,
-    multipliers: String,
-    /// Deviation of `ln α` that nature has before any film is seen; `null` for no prior.
-    prior_log_sd: Option<f64>,
-    /// A lobe of the erect curve counts from so many degrees on.
-    min_lobe_deg: f64,
-    /// Fewest and most segments of the erect chain.
-    segment_window: [u32; 2],
+    /// The case itself, as it was read.
+    case: CaseFile,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -153,18 +143,17 @@ struct WarningRecord {
 }
 
 impl AnalysisFile {
-    /// The file of an analysis.
+    /// The file of an analysis of a case, with where it comes from.
     #[must_use]
-    pub fn new(analysis: &Analysis, generator: &str) -> Self {
+    pub fn new(analysis: &Analysis, case: CaseFile, provenance: Provenance) -> Self {
         let scale = analysis.scale();
         Self {
-            format: "spineline-analysis".to_owned(),
-            version: 1,
-            generator: generator.to_owned(),
+            format: FORMAT.to_owned(),
+            version: VERSION,
             case_id: analysis.case_id.clone(),
             synthetic: analysis.synthetic,
             length_unit: scale.plane.unit().to_owned(),
-            options: options(analysis),
+            provenance,
             chain: ChainRecord {
                 segments: analysis.chain.segments,
                 segment_mm: scale.mm(analysis.chain.segment_mm),
@@ -216,6 +205,7 @@ impl AnalysisFile {
                     message: w.text(),
                 })
                 .collect(),
+            case,
         }
     }
 }
@@ -241,36 +231,6 @@ impl AnalysisFile {
                 found.as_ref().map(|found| IdentifiabilityRecord::new(found, &model.groups));
         }
         self
-    }
-}
-
-fn options(analysis: &Analysis) -> OptionsRecord {
-    let options = &analysis.options;
-    OptionsRecord {
-        order_rule: match options.order_rule {
-            OrderRule::LeaveOneOut => "leave_one_out".to_owned(),
-            OrderRule::Paper => "paper".to_owned(),
-            OrderRule::Fixed(order) => order.to_string(),
-        },
-        support: match options.support {
-            Support::Free => "free",
-            Support::Frontal => "frontal",
-        }
-        .to_owned(),
-        gauge: options.gauge.key().to_owned(),
-        fit: match options.target {
-            FitTarget::Shape => "shape",
-            FitTarget::Ferguson => "ferguson",
-        }
-        .to_owned(),
-        multipliers: match options.grouping {
-            Grouping::Regional => "regional",
-            Grouping::PerJoint => "per_joint",
-        }
-        .to_owned(),
-        prior_log_sd: options.prior.map(|prior| prior.log_sd),
-        min_lobe_deg: options.min_lobe.deg(),
-        segment_window: [*options.segment_window.start(), *options.segment_window.end()],
     }
 }
 

@@ -2,8 +2,9 @@
 
 use axum::extract::State;
 use axum::response::Response;
+use chrono::{SecondsFormat, Utc};
 use spineline::anatomy::Posture;
-use spineline_io::AnalysisFile;
+use spineline_io::{AnalysisFile, CaseFile, FilmOrigin, ProgramRun, Provenance, Request};
 
 use super::cache::{Outcome, StudyResult, computed, study_result};
 use super::live::overlay_of;
@@ -27,11 +28,20 @@ pub async fn analysis_file(
 ) -> Answer<Response> {
     let study = open_study(&state, &user, &study).await?;
     let result = study_result(&state, &study).await?;
-    let generator = concat!("spineline ", env!("CARGO_PKG_VERSION"));
+    let run = ProgramRun {
+        program: concat!("spineline ", env!("CARGO_PKG_VERSION")).to_owned(),
+        command: vec!["spineline".to_owned(), "serve".to_owned()],
+        date_utc: Utc::now().to_rfc3339_opts(SecondsFormat::Secs, true),
+    };
     let text = computed(move || {
-        result
-            .analysed()
-            .map(|analysis| spineline_io::to_text(&AnalysisFile::new(analysis, generator)))
+        result.analysed().map(|analysis| {
+            // Its input is the store, whose case is in the file.
+            let films = FilmOrigin::of([analysis.synthetic]);
+            let request = Request { options: analysis.options.clone(), ..Request::default() };
+            let provenance = Provenance::new(run, films, Vec::new()).asking(&request);
+            let case = CaseFile::from_case(&result.standing.complete_case());
+            spineline_io::to_text(&AnalysisFile::new(analysis, case, provenance))
+        })
     });
     let text = text.await??;
     Ok(attachment(&format!("{study}-analysis.json"), text))

@@ -180,10 +180,13 @@ fn loads_that_are_none_are_refused_in_words() {
 fn the_analysis_file_is_what_the_command_line_writes() {
     let (running, analysis) = running();
     let file = running.get("/api/studies/S1/analysis.json");
-    let own =
-        serde_json::to_value(spineline_io::AnalysisFile::new(&analysis, "any")).expect("JSON");
+    let stored = spineline_io::parse_analysis(&file.to_string()).expect("enough to repeat it");
+    let own = spineline_io::AnalysisFile::new(&analysis, stored.case_file, stored.provenance);
+    let own = serde_json::to_value(own).expect("JSON");
     assert_eq!(file["chain"], own["chain"]);
     assert_eq!(file["inflections"], own["inflections"]);
+    let again = spineline::analysis::analyze(&stored.case, &stored.request.options);
+    assert_eq!(again.expect("the same case").chain, analysis.chain);
 }
 
 #[test]

@@ -1,0 +1,262 @@
+//! Every choice of an analysis, as a file has it: enough to analyse again.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use spineline::action::LineOfAction;
+use spineline::analysis::{AnalysisOptions, Grouping};
+use spineline::anatomy::{Posture, SagittalProfile};
+use spineline::curve::{InflectionChoice, OrderRule, Site};
+use spineline::hypothesis::Hypothesis;
+use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
+use spineline::spatial::{Angle, Frontal};
+
+use crate::FileError;
+use crate::keys::{LevelKey, PostureKey, SupportKey};
+use crate::model_file::ApplicationKey;
+use crate::stiffness_file::{StiffnessFile, border};
+
+/// Every choice of an analysis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub(crate) struct OptionsRecord {
+    /// `leave_one_out`, `paper`, or an order.
+    order_rule: OrderRuleKey,
+    /// Picked by hand, caudal first; `null` where they come from the erect curve.
+    inflections: Option<[SiteRecord; 2]>,
+    /// A lobe of the erect curve counts from so many degrees on.
+    min_lobe_deg: f64,
+    /// Fewest and most segments of the erect chain.
+    segment_window: [u32; 2],
+    support: SupportKey,
+    /// What fixes the level of stiffness and force.
+    gauge: GaugeKey,
+    /// The force of the gauge `known_force`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    known_force: Option<KnownForceRecord>,
+    fit: FitKey,
+    multipliers: GroupingKey,
+    /// Deviation of `ln α` that nature has before any film is seen; `null` for no prior.
+    prior_log_sd: Option<f64>,
+    /// Lines that the user gave.
+    given_lines: Vec<GivenLineRecord>,
+    /// Other loads and bases that were asked for, such as `couple+free_base`.
+    compared_models: Vec<HypothesisKey>,
+    /// Of the spine where no lateral film is marked.
+    sagittal_profile: ProfileRecord,
+    /// Springs before personalisation, each with its source.
+    stiffness: StiffnessFile,
+}
+
+/// An order rule as one word.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(try_from = "String", into = "String")]
+#[schemars(with = "String")]
+struct OrderRuleKey(OrderRule);
+
+impl TryFrom<String> for OrderRuleKey {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        Ok(Self(match text.as_str() {
+            "leave_one_out" => OrderRule::LeaveOneOut,
+            "paper" => OrderRule::Paper,
+            order => OrderRule::Fixed(order.parse().map_err(|_| {
+                format!("`{text}` is neither `leave_one_out`, `paper`, nor an order")
+            })?),
+        }))
+    }
+}
+
+impl From<OrderRuleKey> for String {
+    fn from(key: OrderRuleKey) -> Self {
+        match key.0 {
+            OrderRule::LeaveOneOut => "leave_one_out".to_owned(),
+            OrderRule::Paper => "paper".to_owned(),
+            OrderRule::Fixed(order) => order.to_string(),
+        }
+    }
+}
+
+/// A load and a base as one word.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(try_from = "String", into = "String")]
+#[schemars(with = "String")]
+struct HypothesisKey(Hypothesis);
+
+impl TryFrom<String> for HypothesisKey {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+            .map(Self)
+            .map_err(|error: spineline::hypothesis::HypothesisNameError| error.to_string())
+    }
+}
+
+impl From<HypothesisKey> for String {
+    fn from(key: HypothesisKey) -> Self {
+        key.0.key()
+    }
+}
+
+/// A vertebra (twice the same), or the disc between two.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct SiteRecord {
+    inferior: LevelKey,
+    superior: LevelKey,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+enum GaugeKey {
+    GeometricMean,
+    KnownForce,
+    FrozenForce,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct KnownForceRecord {
+    posture: PostureKey,
+    force_n: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+enum FitKey {
+    Shape,
+    Ferguson,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+enum GroupingKey {
+    Regional,
+    PerJoint,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct GivenLineRecord {
+    posture: PostureKey,
+    point_mm: [f64; 2],
+    direction: [f64; 2],
+    application: ApplicationKey,
+}
+
+/// Degrees from L4 upwards.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct ProfileRecord {
+    /// Of every joint; flexion positive.
+    turns_deg: [f64; 14],
+    /// Of every vertebra about its own axis.
+    axial_deg: [f64; 15],
+}
+
+impl From<&AnalysisOptions> for OptionsRecord {
+    fn from(options: &AnalysisOptions) -> Self {
+        let site = |site: Site| SiteRecord {
+            inferior: LevelKey(site.inferior),
+            superior: LevelKey(site.superior),
+        };
+        Self {
+            order_rule: OrderRuleKey(options.order_rule),
+            inflections: match options.inflections {
+                InflectionChoice::Automatic => None,
+                InflectionChoice::ByHand(sites) => Some(sites.map(site)),
+            },
+            min_lobe_deg: border(options.min_lobe.rad(), options.min_lobe.deg(), |deg| {
+                Angle::from_deg(deg).rad()
+            }),
+            segment_window: [*options.segment_window.start(), *options.segment_window.end()],
+            support: options.support.into(),
+            gauge: match options.gauge {
+                Gauge::GeometricMean => GaugeKey::GeometricMean,
+                Gauge::KnownForce { .. } => GaugeKey::KnownForce,
+                Gauge::FrozenForce => GaugeKey::FrozenForce,
+            },
+            known_force: match options.gauge {
+                Gauge::KnownForce { posture, force_n } => {
+                    Some(KnownForceRecord { posture: posture.into(), force_n })
+                }
+                Gauge::GeometricMean | Gauge::FrozenForce => None,
+            },
+            fit: match options.target {
+                FitTarget::Shape => FitKey::Shape,
+                FitTarget::Ferguson => FitKey::Ferguson,
+            },
+            multipliers: match options.grouping {
+                Grouping::Regional => GroupingKey::Regional,
+                Grouping::PerJoint => GroupingKey::PerJoint,
+            },
+            prior_log_sd: options.prior.map(|prior| prior.log_sd),
+            given_lines: options.given_lines.iter().map(GivenLineRecord::from).collect(),
+            compared_models: options.hypotheses.iter().map(|&one| HypothesisKey(one)).collect(),
+            sagittal_profile: ProfileRecord {
+                turns_deg: options.profile.turns_deg,
+                axial_deg: options.profile.axial_deg,
+            },
+            stiffness: StiffnessFile::from(&options.library),
+        }
+    }
+}
+
+impl OptionsRecord {
+    /// The library's options.
+    pub fn options(&self) -> Result<AnalysisOptions, FileError> {
+        let site = |site: SiteRecord| Site { inferior: site.inferior.0, superior: site.superior.0 };
+        let [fewest, most] = self.segment_window;
+        Ok(AnalysisOptions {
+            order_rule: self.order_rule.0,
+            inflections: self.inflections.map_or(InflectionChoice::Automatic, |sites| {
+                InflectionChoice::ByHand(sites.map(site))
+            }),
+            min_lobe: Angle::from_deg(self.min_lobe_deg),
+            segment_window: fewest..=most,
+            profile: SagittalProfile {
+                turns_deg: self.sagittal_profile.turns_deg,
+                axial_deg: self.sagittal_profile.axial_deg,
+            },
+            library: self.stiffness.clone().library()?,
+            support: self.support.into(),
+            gauge: match (self.gauge, self.known_force) {
+                (GaugeKey::GeometricMean, _) => Gauge::GeometricMean,
+                (GaugeKey::FrozenForce, _) => Gauge::FrozenForce,
+                (GaugeKey::KnownForce, Some(known)) => {
+                    Gauge::KnownForce { posture: known.posture.into(), force_n: known.force_n }
+                }
+                (GaugeKey::KnownForce, None) => return Err(FileError::NoKnownForce),
+            },
+            target: match self.fit {
+                FitKey::Shape => FitTarget::Shape,
+                FitKey::Ferguson => FitTarget::Ferguson,
+            },
+            grouping: match self.multipliers {
+                GroupingKey::Regional => Grouping::Regional,
+                GroupingKey::PerJoint => Grouping::PerJoint,
+            },
+            prior: self.prior_log_sd.map(|log_sd| LogNormalPrior { log_sd }),
+            given_lines: self.given_lines.iter().map(GivenLineRecord::line).collect(),
+            hypotheses: self.compared_models.iter().map(|key| key.0).collect(),
+        })
+    }
+}
+
+impl From<&(Posture, LineOfAction)> for GivenLineRecord {
+    fn from((posture, line): &(Posture, LineOfAction)) -> Self {
+        Self {
+            posture: (*posture).into(),
+            point_mm: [line.point.y_mm, line.point.z_mm],
+            direction: [line.direction.y_mm, line.direction.z_mm],
+            application: line.application.into(),
+        }
+    }
+}
+
+impl GivenLineRecord {
+    fn line(&self) -> (Posture, LineOfAction) {
+        let line = LineOfAction {
+            point: Frontal::new(self.point_mm[0], self.point_mm[1]),
+            direction: Frontal::new(self.direction[0], self.direction[1]),
+            application: self.application.into(),
+        };
+        (self.posture.into(), line)
+    }
+}

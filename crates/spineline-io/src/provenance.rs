@@ -1,0 +1,223 @@
+//! Where an output comes from.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use spineline::uncertainty::LandmarkNoise;
+
+use crate::FileError;
+use crate::options_record::OptionsRecord;
+use crate::request::{Replicates, Request};
+
+/// The run of a program, as only the program knows it: nothing here reads a clock or a command line.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ProgramRun {
+    /// Name and version.
+    pub program: String,
+    /// Words of the command line.
+    pub command: Vec<String>,
+    /// When it ran, in UTC, as RFC 3339 has it.
+    pub date_utc: String,
+}
+
+/// A file that was read, and which bytes it had.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct InputFile {
+    /// As the command line names it, or the folder and its name there.
+    pub name: String,
+    /// SHA-256 of its bytes.
+    pub sha256: String,
+}
+
+impl InputFile {
+    /// A file of so many bytes.
+    #[must_use]
+    pub fn of(name: impl Into<String>, bytes: &[u8]) -> Self {
+        Self { name: name.into(), sha256: crate::sha256_hex(bytes) }
+    }
+}
+
+/// Whether patients or programs made the films.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FilmOrigin {
+    /// All are made up.
+    Synthetic,
+    /// None is.
+    Real,
+    /// Some are.
+    SyntheticAndReal,
+}
+
+impl FilmOrigin {
+    /// Of cases that are synthetic or not; of none, real.
+    #[must_use]
+    pub fn of(synthetic: impl IntoIterator<Item = bool>) -> Self {
+        let (mut some, mut all) = (false, true);
+        for synthetic in synthetic {
+            some |= synthetic;
+            all &= synthetic;
+        }
+        match (some, all) {
+            (true, true) => Self::Synthetic,
+            (true, false) => Self::SyntheticAndReal,
+            (false, _) => Self::Real,
+        }
+    }
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Synthetic => "synthetic",
+            Self::Real => "real",
+            Self::SyntheticAndReal => "synthetic_and_real",
+        }
+    }
+}
+
+/// Everything that an output depends on, and when it was made.
+///
+/// The options name the gauge, the order rule and, joint by joint, the source of the stiffness.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Provenance {
+    /// Program and its version.
+    program: String,
+    /// Words of its command line.
+    command: Vec<String>,
+    /// In UTC; the time that `SOURCE_DATE_EPOCH` names, where it is set.
+    date_utc: String,
+    /// Whether the films are `synthetic`, `real`, or `synthetic_and_real`.
+    films: FilmOrigin,
+    /// Files that were read.
+    inputs: Vec<InputFile>,
+    /// Of everything random; absent where nothing is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    seed: Option<u64>,
+    /// Whether it was asked which multipliers the films identify; absent where nobody asked.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    identifiability: bool,
+    /// Replicates on moved landmarks; absent where nobody asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    replicates: Option<ReplicatesRecord>,
+    /// Choices of the analysis; absent where nothing was analysed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    options: Option<OptionsRecord>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct ReplicatesRecord {
+    count: u64,
+    /// Deviation of a landmark in pixels; `null` for the case's own readings.
+    noise_px: Option<f64>,
+}
+
+impl Provenance {
+    /// What a program made of files.
+    #[must_use]
+    pub fn new(run: ProgramRun, films: FilmOrigin, inputs: Vec<InputFile>) -> Self {
+        let ProgramRun { program, command, date_utc } = run;
+        Self {
+            program,
+            command,
+            date_utc,
+            films,
+            inputs,
+            seed: None,
+            identifiability: false,
+            replicates: None,
+            options: None,
+        }
+    }
+
+    /// The same with what was asked of every case.
+    #[must_use]
+    pub fn asking(mut self, request: &Request) -> Self {
+        self.options = Some(OptionsRecord::from(&request.options));
+        self.identifiability = request.identifiability;
+        self.seed = request.replicates.map(|asked| asked.seed).or(self.seed);
+        self.replicates = request.replicates.map(|asked| ReplicatesRecord {
+            count: asked.count,
+            noise_px: match asked.noise {
+                LandmarkNoise::Measured => None,
+                LandmarkNoise::Pixels(px) => Some(px),
+            },
+        });
+        self
+    }
+
+    /// The same with a seed.
+    #[must_use]
+    pub fn with_seed(mut self, seed: u64) -> Self {
+        self.seed = Some(seed);
+        self
+    }
+
+    /// Program and its version.
+    #[must_use]
+    pub fn program(&self) -> &str {
+        &self.program
+    }
+
+    /// Words of the command line.
+    #[must_use]
+    pub fn command(&self) -> &[String] {
+        &self.command
+    }
+
+    /// When it was made.
+    #[must_use]
+    pub fn date_utc(&self) -> &str {
+        &self.date_utc
+    }
+
+    /// Files that were read.
+    #[must_use]
+    pub fn inputs(&self) -> &[InputFile] {
+        &self.inputs
+    }
+
+    /// Whether patients or programs made the films.
+    #[must_use]
+    pub const fn films(&self) -> FilmOrigin {
+        self.films
+    }
+
+    /// What was asked of every case; `None` where nothing was analysed.
+    ///
+    /// # Errors
+    /// [`FileError::Stiffness`], [`FileError::NoSeed`].
+    pub fn request(&self) -> Result<Option<Request>, FileError> {
+        let Some(options) = &self.options else { return Ok(None) };
+        let replicates = self.replicates.as_ref().map(|asked| {
+            Ok::<_, FileError>(Replicates {
+                count: asked.count,
+                noise: asked.noise_px.map_or(LandmarkNoise::Measured, LandmarkNoise::Pixels),
+                seed: self.seed.ok_or(FileError::NoSeed)?,
+            })
+        });
+        Ok(Some(Request {
+            options: options.options()?,
+            replicates: replicates.transpose()?,
+            identifiability: self.identifiability,
+        }))
+    }
+}
+
+/// Provenance of a file that has no place for it, as a file beside it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(title = "Spineline provenance, version 1")]
+pub struct ProvenanceFile {
+    format: String,
+    version: u32,
+    /// The file that it is of, with the hash of its bytes.
+    of: InputFile,
+    provenance: Provenance,
+}
+
+impl ProvenanceFile {
+    /// Of a file beside it.
+    #[must_use]
+    pub fn new(of: InputFile, provenance: Provenance) -> Self {
+        Self { format: "spineline-provenance".to_owned(), version: 1, of, provenance }
+    }
+}
