@@ -105,6 +105,11 @@ impl Panel {
         self.points(marker, points.iter().copied().map(drawn));
     }
 
+    /// A line of action from edge to edge, as a mark.
+    pub fn action_mark(&self, line: &LineOfAction, ink: Ink) -> Option<Primitive> {
+        Some(self.trace(ink, clipped(line, self.x.range, self.y.range)?))
+    }
+
     /// A line of action from edge to edge.
     pub fn action(&mut self, line: &LineOfAction, ink: Ink) {
         if let Some([from, to]) = clipped(line, self.x.range, self.y.range) {

@@ -5,10 +5,14 @@
 //! | [`rotations`] | 5 |
 //! | [`inflection_distances`] | 6 |
 //! | [`location_errors`] | 8 |
+//! | [`line_identification`] | 7 |
 //! | [`measured_and_simulated`] | 9 |
 //! | [`least_rotating_estimates`] | 10 |
 //! | [`force_path`] | 11 |
 //! | [`bland_altman`] | none: readings of two raters against one another |
+//! | [`films`] | none: films as they hang, with marks, curve, inflections and lines |
+//! | [`spine_in_space`] | none: the multibody model from three sides |
+//! | [`lenke_types`], [`exclusions`] | none: counts over a cohort |
 //! | [`case_overview`] | none: all postures of one patient side by side |
 //! | [`noise_study`] | none: the paper's claims over landmark noise |
 //! | [`loaded_spine`] | none: a model under loads, from behind and from the right |
@@ -27,7 +31,10 @@ mod agreement;
 mod arrows;
 mod boxes;
 mod cohort;
+mod counts;
+mod films;
 mod frontal;
+mod identification;
 mod loaded;
 mod noise;
 mod overview;
@@ -36,14 +43,19 @@ mod panel;
 mod rotation;
 mod spines;
 mod style;
+mod views;
 
 pub use agreement::bland_altman;
 pub use cohort::{
     EstimateGroup, EstimateSample, InflectionSample, LocationErrorSample, inflection_distances,
     least_rotating_estimates, location_errors,
 };
+pub use counts::{FlowStep, exclusions, lenke_types};
+pub use films::{FilmPicture, films};
+pub use identification::line_identification;
 pub use loaded::{LoadedSpine, loaded_spine};
 pub use noise::{NoiseCurve, NoisePanel, NoiseRow, NoiseTruth, noise_study};
 pub use overview::case_overview;
 pub use rotation::rotations;
 pub use spines::{force_path, measured_and_simulated};
+pub use views::spine_in_space;

@@ -3,7 +3,10 @@
 use kuva::backend::svg::SvgBackend;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
-use super::panel::Panel;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+use super::panel::{PICTURE_SLOT, Panel, Picture};
 use super::style::{
     BLACK, Ink, Marker, NOTE_PX, PAGE_WIDTH_PX, TITLE_PX, VERMILLION, bold, line_px, outlined,
     text, text_width_px, wrapped,
@@ -56,6 +59,7 @@ impl Page {
     pub fn into_svg(self) -> String {
         let mut elements = Vec::new();
         let mut defs = Vec::new();
+        let mut pictures = Vec::new();
         let mut y = 12.0;
         self.write_title(&mut elements, &mut y);
         self.write_legend(&mut elements, &mut y);
@@ -69,6 +73,8 @@ impl Page {
             for (j, (panel, room)) in row.into_iter().zip(rooms).enumerate() {
                 let frame_px = panel.frame_px[0];
                 let id = format!("{name}-{i}{j}");
+                let picture = panel.picture.as_ref().map(|picture| drawn(picture, panel.frame_px));
+                pictures.extend(picture.map(|picture| (id.clone(), picture)));
                 elements.extend(panel.draw((x + room.left, y + top), &id, &mut defs));
                 x += room.left + frame_px + room.right;
             }
@@ -78,7 +84,11 @@ impl Page {
         scene.font_family = Some(FONTS.to_owned());
         scene.elements = elements;
         scene.defs = defs;
-        with_view_box(&SvgBackend::new().render_scene(&scene), &title, width, y.ceil())
+        let svg = with_view_box(&SvgBackend::new().render_scene(&scene), &title, width, y.ceil());
+        pictures.iter().fold(svg, |svg, (id, picture)| {
+            let slot = format!("{PICTURE_SLOT}\"{id}\">");
+            svg.replacen(&slot, &format!("{slot}{picture}"), 1)
+        })
     }
 
     fn write_title(&self, elements: &mut Vec<Primitive>, y: &mut f64) {
@@ -138,6 +148,23 @@ impl Page {
         });
         format!("spineline-{hash:016x}")
     }
+}
+
+/// A picture cut off at the edges of its frame, paler than it is, so that marks stand out; kuva draws no pictures.
+fn drawn(picture: &Picture, [width, height]: [f64; 2]) -> String {
+    let [(x, y), (to_x, to_y)] = picture.corners_px;
+    // A picture whose columns run to the left is mirrored about its first one.
+    let mirrored = if to_x < x {
+        format!(" transform=\"translate({:.2},0) scale(-1,1)\"", 2.0 * x)
+    } else {
+        String::new()
+    };
+    let data = STANDARD.encode(&picture.png);
+    format!(
+        "<svg x=\"0\" y=\"0\" width=\"{width:.2}\" height=\"{height:.2}\" viewBox=\"0 0 {width:.2} {height:.2}\"><image{mirrored} x=\"{x:.2}\" y=\"{y:.2}\" width=\"{:.2}\" height=\"{:.2}\" preserveAspectRatio=\"none\" opacity=\"0.6\" href=\"data:image/png;base64,{data}\"/></svg>",
+        (to_x - x).abs(),
+        to_y - y,
+    )
 }
 
 /// Lets the picture scale with its place, and gives it a name that is read aloud.

@@ -13,6 +13,9 @@ use super::style::{
     nice_step, text,
 };
 
+/// The attribute of the group that a picture goes into.
+pub const PICTURE_SLOT: &str = "data-layer=\"picture\" data-slot=";
+
 /// What the ticks of an axis say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ticks {
@@ -96,11 +99,24 @@ pub struct Panel {
     /// Whether ticks and label of the vertical axis are written.
     pub y_written: bool,
     pub boxed: bool,
+    /// Whether there are no axes at all: then only the marks are drawn.
+    pub bare: bool,
     pub names: Vec<Name>,
     /// Curves in data units, clipped to the frame.
     pub curves: Vec<(Ink, Vec<(f64, f64)>)>,
     /// Anything else, in pixels from the frame's top left.
     pub marks: Vec<Primitive>,
+    /// A picture below all marks.
+    pub picture: Option<Picture>,
+}
+
+/// A picture file within a frame.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    /// Its bytes as PNG.
+    pub png: Vec<u8>,
+    /// Where its first and its last corner lie, in pixels from the frame's top left; they may lie beyond the frame.
+    pub corners_px: [(f64, f64); 2],
 }
 
 /// Room on the four sides of the frame.
@@ -122,10 +138,18 @@ impl Panel {
             frame_px,
             y_written: true,
             boxed: false,
+            bare: false,
             names: Vec::new(),
             curves: Vec::new(),
             marks: Vec::new(),
+            picture: None,
         }
+    }
+
+    /// A place for marks alone.
+    pub fn bare(frame_px: [f64; 2]) -> Self {
+        let axis = Axis { label: String::new(), range: [0.0, 1.0], step: 1.0, ticks: Ticks::None };
+        Self { y_written: false, bare: true, ..Self::new(axis.clone(), axis, frame_px) }
     }
 
     pub fn heading(&mut self, kind: HeadingKind, text: impl Into<String>) {
@@ -155,6 +179,27 @@ impl Panel {
         }
     }
 
+    /// Marks that a reader may hide together, under a name of ours: no text of a user, since it is an attribute.
+    pub fn layer(&mut self, name: &str, marks: impl IntoIterator<Item = Primitive>) {
+        self.marks.push(Primitive::GroupStart {
+            transform: None,
+            title: None,
+            extra_attrs: Some(format!("data-layer=\"{name}\"")),
+        });
+        self.marks.extend(marks);
+        self.marks.push(Primitive::GroupEnd);
+    }
+
+    /// A curve through places within the frame.
+    pub fn trace(&self, ink: Ink, places: impl IntoIterator<Item = (f64, f64)>) -> Primitive {
+        Primitive::PolyLine {
+            points: places.into_iter().map(|(x, y)| self.px(x, y)).collect(),
+            stroke: ink.colour.into(),
+            stroke_width: ink.width_px,
+            stroke_dasharray: (!ink.dash.is_empty()).then(|| ink.dash.to_owned()),
+        }
+    }
+
     /// Room that ticks, names and headings need.
     pub fn room(&self) -> Room {
         let rows = self.names.iter().map(|name| name.row + 1).max().unwrap_or(1);
@@ -169,9 +214,14 @@ impl Panel {
         }
     }
 
-    /// Everything, with the frame's top left at a place of the page.
+    /// Everything, with the frame's top left at a place of the page. The picture is left to the page, at a group of the
+    /// same name.
     pub fn draw(self, at: (f64, f64), clip_id: &str, defs: &mut Vec<String>) -> Vec<Primitive> {
         let room = self.room();
+        if self.bare {
+            let marks = self.marks.into_iter().chain([Primitive::GroupEnd]);
+            return [shift(at.0, at.1)].into_iter().chain(marks).collect();
+        }
         let mut drawn = vec![shift(at.0 - room.left, at.1 - room.top)];
         let scene = render_multiple(self.plots(), self.layout(room));
         for def in scene.defs {
@@ -186,6 +236,12 @@ impl Panel {
         drawn.push(Primitive::GroupEnd);
         drawn.push(shift(at.0, at.1));
         self.write_around(&mut drawn, room);
+        if self.picture.is_some() {
+            let attribute = format!("{PICTURE_SLOT}\"{clip_id}\"");
+            let extra_attrs = Some(attribute);
+            drawn.push(Primitive::GroupStart { transform: None, title: None, extra_attrs });
+            drawn.push(Primitive::GroupEnd);
+        }
         drawn.extend(self.marks);
         drawn.push(Primitive::GroupEnd);
         drawn

@@ -46,7 +46,8 @@ pub fn rotations(analysis: &Analysis) -> Option<String> {
         let (ink, _) = posture_style(*posture);
         let place = |(k, r): (usize, &spineline::spatial::Angle)| (k as f64, r.deg());
         // The first joint is L4's midpoint, where nothing turns by definition of the frame.
-        panel.curves.push((ink, motion.rotations.iter().enumerate().skip(1).map(place).collect()));
+        let curve = panel.trace(ink, motion.rotations.iter().enumerate().skip(1).map(place));
+        panel.layer(&posture.to_string(), [curve]);
     }
     if let Some(segments) = analysis.inflection_segments {
         let sample = Sample::Stroke(INFLECTION, None);

@@ -221,6 +221,9 @@ pub fn text_width_px(content: &str, size: u32) -> f64 {
             'i' | 'j' | 'l' | '.' | ',' | ':' | ';' | '\'' | '|' | '!' | ' ' => 0.34,
             'f' | 't' | 'r' | '(' | ')' | '[' | ']' | '-' | '/' => 0.42,
             'm' | 'w' | 'M' | 'W' | '%' | '@' | '→' | '←' | '—' | '=' | '×' | '+' => 0.95,
+            // Letters of East Asia are squares.
+            '\u{1100}'..='\u{115f}' | '\u{2e80}'..='\u{a4cf}' | '\u{ac00}'..='\u{d7a3}' => 1.05,
+            '\u{f900}'..='\u{faff}' | '\u{ff00}'..='\u{ff60}' | '\u{1f000}'..='\u{3ffff}' => 1.05,
             c if c.is_uppercase() => 0.72,
             _ => 0.64,
         })
@@ -228,10 +231,11 @@ pub fn text_width_px(content: &str, size: u32) -> f64 {
     ems * f64::from(size)
 }
 
-/// Breaks text at spaces into lines of at most a given width.
+/// Breaks text at spaces into lines of at most a given width, and within words where one is wider.
 pub fn wrapped(content: &str, size: u32, width_px: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
-    for word in content.split_whitespace() {
+    for word in content.split_whitespace().flat_map(|word| parted(word, size, width_px)) {
+        let word = word.as_str();
         match lines.last_mut() {
             Some(line) if text_width_px(&format!("{line} {word}"), size) <= width_px => {
                 line.push(' ');
@@ -241,6 +245,21 @@ pub fn wrapped(content: &str, size: u32, width_px: f64) -> Vec<String> {
         }
     }
     lines
+}
+
+/// A word in parts of at most a given width.
+fn parted(word: &str, size: u32, width_px: f64) -> Vec<String> {
+    let mut parts = vec![String::new()];
+    for c in word.chars() {
+        let last = parts.last_mut().expect("never empty");
+        let longer = format!("{last}{c}");
+        if !last.is_empty() && text_width_px(&longer, size) > width_px {
+            parts.push(c.to_string());
+        } else {
+            *last = longer;
+        }
+    }
+    parts
 }
 
 /// Height of a line of text.
@@ -268,8 +287,9 @@ mod tests {
     }
 
     #[test]
-    fn text_breaks_at_spaces_only() {
+    fn text_breaks_at_spaces_and_in_words_too_wide() {
         assert_eq!(wrapped("inflection line", 12, 80.0), ["inflection", "line"]);
+        assert_eq!(wrapped("a 病例病例", 10, 25.0), ["a", "病例", "病例"]);
         assert_eq!(wrapped("inflection line", 12, 900.0), ["inflection line"]);
     }
 }

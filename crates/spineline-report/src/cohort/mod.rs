@@ -1,0 +1,75 @@
+//! Analyses of many patients → a report: verdict and exclusions first, how it was made last.
+
+mod errors;
+mod movement;
+mod people;
+mod readers;
+
+use spineline::analysis::{Analysis, Subject};
+
+use crate::document::{Document, Section};
+use crate::patient;
+
+pub use people::{Refusal, Refused};
+
+/// What a report of a cohort is made from.
+#[derive(Debug, Clone, Copy)]
+pub struct Patients<'a> {
+    /// What was found of every patient.
+    pub analyses: &'a [Analysis],
+    /// Who they are, in the same order.
+    pub subjects: &'a [Subject],
+    /// What they say together.
+    pub together: &'a spineline::cohort::Cohort,
+    /// Cases that are not among them.
+    pub refused: &'a [Refused],
+    /// Program that makes the report.
+    pub generator: &'a str,
+    /// The analyses as a JSON array, to be embedded.
+    pub json: &'a str,
+}
+
+/// The report of a cohort. Pictures of single patients are left to their own reports.
+#[must_use]
+pub fn report(patients: &Patients<'_>) -> Document {
+    let mut sections = vec![people::verdict(patients), people::flow(patients)];
+    sections.push(people::table_1(patients));
+    sections.push(people::lenke(patients));
+    sections.push(movement::section(patients.together));
+    sections.push(errors::fitted_and_held_out(patients.together));
+    sections.push(errors::tests(patients.together));
+    sections.push(errors::by_patient(patients.analyses));
+    sections.push(readers::section(patients.analyses));
+    sections.push(how(patients));
+    Document {
+        title: "Cohort report".to_owned(),
+        subject: match patients.analyses.len() {
+            1 => "1 patient".to_owned(),
+            n => format!("{n} patients"),
+        },
+        generator: patients.generator.to_owned(),
+        banners: patient::banners(patients.together.synthetic),
+        sections,
+        analysis: patients.json.to_owned(),
+    }
+}
+
+fn how(patients: &Patients<'_>) -> Section {
+    let mut section = Section::new("method", "How it was made");
+    // All patients of a run share their options.
+    if let Some(first) = patients.analyses.first() {
+        section.table(patient::options(patients.generator, &first.options));
+    }
+    section.paragraph("Statistics: a patient is the unit. One mean per patient enters every interval and every test but those called pooled, which are the paper's and take vertebrae of one spine for independent. Intervals resample patients.");
+    section
+}
+
+/// A mean with its 95 % interval over patients.
+fn with_interval(mean: f64, ends: Option<[f64; 2]>, places: usize) -> String {
+    if !mean.is_finite() {
+        return patient::none();
+    }
+    let ends = ends
+        .map_or_else(String::new, |[low, high]| format!(" ({low:.places$} to {high:.places$})"));
+    format!("{mean:.places$}{ends}")
+}

@@ -1,0 +1,95 @@
+//! Rotations of segments over a cohort, with table 2 of the paper.
+
+use spineline::cohort::{Clustered, Cohort, Comparison, EstimateStatistics};
+
+use super::with_interval;
+use crate::document::{Column, Figure, Section, Table};
+use crate::figures::{self, EstimateGroup, EstimateSample, InflectionSample};
+
+/// Figures 6 and 10, and the tests between the two estimates.
+pub fn section(cohort: &Cohort) -> Section {
+    let mut section = Section::new("movement", "Movement of the spine");
+    let all = &cohort.inflection[0];
+    let sample = InflectionSample {
+        name: "all patients".to_owned(),
+        distances_segments: all.distance_segments.values(),
+        rotations_deg: all.rotation_deg.values(),
+    };
+    let svg = figures::inflection_distances(&[sample], cohort.synthetic);
+    let caption =
+        "Inflection segments against the least-rotating segments (figure 6 of the paper).";
+    section.figure(Figure::new("inflections", caption, svg));
+    let group = |name: &str, films: usize| EstimateGroup {
+        name: name.to_owned(),
+        inflection: estimates(&cohort.inflection[films + 1]),
+        mean_least: estimates(&cohort.mean_least[films]),
+    };
+    let groups = [group("bends", 0), group("neutral and traction", 1)];
+    let svg = figures::least_rotating_estimates(&groups, cohort.synthetic);
+    let caption = "Inflections and MMS_Mean as estimates of the least-rotating segments (figure 10 of the paper).";
+    section.figure(Figure::new("estimates", caption, svg));
+    section.table(rotations(cohort));
+    section.table(table_2(cohort));
+    section
+}
+
+fn estimates(of: &EstimateStatistics) -> EstimateSample {
+    EstimateSample {
+        distances_segments: of.distance_segments.values(),
+        rotations_deg: of.rotation_deg.values(),
+    }
+}
+
+fn rotations(cohort: &Cohort) -> Table {
+    let columns = vec![
+        Column::words("Quantity"),
+        Column::numbers("Values"),
+        Column::numbers("Mean ± sd, pooled"),
+        Column::words("Mean over patients (95 %)"),
+    ];
+    let mut table = Table::new("Curves and rotations", columns);
+    let mut add = |name: &str, of: &Clustered, places: usize| {
+        if of.pooled.n > 0 {
+            table.row(vec![
+                name.to_owned(),
+                of.pooled.n.to_string(),
+                format!("{:.places$} ± {:.places$}", of.pooled.mean, of.pooled.sd),
+                with_interval(of.patients.mean, of.bootstrap, places),
+            ]);
+        }
+    };
+    add("Residual of the curve's locations (mm)", &cohort.rmse_mm, 2);
+    add("Residual of the curve's tilts (°)", &cohort.rmse_deg, 2);
+    add("Rotation of all segments (°)", &cohort.rotation_deg, 4);
+    add("Rotation of the least-rotating segments (°)", &cohort.least_rotation_deg, 5);
+    add("Rotation of the inflection segments (°)", &cohort.inflection[0].rotation_deg, 4);
+    let distance = &cohort.inflection[0].distance_segments;
+    add("Inflections to the least-rotating segments (segments)", distance, 1);
+    add("Inflections to the least-rotating segments (mm)", &cohort.inflection[0].distance_mm, 2);
+    table
+}
+
+fn table_2(cohort: &Cohort) -> Table {
+    let columns = vec![
+        Column::words("Inflections minus MMS_Mean"),
+        Column::words("The paper's pooled test"),
+        Column::words("Over patients"),
+    ];
+    let mut table =
+        Table::new("Two estimates of the least-rotating segments (table 2 of the paper)", columns);
+    let names = [
+        ("distance on bends", "segments"),
+        ("distance on neutral and traction films", "segments"),
+        ("rotation on bends", "°"),
+        ("rotation on neutral and traction films", "°"),
+    ];
+    for ((name, unit), test) in names.into_iter().zip(&cohort.table_2) {
+        table.row(tested(&format!("{name} ({unit})"), test, unit));
+    }
+    table
+}
+
+/// A comparison as the paper tests it and as patients do.
+pub fn tested(name: &str, test: &Comparison, unit: &str) -> Vec<String> {
+    vec![name.to_owned(), test.pooled_words(unit), test.patient_words(unit)]
+}

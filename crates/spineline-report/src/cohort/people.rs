@@ -1,0 +1,285 @@
+//! Who the patients are, and who of those that came was left out.
+
+use std::collections::BTreeMap;
+
+use spineline::analysis::{Analysis, Sex, Subject};
+use spineline::anatomy::Posture;
+use spineline::clinical::ClinicalCurve;
+use spineline::evaluate::statistics::{Summary, quantile};
+
+use super::Patients;
+use crate::document::{Column, Figure, NoticeKind, Section, Table};
+use crate::figures::{self, FlowStep};
+use crate::patient::none;
+
+/// Why a case is not among the patients.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refusal {
+    /// Its file could not be read.
+    Unread,
+    /// Its films could not be analysed.
+    NotAnalysed,
+}
+
+impl Refusal {
+    const fn words(self) -> &'static str {
+        match self {
+            Self::Unread => "the file could not be read",
+            Self::NotAnalysed => "the films could not be analysed",
+        }
+    }
+}
+
+/// A case that is not among the patients.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refused {
+    /// Its file.
+    pub name: String,
+    /// Where it ended.
+    pub refusal: Refusal,
+    /// Why, in words.
+    pub why: String,
+}
+
+/// What the patients say together, and what speaks against single ones.
+pub fn verdict(patients: &Patients<'_>) -> Section {
+    let mut section = Section::new("verdict", "Verdict, contradictions and warnings");
+    for sentence in patients.together.sentences() {
+        section.paragraph(sentence);
+    }
+    let mut counts: BTreeMap<(NoticeKind, &str), (usize, String)> = BTreeMap::new();
+    for analysis in patients.analyses {
+        let mut seen: Vec<&str> = Vec::new();
+        for warning in analysis.warnings.all() {
+            if !seen.contains(&warning.code) {
+                seen.push(warning.code);
+                let key = (warning.severity().into(), warning.code);
+                counts.entry(key).or_insert_with(|| (0, warning.text())).0 += 1;
+            }
+        }
+    }
+    let columns = vec![
+        Column::words("Weight"),
+        Column::words("Code"),
+        Column::numbers("Patients"),
+        Column::words("Such as"),
+    ];
+    let mut table = Table::new("Contradictions, warnings and notes over patients", columns);
+    for ((kind, code), (patients, example)) in counts {
+        table.row(vec![kind.word().to_owned(), code.to_owned(), patients.to_string(), example]);
+    }
+    section.table(table);
+    section
+}
+
+/// Cases read, refused, analysed, modelled, and with each film.
+pub fn flow(patients: &Patients<'_>) -> Section {
+    let mut section = Section::new("flow", "Flow of cases and exclusions");
+    let (analyses, refused) = (patients.analyses, patients.refused);
+    let refusals = [Refusal::Unread, Refusal::NotAnalysed].map(|refusal| {
+        let n = refused.iter().filter(|one| one.refusal == refusal).count();
+        (refusal.words().to_owned(), n)
+    });
+    let modelled: Vec<&Analysis> = analyses.iter().filter(|a| !a.models.is_empty()).collect();
+    let without = |code: &str| {
+        analyses.iter().filter(|a| a.models.is_empty() && a.warnings.has(code)).count()
+    };
+    let (no_scale, no_bend) = (without("no_scale"), without("no_bending_film"));
+    let other = analyses.len() - modelled.len() - no_scale - no_bend;
+    let complete =
+        |a: &&&Analysis| Posture::ALL.iter().all(|&posture| a.posture(posture).is_some());
+    let lacking = Posture::MOVED.map(|posture| {
+        let n = modelled.iter().filter(|a| a.posture(posture).is_none()).count();
+        (format!("no {posture} film"), n)
+    });
+    let some = |lost: Vec<(String, usize)>| lost.into_iter().filter(|(_, n)| *n > 0).collect();
+    let step = |name: &str, cases: usize, lost: Vec<(String, usize)>| FlowStep {
+        name: name.to_owned(),
+        cases,
+        lost: some(lost),
+    };
+    let no_model = [
+        ("a film without a spacing", no_scale),
+        ("no bending film", no_bend),
+        ("no line of action on any bend", other),
+    ];
+    let no_model = no_model.map(|(why, n)| (why.to_owned(), n)).to_vec();
+    let steps = [
+        step("case files read", analyses.len() + refused.len(), refusals.to_vec()),
+        step("analysed", analyses.len(), no_model),
+        step("with a personalised model", modelled.len(), lacking.to_vec()),
+        step("with all five postures", modelled.iter().filter(complete).count(), Vec::new()),
+    ];
+    let svg = figures::exclusions(&steps, patients.together.synthetic);
+    let caption = "How many cases came how far. A film that is lacking takes a case out of the last step alone: all its other films count.";
+    section.figure(Figure::new("flow", caption, svg));
+    section.table(refused_table(refused));
+    section.table(films_table(analyses));
+    section
+}
+
+fn refused_table(refused: &[Refused]) -> Table {
+    let columns = vec![Column::words("File"), Column::words("Refused since"), Column::words("Why")];
+    let mut table = Table::new("Cases that were refused", columns);
+    for one in refused {
+        table.row(vec![one.name.clone(), one.refusal.words().to_owned(), one.why.clone()]);
+    }
+    table
+}
+
+fn films_table(analyses: &[Analysis]) -> Table {
+    let columns = vec![
+        Column::words("Posture"),
+        Column::numbers("Films"),
+        Column::numbers("Simulations"),
+        Column::numbers("without a result"),
+    ];
+    let mut table = Table::new("Films and simulations by posture", columns);
+    for posture in Posture::ALL {
+        let films = analyses.iter().filter(|a| a.posture(posture).is_some()).count();
+        let all = || {
+            let models = analyses.iter().flat_map(|a| &a.models);
+            models.filter_map(|model| model.posture(posture))
+        };
+        let lost = all().filter(|simulation| !simulation.is_usable()).count();
+        table.row(vec![
+            posture.to_string(),
+            films.to_string(),
+            all().count().to_string(),
+            lost.to_string(),
+        ]);
+    }
+    table.note = "One simulation per line of action and film.".to_owned();
+    table
+}
+
+/// The curve with the largest Cobb angle.
+pub fn main_curve(analysis: &Analysis) -> Option<&ClinicalCurve> {
+    let size = |curve: &ClinicalCurve| curve.cobb[0].1.abs().rad();
+    analysis.clinical.iter().max_by(|a, b| size(a).total_cmp(&size(b)))
+}
+
+/// Table 1 of the paper, with the sizes of the chain.
+pub fn table_1(patients: &Patients<'_>) -> Section {
+    let mut section = Section::new("patients", "Patients");
+    section.table(summary(patients));
+    let columns = vec![
+        Column::words("Case"),
+        Column::words("Sex"),
+        Column::numbers("Age (years)"),
+        Column::words("Lenke, recorded"),
+        Column::words("Lenke, frontal films"),
+        Column::numbers("Main Cobb angle (°)"),
+        Column::numbers("Flexibility (%)"),
+        Column::numbers("Inflections"),
+    ];
+    let mut table = Table::new("Descriptive data of the patients (table 1 of the paper)", columns);
+    for (analysis, subject) in patients.analyses.iter().zip(patients.subjects) {
+        let main = main_curve(analysis);
+        let flexibility = main.and_then(|curve| curve.flexibility);
+        table.row(vec![
+            analysis.case_id.clone(),
+            subject.sex.map_or_else(none, |sex| sex_words(sex).to_owned()),
+            subject.age_years.map_or_else(none, |age| format!("{age:.0}")),
+            subject.lenke.clone().unwrap_or_else(none),
+            analysis.lenke.map_or_else(none, |lenke| lenke.number.to_string()),
+            main.map_or_else(none, |curve| format!("{:.0}", curve.cobb[0].1.abs().deg())),
+            flexibility.map_or_else(none, |f| format!("{:.0}", 100.0 * f)),
+            analysis.inflections.all.len().to_string(),
+        ]);
+    }
+    section.table(table);
+    section
+}
+
+const fn sex_words(sex: Sex) -> &'static str {
+    match sex {
+        Sex::Female => "female",
+        Sex::Male => "male",
+        Sex::Other => "other",
+    }
+}
+
+fn summary(patients: &Patients<'_>) -> Table {
+    let columns = vec![
+        Column::words("Quantity"),
+        Column::numbers("n"),
+        Column::numbers("Mean ± sd"),
+        Column::numbers("Median"),
+        Column::numbers("Range"),
+    ];
+    let mut table = Table::new("The patients in numbers", columns);
+    let counted = |sex: Sex| {
+        let is = |subject: &&Subject| subject.sex == Some(sex);
+        (sex, patients.subjects.iter().filter(is).count())
+    };
+    for (sex, n) in [Sex::Female, Sex::Male, Sex::Other].map(counted) {
+        if n > 0 {
+            let name = format!("Sex: {}", sex_words(sex));
+            table.row(vec![name, n.to_string(), none(), none(), none()]);
+        }
+    }
+    let ages = patients.subjects.iter().filter_map(|subject| subject.age_years).collect();
+    let cobb = patients.analyses.iter().filter_map(main_curve);
+    let cobb = cobb.map(|curve| curve.cobb[0].1.abs().deg()).collect();
+    let segments = patients.analyses.iter().map(|a| f64::from(a.chain.segments as u32)).collect();
+    let lengths =
+        patients.analyses.iter().filter_map(|a| a.scale().mm(a.chain.segment_mm)).collect();
+    table.rows.extend(described("Age (years)", ages, 0));
+    table.rows.extend(described("Main Cobb angle (°)", cobb, 0));
+    table.rows.extend(described("Segments of the chain: n (1)", segments, 0));
+    table.rows.extend(described("Length of a segment: l (mm)", lengths, 4));
+    table
+}
+
+fn described(name: &str, mut values: Vec<f64>, places: usize) -> Option<Vec<String>> {
+    values.sort_by(f64::total_cmp);
+    let (first, last) = (values.first()?, values.last()?);
+    let Summary { n, mean, sd } = Summary::of(&values);
+    Some(vec![
+        name.to_owned(),
+        n.to_string(),
+        format!("{mean:.*} ± {sd:.*}", places.max(1), places.max(1)),
+        format!("{:.places$}", quantile(&values, 0.5)),
+        format!("{first:.places$} to {last:.places$}"),
+    ])
+}
+
+/// How many patients are of which type.
+pub fn lenke(patients: &Patients<'_>) -> Section {
+    let mut section = Section::new("lenke", "Lenke types");
+    let mut counts: Vec<(String, usize)> = (1..=6)
+        .map(|number| {
+            let is = |a: &&Analysis| a.lenke.is_some_and(|lenke| lenke.number == number);
+            (number.to_string(), patients.analyses.iter().filter(is).count())
+        })
+        .collect();
+    let without = patients.analyses.iter().filter(|a| a.lenke.is_none()).count();
+    counts.push(("none".to_owned(), without));
+    let svg = figures::lenke_types(&counts, patients.together.synthetic);
+    let caption = "Lenke types as far as frontal films tell them; none: a bending film or a pair of inflections is lacking, or the curves make no type.";
+    section.figure(Figure::new("lenke", caption, svg));
+    section.table(recorded(patients));
+    section
+}
+
+/// The types that clinicians recorded beside those found.
+fn recorded(patients: &Patients<'_>) -> Table {
+    let mut found: BTreeMap<(String, String), usize> = BTreeMap::new();
+    for (analysis, subject) in patients.analyses.iter().zip(patients.subjects) {
+        if let Some(recorded) = &subject.lenke {
+            let ours = analysis.lenke.map_or_else(none, |lenke| lenke.number.to_string());
+            *found.entry((recorded.clone(), ours)).or_default() += 1;
+        }
+    }
+    let columns = vec![
+        Column::words("Recorded"),
+        Column::words("From frontal films"),
+        Column::numbers("Patients"),
+    ];
+    let mut table = Table::new("Recorded Lenke class and type from frontal films", columns);
+    for ((recorded, ours), n) in found {
+        table.row(vec![recorded, ours, n.to_string()]);
+    }
+    table
+}

@@ -1,0 +1,60 @@
+//! How well readings repeat over a cohort.
+
+use spineline::analysis::Analysis;
+use spineline::measure::FilmReadings;
+use spineline::reliability::{Icc, SemKind, StatisticKind, assess, film_quantities};
+
+use crate::document::{Column, Section, Table};
+
+/// The statistics that a reader asks for first; the rest is in the analyses and in `spineline reliability`.
+const SHOWN: [StatisticKind; 4] = [
+    StatisticKind::Sem(SemKind::Agreement),
+    StatisticKind::Mdc95(SemKind::Agreement),
+    StatisticKind::Icc(Icc::AgreementSingle),
+    StatisticKind::Pearson,
+];
+
+/// Errors and correlations of the readings.
+pub fn section(analyses: &[Analysis]) -> Section {
+    let mut section = Section::new("reliability", "Reliability of the readings");
+    let mut cases: Vec<(&str, &[FilmReadings])> = Vec::new();
+    for analysis in analyses {
+        if !cases.iter().any(|(id, _)| *id == analysis.case_id) {
+            cases.push((&analysis.case_id, &analysis.readings));
+        }
+    }
+    let repeated = |films: &&[FilmReadings]| films.iter().any(|film| film.readings.len() > 1);
+    if !cases.iter().any(|(_, films)| repeated(films)) {
+        section.paragraph("Every film was read once: how well readings repeat is not known.");
+        return section;
+    }
+    let columns = vec![
+        Column::words("Quantity"),
+        Column::words("Between whom"),
+        Column::numbers("Subjects"),
+        Column::words("Statistic"),
+        Column::numbers("Value"),
+        Column::words("95 % interval"),
+        Column::words("Unit"),
+    ];
+    let mut table = Table::new("How well readings repeat", columns);
+    for quantity in film_quantities(&cases).iter().map(assess) {
+        for design in &quantity.designs {
+            for statistic in design.statistics.iter().filter(|s| SHOWN.contains(&s.kind)) {
+                let (Some(value), interval) = statistic.shown() else { continue };
+                table.row(vec![
+                    quantity.key.replace('_', " "),
+                    design.design.to_string(),
+                    design.subjects.to_string(),
+                    statistic.kind.name().to_owned(),
+                    value,
+                    interval,
+                    if statistic.kind.has_unit() { quantity.unit.clone() } else { "1".to_owned() },
+                ]);
+            }
+        }
+    }
+    table.note = "SEM and MDC95 speak of the readers alone. Every correlation also grows with the spread of the subjects. Intervals take the subjects for independent; vertebrae of one film are not, so true ones are wider.".to_owned();
+    section.table(table);
+    section
+}

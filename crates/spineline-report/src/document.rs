@@ -1,0 +1,320 @@
+//! A report before a writer gives it a form: words, notices, tables and figures in their order.
+//!
+//! All text here is plain: no writer's markup stands in it, and every writer escapes what it is given.
+
+use serde::Serialize;
+use spineline::warning::{Severity, Warning};
+
+/// A whole report.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Document {
+    /// What kind of report it is.
+    pub title: String,
+    /// Whom it is about: the case's identifier, or the size of the cohort.
+    pub subject: String,
+    /// Program that made it.
+    pub generator: String,
+    /// What a reader must know before anything else.
+    pub banners: Vec<Notice>,
+    /// The report.
+    pub sections: Vec<Section>,
+    /// The analysis behind it as JSON, which every writer embeds: one object, or an array for a cohort.
+    #[serde(skip)]
+    pub analysis: String,
+}
+
+/// A part of a report.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Section {
+    /// A name for links, the same in every report.
+    pub id: &'static str,
+    /// Its heading.
+    pub title: String,
+    /// What it holds.
+    pub blocks: Vec<Block>,
+}
+
+/// One piece of a section.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "kind", content = "of", rename_all = "snake_case")]
+pub enum Block {
+    /// A heading within the section.
+    Heading(String),
+    /// Running text.
+    Paragraph(String),
+    /// Something that may not be overlooked.
+    Notice(Notice),
+    /// Rows and columns.
+    Table(Table),
+    /// A picture.
+    Figure(Box<Figure>),
+}
+
+/// How much a notice weighs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NoticeKind {
+    /// What the whole report is: made up, or no medical device.
+    Banner,
+    /// The data speak against the model, or a number is no result.
+    Contradiction,
+    /// Something may be wrong.
+    Warning,
+    /// Worth knowing.
+    Note,
+}
+
+impl NoticeKind {
+    /// The word in front of a notice.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Banner => "Read first",
+            Self::Contradiction => "Contradiction",
+            Self::Warning => "Warning",
+            Self::Note => "Note",
+        }
+    }
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Banner => "banner",
+            Self::Contradiction => "contradiction",
+            Self::Warning => "warning",
+            Self::Note => "note",
+        }
+    }
+}
+
+impl From<Severity> for NoticeKind {
+    fn from(severity: Severity) -> Self {
+        match severity {
+            Severity::Contradiction => Self::Contradiction,
+            Severity::Warning => Self::Warning,
+            Severity::Note => Self::Note,
+        }
+    }
+}
+
+/// Something that may not be overlooked.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Notice {
+    /// Its weight.
+    pub kind: NoticeKind,
+    /// What it is about, such as `left bending film, T9`; may be empty.
+    pub place: String,
+    /// What happened, and what to do.
+    pub text: String,
+    /// Its stable name; may be empty.
+    pub code: String,
+}
+
+impl Notice {
+    /// A notice about the whole report.
+    #[must_use]
+    pub fn new(kind: NoticeKind, text: impl Into<String>) -> Self {
+        Self { kind, place: String::new(), text: text.into(), code: String::new() }
+    }
+}
+
+impl From<&Warning> for Notice {
+    fn from(warning: &Warning) -> Self {
+        let posture = warning.posture.map(|posture| format!("{posture} film"));
+        let level = warning.level.map(|level| level.to_string());
+        Self {
+            kind: warning.severity().into(),
+            place: posture.into_iter().chain(level).collect::<Vec<_>>().join(", "),
+            text: warning.text(),
+            code: warning.code.to_owned(),
+        }
+    }
+}
+
+/// One column of a table.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Column {
+    /// Its head, with the unit where it has one.
+    pub head: String,
+    /// Whether it holds numbers, which stand on the right.
+    pub numeric: bool,
+}
+
+impl Column {
+    /// A column of words.
+    #[must_use]
+    pub fn words(head: impl Into<String>) -> Self {
+        Self { head: head.into(), numeric: false }
+    }
+
+    /// A column of numbers.
+    #[must_use]
+    pub fn numbers(head: impl Into<String>) -> Self {
+        Self { head: head.into(), numeric: true }
+    }
+}
+
+/// Rows and columns.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Table {
+    /// What it shows.
+    pub caption: String,
+    /// The columns.
+    pub columns: Vec<Column>,
+    /// The rows, each with one cell per column.
+    pub rows: Vec<Vec<String>>,
+    /// How to read it; may be empty.
+    pub note: String,
+}
+
+impl Table {
+    /// A table without rows.
+    #[must_use]
+    pub fn new(caption: impl Into<String>, columns: Vec<Column>) -> Self {
+        Self { caption: caption.into(), columns, rows: Vec::new(), note: String::new() }
+    }
+
+    /// Adds a row.
+    ///
+    /// # Panics
+    /// If it has not one cell per column.
+    pub fn row(&mut self, cells: Vec<String>) {
+        assert_eq!(cells.len(), self.columns.len(), "one cell per column of {}", self.caption);
+        self.rows.push(cells);
+    }
+}
+
+/// A picture.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Figure {
+    /// Name of its file without ending, the same in every report of its kind.
+    pub name: String,
+    /// What it shows.
+    pub caption: String,
+    /// The picture as SVG text.
+    #[serde(skip)]
+    pub svg: String,
+    /// The same in space, where a writer can let its reader turn it.
+    #[serde(skip)]
+    pub space: Option<Space>,
+}
+
+impl Figure {
+    /// A flat picture.
+    #[must_use]
+    pub fn new(name: impl Into<String>, caption: impl Into<String>, svg: String) -> Self {
+        Self { name: name.into(), caption: caption.into(), svg, space: None }
+    }
+}
+
+/// Lines in space: in mm, `x` to the front, `y` to the patient's left, `z` up.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Space {
+    /// What can be shown and hidden.
+    pub layers: Vec<SpaceLayer>,
+}
+
+/// Lines in space that belong together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SpaceLayer {
+    /// What they are.
+    pub name: String,
+    /// Their colour, as in the flat figure.
+    pub colour: &'static str,
+    /// SVG dash array; empty for solid lines.
+    pub dash: &'static str,
+    /// Whether they are shown at first.
+    pub shown: bool,
+    /// Polygons through points.
+    pub lines: Vec<Vec<[f64; 3]>>,
+}
+
+impl Section {
+    /// A section without content.
+    #[must_use]
+    pub fn new(id: &'static str, title: impl Into<String>) -> Self {
+        Self { id, title: title.into(), blocks: Vec::new() }
+    }
+
+    /// Adds running text, unless there is none.
+    pub fn paragraph(&mut self, text: impl Into<String>) {
+        let text = text.into();
+        if !text.is_empty() {
+            self.blocks.push(Block::Paragraph(text));
+        }
+    }
+
+    /// Adds a heading.
+    pub fn heading(&mut self, text: impl Into<String>) {
+        self.blocks.push(Block::Heading(text.into()));
+    }
+
+    /// Adds a notice.
+    pub fn notice(&mut self, notice: Notice) {
+        self.blocks.push(Block::Notice(notice));
+    }
+
+    /// Adds a table, unless it has no rows.
+    pub fn table(&mut self, table: Table) {
+        if !table.rows.is_empty() {
+            self.blocks.push(Block::Table(table));
+        }
+    }
+
+    /// Adds a figure.
+    pub fn figure(&mut self, figure: Figure) {
+        self.blocks.push(Block::Figure(Box::new(figure)));
+    }
+}
+
+impl Document {
+    /// All figures in their order.
+    pub fn figures(&self) -> impl Iterator<Item = &Figure> {
+        self.sections.iter().flat_map(|section| &section.blocks).filter_map(|block| match block {
+            Block::Figure(figure) => Some(&**figure),
+            _ => None,
+        })
+    }
+}
+
+/// A name for files made of any text: what is not an ASCII letter, digit, `-`, `_` or a dot within becomes `_`; where
+/// that changed anything, eight digits of a hash keep different texts apart.
+#[must_use]
+pub fn file_stem(text: &str) -> String {
+    const LONGEST: usize = 80;
+    let mut plain: String = text
+        .chars()
+        .map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' })
+        .take(LONGEST)
+        .collect();
+    if plain.starts_with('.') || plain.is_empty() {
+        plain.insert(0, '_');
+    }
+    if plain == text {
+        return plain;
+    }
+    // FNV-1a, the same on every machine.
+    let hash = text
+        .bytes()
+        .fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));
+    format!("{plain}-{hash:08x}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::file_stem;
+
+    #[test]
+    fn names_of_files_are_plain_and_apart() {
+        assert_eq!(file_stem("phantom-rod-01"), "phantom-rod-01");
+        for hostile in ["../../etc/passwd", "病例一", "病例二", "<script>", "", ".", "a/b", "a\\b"]
+        {
+            let name = file_stem(hostile);
+            assert!(name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c)), "{name}");
+            assert!(!name.starts_with('.'), "{name}");
+        }
+        assert_ne!(file_stem("病例一"), file_stem("病例二"));
+        assert!(file_stem(&"x".repeat(500)).len() < 100);
+    }
+}

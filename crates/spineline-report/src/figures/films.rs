@@ -1,0 +1,239 @@
+//! The films of one patient as they hang, with all that was marked and found on them.
+
+use kuva::render::render::Primitive;
+use spineline::action::{LineKind, LineOfAction};
+use spineline::analysis::{Analysis, Case, PostureAnalysis};
+use spineline::anatomy::Posture;
+use spineline::measure::{Film, FilmFrame, FilmMarks, Mark, Outline, SpacingPlane};
+use spineline::spatial::{Frontal, Pixel};
+
+use super::frontal::{Extent, VIEW, drawn, frontal_panel};
+use super::page::{Page, Sample};
+use super::panel::{HeadingKind, Panel, Picture};
+use super::style::{BLACK, GREY, Ink, Marker, ORANGE, Shape, VERMILLION, action_ink};
+
+const TALL_PX: f64 = 440.0;
+const PANELS_PER_ROW: usize = 3;
+/// Room around the marks, as a part of their height.
+const ROOM: f64 = 0.06;
+
+const BODY: Ink = Ink::new(GREY, "", 1.0);
+const CURVE: Ink = Ink::new(BLACK, "", 2.0);
+const CREST: Ink = Ink::new(VERMILLION, "", 1.4);
+const MIDPOINT: Marker = Marker { radius_px: 2.6, ..Marker::new(Shape::Circle, BLACK, false) };
+const INFLECTION: Marker = Marker { radius_px: 4.6, ..Marker::new(Shape::Diamond, ORANGE, true) };
+
+/// The picture of a film.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FilmPicture {
+    /// Its posture.
+    pub posture: Posture,
+    /// The whole film as a PNG file, of any size.
+    pub png: Vec<u8>,
+}
+
+/// Where things lie on a film that hangs upright: `-y` and `z` from L4's midpoint.
+struct Hanging<'a> {
+    film: &'a Film,
+    outline: &'a Outline,
+    frame: Option<FilmFrame>,
+}
+
+impl<'a> Hanging<'a> {
+    fn of(film: &'a Film, outline: &'a Outline) -> Self {
+        Self { film, outline, frame: FilmFrame::of(film, outline) }
+    }
+
+    /// A point of the analysis.
+    fn place(&self, point: Frontal) -> Frontal {
+        match &self.frame {
+            Some(frame) => self.pixel(frame, frame.pixel(point)),
+            None => point.rotated(self.outline.l4_on_film),
+        }
+    }
+
+    /// A place of the picture.
+    fn pixel(&self, frame: &FilmFrame, place: Pixel) -> Frontal {
+        let image = frame.image();
+        image.frontal(place) - image.frontal(frame.pixel(Frontal::default()))
+    }
+
+    fn line(&self, line: &LineOfAction) -> LineOfAction {
+        let [from, to] = [line.point, line.point + line.direction].map(|p| self.place(p));
+        let along = to - from;
+        let direction = along * (1.0 / along.norm_mm());
+        LineOfAction { point: from, direction, application: line.application }
+    }
+
+    fn marks(&self) -> impl Iterator<Item = &'a Mark> {
+        let readings = match &self.film.marks {
+            FilmMarks::Landmarks { readings, .. } => &readings[..],
+            FilmMarks::Placements { .. } => &[],
+        };
+        readings.iter().flat_map(|reading| reading.vertebrae.values())
+    }
+
+    fn corners(&self, mark: &Mark) -> Option<[Frontal; 4]> {
+        let frame = self.frame.as_ref()?;
+        let c = mark.corners.map(|corner| self.pixel(frame, corner));
+        Some([c.superior_left, c.superior_right, c.inferior_right, c.inferior_left])
+    }
+
+    fn crests(&self) -> Option<[Frontal; 2]> {
+        let FilmMarks::Landmarks { iliac_crests, .. } = &self.film.marks else { return None };
+        let crests = iliac_crests.as_ref()?;
+        let frame = self.frame.as_ref()?;
+        Some([crests.left, crests.right].map(|tip| self.pixel(frame, tip)))
+    }
+
+    fn extent(&self) -> Extent {
+        let corners = self.marks().filter_map(|mark| self.corners(mark)).flatten();
+        let locations = self.outline.locations().map(|p| self.place(p));
+        let points: Vec<Frontal> = corners.chain(locations).collect();
+        let bare = Extent::of(points);
+        let room = ROOM * bare.height_mm();
+        bare.grown([2.0 * room, room])
+    }
+}
+
+/// The films of one patient: marks of all readings, fitted curve, inflections, iliac crests and lines of action, over the
+/// pictures as far as there are any.
+#[must_use]
+pub fn films(case: &Case, analysis: &Analysis, pictures: &[FilmPicture]) -> String {
+    let title = format!("Films with marks, curve, inflections and lines, case {}", case.id);
+    let mut page = Page::new(title, analysis.synthetic);
+    page.notes
+        .push(format!("{VIEW} Films hang as they were taken; L4's midpoint is at the origin."));
+    let hung: Vec<(Hanging<'_>, &PostureAnalysis)> = analysis
+        .postures
+        .iter()
+        .filter_map(|p| {
+            let film = case.films.iter().find(|film| film.posture == p.outline.posture)?;
+            Some((Hanging::of(film, &p.outline), p))
+        })
+        .collect();
+    legend(&mut page, analysis, &hung);
+    let columns = PANELS_PER_ROW.min(hung.len()).max(1);
+    // Heights differ from film to film, so that every panel has an axis of its own.
+    let cell_px = page.inner_px() / columns as f64 - 84.0;
+    for row in hung.chunks(columns) {
+        let mut panels: Vec<Panel> = Vec::new();
+        for (film, posture) in row {
+            let mut panel = empty_panel(film, cell_px.min(TALL_PX));
+            panel.heading(HeadingKind::Title, film.outline.posture.to_string());
+            if film.outline.scale.plane == SpacingPlane::Pixels {
+                panel.without_scale();
+            }
+            panel.y.label = if panels.is_empty() { panel.y.label } else { String::new() };
+            let picture = pictures.iter().find(|p| p.posture == film.outline.posture);
+            panel.picture = picture.and_then(|picture| placed(&panel, film, picture));
+            fill(&mut panel, film, analysis, posture);
+            panels.push(panel);
+        }
+        page.rows.push(panels);
+    }
+    page.into_svg()
+}
+
+fn legend(page: &mut Page, analysis: &Analysis, hung: &[(Hanging<'_>, &PostureAnalysis)]) {
+    let mut add = |sample, words: &str| page.legend.push((sample, words.to_owned()));
+    if hung.iter().any(|(film, _)| film.marks().next().is_some()) {
+        add(Sample::Stroke(BODY, None), "marked corners, every reading");
+    }
+    add(Sample::Marker(MIDPOINT), "midpoints, mean of readings");
+    add(Sample::Stroke(CURVE, None), "fitted curve");
+    if analysis.inflection_segments.is_some() {
+        add(Sample::Marker(INFLECTION), "inflections of the erect curve");
+    }
+    if hung.iter().any(|(film, _)| film.crests().is_some()) {
+        add(Sample::Stroke(CREST, None), "iliac crests");
+    }
+    for model in &analysis.models {
+        add(Sample::Stroke(action_ink(model.kind), None), &model.kind.to_string());
+    }
+}
+
+/// A panel that holds all marks, as wide as its cell.
+fn empty_panel(film: &Hanging<'_>, cell_px: f64) -> Panel {
+    let extent = film.extent();
+    let px_per_mm = (TALL_PX / extent.height_mm()).min(cell_px / extent.width_mm());
+    let mut extent = extent.at_least_wide(cell_px / px_per_mm);
+    // All frames equally high, so that a row has no holes.
+    let more = 0.5 * (TALL_PX / px_per_mm - extent.height_mm()).max(0.0);
+    extent.z_mm = [extent.z_mm[0] - more, extent.z_mm[1] + more];
+    frontal_panel(extent, px_per_mm)
+}
+
+/// Where the picture lies in a panel.
+fn placed(panel: &Panel, film: &Hanging<'_>, picture: &FilmPicture) -> Option<Picture> {
+    let frame = film.frame.as_ref()?;
+    let image = frame.image();
+    let [columns, rows] = [image.columns, image.rows].map(f64::from);
+    let ends = [Pixel::new(-0.5, -0.5), Pixel::new(columns - 0.5, rows - 0.5)];
+    let corners_px = ends.map(|end| {
+        let (x, y) = drawn(film.pixel(frame, end));
+        panel.px(x, y)
+    });
+    Some(Picture { png: picture.png.clone(), corners_px })
+}
+
+fn fill(panel: &mut Panel, film: &Hanging<'_>, analysis: &Analysis, posture: &PostureAnalysis) {
+    let at = |point: Frontal| drawn(film.place(point));
+    let bodies: Vec<Primitive> = film
+        .marks()
+        .filter_map(|mark| film.corners(mark))
+        .map(|[a, b, c, d]| panel.trace(BODY, [a, b, c, d, a].map(drawn)))
+        .collect();
+    if !bodies.is_empty() {
+        panel.layer("marked corners", bodies);
+    }
+    if let Some(line) = film.crests().and_then(|tips| within(panel, tips.map(drawn))) {
+        let line = panel.trace(CREST, line);
+        panel.layer("iliac crests", [line]);
+    }
+    for model in &analysis.models {
+        line_layer(panel, film, model.kind, posture, analysis);
+    }
+    let curve = &posture.fit.curve;
+    let samples = 160;
+    let on_curve = |i: i32| at(curve.point(curve.end_mm() * f64::from(i) / f64::from(samples)));
+    let trace = panel.trace(CURVE, (0..=samples).map(on_curve));
+    panel.layer("fitted curve", [trace]);
+    let marker = |panel: &Panel, marker: Marker, place: (f64, f64)| {
+        let (x, y) = panel.px(place.0, place.1);
+        marker.at(x, y)
+    };
+    let midpoints: Vec<Primitive> =
+        film.outline.locations().map(|p| marker(panel, MIDPOINT, at(p))).collect();
+    panel.layer("midpoints", midpoints);
+    if let Some(points) = posture.inflection_points {
+        let marks = points.map(|p| marker(panel, INFLECTION, at(p)));
+        panel.layer("inflections", marks);
+    }
+}
+
+/// The part of a stretch from side to side that lies between the sides of the frame.
+fn within(panel: &Panel, [a, b]: [(f64, f64); 2]) -> Option<[(f64, f64); 2]> {
+    let (left, right) = if a.0 < b.0 { (a, b) } else { (b, a) };
+    let [from, to] = [left.0.max(panel.x.range[0]), right.0.min(panel.x.range[1])];
+    let height = |x: f64| left.1 + (right.1 - left.1) * (x - left.0) / (right.0 - left.0);
+    let inside = |z: f64| (panel.y.range[0]..=panel.y.range[1]).contains(&z);
+    let ends = [from, to].map(|x| (x, height(x)));
+    (from < to && ends.iter().all(|end| inside(end.1))).then_some(ends)
+}
+
+fn line_layer(
+    panel: &mut Panel,
+    film: &Hanging<'_>,
+    kind: LineKind,
+    posture: &PostureAnalysis,
+    analysis: &Analysis,
+) {
+    let model = analysis.models.iter().find(|model| model.kind == kind);
+    let simulation = model.and_then(|model| model.posture(posture.outline.posture));
+    let mark = simulation
+        .and_then(|simulation| panel.action_mark(&film.line(&simulation.line), action_ink(kind)));
+    if let Some(mark) = mark {
+        panel.layer(&kind.to_string(), [mark]);
+    }
+}

@@ -1,0 +1,179 @@
+//! The multibody model in space: from behind, from the right and obliquely.
+
+use spineline::analysis::{Analysis, LineModel};
+use spineline::multibody::{BodySize, Deformed};
+use spineline::response::erect_shape;
+use spineline::spatial::{Frontal, Vec3};
+
+use super::frontal::{Extent, frontal_panel};
+use super::page::{Page, Sample};
+use super::panel::{HeadingKind, Panel, Ticks};
+use super::style::{GREY, Ink, posture_style};
+use crate::document::{Space, SpaceLayer};
+
+const TALL_PX: f64 = 520.0;
+const OBLIQUE_DEG: f64 = 35.0;
+const ERECT: Ink = Ink::new(GREY, "", 1.0);
+
+/// The side from which one looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum View {
+    Behind,
+    Right,
+    Oblique,
+}
+
+impl View {
+    const ALL: [Self; 3] = [Self::Behind, Self::Right, Self::Oblique];
+
+    const fn words(self) -> &'static str {
+        match self {
+            Self::Behind => "from behind",
+            Self::Right => "from the right",
+            Self::Oblique => "oblique, from behind right",
+        }
+    }
+
+    const fn corners(self) -> [&'static str; 2] {
+        match self {
+            Self::Behind => ["LEFT", "RIGHT"],
+            Self::Right => ["BACK", "FRONT"],
+            Self::Oblique => ["LEFT, BACK", "RIGHT, FRONT"],
+        }
+    }
+
+    /// To the right of the picture, and up.
+    fn place(self, point: Vec3) -> (f64, f64) {
+        let (sin, cos) = OBLIQUE_DEG.to_radians().sin_cos();
+        let right = match self {
+            Self::Behind => -point.y,
+            Self::Right => point.x,
+            Self::Oblique => point.x * sin - point.y * cos,
+        };
+        (right, point.z)
+    }
+}
+
+/// One shape of the model.
+struct Shape {
+    name: String,
+    ink: Ink,
+    lines: Vec<Vec<Vec3>>,
+}
+
+/// The model of a patient in its erect posture and, as far as forces were found, in every simulated one: a flat figure of
+/// three views, and the same lines in space.
+#[must_use]
+pub fn spine_in_space(analysis: &Analysis) -> (String, Space) {
+    let title = format!("The multibody model in space, case {}", analysis.case_id);
+    let mut page = Page::new(title, analysis.synthetic);
+    let shapes = shapes(analysis);
+    page.notes.push(format!(
+        "Vertebrae L4 to T2 as boxes of typical size about their measured midpoints; {}.",
+        analysis.profile_words()
+    ));
+    for shape in &shapes {
+        page.legend.push((Sample::Stroke(shape.ink, None), shape.name.clone()));
+    }
+    let extents = View::ALL.map(|view| {
+        let points = shapes.iter().flat_map(|shape| shape.lines.iter().flatten());
+        // A frontal picture shows `-y` to the right.
+        Extent::of(points.map(|&point| view.place(point)).map(|(x, z)| Frontal::new(-x, z)))
+    });
+    let width_mm: f64 = extents.iter().map(Extent::width_mm).sum();
+    let px_per_mm =
+        (TALL_PX / extents[0].height_mm()).min((page.inner_px() - 84.0 - 2.0 * 18.0) / width_mm);
+    let spare_mm = (page.inner_px() - 84.0 - 2.0 * 18.0) / px_per_mm - width_mm;
+    let panels = View::ALL.into_iter().zip(extents).enumerate().map(|(i, (view, extent))| {
+        let wide = extent.at_least_wide(extent.width_mm() + spare_mm / 3.0);
+        let mut panel = frontal_panel(wide, px_per_mm);
+        panel.y_written = i == 0;
+        panel.heading(HeadingKind::Title, view.words());
+        panel.corners = Some(view.corners().map(str::to_owned));
+        match view {
+            View::Behind => {}
+            View::Right => {
+                panel.x.label = "anterior of L4 (mm)".to_owned();
+                panel.x.ticks = Ticks::Numbers;
+            }
+            View::Oblique => {
+                panel.x.label = "across the picture (mm)".to_owned();
+                panel.x.ticks = Ticks::Numbers;
+            }
+        }
+        for shape in &shapes {
+            draw(&mut panel, shape, view);
+        }
+        panel
+    });
+    page.rows.push(panels.collect());
+    let layers = shapes.iter().enumerate().map(|(i, shape)| layer(shape, i < 2)).collect();
+    (page.into_svg(), Space { layers })
+}
+
+fn draw(panel: &mut Panel, shape: &Shape, view: View) {
+    let lines: Vec<_> = shape
+        .lines
+        .iter()
+        .map(|line| panel.trace(shape.ink, line.iter().map(|&point| view.place(point))))
+        .collect();
+    panel.layer(&shape.name, lines);
+}
+
+fn layer(shape: &Shape, shown: bool) -> SpaceLayer {
+    let rounded = |v: f64| (v * 10.0).round() / 10.0;
+    let point = |p: &Vec3| [p.x, p.y, p.z].map(rounded);
+    SpaceLayer {
+        name: shape.name.clone(),
+        colour: shape.ink.colour,
+        dash: shape.ink.dash,
+        shown,
+        lines: shape.lines.iter().map(|line| line.iter().map(point).collect()).collect(),
+    }
+}
+
+/// The erect shape, then those of the first line's model.
+fn shapes(analysis: &Analysis) -> Vec<Shape> {
+    let sizes = analysis.spine.body_sizes(None);
+    let erect = erect_shape(&analysis.spine);
+    let mut all =
+        vec![Shape { name: "erect".to_owned(), ink: ERECT, lines: outlines(&erect, &sizes) }];
+    let Some(model) = analysis.models.first() else { return all };
+    for simulation in model.postures.iter().filter(|simulation| simulation.is_usable()) {
+        let posture = simulation.posture;
+        let shape = simulated(analysis, model, posture);
+        all.extend(shape.map(|shape| Shape {
+            name: format!("{posture}, {}", model.kind),
+            ink: Ink { width_px: 1.1, ..posture_style(posture).0 },
+            lines: outlines(&shape, &sizes),
+        }));
+    }
+    all
+}
+
+fn simulated(
+    analysis: &Analysis,
+    model: &LineModel,
+    posture: spineline::anatomy::Posture,
+) -> Option<Deformed> {
+    analysis.force_shapes(model, posture, &[1.0])?.into_iter().next()
+}
+
+/// The line through all midpoints, and per vertebra a ring around each endplate and the four edges between them.
+fn outlines(shape: &Deformed, sizes: &[BodySize]) -> Vec<Vec<Vec3>> {
+    let mut lines = vec![shape.midpoints_mm.clone()];
+    for ((midpoint, axes), size) in shape.midpoints_mm.iter().zip(&shape.axes).zip(sizes) {
+        let half = [0.5 * size.depth_mm, 0.5 * size.width_mm, 0.5 * size.height_mm];
+        let corner = |front: f64, left: f64, up: f64| {
+            midpoint + axes * Vec3::new(front * half[0], left * half[1], up * half[2])
+        };
+        let ring = [(1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
+        for up in [-1.0, 1.0] {
+            lines.push(ring.iter().map(|&(front, left)| corner(front, left, up)).collect());
+        }
+        let edge =
+            |&(front, left): &(f64, f64)| vec![corner(front, left, -1.0), corner(front, left, 1.0)];
+        lines.extend(ring[..4].iter().map(edge));
+    }
+    lines
+}

@@ -1,0 +1,130 @@
+//! One HTML file that needs nothing beside it: no network, no other file.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use crate::document::{Block, Document, Figure, Notice, Section, Table};
+use crate::embedded::{ELEMENT_ID, for_html};
+
+const STYLE: &str = include_str!("report.css");
+const SCRIPT: &str = include_str!("report.js");
+/// What the file may load: nothing but what it holds.
+const POLICY: &str =
+    "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
+
+/// The report as one HTML file. Its script sorts tables, hides and shows layers of figures and turns views in space; without
+/// it, everything can be read as well.
+#[must_use]
+pub fn html(document: &Document) -> String {
+    let title = format!("{}: {}", document.title, document.subject);
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta http-equiv="Content-Security-Policy" content=(POLICY);
+                meta name="generator" content=(document.generator);
+                title { (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                header {
+                    p.kind { (document.title) }
+                    h1 { bdi { (document.subject) } }
+                    @for banner in &document.banners { (notice(banner)) }
+                }
+                nav aria-label="Sections" {
+                    @for section in &document.sections {
+                        a href={ "#" (section.id) } { (section.title) }
+                    }
+                }
+                main { @for part in &document.sections { (section(part)) } }
+                footer { "Made by " (document.generator) ". The analysis behind this report is inside of this file." }
+                script type="application/json" id=(ELEMENT_ID) {
+                    (PreEscaped(for_html(&document.analysis)))
+                }
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    }
+    .into_string()
+}
+
+fn section(section: &Section) -> Markup {
+    html! {
+        section id=(section.id) {
+            h2 { (section.title) }
+            @for block in &section.blocks {
+                @match block {
+                    Block::Heading(text) => h3 { (text) },
+                    Block::Paragraph(text) => p dir="auto" { (text) },
+                    Block::Notice(one) => (notice(one)),
+                    Block::Table(one) => (table(one)),
+                    Block::Figure(one) => (figure(one)),
+                }
+            }
+        }
+    }
+}
+
+fn notice(notice: &Notice) -> Markup {
+    html! {
+        div class={ "notice " (notice.kind.key()) } role="note" {
+            strong { (notice.kind.word()) }
+            span.text dir="auto" {
+                @if !notice.place.is_empty() { em { (notice.place) ": " } }
+                (notice.text)
+            }
+            @if !notice.code.is_empty() { code { (notice.code) } }
+        }
+    }
+}
+
+fn table(table: &Table) -> Markup {
+    let class = |column: usize| if table.columns[column].numeric { "number" } else { "words" };
+    html! {
+        figure.table {
+            figcaption { (table.caption) }
+            div.wide {
+                table {
+                    thead {
+                        tr {
+                            @for column in &table.columns {
+                                th scope="col" class=(if column.numeric { "number" } else { "words" }) {
+                                    (column.head)
+                                }
+                            }
+                        }
+                    }
+                    tbody {
+                        @for row in &table.rows {
+                            tr {
+                                @for (i, cell) in row.iter().enumerate() {
+                                    td class=(class(i)) dir="auto" { (cell) }
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+            @if !table.note.is_empty() { p.note { (table.note) } }
+        }
+    }
+}
+
+fn figure(figure: &Figure) -> Markup {
+    html! {
+        figure.picture id={ "figure-" (figure.name) } {
+            (PreEscaped(&figure.svg))
+            @if let Some(space) = &figure.space {
+                div.space {
+                    p.hint { "Drag to turn; the buttons show and hide." }
+                    script type="application/json" {
+                        (PreEscaped(for_html(&serde_json::to_string(space).expect("numbers and text"))))
+                    }
+                }
+            }
+            figcaption { (figure.caption) }
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! What the films show: marks, curve, movement, and where the line of action runs.
+
+use spineline::analysis::{Analysis, LineCrossing, probability};
+use spineline::motion::Estimate;
+use spineline::personalize::{Crossing, LineTest};
+
+use super::Patient;
+use crate::document::{Column, Figure, Section, Table};
+use crate::figures::{self, InflectionSample};
+
+/// Films with everything on them, the curve, and clinical angles.
+pub fn films(patient: &Patient<'_>) -> Section {
+    let analysis = patient.analysis;
+    let mut section = Section::new("films", "Films");
+    let svg = figures::films(patient.case, analysis, patient.pictures);
+    let pictures = match patient.pictures.len() {
+        0 => "No picture of a film was at hand: marks alone are shown.".to_owned(),
+        n => format!("{n} of {} films with their pictures.", analysis.postures.len()),
+    };
+    let caption = format!(
+        "Films with marks, fitted curve, inflections and candidate lines of action. {pictures}"
+    );
+    section.figure(Figure::new("films", caption, svg));
+    for line in analysis.inflection_words().lines() {
+        section.paragraph(format!("{line}."));
+    }
+    let scale = analysis.scale();
+    section.paragraph(format!(
+        "Chain of {} segments of {}.",
+        analysis.chain.segments,
+        scale.text(analysis.chain.segment_mm, 4)
+    ));
+    section.table(clinical(analysis));
+    section.paragraph(format!("{}.", analysis.lenke_words()));
+    section.table(curves(analysis));
+    section
+}
+
+fn clinical(analysis: &Analysis) -> Table {
+    let mut columns = vec![
+        Column::words("Curve"),
+        Column::words("Convex"),
+        Column::words("Ends"),
+        Column::words("Apex"),
+    ];
+    let postures = analysis.postures.iter().map(|p| p.outline.posture);
+    columns.extend(postures.map(|posture| Column::numbers(format!("Cobb {posture} (°)"))));
+    columns.push(Column::numbers("Flexibility (%)"));
+    let mut table = Table::new("Cobb angles", columns);
+    for curve in &analysis.clinical {
+        let sign = curve.cobb[0].1.rad().signum();
+        let mut row = vec![
+            curve.region.to_string(),
+            curve.convex.map_or_else(none, |side| side.to_string()),
+            format!("{}–{}", curve.ends.superior, curve.ends.inferior),
+            curve.apex.to_string(),
+        ];
+        row.extend(curve.cobb.iter().map(|(_, angle)| format!("{:.1}", angle.deg() * sign)));
+        row.push(curve.flexibility.map_or_else(none, |f| format!("{:.0}", 100.0 * f)));
+        table.row(row);
+    }
+    table.note =
+        "In the direction of the erect curve: a negative angle has turned over.".to_owned();
+    table
+}
+
+fn curves(analysis: &Analysis) -> Table {
+    let columns = vec![
+        Column::words("Film"),
+        Column::words("L4–T2 leans"),
+        Column::numbers("Order of the curve"),
+        Column::words("Residual of locations"),
+        Column::numbers("Residual of tilts (°)"),
+        Column::numbers("Readings"),
+    ];
+    let mut table = Table::new("Fitted curves", columns);
+    for p in &analysis.postures {
+        table.row(vec![
+            p.outline.posture.to_string(),
+            p.outline.amplitude().leaning(),
+            p.fit.order.to_string(),
+            p.outline.scale.residual_text(p.fit.rmse_mm),
+            format!("{:.2}", p.fit.rmse_tilt.deg()),
+            p.outline.readings.to_string(),
+        ]);
+    }
+    table
+}
+
+/// Figures 5 and 6 of the paper.
+pub fn movement(analysis: &Analysis) -> Section {
+    let mut section = Section::new("movement", "Movement of the spine");
+    let Some(svg) = figures::rotations(analysis) else {
+        section.paragraph("Only the erect posture was filmed: there is no movement.");
+        return section;
+    };
+    let caption = "Rotation of every segment of the chain from the erect to every other posture (figure 5 of the paper).";
+    section.figure(Figure::new("rotations", caption, svg));
+    let estimates: Vec<(String, usize, &Estimate)> = analysis
+        .postures
+        .iter()
+        .filter_map(|p| Some((p, p.inflection_estimates.as_ref()?)))
+        .flat_map(|(p, pair)| {
+            let names = pair.iter().enumerate();
+            names.map(move |(i, estimate)| (p.outline.posture.to_string(), i, estimate))
+        })
+        .collect();
+    if estimates.is_empty() {
+        section.paragraph(
+            "The erect curve has no pair of inflections to compare with the least-rotating segments.",
+        );
+        return section;
+    }
+    let sample = InflectionSample {
+        name: "all films of this patient".to_owned(),
+        distances_segments: estimates.iter().map(|(.., e)| e.distance_segments as f64).collect(),
+        rotations_deg: estimates.iter().map(|(.., e)| e.rotation.deg()).collect(),
+    };
+    let svg = figures::inflection_distances(&[sample], analysis.synthetic);
+    let caption =
+        "Inflection segments against the least-rotating segments (figure 6 of the paper).";
+    section.figure(Figure::new("inflections", caption, svg));
+    let columns = vec![
+        Column::words("Film"),
+        Column::words("Inflection"),
+        Column::numbers("Inflection segment"),
+        Column::numbers("Least-rotating segment"),
+        Column::numbers("Distance (segments)"),
+        Column::words("Distance"),
+        Column::numbers("Rotation (°)"),
+    ];
+    let mut table = Table::new("Inflection segments and least-rotating segments", columns);
+    for (posture, i, e) in estimates {
+        table.row(vec![
+            posture,
+            ["caudal", "cranial"][i].to_owned(),
+            e.segment.to_string(),
+            e.least.to_string(),
+            e.distance_segments.to_string(),
+            analysis.scale().text(e.distance_mm, 2),
+            format!("{:.4}", e.rotation.deg()),
+        ]);
+    }
+    section.table(table);
+    section
+}
+
+/// Figure 7 of the paper, with what every film's own evidence says.
+pub fn line(analysis: &Analysis) -> Section {
+    let mut section = Section::new("line", "Identification of the line of action");
+    let Some(svg) = figures::line_identification(analysis) else {
+        section.paragraph("Only the erect posture was filmed: no line can be identified.");
+        return section;
+    };
+    let caption = "The line through the inflections, and the line that the joints' rotations prefer on each film (after figure 7 of the paper).";
+    section.figure(Figure::new("line", caption, svg));
+    let columns = vec![
+        Column::words("Film"),
+        Column::words("Own line leans"),
+        Column::words("At the caudal inflection (mm left)"),
+        Column::words("At the cranial one (mm left)"),
+        Column::words("p: through both"),
+        Column::words("p: parallel to the iliac line"),
+    ];
+    let mut table = Table::new("The line that the rotations of each film prefer", columns);
+    for p in &analysis.postures {
+        let Some(own) = &p.preferred_line else { continue };
+        let [caudal, cranial] = &own.crossings;
+        table.row(vec![
+            p.outline.posture.to_string(),
+            own.line.lean().leaning(),
+            crossing(caudal),
+            crossing(cranial),
+            p_value(own.inflection.map(|found| found.test)),
+            p_value(own.iliac),
+        ]);
+    }
+    if let Some(own) = analysis.postures.iter().find_map(|p| p.preferred_line.as_ref()) {
+        table.note = format!(
+            "In brackets 95 % confidence, of this place alone; negative is right. p below 0.05 speaks against the line. Joints of a region differ in stiffness by {:.0} % on these films.",
+            100.0 * own.joint_log_sd
+        );
+    }
+    section.table(table);
+    section
+}
+
+fn crossing(at: &LineCrossing) -> String {
+    match at.within {
+        Crossing::Between([low, high]) => format!("{:.0} ({low:.0} to {high:.0})", at.y_mm),
+        Crossing::Open => "anywhere".to_owned(),
+    }
+}
+
+fn p_value(test: Option<LineTest>) -> String {
+    test.map_or_else(none, |test| probability(test.p_value))
+}
+
+/// What stands where there is no number.
+pub fn none() -> String {
+    "–".to_owned()
+}

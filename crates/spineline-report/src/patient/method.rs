@@ -1,0 +1,109 @@
+//! How a report was made.
+
+use spineline::analysis::{Analysis, AnalysisOptions, Grouping};
+use spineline::curve::{InflectionChoice, OrderRule};
+use spineline::multibody::{StiffnessLibrary, Support};
+use spineline::personalize::{FitTarget, Gauge};
+
+use super::Patient;
+use crate::document::{Column, Section, Table};
+
+/// Version, choices and sources of one patient's analysis.
+pub fn how(patient: &Patient<'_>) -> Section {
+    let mut section = Section::new("method", "How it was made");
+    let mut table = options(patient.generator, &patient.analysis.options);
+    let mut add = |what: &str, words: String| table.row(vec![what.to_owned(), words]);
+    let analysis: &Analysis = patient.analysis;
+    add("Films", if analysis.synthetic { "synthetic" } else { "real" }.to_owned());
+    add("Lengths", analysis.scale().to_string());
+    add("Sagittal shape", analysis.profile_words().to_owned());
+    section.table(table);
+    section.paragraph(MEANING);
+    section
+}
+
+const MEANING: &str = "Method: Jalalian et al. 2016, Finding line of action of the force exerted on erect spine based on lateral bending test in personalization of scoliotic spine models. Bending films carry no force, so only ratios of stiffness are identified. Sources are named by their keys in the project's list of references.";
+
+/// Version and choices, which all patients of a run share.
+pub(crate) fn options(generator: &str, options: &AnalysisOptions) -> Table {
+    let mut table =
+        Table::new("Version and options", vec![Column::words("What"), Column::words("Choice")]);
+    let mut add = |what: &str, words: String| table.row(vec![what.to_owned(), words]);
+    add("Program", generator.to_owned());
+    add("Order of the curves", order_words(options.order_rule));
+    add("Inflections", inflection_words(options));
+    add("Gauge", gauge_words(options.gauge));
+    add(
+        "Support",
+        match options.support {
+            Support::Free => "free: every joint turns about three axes (the paper)",
+            Support::Frontal => "frontal: flexion and axial hinges are locked",
+        }
+        .to_owned(),
+    );
+    add(
+        "Fitted to",
+        match options.target {
+            FitTarget::Shape => "locations and tilts of all vertebrae",
+            FitTarget::Ferguson => "three Ferguson angles per bend (the paper)",
+        }
+        .to_owned(),
+    );
+    add(
+        "Multipliers",
+        match options.grouping {
+            Grouping::Regional => "one per region (the paper)",
+            Grouping::PerJoint => "one per joint",
+        }
+        .to_owned(),
+    );
+    let prior = options.prior.map_or_else(
+        || "none".to_owned(),
+        |prior| format!("log-normal, standard deviation of ln {}", prior.log_sd),
+    );
+    add("Prior of the multipliers", prior);
+    add("Stiffness table", library_words(&options.library));
+    table
+}
+
+fn order_words(rule: OrderRule) -> String {
+    match rule {
+        OrderRule::LeaveOneOut => {
+            "least order whose error on left-out vertebrae is within 5 % of the best".to_owned()
+        }
+        OrderRule::Paper => {
+            "the paper's: least residual among orders with two inflections".to_owned()
+        }
+        OrderRule::Fixed(order) => format!("{order}, given"),
+    }
+}
+
+fn inflection_words(options: &AnalysisOptions) -> String {
+    let from = match options.inflections {
+        InflectionChoice::Automatic => "from the erect curve",
+        InflectionChoice::ByHand(_) => "picked by hand",
+    };
+    format!("{from}; a lobe counts from {} on", options.min_lobe)
+}
+
+fn gauge_words(gauge: Gauge) -> String {
+    match gauge {
+        Gauge::GeometricMean => "geometric mean of the multipliers is 1".to_owned(),
+        Gauge::FrozenForce => "forces kept from the nominal stiffness".to_owned(),
+        Gauge::KnownForce { posture, force_n } => {
+            format!("the force of the {posture} film is {force_n} N")
+        }
+    }
+}
+
+/// The sources of a table, each once, in their order.
+fn library_words(library: &StiffnessLibrary) -> String {
+    let mut sources: Vec<&str> = Vec::new();
+    for row in library.rows() {
+        if !sources.contains(&row.source.as_str()) {
+            sources.push(&row.source);
+        }
+    }
+    let built_in = if *library == StiffnessLibrary::default() { "built in" } else { "the user's" };
+    format!("{built_in}: {}", sources.join("; "))
+}

@@ -1,0 +1,286 @@
+//! The personalised models: shapes, springs, errors, and the lines side by side.
+
+use spineline::analysis::{Analysis, FilmRole, FreeNumbers, LineModel, LinesCompared};
+use spineline::anatomy::Posture;
+use spineline::multibody::StiffnessLibrary;
+use spineline::uncertainty::{Quantity, Uncertainty};
+
+use super::Patient;
+use super::measured::none;
+use super::sureness;
+use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
+use crate::figures;
+
+/// Parts of the force at which figure 11 shows the spine.
+const PARTS: [f64; 4] = [0.0, 0.5, 1.0, 1.25];
+const NO_MODEL: &str = "There is no personalised model: the warnings above say why.";
+
+/// Figures 9 and 11 of the paper, for every posture.
+pub fn simulated(analysis: &Analysis) -> Section {
+    let mut section = Section::new("simulated", "Measured and simulated spines");
+    if analysis.models.is_empty() {
+        section.paragraph(NO_MODEL);
+    }
+    for posture in Posture::MOVED {
+        let Some(svg) = figures::measured_and_simulated(analysis, posture) else { continue };
+        section.heading(sentence_case(&posture.to_string()));
+        let caption = format!(
+            "Measured and simulated spine, {posture}, one panel per line of action (figure 9 of the paper)."
+        );
+        section.figure(Figure::new(format!("simulated-{}", posture.key()), caption, svg));
+        let Some(model) = analysis.models.first() else { continue };
+        let Some(shapes) = analysis.force_path(model, posture, &PARTS) else { continue };
+        let unit = "of the force found";
+        let svg = figures::force_path(analysis, posture, model.kind, &shapes, unit);
+        let caption = format!(
+            "The spine under increasing force along the {}, {posture} (figure 11 of the paper).",
+            model.kind
+        );
+        section.figure(Figure::new(format!("force-{}", posture.key()), caption, svg));
+    }
+    section
+}
+
+/// The model from three sides.
+pub fn space(analysis: &Analysis) -> Section {
+    let mut section = Section::new("space", "The model in space");
+    let (svg, space) = figures::spine_in_space(analysis);
+    let caption = format!("The multibody model from three sides; {}.", analysis.profile_words());
+    let mut figure = Figure::new("space", caption, svg);
+    figure.space = Some(space);
+    section.figure(figure);
+    section
+}
+
+/// Springs with their sources, and what is known of every multiplier.
+pub fn stiffness(patient: &Patient<'_>) -> Section {
+    let analysis = patient.analysis;
+    let mut section = Section::new("stiffness", "Stiffness");
+    if analysis.models.is_empty() {
+        section.paragraph(NO_MODEL);
+        return section;
+    }
+    section.paragraph(format!("Gauge: {}.", analysis.gauge_words()));
+    section.table(multipliers(patient));
+    section.table(springs(analysis));
+    if let Some(found) = patient.identifiability {
+        sureness::identifiability(&mut section, analysis, found);
+    }
+    section
+}
+
+fn multipliers(patient: &Patient<'_>) -> Table {
+    let analysis = patient.analysis;
+    let columns = vec![
+        Column::words("Line of action"),
+        Column::words("Joints"),
+        Column::numbers("Multiplier of the table (1)"),
+        Column::words("95 % interval (films)"),
+        Column::words("95 % interval (landmark noise)"),
+        Column::words("Verdict"),
+    ];
+    let mut table = Table::new("Multipliers of the lateral stiffness", columns);
+    for (place, model) in analysis.models.iter().enumerate() {
+        let found = patient.identifiability.and_then(|all| all[place].as_ref());
+        let rows =
+            model.groups.names().iter().zip(model.multipliers()).zip(model.verdicts(analysis));
+        for (group, ((name, value), verdict)) in rows.enumerate() {
+            let scale = model.fit.absolute_scale;
+            let profile = found.map(|found| sureness::interval(&found.multipliers[group], scale));
+            let noise =
+                patient.uncertainty.and_then(|found| noise_interval(found, model, group, scale));
+            table.row(vec![
+                model.kind.to_string(),
+                name.replace('_', " "),
+                format!("{:.2}", value * scale),
+                profile.unwrap_or_else(none),
+                noise.unwrap_or_else(none),
+                verdict.to_string(),
+            ]);
+        }
+    }
+    let asked = match (patient.identifiability.is_some(), patient.uncertainty.is_some()) {
+        (true, true) => "",
+        (false, true) => "Ask for `--identifiability` to have intervals from the films.",
+        (true, false) => "Ask for `--replicates` to have intervals from landmark noise.",
+        (false, false) => {
+            "Intervals were not asked for: `--identifiability` gives those from the films, `--replicates` those from landmark noise."
+        }
+    };
+    table.note = asked.to_owned();
+    table
+}
+
+fn noise_interval(
+    found: &Uncertainty,
+    model: &LineModel,
+    group: usize,
+    scale: f64,
+) -> Option<String> {
+    let spread = found.spread(Quantity::LogMultiplier(model.kind, group))?;
+    let [low, high] = spread.interval_95().map(|log| scale * log.exp());
+    Some(format!("{low:.2} to {high:.2}"))
+}
+
+fn springs(analysis: &Analysis) -> Table {
+    let library: &StiffnessLibrary = &analysis.options.library;
+    let mut columns = vec![
+        Column::words("Joint"),
+        Column::words("Source of the table"),
+        Column::numbers("Table: lateral (N·m/rad)"),
+        Column::numbers("flexion (N·m/rad)"),
+        Column::numbers("axial (N·m/rad)"),
+    ];
+    columns.extend(analysis.models.iter().map(|model| {
+        Column::numbers(format!("{}: lateral (N·m/rad)", sentence_case(&model.kind.to_string())))
+    }));
+    let mut table = Table::new("Springs of every joint, caudal first", columns);
+    let fitted: Vec<Vec<[f64; 3]>> =
+        analysis.models.iter().map(|model| model.stiffness_nmm_per_rad(library)).collect();
+    for (i, row) in library.rows().iter().enumerate() {
+        let shown = |nmm: f64| format!("{:.0}", nmm / 1000.0);
+        let mut cells = vec![format!("{}/{}", row.superior, row.inferior), row.source.clone()];
+        cells.extend(row.nmm_per_rad.map(shown));
+        cells.extend(fitted.iter().map(|model| shown(model[i][0])));
+        table.row(cells);
+    }
+    let absolute = analysis.models.iter().all(|model| model.is_absolute(analysis.options.gauge));
+    table.note = if absolute {
+        "Springs are scaled to the known force, about all axes.".to_owned()
+    } else {
+        "Springs stand at the level of the table: only their ratios are known. Flexion and axial springs are those of the table.".to_owned()
+    };
+    table
+}
+
+/// Fitted and held-out films in tables of their own.
+pub fn errors(analysis: &Analysis) -> Section {
+    let mut section = Section::new("errors", "Errors of the models");
+    if analysis.models.is_empty() {
+        section.paragraph(NO_MODEL);
+        return section;
+    }
+    section.heading("Fitted films");
+    section.paragraph("The stiffness was fitted to these very films: a small error here shows how far a line bends to data, and is no evidence for it.");
+    section.table(error_table(analysis, true));
+    section.heading("Held-out films");
+    let held_out = error_table(analysis, false);
+    if held_out.rows.is_empty() {
+        section
+            .paragraph("No film was held out: nothing can be said of how well the models predict.");
+    } else {
+        section.paragraph("No fit has seen these films.");
+    }
+    section.table(held_out);
+    section
+}
+
+fn error_table(analysis: &Analysis, fitted: bool) -> Table {
+    let absolute = analysis.models.iter().all(|model| model.is_absolute(analysis.options.gauge));
+    let columns = vec![
+        Column::words("Line of action"),
+        Column::words("Film"),
+        Column::numbers("Mean location error (mm)"),
+        Column::numbers("Largest (mm)"),
+        Column::numbers("Ferguson errors (°)"),
+        Column::numbers(if absolute { "Force (N)" } else { "Force (relative)" }),
+        Column::numbers("Joints against the force"),
+    ];
+    let films = if fitted { "fitted" } else { "held-out" };
+    let mut table = Table::new(format!("Errors on {films} films"), columns);
+    for model in &analysis.models {
+        for s in model.postures.iter().filter(|s| s.fitted == fitted) {
+            let angles = s.ferguson_difference.iter().map(|a| format!("{:.1}", a.abs().deg()));
+            let angles = angles.collect::<Vec<_>>().join(" / ");
+            let largest = s.location_errors_mm.iter().copied().fold(0.0, f64::max);
+            let status = s.status.key().replace('_', " ");
+            let or_status = |value: String| if s.is_usable() { value } else { status.clone() };
+            let or_none = |value: String| if s.is_usable() { value } else { none() };
+            table.row(vec![
+                model.kind.to_string(),
+                s.posture.to_string(),
+                or_status(format!("{:.2}", s.mean_location_error_mm())),
+                or_none(format!("{largest:.2}")),
+                or_none(angles),
+                or_none(format!("{:.0}", s.force_n)),
+                format!("{} of {}", s.contradicted.len(), s.location_errors_mm.len()),
+            ]);
+        }
+    }
+    table.note = "Location error: distance between simulated and measured midpoints, L3 to T2. Ferguson errors: three regions, caudal first.".to_owned();
+    table
+}
+
+/// The lines on the same films, every bend left out once.
+pub fn comparison(analysis: &Analysis) -> Section {
+    let mut section = Section::new("comparison", "Comparison of the lines");
+    if analysis.models.is_empty() {
+        section.paragraph(NO_MODEL);
+        return section;
+    }
+    let found = analysis.compare_lines();
+    for role in FilmRole::ALL {
+        section.table(role_table(&found, role));
+    }
+    for text in comparison_notes(&found) {
+        section.notice(Notice::new(NoticeKind::Note, text));
+    }
+    section
+}
+
+fn role_table(found: &LinesCompared, role: FilmRole) -> Table {
+    let columns = vec![
+        Column::words("Line of action"),
+        Column::numbers("Films"),
+        Column::numbers("Location error (mm)"),
+        Column::numbers("Ferguson error (°)"),
+        Column::words("Numbers taken from the films"),
+    ];
+    let (films, what) = match role {
+        FilmRole::Fitted => ("fitted bends", "no evidence for a line"),
+        FilmRole::LeftOutBend => ("bends left out of the fit", "prediction"),
+        FilmRole::HeldOut => ("neutral and traction films", "prediction"),
+    };
+    let mut table = Table::new(format!("Lines on {films}: {what}"), columns);
+    for (place, line) in found.lines.iter().enumerate() {
+        let Some(errors) = found.errors(place, role) else { continue };
+        table.row(vec![
+            line.kind.to_string(),
+            errors.films.to_string(),
+            format!("{:.2}", errors.location_mm),
+            format!("{:.1}", errors.ferguson_deg),
+            numbers(&line.numbers, role),
+        ]);
+    }
+    table
+}
+
+/// What a line takes from films, in words.
+pub(crate) fn numbers(numbers: &FreeNumbers, role: FilmRole) -> String {
+    let FreeNumbers { multipliers, forces, line, per_predicted_film } = *numbers;
+    match role {
+        FilmRole::Fitted => {
+            format!("{multipliers} + {forces} + {line} = {} fitted", numbers.fitted())
+        }
+        _ => format!("{per_predicted_film} per film"),
+    }
+}
+
+fn comparison_notes(found: &LinesCompared) -> Vec<String> {
+    let mut notes = vec!["Numbers fitted: free multipliers + forces + what places a free line. A bend that is left out is predicted with the stiffness that the other bend gave.".to_owned()];
+    for role in FilmRole::ALL {
+        if let (all, left @ 1..) = found.counted(role) {
+            notes.push(format!("{left} of {all} films ({role}) are not compared, since some line has no result there."));
+        }
+    }
+    if !found.same_data() {
+        notes.push("The free line was fitted to whole shapes, the others to Ferguson angles: not the same data.".to_owned());
+    }
+    notes
+}
+
+/// A word with a capital at its start.
+pub(crate) fn sentence_case(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}

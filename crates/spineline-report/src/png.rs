@@ -1,0 +1,50 @@
+//! Figures as pictures of pixels.
+
+use std::sync::Arc;
+
+use resvg::tiny_skia::{Color, Pixmap, Transform};
+use resvg::usvg::{Options, Tree};
+
+use crate::fonts::Fonts;
+
+/// A figure that could not be drawn.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PngError {
+    /// The text is no SVG.
+    #[error("the figure is no SVG that can be drawn: {0}")]
+    Svg(#[from] resvg::usvg::Error),
+    /// More pixels than memory takes.
+    #[error("a picture of {columns} × {rows} pixels is too large")]
+    Size {
+        /// Width.
+        columns: u32,
+        /// Height.
+        rows: u32,
+    },
+    /// The pixels could not be written.
+    #[error("the picture could not be written as PNG: {0}")]
+    Encode(String),
+}
+
+/// A figure as PNG on white, with so many pixels per unit of the SVG: 2 is sharp in print at 16 cm.
+///
+/// # Errors
+/// [`PngError`]
+pub fn png(svg: &str, pixels_per_unit: f32) -> Result<Vec<u8>, PngError> {
+    let fonts = Fonts::for_texts([svg]);
+    let options = Options {
+        fontdb: Arc::new(fonts.database()),
+        font_family: "DejaVu Sans".to_owned(),
+        ..Options::default()
+    };
+    let tree = Tree::from_str(svg, &options)?;
+    let size = tree.size();
+    let pixels = |length: f32| (length * pixels_per_unit).ceil().max(1.0) as u32;
+    let (columns, rows) = (pixels(size.width()), pixels(size.height()));
+    let mut picture = Pixmap::new(columns, rows).ok_or(PngError::Size { columns, rows })?;
+    picture.fill(Color::WHITE);
+    let scale = Transform::from_scale(pixels_per_unit, pixels_per_unit);
+    resvg::render(&tree, scale, &mut picture.as_mut());
+    picture.encode_png().map_err(|error| PngError::Encode(error.to_string()))
+}

@@ -1,0 +1,279 @@
+//! Reports say what they must, keep a user's text as text, and give back the analysis they were made with.
+
+use spineline::analysis::{Analysis, AnalysisOptions, Case, Subject, analyze};
+use spineline::cohort::Cohort;
+use spineline_phantom::{Readers, Truth, generate};
+use spineline_report::cohort::{Patients, Refusal, Refused};
+use spineline_report::document::{Block, NoticeKind, Section, Table};
+use spineline_report::patient::{self, Patient};
+use spineline_report::{Document, cohort, embedded, html, markdown, png};
+
+const HOSTILE: [&str; 6] = [
+    "<script>alert(1)</script>",
+    "| a | *b* `c` $d$ [e](f)",
+    "#eval(\"1\") @label \\ ~ _x_",
+    "病例病例病例病例病例病例病例病例病例病例病例病例病例病例病例病例病例病例病例病例病例病例病例病例病例病例病例病例病例病例病例病例",
+    "\u{202e}مريض رقم ١",
+    "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef",
+];
+/// Something that ends elements, comments and fences, as a JSON text may hold it.
+const JSON: &str =
+    r#"{"case_id":"</script><!-- ``` ``````json spineline-analysis \\u003c","n":1.5}"#;
+
+fn case(subject: usize) -> Case {
+    let readers = Readers::scaled(1.0);
+    generate(subject, Truth::Rod, &readers, 1).expect("a subject of table 1").case
+}
+
+fn analysis(case: &Case) -> Analysis {
+    analyze(case, &AnalysisOptions::default()).expect("a phantom is sound")
+}
+
+fn document(case: &Case) -> Document {
+    patient::report(&Patient {
+        case,
+        analysis: &analysis(case),
+        pictures: &[],
+        identifiability: None,
+        uncertainty: None,
+        generator: "spineline test",
+        json: JSON,
+    })
+}
+
+fn cohort_document(refused: &[Refused]) -> Document {
+    let cases: Vec<Case> = (0..3).map(case).collect();
+    let analyses: Vec<Analysis> = cases.iter().map(analysis).collect();
+    let subjects: Vec<Subject> = cases.iter().map(|case| case.subject.clone()).collect();
+    cohort::report(&Patients {
+        analyses: &analyses,
+        subjects: &subjects,
+        together: &Cohort::of(&analyses.iter().collect::<Vec<_>>(), 1),
+        refused,
+        generator: "spineline test",
+        json: "[]",
+    })
+}
+
+fn named(name: &str) -> Case {
+    Case { id: name.to_owned(), ..case(0) }
+}
+
+fn section<'a>(document: &'a Document, id: &str) -> &'a Section {
+    document.sections.iter().find(|section| section.id == id).expect("the section is there")
+}
+
+fn tables(section: &Section) -> Vec<&Table> {
+    let mut found = Vec::new();
+    for block in &section.blocks {
+        if let Block::Table(table) = block {
+            found.push(table);
+        }
+    }
+    found
+}
+
+#[test]
+fn a_patients_report_has_every_section_and_the_verdict_first() {
+    let document = document(&case(0));
+    let ids: Vec<&str> = document.sections.iter().map(|section| section.id).collect();
+    assert_eq!(
+        ids,
+        [
+            "verdict",
+            "films",
+            "movement",
+            "line",
+            "simulated",
+            "space",
+            "stiffness",
+            "errors",
+            "comparison",
+            "method"
+        ]
+    );
+    assert!(document.sections.iter().all(|section| !section.blocks.is_empty()));
+    assert!(document.banners[0].text.contains("Synthetic"));
+    assert!(document.banners[1].text.contains("not a medical device"));
+    let names: Vec<&str> = document.figures().map(|figure| figure.name.as_str()).collect();
+    for name in [
+        "films",
+        "rotations",
+        "inflections",
+        "line",
+        "space",
+        "simulated-traction",
+        "force-left_bending",
+    ] {
+        assert!(names.contains(&name), "{name}");
+    }
+    for figure in document.figures() {
+        assert!(figure.svg.contains("synthetic"), "{}", figure.name);
+        assert!(!figure.svg.contains("NaN"), "{}", figure.name);
+    }
+}
+
+#[test]
+fn contradictions_stand_before_warnings_and_notes() {
+    for subject in 0..4 {
+        let document = document(&case(subject));
+        let kinds: Vec<NoticeKind> = section(&document, "verdict")
+            .blocks
+            .iter()
+            .filter_map(|block| match block {
+                Block::Notice(notice) => Some(notice.kind),
+                _ => None,
+            })
+            .collect();
+        assert!(kinds.is_sorted(), "{kinds:?}");
+    }
+}
+
+#[test]
+fn fitted_and_held_out_errors_have_tables_of_their_own() {
+    let document = document(&case(0));
+    let tables = tables(section(&document, "errors"));
+    let [fitted, held_out] = tables[..] else { panic!("two tables") };
+    assert!(fitted.caption.contains("fitted") && held_out.caption.contains("held-out"));
+    assert!(fitted.rows.iter().all(|row| row[1].contains("bending")));
+    assert!(held_out.rows.iter().all(|row| ["neutral", "traction"].contains(&row[1].as_str())));
+}
+
+#[test]
+fn every_number_has_its_unit_in_the_head() {
+    for document in [document(&case(0)), cohort_document(&[])] {
+        for table in document.sections.iter().flat_map(|section| tables(section)) {
+            for column in &table.columns {
+                let head = column.head.to_lowercase();
+                for (word, unit) in [("error", "("), ("cobb", "(°)"), ("stiffness", "(")] {
+                    if column.numeric && head.contains(word) {
+                        assert!(head.contains(unit), "{}: {head}", table.caption);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn an_erect_film_alone_makes_a_report_that_says_what_it_lacks() {
+    let mut alone = case(0);
+    alone.films.retain(|film| film.posture == spineline::anatomy::Posture::Erect);
+    let document = document(&alone);
+    assert!(document.sections.iter().all(|section| !section.blocks.is_empty()));
+    let text = html(&document);
+    assert!(text.contains("There is no personalised model"));
+}
+
+#[test]
+fn a_users_text_stays_text_in_html() {
+    for name in HOSTILE {
+        let text = html(&document(&named(name)));
+        // The two scripts of the report, one of data and one for the view in space.
+        assert_eq!(text.matches("<script").count(), 3, "{name}");
+        assert_eq!(text.matches("</script>").count(), 3, "{name}");
+        let shown = name.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+        let shown = shown.replace('"', "&quot;");
+        assert!(text.contains(&format!("<bdi>{shown}</bdi>")), "{name}");
+        assert!(!text.contains("http://") || text.contains("http://www.w3.org/2000/svg"));
+    }
+}
+
+#[test]
+fn a_users_text_stays_text_in_markdown() {
+    for name in HOSTILE {
+        let text = markdown(&document(&named(name)), "figures");
+        let (report, _) = text.split_once("## Analysis as JSON").expect("the appendix");
+        assert!(!report.contains("<script") && !report.contains("```"), "{name}");
+        let title = report.lines().next().expect("a title");
+        assert!(title.starts_with("# Patient report: "), "{title}");
+        for active in ["*b*", "`c`", "$d$", "[e]", "_x_", " | "] {
+            assert!(!title.contains(active), "{title}");
+        }
+    }
+}
+
+#[test]
+fn tables_of_markdown_keep_their_columns() {
+    let refused = [Refused {
+        name: "a|b|c.json".to_owned(),
+        refusal: Refusal::Unread,
+        why: "line 1\n| 2".to_owned(),
+    }];
+    let document = cohort_document(&refused);
+    let text = markdown(&document, "figures");
+    let mut columns = None;
+    for line in text.lines() {
+        if !line.starts_with('|') {
+            columns = None;
+            continue;
+        }
+        let bars = line.replace("\\|", "").matches('|').count();
+        assert_eq!(*columns.get_or_insert(bars), bars, "{line}");
+    }
+    assert!(text.contains("a\\|b\\|c.json"));
+}
+
+#[test]
+fn the_analysis_comes_back() {
+    let document = document(&named(HOSTILE[0]));
+    assert_eq!(embedded(html(&document).as_bytes()).as_deref(), Some(JSON));
+    assert_eq!(embedded(markdown(&document, "f").as_bytes()).as_deref(), Some(JSON));
+    assert_eq!(embedded(b"# A report of another program"), None);
+    assert_eq!(embedded(&[0xff, 0xfe]), None);
+}
+
+#[test]
+fn the_same_input_makes_the_same_bytes() {
+    let (first, second) = (document(&case(1)), document(&case(1)));
+    assert_eq!(html(&first), html(&second));
+    assert_eq!(markdown(&first, "f"), markdown(&second, "f"));
+    let svg = |document: &Document| document.figures().next().expect("a figure").svg.clone();
+    let pixels = |document: &Document| png(&svg(document), 1.0).expect("an SVG");
+    assert_eq!(pixels(&first), pixels(&second));
+}
+
+#[test]
+fn a_cohorts_report_has_every_section_and_counts_who_is_lacking() {
+    let refused = [("bad.json", Refusal::Unread), ("odd.json", Refusal::NotAnalysed)].map(
+        |(name, refusal)| Refused { name: name.to_owned(), refusal, why: "reasons".to_owned() },
+    );
+    let document = cohort_document(&refused);
+    let ids: Vec<&str> = document.sections.iter().map(|section| section.id).collect();
+    assert_eq!(
+        ids,
+        [
+            "verdict",
+            "flow",
+            "patients",
+            "lenke",
+            "movement",
+            "errors",
+            "tests",
+            "by-patient",
+            "reliability",
+            "method"
+        ]
+    );
+    let flow = &document.figures().next().expect("the flow").svg;
+    for words in [">5<", ">3<", "case files read", "1 not: the file could not be read", "analysed"]
+    {
+        assert!(flow.contains(words), "{words}");
+    }
+    let figures: Vec<&str> = document.figures().map(|figure| figure.name.as_str()).collect();
+    assert!(figures.contains(&"errors-fitted") && figures.contains(&"errors-held-out"));
+    let tested = tables(section(&document, "tests"));
+    assert!(tested[0].rows[0][1].contains("as if all were independent"));
+    assert!(tested[0].rows[0][2].contains("patients"));
+    assert!(!tables(section(&document, "reliability"))[0].rows.is_empty());
+}
+
+#[test]
+fn figures_become_pictures() {
+    for figure in document(&case(0)).figures() {
+        let pixels = png(&figure.svg, 0.5).expect("it is an SVG");
+        assert!(pixels.starts_with(b"\x89PNG"), "{}", figure.name);
+        assert!(pixels.len() > 4000, "{} has hardly anything on it", figure.name);
+    }
+    assert!(png("<p>no picture</p>", 1.0).is_err());
+}
