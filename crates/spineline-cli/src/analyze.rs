@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::Posture;
+use spineline::cohort::Cohort;
 use spineline::personalize::Identifiability;
 use spineline::uncertainty::Uncertainty;
 use spineline_io::{
@@ -14,10 +15,11 @@ use spineline_report::figures;
 
 use crate::args::AnalyzeArgs;
 use crate::failure::{Ending, Failure};
+use crate::options::{OptionArgs, UncertaintyArgs};
 use crate::progress::map_all;
 use crate::provenance::{Source, in_svg, read_input, this_run, write_table};
 use crate::rows::{chain_text, csv_text};
-use crate::{cohort, comparison, identifiability, models, print, report, uncertainty};
+use crate::{cohort, comparison, identifiability, models, options, print, report, uncertainty};
 
 /// What wrote a file.
 pub fn generator() -> String {
@@ -25,7 +27,8 @@ pub fn generator() -> String {
 }
 
 pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
-    let request = request(args)?;
+    let mut origins = Origins::new(&args.options, &args.uncertainty)?;
+    let options = &origins.request.options;
     let paths = case_files(&args.cases)?;
     let outputs = [&args.json, &args.csv, &args.chain, &args.cohort].into_iter().flatten();
     let to_stdout = outputs.filter(|path| path.as_os_str() == "-").count();
@@ -39,9 +42,8 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     }
     let results = map_all("analysing", &paths, args.threads, |path| {
         let source = Source::read(path)?;
-        Ok((analyze_case(path, &source.case, &request.options)?, source))
+        Ok((analyze_case(path, &source.case, options)?, source))
     })?;
-    let mut origins = Origins::new(args, request)?;
     let (mut analyses, mut sureness) = (Vec::<Analysis>::new(), Vec::new());
     let mut ending = Ending::Done;
     for result in results {
@@ -67,16 +69,22 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     for analysis in &analyses {
         eprint!("{}", report::warnings(analysis));
     }
-    write_files(args, &analyses, &sureness, &origins, paths.len() > 1)?;
+    let is_one = paths.len() == 1;
+    let together = (!is_one || args.cohort.is_some()).then(|| cohort::of(&analyses));
+    let found = Found { analyses: &analyses, sureness: &sureness, together: together.as_ref() };
+    write_files(args, &found, &origins, !is_one)?;
     if to_stdout == 0 {
         print(&match &analyses[..] {
-            [one] if paths.len() == 1 => {
+            [one] if is_one => {
                 let compared = Some(models::text(&analyses)).filter(|text| !text.is_empty());
                 let sure = sureness.iter().flat_map(|sure| sure.texts(one));
                 let parts = [report::text(one)].into_iter().chain(compared).chain(sure);
                 parts.collect::<Vec<_>>().join("\n")
             }
-            all => format!("{}{}", cohort::text(all, &cohort::of(all)), models::text(all)),
+            all => {
+                let together = together.iter().map(|found| cohort::text(all, found));
+                together.chain([models::text(all)]).collect()
+            }
         })?;
     }
     if ending == Ending::Done && !analyses.iter().all(Analysis::is_converged) {
@@ -85,34 +93,37 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     Ok(ending)
 }
 
-/// What the command line asks of every case.
-fn request(args: &AnalyzeArgs) -> Result<Request, Failure> {
-    Ok(Request {
-        options: args.options.options()?,
-        replicates: args.uncertainty.replicates(),
-        identifiability: args.uncertainty.identifiability,
-    })
-}
-
 /// What all outputs of a run come from.
-struct Origins {
+pub struct Origins {
     run: ProgramRun,
-    request: Request,
+    /// What is asked of every case.
+    pub request: Request,
     /// Read for all cases.
     shared: Vec<InputFile>,
     /// In the order of the analyses.
-    sources: Vec<Source>,
+    pub sources: Vec<Source>,
 }
 
 impl Origins {
-    fn new(args: &AnalyzeArgs, request: Request) -> Result<Self, Failure> {
-        let tables = args.options.stiffness.iter();
+    /// Of this run, with no case yet.
+    ///
+    /// # Errors
+    /// If a stiffness table cannot be read.
+    pub fn new(options: &OptionArgs, sureness: &UncertaintyArgs) -> Result<Self, Failure> {
+        let request = options::request(options, sureness)?;
+        let tables = options.stiffness.iter();
         let shared = tables.map(|path| read_input(path)).collect::<Result<_, _>>()?;
         Ok(Self { run: this_run()?, request, shared, sources: Vec::new() })
     }
 
     /// Refuses a case that was there before: a cohort would count its patient twice.
-    fn once(&self, (analysis, source): (Analysis, Source)) -> Result<(Analysis, Source), Failure> {
+    ///
+    /// # Errors
+    /// If it was.
+    pub fn once(
+        &self,
+        (analysis, source): (Analysis, Source),
+    ) -> Result<(Analysis, Source), Failure> {
         if self.sources.iter().any(|earlier| earlier.case.id == source.case.id) {
             let text = format!("the case {} was given already", source.case.id);
             let help = "give every case a `case_id` of its own";
@@ -122,7 +133,7 @@ impl Origins {
     }
 
     /// Cases that were analysed before in another way.
-    fn warnings(&self) -> String {
+    pub fn warnings(&self) -> String {
         let other = |asked: &Request| asked.options != self.request.options;
         let others = self.sources.iter().filter(|source| source.asked.as_ref().is_some_and(other));
         let warning = |source: &Source| {
@@ -135,7 +146,7 @@ impl Origins {
     }
 
     /// Of an output that is made from some of the cases.
-    fn of(&self, sources: &[Source]) -> Provenance {
+    pub fn of(&self, sources: &[Source]) -> Provenance {
         let films = FilmOrigin::of(sources.iter().map(|source| source.case.synthetic));
         let inputs = sources.iter().map(|source| source.input.clone());
         let inputs = inputs.chain(self.shared.iter().cloned()).collect();
@@ -150,8 +161,10 @@ impl Origins {
 
 /// What was asked about how sure the numbers of one patient are.
 pub struct Sureness {
-    identified: Option<Vec<Option<Identifiability>>>,
-    spread: Option<Uncertainty>,
+    /// Of every model's multipliers, in the order of the models.
+    pub identified: Option<Vec<Option<Identifiability>>>,
+    /// Of every number.
+    pub spread: Option<Uncertainty>,
 }
 
 impl Sureness {
@@ -242,13 +255,21 @@ pub fn analyze_case(
         .map_err(|error| Failure::input(&path.display().to_string(), &error, error.help()))
 }
 
+/// What is written.
+struct Found<'a> {
+    analyses: &'a [Analysis],
+    sureness: &'a [Sureness],
+    /// Where it is a cohort, or asked as one.
+    together: Option<&'a Cohort>,
+}
+
 fn write_files(
     args: &AnalyzeArgs,
-    analyses: &[Analysis],
-    sureness: &[Sureness],
+    found: &Found<'_>,
     origins: &Origins,
     many: bool,
 ) -> Result<(), Failure> {
+    let Found { analyses, sureness, together } = *found;
     if let Some(path) = &args.json {
         let files = analyses.iter().zip(sureness).zip(&origins.sources);
         let files: Vec<AnalysisFile> = files
@@ -269,12 +290,11 @@ fn write_files(
     if let Some(path) = &args.chain {
         write_table(path, &chain_text(analyses)?, &origins.of_all())?;
     }
-    if let Some(path) = &args.cohort {
-        let found = cohort::of(analyses);
+    if let (Some(path), Some(together)) = (&args.cohort, together) {
         if path.extension().is_some_and(|end| end == "csv") {
-            write_table(path, &comparison::cohort_csv(&found)?, &origins.of_all())?;
+            write_table(path, &comparison::cohort_csv(together)?, &origins.of_all())?;
         } else {
-            let file = cohort::file(analyses, &found, &generator());
+            let file = cohort::file(analyses, together, &generator());
             let file = file.with_provenance(origins.of_all());
             write_or_print(path, &spineline_io::to_text(&file))?;
         }

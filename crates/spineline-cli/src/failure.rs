@@ -74,6 +74,11 @@ impl Failure {
         Self { code: 3, what: error.to_string(), help: Some(error.help().to_owned()) }
     }
 
+    /// What went wrong, without what to do.
+    pub fn what(&self) -> &str {
+        &self.what
+    }
+
     /// Something that should not happen.
     pub fn internal(what: impl Into<String>) -> Self {
         Self { code: 1, what: what.into(), help: None }

@@ -15,11 +15,13 @@ mod import;
 mod model;
 mod models;
 mod noise_study;
+mod options;
 mod phantom;
 mod progress;
 mod provenance;
 mod reliability;
 mod report;
+mod reports;
 mod reproduce;
 mod rerun;
 mod rows;
@@ -59,6 +61,7 @@ fn run(command: Command) -> Result<Ending, Failure> {
         Command::Study(args) => study::run(&args),
         Command::Serve(args) => serve::run(&args),
         Command::Account(args) => account::run(&args),
+        Command::Report(args) => reports::run(&args),
         Command::Rerun(args) => rerun::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Reliability(args) => reliability::run(&args),

@@ -11,8 +11,8 @@ use spineline::uncertainty::{
 };
 use spineline_io::Replicates;
 
-use crate::args::UncertaintyArgs;
 use crate::failure::Failure;
+use crate::options::UncertaintyArgs;
 use crate::table::{Table, wrap};
 use crate::{progress, stop};
 

@@ -20,8 +20,9 @@ use spineline_io::{FilmOrigin, Provenance};
 use spineline_phantom::{Readers, SUBJECTS, Truth, generate_read};
 
 use crate::analyze::write_file;
-use crate::args::{FitName, threads};
+use crate::args::threads;
 use crate::failure::{Ending, Failure};
+use crate::options::FitName;
 use crate::phantom::TruthName;
 use crate::print;
 use crate::progress::map_all;

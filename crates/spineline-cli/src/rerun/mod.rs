@@ -8,6 +8,7 @@ use clap::Args;
 use serde_json::Value;
 use spineline::analysis::Analysis;
 use spineline_io::{AnalysisFile, InputFile, Provenance, StoredAnalysis, parse_analysis, to_text};
+use spineline_report::embedded;
 
 use crate::analyze::{Sureness, analyze_case, draw, write_or_print};
 use crate::args::{number, threads};
@@ -25,12 +26,13 @@ Exit codes: 0 nothing differs, 4 something does, 3 FILE cannot be repeated.
 
 Examples:
   spineline rerun analysis.json
+  spineline rerun P07.html
   spineline rerun analysis.json --figures out/figures
   spineline rerun analysis.json --tolerance 1e-6 --json again.json";
 
 #[derive(Args)]
 pub struct RerunArgs {
-    /// Analysis, or list of them, from `analyze --json`
+    /// Analysis, or list of them, from `analyze --json`; or a report
     #[arg(value_name = "FILE")]
     file: PathBuf,
     /// Numbers differ where they are further apart than this part of the larger one; below 1, further than this itself
@@ -106,12 +108,13 @@ fn stored(path: &Path) -> Result<Stored, Failure> {
 /// The analysis JSON that a file is, or that a report holds.
 fn analysis_text(path: &Path, bytes: &[u8]) -> Result<String, Failure> {
     let text = std::str::from_utf8(bytes).ok().map(|text| text.trim_start_matches('\u{feff}'));
-    match text.filter(|text| text.trim_start().starts_with(['{', '['])) {
-        Some(text) => Ok(text.to_owned()),
+    let is_json = |text: &&str| text.trim_start().starts_with(['{', '[']);
+    match text.filter(is_json).map(str::to_owned).or_else(|| embedded(bytes)) {
+        Some(text) => Ok(text),
         None => Err(Failure::input(
             &path.display().to_string(),
             &"there is no analysis in this file",
-            "give the JSON that `spineline analyze CASE --json FILE` writes",
+            "give the JSON that `spineline analyze CASE --json FILE` writes, or what `spineline report CASE` does",
         )),
     }
 }

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args, ValueEnum};
 use spineline::anatomy::{Level, Posture, Side};
 
-use crate::args::{SupportName, number, posture};
+use crate::args::{number, posture};
+use crate::options::SupportName;
 
 /// Loads and goals that people ask for.
 pub const EXAMPLES: &str = "\

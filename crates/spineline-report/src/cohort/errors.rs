@@ -2,7 +2,7 @@
 
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, probability};
-use spineline::cohort::{Cohort, ErrorKind, ErrorStatistics, LineStatistics, LineTest};
+use spineline::cohort::{Cohort, ErrorKind, ErrorStatistics, LinePairTest, LineStatistics};
 
 use super::movement::tested;
 use super::people::main_curve;
@@ -158,7 +158,7 @@ fn family(cohort: &Cohort) -> Table {
     table
 }
 
-fn test_row(test: &LineTest) -> Vec<String> {
+fn test_row(test: &LinePairTest) -> Vec<String> {
     let c = &test.comparison;
     let p = |p: Option<f64>| {
         p.map_or_else(none, |p| probability(p).trim_start_matches("= ").to_owned())

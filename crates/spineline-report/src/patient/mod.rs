@@ -5,7 +5,7 @@ mod method;
 mod model;
 mod sureness;
 
-use spineline::analysis::{Analysis, Case};
+use spineline::analysis::{Analysis, Case, LinesCompared};
 use spineline::personalize::Identifiability;
 use spineline::uncertainty::Uncertainty;
 
@@ -39,7 +39,8 @@ pub struct Patient<'a> {
 #[must_use]
 pub fn report(patient: &Patient<'_>) -> Document {
     let analysis = patient.analysis;
-    let mut sections = vec![verdict(analysis)];
+    let compared = analysis.compare_lines();
+    let mut sections = vec![verdict(analysis, &compared)];
     sections.push(measured::films(patient));
     sections.push(measured::movement(analysis));
     sections.push(measured::line(analysis));
@@ -47,7 +48,7 @@ pub fn report(patient: &Patient<'_>) -> Document {
     sections.push(model::space(analysis));
     sections.push(model::stiffness(patient));
     sections.push(model::errors(analysis));
-    sections.push(model::comparison(analysis));
+    sections.push(model::comparison(analysis, &compared));
     sections.extend(patient.uncertainty.map(|found| sureness::numbers(analysis, found)));
     sections.push(method::how(patient));
     Document {
@@ -70,9 +71,9 @@ pub(crate) fn banners(synthetic: bool) -> Vec<Notice> {
 }
 
 /// The verdict in sentences, then all that speaks against the numbers, the heaviest first.
-fn verdict(analysis: &Analysis) -> Section {
+fn verdict(analysis: &Analysis, compared: &LinesCompared) -> Section {
     let mut section = Section::new("verdict", "Verdict, contradictions and warnings");
-    for sentence in analysis.verdict() {
+    for sentence in analysis.verdict(compared) {
         section.paragraph(sentence);
     }
     let mut notices: Vec<Notice> = analysis.warnings.all().iter().map(Notice::from).collect();

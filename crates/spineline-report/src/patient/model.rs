@@ -212,17 +212,16 @@ fn error_table(analysis: &Analysis, fitted: bool) -> Table {
 }
 
 /// The lines on the same films, every bend left out once.
-pub fn comparison(analysis: &Analysis) -> Section {
+pub fn comparison(analysis: &Analysis, found: &LinesCompared) -> Section {
     let mut section = Section::new("comparison", "Comparison of the lines");
     if analysis.models.is_empty() {
         section.paragraph(NO_MODEL);
         return section;
     }
-    let found = analysis.compare_lines();
     for role in FilmRole::ALL {
-        section.table(role_table(&found, role));
+        section.table(role_table(found, role));
     }
-    for text in comparison_notes(&found) {
+    for text in comparison_notes(found) {
         section.notice(Notice::new(NoticeKind::Note, text));
     }
     section
