@@ -22,6 +22,7 @@ use crate::models::{self, Chosen};
 use crate::noise_study::NoiseStudyArgs;
 use crate::phantom::TruthName;
 use crate::reliability::{self, ReliabilityArgs};
+use crate::reports;
 use crate::simulate;
 use crate::study::{self, StudyArgs};
 
@@ -44,6 +45,9 @@ pub enum Command {
     NoiseStudy(NoiseStudyArgs),
     /// Analyse the films of one patient, or of a cohort
     Analyze(AnalyzeArgs),
+    /// Write what was found of a patient or of a cohort as one HTML file, as PDF or as Markdown, with every figure
+    #[command(after_help = reports::EXAMPLES)]
+    Report(Box<reports::ReportArgs>),
     /// Tell what case files hold, what is odd about them, and what can be made of them
     Check(CheckArgs),
     /// Tell how well readings repeat: errors, limits of agreement, ICC and Pearson, within and between observers
