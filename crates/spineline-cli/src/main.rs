@@ -56,6 +56,7 @@ fn run(command: Command) -> Result<Ending, Failure> {
         Command::Reproduce(args) => reproduce::run(&args),
         Command::NoiseStudy(args) => noise_study::run(&args),
         Command::Analyze(args) => analyze::run(&args),
+        Command::Report(args) => reports::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Import(args) => import::run(&args),
         Command::Study(args) => study::run(&args),
