@@ -28,6 +28,7 @@ mod simulate;
 mod stop;
 mod study;
 mod table;
+mod tables;
 mod uncertainty;
 
 use std::io::Write;
