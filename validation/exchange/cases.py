@@ -24,6 +24,7 @@ class Exported:
     reports: list[Path]
     lists: list[Path]
     table: Path
+    tables: Path
     analysis: dict
 
 
@@ -57,7 +58,7 @@ class Spineline:
             radiograph(film, folder / film["image"]["file"])
         path = folder / "case.json"
         path.write_text(json.dumps(case), encoding="utf-8")
-        self.run("analyze", path, "--json", folder / "analysis.json")
+        self.run("analyze", path, "--json", folder / "analysis.json", "--tables", folder / "tables")
         self.run("export", path, "--to", "dicom-sr", "--written", WRITTEN, "--out", folder / "reports")
         self.run("export", path, "--to", "slicer", "--out", folder / "lists")
         self.run("export", path, "--to", "csv", "--out", folder / "landmarks.csv")
@@ -67,6 +68,7 @@ class Spineline:
             reports=sorted((folder / "reports").glob("*.dcm")),
             lists=sorted((folder / "lists").glob("*.mrk.json")),
             table=folder / "landmarks.csv",
+            tables=folder / "tables",
             analysis=json.loads((folder / "analysis.json").read_text(encoding="utf-8")),
         )
 

@@ -1,4 +1,4 @@
-"""Reads what `spineline export` writes of landmarks with other programs, and compares it with the case.
+"""Reads landmarks that `spineline export` writes, and tables, with other programs; compares them with case and analysis.
 
 Usage: python compare.py --program path/to/spineline --out folder
 """
@@ -10,6 +10,7 @@ import shutil
 import sys
 from pathlib import Path
 
+import dataframes
 import lists
 import reports
 import tables
@@ -28,6 +29,7 @@ def main() -> int:
             f"{reports.compare(exported)} reports",
             f"{lists.compare(exported)} points",
             f"{tables.compare(exported)} rows",
+            f"{dataframes.compare(exported)} values",
         )
         print(f"{exported.name}: {', '.join(counts)} agree")
     if shutil.which("dsrdump") is None:

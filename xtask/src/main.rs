@@ -1,5 +1,6 @@
 //! The project's own commands: `cargo xtask test` runs everything that must hold.
 
+mod book;
 mod debian;
 mod fuzz;
 mod oracle;
@@ -26,7 +27,8 @@ cargo xtask COMMAND
   reliability
            ICC, errors and correlations in pingouin and scipy
   films    films of phantoms in pydicom
-  exchange exported landmarks in highdicom, pydicom and DCMTK
+  exchange exported landmarks in highdicom, pydicom and DCMTK, tables in pyarrow and pandas
+  docs     the guide as a book, with the page of credibility and that of the paper's numbers (needs what `engines` needs)
   fuzz [SECONDS]
            every parser on random input, 60 seconds each (needs a nightly compiler)
   bench    benchmarks of the core
@@ -62,7 +64,7 @@ fn main() -> ExitCode {
             web::build,
             test,
             doctest,
-            docs,
+            rustdoc,
             web::browser,
             outside::engines,
             outside::reliability,
@@ -78,6 +80,7 @@ fn main() -> ExitCode {
         "reliability" => &[outside::reliability],
         "films" => &[outside::films],
         "exchange" => &[outside::exchange],
+        "docs" => &[book::make],
         "bench" => &[bench],
         _ => {
             eprint!("{HELP}");
@@ -151,7 +154,7 @@ fn doctest(root: &Path) -> Result<(), String> {
     cargo(root, &["test", "--workspace", "--locked", "--doc"])
 }
 
-fn docs(root: &Path) -> Result<(), String> {
+fn rustdoc(root: &Path) -> Result<(), String> {
     let arguments = ["doc", "--workspace", "--no-deps", "--locked", "--quiet"];
     run(root, "cargo", &arguments, &[("RUSTDOCFLAGS", "--deny warnings")])
 }

@@ -30,6 +30,12 @@ pub fn project(
     run(root, &text(&interpreter)?, &arguments, &[("PYTHONDONTWRITEBYTECODE", "1")])
 }
 
+/// A program that an environment holds.
+pub fn tool(root: &Path, name: &str, requirements: &Path, tool: &str) -> Result<String, String> {
+    let interpreter = environment(root, name, requirements)?;
+    text(&interpreter.with_file_name(tool).with_extension(EXE_EXTENSION))
+}
+
 /// The interpreter of an environment that holds what a requirements file asks for.
 ///
 /// The environment is made where it is missing, and filled where the file is not the one that filled it before; else

@@ -12,14 +12,18 @@ use spineline_io::{
     AnalysisFile, FilmOrigin, InputFile, ModelFile, ProgramRun, Provenance, Request,
 };
 use spineline_report::figures;
+use spineline_tables::Patient;
 
 use crate::args::AnalyzeArgs;
 use crate::failure::{Ending, Failure};
-use crate::options::{OptionArgs, UncertaintyArgs};
+use crate::options::OptionArgs;
 use crate::progress::map_all;
 use crate::provenance::{Source, in_svg, read_input, this_run, write_table};
 use crate::rows::{chain_text, csv_text};
-use crate::{cohort, comparison, identifiability, models, options, print, report, uncertainty};
+use crate::uncertainty::UncertaintyArgs;
+use crate::{
+    cohort, comparison, identifiability, models, options, print, report, tables, uncertainty,
+};
 
 /// What wrote a file.
 pub fn generator() -> String {
@@ -184,6 +188,16 @@ impl Sureness {
         Ok(Self { identified: identified.transpose()?, spread: spread.transpose()? })
     }
 
+    /// What tables tell of the patient.
+    fn patient<'a>(&'a self, analysis: &'a Analysis, case: &'a Case) -> Patient<'a> {
+        Patient {
+            analysis,
+            subject: &case.subject,
+            identified: self.identified.as_deref(),
+            spread: self.spread.as_ref(),
+        }
+    }
+
     fn texts(&self, analysis: &Analysis) -> impl Iterator<Item = String> {
         let identified =
             self.identified.as_ref().map(|found| identifiability::text(analysis, found));
@@ -301,6 +315,15 @@ fn write_files(
     }
     if let (Some(path), [analysis]) = (&args.model, analyses) {
         write_model(path, args, analysis, origins)?;
+    }
+    if let Some(folder) = &args.tables.folder {
+        let patients: Vec<Patient<'_>> = analyses
+            .iter()
+            .zip(sureness)
+            .zip(&origins.sources)
+            .map(|((analysis, sure), source)| sure.patient(analysis, &source.case))
+            .collect();
+        tables::write(folder, &args.tables.formats, &patients, &origins.of_all())?;
     }
     if let Some(folder) = &args.figures {
         for (analysis, source) in analyses.iter().zip(&origins.sources) {

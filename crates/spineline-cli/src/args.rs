@@ -12,12 +12,14 @@ use crate::export::{EXAMPLES, ExportArgs};
 use crate::film::FilmArgs;
 use crate::import::{self, ImportArgs};
 use crate::noise_study::NoiseStudyArgs;
-use crate::options::{FitName, OptionArgs, UncertaintyArgs};
+use crate::options::{FitName, OptionArgs};
 use crate::phantom::TruthName;
 use crate::reliability::{self, ReliabilityArgs};
 use crate::reports;
 use crate::simulate;
 use crate::study::{self, StudyArgs};
+use crate::tables::TablesArgs;
+use crate::uncertainty::UncertaintyArgs;
 
 /// Turns frontal radiographs of a scoliotic spine into a personalised multibody model.
 ///
@@ -215,6 +217,8 @@ pub struct AnalyzeArgs {
     /// Threads for a cohort and for replicates; 0 uses all cores. The results do not depend on it
     #[arg(long, default_value = "0", value_parser = threads)]
     pub threads: usize,
+    #[command(flatten)]
+    pub tables: TablesArgs,
     #[command(flatten)]
     pub uncertainty: UncertaintyArgs,
     #[command(flatten)]

@@ -30,6 +30,7 @@ mod simulate;
 mod stop;
 mod study;
 mod table;
+mod tables;
 mod uncertainty;
 
 use std::io::Write;
@@ -56,12 +57,12 @@ fn run(command: Command) -> Result<Ending, Failure> {
         Command::Reproduce(args) => reproduce::run(&args),
         Command::NoiseStudy(args) => noise_study::run(&args),
         Command::Analyze(args) => analyze::run(&args),
+        Command::Report(args) => reports::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Import(args) => import::run(&args),
         Command::Study(args) => study::run(&args),
         Command::Serve(args) => serve::run(&args),
         Command::Account(args) => account::run(&args),
-        Command::Report(args) => reports::run(&args),
         Command::Rerun(args) => rerun::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Reliability(args) => reliability::run(&args),

@@ -95,7 +95,7 @@ pub fn write_table(path: &Path, text: &str, provenance: &Provenance) -> Result<(
 pub fn write_beside(path: &Path, content: &[u8], provenance: &Provenance) -> Result<(), Failure> {
     write_file(path, content)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let file = ProvenanceFile::new(InputFile::of(&*name, content), provenance.clone());
+    let file = ProvenanceFile::new(vec![InputFile::of(&*name, content)], provenance.clone());
     write_file(&beside(path), spineline_io::to_text(&file))
 }
 

@@ -195,7 +195,7 @@ fn every_file_of_an_analysis_says_where_it_comes_from() {
     let input = &json(&here.path().join("s.json"))["provenance"]["inputs"][0];
     assert_eq!(input["sha256"], spineline_io::sha256_hex(&model).as_str());
     let table = fs::read(here.path().join("errors.csv")).expect("the table");
-    let of = &json(&here.path().join("errors.csv.provenance.json"))["of"];
+    let of = &json(&here.path().join("errors.csv.provenance.json"))["of"][0];
     assert_eq!(of["sha256"], spineline_io::sha256_hex(&table).as_str());
     let mut wrong = Command::cargo_bin("spineline").expect("the program");
     wrong

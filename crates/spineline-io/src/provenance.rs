@@ -203,21 +203,21 @@ impl Provenance {
     }
 }
 
-/// Provenance of a file that has no place for it, as a file beside it.
+/// Provenance of files that have no place for it, as a file beside them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(title = "Spineline provenance, version 1")]
 pub struct ProvenanceFile {
     format: String,
     version: u32,
-    /// The file that it is of, with the hash of its bytes.
-    of: InputFile,
+    /// The files that it is of, with the hashes of their bytes.
+    of: Vec<InputFile>,
     provenance: Provenance,
 }
 
 impl ProvenanceFile {
-    /// Of a file beside it.
+    /// Of files beside it.
     #[must_use]
-    pub fn new(of: InputFile, provenance: Provenance) -> Self {
+    pub fn new(of: Vec<InputFile>, provenance: Provenance) -> Self {
         Self { format: "spineline-provenance".to_owned(), version: 1, of, provenance }
     }
 }

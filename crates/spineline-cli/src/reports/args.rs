@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use crate::args::threads;
-use crate::options::{OptionArgs, UncertaintyArgs};
+use crate::options::OptionArgs;
+use crate::uncertainty::UncertaintyArgs;
 
 /// Shown below the options.
 pub const EXAMPLES: &str = "Examples:

@@ -12,7 +12,7 @@ use super::page::{Page, Sample};
 use super::panel::{HeadingKind, Panel, Picture};
 use super::style::{BLACK, GREY, Ink, Marker, ORANGE, Shape, VERMILLION, action_ink};
 
-const TALL_PX: f64 = 440.0;
+const TALL_PX: f64 = 390.0;
 const PANELS_PER_ROW: usize = 3;
 /// Room around the marks, as a part of their height.
 const ROOM: f64 = 0.06;

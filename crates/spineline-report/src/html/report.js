@@ -67,7 +67,7 @@
     svg.setAttribute("role", "img");
     svg.setAttribute("aria-label", "The spine in space; drag to turn");
     const on = layers.map((layer) => layer.shown);
-    // From behind, a little from the left and from above.
+    // From behind, a little from the right and from above.
     let [yaw, pitch] = [0.6, 0.25];
     const project = ([x, y, z]) => {
       const [a, b, c] = [x - middle[0], y - middle[1], z - middle[2]];
@@ -98,7 +98,7 @@
       pitch = Math.max(-1.5, Math.min(1.5, pitch + event.movementY * 0.01));
       draw();
     });
-    const views = [["from behind", 0, 0], ["from the right", -Math.PI / 2, 0], ["oblique", 0.6, 0.25]];
+    const views = [["from behind", 0, 0], ["from the right", Math.PI / 2, 0], ["oblique", 0.6, 0.25]];
     const buttons = views.map(([name, toYaw, toPitch]) => {
       const button = make("button", { type: "button" }, name);
       button.addEventListener("click", () => {

@@ -1,0 +1,79 @@
+//! Every command of the guide, run as a reader would: page by page, in one folder.
+#![cfg(unix)]
+
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Commands of a page.
+struct Block {
+    /// Page and line.
+    place: String,
+    /// `sh`, or `sh,ignore` for what a test cannot run.
+    kind: String,
+    text: String,
+}
+
+fn guide() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/guide/src")
+}
+
+/// The pages in the order of the summary; those that are made for the book alone have no commands.
+fn pages() -> Vec<String> {
+    let summary = fs::read_to_string(guide().join("SUMMARY.md")).expect("a summary");
+    let links = summary.lines().filter_map(|line| line.split_once("](")?.1.strip_suffix(')'));
+    links.filter(|page| guide().join(page).exists()).map(str::to_owned).collect()
+}
+
+fn blocks(page: &str) -> Vec<Block> {
+    let text = fs::read_to_string(guide().join(page)).expect("a page");
+    let mut found: Vec<Block> = Vec::new();
+    let mut inside = false;
+    for (number, line) in text.lines().enumerate() {
+        match (inside, line.strip_prefix("```")) {
+            (false, Some(kind)) => {
+                let place = format!("{page}:{}", number + 1);
+                found.push(Block { place, kind: kind.to_owned(), text: String::new() });
+                inside = true;
+            }
+            (true, Some(_)) => inside = false,
+            (true, None) => found.last_mut().expect("it began").text += &format!("{line}\n"),
+            (false, None) => {}
+        }
+    }
+    found.into_iter().filter(|block| block.kind.starts_with("sh")).collect()
+}
+
+#[test]
+fn every_command_of_the_guide_runs() {
+    let here = tempfile::tempdir().expect("a place for files");
+    let beside = Path::new(env!("CARGO_BIN_EXE_spineline")).parent().expect("a folder").to_owned();
+    let path = env::var_os("PATH").unwrap_or_default();
+    let path = env::join_paths([beside].into_iter().chain(env::split_paths(&path)));
+    let path = path.expect("folders without colons");
+    let mut ran = 0;
+    for block in pages().iter().flat_map(|page| blocks(page)) {
+        if block.kind == "sh,ignore" {
+            assert!(block.text.starts_with("# "), "{}: say why no test runs it", block.place);
+            continue;
+        }
+        assert_eq!(block.kind, "sh", "{}", block.place);
+        let mut shell = Command::new("sh");
+        shell.args(["-eu", "-c", &block.text]).current_dir(here.path()).env("PATH", &path);
+        let output = shell.output().expect("a shell");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{}:\n{}{said}", block.place, block.text);
+        ran += 1;
+    }
+    assert!(ran >= 15, "only {ran} blocks were found");
+}
+
+#[test]
+fn every_page_is_in_the_summary() {
+    let listed = pages();
+    for entry in fs::read_dir(guide()).expect("the guide") {
+        let name = entry.expect("a file").file_name().into_string().expect("a name");
+        assert!(name == "SUMMARY.md" || listed.contains(&name), "{name} is not in the summary");
+    }
+}

@@ -1,0 +1,87 @@
+use spineline::anatomy::Posture;
+use spineline::clinical::ClinicalCurve;
+use spineline::spatial::Angle;
+
+use crate::Patient;
+use crate::define::{Column, Definition, Row, Unit, keys, number, text};
+use crate::table::Table;
+
+/// A clinical curve on a film.
+pub(crate) struct Measured<'a> {
+    curve: &'a ClinicalCurve,
+    posture: Posture,
+}
+
+impl Measured<'_> {
+    fn angle(&self, all: &[(Posture, Angle)]) -> Option<f64> {
+        all.iter().find(|(posture, _)| *posture == self.posture).map(|(_, angle)| angle.deg())
+    }
+
+    /// Of what is told once, in the row of the erect film.
+    fn erect(&self) -> Option<&ClinicalCurve> {
+        (self.posture == Posture::Erect).then_some(self.curve)
+    }
+}
+
+type ClinicalRow<'a> = Row<'a, Measured<'a>>;
+
+/// One row per patient, posture and region.
+pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
+    let mut rows: Vec<ClinicalRow<'_>> = Vec::new();
+    for patient in patients {
+        for posture in patient.analysis.postures.iter().map(|p| p.outline.posture) {
+            let curves = patient.analysis.clinical.iter();
+            rows.extend(curves.map(|curve| Row { patient, item: Measured { curve, posture } }));
+        }
+    }
+    let mut columns = keys();
+    columns.extend(columns_of_curves());
+    let row = "patient × posture × region";
+    Definition { name: "clinical", row, columns }.fill(&rows)
+}
+
+fn columns_of_curves<'a>() -> Vec<Column<ClinicalRow<'a>>> {
+    vec![
+        text("posture", "film", |row| Some(row.item.posture.key().to_owned())),
+        text("region", "region of the spine", |row| Some(row.item.curve.region.key().to_owned())),
+        text("lower_end", "lower end vertebra, chosen on the erect film", |row| {
+            Some(row.item.curve.ends.inferior.to_string())
+        }),
+        text("upper_end", "upper end vertebra, chosen on the erect film", |row| {
+            Some(row.item.curve.ends.superior.to_string())
+        }),
+        text("apex", "vertebra at the apex of the erect curve", |row| {
+            Some(row.item.curve.apex.to_string())
+        }),
+        text("convex", "the patient's side to which the erect curve is convex", |row| {
+            row.item.curve.convex.map(|side| side.to_string())
+        }),
+        number(
+            "cobb",
+            Unit::Degrees,
+            "Cobb angle; positive where convex to the patient's left",
+            |row| row.item.angle(&row.item.curve.cobb),
+        ),
+        number(
+            "ferguson",
+            Unit::Degrees,
+            "Ferguson angle; positive where convex to the patient's left",
+            |row| row.item.angle(&row.item.curve.ferguson),
+        ),
+        number(
+            "apical_translation",
+            Unit::Millimetres,
+            "of the apex on the erect film, in its row",
+            |row| {
+                let translation = row.item.erect()?.apical_translation_mm;
+                row.patient.analysis.scale().mm(translation)
+            },
+        ),
+        number(
+            "flexibility",
+            Unit::One,
+            "part of the erect Cobb angle that the bend to the convex side takes away, in the row of the erect film",
+            |row| row.item.erect()?.flexibility,
+        ),
+    ]
+}

@@ -1,0 +1,152 @@
+//! One definition per table: it names, explains and fills every column, so that the dictionary cannot say anything else.
+
+use crate::Patient;
+use crate::table::{Series, Table, Values};
+
+/// What a number counts in; its name ends the name of the column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Unit {
+    Millimetres,
+    Pixels,
+    Degrees,
+    NewtonMetresPerRadian,
+    Segments,
+    Years,
+    /// Newtons where a force is known.
+    Force,
+    /// A number without a unit.
+    One,
+    /// As another column of the same row says.
+    Stated,
+}
+
+impl Unit {
+    const fn suffix(self) -> &'static str {
+        match self {
+            Self::Millimetres => "_mm",
+            Self::Pixels => "_px",
+            Self::Degrees => "_deg",
+            Self::NewtonMetresPerRadian => "_nm_per_rad",
+            Self::Segments => "_segments",
+            Self::Years => "_years",
+            Self::Force | Self::One | Self::Stated => "",
+        }
+    }
+
+    const fn words(self) -> &'static str {
+        match self {
+            Self::Millimetres => "mm",
+            Self::Pixels => "px",
+            Self::Degrees => "deg",
+            Self::NewtonMetresPerRadian => "N·m/rad",
+            Self::Segments => "segments",
+            Self::Years => "years",
+            Self::Force => "N where `absolute`, else relative",
+            Self::One => "1",
+            Self::Stated => "as `unit` says",
+        }
+    }
+}
+
+/// How a row gives the value of a column.
+enum Cell<R> {
+    Text(fn(&R) -> Option<String>),
+    Number(fn(&R) -> Option<f64>),
+    Count(fn(&R) -> Option<i64>),
+    Truth(fn(&R) -> Option<bool>),
+}
+
+/// A column of a table whose rows are made from `R`.
+pub(crate) struct Column<R> {
+    name: String,
+    unit: &'static str,
+    meaning: &'static str,
+    cell: Cell<R>,
+}
+
+/// A name of something.
+pub(crate) fn text<R>(
+    name: &str,
+    meaning: &'static str,
+    cell: fn(&R) -> Option<String>,
+) -> Column<R> {
+    Column { name: name.to_owned(), unit: "", meaning, cell: Cell::Text(cell) }
+}
+
+/// A measured or computed number; the unit is added to the name.
+pub(crate) fn number<R>(
+    name: &str,
+    unit: Unit,
+    meaning: &'static str,
+    cell: fn(&R) -> Option<f64>,
+) -> Column<R> {
+    let name = format!("{name}{}", unit.suffix());
+    Column { name, unit: unit.words(), meaning, cell: Cell::Number(cell) }
+}
+
+/// A whole number of things.
+pub(crate) fn count<R>(
+    name: &str,
+    meaning: &'static str,
+    cell: fn(&R) -> Option<i64>,
+) -> Column<R> {
+    Column { name: name.to_owned(), unit: "1", meaning, cell: Cell::Count(cell) }
+}
+
+/// Whether something holds.
+pub(crate) fn truth<R>(
+    name: &str,
+    meaning: &'static str,
+    cell: fn(&R) -> Option<bool>,
+) -> Column<R> {
+    Column { name: name.to_owned(), unit: "", meaning, cell: Cell::Truth(cell) }
+}
+
+/// A row of a patient.
+pub(crate) struct Row<'a, T> {
+    pub patient: &'a Patient<'a>,
+    pub item: T,
+}
+
+/// The columns that every table begins with.
+pub(crate) fn keys<'a, T>() -> Vec<Column<Row<'a, T>>> {
+    vec![
+        text("case_id", "patient", |row| Some(row.patient.analysis.case_id.clone())),
+        truth(
+            "synthetic",
+            "whether the films are made up: then every number of the row is",
+            |row| Some(row.patient.analysis.synthetic),
+        ),
+    ]
+}
+
+/// A table before it has rows.
+pub(crate) struct Definition<R> {
+    pub name: &'static str,
+    /// What one row is.
+    pub row: &'static str,
+    pub columns: Vec<Column<R>>,
+}
+
+impl<R> Definition<R> {
+    /// The table of these rows.
+    pub fn fill(self, rows: &[R]) -> Table {
+        let columns = self.columns.into_iter().map(|column| Series {
+            name: column.name,
+            unit: column.unit,
+            meaning: column.meaning,
+            values: match column.cell {
+                Cell::Text(cell) => Values::Text(rows.iter().map(cell).collect()),
+                Cell::Number(cell) => Values::Number(rows.iter().map(cell).map(finite).collect()),
+                Cell::Count(cell) => Values::Count(rows.iter().map(cell).collect()),
+                Cell::Truth(cell) => Values::Truth(rows.iter().map(cell).collect()),
+            },
+        });
+        Table { name: self.name, row: self.row, columns: columns.collect() }
+    }
+}
+
+/// A number without a value is absent, so that no program reads a word where numbers stand.
+fn finite(value: Option<f64>) -> Option<f64> {
+    value.filter(|value| value.is_finite())
+}

@@ -1,0 +1,66 @@
+use crate::define::{Definition, text};
+use crate::table::Table;
+use crate::{Asked, tables_of};
+
+/// One column of one table.
+struct Entry {
+    table: &'static str,
+    column: String,
+    unit: &'static str,
+    kind: &'static str,
+    meaning: &'static str,
+}
+
+/// What every column of every table means, as a table.
+#[must_use]
+pub fn dictionary(asked: Asked) -> Table {
+    let entries: Vec<Entry> = tables_of(&[], asked)
+        .into_iter()
+        .flat_map(|table| {
+            table.columns.into_iter().map(move |column| Entry {
+                table: table.name,
+                kind: column.values.kind(),
+                column: column.name,
+                unit: column.unit,
+                meaning: column.meaning,
+            })
+        })
+        .collect();
+    Definition {
+        name: "dictionary",
+        row: "a column of a table",
+        columns: vec![
+            text("table", "name of the table", |entry: &Entry| Some(entry.table.to_owned())),
+            text("column", "name of the column", |entry| Some(entry.column.clone())),
+            text("unit", "unit; empty where values are no numbers", |entry| {
+                Some(entry.unit.to_owned())
+            }),
+            text("type", "`text`, `number`, `integer` or `boolean`", |entry| {
+                Some(entry.kind.to_owned())
+            }),
+            text("meaning", "what it says", |entry| Some(entry.meaning.to_owned())),
+        ],
+    }
+    .fill(&entries)
+}
+
+/// The dictionary for people, in Markdown: a section per table.
+#[must_use]
+pub fn dictionary_markdown() -> String {
+    let mut text = String::new();
+    for table in tables_of(&[], Asked::ALL) {
+        text.push_str(&format!("## {}\n\nOne row per {}.\n\n", table.name, table.row));
+        text.push_str("| column | unit | type | meaning |\n|---|---|---|---|\n");
+        for column in &table.columns {
+            let kind = column.values.kind();
+            text.push_str(&format!(
+                "| `{}` | {} | {kind} | {} |\n",
+                column.name, column.unit, column.meaning
+            ));
+        }
+        text.push('\n');
+    }
+    text.truncate(text.trim_end().len());
+    text.push('\n');
+    text
+}

@@ -1,0 +1,94 @@
+use spineline::action::LineKind;
+use spineline::analysis::PostureAnalysis;
+use spineline::anatomy::Level;
+use spineline::evaluate::Simulation;
+use spineline::personalize::evidence::{ContradictedJoint, JointEvidence};
+
+use crate::Patient;
+use crate::define::{Column, Definition, Row, Unit, keys, number, text, truth};
+use crate::table::Table;
+
+/// A joint on a film, and under one line of action.
+pub(crate) struct Joint<'a> {
+    posture: &'a PostureAnalysis,
+    inferior: Level,
+    superior: Level,
+    evidence: &'a JointEvidence,
+    simulated: Option<(LineKind, &'a Simulation)>,
+}
+
+impl Joint<'_> {
+    fn contradicted(&self) -> Option<&ContradictedJoint> {
+        let (_, simulation) = self.simulated?;
+        simulation
+            .contradicted
+            .iter()
+            .find(|joint| (joint.inferior, joint.superior) == (self.inferior, self.superior))
+    }
+}
+
+type JointRow<'a> = Row<'a, Joint<'a>>;
+
+/// One row per patient, moved posture, line and joint; of a posture without a model, one per joint.
+pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
+    let mut rows: Vec<JointRow<'_>> = Vec::new();
+    for patient in patients {
+        for posture in &patient.analysis.postures {
+            let Some(evidence) = &posture.evidence else { continue };
+            let film = posture.outline.posture;
+            let models = patient.analysis.models.iter();
+            let mut lines: Vec<Option<(LineKind, &Simulation)>> =
+                models.filter_map(|m| m.posture(film).map(|s| Some((m.kind, s)))).collect();
+            if lines.is_empty() {
+                lines.push(None);
+            }
+            for simulated in lines {
+                for (pair, evidence) in Level::MODEL.windows(2).zip(&evidence.joints) {
+                    let (inferior, superior) = (pair[0], pair[1]);
+                    let item = Joint { posture, inferior, superior, evidence, simulated };
+                    rows.push(Row { patient, item });
+                }
+            }
+        }
+    }
+    let mut columns = keys();
+    columns.extend(columns_of_joints());
+    let row = "patient × moved posture × line × joint; measured values stand in the rows of every line, and `line` is empty where there is no model";
+    Definition { name: "joints", row, columns }.fill(&rows)
+}
+
+fn columns_of_joints<'a>() -> Vec<Column<JointRow<'a>>> {
+    vec![
+        text("posture", "film", |row| Some(row.item.posture.outline.posture.key().to_owned())),
+        text("line", "line of action of the model", |row| {
+            row.item.simulated.map(|(kind, _)| kind.key().to_owned())
+        }),
+        text("inferior", "lower vertebra", |row| Some(row.item.inferior.to_string())),
+        text("superior", "upper vertebra", |row| Some(row.item.superior.to_string())),
+        number(
+            "rotation",
+            Unit::Degrees,
+            "measured turn of the upper vertebra against the lower one, from the erect film; positive to the patient's right",
+            |row| Some(row.item.evidence.rotation.deg()),
+        ),
+        truth(
+            "contradicted",
+            "whether it turns against the force: no positive stiffness explains it",
+            |row| row.item.simulated.map(|_| row.item.contradicted().is_some()),
+        ),
+        number("lever_arm", Unit::Millimetres, "of the force about a contradicted joint", |row| {
+            row.item.contradicted().map(|joint| joint.lever_arm_mm)
+        }),
+        number(
+            "work_against",
+            Unit::One,
+            "part of a contradicted joint in the work of all joints",
+            |row| row.item.contradicted().map(|joint| joint.weight),
+        ),
+        truth(
+            "beyond_noise",
+            "whether a contradicted joint's rotation is beyond two standard deviations",
+            |row| row.item.contradicted().map(|joint| joint.beyond_noise),
+        ),
+    ]
+}

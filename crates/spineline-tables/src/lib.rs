@@ -1,0 +1,96 @@
+//! Tidy tables of analyses, as CSV and Parquet: one row per patient × posture × line × level, or what a table says that its
+//! rows are. Units end the names of columns, a dictionary says what every column means, and what has no value is empty.
+//!
+//! ```
+//! use spineline_tables::{dictionary, Asked};
+//!
+//! let text = dictionary(Asked::ALL).to_csv().expect("a table of texts");
+//! assert!(text.contains("vertebrae,location_error_mm,mm,number,"));
+//! ```
+
+mod clinical;
+mod define;
+mod dictionary;
+mod joints;
+mod models;
+mod patients;
+mod postures;
+mod reliability;
+mod table;
+mod uncertainty;
+mod vertebrae;
+mod warnings;
+mod write;
+
+pub use dictionary::{dictionary, dictionary_markdown};
+pub use table::{Series, Table, Values};
+pub use write::{SCHEMA_VERSION, TableError};
+
+use spineline::analysis::{Analysis, Subject};
+use spineline::personalize::Identifiability;
+use spineline::uncertainty::Uncertainty;
+
+/// What the tables tell of one patient.
+#[derive(Debug, Clone, Copy)]
+pub struct Patient<'a> {
+    /// What was found.
+    pub analysis: &'a Analysis,
+    /// Who was X-rayed.
+    pub subject: &'a Subject,
+    /// What the films say of every model's multipliers, in the order of the models, where it was asked for.
+    pub identified: Option<&'a [Option<Identifiability>]>,
+    /// What the noise of landmarks does, where it was asked for.
+    pub spread: Option<&'a Uncertainty>,
+}
+
+/// Which tables there are beside those that there always are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Asked {
+    /// Spread of every number.
+    pub uncertainty: bool,
+    /// Other loads and bases.
+    pub hypotheses: bool,
+}
+
+impl Asked {
+    /// Everything.
+    pub const ALL: Self = Self { uncertainty: true, hypotheses: true };
+
+    /// What was asked of these patients.
+    #[must_use]
+    pub fn of(patients: &[Patient<'_>]) -> Self {
+        Self {
+            uncertainty: patients.iter().any(|patient| patient.spread.is_some()),
+            hypotheses: patients.iter().any(|p| !p.analysis.options.hypotheses.is_empty()),
+        }
+    }
+}
+
+/// All tables of some patients, in the order of the dictionary.
+#[must_use]
+pub fn tables(patients: &[Patient<'_>]) -> Vec<Table> {
+    tables_of(patients, Asked::of(patients))
+}
+
+fn tables_of(patients: &[Patient<'_>], asked: Asked) -> Vec<Table> {
+    let mut all = vec![
+        patients::table(patients),
+        postures::table(patients),
+        vertebrae::table(patients),
+        joints::table(patients),
+        models::models(patients),
+        models::multipliers(patients),
+        models::springs(patients),
+        models::lines(patients),
+        clinical::table(patients),
+        reliability::table(patients),
+        warnings::table(patients),
+    ];
+    if asked.hypotheses {
+        all.push(models::hypotheses(patients));
+    }
+    if asked.uncertainty {
+        all.push(uncertainty::table(patients));
+    }
+    all
+}

@@ -1,0 +1,399 @@
+use spineline::action::Application;
+use spineline::analysis::LineModel;
+use spineline::anatomy::Region;
+use spineline::evaluate::Simulation;
+use spineline::hypothesis::{HypothesisFit, ShapePrediction};
+use spineline::multibody::JointStiffness;
+use spineline::personalize::{MultiplierInformation, ProfileEnd, StiffnessBound};
+
+use crate::Patient;
+use crate::define::{Column, Definition, Row, Unit, count, keys, number, text, truth};
+use crate::table::Table;
+
+type ModelRow<'a> = Row<'a, &'a LineModel>;
+
+fn absolute(patient: &Patient<'_>, model: &LineModel) -> bool {
+    model.is_absolute(patient.analysis.options.gauge)
+}
+
+/// One row per patient and line.
+pub(crate) fn models(patients: &[Patient<'_>]) -> Table {
+    let rows: Vec<ModelRow<'_>> = patients
+        .iter()
+        .flat_map(|patient| patient.analysis.models.iter().map(move |item| Row { patient, item }))
+        .collect();
+    let mut columns = keys();
+    columns.extend(columns_of_models());
+    Definition { name: "models", row: "patient × line", columns }.fill(&rows)
+}
+
+fn columns_of_models<'a>() -> Vec<Column<ModelRow<'a>>> {
+    vec![
+        text("line", "line of action that the stiffness was fitted with", |row| {
+            Some(row.item.kind.key().to_owned())
+        }),
+        text("fit_status", "`converged`, `iteration_limit` or `not_evaluable`", |row| {
+            Some(row.item.fit.status.key().to_owned())
+        }),
+        count("iterations", "iterations of the fit", |row| {
+            Some(i64::from(row.item.fit.iterations))
+        }),
+        number(
+            "residual_rms",
+            Unit::One,
+            "root mean square residual: degrees of Ferguson angles, or standard deviations of a shape (see `fit` in patients)",
+            |row| Some(row.item.fit.residual_rms),
+        ),
+        truth(
+            "absolute",
+            "whether forces and stiffness are absolute; else only ratios mean anything",
+            |row| Some(absolute(row.patient, row.item)),
+        ),
+        number(
+            "absolute_scale",
+            Unit::One,
+            "factor on springs about all axes; 1 unless a force is known",
+            |row| Some(row.item.fit.absolute_scale),
+        ),
+        number(
+            "mean_location_error_fitted",
+            Unit::Millimetres,
+            "over the films that it was fitted to",
+            |row| row.item.mean_location_error_mm(true),
+        ),
+        number(
+            "mean_location_error_held_out",
+            Unit::Millimetres,
+            "over the films that no fit has seen",
+            |row| row.item.mean_location_error_mm(false),
+        ),
+    ]
+}
+
+/// A multiplier of a model.
+pub(crate) struct Multiplier<'a> {
+    model: &'a LineModel,
+    group: usize,
+    found: Option<&'a MultiplierInformation>,
+}
+
+type MultiplierRow<'a> = Row<'a, Multiplier<'a>>;
+
+/// One row per patient, line and group of joints.
+pub(crate) fn multipliers(patients: &[Patient<'_>]) -> Table {
+    let mut rows: Vec<MultiplierRow<'_>> = Vec::new();
+    for patient in patients {
+        for (i, model) in patient.analysis.models.iter().enumerate() {
+            let asked = patient.identified.and_then(|all| all[i].as_ref());
+            rows.extend((0..model.groups.len()).map(|group| {
+                let found = asked.map(|asked| &asked.multipliers[group]);
+                Row { patient, item: Multiplier { model, group, found } }
+            }));
+        }
+    }
+    let mut columns = keys();
+    columns.extend(columns_of_multipliers());
+    let row = "patient × line × group of joints that share a multiplier";
+    Definition { name: "multipliers", row, columns }.fill(&rows)
+}
+
+fn end(end: ProfileEnd) -> Option<f64> {
+    match end {
+        ProfileEnd::At(log) => Some(log.exp()),
+        ProfileEnd::Open | ProfileEnd::Lost(_) => None,
+    }
+}
+
+fn columns_of_multipliers<'a>() -> Vec<Column<MultiplierRow<'a>>> {
+    vec![
+        text("line", "line of action of the model", |row| {
+            Some(row.item.model.kind.key().to_owned())
+        }),
+        text("joints", "region, or joint", |row| {
+            Some(row.item.model.groups.names()[row.item.group].clone())
+        }),
+        number(
+            "multiplier",
+            Unit::One,
+            "of the lateral springs; under `geometric_mean` only ratios mean anything",
+            |row| row.item.model.multipliers().nth(row.item.group),
+        ),
+        truth("at_bound", "whether it ended at a bound, and so is not identified", |row| {
+            Some(row.item.model.fit.bounds[row.item.group] != StiffnessBound::Inside)
+        }),
+        text(
+            "verdict",
+            "what the films say of it: `interval`, `only_lower`, `only_upper`, `not_identified` or `lost`; empty where nobody asked",
+            |row| row.item.found.map(|found| found.profile.verdict().key().to_owned()),
+        ),
+        number(
+            "interval_95_low",
+            Unit::One,
+            "lower end of its interval; empty where the films allow all below",
+            |row| row.item.found.and_then(|found| end(found.profile.lower)),
+        ),
+        number(
+            "interval_95_high",
+            Unit::One,
+            "upper end of its interval; empty where the films allow all above",
+            |row| row.item.found.and_then(|found| end(found.profile.upper)),
+        ),
+        number("log_sd", Unit::One, "deviation of its logarithm from the films alone", |row| {
+            row.item.found.map(|found| found.log_sd)
+        }),
+        number("log_sd_with_prior", Unit::One, "the same with the prior", |row| {
+            row.item.found.and_then(|found| found.log_sd_with_prior)
+        }),
+    ]
+}
+
+/// The springs of a joint in a model.
+pub(crate) struct Springs<'a> {
+    model: &'a LineModel,
+    nominal: &'a JointStiffness,
+    /// About the lateral, flexion and axial hinge.
+    personal_nmm_per_rad: [f64; 3],
+}
+
+type SpringsRow<'a> = Row<'a, Springs<'a>>;
+
+/// One row per patient, line and joint.
+pub(crate) fn springs(patients: &[Patient<'_>]) -> Table {
+    let mut rows: Vec<SpringsRow<'_>> = Vec::new();
+    for patient in patients {
+        let library = &patient.analysis.options.library;
+        for model in &patient.analysis.models {
+            let personal = model.stiffness_nmm_per_rad(library);
+            let joints = library.rows().iter().zip(personal);
+            rows.extend(joints.map(|(nominal, personal_nmm_per_rad)| Row {
+                patient,
+                item: Springs { model, nominal, personal_nmm_per_rad },
+            }));
+        }
+    }
+    let mut columns = keys();
+    columns.extend(columns_of_springs());
+    Definition { name: "springs", row: "patient × line × joint", columns }.fill(&rows)
+}
+
+fn newton_metres(nmm_per_rad: [f64; 3], axis: usize) -> Option<f64> {
+    Some(nmm_per_rad[axis] / 1000.0)
+}
+
+fn columns_of_springs<'a>() -> Vec<Column<SpringsRow<'a>>> {
+    vec![
+        text("line", "line of action of the model", |row| {
+            Some(row.item.model.kind.key().to_owned())
+        }),
+        text("inferior", "lower vertebra", |row| Some(row.item.nominal.inferior.to_string())),
+        text("superior", "upper vertebra", |row| Some(row.item.nominal.superior.to_string())),
+        number("nominal_lateral", Unit::NewtonMetresPerRadian, "before personalisation", |row| {
+            newton_metres(row.item.nominal.nmm_per_rad, 0)
+        }),
+        number(
+            "lateral",
+            Unit::NewtonMetresPerRadian,
+            "personalised; relative unless `absolute` in models",
+            |row| newton_metres(row.item.personal_nmm_per_rad, 0),
+        ),
+        number("flexion", Unit::NewtonMetresPerRadian, "about the flexion hinge", |row| {
+            newton_metres(row.item.personal_nmm_per_rad, 1)
+        }),
+        number("axial", Unit::NewtonMetresPerRadian, "about the axial hinge", |row| {
+            newton_metres(row.item.personal_nmm_per_rad, 2)
+        }),
+        text("source", "where the nominal values come from", |row| {
+            Some(row.item.nominal.source.clone())
+        }),
+    ]
+}
+
+/// A line of action on a film.
+pub(crate) struct Line<'a> {
+    model: &'a LineModel,
+    simulation: &'a Simulation,
+}
+
+type LineRow<'a> = Row<'a, Line<'a>>;
+
+/// One row per patient, moved posture and line.
+pub(crate) fn lines(patients: &[Patient<'_>]) -> Table {
+    let mut rows: Vec<LineRow<'_>> = Vec::new();
+    for patient in patients {
+        for model in &patient.analysis.models {
+            let simulated = model.postures.iter();
+            rows.extend(
+                simulated.map(|simulation| Row { patient, item: Line { model, simulation } }),
+            );
+        }
+    }
+    let mut columns = keys();
+    columns.extend(columns_of_lines());
+    columns.extend(errors_of_lines());
+    let row = "patient × moved posture × line";
+    Definition { name: "lines", row, columns }.fill(&rows)
+}
+
+fn columns_of_lines<'a>() -> Vec<Column<LineRow<'a>>> {
+    vec![
+        text("posture", "film", |row| Some(row.item.simulation.posture.key().to_owned())),
+        text("line", "line of action", |row| Some(row.item.model.kind.key().to_owned())),
+        truth(
+            "fitted",
+            "whether the stiffness was fitted to this film; else it was held out",
+            |row| Some(row.item.simulation.fitted),
+        ),
+        text(
+            "status",
+            "`converged`, `unreachable` or `not_converged`; only the first is a result",
+            |row| Some(row.item.simulation.status.key().to_owned()),
+        ),
+        number("point_y", Unit::Millimetres, "a point of the line, to the patient's left", |row| {
+            Some(row.item.simulation.line.point.y_mm)
+        }),
+        number("point_z", Unit::Millimetres, "its height", |row| {
+            Some(row.item.simulation.line.point.z_mm)
+        }),
+        number("lean", Unit::Degrees, "lean of the line; positive to the patient's right", |row| {
+            Some(row.item.simulation.line.lean().deg())
+        }),
+        text("application", "`fixed` in space, or `at_t2`", |row| {
+            Some(
+                match row.item.simulation.line.application {
+                    Application::Fixed => "fixed",
+                    Application::AtT2 => "at_t2",
+                }
+                .to_owned(),
+            )
+        }),
+        number("force", Unit::Force, "signed force along the line", |row| {
+            Some(row.item.simulation.force_n)
+        }),
+        truth("absolute", "whether the force is in newtons; else it is relative", |row| {
+            Some(absolute(row.patient, row.item.model))
+        }),
+        text(
+            "choice",
+            "why this force: `fitted`, `only_one`, `least_ferguson_error`, `smallest_near_t2` or `nearest_miss`",
+            |row| Some(row.item.simulation.choice.key().to_owned()),
+        ),
+        count("alternatives", "other forces that meet the same amplitude", |row| {
+            Some(row.item.simulation.alternatives.len() as i64)
+        }),
+    ]
+}
+
+fn ferguson_error(row: &LineRow<'_>, region: Region) -> Option<f64> {
+    let found = row.item.simulation;
+    found.is_usable().then(|| found.ferguson_difference[region.index()].abs().deg())
+}
+
+fn errors_of_lines<'a>() -> Vec<Column<LineRow<'a>>> {
+    vec![
+        number(
+            "mean_location_error",
+            Unit::Millimetres,
+            "mean over the vertebrae from L3 to T2",
+            |row| {
+                let found = row.item.simulation;
+                found.is_usable().then(|| found.mean_location_error_mm())
+            },
+        ),
+        number(
+            "ferguson_error_thoracolumbar_lumbar",
+            Unit::Degrees,
+            "absolute error of the Ferguson angle",
+            |row| ferguson_error(row, Region::ThoracolumbarLumbar),
+        ),
+        number(
+            "ferguson_error_main_thoracic",
+            Unit::Degrees,
+            "the same of the main thoracic curve",
+            |row| ferguson_error(row, Region::MainThoracic),
+        ),
+        number(
+            "ferguson_error_proximal_thoracic",
+            Unit::Degrees,
+            "the same of the proximal thoracic curve",
+            |row| ferguson_error(row, Region::ProximalThoracic),
+        ),
+        count("joints_against", "joints that turn against the force", |row| {
+            Some(row.item.simulation.contradicted.len() as i64)
+        }),
+        number("work_against", Unit::One, "their part in the work of all joints", |row| {
+            Some(row.item.simulation.contradicted_weight())
+        }),
+    ]
+}
+
+/// A prediction of another load and base.
+pub(crate) struct Predicted<'a> {
+    fit: &'a HypothesisFit,
+    prediction: &'a ShapePrediction,
+}
+
+type PredictedRow<'a> = Row<'a, Predicted<'a>>;
+
+/// One row per patient, load and base, film and role.
+pub(crate) fn hypotheses(patients: &[Patient<'_>]) -> Table {
+    let mut rows: Vec<PredictedRow<'_>> = Vec::new();
+    for patient in patients {
+        for fit in &patient.analysis.hypotheses {
+            let predictions = fit.predictions.iter();
+            rows.extend(
+                predictions.map(|prediction| Row { patient, item: Predicted { fit, prediction } }),
+            );
+        }
+    }
+    let mut columns = keys();
+    columns.extend(columns_of_hypotheses());
+    let row = "patient × load and base × posture × role";
+    Definition { name: "hypotheses", row, columns }.fill(&rows)
+}
+
+fn columns_of_hypotheses<'a>() -> Vec<Column<PredictedRow<'a>>> {
+    vec![
+        text(
+            "load_and_base",
+            "name of the load, with that of the base where it is not fixed",
+            |row| Some(row.item.fit.hypothesis.key()),
+        ),
+        text("posture", "film", |row| Some(row.item.prediction.posture.key().to_owned())),
+        text("role", "`fitted`, `held_out`, `left_out` or `left_out_load_fitted`", |row| {
+            Some(row.item.prediction.role.key().to_owned())
+        }),
+        text("fit_status", "how the fit to all bends ended", |row| {
+            Some(row.item.fit.status.key().to_owned())
+        }),
+        number("aicc", Unit::One, "Akaike's criterion of that fit, corrected", |row| {
+            Some(row.item.fit.criteria.aicc)
+        }),
+        number("bic", Unit::One, "Schwarz's criterion of that fit", |row| {
+            Some(row.item.fit.criteria.bic)
+        }),
+        number(
+            "mean_location_error",
+            Unit::Millimetres,
+            "mean over the vertebrae from L3 to T2",
+            |row| Some(row.item.prediction.mean_location_error_mm()),
+        ),
+        number(
+            "rotation_rms",
+            Unit::Degrees,
+            "root mean square error of the joints' rotations",
+            |row| Some(row.item.prediction.rotation_rms.deg()),
+        ),
+        number(
+            "base",
+            Unit::Degrees,
+            "turn of the whole spine about L4; positive to the patient's right",
+            |row| Some(row.item.prediction.base.deg()),
+        ),
+        count("joints_against", "joints that turn against the load", |row| {
+            Some(row.item.prediction.against.joints as i64)
+        }),
+        number("work_against", Unit::One, "their part in the work of all joints", |row| {
+            Some(row.item.prediction.against.weight)
+        }),
+    ]
+}

@@ -1,0 +1,163 @@
+use spineline::analysis::{Grouping, Sex};
+use spineline::curve::{Inflection, OrderRule};
+use spineline::multibody::Support;
+use spineline::personalize::FitTarget;
+use spineline::warning::Severity;
+
+use crate::Patient;
+use crate::define::{Column, Definition, Row, Unit, count, keys, number, text, truth};
+use crate::table::Table;
+
+type PatientRow<'a> = Row<'a, ()>;
+
+/// One row per patient.
+pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
+    let rows: Vec<PatientRow<'_>> =
+        patients.iter().map(|patient| Row { patient, item: () }).collect();
+    let mut columns = keys();
+    columns.extend(subject());
+    columns.extend(curve());
+    columns.extend(options());
+    Definition { name: "patients", row: "patient", columns }.fill(&rows)
+}
+
+fn subject<'a>() -> Vec<Column<PatientRow<'a>>> {
+    vec![
+        text("sex", "`female`, `male` or `other`, as the case has it", |row| {
+            row.patient.subject.sex.map(|sex| {
+                match sex {
+                    Sex::Female => "female",
+                    Sex::Male => "male",
+                    Sex::Other => "other",
+                }
+                .to_owned()
+            })
+        }),
+        number("age", Unit::Years, "age at the films, as the case has it", |row| {
+            row.patient.subject.age_years
+        }),
+        text("lenke_recorded", "Lenke class as clinicians recorded it", |row| {
+            row.patient.subject.lenke.clone()
+        }),
+    ]
+}
+
+fn inflection(row: &PatientRow<'_>, end: usize) -> Option<Inflection> {
+    row.patient.analysis.inflections.pair.map(|pair| pair[end])
+}
+
+fn inflection_mm(row: &PatientRow<'_>, end: usize) -> Option<[f64; 2]> {
+    let place = inflection(row, end)?.erect;
+    let scale = row.patient.analysis.scale();
+    Some([scale.mm(place.y_mm)?, scale.mm(place.z_mm)?])
+}
+
+fn between(row: &PatientRow<'_>, end: usize) -> Option<String> {
+    inflection(row, end).map(|found| format!("{}/{}", found.between.0, found.between.1))
+}
+
+fn curve<'a>() -> Vec<Column<PatientRow<'a>>> {
+    vec![
+        count("films", "frontal films", |row| Some(row.patient.analysis.postures.len() as i64)),
+        text(
+            "lengths",
+            "what lengths of the erect film are: in the `patient`, on the `detector`, `unknown`, or `pixels`",
+            |row| Some(row.patient.analysis.scale().plane.key().to_owned()),
+        ),
+        count("chain_segments", "segments of the erect chain (n)", |row| {
+            Some(row.patient.analysis.chain.segments as i64)
+        }),
+        number("segment", Unit::Millimetres, "length of a segment of the chain (l)", |row| {
+            row.patient.analysis.scale().mm(row.patient.analysis.chain.segment_mm)
+        }),
+        count("inflections", "inflections of the erect curve", |row| {
+            Some(row.patient.analysis.inflections.all.len() as i64)
+        }),
+        text("inflection_caudal_between", "vertebrae around the caudal inflection", |row| {
+            between(row, 0)
+        }),
+        number(
+            "inflection_caudal_y",
+            Unit::Millimetres,
+            "its place to the patient's left",
+            |row| inflection_mm(row, 0).map(|place| place[0]),
+        ),
+        number("inflection_caudal_z", Unit::Millimetres, "its height", |row| {
+            inflection_mm(row, 0).map(|place| place[1])
+        }),
+        text("inflection_cranial_between", "vertebrae around the cranial inflection", |row| {
+            between(row, 1)
+        }),
+        number(
+            "inflection_cranial_y",
+            Unit::Millimetres,
+            "its place to the patient's left",
+            |row| inflection_mm(row, 1).map(|place| place[0]),
+        ),
+        number("inflection_cranial_z", Unit::Millimetres, "its height", |row| {
+            inflection_mm(row, 1).map(|place| place[1])
+        }),
+        count("lenke_type", "Lenke's curve type as far as frontal films tell it", |row| {
+            row.patient.analysis.lenke.map(|lenke| i64::from(lenke.number))
+        }),
+        text("sagittal_profile", "`measured` on the lateral film, or a `population`'s", |row| {
+            let measured = row.patient.analysis.lateral_measured;
+            Some(if measured { "measured" } else { "population" }.to_owned())
+        }),
+        truth("converged", "whether every fit and every search for a force ended well", |row| {
+            Some(row.patient.analysis.is_converged())
+        }),
+        count("warnings", "soft problems, contradictions among them", |row| {
+            Some(row.patient.analysis.warnings.all().len() as i64)
+        }),
+        count("contradictions", "those in which the data speak against the model", |row| {
+            let all = row.patient.analysis.warnings.all().iter();
+            Some(all.filter(|w| w.severity() == Severity::Contradiction).count() as i64)
+        }),
+    ]
+}
+
+fn options<'a>() -> Vec<Column<PatientRow<'a>>> {
+    vec![
+        text("order_rule", "`leave_one_out`, `paper`, or an order", |row| {
+            Some(match row.patient.analysis.options.order_rule {
+                OrderRule::LeaveOneOut => "leave_one_out".to_owned(),
+                OrderRule::Paper => "paper".to_owned(),
+                OrderRule::Fixed(order) => order.to_string(),
+            })
+        }),
+        text("gauge", "what fixes the level of stiffness and force", |row| {
+            Some(row.patient.analysis.options.gauge.key().to_owned())
+        }),
+        text("support", "`free`, or `frontal` for a patient on a table", |row| {
+            Some(
+                match row.patient.analysis.options.support {
+                    Support::Free => "free",
+                    Support::Frontal => "frontal",
+                }
+                .to_owned(),
+            )
+        }),
+        text("fit", "`shape`, or `ferguson` angles", |row| {
+            Some(
+                match row.patient.analysis.options.target {
+                    FitTarget::Shape => "shape",
+                    FitTarget::Ferguson => "ferguson",
+                }
+                .to_owned(),
+            )
+        }),
+        text("grouping", "multipliers are `regional` or `per_joint`", |row| {
+            Some(
+                match row.patient.analysis.options.grouping {
+                    Grouping::Regional => "regional",
+                    Grouping::PerJoint => "per_joint",
+                }
+                .to_owned(),
+            )
+        }),
+        number("prior_log_sd", Unit::One, "prior deviation of ln multiplier", |row| {
+            row.patient.analysis.options.prior.map(|prior| prior.log_sd)
+        }),
+    ]
+}

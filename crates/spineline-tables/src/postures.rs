@@ -1,0 +1,176 @@
+use spineline::analysis::PostureAnalysis;
+use spineline::curve::CurveForm;
+use spineline::spatial::Angle;
+
+use crate::Patient;
+use crate::define::{Column, Definition, Row, Unit, count, keys, number, text, truth};
+use crate::table::Table;
+
+type PostureRow<'a> = Row<'a, &'a PostureAnalysis>;
+
+/// One row per patient and posture.
+pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
+    let rows: Vec<PostureRow<'_>> = patients
+        .iter()
+        .flat_map(|patient| patient.analysis.postures.iter().map(move |item| Row { patient, item }))
+        .collect();
+    let mut columns = keys();
+    columns.extend(film());
+    columns.extend(movement());
+    columns.extend(own_line());
+    Definition { name: "postures", row: "patient × posture", columns }.fill(&rows)
+}
+
+fn film<'a>() -> Vec<Column<PostureRow<'a>>> {
+    vec![
+        text("posture", "film", |row| Some(row.item.outline.posture.key().to_owned())),
+        text(
+            "lengths",
+            "what lengths of this film are: in the `patient`, on the `detector`, `unknown`, or `pixels`",
+            |row| Some(row.item.outline.scale.plane.key().to_owned()),
+        ),
+        count("readings", "readings of the film", |row| Some(row.item.outline.readings as i64)),
+        number("spine", Unit::Millimetres, "line through the midpoints from L4 to T2", |row| {
+            row.item.outline.scale.mm(row.item.outline.polygon_mm())
+        }),
+        number(
+            "amplitude",
+            Unit::Degrees,
+            "lean of L4 to T2; positive to the patient's right",
+            |row| Some(row.item.outline.amplitude().deg()),
+        ),
+        number(
+            "noise_location",
+            Unit::Millimetres,
+            "standard deviation of a coordinate of a location",
+            |row| row.item.outline.scale.mm(row.item.outline.noise.location_mm),
+        ),
+        number("noise_tilt", Unit::Degrees, "standard deviation of a tilt", |row| {
+            Some(row.item.outline.noise.tilt.deg())
+        }),
+        truth(
+            "noise_measured",
+            "whether they come from the spread of readings; else they are assumed",
+            |row| Some(row.item.outline.noise.measured),
+        ),
+        count("curve_order", "order of the curve's polynomial", |row| {
+            Some(row.item.fit.order as i64)
+        }),
+        text("curve_form", "`graph` (y of z) or `parametric`", |row| {
+            Some(
+                match row.item.fit.curve.form() {
+                    CurveForm::Graph => "graph",
+                    CurveForm::Parametric => "parametric",
+                }
+                .to_owned(),
+            )
+        }),
+        number("curve_rmse", Unit::Millimetres, "root mean square distance of the curve", |row| {
+            row.item.outline.scale.mm(row.item.fit.rmse_mm)
+        }),
+        number("curve_rmse", Unit::Pixels, "the same where the film has no spacing", |row| {
+            row.item.outline.scale.px(row.item.fit.rmse_mm)
+        }),
+        number("curve_rmse", Unit::Degrees, "root mean square error of its tilt", |row| {
+            Some(row.item.fit.rmse_tilt.deg())
+        }),
+        count("segments", "segments of the chain on this curve (n_i)", |row| {
+            Some(row.item.pose.segments() as i64)
+        }),
+    ]
+}
+
+fn distance(row: &PostureRow<'_>, end: usize) -> Option<f64> {
+    row.item.inflection_estimates.map(|pair| pair[end].distance_segments as f64)
+}
+
+fn distance_mm(row: &PostureRow<'_>, end: usize) -> Option<f64> {
+    let pair = row.item.inflection_estimates?;
+    row.patient.analysis.scale().mm(pair[end].distance_mm)
+}
+
+fn rotation(row: &PostureRow<'_>, end: usize) -> Option<f64> {
+    row.item.inflection_estimates.map(|pair| pair[end].rotation.deg())
+}
+
+fn movement<'a>() -> Vec<Column<PostureRow<'a>>> {
+    vec![
+        number(
+            "mean_rotation",
+            Unit::Degrees,
+            "mean rotation of the segments from the erect posture",
+            |row| row.item.mean_rotation().map(Angle::deg),
+        ),
+        number(
+            "caudal_inflection_to_least",
+            Unit::Segments,
+            "from the caudal inflection's segment to the least-rotating one",
+            |row| distance(row, 0),
+        ),
+        number(
+            "caudal_inflection_to_least",
+            Unit::Millimetres,
+            "the same along the erect curve",
+            |row| distance_mm(row, 0),
+        ),
+        number(
+            "caudal_inflection_rotation",
+            Unit::Degrees,
+            "rotation of the caudal inflection's segment",
+            |row| rotation(row, 0),
+        ),
+        number(
+            "cranial_inflection_to_least",
+            Unit::Segments,
+            "from the cranial inflection's segment to the least-rotating one",
+            |row| distance(row, 1),
+        ),
+        number(
+            "cranial_inflection_to_least",
+            Unit::Millimetres,
+            "the same along the erect curve",
+            |row| distance_mm(row, 1),
+        ),
+        number(
+            "cranial_inflection_rotation",
+            Unit::Degrees,
+            "rotation of the cranial inflection's segment",
+            |row| rotation(row, 1),
+        ),
+    ]
+}
+
+fn own_line<'a>() -> Vec<Column<PostureRow<'a>>> {
+    vec![
+        number(
+            "preferred_line_lean",
+            Unit::Degrees,
+            "lean of the line that the rotations prefer; positive to the patient's right",
+            |row| row.item.preferred_line.as_ref().map(|own| own.line.lean().deg()),
+        ),
+        number(
+            "preferred_to_inflection_line",
+            Unit::Degrees,
+            "angle between it and the line through the inflections",
+            |row| row.item.line_comparison().map(|found| found.angle.deg()),
+        ),
+        number(
+            "preferred_to_inflection_line",
+            Unit::Millimetres,
+            "its distance from the middle of the inflections",
+            |row| row.item.line_comparison().map(|found| found.distance_mm),
+        ),
+        number(
+            "p_through_inflections",
+            Unit::One,
+            "probability of \"it runs through both inflections\"",
+            |row| row.item.line_comparison().map(|found| found.test.p_value),
+        ),
+        number(
+            "p_parallel_to_iliac_line",
+            Unit::One,
+            "probability of \"it is parallel to the iliac line\"",
+            |row| row.item.preferred_line.as_ref()?.iliac.map(|test| test.p_value),
+        ),
+    ]
+}

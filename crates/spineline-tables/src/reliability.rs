@@ -1,0 +1,82 @@
+use spineline::reliability::{Design, Statistic};
+
+use crate::Patient;
+use crate::define::{Column, Definition, Row, Unit, count, keys, number, text};
+use crate::table::Table;
+
+/// A statistic of one quantity in one design.
+pub(crate) struct Told {
+    quantity: String,
+    unit: String,
+    design: Design,
+    subjects: usize,
+    statistic: Statistic,
+}
+
+type ReliabilityRow<'a> = Row<'a, Told>;
+
+/// One row per patient, quantity, design and statistic; none where every film was read once.
+pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
+    let mut rows: Vec<ReliabilityRow<'_>> = Vec::new();
+    for patient in patients {
+        for found in patient.analysis.reliability() {
+            for design in &found.designs {
+                rows.extend(design.statistics.iter().map(|&statistic| Row {
+                    patient,
+                    item: Told {
+                        quantity: found.key.clone(),
+                        unit: found.unit.clone(),
+                        design: design.design.clone(),
+                        subjects: design.subjects,
+                        statistic,
+                    },
+                }));
+            }
+        }
+    }
+    let mut columns = keys();
+    columns.extend(columns_of_statistics());
+    let row = "patient × quantity × design × statistic";
+    Definition { name: "reliability", row, columns }.fill(&rows)
+}
+
+fn columns_of_statistics<'a>() -> Vec<Column<ReliabilityRow<'a>>> {
+    vec![
+        text("quantity", "what was read", |row| Some(row.item.quantity.clone())),
+        text(
+            "design",
+            "`inter_observer_means`, `inter_observer_single` or `intra_observer`",
+            |row| Some(row.item.design.key().to_owned()),
+        ),
+        text("observer", "of `intra_observer`: whose repeats are compared", |row| {
+            match &row.item.design {
+                Design::IntraObserver { observer } => Some(observer.clone()),
+                Design::InterObserverMeans | Design::InterObserverSingle { .. } => None,
+            }
+        }),
+        count("repeat", "of `inter_observer_single`: which repeat is compared", |row| {
+            match row.item.design {
+                Design::InterObserverSingle { repeat } => Some(i64::from(repeat)),
+                Design::InterObserverMeans | Design::IntraObserver { .. } => None,
+            }
+        }),
+        count("subjects", "subjects that all raters rated", |row| Some(row.item.subjects as i64)),
+        text("statistic", "its stable name", |row| Some(row.item.statistic.kind.key().to_owned())),
+        text("unit", "unit of the value; empty for a coefficient", |row| {
+            let kind = row.item.statistic.kind;
+            kind.has_unit().then(|| row.item.unit.clone())
+        }),
+        number("value", Unit::Stated, "its value", |row| {
+            row.item.statistic.outcome.ok().map(|estimate| estimate.value)
+        }),
+        number("interval_95_low", Unit::Stated, "lower end of its interval", |row| {
+            row.item.statistic.outcome.ok()?.interval.ok().map(|ends| ends[0])
+        }),
+        number("interval_95_high", Unit::Stated, "upper end of its interval", |row| {
+            row.item.statistic.outcome.ok()?.interval.ok().map(|ends| ends[1])
+        }),
+        text("undefined", "why there is no value", |row| {
+            row.item.statistic.outcome.err().map(|why| why.key().to_owned())
+        }),
+    ]
+}

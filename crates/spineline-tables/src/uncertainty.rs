@@ -1,0 +1,64 @@
+use spineline::uncertainty::QuantitySpread;
+
+use crate::Patient;
+use crate::define::{Column, Definition, Row, Unit, count, keys, number, text};
+use crate::table::Table;
+
+type SpreadRow<'a> = Row<'a, &'a QuantitySpread>;
+
+/// One row per patient and number whose spread was asked for.
+pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
+    let rows: Vec<SpreadRow<'_>> = patients
+        .iter()
+        .flat_map(|patient| {
+            let found = patient.spread.iter().flat_map(|spread| &spread.quantities);
+            found.map(move |item| Row { patient, item })
+        })
+        .collect();
+    let mut columns = keys();
+    columns.extend(which());
+    columns.extend(spread());
+    let row = "patient × number, over replicates on moved landmarks";
+    Definition { name: "uncertainty", row, columns }.fill(&rows)
+}
+
+fn which<'a>() -> Vec<Column<SpreadRow<'a>>> {
+    vec![
+        text("quantity", "its kind; the next columns say which one", |row| {
+            Some(row.item.quantity.key().to_owned())
+        }),
+        text("posture", "film", |row| {
+            row.item.quantity.posture().map(|posture| posture.key().to_owned())
+        }),
+        text("level", "vertebra", |row| row.item.quantity.level().map(|level| level.to_string())),
+        text("group", "region, or the joints that share a multiplier", |row| {
+            row.item.quantity.group(row.patient.analysis)
+        }),
+        text("end", "`caudal` or `cranial`", |row| row.item.quantity.end().map(str::to_owned)),
+        text("line", "line of action", |row| {
+            row.item.quantity.line().map(|line| line.key().to_owned())
+        }),
+        text("unit", "`mm`, `px`, `deg`, `segments`, `force` or `1`", |row| {
+            Some(row.item.quantity.unit(row.patient.analysis).key().to_owned())
+        }),
+    ]
+}
+
+fn spread<'a>() -> Vec<Column<SpreadRow<'a>>> {
+    vec![
+        number("value", Unit::Stated, "in the case itself", |row| row.item.nominal.ok()),
+        number("mean", Unit::Stated, "over the replicates", |row| {
+            row.item.spread.map(|spread| spread.mean)
+        }),
+        number("sd", Unit::Stated, "standard deviation over the replicates", |row| {
+            row.item.spread.map(|spread| spread.sd)
+        }),
+        number("interval_95_low", Unit::Stated, "2.5 % quantile", |row| {
+            row.item.spread.map(|spread| spread.interval_95()[0])
+        }),
+        number("interval_95_high", Unit::Stated, "97.5 % quantile", |row| {
+            row.item.spread.map(|spread| spread.interval_95()[1])
+        }),
+        count("replicates", "replicates that have it", |row| Some(row.item.count as i64)),
+    ]
+}

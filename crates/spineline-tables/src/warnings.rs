@@ -1,0 +1,45 @@
+use spineline::warning::{Severity, Warning};
+
+use crate::Patient;
+use crate::define::{Definition, Row, keys, text};
+use crate::table::Table;
+
+type WarningRow<'a> = Row<'a, &'a Warning>;
+
+/// One row per patient and soft problem.
+pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
+    let rows: Vec<WarningRow<'_>> = patients
+        .iter()
+        .flat_map(|patient| {
+            patient.analysis.warnings.all().iter().map(move |item| Row { patient, item })
+        })
+        .collect();
+    let mut columns = keys();
+    columns.extend([
+        text("severity", "`note`, `warning` or `contradiction`", |row: &WarningRow<'_>| {
+            Some(
+                match row.item.severity() {
+                    Severity::Note => "note",
+                    Severity::Warning => "warning",
+                    Severity::Contradiction => "contradiction",
+                }
+                .to_owned(),
+            )
+        }),
+        text("code", "stable name", |row| Some(row.item.code.to_owned())),
+        text("step", "step of the method where it arose", |row| {
+            Some(row.item.step.key().to_owned())
+        }),
+        text("posture", "film that it is about", |row| {
+            row.item.posture.map(|posture| posture.key().to_owned())
+        }),
+        text("level", "vertebra that it is about", |row| {
+            row.item.level.map(|level| level.to_string())
+        }),
+        text("line", "line of action that it is about", |row| {
+            row.item.line.map(|line| line.key().to_owned())
+        }),
+        text("message", "what happened and what to do", |row| Some(row.item.message.clone())),
+    ]);
+    Definition { name: "warnings", row: "patient × soft problem", columns }.fill(&rows)
+}

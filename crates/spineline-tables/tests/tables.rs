@@ -1,0 +1,205 @@
+//! Tables are what the analysis says, in CSV and Parquet alike, and the dictionary knows every column.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::record::Field;
+use spineline::analysis::{AnalysisOptions, Case, analyze};
+use spineline::anatomy::{Level, Posture};
+use spineline::hypothesis::{Hypothesis, LoadShape};
+use spineline::uncertainty::{LandmarkNoise, MonteCarlo};
+use spineline_phantom::{Readers, Truth, generate};
+use spineline_tables::{Asked, Patient, Table, Values, dictionary, dictionary_markdown, tables};
+
+fn case(subject: usize) -> Case {
+    generate(subject, Truth::Rod, &Readers::default(), 5).expect("a subject").case
+}
+
+/// The tables of a patient of whom everything was asked.
+fn everything(case: &Case) -> Vec<Table> {
+    let options = AnalysisOptions {
+        hypotheses: vec![Hypothesis::of(LoadShape::Couple)],
+        ..AnalysisOptions::default()
+    };
+    let analysis = analyze(case, &options).expect("a phantom");
+    let monte_carlo = MonteCarlo::new(case, &analysis, LandmarkNoise::Pixels(2.0), 1);
+    let monte_carlo = monte_carlo.expect("sound noise");
+    let mut tally = monte_carlo.tally();
+    (0..2).for_each(|index| tally.add(&monte_carlo.replicate(index)));
+    let spread = tally.finish(2);
+    let identified: Vec<_> = analysis.models.iter().map(|m| analysis.identifiability(m)).collect();
+    tables(&[Patient {
+        analysis: &analysis,
+        subject: &case.subject,
+        identified: Some(&identified),
+        spread: Some(&spread),
+    }])
+}
+
+fn table<'a>(all: &'a [Table], name: &str) -> &'a Table {
+    all.iter().find(|table| table.name == name).expect("a table")
+}
+
+fn numbers<'a>(table: &'a Table, column: &str) -> &'a [Option<f64>] {
+    let found = table.columns.iter().find(|series| series.name == column);
+    match &found.unwrap_or_else(|| panic!("no column {column}")).values {
+        Values::Number(all) => all,
+        other => panic!("{column} holds {}", other.kind()),
+    }
+}
+
+fn texts(table: &Table, column: &str) -> Vec<String> {
+    let found = table.columns.iter().find(|series| series.name == column);
+    let values = &found.unwrap_or_else(|| panic!("no column {column}")).values;
+    (0..values.len()).map(|row| values.shown(row)).collect()
+}
+
+#[test]
+fn rows_are_what_the_analysis_says() {
+    let case = case(2);
+    let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
+    let all = everything(&case);
+    let vertebrae = table(&all, "vertebrae");
+    let lines = analysis.models.len();
+    // The erect film has no model.
+    assert_eq!(vertebrae.rows(), 15 * (1 + 4 * lines));
+    let keys = ["posture", "line", "level"].map(|key| texts(vertebrae, key));
+    let errors = numbers(vertebrae, "location_error_mm");
+    let mut seen = BTreeSet::new();
+    for row in 0..vertebrae.rows() {
+        assert!(seen.insert(keys.each_ref().map(|key| key[row].clone())), "a row stands twice");
+        let model = analysis.models.iter().find(|model| model.kind.key() == keys[1][row]);
+        let posture = Posture::ALL.into_iter().find(|p| p.key() == keys[0][row]).expect("a film");
+        let level: Level = keys[2][row].parse().expect("a vertebra");
+        let index = level.model_index().expect("of the model");
+        let expected = model.and_then(|model| model.posture(posture)).filter(|s| s.is_usable());
+        let expected =
+            expected.and_then(|s| index.checked_sub(1).map(|above| s.location_errors_mm[above]));
+        assert_eq!(errors[row], expected, "{posture} {level}");
+    }
+    let clinical = table(&all, "clinical");
+    assert_eq!(clinical.rows(), 3 * 5);
+    assert_eq!(numbers(clinical, "cobb_deg")[0], Some(analysis.clinical[0].cobb[0].1.deg()));
+    let multipliers = table(&all, "multipliers");
+    let low = numbers(multipliers, "interval_95_low");
+    let high = numbers(multipliers, "interval_95_high");
+    for (row, value) in numbers(multipliers, "multiplier").iter().enumerate() {
+        assert!(low[row] < *value && (high[row].is_none() || *value < high[row]), "row {row}");
+    }
+    assert_eq!(table(&all, "joints").rows(), 14 * 4 * lines);
+    assert_eq!(table(&all, "springs").rows(), 14 * lines);
+    assert!(table(&all, "uncertainty").rows() > 100);
+    assert!(table(&all, "hypotheses").rows() >= 4);
+    assert!(table(&all, "reliability").rows() > 50, "six readings per film");
+}
+
+#[test]
+fn csv_and_parquet_read_back_as_the_table() {
+    for table in everything(&case(2)) {
+        let name = table.name;
+        let text = table.to_csv().expect("texts and numbers");
+        let mut csv = csv::Reader::from_reader(text.as_bytes());
+        let heading: Vec<String> = csv.headers().expect("one").iter().map(str::to_owned).collect();
+        assert_eq!(heading, table.columns.iter().map(|c| c.name.clone()).collect::<Vec<_>>());
+        let csv_rows: Vec<csv::StringRecord> =
+            csv.records().map(|row| row.expect("a row")).collect();
+        let bytes = table.to_parquet(&[("spineline.provenance", "{\"a\": 1}")]).expect("a file");
+        let file = SerializedFileReader::new(bytes::Bytes::from(bytes)).expect("Parquet");
+        let rows: Vec<_> =
+            file.get_row_iter(None).expect("rows").map(|r| r.expect("a row")).collect();
+        assert_eq!((csv_rows.len(), rows.len()), (table.rows(), table.rows()), "{name}");
+        for (i, (in_csv, in_parquet)) in csv_rows.iter().zip(&rows).enumerate() {
+            for (c, (column, field)) in in_parquet.get_column_iter().enumerate() {
+                assert_eq!(*column, heading[c]);
+                assert_eq!(in_csv[c], table.columns[c].values.shown(i), "{name} {column}");
+                let same = match (&table.columns[c].values, field) {
+                    (Values::Number(all), Field::Double(value)) => all[i] == Some(*value),
+                    (Values::Count(all), Field::Long(value)) => all[i] == Some(*value),
+                    (Values::Truth(all), Field::Bool(value)) => all[i] == Some(*value),
+                    (Values::Text(all), Field::Str(value)) => all[i].as_ref() == Some(value),
+                    (values, Field::Null) => values.shown(i).is_empty(),
+                    _ => false,
+                };
+                assert!(same, "{name} {column} row {i}: {field}");
+                if let (Values::Number(_), Field::Double(value)) = (&table.columns[c].values, field)
+                {
+                    assert_eq!(in_csv[c].parse::<f64>().ok(), Some(*value), "no digit is lost");
+                }
+            }
+        }
+        let pairs = file.metadata().file_metadata().key_value_metadata().expect("pairs");
+        let pairs: BTreeMap<&str, &str> =
+            pairs.iter().filter_map(|p| Some((p.key.as_str(), p.value.as_deref()?))).collect();
+        assert_eq!(pairs["spineline.provenance"], "{\"a\": 1}");
+        assert_eq!(pairs["spineline.schema_version"], "1");
+        let units: BTreeMap<String, String> =
+            serde_json::from_str(pairs["spineline.units"]).expect("JSON");
+        assert_eq!(units.len(), table.columns.len());
+    }
+}
+
+#[test]
+fn the_dictionary_knows_every_column_and_no_other() {
+    let all = everything(&case(2));
+    let told = dictionary(Asked::ALL);
+    let [tables, columns, units, kinds, meanings] =
+        ["table", "column", "unit", "type", "meaning"].map(|column| texts(&told, column));
+    let told: Vec<(&str, &str)> =
+        tables.iter().zip(&columns).map(|(t, c)| (t.as_str(), c.as_str())).collect();
+    let there: Vec<(&str, &str)> = all
+        .iter()
+        .flat_map(|table| table.columns.iter().map(|c| (table.name, c.name.as_str())))
+        .collect();
+    assert_eq!(told, there);
+    assert_eq!(told.iter().collect::<BTreeSet<_>>().len(), told.len(), "a name stands twice");
+    for i in 0..told.len() {
+        assert!(!meanings[i].is_empty(), "{:?}", told[i]);
+        assert_eq!(
+            kinds[i] == "number" || kinds[i] == "integer",
+            !units[i].is_empty(),
+            "{:?}",
+            told[i]
+        );
+        for (unit, end) in
+            [("mm", "_mm"), ("px", "_px"), ("deg", "_deg"), ("N·m/rad", "_nm_per_rad")]
+        {
+            assert_eq!(units[i] == unit, columns[i].ends_with(end), "{:?}", told[i]);
+        }
+    }
+}
+
+#[test]
+fn the_dictionary_of_the_guide_is_the_program_s() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/guide/src/dictionary.md");
+    let page = std::fs::read_to_string(path).expect("the guide has it");
+    let (_, tables) = page.split_once("\n## ").expect("a section per table");
+    let again = "cargo run -p spineline-tables --example dictionary > docs/guide/src/dictionary.md";
+    assert_eq!(format!("## {tables}"), dictionary_markdown(), "run `{again}`");
+}
+
+#[test]
+fn nobody_makes_empty_tables_with_every_column() {
+    let none = tables(&[]);
+    assert!(none.iter().all(|table| table.rows() == 0 && table.columns.len() > 2));
+    assert!(!none.iter().any(|table| table.name == "uncertainty"), "nobody asked");
+    let text = none[0].to_csv().expect("a heading");
+    assert_eq!(text.lines().count(), 1);
+    none[0].to_parquet(&[]).expect("a file without rows");
+}
+
+#[test]
+fn commas_quotes_and_other_scripts_survive() {
+    let odd = "脊柱,\"عمود\"\nfقري";
+    let case = Case { id: odd.to_owned(), ..case(2) };
+    let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
+    let all = tables(&[Patient {
+        analysis: &analysis,
+        subject: &case.subject,
+        identified: None,
+        spread: None,
+    }]);
+    let text = all[0].to_csv().expect("text");
+    let mut csv = csv::Reader::from_reader(text.as_bytes());
+    let row = csv.records().next().expect("a row").expect("whole");
+    assert_eq!(&row[0], odd);
+}
