@@ -39,7 +39,7 @@ pub enum Command {
     /// Tell over which landmark noise, for which curves and for which truth the paper's claims hold, on synthetic patients
     NoiseStudy(NoiseStudyArgs),
     /// Analyse the films of one patient, or of a cohort
-    Analyze(AnalyzeArgs),
+    Analyze(Box<AnalyzeArgs>),
     /// Write what was found of a patient or of a cohort as one HTML file or as Markdown, with every figure
     #[command(after_help = reports::EXAMPLES)]
     Report(Box<reports::ReportArgs>),
