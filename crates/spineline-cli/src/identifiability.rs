@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use spineline::analysis::{Analysis, LineModel};
-use spineline::personalize::{Identifiability, MultiplierInformation, ProfileEnd, ProfileVerdict};
+use spineline::personalize::{Identifiability, MultiplierInformation, ProfileEnd};
 
 use crate::failure::Failure;
 use crate::progress::map_all;
@@ -52,7 +52,7 @@ fn model_text(analysis: &Analysis, model: &LineModel, found: &Identifiability) -
             format!("{value:.2}"),
             interval(one),
             deviation(one.log_sd),
-            verdict(one.profile.verdict()).to_owned(),
+            one.profile.verdict().to_string(),
         ];
         if let Some(prior) = prior {
             row.push(one.log_sd_with_prior.map_or_else(String::new, deviation));
@@ -96,14 +96,4 @@ fn interval(one: &MultiplierInformation) -> String {
 
 fn deviation(log_sd: f64) -> String {
     if log_sd < 100.0 { format!("{log_sd:.2}") } else { "unlimited".to_owned() }
-}
-
-const fn verdict(verdict: ProfileVerdict) -> &'static str {
-    match verdict {
-        ProfileVerdict::Interval => "identified as a ratio",
-        ProfileVerdict::OnlyLower => "only a lower limit",
-        ProfileVerdict::OnlyUpper => "only an upper limit",
-        ProfileVerdict::NotIdentified => "not identified",
-        ProfileVerdict::Lost => "not followed to an end",
-    }
 }

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use spineline::analysis::{Analysis, LineCrossing, LineModel, probability};
-use spineline::personalize::{Crossing, FitStatus, LineTest, StiffnessBound};
+use spineline::analysis::{Analysis, LineModel, probability};
+use spineline::personalize::{FitStatus, LineTest, StiffnessBound};
 
 use crate::comparison;
 use crate::table::{Table, wrap};
@@ -127,10 +127,6 @@ fn own_lines_text(analysis: &Analysis) -> String {
         "p: through both",
         "p: parallel to iliac",
     ]);
-    let crossing = |at: &LineCrossing| match at.within {
-        Crossing::Between([low, high]) => format!("{:.0} ({low:.0} to {high:.0})", at.y_mm),
-        Crossing::Open => "anywhere".to_owned(),
-    };
     let p_value = |test: Option<LineTest>| {
         test.map_or_else(|| "-".to_owned(), |test| probability(test.p_value).replace("= ", ""))
     };
@@ -140,8 +136,8 @@ fn own_lines_text(analysis: &Analysis) -> String {
         table.row(vec![
             posture.outline.posture.to_string(),
             own.line.lean().leaning(),
-            crossing(caudal),
-            crossing(cranial),
+            caudal.to_string(),
+            cranial.to_string(),
             p_value(own.inflection.map(|found| found.test)),
             p_value(own.iliac),
         ]);

@@ -6,7 +6,7 @@ use clap::Args;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use spineline::analysis::{Analysis, Case};
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::Level;
 use spineline::uncertainty::{
     LandmarkNoise, MonteCarlo, Quantity, QuantitySpread, QuantityUnit, Replicate, Uncertainty,
 };
@@ -164,28 +164,10 @@ fn mean_and_largest(
 /// Every other number that the report shows.
 fn spreads_text(analysis: &Analysis, found: &Uncertainty) -> String {
     let mut table = Table::new(["Number", "unit", "value", "mean", "sd", "95 % interval", "in"]);
-    for spread in found.quantities.iter().filter(|spread| is_shown(spread.quantity)) {
+    for spread in found.quantities.iter().filter(|spread| spread.quantity.is_reported()) {
         table.row(row(analysis, spread, found.done));
     }
     table.text()
-}
-
-/// The rest is in the JSON.
-const fn is_shown(quantity: Quantity) -> bool {
-    match quantity {
-        Quantity::LocationY(..)
-        | Quantity::LocationZ(..)
-        | Quantity::Tilt(..)
-        | Quantity::SegmentLength
-        | Quantity::LeastSegment(..)
-        | Quantity::LeastDistance(..)
-        | Quantity::LocationError(..)
-        | Quantity::FergusonError(..) => false,
-        Quantity::ContradictedJoints(_, posture) => {
-            matches!(posture, Posture::LeftBending | Posture::RightBending)
-        }
-        _ => true,
-    }
 }
 
 fn row(analysis: &Analysis, spread: &QuantitySpread, done: u64) -> Vec<String> {

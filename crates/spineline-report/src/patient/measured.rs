@@ -1,8 +1,8 @@
 //! What the films show: marks, curve, movement, and where the line of action runs.
 
-use spineline::analysis::{Analysis, LineCrossing, probability};
+use spineline::analysis::{Analysis, probability};
 use spineline::motion::Estimate;
-use spineline::personalize::{Crossing, LineTest};
+use spineline::personalize::LineTest;
 
 use super::Patient;
 use crate::document::{Column, Figure, Section, Table};
@@ -169,8 +169,8 @@ pub fn line(analysis: &Analysis) -> Section {
         table.row(vec![
             p.outline.posture.to_string(),
             own.line.lean().leaning(),
-            crossing(caudal),
-            crossing(cranial),
+            caudal.to_string(),
+            cranial.to_string(),
             p_value(own.inflection.map(|found| found.test)),
             p_value(own.iliac),
         ]);
@@ -183,13 +183,6 @@ pub fn line(analysis: &Analysis) -> Section {
     }
     section.table(table);
     section
-}
-
-fn crossing(at: &LineCrossing) -> String {
-    match at.within {
-        Crossing::Between([low, high]) => format!("{:.0} ({low:.0} to {high:.0})", at.y_mm),
-        Crossing::Open => "anywhere".to_owned(),
-    }
 }
 
 fn p_value(test: Option<LineTest>) -> String {

@@ -1,9 +1,8 @@
 //! How sure the numbers are: from the films themselves, and from the noise of landmarks.
 
 use spineline::analysis::Analysis;
-use spineline::anatomy::Posture;
-use spineline::personalize::{Identifiability, MultiplierInformation, ProfileEnd, ProfileVerdict};
-use spineline::uncertainty::{Quantity, QuantityUnit, Uncertainty};
+use spineline::personalize::{Identifiability, MultiplierInformation, ProfileEnd};
+use spineline::uncertainty::{QuantityUnit, Uncertainty};
 
 use super::measured::none;
 use crate::document::{Column, Notice, NoticeKind, Section, Table};
@@ -44,7 +43,7 @@ pub fn identifiability(
                 model.kind.to_string(),
                 name.replace('_', " "),
                 if sd < 100.0 { format!("{sd:.2}") } else { "unlimited".to_owned() },
-                verdict(one.profile.verdict()).to_owned(),
+                one.profile.verdict().to_string(),
             ]);
         }
         if found.variance_factor > 1.0 {
@@ -57,16 +56,6 @@ pub fn identifiability(
         }
     }
     section.table(table);
-}
-
-const fn verdict(verdict: ProfileVerdict) -> &'static str {
-    match verdict {
-        ProfileVerdict::Interval => "identified as a ratio",
-        ProfileVerdict::OnlyLower => "only a lower limit",
-        ProfileVerdict::OnlyUpper => "only an upper limit",
-        ProfileVerdict::NotIdentified => "not identified",
-        ProfileVerdict::Lost => "not followed to an end",
-    }
 }
 
 /// Every number of the report with its interval.
@@ -93,7 +82,7 @@ pub fn numbers(analysis: &Analysis, found: &Uncertainty) -> Section {
         Column::numbers("In (%)"),
     ];
     let mut table = Table::new("Numbers over the replicates", columns);
-    for spread in found.quantities.iter().filter(|spread| is_shown(spread.quantity)) {
+    for spread in found.quantities.iter().filter(|spread| spread.quantity.is_reported()) {
         let unit = spread.quantity.unit(analysis);
         let number = |value: f64| match unit {
             QuantityUnit::Segments => format!("{value:.0}"),
@@ -116,22 +105,4 @@ pub fn numbers(analysis: &Analysis, found: &Uncertainty) -> Section {
     }
     section.table(table);
     section
-}
-
-/// The rest is in the embedded analysis.
-const fn is_shown(quantity: Quantity) -> bool {
-    match quantity {
-        Quantity::LocationY(..)
-        | Quantity::LocationZ(..)
-        | Quantity::Tilt(..)
-        | Quantity::SegmentLength
-        | Quantity::LeastSegment(..)
-        | Quantity::LeastDistance(..)
-        | Quantity::LocationError(..)
-        | Quantity::FergusonError(..) => false,
-        Quantity::ContradictedJoints(_, posture) => {
-            matches!(posture, Posture::LeftBending | Posture::RightBending)
-        }
-        _ => true,
-    }
 }

@@ -38,6 +38,18 @@ pub struct LineCrossing {
     pub within: Crossing,
 }
 
+impl std::fmt::Display for LineCrossing {
+    /// The place in mm to the patient's left, and in brackets where it may be.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.within {
+            Crossing::Between([low, high]) => {
+                f.pad(&format!("{:.0} ({low:.0} to {high:.0})", self.y_mm))
+            }
+            Crossing::Open => f.pad("anywhere"),
+        }
+    }
+}
+
 /// How far a film's own line lies from the line through the inflections.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineComparison {

@@ -119,6 +119,18 @@ impl ProfileVerdict {
     }
 }
 
+impl std::fmt::Display for ProfileVerdict {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(match self {
+            Self::Interval => "identified as a ratio",
+            Self::OnlyLower => "only a lower limit",
+            Self::OnlyUpper => "only an upper limit",
+            Self::NotIdentified => "not identified",
+            Self::Lost => "not followed to an end",
+        })
+    }
+}
+
 impl Profile {
     /// What it says.
     #[must_use]

@@ -2,8 +2,28 @@
 
 use super::{Quantity, QuantityUnit};
 use crate::analysis::Analysis;
+use crate::anatomy::Posture;
 
 impl Quantity {
+    /// Whether a report shows it; what it leaves to files are numbers of single vertebrae and regions.
+    #[must_use]
+    pub const fn is_reported(self) -> bool {
+        match self {
+            Self::LocationY(..)
+            | Self::LocationZ(..)
+            | Self::Tilt(..)
+            | Self::SegmentLength
+            | Self::LeastSegment(..)
+            | Self::LeastDistance(..)
+            | Self::LocationError(..)
+            | Self::FergusonError(..) => false,
+            Self::ContradictedJoints(_, posture) => {
+                matches!(posture, Posture::LeftBending | Posture::RightBending)
+            }
+            _ => true,
+        }
+    }
+
     /// The name of its kind, as in files; posture, level, region, line, group and end stand beside it.
     #[must_use]
     pub const fn key(self) -> &'static str {
