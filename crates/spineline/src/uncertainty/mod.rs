@@ -124,7 +124,7 @@ impl<'a> MonteCarlo<'a> {
         })
     }
 
-    /// The same, where every replicate searches for its fits as if the case had none: several times slower.
+    /// The same, where every replicate searches for its fits as if the case had none: slower.
     ///
     /// Else a replicate follows all minima that were found for the case, and searches anew where it fits much worse.
     #[must_use]
