@@ -21,6 +21,8 @@ pub(crate) struct ErectSpine {
     pub inflection_s_mm: [f64; 2],
     /// Lateral multiplier per region, caudal first.
     pub multipliers: [f64; 3],
+    /// What every joint's spring has beyond that, caudal first.
+    pub joint_multipliers: [f64; Level::MODEL.len() - 1],
 }
 
 /// `y''` of the erect curve is `-A (z + a)(z - z1)(z - z2)(b - z)` on `z` in 0…1: lobes convex to the left, right and
@@ -159,7 +161,16 @@ impl ErectSpine {
             vertebra_s_mm: vertebra_s_mm(length_mm),
             inflection_s_mm,
             multipliers,
+            joint_multipliers: [1.0; Level::MODEL.len() - 1],
         })
+    }
+
+    /// Lets the springs of joints differ: their logarithms have this standard deviation.
+    pub fn vary_joints(&mut self, log_sd: f64, rng: &mut ChaCha12Rng) {
+        let spread = Normal::<f64>::new(0.0, log_sd).expect("a deviation");
+        for multiplier in &mut self.joint_multipliers {
+            *multiplier = spread.sample(rng).exp();
+        }
     }
 
     /// Length of a segment.

@@ -209,7 +209,22 @@ pub fn generate(
     readers: &Readers,
     seed: u64,
 ) -> Result<Phantom, PhantomError> {
-    let mut phantoms = generate_read(index, 0, truth, std::slice::from_ref(readers), seed)?;
+    generate_varied(index, truth, readers, seed, 0.0)
+}
+
+/// As [`generate`], where the springs of joints in one region differ: their logarithms have this standard deviation.
+///
+/// # Errors
+/// [`PhantomError`].
+pub fn generate_varied(
+    index: usize,
+    truth: Truth,
+    readers: &Readers,
+    seed: u64,
+    joint_log_sd: f64,
+) -> Result<Phantom, PhantomError> {
+    let patient = Patient { index, copy: 0, joint_log_sd };
+    let mut phantoms = generate_patient(&patient, truth, std::slice::from_ref(readers), seed)?;
     Ok(phantoms.pop().expect("one per kind of readers"))
 }
 
@@ -227,11 +242,29 @@ pub fn generate_read(
     readers: &[Readers],
     seed: u64,
 ) -> Result<Vec<Phantom>, PhantomError> {
+    generate_patient(&Patient { index, copy, joint_log_sd: 0.0 }, truth, readers, seed)
+}
+
+/// Who is made.
+struct Patient {
+    /// Row of Table 1, from 0.
+    index: usize,
+    copy: u32,
+    joint_log_sd: f64,
+}
+
+fn generate_patient(
+    &Patient { index, copy, joint_log_sd }: &Patient,
+    truth: Truth,
+    readers: &[Readers],
+    seed: u64,
+) -> Result<Vec<Phantom>, PhantomError> {
     let row = SUBJECTS.get(index).ok_or(PhantomError::NoSubject { number: index + 1 })?;
     let place = 8 * (index as u64 + SUBJECTS.len() as u64 * u64::from(copy));
     // Anatomy is the same for all truths; movement and readers have streams of their own.
     let mut anatomy_rng = stream(seed, place);
-    let spine = erect::ErectSpine::draw(row, &mut anatomy_rng)?;
+    let mut spine = erect::ErectSpine::draw(row, &mut anatomy_rng)?;
+    spine.vary_joints(joint_log_sd, &mut anatomy_rng);
     let (movement, look) = streams(place, truth);
     let mut rng = stream(seed, movement);
     let (postures, multipliers) = truth::postures(row, truth, &spine, &mut rng)?;

@@ -87,7 +87,9 @@ impl<'a> Rod<'a> {
                     - 1;
                 let span = spine.vertebra_s_mm[joint + 1] - spine.vertebra_s_mm[joint];
                 let nominal = library.rows()[joint].nmm_per_rad[0];
-                nominal * spine.multipliers[spine.region(s)] * span / segment_mm
+                let multiplier =
+                    spine.multipliers[spine.region(s)] * spine.joint_multipliers[joint];
+                nominal * multiplier * span / segment_mm
             })
             .collect();
         Self { spine, stiffness_nmm_per_rad }

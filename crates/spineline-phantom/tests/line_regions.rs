@@ -9,31 +9,42 @@ use spineline::analysis::{Analysis, AnalysisOptions, PostureAnalysis, analyze};
 use spineline::anatomy::Posture;
 use spineline::personalize::{Crossing, Proposal};
 use spineline::spatial::Frontal;
-use spineline_phantom::{Readers, SUBJECTS, Truth, generate};
+use spineline_phantom::{Readers, SUBJECTS, TruePosture, Truth, generate_varied};
+
+const REGION: &str = "the true line is in the 95 % region";
+const SETTLED: &str = "the fit of the films' own loads settles";
+const CROSSING: &str = "the true line crosses within the 95 % interval";
 
 /// How often each of several things was so.
 type Counts = BTreeMap<(Posture, &'static str), [usize; 2]>;
 
-/// Two points of a line, and what is unsure of them in a measured frame: that is L4's, which turns and shifts as L4 is read.
-fn as_read(line: &LineOfAction, posture: &PostureAnalysis) -> Proposal {
-    let upright = line.direction.z_mm.abs() > 0.2;
-    let points: [Frontal; 2] = if upright {
-        [60.0, 200.0]
-            .map(|z| line.point + line.direction * ((z - line.point.z_mm) / line.direction.z_mm))
-    } else {
-        [line.point, line.point + line.direction * 100.0]
+/// A true line in the frame of the film as it was read: that is L4's, which turns and shifts as L4 is read. All vertebrae
+/// together show where it lies.
+fn as_read(line: &LineOfAction, truth: &TruePosture, posture: &PostureAnalysis) -> LineOfAction {
+    let read: Vec<Frontal> = posture.outline.vertebrae.iter().map(|v| v.location).collect();
+    let mean = |places: &[Frontal]| {
+        places.iter().fold(Frontal::default(), |sum, place| sum + *place)
+            * (1.0 / places.len() as f64)
     };
-    let noise = posture.outline.noise;
-    let by_turn = [points[0].z_mm, -points[0].y_mm, points[1].z_mm, -points[1].y_mm];
-    let covariance = Matrix4::from_fn(|i, j| {
-        let shift = if i % 2 == j % 2 { noise.location_mm.powi(2) } else { 0.0 };
-        by_turn[i] * by_turn[j] * noise.tilt.rad().powi(2) + shift
-    });
-    Proposal::Through { points, covariance }
+    let (middle, true_middle) = (mean(&read), mean(&truth.locations));
+    // The turn that brings true places nearest to those read.
+    let pairs = truth.locations.iter().zip(&read).map(|(a, b)| (*a - true_middle, *b - middle));
+    let (cross, dot) = pairs.fold((0.0, 0.0), |(c, d), (a, b)| (c + a.cross(b), d + a.dot(b)));
+    let (sin, cos) = (cross / cross.hypot(dot), dot / cross.hypot(dot));
+    let turned =
+        |v: Frontal| Frontal::new(cos * v.y_mm - sin * v.z_mm, sin * v.y_mm + cos * v.z_mm);
+    let mut line = *line;
+    line.point = middle + turned(line.point - true_middle);
+    line.direction = turned(line.direction);
+    line
 }
 
 fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut Counts) {
-    let loads = analysis.preferred_loads().expect("all joints of four films");
+    let loads = analysis.preferred_loads();
+    let [settled, all] = counts.entry((Posture::Erect, SETTLED)).or_default();
+    *settled += usize::from(loads.is_some());
+    *all += 1;
+    let Some(loads) = loads else { return };
     let moved = analysis.postures.iter().filter(|posture| posture.evidence.is_some());
     for (film, posture) in moved.enumerate() {
         let name = posture.outline.posture;
@@ -42,9 +53,12 @@ fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut
             *yes += usize::from(right);
             *all += 1;
         };
-        let line = phantom.posture(name).and_then(|truth| truth.line).expect("a known line");
-        let test = loads.test(film, &as_read(&line, posture)).expect("a load");
-        add("the true line is in the 95 % region", !test.rejects());
+        let truth = phantom.posture(name).expect("a film");
+        let line = as_read(&truth.line.expect("a known line"), truth, posture);
+        let points = [line.point, line.point + line.direction * 100.0];
+        let proposal = Proposal::Through { points, covariance: Matrix4::zeros() };
+        let test = loads.test(film, &proposal).expect("a load");
+        add(REGION, !test.rejects());
         let own = posture.preferred_line.as_ref().expect("a line");
         let inflection = own.inflection.expect("two inflections").test;
         add("'through the inflections' is not rejected", !inflection.rejects());
@@ -56,20 +70,21 @@ fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut
                 Crossing::Between([low, high]) => (low..=high).contains(&y_mm),
                 Crossing::Open => true,
             };
-            add("the true line crosses within the 95 % interval", right);
+            add(CROSSING, right);
         }
     }
 }
 
-/// Counts over so many sets of the 18 subjects.
-fn study(truth: Truth, sets: u64) -> Counts {
+/// Counts over so many sets of the 18 subjects, whose joints may differ from one another.
+fn study(truth: Truth, sets: u64, joint_log_sd: f64) -> Counts {
     let patients: Vec<(u64, usize)> =
         (1..=sets).flat_map(|seed| (0..SUBJECTS.len()).map(move |index| (seed, index))).collect();
     let counts: Vec<Counts> = patients
         .par_iter()
         .map(|&(seed, index)| {
             let mut counts = Counts::new();
-            let phantom = generate(index, truth, &Readers::default(), seed).expect("a phantom");
+            let phantom = generate_varied(index, truth, &Readers::default(), seed, joint_log_sd)
+                .expect("a phantom");
             let analysis =
                 analyze(&phantom.case, &AnalysisOptions::default()).expect("a sound case");
             if analysis.inflections.pair.is_some() {
@@ -91,8 +106,8 @@ fn share(counts: &Counts, posture: Posture, what: &'static str) -> f64 {
     yes as f64 / all as f64
 }
 
-fn print(truth: Truth, counts: &Counts) {
-    println!("synthetic, {} ({})", truth.key(), truth.meaning());
+fn print(truth: Truth, joint_log_sd: f64, counts: &Counts) {
+    println!("synthetic, {} ({}), joints differ by {joint_log_sd}", truth.key(), truth.meaning());
     for ((posture, what), [yes, all]) in counts {
         println!("  {posture}: {what}: {yes} of {all}, {:.1} %", 100.0 * *yes as f64 / *all as f64);
     }
@@ -100,14 +115,18 @@ fn print(truth: Truth, counts: &Counts) {
 
 /// The hypothesis that each truth obeys, and one that it breaks.
 fn check(truth: Truth, counts: &Counts, right: std::ops::RangeInclusive<f64>) {
-    print(truth, counts);
     let (inflection, iliac) = (
         "'through the inflections' is not rejected",
         "'parallel to the iliac line' is not rejected",
     );
+    assert!(share(counts, Posture::Erect, SETTLED) > 0.99, "{truth:?}");
     for posture in Posture::MOVED {
-        let region = share(counts, posture, "the true line is in the 95 % region");
+        let region = share(counts, posture, REGION);
         assert!(right.contains(&region), "{truth:?}, {posture}: {region}");
+        if truth == Truth::Rod || posture == Posture::Traction {
+            let crossing = share(counts, posture, CROSSING);
+            assert!(right.contains(&crossing), "{truth:?}, {posture}: {crossing}");
+        }
         let (obeyed, broken) = match (truth, posture) {
             // Its traction is a cranial force at T2.
             (Truth::Pull, Posture::Traction) => continue,
@@ -125,16 +144,19 @@ fn check(truth: Truth, counts: &Counts, right: std::ops::RangeInclusive<f64>) {
 fn regions_hold_the_true_line_and_tests_keep_their_size() {
     // Oracle: the line that made the films. Of 36 patients 95 % are 34; fewer than 29 come by chance once in 200 times.
     for truth in [Truth::Rod, Truth::Pull] {
-        check(truth, &study(truth, 2), 0.8..=1.0);
+        check(truth, &study(truth, 2, 0.0), 0.8..=1.0);
     }
 }
 
-/// The study behind the row in `validation/README.md`: a minute or two in a release build.
+/// The study behind the rows in `validation/README.md`: some minutes in a release build.
 #[test]
 #[ignore = "over 1,000 patients per truth: cargo test --release -p spineline-phantom --test line_regions -- --ignored --nocapture"]
 fn over_a_thousand_patients() {
-    for truth in [Truth::Rod, Truth::Pull] {
-        // Asked: 0.93 to 0.97; pulled spines miss it by up to 0.02 (see there).
-        check(truth, &study(truth, 56), 0.91..=0.975);
+    for (truth, joint_log_sd) in
+        [Truth::Rod, Truth::Pull].into_iter().flat_map(|truth| [(truth, 0.0), (truth, 0.1)])
+    {
+        let counts = study(truth, 56, joint_log_sd);
+        print(truth, joint_log_sd, &counts);
+        check(truth, &counts, 0.93..=0.98);
     }
 }

@@ -5,8 +5,8 @@ use nalgebra::{Matrix2, Matrix4, Vector2};
 use super::models::depth_mm;
 use super::{Analysis, PostureAnalysis};
 use crate::action::LineOfAction;
+use crate::clinical::JointShares;
 use crate::curve::CurveSpread;
-use crate::multibody::JointGroups;
 use crate::personalize::evidence::FilmEvidence;
 use crate::personalize::{Crossing, LineTest, PreferredLoads, Proposal};
 use crate::spatial::Angle;
@@ -82,8 +82,18 @@ impl Analysis {
         }
         let films: Vec<&FilmEvidence> =
             self.postures.iter().filter_map(|p| p.evidence.as_ref()).collect();
-        let groups = JointGroups::regional(&self.regions);
-        PreferredLoads::estimate(&films, depth_mm(self), &groups, near)
+        PreferredLoads::estimate(&films, depth_mm(self), &self.joint_shares(), near)
+    }
+
+    /// Which part of every joint lies in which region: regions end at the inflections, where there are two.
+    fn joint_shares(&self) -> JointShares {
+        match self.inflections.pair {
+            Some(pair) => {
+                let ends_mm = pair.map(|inflection| inflection.t_mm);
+                JointShares::between(&self.erect().fit.vertebra_t_mm, ends_mm)
+            }
+            None => JointShares::whole(&self.regions),
+        }
     }
 }
 

@@ -7,9 +7,11 @@
 mod curves;
 mod places;
 mod regions;
+mod shares;
 mod tilt_range;
 
 pub use curves::{ClinicalCurve, CobbEnds, LenkeType, lenke_type, measure_curves};
 pub use places::{CurvePlaces, convex_side, endplate_line};
 pub use regions::{RegionBounds, Regions, ferguson_angle};
+pub use shares::JointShares;
 pub use tilt_range::tilt_range;

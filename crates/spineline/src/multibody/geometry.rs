@@ -158,6 +158,11 @@ fn centre_offset_mm(inferior: usize, spacing_mm: f64) -> Vec3 {
     Vec3::new(-0.5 * lower.superior_depth_mm * scale, 0.0, half_lower * scale)
 }
 
+/// Thickness of the disc of a joint whose vertebrae have these midpoints.
+pub(crate) fn disc_mm(inferior: usize, spacing_mm: f64) -> f64 {
+    Morphometry::of(Level::MODEL[inferior]).disc_above_mm * size_scale(inferior, spacing_mm)
+}
+
 /// Size of the vertebra below a joint and of the disc and half of the vertebra above it, against typical ones.
 pub(super) fn size_scale(inferior: usize, spacing_mm: f64) -> f64 {
     let lower = Morphometry::of(Level::MODEL[inferior]);

@@ -1,3 +1,5 @@
+use nalgebra::{Matrix2, Matrix2x3, Matrix3x2};
+
 use super::carried::Carried;
 use super::{JointGroups, SpineModel, StiffnessLibrary, Support};
 use crate::action::{Application, LineOfAction};
@@ -285,41 +287,38 @@ impl<'a> Statics<'a> {
         parameters: &[Parameter],
         solution: &mut Solution,
     ) {
-        const MOVES: [Parameter; 3] = [Parameter::Load(1), Parameter::Load(2), Parameter::Load(3)];
+        const MOVES: [Parameter; 2] = [Parameter::Load(1), Parameter::Load(2)];
         let top = self.model.midpoints_mm.len() - 1;
         let direction = Vec3::new(0.0, line.direction.y_mm, line.direction.z_mm);
         let force = direction * force_n;
         let on_film = Vec3::new(self.model.midpoints_mm[top].x, line.point.y_mm, line.point.z_mm);
         let mut place = solution.deformed.midpoints_mm.get(top).copied().unwrap_or(on_film);
-        // First direction: more force. The others: the place of the force moves along x, y, z.
+        // Sliding the force along its own line changes nothing: its place moves across it only.
+        let across = Matrix3x2::from_columns(&[Vec3::x(), Vec3::x().cross(&direction)]);
+        // First direction: more force. The others: the place of the force moves.
         let all: Vec<Parameter> = parameters.iter().copied().chain(MOVES).collect();
         let n = parameters.len();
         solution.converged = false;
         for _ in 0..25 {
-            let wrench = |moment_nmm| Wrench { force_n: Vec3::zeros(), moment_nmm };
-            let units = [
-                Wrench::at(place, direction),
-                wrench(Vec3::x().cross(&force)),
-                wrench(Vec3::y().cross(&force)),
-                wrench(Vec3::z().cross(&force)),
-            ];
+            let moved = |way: usize| Wrench {
+                force_n: Vec3::zeros(),
+                moment_nmm: across.column(way).cross(&force),
+            };
+            let units = [Wrench::at(place, direction), moved(0), moved(1)];
             self.march(&Wrench::at(place, force), &units, &all, solution);
-            let follow = Mat3::from_columns(&[
+            let follow = across.tr_mul(&Matrix3x2::from_columns(&[
                 solution.midpoint_rates[n][top],
                 solution.midpoint_rates[n + 1][top],
-                solution.midpoint_rates[n + 2][top],
-            ]);
-            let gap = solution.deformed.midpoints_mm[top] - place;
-            // Sliding the force along its own line changes nothing.
-            let across = gap - direction * gap.dot(&direction);
-            solution.residual_mm = across.norm();
-            let Some(inverse) = (Mat3::identity() - follow).try_inverse() else { break };
+            ]));
+            let gap = across.tr_mul(&(solution.deformed.midpoints_mm[top] - place));
+            solution.residual_mm = gap.norm();
+            let Some(inverse) = (Matrix2::identity() - follow).try_inverse() else { break };
             if solution.residual_mm < 1e-9 {
-                close_derivatives(solution, n, &inverse, top);
+                close_derivatives(solution, n, &(inverse * across.transpose()), top);
                 solution.converged = true;
                 break;
             }
-            place += inverse * gap;
+            place += across * (inverse * gap);
         }
         solution.midpoint_rates.truncate(n);
         solution.turn_rates.truncate(n);
@@ -481,13 +480,18 @@ fn frontal_units(depth_mm: f64) -> [Wrench; 3] {
 }
 
 /// Adds to every derivative what the force's own movement with T2 brings (implicit function theorem).
-fn close_derivatives(solution: &mut Solution, parameters: usize, inverse: &Mat3, top: usize) {
+fn close_derivatives(
+    solution: &mut Solution,
+    parameters: usize,
+    shifts: &Matrix2x3<f64>,
+    top: usize,
+) {
     for p in 0..parameters {
-        let shift = inverse * solution.midpoint_rates[p][top];
+        let shift = shifts * solution.midpoint_rates[p][top];
         for rates in [&mut solution.midpoint_rates, &mut solution.turn_rates] {
             let (own, moves) = rates.split_at_mut(parameters);
             for (vertebra, rate) in own[p].iter_mut().enumerate() {
-                *rate += (0..3).map(|i| moves[i][vertebra] * shift[i]).sum::<Vec3>();
+                *rate += moves[0][vertebra] * shift[0] + moves[1][vertebra] * shift[1];
             }
         }
     }

@@ -29,6 +29,7 @@ pub use general::{
     LoadItem, LoadPlace, Loading, LoadingError, LoadingFault, NearbyReport, NewtonWork, OnPoint,
     PathEnding, PathOptions, PathPoint, Rod, ShapeParameter, SpringError, Timing, UNIT_TOLERANCE,
 };
+pub(crate) use geometry::disc_mm;
 pub use geometry::{Joint, SpineModel};
 pub use march::{Deformed, Load, Parameter, Solution, Statics, Wrench};
 pub use matching::{

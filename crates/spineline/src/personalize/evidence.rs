@@ -2,7 +2,7 @@
 
 use crate::anatomy::Level;
 use crate::measure::Outline;
-use crate::multibody::{JointGroups, Load, SpineModel, StiffnessLibrary};
+use crate::multibody::{JointGroups, Load, SpineModel, StiffnessLibrary, disc_mm};
 use crate::spatial::{Angle, Frontal, Vec3};
 
 /// One joint on one film.
@@ -12,8 +12,10 @@ pub struct JointEvidence {
     pub rotation: Angle,
     /// Centre of the joint on the film.
     pub centre_mm: Vec3,
-    /// From the lower vertebra's midpoint to the upper one's, of length 1.
-    pub along: Frontal,
+    /// Across the disc: along the line between the midpoints, as long as the disc is thick.
+    pub disc_mm: Frontal,
+    /// From the centre of a hinge to the middle of a joint that turns evenly between the two midpoints.
+    pub to_evener_mm: Frontal,
     /// Lateral hinge axis on the film.
     pub hinge: Vec3,
     /// Nominal lateral compliance, as it shows on the film.
@@ -66,13 +68,18 @@ impl FilmEvidence {
             .enumerate()
             .map(|(j, (joint, row))| {
                 let hinge: Vec3 = axes[j].column(0).into();
+                let centre_mm = midpoints[j] + axes[j] * joint.centre_in_inferior_mm;
+                let [inferior, superior] = [j, j + 1].map(|i| film.vertebrae[i].location);
+                let spacing_mm = (superior - inferior).norm_mm();
+                let along = (superior - inferior) * (1.0 / spacing_mm);
+                let centre = Frontal::new(centre_mm.y, centre_mm.z);
+                let on_chord = inferior + along * (centre - inferior).dot(along);
                 JointEvidence {
                     rotation: moved(j + 1) - moved(j),
-                    centre_mm: midpoints[j] + axes[j] * joint.centre_in_inferior_mm,
-                    along: {
-                        let along = film.vertebrae[j + 1].location - film.vertebrae[j].location;
-                        along * (1.0 / along.norm_mm())
-                    },
+                    centre_mm,
+                    disc_mm: along * disc_mm(j, spacing_mm),
+                    // Tangents at the ends of an arc meet three times as far from its chord as the arc is on the mean.
+                    to_evener_mm: (on_chord - centre) * (2.0 / 3.0),
                     hinge,
                     // A hinge that is pitched out of the film shows only a part of its turn.
                     compliance_rad_per_nmm: hinge.x / row.nmm_per_rad[0],

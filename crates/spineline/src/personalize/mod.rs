@@ -16,6 +16,7 @@
 //! # References
 //! [petit-2004]; [jalalian-loa], section 3.2; [more-1978] for the minimisation.
 
+mod acceleration;
 pub mod estimate;
 pub mod evidence;
 mod fit;

@@ -3,22 +3,28 @@
 //! # Model
 //! The rotation of joint `j` on a film is `(a_j · w) / α e^(δ_j)` and noise: `w` is the planar load, `a_j` its nominal
 //! response about the joint's centre and `α` the multiplier of the joint's group. What a joint has of its own is the same on
-//! every film: `δ_j` of its stiffness, and a centre that lies higher up the spine than the model has it, by a part that all
-//! joints share and a part of its own. Noise is that of the tilts: neighbouring joints share a vertebra and all films share
+//! every film: `δ_j` of its stiffness, and a centre that lies higher up the disc than the model has it, by a part of the disc
+//! that all joints share and a part of its own. A joint in which a region ends has springs of both. A hinge's centre lies
+//! where tangents meet; the more evenly joints turn over their length, the nearer it is to the chord. Noise is that of the tilts: neighbouring joints share a vertebra and all films share
 //! the erect one, so that the rotations of all films have one covariance.
 //!
-//! Loads, multipliers and the shared part of the centres are fitted by generalised least squares; the deviations of what
+//! Loads, multipliers, the shared part of the centres and the evenness are fitted by generalised least squares; the deviations of what
 //! joints have of their own by restricted maximum likelihood (scoring), penalised so that none is zero. So the films tell
 //! themselves how far joints of one group differ, and a load is as unsure as they do.
 //!
 //! # References
 //! [harville-1977] for the restricted likelihood, [chung-2013] for its penalty.
 
+use std::ops::AddAssign;
+
 use nalgebra::{DMatrix, DVector, Dyn, Matrix2, Vector2};
 
 use super::MULTIPLIER_BOUNDS;
+use super::acceleration::{Stride, further};
 use super::evidence::{FilmEvidence, JointEvidence};
-use crate::multibody::{JointGroups, Load};
+use crate::clinical::JointShares;
+use crate::multibody::Load;
+use crate::spatial::Frontal;
 
 /// Loads of several films that share springs.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,21 +33,29 @@ pub struct PreferredLoads {
     pub components: Vec<[f64; 3]>,
     /// `ln α` of the lateral springs per group.
     pub log_multipliers: Vec<f64>,
-    /// How much further up the spine the joints turn than the model has their centres, on all films.
-    pub centres_higher_mm: f64,
+    /// How much further up their discs the joints turn than the model has their centres, in thicknesses of the disc.
+    pub centres_higher_discs: f64,
     /// Deviation of `ln` stiffness among the joints of a group.
     pub joint_log_sd: f64,
-    /// Deviation of the joints' centres along the spine, about that.
-    pub centre_sd_mm: f64,
+    /// Deviation of the joints' centres along the spine about that, in thicknesses of the disc.
+    pub centre_sd_discs: f64,
     /// Covariance of all components, film by film, with multipliers free.
     pub(super) covariance: DMatrix<f64>,
 }
 
-/// Variances beyond these are none of springs (of `ln`) and of centres (mm²).
-const MOST_VARIANCES: Vector2<f64> = Vector2::new(1.0, 100.0);
-/// Centres of rotation lie within the vertebrae.
-const MOST_HIGHER_MM: f64 = 15.0;
-const ROUNDS: usize = 60;
+/// Variances beyond these are none of springs (of `ln`) and of centres (in discs).
+const MOST_VARIANCES: Vector2<f64> = Vector2::new(1.0, 4.0);
+/// Centres of rotation lie between the middles of the vertebrae.
+const MOST_HIGHER_DISCS: f64 = 3.0;
+/// Variances below this part of the most are none.
+const LEAST_OF_MOST: f64 = 1e-9;
+/// Discs, over which joints turn, take a quarter of the length between two midpoints; what ligaments make of it is not known
+/// (assumption).
+const EVENNESS: f64 = 0.25;
+const EVENNESS_SD: f64 = 0.25;
+const ROUNDS: usize = 100;
+/// A step of logarithms that moves nothing any more.
+const SETTLED: f64 = 1e-4;
 
 impl PreferredLoads {
     /// Fits them; `None` without films, where the films' joints do not determine the loads, or where the fit does not settle.
@@ -52,28 +66,31 @@ impl PreferredLoads {
     pub fn estimate(
         films: &[&FilmEvidence],
         depth_mm: f64,
-        groups: &JointGroups,
+        shares: &JointShares,
         near: Option<&Self>,
     ) -> Option<Self> {
         if films.is_empty() {
             return None;
         }
-        let mut fit = Fit::new(films, depth_mm, groups)?;
+        let mut fit = Fit::new(films, depth_mm, shares)?;
         let mut variances = MOST_VARIANCES * 1e-2;
-        if let Some(near) = near.filter(|near| near.log_multipliers.len() == groups.len()) {
+        if let Some(near) = near.filter(|near| near.log_multipliers.len() == shares.0.ncols()) {
             fit.logs.clone_from(&near.log_multipliers);
-            fit.centres_higher_mm = near.centres_higher_mm;
-            variances = Vector2::new(near.joint_log_sd.powi(2), near.centre_sd_mm.powi(2));
+            fit.centres_higher_discs = near.centres_higher_discs;
+            variances = Vector2::new(near.joint_log_sd.powi(2), near.centre_sd_discs.powi(2));
         }
         fit.solve_loads(None)?;
         let mut state = fit.weigh(variances)?;
+        let mut strides: Vec<Stride> = Vec::new();
         for _ in 0..ROUNDS {
-            let next = state.better(variances);
-            let change = (next - variances).component_div(&variances).amax();
-            let moved = fit.step(&state)?;
-            variances = next;
+            let stride = fit.stride(&state, variances);
+            let moved = (&stride.to - &stride.from).amax();
+            strides.insert(0, stride);
+            strides.truncate(3);
+            variances = fit.go_to(&further(&strides));
+            fit.solve_loads(Some(&state.own))?;
             state = fit.weigh(variances)?;
-            if change < 1e-4 && moved < 1e-7 {
+            if moved < SETTLED {
                 return Some(fit.finish(variances, &state));
             }
         }
@@ -85,12 +102,16 @@ impl PreferredLoads {
 struct Fit<'a> {
     films: usize,
     joints: usize,
-    group_of: &'a [usize],
+    shares: &'a JointShares,
     /// Nominal responses to the components of every film's own load.
     responses: Vec<Vec<[f64; 3]>>,
-    /// By how much they grow per millimetre that a joint turns higher up the spine.
+    /// By how much they grow per disc that a joint turns higher up the spine.
     higher: Vec<Vec<[f64; 3]>>,
-    centres_higher_mm: f64,
+    centres_higher_discs: f64,
+    /// By how much they grow from hinges to joints that turn evenly over their length.
+    evener: Vec<Vec<[f64; 3]>>,
+    /// How far joints are from hinges, which is 0, to such ones, which is 1.
+    evenness: f64,
     rotations: DVector<f64>,
     precision: Precision,
     loads: DVector<f64>,
@@ -195,29 +216,30 @@ impl Weighed {
         // The penalty has no curvature in logarithms; this much keeps a step finite where films say nothing.
         let information = scaled * self.information * scaled + Matrix2::identity() * 0.25;
         let step = information.try_inverse().map_or(score, |inverse| inverse * score);
-        let next = variances.zip_map(&step, |v, step| v * step.clamp(-STRIDE, STRIDE).exp());
-        next.zip_map(&MOST_VARIANCES, |v, most| v.clamp(1e-9 * most, most))
+        variances.zip_map(&step, |v, step| v * step.clamp(-STRIDE, STRIDE).exp())
     }
 }
 
 impl<'a> Fit<'a> {
-    fn new(films: &[&FilmEvidence], depth_mm: f64, groups: &'a JointGroups) -> Option<Self> {
-        let joints = groups.of_joint().len();
+    fn new(films: &[&FilmEvidence], depth_mm: f64, shares: &'a JointShares) -> Option<Self> {
+        let joints = shares.0.nrows();
         let all = films.iter().flat_map(|film| &film.joints).map(|joint| joint.rotation.rad());
         Some(Self {
             films: films.len(),
             joints,
-            group_of: groups.of_joint(),
+            shares,
             responses: films
                 .iter()
                 .map(|film| film.responses(&Load::Frontal { depth_mm }))
                 .collect(),
-            higher: films.iter().map(|film| film.joints.iter().map(higher).collect()).collect(),
-            centres_higher_mm: 0.0,
+            higher: shifted(films, |joint| joint.disc_mm),
+            centres_higher_discs: 0.0,
+            evener: shifted(films, |joint| joint.to_evener_mm),
+            evenness: EVENNESS,
             rotations: DVector::from_iterator(films.len() * joints, all),
             precision: Precision::new(films, joints)?,
             loads: DVector::zeros(3 * films.len()),
-            logs: vec![0.0; groups.len()],
+            logs: vec![0.0; shares.0.ncols()],
         })
     }
 
@@ -225,16 +247,17 @@ impl<'a> Fit<'a> {
     fn by_loads(&self) -> DMatrix<f64> {
         self.matrix_of(|film, joint, part| {
             self.responses[film][joint][part]
-                + self.centres_higher_mm * self.higher[film][joint][part]
+                + self.centres_higher_discs * self.higher[film][joint][part]
+                + self.evenness * self.evener[film][joint][part]
         })
     }
 
     /// Responses of all films' joints, softened by the multipliers of now.
     fn matrix_of(&self, response: impl Fn(usize, usize, usize) -> f64) -> DMatrix<f64> {
         let mut matrix = DMatrix::zeros(self.rotations.len(), 3 * self.films);
-        for film in 0..self.films {
-            for joint in 0..self.joints {
-                let softness = (-self.logs[self.group_of[joint]]).exp();
+        for joint in 0..self.joints {
+            let softness = self.softness(joint);
+            for film in 0..self.films {
                 for part in 0..3 {
                     matrix[(film * self.joints + joint, 3 * film + part)] =
                         softness * response(film, joint, part);
@@ -242,6 +265,17 @@ impl<'a> Fit<'a> {
             }
         }
         matrix
+    }
+
+    /// By what a joint turns more than with nominal springs: its parts in several groups turn one after the other.
+    fn softness(&self, joint: usize) -> f64 {
+        self.shares
+            .0
+            .row(joint)
+            .iter()
+            .zip(&self.logs)
+            .map(|(share, log)| share * (-log).exp())
+            .sum()
     }
 
     /// Directions among the `ln α` that keep their mean and leave those at a bound where they are.
@@ -264,13 +298,18 @@ impl<'a> Fit<'a> {
         let (rows, loads) = (self.rotations.len(), 3 * self.films);
         let higher =
             self.matrix_of(|film, joint, part| self.higher[film][joint][part]) * &self.loads;
-        let mut jacobian = DMatrix::zeros(rows, loads + ways.ncols() + 1);
+        let evener =
+            self.matrix_of(|film, joint, part| self.evener[film][joint][part]) * &self.loads;
+        let mut jacobian = DMatrix::zeros(rows, loads + ways.ncols() + 2);
         jacobian.column_mut(loads + ways.ncols()).copy_from(&higher);
+        jacobian.column_mut(loads + ways.ncols() + 1).copy_from(&evener);
         jacobian.columns_mut(0, loads).copy_from(&by_loads);
+        let softer = DMatrix::from_fn(self.joints, self.logs.len(), |joint, group| {
+            self.shares.0[(joint, group)] * (-self.logs[group]).exp() / self.softness(joint)
+        }) * &ways;
         for row in 0..rows {
-            let group = self.group_of[row % self.joints];
             for way in 0..ways.ncols() {
-                jacobian[(row, loads + way)] = -predicted[row] * ways[(group, way)];
+                jacobian[(row, loads + way)] = -predicted[row] * softer[(row % self.joints, way)];
             }
         }
         let scales = scale_columns(&mut jacobian);
@@ -280,7 +319,10 @@ impl<'a> Fit<'a> {
             DMatrix::from_column_slice(self.joints, self.films, rotations.as_slice())
         };
         let own = Own::new([by_films(&predicted), by_films(&higher)], &self.precision, variances)?;
-        let found = Normal::new(&jacobian, &residual, &self.precision, Some(&own));
+        let mut found = Normal::new(&jacobian, &residual, &self.precision, Some(&own));
+        let (last, scale) = (jacobian.ncols() - 1, scales[jacobian.ncols() - 1]);
+        found.matrix[(last, last)] += 1.0 / (EVENNESS_SD.powi(2) * scale * scale);
+        found.right[last] += (EVENNESS - self.evenness) / (EVENNESS_SD.powi(2) * scale);
         let covariance = found.matrix.cholesky()?.inverse();
         let slope = found.right.column(0).into_owned();
         // What joints have of their own as the rotations tell it, and how unsure that is: by rotations and unknowns.
@@ -304,23 +346,57 @@ impl<'a> Fit<'a> {
         Some(Weighed { score, information, slope, scales, covariance, own, ways })
     }
 
-    /// One Gauss-Newton step of loads and multipliers; answers with the change of a multiplier.
-    fn step(&mut self, at: &Weighed) -> Option<f64> {
+    /// One scoring step of the variances, and one of Gauss and Newton of multipliers and centres. Alone they shorten slowly:
+    /// residuals are large, and the variances know the expected curvature only.
+    fn stride(&self, at: &Weighed, variances: Vector2<f64>) -> Stride {
         let step = (&at.covariance * &at.slope).component_div(&at.scales);
         // A long stride leaves what the linear theory knows.
         const STRIDE: f64 = 0.5;
-        let change = &at.ways * step.rows(3 * self.films, at.ways.ncols());
+        let mut change = &at.ways * step.rows(3 * self.films, at.ways.ncols());
         let longest = change.amax();
         let part = if longest > STRIDE { STRIDE / longest } else { 1.0 };
-        let limit = MULTIPLIER_BOUNDS[1].ln();
-        for (log, change) in self.logs.iter_mut().zip(change.iter()) {
-            *log = (*log + part * change).clamp(-limit, limit);
+        change *= part;
+        let shifts = step.rows(3 * self.films + at.ways.ncols(), 2) * part;
+        let from = self.place(variances);
+        let mut to = from.clone();
+        to.rows_mut(0, 2).copy_from(&at.better(variances).map(f64::ln));
+        to.rows_range_mut(2..2 + self.logs.len()).add_assign(&change);
+        to[2 + self.logs.len()] += shifts[0] / MOST_HIGHER_DISCS;
+        to[3 + self.logs.len()] += shifts[1];
+        self.keep_within(&mut to);
+        Stride { from, to }
+    }
+
+    /// All that is not linear: `ln` of both variances, `ln α`, and of centres how much higher they lie, as a part of the most, and
+    /// how evenly joints turn.
+    fn place(&self, variances: Vector2<f64>) -> DVector<f64> {
+        let variances = variances.map(f64::ln);
+        let all = variances.iter().chain(&self.logs).copied();
+        let higher = self.centres_higher_discs / MOST_HIGHER_DISCS;
+        DVector::from_iterator(4 + self.logs.len(), all.chain([higher, self.evenness]))
+    }
+
+    fn keep_within(&self, place: &mut DVector<f64>) {
+        for (i, most) in MOST_VARIANCES.map(f64::ln).iter().enumerate() {
+            place[i] = place[i].clamp(most + LEAST_OF_MOST.ln(), *most);
         }
-        let shift = step[3 * self.films + at.ways.ncols()];
-        self.centres_higher_mm =
-            (self.centres_higher_mm + part * shift).clamp(-MOST_HIGHER_MM, MOST_HIGHER_MM);
-        self.solve_loads(Some(&at.own))?;
-        Some(longest)
+        let limit = MULTIPLIER_BOUNDS[1].ln();
+        for log in place.rows_range_mut(2..2 + self.logs.len()).iter_mut() {
+            *log = log.clamp(-limit, limit);
+        }
+        let higher = &mut place[2 + self.logs.len()];
+        *higher = higher.clamp(-1.0, 1.0);
+    }
+
+    /// Takes multipliers and centres of a place, and answers with its variances.
+    fn go_to(&mut self, place: &DVector<f64>) -> Vector2<f64> {
+        let mut place = place.clone();
+        self.keep_within(&mut place);
+        let groups = self.logs.len();
+        self.logs.copy_from_slice(&place.as_slice()[2..2 + groups]);
+        self.centres_higher_discs = place[2 + groups] * MOST_HIGHER_DISCS;
+        self.evenness = place[3 + groups];
+        Vector2::new(place[0].exp(), place[1].exp())
     }
 
     /// The best loads at the multipliers of now, which is linear.
@@ -344,9 +420,9 @@ impl<'a> Fit<'a> {
                 .map(|film| [0, 1, 2].map(|part| self.loads[3 * film + part]))
                 .collect(),
             log_multipliers: self.logs.clone(),
-            centres_higher_mm: self.centres_higher_mm,
+            centres_higher_discs: self.centres_higher_discs,
             joint_log_sd: variances[0].sqrt(),
-            centre_sd_mm: variances[1].sqrt(),
+            centre_sd_discs: variances[1].sqrt(),
             covariance,
         }
     }
@@ -393,7 +469,15 @@ fn scale_columns(matrix: &mut DMatrix<f64>) -> DVector<f64> {
     scales
 }
 
-fn higher(joint: &JointEvidence) -> [f64; 3] {
-    // The moment about a point falls with fz to the left and grows with fy upwards.
-    [joint.along.z_mm, -joint.along.y_mm, 0.0].map(|part| part * joint.compliance_rad_per_nmm)
+/// By how much the responses grow where every joint's centre is shifted.
+fn shifted(
+    films: &[&FilmEvidence],
+    shift_mm: impl Fn(&JointEvidence) -> Frontal,
+) -> Vec<Vec<[f64; 3]>> {
+    let of_joint = |joint: &JointEvidence| {
+        // The moment about a point falls with fz to the left and grows with fy upwards.
+        let shift = shift_mm(joint);
+        [shift.z_mm, -shift.y_mm, 0.0].map(|part| part * joint.compliance_rad_per_nmm)
+    };
+    films.iter().map(|film| film.joints.iter().map(of_joint).collect()).collect()
 }

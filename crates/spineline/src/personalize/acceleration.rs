@@ -1,0 +1,55 @@
+//! Steps of a slow iteration, taken together.
+
+use nalgebra::{DMatrix, DVector};
+
+/// One step of an iteration.
+pub(super) struct Stride {
+    pub from: DVector<f64>,
+    pub to: DVector<f64>,
+}
+
+impl Stride {
+    fn step(&self) -> DVector<f64> {
+        &self.to - &self.from
+    }
+}
+
+/// Where steps lead to, the last one first, as far as they tell it: the combination of them that leaves the shortest one.
+///
+/// # References
+/// [anderson-1965].
+pub(super) fn further(strides: &[Stride]) -> DVector<f64> {
+    /// Beyond this they tell nothing.
+    const FURTHEST: f64 = 1.0;
+    let last = &strides[0];
+    let changes: Vec<DVector<f64>> =
+        strides.windows(2).map(|pair| pair[0].step() - pair[1].step()).collect();
+    if changes.is_empty() {
+        return last.to.clone();
+    }
+    let changes = DMatrix::from_columns(&changes);
+    let Ok(parts) = changes.svd(true, true).solve(&last.step(), 1e-9) else {
+        return last.to.clone();
+    };
+    let ends = strides.windows(2).map(|pair| &pair[0].to - &pair[1].to);
+    let beyond: DVector<f64> = ends.zip(parts.iter()).map(|(end, part)| end * *part).sum();
+    if beyond.amax() < FURTHEST { &last.to - beyond } else { last.to.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_slow_directions_are_left_in_three_steps() {
+        // Oracle: the fixed point is 0; the map shortens one direction to 0.9 and turns the other about, by -0.8.
+        let map = |x: &DVector<f64>| DVector::from_vec(vec![0.9 * x[0], -0.8 * x[1]]);
+        let mut x = DVector::from_vec(vec![0.5, 0.3]);
+        let mut strides: Vec<Stride> = Vec::new();
+        for _ in 0..3 {
+            strides.insert(0, Stride { to: map(&x), from: x });
+            x = further(&strides);
+        }
+        assert!(x.amax() < 1e-12, "{x}");
+    }
+}
