@@ -26,6 +26,7 @@ class Exported:
     table: Path
     tables: Path
     analysis: dict
+    typeset: Path
 
 
 class Spineline:
@@ -62,6 +63,7 @@ class Spineline:
         self.run("export", path, "--to", "dicom-sr", "--written", WRITTEN, "--out", folder / "reports")
         self.run("export", path, "--to", "slicer", "--out", folder / "lists")
         self.run("export", path, "--to", "csv", "--out", folder / "landmarks.csv")
+        self.run("report", path, "--to", "pdf", "--out", folder / "report.pdf")
         return Exported(
             name=f"{case['case_id']} {folder.name}",
             case=case,
@@ -70,6 +72,7 @@ class Spineline:
             table=folder / "landmarks.csv",
             tables=folder / "tables",
             analysis=json.loads((folder / "analysis.json").read_text(encoding="utf-8")),
+            typeset=folder / "report.pdf",
         )
 
 

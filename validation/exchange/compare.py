@@ -1,4 +1,4 @@
-"""Reads landmarks that `spineline export` writes, and tables, with other programs; compares them with case and analysis.
+"""Reads landmarks that `spineline export` writes, tables, and typeset reports, with other programs; compares them with case and analysis.
 
 Usage: python compare.py --program path/to/spineline --out folder
 """
@@ -14,6 +14,7 @@ import dataframes
 import lists
 import reports
 import tables
+import typeset
 from cases import Spineline
 
 
@@ -30,6 +31,7 @@ def main() -> int:
             f"{lists.compare(exported)} points",
             f"{tables.compare(exported)} rows",
             f"{dataframes.compare(exported)} values",
+            f"{typeset.compare(exported)} pages",
         )
         print(f"{exported.name}: {', '.join(counts)} agree")
     if shutil.which("dsrdump") is None:

@@ -27,7 +27,7 @@ cargo xtask COMMAND
   reliability
            ICC, errors and correlations in pingouin and scipy
   films    films of phantoms in pydicom
-  exchange exported landmarks in highdicom, pydicom and DCMTK, tables in pyarrow and pandas
+  exchange exported landmarks in highdicom, pydicom and DCMTK, tables in pyarrow and pandas, typeset reports in qpdf
   docs     the guide as a book, with the page of credibility and that of the paper's numbers (needs what `engines` needs)
   fuzz [SECONDS]
            every parser on random input, 60 seconds each (needs a nightly compiler)

@@ -19,7 +19,8 @@ pub fn films(root: &Path) -> Result<(), String> {
     compare(root, "films")
 }
 
-/// Exported landmarks in highdicom, pydicom and DCMTK: every point; tables in pyarrow and pandas: every value.
+/// Exported landmarks in highdicom, pydicom and DCMTK: every point; tables in pyarrow and pandas: every value; typeset
+/// reports in qpdf.
 pub fn exchange(root: &Path) -> Result<(), String> {
     provide_dcmtk();
     compare(root, "exchange")

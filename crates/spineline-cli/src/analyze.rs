@@ -120,6 +120,11 @@ impl Origins {
         Ok(Self { run: this_run()?, request, shared, sources: Vec::new() })
     }
 
+    /// When this run began, as all of its outputs say.
+    pub fn date_utc(&self) -> &str {
+        &self.run.date_utc
+    }
+
     /// Refuses a case that was there before: a cohort would count its patient twice.
     ///
     /// # Errors

@@ -68,6 +68,22 @@ fn markdown_has_its_figures_beside_it() {
     assert_eq!((count(".svg"), count(".png")), (figures, figures));
 }
 
+#[cfg(feature = "pdf")]
+#[test]
+fn a_typeset_report_holds_its_analysis_and_is_repeated_from_itself_alone() {
+    let here = phantoms(&["1"]);
+    let (said, error, code) = run(here.path(), &["report", "demo", "--to", "pdf"]);
+    assert!(code == 0 && said.contains("phantom-rod-01.pdf"), "{code} {said} {error}");
+    let bytes = fs::read(here.path().join("phantom-rod-01.pdf")).expect("the report is written");
+    assert!(bytes.starts_with(b"%PDF-"));
+    let text = spineline_pdf::embedded(&bytes).expect("an analysis is within");
+    let analysis: Value = serde_json::from_str(&text).expect("it is JSON");
+    assert_eq!(analysis["case_id"], "phantom-rod-01");
+    fs::remove_dir_all(here.path().join("demo")).expect("the case goes");
+    let (said, error, code) = run(here.path(), &["rerun", "phantom-rod-01.pdf"]);
+    assert!(code == 0 && said.contains("Nothing differs"), "{code} {said} {error}");
+}
+
 #[test]
 fn a_hostile_identifier_is_no_path_and_no_markup() {
     let here = phantoms(&["1"]);

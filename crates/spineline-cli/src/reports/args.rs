@@ -13,6 +13,7 @@ pub const EXAMPLES: &str = "Examples:
   spineline phantom --truth rod --subject 1 --films --out demo
   spineline report demo                        one patient as phantom-rod-01.html, to open in a browser
   spineline report demo --to md                Markdown, and its figures in phantom-rod-01-figures
+  spineline report demo --to pdf               the same typeset, to print, send and keep
   spineline report demo --figures pictures     all figures as SVG and PNG too
   spineline phantom --out patients && spineline report patients
                                                a cohort: table 1, box charts, tests, exclusions
@@ -26,6 +27,9 @@ pub enum FormName {
     Html,
     /// Markdown, with figures as SVG in a folder beside it
     Md,
+    /// One typeset file (PDF/A-3b), the analysis attached to it
+    #[cfg(feature = "pdf")]
+    Pdf,
 }
 
 impl FormName {
@@ -34,6 +38,8 @@ impl FormName {
         match self {
             Self::Html => "html",
             Self::Md => "md",
+            #[cfg(feature = "pdf")]
+            Self::Pdf => "pdf",
         }
     }
 }

@@ -60,7 +60,7 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs) -> Result<Ending, Failure> {
         generator: &generator(),
         json: &format!("[{}]", files.join(",")),
     });
-    write::all(&document, "cohort", args)?;
+    write::all(&document, "cohort", origins.date_utc(), args)?;
     Ok(match (refused.is_empty(), analyses.iter().all(Analysis::is_converged)) {
         (false, _) => Ending::BadInput,
         (true, false) => Ending::NotConverged,

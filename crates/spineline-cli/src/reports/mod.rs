@@ -4,6 +4,8 @@ mod args;
 mod cohort;
 mod films;
 mod patient;
+#[cfg(feature = "pdf")]
+mod typeset;
 mod write;
 
 use crate::analyze::case_files;

@@ -40,6 +40,6 @@ pub fn run(path: &Path, args: &ReportArgs) -> Result<Ending, Failure> {
             films.notice(Notice::new(NoticeKind::Note, text));
         }
     }
-    write::all(&document, &file_stem(&document.subject), args)?;
+    write::all(&document, &file_stem(&document.subject), origins.date_utc(), args)?;
     Ok(if analysis.is_converged() { Ending::Done } else { Ending::NotConverged })
 }

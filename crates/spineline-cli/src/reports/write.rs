@@ -15,7 +15,15 @@ use crate::progress::map_all;
 const PNG_SCALE: f32 = 2.0;
 
 /// Writes the report in the form that was asked for, and every figure where it was; says what was written.
-pub fn all(document: &Document, stem: &str, args: &ReportArgs) -> Result<Ending, Failure> {
+pub fn all(
+    document: &Document,
+    stem: &str,
+    date_utc: &str,
+    args: &ReportArgs,
+) -> Result<Ending, Failure> {
+    // Other forms have their date within the analysis.
+    #[cfg(not(feature = "pdf"))]
+    let _ = date_utc;
     let out = match &args.out {
         Some(out) => out.clone(),
         None => PathBuf::from(format!("{stem}.{}", args.to.ending())),
@@ -23,6 +31,8 @@ pub fn all(document: &Document, stem: &str, args: &ReportArgs) -> Result<Ending,
     match args.to {
         FormName::Html => write_file(&out, html(document))?,
         FormName::Md => write_markdown(document, &out)?,
+        #[cfg(feature = "pdf")]
+        FormName::Pdf => write_file(&out, super::typeset::pdf(document, date_utc)?)?,
     }
     let mut said = format!("Report   {}\n", out.display());
     if let Some(folder) = &args.figures {

@@ -27,6 +27,7 @@ Exit codes: 0 nothing differs, 4 something does, 3 FILE cannot be repeated.
 Examples:
   spineline rerun analysis.json
   spineline rerun P07.html
+  spineline rerun P07.pdf
   spineline rerun analysis.json --figures out/figures
   spineline rerun analysis.json --tolerance 1e-6 --json again.json";
 
@@ -109,7 +110,8 @@ fn stored(path: &Path) -> Result<Stored, Failure> {
 fn analysis_text(path: &Path, bytes: &[u8]) -> Result<String, Failure> {
     let text = std::str::from_utf8(bytes).ok().map(|text| text.trim_start_matches('\u{feff}'));
     let is_json = |text: &&str| text.trim_start().starts_with(['{', '[']);
-    match text.filter(is_json).map(str::to_owned).or_else(|| embedded(bytes)) {
+    let within = || embedded(bytes).or_else(|| attached(bytes));
+    match text.filter(is_json).map(str::to_owned).or_else(within) {
         Some(text) => Ok(text),
         None => Err(Failure::input(
             &path.display().to_string(),
@@ -117,6 +119,17 @@ fn analysis_text(path: &Path, bytes: &[u8]) -> Result<String, Failure> {
             "give the JSON that `spineline analyze CASE --json FILE` writes, or what `spineline report CASE` does",
         )),
     }
+}
+
+/// The analysis JSON that is attached to a typeset report.
+#[cfg(feature = "pdf")]
+fn attached(bytes: &[u8]) -> Option<String> {
+    spineline_pdf::embedded(bytes)
+}
+
+#[cfg(not(feature = "pdf"))]
+const fn attached(_: &[u8]) -> Option<String> {
+    None
 }
 
 /// One analysis again.

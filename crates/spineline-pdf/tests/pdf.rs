@@ -1,0 +1,138 @@
+//! Typeset reports, read by another program's eyes: pages, attachment, and what no page can show.
+
+use hayro_syntax::Pdf;
+use spineline_pdf::{Made, PdfError, embedded, pdf};
+use spineline_report::Document;
+use spineline_report::document::{Column, Figure, Notice, NoticeKind, Section, Table};
+
+const MADE: Made = Made { year: 2026, month: 1, day: 2, hour: 3, minute: 4, second: 5 };
+const HOSTILE: &str = "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef #let x = $y$ *z* <w> [病例一] مريض \\u{1}";
+
+/// Every kind of block, with a subject of one's own.
+fn document(subject: &str) -> Document {
+    let mut section = Section::new("all", "Every kind of block");
+    section.heading("A heading with #emph[no markup]");
+    section.paragraph(format!("About {subject}."));
+    let kinds =
+        [NoticeKind::Banner, NoticeKind::Contradiction, NoticeKind::Warning, NoticeKind::Note];
+    for kind in kinds {
+        let (place, code) = ("left bending film, T9".to_owned(), "some_code".to_owned());
+        section.notice(Notice { kind, place, text: subject.to_owned(), code });
+    }
+    section.table(wide());
+    section.figure(Figure::new("flat", "A flat figure", svg(720, 200, subject)));
+    section.figure(Figure::new("tall", "A tall figure", svg(200, 900, "synthetic")));
+    let mut long = Section::new("long", "A table over pages");
+    long.table(tall(200));
+    Document {
+        title: "Report of one patient".to_owned(),
+        subject: subject.to_owned(),
+        generator: "spineline 0.1.0".to_owned(),
+        banners: vec![Notice::new(NoticeKind::Banner, "Synthetic data: made up.")],
+        sections: vec![section, long],
+        analysis: format!("{{\"case_id\":{}}}", serde_json::Value::from(subject)),
+    }
+}
+
+fn wide() -> Table {
+    let columns = (0..14).map(|i| match i {
+        0 => Column::words("Film"),
+        _ => Column::numbers(format!("mean of column {i} (mm)")),
+    });
+    let mut table = Table::new("Fourteen columns", columns.collect());
+    for film in ["erect", "left bending", "right_bending", HOSTILE] {
+        let numbers = (1..14).map(|i| format!("-{i}.25 ± 0.125"));
+        table.row([film.to_owned()].into_iter().chain(numbers).collect());
+    }
+    table.note = "How to read it.".to_owned();
+    table
+}
+
+fn tall(rows: usize) -> Table {
+    let columns = vec![Column::words("Patient"), Column::numbers("error (mm)")];
+    let mut table = Table::new("Many rows", columns);
+    for row in 0..rows {
+        table.row(vec![format!("P{row:03}"), format!("{}.5", row % 7)]);
+    }
+    table
+}
+
+fn svg(width: u32, height: u32, text: &str) -> String {
+    let text = text.replace('&', "&amp;").replace('<', "&lt;");
+    format!(
+        r##"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}"><rect width="{width}" height="{height}" fill="#eee" opacity="0.5"/><text x="10" y="40" font-family="DejaVu Sans, sans-serif" font-size="12">{text}</text></svg>"##
+    )
+}
+
+fn pages(bytes: &[u8]) -> usize {
+    let pdf = Pdf::new(bytes.to_vec()).expect("another program reads it");
+    pdf.pages().len()
+}
+
+#[test]
+fn a_hostile_report_is_typeset_and_holds_its_analysis() {
+    let document = document(HOSTILE);
+    let bytes = pdf(&document, MADE).expect("it can be typeset");
+    assert!(bytes.starts_with(b"%PDF-"));
+    assert_eq!(embedded(&bytes).as_deref(), Some(document.analysis.as_str()));
+    // A tall figure on a page of its own, and a table of 200 rows.
+    let pages = pages(&bytes);
+    assert!((4..=10).contains(&pages), "{pages} pages");
+}
+
+#[test]
+fn the_same_report_has_the_same_bytes() {
+    let document = document("P07");
+    let [a, b] = [(); 2].map(|()| pdf(&document, MADE).expect("it can be typeset"));
+    assert!(a == b, "two runs differ");
+    let later = pdf(&document, Made { second: 6, ..MADE }).expect("it can be typeset");
+    assert!(a != later, "the date is in it");
+}
+
+#[test]
+fn long_tables_go_on_over_pages() {
+    let mut document = document("cohort");
+    document.sections.truncate(1);
+    let few = pages(&pdf(&document, MADE).expect("it can be typeset"));
+    let mut section = Section::new("long", "Five hundred patients");
+    section.table(tall(500));
+    document.sections.push(section);
+    let many = pages(&pdf(&document, MADE).expect("it can be typeset"));
+    assert!((5..=14).contains(&(many - few)), "{few} pages, then {many}");
+}
+
+#[test]
+fn letters_that_no_font_has_are_boxes_and_told() {
+    // One private letter in a text and in a figure; controls and marks of order beside it.
+    let subject = "P\u{10fffd}07\u{202e}\u{7}\u{feff}";
+    let document = document(subject);
+    let bytes = pdf(&document, MADE).expect("it can be typeset");
+    assert_eq!(embedded(&bytes).as_deref(), Some(document.analysis.as_str()));
+    // The note makes it another report than one without the letter.
+    let plain = pdf(&self::document("P07"), MADE).expect("it can be typeset");
+    assert!(bytes.len() != plain.len());
+}
+
+#[test]
+fn a_report_without_content_is_a_page() {
+    let document = Document { banners: Vec::new(), sections: Vec::new(), ..document("") };
+    assert_eq!(pages(&pdf(&document, MADE).expect("it can be typeset")), 1);
+}
+
+#[test]
+fn what_cannot_be_is_said() {
+    let document = document("P07");
+    let error = pdf(&document, Made { month: 2, day: 30, ..MADE }).expect_err("no such day");
+    assert!(matches!(error, PdfError::Date(_)) && error.to_string().contains("2026-02-30"));
+    let mut broken = document;
+    broken.sections[1].figure(Figure::new("broken", "No SVG", "<svg".to_owned()));
+    let error = pdf(&broken, MADE).expect_err("no figure").to_string();
+    assert!(error.contains("SVG"), "{error}");
+}
+
+#[test]
+fn what_is_no_report_holds_no_analysis() {
+    for bytes in [&b"%PDF-1.7 and no analysis"[..], b"", b"<html>", b"{}", b"%PDF-"] {
+        assert_eq!(embedded(bytes), None);
+    }
+}
