@@ -351,6 +351,14 @@ fn reproduce_prints_the_table_and_writes_the_same_bytes_for_any_number_of_thread
     }
     let figures = fs::read_dir(here.path().join("a/figures")).expect("figures").count();
     assert!(figures >= 20, "{figures}");
+    for truth in ["rod", "bend", "pull"] {
+        let report = |out: &str| {
+            let name = format!("{out}/reports/cohort-{truth}.html");
+            let bytes = fs::read(here.path().join(name)).expect("a report");
+            results(&spineline_report::embedded(&bytes).expect("its analyses are within"))
+        };
+        assert!(report("a") == report("b"), "the report of {truth} depends on the threads");
+    }
 }
 
 #[test]

@@ -22,7 +22,7 @@ pub fn embedded(pdf: &[u8]) -> Option<String> {
     let files = lists.into_iter().flatten().flat_map(|list| list.iter::<Object<'_>>());
     let found = files.filter_map(Object::into_dict).find(is_ours)?;
     let stream = found.get::<Dict<'_>>("EF")?.get::<Stream<'_>>("F")?;
-    String::from_utf8(stream.decoded_data().ok()?.into_owned()).ok()
+    String::from_utf8(stream.decoded().ok()?.into_owned()).ok()
 }
 
 fn is_ours(file: &Dict<'_>) -> bool {

@@ -41,6 +41,8 @@ impl Asked {
 /// The largest letters in which no word is cut; room that is left goes to columns whose cells have more than one line.
 pub(crate) fn fit(heads: &[String], rows: &[Vec<String>]) -> Fit {
     let mut asked: Vec<Asked> = heads.iter().map(|head| Asked::default().and(head, BOLD)).collect();
+    // A head may have two lines: what is below it counts.
+    asked.iter_mut().for_each(|asked| asked.line = asked.word.max(0.5 * asked.line));
     for row in rows {
         for (asked, cell) in asked.iter_mut().zip(row) {
             *asked = asked.and(cell, 1.0);

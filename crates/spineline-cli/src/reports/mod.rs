@@ -12,6 +12,8 @@ use crate::analyze::case_files;
 use crate::failure::{Ending, Failure};
 
 pub use args::{EXAMPLES, ReportArgs};
+#[cfg(feature = "pdf")]
+pub use typeset::pdf;
 
 pub fn run(args: &ReportArgs) -> Result<Ending, Failure> {
     let paths = case_files(&args.cases)?;

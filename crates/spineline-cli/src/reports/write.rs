@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use spineline_report::document::Figure;
+use spineline_report::fonts::Fonts;
 use spineline_report::{Document, html, markdown, png};
 
 use super::args::{FormName, ReportArgs};
@@ -33,6 +34,13 @@ pub fn all(
         FormName::Md => write_markdown(document, &out)?,
         #[cfg(feature = "pdf")]
         FormName::Pdf => write_file(&out, super::typeset::pdf(document, date_utc)?)?,
+    }
+    // A PDF says it itself; a browser looks for letters where it is.
+    if args.figures.is_some() {
+        let texts = document.figures().map(|figure| figure.svg.as_str());
+        if let Some(words) = Fonts::for_texts(texts).missing_words() {
+            eprintln!("warning: {}: {words} [letters_missing]", document.subject);
+        }
     }
     let mut said = format!("Report   {}\n", out.display());
     if let Some(folder) = &args.figures {

@@ -17,7 +17,7 @@ use crate::failure::Failure;
 use crate::provenance::in_svg;
 
 /// The patient that stands for all in figures of one patient.
-const EXAMPLE: usize = 0;
+pub const EXAMPLE: usize = 0;
 
 pub fn write(folder: &Path, runs: &[Run], provenance: &Provenance) -> Result<(), Failure> {
     let save = |name: String, svg: &str| {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde::Serialize;
+use spineline::analysis::{Analysis, Case};
 use spineline_io::{AnalysisFile, CaseFile, Provenance, Request};
 
 use super::rows::Section;
@@ -39,13 +40,18 @@ pub fn write(
         write_table(&out.join("errors").join(name), &csv_text(&run.analyses)?, provenance)?;
         for (case, analysis) in run.cases.iter().zip(&run.analyses) {
             let name = format!("{}-{support}.json", analysis.case_id);
-            let request = Request { options: analysis.options.clone(), ..Request::default() };
-            let provenance = provenance.clone().asking(&request);
-            let file = AnalysisFile::new(analysis, CaseFile::from_case(case), provenance);
+            let file = analysis_file(case, analysis, provenance);
             write_file(&out.join("analyses").join(name), spineline_io::to_text(&file))?;
         }
     }
     Ok(())
+}
+
+/// One patient's analysis as it is written.
+pub fn analysis_file(case: &Case, analysis: &Analysis, provenance: &Provenance) -> AnalysisFile {
+    let request = Request { options: analysis.options.clone(), ..Request::default() };
+    let provenance = provenance.clone().asking(&request);
+    AnalysisFile::new(analysis, CaseFile::from_case(case), provenance)
 }
 
 #[derive(Serialize)]

@@ -6,6 +6,7 @@
 mod drawings;
 mod fair;
 mod files;
+mod reports;
 mod rows;
 
 use std::path::Path;
@@ -65,6 +66,7 @@ pub fn run(args: &ReproduceArgs) -> Result<Ending, Failure> {
         Provenance::new(this_run()?, FilmOrigin::Synthetic, Vec::new()).with_seed(args.seed);
     files::write(&args.out, &runs, &sections, args, &provenance)?;
     drawings::write(&args.out.join("figures"), &runs, &provenance)?;
+    reports::write(&args.out.join("reports"), &runs, &provenance)?;
     print(&closing(&args.out))?;
     // A model without result against a truth that contradicts it is a finding: the table counts it.
     Ok(Ending::Done)
@@ -145,10 +147,12 @@ fn text(sections: &[Section], args: &ReproduceArgs) -> String {
 fn closing(out: &Path) -> String {
     format!(
         "\nTables   {} (and .json)\n         {} has every vertebra, {} every patient\n\
-         Figures  {} (open them in a browser)\n",
+         Figures  {} (open them in a browser)\n\
+         Reports  {} (a cohort per truth, and one patient)\n",
         out.join("summary.csv").display(),
         out.join("errors").display(),
         out.join("analyses").display(),
-        out.join("figures").display()
+        out.join("figures").display(),
+        out.join("reports").display()
     )
 }

@@ -2,9 +2,12 @@
 
 use spineline::analysis::Analysis;
 use spineline::measure::FilmReadings;
-use spineline::reliability::{Icc, SemKind, StatisticKind, assess, film_quantities};
+use spineline::reliability::{
+    DesignReliability, Icc, QuantityReliability, SemKind, StatisticKind, assess, film_quantities,
+};
 
-use crate::document::{Column, Section, Table};
+use crate::document::{Column, Figure, Section, Table};
+use crate::figures::bland_altman;
 
 /// The statistics that a reader asks for first; the rest is in the analyses and in `spineline reliability`.
 const SHOWN: [StatisticKind; 4] = [
@@ -14,7 +17,12 @@ const SHOWN: [StatisticKind; 4] = [
     StatisticKind::Pearson,
 ];
 
-/// Errors and correlations of the readings.
+/// What is plotted: angles, from which a film's frame has dropped out or not.
+const PLOTTED: [&str; 2] = ["tilt_step", "tilt_as_paper"];
+/// More points than these hide one another.
+const MOST_POINTS: usize = 4000;
+
+/// Errors and correlations of the readings, and how far readers lie apart.
 pub fn section(analyses: &[Analysis]) -> Section {
     let mut section = Section::new("reliability", "Reliability of the readings");
     let mut cases: Vec<(&str, &[FilmReadings])> = Vec::new();
@@ -38,8 +46,11 @@ pub fn section(analyses: &[Analysis]) -> Section {
         Column::words("Unit"),
     ];
     let mut table = Table::new("How well readings repeat", columns);
+    let synthetic = analyses.iter().any(|analysis| analysis.synthetic);
+    let mut plots: Vec<Figure> = Vec::new();
     for quantity in film_quantities(&cases).iter().map(assess) {
         for design in &quantity.designs {
+            plots.extend(plot(&quantity, design, synthetic));
             for statistic in design.statistics.iter().filter(|s| SHOWN.contains(&s.kind)) {
                 let (Some(value), interval) = statistic.shown() else { continue };
                 table.row(vec![
@@ -56,5 +67,27 @@ pub fn section(analyses: &[Analysis]) -> Section {
     }
     table.note = "SEM and MDC95 speak of the readers alone. Every correlation also grows with the spread of the subjects. Intervals take the subjects for independent; vertebrae of one film are not, so true ones are wider.".to_owned();
     section.table(table);
+    for plot in plots {
+        section.figure(plot);
+    }
     section
+}
+
+/// Bland and Altman's plot, where it can be read.
+fn plot(
+    quantity: &QuantityReliability,
+    design: &DesignReliability,
+    synthetic: bool,
+) -> Option<Figure> {
+    let few = design.bland_altman.iter().all(|pair| pair.points.len() <= MOST_POINTS);
+    if !few || !PLOTTED.contains(&quantity.key.as_str()) {
+        return None;
+    }
+    let svg = bland_altman(quantity, design, synthetic)?;
+    let caption = format!(
+        "Agreement of {}, {}: differences over means, with bias and limits of agreement.",
+        quantity.key.replace('_', " "),
+        design.design
+    );
+    Some(Figure::new(format!("agreement-{}-{}", quantity.key, design.design.key()), caption, svg))
 }
