@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::run;
+use crate::{built, run};
 
 /// Runs every target for so many seconds; a crash is an error, and its input stays below `fuzz/artifacts`.
 pub fn all(root: &Path, seconds: u32) -> Result<(), String> {
@@ -17,9 +17,8 @@ pub fn all(root: &Path, seconds: u32) -> Result<(), String> {
     if !answers("cargo", &["fuzz", "--version"]) {
         run(root, "cargo", &["install", "--locked", "--quiet", "cargo-fuzz"], &[])?;
     }
-    let seeds = ["run", "--quiet", "--locked", "--manifest-path", "../Cargo.toml"];
-    let seeds = [&seeds[..], &["--package", "spineline-io", "--example", "fuzz_seeds"]].concat();
-    run(&folder, "cargo", &seeds, &[])?;
+    let seeds = built(root, "examples/fuzz_seeds")?.display().to_string();
+    run(&folder, &seeds, &[], &[])?;
     run(&folder, "cargo", &["+nightly", "fuzz", "build", "--sanitizer", "none"], &[])?;
     for target in targets(&folder)? {
         let seeds = format!("seeds/{target}");

@@ -108,6 +108,13 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the workspace").to_owned()
 }
 
+/// The program and its examples as the tests have built them. Another choice of packages would ask for other features of
+/// what they depend on, and build all of it once more.
+fn built(root: &Path, name: &str) -> Result<PathBuf, String> {
+    cargo(root, &["test", "--quiet", "--workspace", "--locked", "--no-run"])?;
+    Ok(python::target()?.join("debug").join(name).with_extension(std::env::consts::EXE_EXTENSION))
+}
+
 fn cargo(root: &Path, arguments: &[&str]) -> Result<(), String> {
     run(root, "cargo", arguments, &[])
 }

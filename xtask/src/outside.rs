@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::{cargo, debian, python};
+use crate::{built, debian, python};
 
 /// Exported models in MuJoCo, Pinocchio and OpenSim: shapes under load.
 pub fn engines(root: &Path) -> Result<(), String> {
@@ -27,7 +27,7 @@ pub fn exchange(root: &Path) -> Result<(), String> {
 }
 
 fn compare(root: &Path, name: &str) -> Result<(), String> {
-    cargo(root, &["build", "--quiet", "--locked", "--package", "spineline-cli"])?;
+    built(root, "spineline")?;
     let script = root.join("validation").join(name).join("compare.py");
     python::project(root, name, &script, Path::new("debug/spineline"), &[])
 }

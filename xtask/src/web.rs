@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::{cargo, debian, python, run};
+use crate::{built, debian, run};
 
 /// Checks, unit-tests and builds the app.
 pub fn build(root: &Path) -> Result<(), String> {
@@ -23,8 +23,7 @@ pub fn browser(root: &Path) -> Result<(), String> {
     if !debian::provide("chromium", "chromium") {
         return Err("no Chromium\n  help: install the package `chromium`".to_owned());
     }
-    cargo(root, &["build", "--quiet", "--locked", "--package", "spineline-cli"])?;
-    let program = python::target()?.join("debug/spineline");
+    let program = built(root, "spineline")?;
     let program = program.to_str().ok_or("the target folder's name is not UTF-8")?;
     npm(root, &["run", "--silent", "e2e"], &[("SPINELINE_PROGRAM", program)])
 }

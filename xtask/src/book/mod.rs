@@ -9,16 +9,15 @@ mod paper;
 use std::fs;
 use std::path::Path;
 
-use crate::{cargo, python, run};
+use crate::{built, python, run};
 
 /// Makes the book below the target folder.
 pub fn make(root: &Path) -> Result<(), String> {
     let target = python::target()?;
     let guide = root.join("docs/guide");
     let mdbook = python::tool(root, "docs", &guide.join("requirements.txt"), "mdbook")?;
-    cargo(root, &["build", "--quiet", "--locked", "--package", "spineline-cli"])?;
     let results = target.join("docs/reproduce");
-    let program = target.join("debug/spineline").with_extension(std::env::consts::EXE_EXTENSION);
+    let program = built(root, "spineline")?;
     let [program, out] = [&program, &results].map(|path| path.display().to_string());
     // What it prints is what the page shows.
     println!("» {program} reproduce");
