@@ -352,6 +352,10 @@ fn reproduce_prints_the_table_and_writes_the_same_bytes_for_any_number_of_thread
     let figures = fs::read_dir(here.path().join("a/figures")).expect("figures").count();
     assert!(figures >= 20, "{figures}");
     for truth in ["rod", "bend", "pull"] {
+        let patient = here.path().join(format!("a/reports/patient-{truth}.html"));
+        assert!(
+            patient.exists() && patient.with_extension("pdf").exists() == cfg!(feature = "pdf")
+        );
         let report = |out: &str| {
             let name = format!("{out}/reports/cohort-{truth}.html");
             let bytes = fs::read(here.path().join(name)).expect("a report");

@@ -212,10 +212,14 @@ pub fn generate(
     generate_varied(index, truth, readers, seed, 0.0)
 }
 
-/// As [`generate`], where the springs of joints in one region differ: their logarithms have this standard deviation.
+/// As [`generate`], where the springs of joints in one region differ: their logarithms have this standard deviation. Truths
+/// without springs stay as they are, and [`Phantom::multipliers`] are those of the regions.
 ///
 /// # Errors
 /// [`PhantomError`].
+///
+/// # Panics
+/// If the deviation is no finite number.
 pub fn generate_varied(
     index: usize,
     truth: Truth,

@@ -41,6 +41,7 @@ fn as_read(line: &LineOfAction, truth: &TruePosture, posture: &PostureAnalysis) 
 
 fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut Counts) {
     let loads = analysis.preferred_loads();
+    // One fit for all films: it is kept under the one that has no load.
     let [settled, all] = counts.entry((Posture::Erect, SETTLED)).or_default();
     *settled += usize::from(loads.is_some());
     *all += 1;
@@ -123,6 +124,7 @@ fn check(truth: Truth, counts: &Counts, right: std::ops::RangeInclusive<f64>) {
     for posture in Posture::MOVED {
         let region = share(counts, posture, REGION);
         assert!(right.contains(&region), "{truth:?}, {posture}: {region}");
+        // The other lines of pulled spines are nearly horizontal, and cross anywhere.
         if truth == Truth::Rod || posture == Posture::Traction {
             let crossing = share(counts, posture, CROSSING);
             assert!(right.contains(&crossing), "{truth:?}, {posture}: {crossing}");

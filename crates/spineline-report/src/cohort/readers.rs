@@ -17,7 +17,7 @@ const SHOWN: [StatisticKind; 4] = [
     StatisticKind::Pearson,
 ];
 
-/// What is plotted: angles, from which a film's frame has dropped out or not.
+/// What is plotted: tilts between neighbours, which no turn of the film changes, and as the paper takes them.
 const PLOTTED: [&str; 2] = ["tilt_step", "tilt_as_paper"];
 /// More points than these hide one another.
 const MOST_POINTS: usize = 4000;
@@ -65,7 +65,7 @@ pub fn section(analyses: &[Analysis]) -> Section {
             }
         }
     }
-    table.note = "SEM and MDC95 speak of the readers alone. Every correlation also grows with the spread of the subjects. Intervals take the subjects for independent; vertebrae of one film are not, so true ones are wider.".to_owned();
+    table.note = "SEM and MDC95 speak of the readers alone. Every correlation also grows with the spread of the subjects. Intervals take the subjects for independent; vertebrae of one film are not, so true ones are wider. Plots of more than 4,000 points are left out.".to_owned();
     section.table(table);
     for plot in plots {
         section.figure(plot);

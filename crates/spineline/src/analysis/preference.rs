@@ -85,13 +85,18 @@ impl Analysis {
         PreferredLoads::estimate(&films, depth_mm(self), &self.joint_shares(), near)
     }
 
-    /// Which part of every joint lies in which region: regions end at the inflections, where there are two.
+    /// Which part of every joint lies in which region: regions end at the inflections, unless these give no three regions.
     fn joint_shares(&self) -> JointShares {
-        match self.inflections.pair {
-            Some(pair) => {
-                let ends_mm = pair.map(|inflection| inflection.t_mm);
-                JointShares::between(&self.erect().fit.vertebra_t_mm, ends_mm)
-            }
+        let vertebrae_mm = &self.erect().fit.vertebra_t_mm;
+        let ends = [0, 1].map(|i| self.regions.bounds[i].superior);
+        let lie_near = |ends_mm: &[f64; 2]| {
+            ends.iter()
+                .zip(ends_mm)
+                .all(|(&end, mm)| (vertebrae_mm[end - 1]..vertebrae_mm[end + 1]).contains(mm))
+        };
+        let ends_mm = self.inflections.pair.map(|pair| pair.map(|inflection| inflection.t_mm));
+        match ends_mm.filter(lie_near) {
+            Some(ends_mm) => JointShares::between(vertebrae_mm, ends_mm),
             None => JointShares::whole(&self.regions),
         }
     }

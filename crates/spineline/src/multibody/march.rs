@@ -129,7 +129,7 @@ pub struct Solution {
     pub turn_rates: Vec<Vec<Vec3>>,
     /// Whether the place of a load that moves with T2 was found.
     pub converged: bool,
-    /// Distance between the place where the load was put and T2's midpoint.
+    /// Distance of T2's midpoint from the line on which a load at T2 was put.
     pub residual_mm: f64,
 }
 
@@ -248,7 +248,7 @@ impl<'a> Statics<'a> {
     /// `G`; N, N·mm, mm, rad.
     ///
     /// # Accuracy
-    /// Explicit: rounding only. A load at T2 is closed to 1e-9 mm, or `converged` is false and `residual_mm` says by how much.
+    /// Explicit: rounding only. T2 lies on the line of a load at T2 to 1e-9 mm, or `converged` is false and `residual_mm` says by how much.
     pub fn solve(
         &self,
         load: &Load,
@@ -279,7 +279,7 @@ impl<'a> Statics<'a> {
         }
     }
 
-    /// A force at T2's midpoint: Newton on the place where T2 ends up, at first where the film shows it.
+    /// A force at T2's midpoint: Newton on the line through where T2 ends up, at first where the film shows it.
     fn solve_at_t2(
         &self,
         line: &LineOfAction,

@@ -28,7 +28,9 @@ pub(super) fn further(strides: &[Stride]) -> DVector<f64> {
         return last.to.clone();
     }
     let changes = DMatrix::from_columns(&changes);
-    let Ok(parts) = changes.svd(true, true).solve(&last.step(), 1e-9) else {
+    // Changes that are alike tell no more than one of them.
+    let least = 1e-6 * changes.amax();
+    let Ok(parts) = changes.svd(true, true).solve(&last.step(), least) else {
         return last.to.clone();
     };
     let ends = strides.windows(2).map(|pair| &pair[0].to - &pair[1].to);

@@ -143,6 +143,7 @@ mod tests {
             components: vec![[0.0, 100.0, 1000.0]],
             log_multipliers: vec![0.0],
             centres_higher_discs: 0.0,
+            evenness: 0.0,
             joint_log_sd: 0.1,
             centre_sd_discs: 1.0,
             covariance: DMatrix::from_diagonal(&DVector::from_column_slice(&variances)),

@@ -27,6 +27,7 @@ mod preferred;
 mod problem;
 mod rows;
 mod start;
+mod weights;
 
 pub use fit::{FittedSprings, Personalization, StiffnessBound, personalize};
 pub(crate) use fit::{Known, personalize_with};

@@ -3,10 +3,11 @@
 //! # Model
 //! The rotation of joint `j` on a film is `(a_j · w) / α e^(δ_j)` and noise: `w` is the planar load, `a_j` its nominal
 //! response about the joint's centre and `α` the multiplier of the joint's group. What a joint has of its own is the same on
-//! every film: `δ_j` of its stiffness, and a centre that lies higher up the disc than the model has it, by a part of the disc
-//! that all joints share and a part of its own. A joint in which a region ends has springs of both. A hinge's centre lies
-//! where tangents meet; the more evenly joints turn over their length, the nearer it is to the chord. Noise is that of the tilts: neighbouring joints share a vertebra and all films share
-//! the erect one, so that the rotations of all films have one covariance.
+//! every film: `δ_j` of its stiffness, and a centre that lies higher up the disc than the model has it, by a part of the
+//! disc that all joints share and a part of its own. A joint in which a region ends has springs of both. A hinge's centre
+//! lies where tangents meet; the more evenly joints turn over their length, the nearer it is to the chord. Noise is that of
+//! the tilts: neighbouring joints share a vertebra and all films share the erect one, so that the rotations of all films
+//! have one covariance.
 //!
 //! Loads, multipliers, the shared part of the centres and the evenness are fitted by generalised least squares; the deviations of what
 //! joints have of their own by restricted maximum likelihood (scoring), penalised so that none is zero. So the films tell
@@ -17,11 +18,12 @@
 
 use std::ops::AddAssign;
 
-use nalgebra::{DMatrix, DVector, Dyn, Matrix2, Vector2};
+use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
 use super::MULTIPLIER_BOUNDS;
 use super::acceleration::{Stride, further};
 use super::evidence::{FilmEvidence, JointEvidence};
+use super::weights::{Normal, Own, Precision, scale_columns};
 use crate::clinical::JointShares;
 use crate::multibody::Load;
 use crate::spatial::Frontal;
@@ -35,6 +37,8 @@ pub struct PreferredLoads {
     pub log_multipliers: Vec<f64>,
     /// How much further up their discs the joints turn than the model has their centres, in thicknesses of the disc.
     pub centres_higher_discs: f64,
+    /// How evenly joints turn over their length: 0 for hinges, 1 for a rod.
+    pub evenness: f64,
     /// Deviation of `ln` stiffness among the joints of a group.
     pub joint_log_sd: f64,
     /// Deviation of the joints' centres along the spine about that, in thicknesses of the disc.
@@ -54,7 +58,9 @@ const LEAST_OF_MOST: f64 = 1e-9;
 const EVENNESS: f64 = 0.25;
 const EVENNESS_SD: f64 = 0.25;
 const ROUNDS: usize = 100;
-/// A step of logarithms that moves nothing any more.
+/// A longer step of multipliers leaves what the linear theory knows.
+const LONGEST: f64 = 0.5;
+/// A step that moves nothing any more.
 const SETTLED: f64 = 1e-4;
 
 impl PreferredLoads {
@@ -76,7 +82,7 @@ impl PreferredLoads {
         let mut variances = MOST_VARIANCES * 1e-2;
         if let Some(near) = near.filter(|near| near.log_multipliers.len() == shares.0.ncols()) {
             fit.logs.clone_from(&near.log_multipliers);
-            fit.centres_higher_discs = near.centres_higher_discs;
+            (fit.centres_higher_discs, fit.evenness) = (near.centres_higher_discs, near.evenness);
             variances = Vector2::new(near.joint_log_sd.powi(2), near.centre_sd_discs.powi(2));
         }
         fit.solve_loads(None)?;
@@ -84,13 +90,20 @@ impl PreferredLoads {
         let mut strides: Vec<Stride> = Vec::new();
         for _ in 0..ROUNDS {
             let stride = fit.stride(&state, variances);
-            let moved = (&stride.to - &stride.from).amax();
+            let settled = (&stride.to - &stride.from).amax() < SETTLED;
             strides.insert(0, stride);
             strides.truncate(3);
-            variances = fit.go_to(&further(&strides));
+            // At the end, and where steps together would put a multiplier on its bound, the last one counts alone.
+            let together = further(&strides);
+            let mut within = together.clone();
+            fit.keep_within(&mut within);
+            let logs = 2..2 + fit.logs.len();
+            let alone =
+                settled || within.rows_range(logs.clone()) != together.rows_range(logs.clone());
+            variances = fit.go_to(if alone { &strides[0].to } else { &within });
             fit.solve_loads(Some(&state.own))?;
             state = fit.weigh(variances)?;
-            if moved < SETTLED {
+            if settled {
                 return Some(fit.finish(variances, &state));
             }
         }
@@ -118,40 +131,6 @@ struct Fit<'a> {
     logs: Vec<f64>,
 }
 
-/// The inverse of the noise's covariance.
-///
-/// Neighbouring joints share a vertebra on every film alike, and all films share the erect one at every joint alike: the
-/// covariance is the product of one over films and one over joints, and so is its inverse.
-struct Precision {
-    films: DMatrix<f64>,
-    joints: DMatrix<f64>,
-}
-
-impl Precision {
-    fn new(films: &[&FilmEvidence], joints: usize) -> Option<Self> {
-        let over_films = DMatrix::from_fn(films.len(), films.len(), |a, b| {
-            let own = if a == b { films[a].tilt_sd.rad().powi(2) } else { 0.0 };
-            own + films[a].erect_tilt_sd.rad().powi(2)
-        });
-        // Of the matrix with 2 on its diagonal and -1 beside it.
-        let over_joints = DMatrix::from_fn(joints, joints, |a, b| {
-            ((a.min(b) + 1) * (joints - a.max(b))) as f64 / (joints + 1) as f64
-        });
-        Some(Self { films: over_films.cholesky()?.inverse(), joints: over_joints })
-    }
-
-    /// Times columns of rotations of all films below one another.
-    fn times(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut product = DMatrix::zeros(columns.nrows(), columns.ncols());
-        for (from, mut to) in columns.column_iter().zip(product.column_iter_mut()) {
-            let from = from.reshape_generic(Dyn(self.joints.nrows()), Dyn(self.films.nrows()));
-            let weighed = &self.joints * (from * &self.films);
-            to.copy_from_slice(weighed.as_slice());
-        }
-        product
-    }
-}
-
 /// The fit at some variances of what joints have of their own.
 struct Weighed {
     /// By the loads, the free multipliers and the centres, in scaled columns.
@@ -165,45 +144,6 @@ struct Weighed {
     score: Vector2<f64>,
     information: Matrix2<f64>,
     ways: DMatrix<f64>,
-}
-
-/// What joints have of their own, beside the noise.
-struct Own {
-    /// Rotations per unit of every joint's own stiffness, and of its own centre: joints by films.
-    rotations: [DMatrix<f64>; 2],
-    /// Its covariance once the rotations are known.
-    covariance: DMatrix<f64>,
-}
-
-impl Own {
-    fn new(
-        rotations: [DMatrix<f64>; 2],
-        precision: &Precision,
-        variances: Vector2<f64>,
-    ) -> Option<Self> {
-        let joints = precision.joints.nrows();
-        let mut known = DMatrix::zeros(2 * joints, 2 * joints);
-        let weighed = rotations.each_ref().map(|part| part * &precision.films);
-        for (a, part) in rotations.iter().enumerate() {
-            for (b, weighed) in weighed.iter().enumerate() {
-                let block = (part * weighed.transpose()).component_mul(&precision.joints);
-                known.view_mut((a * joints, b * joints), (joints, joints)).copy_from(&block);
-            }
-        }
-        for i in 0..2 * joints {
-            known[(i, i)] += 1.0 / variances[i / joints];
-        }
-        Some(Self { covariance: known.cholesky()?.inverse(), rotations })
-    }
-
-    /// What weighed columns of rotations say of it.
-    fn gather(&self, weighed: &DMatrix<f64>) -> DMatrix<f64> {
-        let (joints, films) = self.rotations[0].shape();
-        DMatrix::from_fn(2 * joints, weighed.ncols(), |own, column| {
-            let (part, joint) = (&self.rotations[own / joints], own % joints);
-            (0..films).map(|a| part[(joint, a)] * weighed[(a * joints + joint, column)]).sum()
-        })
-    }
 }
 
 impl Weighed {
@@ -350,11 +290,9 @@ impl<'a> Fit<'a> {
     /// residuals are large, and the variances know the expected curvature only.
     fn stride(&self, at: &Weighed, variances: Vector2<f64>) -> Stride {
         let step = (&at.covariance * &at.slope).component_div(&at.scales);
-        // A long stride leaves what the linear theory knows.
-        const STRIDE: f64 = 0.5;
         let mut change = &at.ways * step.rows(3 * self.films, at.ways.ncols());
         let longest = change.amax();
-        let part = if longest > STRIDE { STRIDE / longest } else { 1.0 };
+        let part = if longest > LONGEST { LONGEST / longest } else { 1.0 };
         change *= part;
         let shifts = step.rows(3 * self.films + at.ways.ncols(), 2) * part;
         let from = self.place(variances);
@@ -388,10 +326,8 @@ impl<'a> Fit<'a> {
         *higher = higher.clamp(-1.0, 1.0);
     }
 
-    /// Takes multipliers and centres of a place, and answers with its variances.
+    /// Takes multipliers, centres and evenness of a place, and answers with its variances.
     fn go_to(&mut self, place: &DVector<f64>) -> Vector2<f64> {
-        let mut place = place.clone();
-        self.keep_within(&mut place);
         let groups = self.logs.len();
         self.logs.copy_from_slice(&place.as_slice()[2..2 + groups]);
         self.centres_higher_discs = place[2 + groups] * MOST_HIGHER_DISCS;
@@ -421,52 +357,12 @@ impl<'a> Fit<'a> {
                 .collect(),
             log_multipliers: self.logs.clone(),
             centres_higher_discs: self.centres_higher_discs,
+            evenness: self.evenness,
             joint_log_sd: variances[0].sqrt(),
             centre_sd_discs: variances[1].sqrt(),
             covariance,
         }
     }
-}
-
-/// The normal equations of columns and a residual, weighed by noise and by what joints have of their own.
-struct Normal {
-    matrix: DMatrix<f64>,
-    right: DMatrix<f64>,
-    /// What joints have of their own, as the columns and the residual alone would tell it.
-    own_by_columns: DMatrix<f64>,
-    own_by_residual: DMatrix<f64>,
-}
-
-impl Normal {
-    fn new(
-        columns: &DMatrix<f64>,
-        residual: &DMatrix<f64>,
-        precision: &Precision,
-        own: Option<&Own>,
-    ) -> Self {
-        let (by_columns, by_residual) = (precision.times(columns), precision.times(residual));
-        let (mut matrix, mut right) = (columns.tr_mul(&by_columns), columns.tr_mul(&by_residual));
-        let (mut own_by_columns, mut own_by_residual) = Default::default();
-        if let Some(own) = own {
-            // Woodbury's identity.
-            let (columns, residual) = (own.gather(&by_columns), own.gather(&by_residual));
-            own_by_columns = &own.covariance * &columns;
-            own_by_residual = &own.covariance * &residual;
-            matrix -= columns.tr_mul(&own_by_columns);
-            right -= columns.tr_mul(&own_by_residual);
-        }
-        Self { matrix, right, own_by_columns, own_by_residual }
-    }
-}
-
-/// Divides every column by its largest entry, and answers with those: newtons and newton millimetres differ by hundreds.
-fn scale_columns(matrix: &mut DMatrix<f64>) -> DVector<f64> {
-    let largest = matrix.column_iter().map(|column| column.amax().max(f64::MIN_POSITIVE));
-    let scales = DVector::from_iterator(matrix.ncols(), largest);
-    for (mut column, scale) in matrix.column_iter_mut().zip(scales.iter()) {
-        column /= *scale;
-    }
-    scales
 }
 
 /// By how much the responses grow where every joint's centre is shifted.
@@ -477,7 +373,41 @@ fn shifted(
     let of_joint = |joint: &JointEvidence| {
         // The moment about a point falls with fz to the left and grows with fy upwards.
         let shift = shift_mm(joint);
-        [shift.z_mm, -shift.y_mm, 0.0].map(|part| part * joint.compliance_rad_per_nmm)
+        let turn_rad_per_nmm = joint.compliance_rad_per_nmm * joint.hinge.x;
+        [shift.z_mm, -shift.y_mm, 0.0].map(|part| part * turn_rad_per_nmm)
     };
     films.iter().map(|film| film.joints.iter().map(of_joint).collect()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spatial::{Angle, Vec3};
+
+    #[test]
+    fn a_shifted_centre_changes_responses_as_a_shifted_centre_does() {
+        // Oracle: the responses with the centre moved; a hinge that is pitched out of the film.
+        let shift = Frontal::new(0.7, -1.3);
+        let joint = JointEvidence {
+            rotation: Angle::ZERO,
+            centre_mm: Vec3::new(5.0, 20.0, 150.0),
+            disc_mm: shift,
+            to_evener_mm: Frontal::default(),
+            hinge: Vec3::new(0.8, 0.0, 0.6),
+            compliance_rad_per_nmm: 1e-5,
+        };
+        let film = |joint| FilmEvidence {
+            joints: vec![joint],
+            tilt_sd: Angle::from_deg(0.5),
+            erect_tilt_sd: Angle::from_deg(0.5),
+        };
+        let load = Load::Frontal { depth_mm: 0.0 };
+        let before = film(joint).responses(&load)[0];
+        let centre_mm = joint.centre_mm + Vec3::new(0.0, shift.y_mm, shift.z_mm);
+        let after = film(JointEvidence { centre_mm, ..joint }).responses(&load)[0];
+        let told = shifted(&[&film(joint)], |joint| joint.disc_mm)[0][0];
+        for part in 0..3 {
+            assert!((after[part] - before[part] - told[part]).abs() < 1e-15, "{part}");
+        }
+    }
 }
