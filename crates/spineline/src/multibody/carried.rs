@@ -41,7 +41,7 @@ impl Carried {
     /// Three hinges in series; each turns the axes that come after it. Gives their angles, and their axes in `G`.
     ///
     /// With `SMALL` the axes are right only if all three angles are small.
-    #[inline]
+    #[inline(always)]
     pub fn turn<const SMALL: bool>(&mut self, compliance: &[f64; 3]) -> ([f64; 3], [Vec3; 3]) {
         let Self { axes: [x, y, z], moment_nmm: [mx, my, mz] } = self;
         let (hinge_x, angle_x) = (*x, compliance[0] * *mx);

@@ -131,6 +131,8 @@ pub struct Solution {
     pub converged: bool,
     /// Distance of T2's midpoint from the line on which a load at T2 was put.
     pub residual_mm: f64,
+    /// Room for derivatives by the place of a load at T2, which only its search needs.
+    pub(super) spare_rates: Vec<Vec<Vec3>>,
 }
 
 impl Solution {
@@ -320,8 +322,9 @@ impl<'a> Statics<'a> {
             }
             place += across * (inverse * gap);
         }
-        solution.midpoint_rates.truncate(n);
-        solution.turn_rates.truncate(n);
+        for rates in [&mut solution.midpoint_rates, &mut solution.turn_rates] {
+            solution.spare_rates.extend(rates.drain(n..));
+        }
     }
 
     /// Equilibrium under a wrench fixed in space: one pass from L4 to T2, with its derivatives.
@@ -442,7 +445,10 @@ impl<'a> Statics<'a> {
             deformed.hinges_rad = vec![[0.0; 3]; vertebrae - 1];
         }
         for rates in [&mut solution.midpoint_rates, &mut solution.turn_rates] {
-            rates.resize_with(parameters, || vec![Vec3::zeros(); vertebrae]);
+            let spare = &mut solution.spare_rates;
+            rates.resize_with(parameters, || {
+                spare.pop().unwrap_or_else(|| vec![Vec3::zeros(); vertebrae])
+            });
         }
     }
 }

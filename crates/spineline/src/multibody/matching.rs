@@ -1,8 +1,7 @@
-use std::cell::Cell;
-
 use super::roots::{Along, Lost, Sample, zeros_between};
+use super::sought::{Lean, Look, NearestT2, Sought, T2_TOLERANCE_MM};
 use super::{Load, Parameter, Solution, Statics};
-use crate::spatial::{Angle, Frontal};
+use crate::spatial::{Angle, Frontal, Vec3};
 
 /// The way a force points along its line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -90,16 +89,12 @@ impl ForceMatch {
 
 /// No hinge is followed beyond this angle: ligaments and facets would have stopped it long before.
 pub(crate) const LARGEST_HINGE_RAD: f64 = 0.8;
-/// A hinge turns by at most so much from one step to the next.
-const STEP_RAD: f64 = 0.25;
-/// T2 moves by at most so much from one look at its distance to the next.
-const T2_STEP_MM: f64 = 4.0;
 /// 1500 N for springs of the library's mean lateral stiffness; scales with the springs.
 pub(crate) const LARGEST_FORCE_PER_STIFFNESS: f64 = 1500.0 / 144_000.0;
-/// Distances of T2 that differ by less are equally good: about what a location's reading and the model's joints leave.
-const T2_TOLERANCE_MM: f64 = 1.0;
 /// T2's next place is guessed along the path no further than this.
 const LONGEST_GUESS_MM: f64 = 20.0;
+/// A path that cannot be followed by so small a part of a step breaks off.
+const SHORTEST_OF_STEP: f64 = 1e-3;
 /// A path that needs more equilibria than this goes nowhere.
 const MOST_EVALUATIONS: u32 = 2000;
 
@@ -114,7 +109,7 @@ pub fn match_amplitude(
     sign: ForceSign,
     target: Angle,
 ) -> ForceMatch {
-    let mut path = Path::new(statics, load, amplitude_goal(target));
+    let mut path = Path::new(statics, load, Lean(target));
     path.follow(sign, 1);
     path.first_or_nearest()
 }
@@ -125,7 +120,7 @@ pub fn match_amplitude(
 /// path was lost on its way, the last entry is [`MatchStatus::NotConverged`].
 #[must_use]
 pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> Vec<ForceMatch> {
-    let mut path = Path::new(statics, load, amplitude_goal(target));
+    let mut path = Path::new(statics, load, Lean(target));
     for sign in ForceSign::BOTH {
         path.follow(sign, usize::MAX);
     }
@@ -134,8 +129,10 @@ pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> V
     }
     if !path.converged {
         // A path that was lost may have hidden another force.
-        let (residual, force_n) = path.nearest;
-        path.record(MatchStatus::NotConverged, force_n, residual);
+        let nearest = path
+            .nearest
+            .map_or((0.0, f64::NAN), |nearest| (nearest.force_n, nearest.residual.abs()));
+        path.record(MatchStatus::NotConverged, nearest.0, nearest.1);
     }
     path.found
 }
@@ -152,24 +149,11 @@ pub fn match_t2(
     signs: &[ForceSign],
     place: Frontal,
 ) -> ForceMatch {
-    let top = statics.model().midpoints_mm.len() - 1;
-    let least_mm = Cell::new(f64::INFINITY);
-    let mut path = Path::new(statics, load, |solution: &Solution| {
-        let gap = solution.deformed.location(top) - place;
-        let rate = solution.location_rate(0, top);
-        // Half the derivative of the squared distance; its own derivative without the curvature of the path.
-        let (value, slope) = (gap.dot(rate), rate.dot(rate));
-        let met = value.abs() < 1e-10 * slope.max(1e-12).sqrt();
-        // T2 must first come back this far before its distance can count.
-        least_mm.set(least_mm.get().min(gap.norm_mm()));
-        let travel_mm = T2_STEP_MM.max(0.5 * (gap.norm_mm() - least_mm.get() - T2_TOLERANCE_MM));
-        let step_n = turn_step(solution).min(travel_mm / rate.norm_mm().max(f64::MIN_POSITIVE));
-        Goal { value, rate: slope, exact: false, residual: gap.norm_mm(), met, step_n }
-    });
+    let mut path = Path::new(statics, load, NearestT2(place));
     for &sign in signs {
         path.follow(sign, usize::MAX);
     }
-    let enough_mm = path.nearest.0 + T2_TOLERANCE_MM;
+    let enough_mm = path.least_residual() + T2_TOLERANCE_MM;
     path.found.retain(ForceMatch::is_usable);
     path.found.sort_by(|a, b| a.force_n.abs().total_cmp(&b.force_n.abs()));
     match path.found.iter().position(|found| found.residual <= enough_mm) {
@@ -181,89 +165,83 @@ pub fn match_t2(
     }
 }
 
-fn amplitude_goal(target: Angle) -> impl Fn(&Solution) -> Goal {
-    move |solution| {
-        let value = (solution.deformed.lean() - target).wrapped().rad();
-        let (rate, met) = (solution.lean_rate(0), value.abs() < 1e-9);
-        Goal { value, rate, exact: true, residual: value, met, step_n: turn_step(solution) }
-    }
-}
-
-/// What is sought along the force: a value whose zeros count, its derivative, and the residual to report.
-#[derive(Debug, Clone, Copy)]
-struct Goal {
-    value: f64,
-    rate: f64,
-    /// Whether the derivative is complete.
-    exact: bool,
-    residual: f64,
-    met: bool,
-    /// How far the force may grow before the next look.
-    step_n: f64,
-}
-
-impl Goal {
-    fn sample(&self, force_n: f64) -> Sample {
-        let Self { value, rate, exact, met, .. } = *self;
-        Sample { at: force_n, value, rate, exact, met }
-    }
-}
-
-/// The force that turns the fastest hinge by a step.
-fn turn_step(solution: &Solution) -> f64 {
-    STEP_RAD / solution.fastest_turn(0).max(f64::MIN_POSITIVE)
-}
-
 /// The path of equilibria as a force grows from zero, and the zeros of a goal along it.
-struct Path<'a, G> {
+struct Path<'a, S> {
     statics: &'a Statics<'a>,
     load: &'a Load,
-    goal: G,
+    sought: S,
     /// The last shape, and its force.
     solution: Solution,
     force_n: f64,
+    /// What was seen of the path, the last look first.
+    seen: [Option<Look>; 2],
     evaluations: u32,
     found: Vec<ForceMatch>,
     /// So many zeros are looked for.
     enough: usize,
-    /// Least residual of all shapes seen, and its force.
-    nearest: (f64, f64),
+    /// The look with the least residual of all.
+    nearest: Option<Look>,
+    /// No step is longer, since one was too long.
+    longest_n: f64,
     converged: bool,
 }
 
-impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
-    fn new(statics: &'a Statics<'a>, load: &'a Load, goal: G) -> Self {
+impl<'a, S: Sought> Path<'a, S> {
+    fn new(statics: &'a Statics<'a>, load: &'a Load, sought: S) -> Self {
         Self {
             statics,
             load,
-            goal,
+            sought,
             solution: Solution::default(),
             force_n: 0.0,
+            seen: [None; 2],
             evaluations: 0,
             found: Vec::new(),
             enough: 0,
-            nearest: (f64::INFINITY, 0.0),
+            nearest: None,
+            longest_n: f64::INFINITY,
             converged: true,
         }
     }
 
-    fn at(&mut self, force_n: f64) -> Goal {
+    fn at(&mut self, force_n: f64) -> Look {
         self.evaluations += 1;
-        // Where T2 goes on to, as a start for a load that moves with it.
-        let top = self.statics.model().midpoints_mm.len() - 1;
-        if let [rates, ..] = &self.solution.midpoint_rates[..] {
-            let step_mm = rates[top] * (force_n - self.force_n);
-            if self.solution.converged && step_mm.norm() < LONGEST_GUESS_MM {
-                self.solution.deformed.midpoints_mm[top] += step_mm;
-            }
+        if let Some(t2) = self.t2_at(force_n) {
+            // The start for a load that moves with it.
+            *self.solution.deformed.midpoints_mm.last_mut().expect("a vertebra") = t2;
         }
         self.force_n = force_n;
         self.statics.solve(self.load, &[force_n], &[Parameter::Load(0)], &mut self.solution);
-        let goal = (self.goal)(&self.solution);
-        if self.solution.converged && goal.residual.abs() < self.nearest.0 {
-            self.nearest = (goal.residual.abs(), force_n);
+        let look = self.sought.look(force_n, &self.solution, self.least_residual());
+        if self.solution.converged {
+            self.seen = [Some(look), self.seen[0]];
         }
-        goal
+        look
+    }
+
+    /// Counts a shape of the path among those that may be the nearest.
+    fn keep(&mut self, look: Look) -> Look {
+        if self.solution.converged && look.residual.abs() < self.least_residual() {
+            self.nearest = Some(look);
+        }
+        look
+    }
+
+    /// Where T2 goes on to, as far as the last looks tell it.
+    fn t2_at(&self, force_n: f64) -> Option<Vec3> {
+        let [last, before] = self.seen;
+        let last = last?;
+        let step_n = force_n - last.force_n;
+        let bend = before
+            .filter(|before| before.force_n != last.force_n)
+            .map(|before| (last.t2_rate - before.t2_rate) / (last.force_n - before.force_n));
+        let step_mm = (last.t2_rate + bend.unwrap_or_default() * (0.5 * step_n)) * step_n;
+        Some(if step_mm.norm() < LONGEST_GUESS_MM { last.t2 + step_mm } else { last.t2 })
+    }
+
+    /// The least residual of all shapes that were seen.
+    fn least_residual(&self) -> f64 {
+        self.nearest.map_or(f64::INFINITY, |look| look.residual.abs())
     }
 
     /// Whether no hinge of the last shape turns too far.
@@ -281,54 +259,76 @@ impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
         let sign = sign.factor();
         let cap_n = LARGEST_FORCE_PER_STIFFNESS * self.statics.mean_lateral_nmm_per_rad();
         self.enough = self.found.len().saturating_add(most);
-        self.solution = Solution::default();
-        let (mut force_n, mut now) = (0.0, self.at(0.0));
+        (self.solution, self.seen) = (Solution::default(), [None; 2]);
+        self.longest_n = f64::INFINITY;
+        let mut now = self.at(0.0);
+        self.keep(now);
         let last = self.evaluations + MOST_EVALUATIONS;
         while self.evaluations < last {
             if now.met {
-                self.record(MatchStatus::Matched, force_n, now.residual);
+                self.record(MatchStatus::Matched, now.force_n, now.residual);
                 if self.found.len() >= self.enough {
                     return;
                 }
                 // Past the zero, on the other side or back on the same one.
-                force_n += sign * 1e-3 * now.step_n.min(cap_n);
-                now = self.at(force_n);
+                now = self.at(now.force_n + sign * 1e-3 * now.step_n.min(cap_n));
                 if now.met {
                     self.converged = false;
                     return;
                 }
             }
-            let newton = -now.value / now.rate * sign;
-            let step = if newton > 0.0 && newton < now.step_n { newton } else { now.step_n };
-            let next_n = (force_n + sign * step).clamp(-cap_n, cap_n);
-            let next = self.at(next_n);
-            if !self.solution.converged {
+            let Some(next) = self.step(&now, sign, cap_n) else {
                 self.converged = false;
                 return;
-            }
+            };
             let plausible = self.is_plausible();
-            let stops = next_n.abs() >= cap_n || !plausible;
+            let stops = next.force_n.abs() >= cap_n || !plausible;
             if next.met {
                 if stops && plausible {
-                    self.record(MatchStatus::Matched, next_n, next.residual);
+                    self.record(MatchStatus::Matched, next.force_n, next.residual);
                 }
-            } else {
-                let before = self.evaluations;
-                zeros_between(&now.sample(force_n), &next.sample(next_n), self);
+            } else if self.sought.counts_between(&now, &next, self.least_residual()) {
+                let evaluations = self.evaluations;
+                zeros_between(&now.sample(), &next.sample(), self);
                 if self.found.len() >= self.enough {
                     return;
                 }
-                if self.evaluations > before {
+                if self.evaluations > evaluations {
                     // Where the path goes on from.
-                    self.at(next_n);
+                    self.at(next.force_n);
                 }
             }
             if stops {
                 return;
             }
-            (force_n, now) = (next_n, next);
+            now = next;
         }
         self.converged = false;
+    }
+
+    /// The next look from the last one, which was `now`; `None` where the path is lost.
+    fn step(&mut self, now: &Look, sign: f64, cap_n: f64) -> Option<Look> {
+        let newton_n = sign * now.to_zero_n(self.seen[1].as_ref());
+        let mut step_n = now.step_n.min(self.longest_n);
+        if newton_n > 0.0 {
+            step_n = step_n.min(newton_n);
+        }
+        let shortest_n = SHORTEST_OF_STEP * step_n;
+        while step_n > shortest_n {
+            let next = self.at((now.force_n + sign * step_n).clamp(-cap_n, cap_n));
+            if !self.solution.converged {
+                return None;
+            }
+            if self.sought.is_fine(now, &next) {
+                self.longest_n *= 2.0;
+                return Some(self.keep(next));
+            }
+            // Again from where it came, by half.
+            self.seen = [Some(*now), None];
+            step_n *= 0.5;
+            self.longest_n = step_n;
+        }
+        None
     }
 
     /// The first zero that was found, or else the nearest shape with the reason.
@@ -336,18 +336,18 @@ impl<'a, G: Fn(&Solution) -> Goal> Path<'a, G> {
         if self.found.is_empty() {
             let status =
                 if self.converged { MatchStatus::Unreachable } else { MatchStatus::NotConverged };
-            let force_n = self.nearest.1;
-            let residual = self.at(force_n).residual;
-            self.record(status, force_n, residual);
+            self.seen = [self.nearest, None];
+            let nearest = self.at(self.nearest.map_or(0.0, |nearest| nearest.force_n));
+            self.record(status, nearest.force_n, nearest.residual);
         }
         self.found.swap_remove(0)
     }
 }
 
-impl<G: Fn(&Solution) -> Goal> Along for Path<'_, G> {
+impl<S: Sought> Along for Path<'_, S> {
     fn sample(&mut self, force_n: f64) -> Option<Sample> {
-        let goal = self.at(force_n);
-        self.solution.converged.then(|| goal.sample(force_n))
+        let look = self.at(force_n);
+        self.solution.converged.then(|| self.keep(look).sample())
     }
 
     fn found(&mut self, zero: Result<Sample, Lost>) -> bool {
@@ -356,7 +356,7 @@ impl<G: Fn(&Solution) -> Goal> Along for Path<'_, G> {
         }
         let (status, residual) = (
             if zero.is_ok() { MatchStatus::Matched } else { MatchStatus::NotConverged },
-            (self.goal)(&self.solution).residual,
+            self.sought.look(self.force_n, &self.solution, self.least_residual()).residual,
         );
         self.record(status, self.force_n, residual);
         self.found.len() < self.enough

@@ -21,6 +21,7 @@ mod geometry;
 mod march;
 mod matching;
 mod roots;
+mod sought;
 mod stiffness;
 
 pub use bodies::BodySize;

@@ -70,7 +70,7 @@ impl Frontal {
     /// Length.
     #[must_use]
     pub fn norm_mm(self) -> f64 {
-        self.y_mm.hypot(self.z_mm)
+        self.dot(self).sqrt()
     }
 
     /// Distance to another point.

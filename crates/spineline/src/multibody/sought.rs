@@ -1,0 +1,139 @@
+//! What is sought along a force that grows: a lean of the line L4→T2, or T2 as near to a place as it gets.
+
+use super::Solution;
+use super::roots::Sample;
+use crate::spatial::{Angle, Frontal, Vec3};
+
+/// A hinge turns by at most so much from one step to the next.
+const STEP_RAD: f64 = 0.25;
+/// T2 moves by at most so much from one look at its distance to the next.
+const T2_STEP_MM: f64 = 4.0;
+/// Or by such a part of its distance.
+const T2_STEP_OF_GAP: f64 = 0.25;
+/// Distances of T2 that differ by less are equally good: about what a location's reading and the model's joints leave.
+pub(super) const T2_TOLERANCE_MM: f64 = 1.0;
+
+/// What is sought along the force.
+pub(super) trait Sought {
+    /// How the shape under a force stands to it, where another shape of the path left that residual.
+    fn look(&self, force_n: f64, solution: &Solution, nearest: f64) -> Look;
+
+    /// Whether a step was short enough to tell what it passed over.
+    fn is_fine(&self, _from: &Look, _to: &Look) -> bool {
+        true
+    }
+
+    /// Whether a zero that lies between two looks may be what is sought, where another shape left that residual.
+    fn counts_between(&self, _from: &Look, _to: &Look, _nearest: f64) -> bool {
+        true
+    }
+}
+
+/// A lean of the line L4→T2.
+pub(super) struct Lean(pub Angle);
+
+impl Sought for Lean {
+    fn look(&self, force_n: f64, solution: &Solution, _nearest: f64) -> Look {
+        let value = (solution.deformed.lean() - self.0).wrapped().rad();
+        let (rate, met) = (solution.lean_rate(0), value.abs() < 1e-9);
+        Look {
+            value,
+            rate,
+            exact: true,
+            residual: value,
+            met,
+            step_n: turn_step(solution),
+            ..Look::of_t2(force_n, solution)
+        }
+    }
+}
+
+/// T2 as near to a place as it gets.
+pub(super) struct NearestT2(pub Frontal);
+
+impl Sought for NearestT2 {
+    fn look(&self, force_n: f64, solution: &Solution, nearest: f64) -> Look {
+        let look = Look::of_t2(force_n, solution);
+        let gap = Frontal::new(look.t2.y, look.t2.z) - self.0;
+        let rate = Frontal::new(look.t2_rate.y, look.t2_rate.z);
+        // Half the derivative of the squared distance; its own derivative without the curvature of the path.
+        let (value, slope) = (gap.dot(rate), rate.dot(rate).max(f64::MIN_POSITIVE));
+        let met = value.abs() < 1e-10 * slope.sqrt().max(1e-6);
+        let gap_mm = gap.norm_mm();
+        // What a step jumps over lies hardly nearer than a part of the distance now; and once T2 went away, it must come
+        // back before its distance can count.
+        let travel_mm =
+            T2_STEP_MM.max(T2_STEP_OF_GAP * gap_mm).max(gap_mm - nearest - T2_TOLERANCE_MM);
+        let step_n = turn_step(solution).min(travel_mm / slope.sqrt());
+        Look { value, rate: slope, residual: gap_mm, met, step_n, ..look }
+    }
+
+    /// Whether T2 moved about as far as its rate said.
+    fn is_fine(&self, from: &Look, to: &Look) -> bool {
+        let step_n = (to.force_n - from.force_n).abs();
+        let [foreseen_mm, moved_mm] = [from, to].map(|look| step_n * look.rate.sqrt());
+        let moved_mm = moved_mm.max((to.t2 - from.t2).norm());
+        moved_mm <= 2.0 * foreseen_mm.max(T2_STEP_MM)
+    }
+
+    /// Where the distance is least between them, not greatest, and may be as small as that.
+    fn counts_between(&self, from: &Look, to: &Look, nearest: f64) -> bool {
+        let step_n = to.force_n - from.force_n;
+        let travel_mm = step_n.abs() * from.rate.max(to.rate).sqrt();
+        let least_mm = 0.5 * (from.residual + to.residual) - travel_mm;
+        from.value * step_n < 0.0 && least_mm <= nearest + T2_TOLERANCE_MM
+    }
+}
+
+/// What one shape of the path shows: a value whose zeros count, its derivative, and the residual to report.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Look {
+    pub force_n: f64,
+    value: f64,
+    rate: f64,
+    /// Whether the derivative is complete.
+    exact: bool,
+    pub residual: f64,
+    pub met: bool,
+    /// How far the force may grow before the next look.
+    pub step_n: f64,
+    /// Where T2 is, and its derivative.
+    pub t2: Vec3,
+    pub t2_rate: Vec3,
+}
+
+impl Look {
+    /// T2 alone.
+    fn of_t2(force_n: f64, solution: &Solution) -> Self {
+        let top = solution.deformed.midpoints_mm.len() - 1;
+        Self {
+            force_n,
+            value: 0.0,
+            rate: 0.0,
+            exact: false,
+            residual: 0.0,
+            met: false,
+            step_n: 0.0,
+            t2: solution.deformed.midpoints_mm[top],
+            t2_rate: solution.midpoint_rates[0][top],
+        }
+    }
+
+    pub fn sample(&self) -> Sample {
+        let Self { force_n, value, rate, exact, met, .. } = *self;
+        Sample { at: force_n, value, rate, exact, met }
+    }
+
+    /// How far a zero is off: by Newton, or where the derivative is not whole, by the look before.
+    pub fn to_zero_n(&self, before: Option<&Self>) -> f64 {
+        let secant = before
+            .map(|before| (self.value - before.value) / (self.force_n - before.force_n))
+            .filter(|secant| !self.exact && *secant > 0.0);
+        -self.value / secant.unwrap_or(self.rate)
+    }
+}
+
+/// The force that turns the fastest hinge by a step.
+fn turn_step(solution: &Solution) -> f64 {
+    STEP_RAD / solution.fastest_turn(0).max(f64::MIN_POSITIVE)
+}
