@@ -289,6 +289,8 @@ impl<'a> Statics<'a> {
         parameters: &[Parameter],
         solution: &mut Solution,
     ) {
+        /// No spine is as long: what is further off does not come back.
+        const ASTRAY_MM: f64 = 1e3;
         const MOVES: [Parameter; 2] = [Parameter::Load(1), Parameter::Load(2)];
         let top = self.model.midpoints_mm.len() - 1;
         let direction = Vec3::new(0.0, line.direction.y_mm, line.direction.z_mm);
@@ -315,6 +317,9 @@ impl<'a> Statics<'a> {
             let gap = across.tr_mul(&(solution.deformed.midpoints_mm[top] - place));
             solution.residual_mm = gap.norm();
             let Some(inverse) = (Matrix2::identity() - follow).try_inverse() else { break };
+            if solution.residual_mm > ASTRAY_MM {
+                break;
+            }
             if solution.residual_mm < 1e-9 {
                 close_derivatives(solution, n, &(inverse * across.transpose()), top);
                 solution.converged = true;

@@ -94,7 +94,7 @@ pub(crate) const LARGEST_FORCE_PER_STIFFNESS: f64 = 1500.0 / 144_000.0;
 /// T2's next place is guessed along the path no further than this.
 const LONGEST_GUESS_MM: f64 = 20.0;
 /// A path that cannot be followed by so small a part of a step breaks off.
-const SHORTEST_OF_STEP: f64 = 1e-3;
+const SHORTEST_OF_STEP: f64 = 1.0 / 20.0;
 /// A path that needs more equilibria than this goes nowhere.
 const MOST_EVALUATIONS: u32 = 2000;
 
@@ -219,9 +219,10 @@ impl<'a, S: Sought> Path<'a, S> {
         look
     }
 
-    /// Counts a shape of the path among those that may be the nearest.
+    /// Counts the last shape among those that may be the nearest, unless a hinge turns too far.
     fn keep(&mut self, look: Look) -> Look {
-        if self.solution.converged && look.residual.abs() < self.least_residual() {
+        let nearer = look.residual.abs() < self.least_residual();
+        if self.solution.converged && nearer && self.is_plausible() {
             self.nearest = Some(look);
         }
         look

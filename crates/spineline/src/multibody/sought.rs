@@ -6,10 +6,11 @@ use crate::spatial::{Angle, Frontal, Vec3};
 
 /// A hinge turns by at most so much from one step to the next.
 const STEP_RAD: f64 = 0.25;
-/// T2 moves by at most so much from one look at its distance to the next.
+/// T2 may move by so much from one look at its distance to the next, and where it is far off by such a part of its distance.
 const T2_STEP_MM: f64 = 4.0;
-/// Or by such a part of its distance.
 const T2_STEP_OF_GAP: f64 = 0.25;
+/// Further away a step might end on another path.
+const LONGEST_T2_STEP_MM: f64 = 60.0;
 /// Distances of T2 that differ by less are equally good: about what a location's reading and the model's joints leave.
 pub(super) const T2_TOLERANCE_MM: f64 = 1.0;
 
@@ -62,8 +63,9 @@ impl Sought for NearestT2 {
         let gap_mm = gap.norm_mm();
         // What a step jumps over lies hardly nearer than a part of the distance now; and once T2 went away, it must come
         // back before its distance can count.
-        let travel_mm =
-            T2_STEP_MM.max(T2_STEP_OF_GAP * gap_mm).max(gap_mm - nearest - T2_TOLERANCE_MM);
+        let travel_mm = (T2_STEP_OF_GAP * gap_mm)
+            .max(gap_mm - nearest - T2_TOLERANCE_MM)
+            .clamp(T2_STEP_MM, LONGEST_T2_STEP_MM);
         let step_n = turn_step(solution).min(travel_mm / slope.sqrt());
         Look { value, rate: slope, residual: gap_mm, met, step_n, ..look }
     }
