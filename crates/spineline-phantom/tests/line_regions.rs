@@ -1,6 +1,7 @@
 //! How often regions and tests of the line of action are right: synthetic patients whose line is known, read with noise.
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 use nalgebra::Matrix4;
 use rayon::prelude::*;
@@ -76,10 +77,10 @@ fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut
     }
 }
 
-/// Counts over so many sets of the 18 subjects, whose joints may differ from one another.
-fn study(truth: Truth, sets: u64, joint_log_sd: f64) -> Counts {
+/// Counts over sets of the 18 subjects, one per seed, whose joints may differ from one another.
+fn study(truth: Truth, seeds: RangeInclusive<u64>, joint_log_sd: f64) -> Counts {
     let patients: Vec<(u64, usize)> =
-        (1..=sets).flat_map(|seed| (0..SUBJECTS.len()).map(move |index| (seed, index))).collect();
+        seeds.flat_map(|seed| (0..SUBJECTS.len()).map(move |index| (seed, index))).collect();
     let counts: Vec<Counts> = patients
         .par_iter()
         .map(|&(seed, index)| {
@@ -115,7 +116,7 @@ fn print(truth: Truth, joint_log_sd: f64, counts: &Counts) {
 }
 
 /// The hypothesis that each truth obeys, and one that it breaks.
-fn check(truth: Truth, counts: &Counts, right: std::ops::RangeInclusive<f64>) {
+fn check(truth: Truth, counts: &Counts, right: RangeInclusive<f64>) {
     let (inflection, iliac) = (
         "'through the inflections' is not rejected",
         "'parallel to the iliac line' is not rejected",
@@ -146,19 +147,20 @@ fn check(truth: Truth, counts: &Counts, right: std::ops::RangeInclusive<f64>) {
 fn regions_hold_the_true_line_and_tests_keep_their_size() {
     // Oracle: the line that made the films. Of 36 patients 95 % are 34; fewer than 29 come by chance once in 200 times.
     for truth in [Truth::Rod, Truth::Pull] {
-        check(truth, &study(truth, 2, 0.0), 0.8..=1.0);
+        check(truth, &study(truth, 1..=2, 0.0), 0.8..=1.0);
     }
 }
 
-/// The study behind the rows in `validation/README.md`: some minutes in a release build.
+/// The study behind the rows in `validation/README.md`: some minutes in a release build. The priors of deviations were chosen
+/// with sets 1 to 168 in view; these are others.
 #[test]
-#[ignore = "over 1,000 patients per truth: cargo test --release -p spineline-phantom --test line_regions -- --ignored --nocapture"]
-fn over_a_thousand_patients() {
+#[ignore = "over 3,000 patients per truth: cargo test --release -p spineline-phantom --test line_regions -- --ignored --nocapture"]
+fn over_three_thousand_patients() {
     for (truth, joint_log_sd) in
         [Truth::Rod, Truth::Pull].into_iter().flat_map(|truth| [(truth, 0.0), (truth, 0.1)])
     {
-        let counts = study(truth, 56, joint_log_sd);
+        let counts = study(truth, 1001..=1168, joint_log_sd);
         print(truth, joint_log_sd, &counts);
-        check(truth, &counts, 0.93..=0.98);
+        check(truth, &counts, 0.93..=0.97);
     }
 }

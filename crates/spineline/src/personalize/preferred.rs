@@ -10,11 +10,11 @@
 //! have one covariance.
 //!
 //! Loads, multipliers, the shared part of the centres and the evenness are fitted by generalised least squares; the deviations of what
-//! joints have of their own by restricted maximum likelihood (scoring), penalised so that none is zero. So the films tell
+//! joints have of their own by restricted maximum likelihood (scoring), with priors by which none is zero. So the films tell
 //! themselves how far joints of one group differ, and a load is as unsure as they do.
 //!
 //! # References
-//! [harville-1977] for the restricted likelihood, [chung-2013] for its penalty.
+//! [harville-1977] for the restricted likelihood, [chung-2013] for the priors.
 
 use std::ops::AddAssign;
 
@@ -53,10 +53,12 @@ const MOST_VARIANCES: Vector2<f64> = Vector2::new(1.0, 4.0);
 const MOST_HIGHER_DISCS: f64 = 3.0;
 /// Variances below this part of the most are none.
 const LEAST_OF_MOST: f64 = 1e-9;
-/// Discs, over which joints turn, take a quarter of the length between two midpoints; what ligaments make of it is not known
-/// (assumption).
-const EVENNESS: f64 = 0.25;
-const EVENNESS_SD: f64 = 0.25;
+/// How evenly joints turn is not known: anywhere between a hinge, 0, and a rod, 1. Mean and deviation of that.
+const EVENNESS: f64 = 0.5;
+const EVENNESS_SD: f64 = 0.289;
+/// Gamma priors of the deviations, flat but near zero where they vanish: shapes 2 and 3/2, the latter of centres, chosen by how
+/// often regions hold the true line (`docs/decisions/0024`). Per `ln` of a variance, half of the shape beyond one.
+const PRIORS: Vector2<f64> = Vector2::new(0.5, 0.25);
 const ROUNDS: usize = 100;
 /// A longer step of multipliers leaves what the linear theory knows.
 const LONGEST: f64 = 0.5;
@@ -147,13 +149,12 @@ struct Weighed {
 }
 
 impl Weighed {
-    /// One scoring step of the variances' logarithms. A penalty of `ln` of every deviation keeps them off zero, where nothing would be
-    /// known of them.
+    /// One scoring step of the variances' logarithms. Their priors keep them off zero, where nothing would be known of them.
     fn better(&self, variances: Vector2<f64>) -> Vector2<f64> {
         const STRIDE: f64 = 2.0;
-        let score = variances.component_mul(&self.score) + Vector2::repeat(0.5);
+        let score = variances.component_mul(&self.score) + PRIORS;
         let scaled = Matrix2::from_diagonal(&variances);
-        // The penalty has no curvature in logarithms; this much keeps a step finite where films say nothing.
+        // The priors have no curvature in logarithms; this much keeps a step finite where films say nothing.
         let information = scaled * self.information * scaled + Matrix2::identity() * 0.25;
         let step = information.try_inverse().map_or(score, |inverse| inverse * score);
         variances.zip_map(&step, |v, step| v * step.clamp(-STRIDE, STRIDE).exp())
