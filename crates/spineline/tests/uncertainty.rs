@@ -207,17 +207,20 @@ fn the_mean_of_n_readings_scatters_less_by_the_root_of_n() {
 
 #[test]
 fn the_measured_noise_is_that_of_the_readers() {
-    // Oracle: the virtual readers' own deviation; two observers add their bias, and pixels their rounding.
+    // Oracle: the virtual readers' own deviation; two observers add their bias, which all three repeats of a mean share, and
+    // pixels their rounding.
     let readers = Readers::default();
     let found = run(&case(0, Truth::Rod, &readers), LandmarkNoise::Measured, 1, 1);
-    let expected = readers.corner_sd_mm.hypot(readers.corner_bias_sd_mm);
+    let shared = f64::from(readers.repeats).sqrt();
+    let expected = readers.corner_sd_mm.hypot(shared * readers.corner_bias_sd_mm);
+    let of_axes = readers.axis_sd.deg().hypot(shared * readers.axis_bias_sd.deg());
     for film in &found.noise {
         assert_eq!(film.source, NoiseSource::Readings);
         let MarkNoise::Corners { sd_mm: Some([y, z]), axis_sd: Some(axis), .. } = film.marks else {
             panic!("corners with a spacing")
         };
         assert!((y / expected - 1.0).abs() < 0.1 && (z - y).abs() < 1e-12, "{y} {expected}");
-        assert!((axis.deg() / readers.axis_sd.deg().hypot(0.1) - 1.0).abs() < 0.15, "{axis}");
+        assert!((axis.deg() / of_axes - 1.0).abs() < 0.15, "{axis}");
     }
     let once = run(&erect(case(0, Truth::Rod, &Readers::exact())), LandmarkNoise::Measured, 1, 1);
     assert_eq!(once.noise[0].source, NoiseSource::Assumed);

@@ -265,10 +265,9 @@ fn pooled_corners(case: &Case, with_spacing: bool) -> Option<f64> {
         }
         for marks in by_level(readings).values() {
             for corner in 0..4 {
-                let places = marks.iter().map(|m| image.frontal(m.corners.points()[corner]));
-                let places: Vec<Frontal> = places.collect();
-                pool.add(places.iter().map(|place| place.y_mm));
-                pool.add(places.iter().map(|place| place.z_mm));
+                let place = |mark: &Mark| image.frontal(mark.corners.points()[corner]);
+                pool.add(marks.iter().map(|(observer, mark)| (*observer, place(mark).y_mm)));
+                pool.add(marks.iter().map(|(observer, mark)| (*observer, place(mark).z_mm)));
             }
         }
     }
@@ -281,41 +280,57 @@ fn pooled_axes(case: &Case) -> Option<Angle> {
     for film in &case.films {
         let FilmMarks::Landmarks { readings, .. } = &film.marks else { continue };
         for marks in by_level(readings).values() {
-            let axes: Vec<Angle> = marks.iter().filter_map(|mark| mark.axis_clockwise).collect();
+            let axes: Vec<(&str, Angle)> = marks
+                .iter()
+                .filter_map(|(observer, mark)| Some((*observer, mark.axis_clockwise?)))
+                .collect();
             // Against one of them, so that a film held upside down counts as any other.
-            pool.add(axes.iter().map(|axis| (*axis - axes[0]).wrapped().rad()));
+            pool.add(axes.iter().map(|(by, axis)| (*by, (*axis - axes[0].1).wrapped().rad())));
         }
     }
     pool.sd().map(Angle::from_rad)
 }
 
-fn by_level(readings: &[Reading<Mark>]) -> BTreeMap<Level, Vec<&Mark>> {
-    let mut marks: BTreeMap<Level, Vec<&Mark>> = BTreeMap::new();
-    for (&level, mark) in readings.iter().flat_map(|reading| &reading.vertebrae) {
-        marks.entry(level).or_default().push(mark);
+/// Marks of every level, with who set them.
+fn by_level(readings: &[Reading<Mark>]) -> BTreeMap<Level, Vec<(&str, &Mark)>> {
+    let mut marks: BTreeMap<Level, Vec<(&str, &Mark)>> = BTreeMap::new();
+    for reading in readings {
+        for (&level, mark) in &reading.vertebrae {
+            marks.entry(level).or_default().push((&reading.id.observer, mark));
+        }
     }
     marks
 }
 
-/// Squares about the means of groups, and their degrees of freedom.
+/// Squares about the means of groups, of all values alike and of observers' means, with their degrees of freedom.
 #[derive(Default)]
 struct Pool {
-    squares: f64,
-    freedom: usize,
+    all: (f64, usize),
+    between: (f64, usize),
 }
 
 impl Pool {
-    fn add(&mut self, group: impl ExactSizeIterator<Item = f64> + Clone) {
-        let n = group.len();
+    fn add<'a>(&mut self, values: impl Iterator<Item = (&'a str, f64)>) {
+        let mut by_observer: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+        values.for_each(|(observer, value)| by_observer.entry(observer).or_default().push(value));
+        let n: usize = by_observer.values().map(Vec::len).sum();
         if n < 2 {
             return;
         }
-        let mean = group.clone().sum::<f64>() / n as f64;
-        self.squares += group.map(|value| (value - mean).powi(2)).sum::<f64>();
-        self.freedom += n - 1;
+        let mean = by_observer.values().flatten().sum::<f64>() / n as f64;
+        let squares = by_observer.values().flatten().map(|value| (value - mean).powi(2));
+        self.all.0 += squares.sum::<f64>();
+        self.all.1 += n - 1;
+        let off = |own: &Vec<f64>| own.iter().map(|value| value - mean).sum::<f64>();
+        self.between.0 +=
+            by_observer.values().map(|own| off(own).powi(2) / own.len() as f64).sum::<f64>();
+        self.between.1 += by_observer.len() - 1;
     }
 
+    /// Such that the mean of so many readings is as unsure as observers differ, or their repeats where those differ more: as
+    /// [`Noise`] has it.
     fn sd(&self) -> Option<f64> {
-        (self.freedom > 0).then(|| (self.squares / self.freedom as f64).sqrt())
+        let variance = |(squares, freedom): (f64, usize)| squares / freedom.max(1) as f64;
+        (self.all.1 > 0).then(|| variance(self.all).max(variance(self.between)).sqrt())
     }
 }
