@@ -116,6 +116,7 @@ pub fn text(analysis: &Analysis, found: &Uncertainty) -> String {
     for words in found.failure_words() {
         text.push_str(&wrap(&words, 106, "    "));
     }
+    text.push_str(&wrap(Uncertainty::CAVEAT, 106, "  "));
     let _ = write!(text, "\n{}\n{}", places_text(analysis, found), spreads_text(analysis, found));
     text
 }

@@ -309,7 +309,7 @@ impl<'a, S: Sought> Path<'a, S> {
 
     /// The next look from the last one, which was `now`; `None` where the path is lost.
     fn step(&mut self, now: &Look, sign: f64, cap_n: f64) -> Option<Look> {
-        let newton_n = sign * now.to_zero_n(self.seen[1].as_ref());
+        let newton_n = sign * now.newton_step_n(self.seen[1].as_ref());
         let mut step_n = now.step_n.min(self.longest_n);
         if newton_n > 0.0 {
             step_n = step_n.min(newton_n);

@@ -127,7 +127,7 @@ impl Look {
     }
 
     /// How far a zero is off: by Newton, or where the derivative is not whole, by the look before.
-    pub fn to_zero_n(&self, before: Option<&Self>) -> f64 {
+    pub fn newton_step_n(&self, before: Option<&Self>) -> f64 {
         let secant = before
             .map(|before| (self.value - before.value) / (self.force_n - before.force_n))
             .filter(|secant| !self.exact && *secant > 0.0);

@@ -1,8 +1,14 @@
 //! What every quantity is called.
 
-use super::{Quantity, QuantityUnit};
+use super::{Quantity, QuantityUnit, Uncertainty};
 use crate::analysis::Analysis;
 use crate::anatomy::Posture;
+
+impl Uncertainty {
+    /// What a reader of the intervals must know.
+    pub const CAVEAT: &'static str = "errors grow with any noise: their means and intervals lie above what marks without noise \
+                                      would give";
+}
 
 impl Quantity {
     /// Whether a report shows it; what it leaves to files are numbers of single vertebrae and regions.
