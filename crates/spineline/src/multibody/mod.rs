@@ -18,6 +18,7 @@ mod bodies;
 mod carried;
 mod general;
 mod geometry;
+mod load;
 mod march;
 mod matching;
 mod roots;
@@ -32,7 +33,8 @@ pub use general::{
 };
 pub(crate) use geometry::disc_mm;
 pub use geometry::{Joint, SpineModel};
-pub use march::{Deformed, Load, Parameter, Solution, Statics, Wrench};
+pub use load::{Load, Wrench};
+pub use march::{Deformed, Parameter, Solution, Statics};
 pub use matching::{
     ForceMatch, ForceSign, MatchStatus, amplitude_matches, match_amplitude, match_t2,
 };
