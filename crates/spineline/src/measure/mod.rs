@@ -37,6 +37,7 @@ pub use lateral::{LateralCorners, LateralFilm};
 pub use marking::{MarkedBody, MarkingFault, PartialMark, PartialReading, turn_axis_towards};
 pub use marking_proposal::{CornerName, NextLandmark, Proposal};
 pub use noise::Noise;
+pub(crate) use noise::ReadingSquares;
 pub(crate) use outline::outline_of;
 pub use outline::{MeasuredVertebra, Outline, check_marks, measure_film};
 pub use readings::{FilmReadings, measure_readings};

@@ -1,7 +1,6 @@
 use std::collections::BTreeMap;
 
 use super::Placement;
-use super::outline::mean_placement;
 use crate::anatomy::Level;
 use crate::spatial::Angle;
 
@@ -31,69 +30,70 @@ impl Noise {
     const FLOOR_LOCATION_MM: f64 = 0.03;
     const FLOOR_TILT: Angle = Angle::from_deg(0.03);
 
-    /// Of means, from the spread of the readings: of observers about their mean and, where that is more, of all readings alike
-    /// (one-way analysis of variance, with no component below zero).
+    /// Of means, from the spread of the readings.
     pub(super) fn of_means(
         observers: &[&str],
         placed: &[BTreeMap<Level, Placement>],
         means: &BTreeMap<Level, (Placement, usize)>,
     ) -> Self {
-        let mut all = Squares::default();
-        let mut between = Squares::default();
-        for (&level, &(mean, _)) in means {
-            let mut by_observer: BTreeMap<&str, Vec<Placement>> = BTreeMap::new();
-            for (reading, observer) in placed.iter().zip(observers) {
-                if let Some(placement) = reading.get(&level) {
-                    by_observer.entry(*observer).or_default().push(*placement);
-                }
-            }
-            all.add(by_observer.values().flatten().map(|placement| (*placement, 1.0)), mean);
-            between
-                .add(by_observer.values().map(|own| (mean_placement(own), own.len() as f64)), mean);
+        let [mut location, mut tilt] = [ReadingSquares::default(), ReadingSquares::default()];
+        for (level, (mean, _)) in means {
+            let own = || {
+                let marked = placed.iter().zip(observers);
+                marked.filter_map(|(reading, by)| Some((*by, reading.get(level)?)))
+            };
+            location.add(own().map(|(by, place)| (by, place.location.y_mm - mean.location.y_mm)));
+            location.add(own().map(|(by, place)| (by, place.location.z_mm - mean.location.z_mm)));
+            tilt.add(own().map(|(by, place)| (by, (place.tilt - mean.tilt).wrapped().rad())));
         }
-        if all.freedom == 0 {
+        let Some((of_location, of_tilt)) = location.variance().zip(tilt.variance()) else {
             return Noise::ONE_READING;
-        }
-        let readings_per_value = (all.freedom + means.len()) as f64 / means.len() as f64;
-        let [location, tilt] = [0, 1].map(|i| {
-            let [all, between] = [&all, &between].map(|squares| squares.mean(i));
-            (all.max(between) / readings_per_value).sqrt()
-        });
+        };
+        let read: usize = means.values().map(|(_, readings)| readings).sum();
+        let readings_per_value = read as f64 / means.len() as f64;
+        let [location_mm, tilt] =
+            [of_location, of_tilt].map(|variance| (variance / readings_per_value).sqrt());
         Noise {
-            location_mm: location.max(Noise::FLOOR_LOCATION_MM),
+            location_mm: location_mm.max(Noise::FLOOR_LOCATION_MM),
             tilt: Angle::from_rad(tilt.max(Noise::FLOOR_TILT.rad())),
             measured: true,
         }
     }
 }
 
-/// Sums of squares about means: of a coordinate of the location, and of the tilt.
+/// Squares of readings about their means, of all alike and of observers' means, and their degrees of freedom (one-way
+/// analysis of variance).
 #[derive(Default)]
-struct Squares {
-    sums: [f64; 2],
-    freedom: usize,
+pub(crate) struct ReadingSquares {
+    all: (f64, usize),
+    between: (f64, usize),
 }
 
-impl Squares {
-    fn add(&mut self, values: impl Iterator<Item = (Placement, f64)>, mean: Placement) {
-        let mut squares: Vec<[f64; 2]> = values
-            .map(|(placement, weight)| {
-                let off = placement.location - mean.location;
-                let turn = (placement.tilt - mean.tilt).wrapped().rad();
-                // Two coordinates share the squared distance.
-                [weight * 0.5 * off.dot(off), weight * turn * turn]
-            })
-            .collect();
-        self.freedom += squares.len().saturating_sub(1);
+impl ReadingSquares {
+    /// Takes in the readings of one value, with who made them.
+    pub fn add<'a>(&mut self, readings: impl Iterator<Item = (&'a str, f64)>) {
+        let mut by_observer: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+        readings.for_each(|(observer, value)| by_observer.entry(observer).or_default().push(value));
         // The order of the readings must not change a bit.
-        squares.sort_by(|a, b| a.partial_cmp(b).expect("readings were checked to be finite"));
-        for square in squares {
-            self.sums[0] += square[0];
-            self.sums[1] += square[1];
+        by_observer.values_mut().for_each(|own| own.sort_by(f64::total_cmp));
+        let n: usize = by_observer.values().map(Vec::len).sum();
+        if n < 2 {
+            return;
         }
+        let mean = by_observer.values().flatten().sum::<f64>() / n as f64;
+        let squares = by_observer.values().flatten().map(|value| (value - mean).powi(2));
+        self.all.0 += squares.sum::<f64>();
+        self.all.1 += n - 1;
+        let off = |own: &Vec<f64>| own.iter().map(|value| value - mean).sum::<f64>();
+        self.between.0 +=
+            by_observer.values().map(|own| off(own).powi(2) / own.len() as f64).sum::<f64>();
+        self.between.1 += by_observer.len() - 1;
     }
 
-    fn mean(&self, i: usize) -> f64 {
-        if self.freedom == 0 { 0.0 } else { self.sums[i] / self.freedom as f64 }
+    /// Variance of one reading, such that the mean of all is as unsure as observers differ, or their repeats where those differ
+    /// more; `None` where nothing was read twice.
+    pub fn variance(&self) -> Option<f64> {
+        let variance = |(squares, freedom): (f64, usize)| squares / freedom.max(1) as f64;
+        (self.all.1 > 0).then(|| variance(self.all).max(variance(self.between)))
     }
 }

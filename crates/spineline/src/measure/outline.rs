@@ -345,7 +345,7 @@ fn average(placed: &[BTreeMap<Level, Placement>]) -> BTreeMap<Level, (Placement,
 }
 
 /// Mean of some placements, of which there is at least one.
-pub(super) fn mean_placement(all: &[Placement]) -> Placement {
+fn mean_placement(all: &[Placement]) -> Placement {
     // Sums in a fixed order: the order of the readings must not reach the last bit.
     let mut all = all.to_vec();
     all.sort_by(|a, b| {

@@ -7,7 +7,9 @@ use rand_distr::{Distribution, StandardNormal};
 use super::UncertaintyError;
 use crate::analysis::{Analysis, Case};
 use crate::anatomy::{Level, Posture};
-use crate::measure::{Film, FilmMarks, ImageGeometry, Mark, Noise, Outline, Placement, Reading};
+use crate::measure::{
+    Film, FilmMarks, ImageGeometry, Mark, Noise, Outline, Placement, Reading, ReadingSquares,
+};
 use crate::spatial::{Angle, Frontal, Pixel};
 
 /// How rough one reading is taken to be.
@@ -257,7 +259,7 @@ fn placement_noise(
 /// Deviation of a corner's coordinate between the readings of one film, pooled over films, vertebrae and corners; over films
 /// with a spacing in millimetres, over those without in pixels. `None` where nothing was read twice.
 fn pooled_corners(case: &Case, with_spacing: bool) -> Option<f64> {
-    let mut pool = Pool::default();
+    let mut pool = ReadingSquares::default();
     for film in &case.films {
         let FilmMarks::Landmarks { image, readings, .. } = &film.marks else { continue };
         if image.spacing.is_some() != with_spacing {
@@ -271,12 +273,12 @@ fn pooled_corners(case: &Case, with_spacing: bool) -> Option<f64> {
             }
         }
     }
-    pool.sd()
+    pool.variance().map(f64::sqrt)
 }
 
 /// The same of axes set by hand.
 fn pooled_axes(case: &Case) -> Option<Angle> {
-    let mut pool = Pool::default();
+    let mut pool = ReadingSquares::default();
     for film in &case.films {
         let FilmMarks::Landmarks { readings, .. } = &film.marks else { continue };
         for marks in by_level(readings).values() {
@@ -288,7 +290,7 @@ fn pooled_axes(case: &Case) -> Option<Angle> {
             pool.add(axes.iter().map(|(by, axis)| (*by, (*axis - axes[0].1).wrapped().rad())));
         }
     }
-    pool.sd().map(Angle::from_rad)
+    pool.variance().map(|variance| Angle::from_rad(variance.sqrt()))
 }
 
 /// Marks of every level, with who set them.
@@ -300,37 +302,4 @@ fn by_level(readings: &[Reading<Mark>]) -> BTreeMap<Level, Vec<(&str, &Mark)>> {
         }
     }
     marks
-}
-
-/// Squares about the means of groups, of all values alike and of observers' means, with their degrees of freedom.
-#[derive(Default)]
-struct Pool {
-    all: (f64, usize),
-    between: (f64, usize),
-}
-
-impl Pool {
-    fn add<'a>(&mut self, values: impl Iterator<Item = (&'a str, f64)>) {
-        let mut by_observer: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-        values.for_each(|(observer, value)| by_observer.entry(observer).or_default().push(value));
-        let n: usize = by_observer.values().map(Vec::len).sum();
-        if n < 2 {
-            return;
-        }
-        let mean = by_observer.values().flatten().sum::<f64>() / n as f64;
-        let squares = by_observer.values().flatten().map(|value| (value - mean).powi(2));
-        self.all.0 += squares.sum::<f64>();
-        self.all.1 += n - 1;
-        let off = |own: &Vec<f64>| own.iter().map(|value| value - mean).sum::<f64>();
-        self.between.0 +=
-            by_observer.values().map(|own| off(own).powi(2) / own.len() as f64).sum::<f64>();
-        self.between.1 += by_observer.len() - 1;
-    }
-
-    /// Such that the mean of so many readings is as unsure as observers differ, or their repeats where those differ more: as
-    /// [`Noise`] has it.
-    fn sd(&self) -> Option<f64> {
-        let variance = |(squares, freedom): (f64, usize)| squares / freedom.max(1) as f64;
-        (self.all.1 > 0).then(|| variance(self.all).max(variance(self.between)).sqrt())
-    }
 }
