@@ -251,10 +251,10 @@ impl<'a> Statics<'a> {
             ]));
             let gap = across.tr_mul(&(solution.deformed.midpoints_mm[top] - place));
             solution.residual_mm = gap.norm();
-            let Some(inverse) = (Matrix2::identity() - follow).try_inverse() else { break };
-            if solution.residual_mm > ASTRAY_MM {
+            let inverse = (Matrix2::identity() - follow).try_inverse();
+            let Some(inverse) = inverse.filter(|_| solution.residual_mm <= ASTRAY_MM) else {
                 break;
-            }
+            };
             if solution.residual_mm < 1e-9 {
                 close_derivatives(solution, n, &(inverse * across.transpose()), top);
                 solution.converged = true;

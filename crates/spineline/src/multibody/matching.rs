@@ -129,10 +129,7 @@ pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> V
     }
     if !path.converged {
         // A path that was lost may have hidden another force.
-        let nearest = path
-            .nearest
-            .map_or((0.0, f64::NAN), |nearest| (nearest.force_n, nearest.residual.abs()));
-        path.record(MatchStatus::NotConverged, nearest.0, nearest.1);
+        path.record(MatchStatus::NotConverged, path.nearest_n(), path.least_residual());
     }
     path.found
 }
@@ -170,9 +167,9 @@ struct Path<'a, S> {
     statics: &'a Statics<'a>,
     load: &'a Load,
     sought: S,
-    /// The last shape, and its force.
+    /// The last shape, and the look at it, converged or not.
     solution: Solution,
-    force_n: f64,
+    last: Option<Look>,
     /// What was seen of the path, the last look first.
     seen: [Option<Look>; 2],
     evaluations: u32,
@@ -193,7 +190,7 @@ impl<'a, S: Sought> Path<'a, S> {
             load,
             sought,
             solution: Solution::default(),
-            force_n: 0.0,
+            last: None,
             seen: [None; 2],
             evaluations: 0,
             found: Vec::new(),
@@ -210,11 +207,11 @@ impl<'a, S: Sought> Path<'a, S> {
             // The start for a load that moves with it.
             *self.solution.deformed.midpoints_mm.last_mut().expect("a vertebra") = t2;
         }
-        self.force_n = force_n;
         self.statics.solve(self.load, &[force_n], &[Parameter::Load(0)], &mut self.solution);
         let look = self.sought.look(force_n, &self.solution, self.least_residual());
+        self.last = Some(look);
         if self.solution.converged {
-            self.seen = [Some(look), self.seen[0]];
+            self.seen = [self.last, self.seen[0]];
         }
         look
     }
@@ -243,6 +240,11 @@ impl<'a, S: Sought> Path<'a, S> {
     /// The least residual of all shapes that were seen.
     fn least_residual(&self) -> f64 {
         self.nearest.map_or(f64::INFINITY, |look| look.residual.abs())
+    }
+
+    /// Its force.
+    fn nearest_n(&self) -> f64 {
+        self.nearest.map_or(0.0, |look| look.force_n)
     }
 
     /// Whether no hinge of the last shape turns too far.
@@ -338,7 +340,7 @@ impl<'a, S: Sought> Path<'a, S> {
             let status =
                 if self.converged { MatchStatus::Unreachable } else { MatchStatus::NotConverged };
             self.seen = [self.nearest, None];
-            let nearest = self.at(self.nearest.map_or(0.0, |nearest| nearest.force_n));
+            let nearest = self.at(self.nearest_n());
             self.record(status, nearest.force_n, nearest.residual);
         }
         self.found.swap_remove(0)
@@ -355,11 +357,9 @@ impl<S: Sought> Along for Path<'_, S> {
         if zero.is_ok() && !self.is_plausible() {
             return true;
         }
-        let (status, residual) = (
-            if zero.is_ok() { MatchStatus::Matched } else { MatchStatus::NotConverged },
-            self.sought.look(self.force_n, &self.solution, self.least_residual()).residual,
-        );
-        self.record(status, self.force_n, residual);
+        let status = if zero.is_ok() { MatchStatus::Matched } else { MatchStatus::NotConverged };
+        let Look { force_n, residual, .. } = self.last.expect("a zero is looked for by looks");
+        self.record(status, force_n, residual);
         self.found.len() < self.enough
     }
 }
