@@ -68,7 +68,7 @@ pub fn numbers(analysis: &Analysis, found: &Uncertainty) -> Section {
     for words in found.noise_words().into_iter().chain(found.failure_words()) {
         section.paragraph(words);
     }
-    section.paragraph(Uncertainty::CAVEAT);
+    section.notice(Notice::new(NoticeKind::Note, Uncertainty::CAVEAT));
     if found.done < found.asked {
         let text = format!("Broken off: {} replicates were asked for.", found.asked);
         section.notice(Notice::new(NoticeKind::Warning, text));

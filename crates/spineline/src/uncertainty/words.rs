@@ -6,8 +6,8 @@ use crate::anatomy::Posture;
 
 impl Uncertainty {
     /// What a reader of the intervals must know.
-    pub const CAVEAT: &'static str = "errors grow with any noise: their means and intervals lie above what marks without noise \
-                                      would give";
+    pub const CAVEAT: &'static str = "Errors, and distances and angles between lines, grow with any noise: \
+                                      their means and intervals lie above what marks without noise would give.";
 }
 
 impl Quantity {
