@@ -1,0 +1,95 @@
+//! Reading JSON with errors that say where, what, and what was probably meant.
+
+use serde::de::DeserializeOwned;
+
+use crate::FileError;
+
+/// The first two keys of every file.
+#[derive(serde::Deserialize)]
+struct Header {
+    format: Option<String>,
+    version: Option<u32>,
+}
+
+/// Reads a file of a known format and version.
+pub(crate) fn parse<T: DeserializeOwned>(
+    text: &str,
+    format: &'static str,
+    version: u32,
+) -> Result<T, FileError> {
+    let text = without_mark(text);
+    // What kind of file it is comes first: a model given as a case should say so, not list its keys.
+    if let Ok(header) = serde_json::from_str::<Header>(text) {
+        let found = header.format.unwrap_or_default();
+        if found != format {
+            return Err(FileError::Format { found, expected: format });
+        }
+        if let Some(found) = header.version.filter(|&found| found != version) {
+            return Err(FileError::Version { found, supported: version });
+        }
+    }
+    parse_value(text)
+}
+
+/// What kind of file it says it is.
+pub(crate) fn format_of(text: &str) -> Option<String> {
+    serde_json::from_str::<Header>(without_mark(text)).ok()?.format
+}
+
+fn without_mark(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
+}
+
+/// Reads a part of a file.
+pub(crate) fn parse_value<T: DeserializeOwned>(text: &str) -> Result<T, FileError> {
+    let mut reader = serde_json::Deserializer::from_str(text);
+    let value = serde_path_to_error::deserialize(&mut reader).map_err(explain)?;
+    reader.end().map_err(|error| syntax(&error))?;
+    Ok(value)
+}
+
+fn syntax(error: &serde_json::Error) -> FileError {
+    FileError::Syntax { line: error.line(), column: error.column(), reason: reason(error) }
+}
+
+/// The message without the place, which is told apart.
+fn reason(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    text.rsplit_once(" at line ").map_or(text.clone(), |(reason, _)| reason.to_owned())
+}
+
+fn explain(error: serde_path_to_error::Error<serde_json::Error>) -> FileError {
+    let path = error.path().to_string();
+    let error = error.into_inner();
+    if !error.is_data() {
+        return syntax(&error);
+    }
+    let (line, reason) = (error.line(), reason(&error));
+    // The path of an unknown key ends with the key itself.
+    let place =
+        |path: &str| if path == "." { "at the top".to_owned() } else { format!("in `{path}`") };
+    let quoted: Vec<&str> = reason.split('`').skip(1).step_by(2).collect();
+    if reason.starts_with("unknown field") && !quoted.is_empty() {
+        let key = quoted[0].to_owned();
+        let parent = path.strip_suffix(&key).map_or(path.as_str(), |p| p.trim_end_matches('.'));
+        let nearest = nearest(&key, &quoted[1..]);
+        let place = place(if parent.is_empty() { "." } else { parent });
+        return FileError::UnknownKey { line, place, key, nearest };
+    }
+    if reason.starts_with("unknown variant") && !quoted.is_empty() {
+        let meant = nearest(quoted[0], &quoted[1..]);
+        let meant = meant.map(|word| format!("; did you mean `{word}`?")).unwrap_or_default();
+        return FileError::Value { line, place: place(&path), reason: reason + &meant };
+    }
+    FileError::Value { line, place: place(&path), reason }
+}
+
+/// The candidate that resembles a word most, if any does.
+pub fn nearest(word: &str, candidates: &[&str]) -> Option<String> {
+    candidates
+        .iter()
+        .map(|candidate| (strsim::jaro_winkler(word, candidate), candidate))
+        .filter(|(likeness, _)| *likeness > 0.6)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| (*candidate).to_owned())
+}

@@ -1,0 +1,93 @@
+//! Files of Spineline: cases, analyses, cohorts, personalised models, loads, simulations, reliabilities, stiffness tables
+//! and provenance, all JSON with a format and a version; tables of readings as CSV ([`parse_readings`]); and models as
+//! other multibody programs read them ([`export`]).
+//!
+//! The types here are what the files look like; [`spineline`]'s own types are what is computed with. Every file format
+//! has a JSON schema, generated from the types. Unknown keys are errors that name the nearest known one, a level given
+//! twice is an error, and nothing is repaired.
+//!
+//! ```
+//! let text = r#"{ "format": "spineline-case", "version": 1, "case_id": "a", "synthetic": true, "filmes": [] }"#;
+//! let error = spineline_files::parse_case(text).expect_err("a misspelt key");
+//! assert!(error.to_string().contains("did you mean `films`?"));
+//! ```
+
+mod analysis_file;
+mod case_file;
+mod cohort_file;
+mod digest;
+mod error;
+mod export;
+mod json;
+mod keys;
+mod load_file;
+mod model_file;
+mod options_record;
+mod provenance;
+mod readings_table;
+mod reliability_file;
+mod request;
+mod simulation_file;
+mod stiffness_file;
+
+pub use analysis_file::{AnalysisFile, StoredAnalysis, parse_analysis, parse_case_within};
+pub use case_file::{
+    CaseFile, FilmSource, image_value, parse_case, parse_case_file, parse_image, with_spacing,
+    written_axis_deg,
+};
+pub use cohort_file::CohortFile;
+pub use digest::sha256_hex;
+pub use error::FileError;
+pub use export::{ExportError, ExportFormat, export};
+pub use json::nearest;
+pub use keys::LevelKey;
+pub use load_file::{AppliedLoad, LoadFile, PlacedLoads, TimingKey, parse_load};
+pub use model_file::{ApplicationKey, LoadRecord, ModelFile, StoredModel, parse_model};
+pub use provenance::{FilmOrigin, InputFile, ProgramRun, Provenance, ProvenanceFile};
+pub use readings_table::{ReadingsTable, parse_readings};
+pub use reliability_file::ReliabilityFile;
+pub use request::{Replicates, Request};
+pub use simulation_file::{SimulationFile, SimulationWarning};
+pub use stiffness_file::{StiffnessFile, parse_stiffness};
+
+use std::path::Path;
+
+use schemars::Schema;
+
+/// Reads a text file whole.
+///
+/// # Errors
+/// [`FileError::Read`].
+pub fn read_text(path: &Path) -> Result<String, FileError> {
+    std::fs::read_to_string(path)
+        .map_err(|source| FileError::Read { path: path.to_owned(), source })
+}
+
+/// A file format by name: `case`, `analysis`, `cohort`, `model`, `load`, `provenance`, `reliability`, `simulation` or
+/// `stiffness`.
+#[must_use]
+pub fn schema(name: &str) -> Option<Schema> {
+    match name {
+        "case" => Some(schemars::schema_for!(CaseFile)),
+        "analysis" => Some(schemars::schema_for!(AnalysisFile)),
+        "cohort" => Some(schemars::schema_for!(CohortFile)),
+        "model" => Some(schemars::schema_for!(ModelFile)),
+        "load" => Some(schemars::schema_for!(LoadFile)),
+        "provenance" => Some(schemars::schema_for!(ProvenanceFile)),
+        "reliability" => Some(schemars::schema_for!(ReliabilityFile)),
+        "simulation" => Some(schemars::schema_for!(SimulationFile)),
+        "stiffness" => Some(schemars::schema_for!(StiffnessFile)),
+        _ => None,
+    }
+}
+
+/// The text of a file: JSON with two blanks of indent and a line feed at the end.
+///
+/// # Panics
+/// Never: the types have string keys only.
+#[must_use]
+pub fn to_text<T: serde::Serialize>(file: &T) -> String {
+    let mut text = serde_json::to_string_pretty(file).expect("string keys only");
+    text.push('\n');
+    text
+}

@@ -1,0 +1,312 @@
+//! Models in other programs' formats: well-formed, whole, mirrored with the model, and safe from what stands in a name.
+
+use quick_xml::Reader;
+use quick_xml::events::{BytesStart, Event};
+use spineline::analysis::{AnalysisOptions, analyze};
+use spineline::multibody::{SpineModel, Support};
+use spineline::spatial::{Mat3, Vec3};
+use spineline_files::{
+    ExportError, ExportFormat, ModelFile, StoredModel, export, parse_model, to_text,
+};
+use spineline_phantom::{Readers, Truth, generate};
+
+const FORMATS: [ExportFormat; 3] = [ExportFormat::Mjcf, ExportFormat::Osim, ExportFormat::Urdf];
+
+fn model(support: Support) -> StoredModel {
+    let case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
+    let options = AnalysisOptions { support, ..AnalysisOptions::default() };
+    let analysis = analyze(&case, &options).expect("a phantom");
+    parse_model(&to_text(&ModelFile::new(&analysis, &analysis.models[0], "test")))
+        .expect("our own file")
+}
+
+fn exported(model: &StoredModel, format: ExportFormat) -> String {
+    export(model, format, "test").expect("a good model")
+}
+
+/// An element as it was read back: path from the root, attributes, text.
+#[derive(Debug, Default)]
+struct Element {
+    path: String,
+    attributes: Vec<(String, String)>,
+    text: String,
+}
+
+impl Element {
+    fn attribute(&self, key: &str) -> &str {
+        let found = self.attributes.iter().find(|(name, _)| name == key);
+        found.map_or_else(|| panic!("no `{key}` in {self:?}"), |(_, value)| value)
+    }
+
+    fn name(&self) -> &str {
+        self.path.rsplit('/').next().expect("a path has an end")
+    }
+
+    fn numbers(&self, key: &str) -> Vec<f64> {
+        numbers(self.attribute(key))
+    }
+}
+
+fn numbers(text: &str) -> Vec<f64> {
+    text.split(' ').map(|n| n.parse().expect("a number")).collect()
+}
+
+fn element(open: &[String], start: &BytesStart<'_>) -> Element {
+    let attributes = start
+        .attributes()
+        .map(|attribute| {
+            let attribute = attribute.expect("well-formed, and no key twice");
+            let value = quick_xml::escape::unescape(&attribute.value).expect("known entities");
+            (attribute.key.as_ref().to_owned(), value.into_owned())
+        })
+        .collect();
+    Element { path: open.join("/"), attributes, text: String::new() }
+}
+
+/// All elements in order, and all comments; anything that is not well-formed panics.
+fn read(text: &str) -> (Vec<Element>, Vec<String>) {
+    let mut reader = Reader::from_str(text);
+    let config = reader.config_mut();
+    (config.check_comments, config.check_end_names) = (true, true);
+    let name = |start: &BytesStart<'_>| start.name().as_ref().to_owned();
+    let (mut open, mut at, mut all, mut comments) = (Vec::new(), Vec::new(), Vec::new(), vec![]);
+    loop {
+        match reader.read_event().expect("well-formed") {
+            Event::Start(start) => {
+                open.push(name(&start));
+                at.push(all.len());
+                all.push(element(&open, &start));
+            }
+            Event::Empty(start) => {
+                open.push(name(&start));
+                all.push(element(&open, &start));
+                open.pop();
+            }
+            Event::End(_) => {
+                open.pop();
+                at.pop();
+            }
+            Event::Text(part) => {
+                if let Some(&place) = at.last() {
+                    all[place].text.push_str(&part);
+                }
+            }
+            Event::GeneralRef(part) => {
+                let place = *at.last().expect("inside of an element");
+                let entity = format!("&{};", &*part);
+                all[place].text.push_str(&quick_xml::escape::unescape(&entity).expect("known"));
+            }
+            Event::Comment(part) => comments.push(part.to_string()),
+            Event::Eof => break,
+            _ => {}
+        }
+    }
+    assert!(open.is_empty(), "every element is closed");
+    (all, comments)
+}
+
+fn named<'a>(all: &'a [Element], name: &str) -> Vec<&'a Element> {
+    all.iter().filter(|element| element.name() == name).collect()
+}
+
+/// Name and stiffness of every spring that a file holds.
+fn springs(all: &[Element], format: ExportFormat) -> Vec<(String, f64)> {
+    let own = |text: &str| text.trim().parse::<f64>().expect("a number");
+    match format {
+        ExportFormat::Mjcf => named(all, "joint")
+            .iter()
+            .map(|joint| (joint.attribute("name").to_owned(), own(joint.attribute("stiffness"))))
+            .collect(),
+        ExportFormat::Osim => {
+            let coordinates = all.iter().filter(|e| e.path.ends_with("Force/coordinate"));
+            let values = named(all, "stiffness");
+            coordinates.zip(values).map(|(c, v)| (c.text.clone(), own(&v.text))).collect()
+        }
+        ExportFormat::Urdf => named(all, "gazebo")
+            .iter()
+            .zip(named(all, "springStiffness"))
+            .map(|(g, v)| (g.attribute("reference").to_owned(), own(&v.text)))
+            .collect(),
+    }
+}
+
+#[test]
+fn every_spring_is_there_with_its_number() {
+    let model = model(Support::Free);
+    for format in FORMATS {
+        let (all, comments) = read(&exported(&model, format));
+        let found = springs(&all, format);
+        let mut wanted = Vec::new();
+        for (pair, k) in model.levels.windows(2).zip(&model.stiffness_nmm_per_rad) {
+            for (word, k) in ["lateral", "flexion", "axial"].iter().zip(k) {
+                wanted.push((format!("{}_{}_{word}", pair[0], pair[1]), k / 1000.0));
+            }
+        }
+        assert_eq!(found, wanted, "{format:?}");
+        for word in ["SYNTHETIC", "not a medical device", "phantom-rod-01", "ratios", "NOMINAL"] {
+            assert!(comments[0].contains(word), "{word} in {format:?}");
+        }
+    }
+}
+
+#[test]
+fn locked_hinges_are_left_out_or_locked() {
+    let model = model(Support::Frontal);
+    for format in [ExportFormat::Mjcf, ExportFormat::Urdf] {
+        let (all, comments) = read(&exported(&model, format));
+        assert_eq!(springs(&all, format).len(), 14);
+        assert!(springs(&all, format).iter().all(|(name, _)| name.ends_with("_lateral")));
+        assert!(comments[0].contains("locked"), "{}", comments[0]);
+    }
+    let (all, _) = read(&exported(&model, ExportFormat::Osim));
+    for (coordinate, locked) in named(&all, "Coordinate").iter().zip(named(&all, "locked")) {
+        let lateral = coordinate.attribute("name").ends_with("_lateral");
+        assert_eq!(locked.text, if lateral { "false" } else { "true" });
+    }
+}
+
+#[test]
+fn urdf_joints_follow_one_another_without_a_gap() {
+    let model = model(Support::Free);
+    let (all, _) = read(&exported(&model, ExportFormat::Urdf));
+    let links = |name| named(&all, name).iter().map(|e| e.attribute("link")).collect::<Vec<_>>();
+    let (parents, children) = (links("parent"), links("child"));
+    assert_eq!(parents[0], "world");
+    assert_eq!(parents[1..], children[..children.len() - 1], "a chain");
+    let axes: Vec<_> = named(&all, "axis").iter().map(|e| e.numbers("xyz")).collect();
+    assert_eq!(axes.len(), 42);
+    for joint in axes.chunks(3) {
+        assert_eq!(joint, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    }
+}
+
+/// Rotation of a unit quaternion, scalar first.
+fn rotation(q: &[f64]) -> Mat3 {
+    let (w, v) = (q[0], Vec3::new(q[1], q[2], q[3]));
+    let turn = |axis: Vec3| axis + 2.0 * w * v.cross(&axis) + 2.0 * v.cross(&v.cross(&axis));
+    Mat3::from_columns(&[turn(Vec3::x()), turn(Vec3::y()), turn(Vec3::z())])
+}
+
+#[test]
+fn mjcf_bodies_stand_where_the_vertebrae_do_and_hinges_along_the_inferior_axes() {
+    // Oracle: poses composed from the file's own numbers against the model's.
+    const MM: f64 = 1e-11;
+    let model = model(Support::Free);
+    let (all, _) = read(&exported(&model, ExportFormat::Mjcf));
+    let (mut place, mut axes) = (Vec3::zeros(), Mat3::identity());
+    let joints = named(&all, "joint");
+    for (i, body) in named(&all, "body").iter().enumerate() {
+        let below = axes;
+        place += axes * Vec3::from_column_slice(&body.numbers("pos")) * 1000.0;
+        axes *= rotation(&body.numbers("quat"));
+        assert!((place - model.spine.midpoints_mm[i]).norm() < MM);
+        assert!((axes - model.spine.axes[i]).norm() < 1e-14);
+        let Some(j) = i.checked_sub(1) else { continue };
+        let centre = model.spine.midpoints_mm[j]
+            + model.spine.axes[j] * model.spine.joints[j].centre_in_inferior_mm;
+        for axis in 0..3 {
+            let hinge = joints[3 * j + axis];
+            let own = Vec3::from_column_slice(&hinge.numbers("axis"));
+            assert!((axes * own - below.column(axis)).norm() < 1e-14, "x, y and z in this order");
+            let at = Vec3::from_column_slice(&hinge.numbers("pos")) * 1000.0;
+            assert!((place + axes * at - centre).norm() < MM);
+        }
+    }
+}
+
+/// The patient seen in a mirror, left for right.
+fn mirrored(model: &StoredModel) -> StoredModel {
+    let m = Mat3::from_diagonal(&Vec3::new(1.0, -1.0, 1.0));
+    let spine = &model.spine;
+    let centres: Vec<Vec3> = spine.joints.iter().map(|j| m * j.centre_in_inferior_mm).collect();
+    let midpoints = spine.midpoints_mm.iter().map(|p| m * p).collect();
+    let axes = spine.axes.iter().map(|r| m * r * m).collect();
+    StoredModel { spine: SpineModel::from_poses(midpoints, axes, &centres), ..model.clone() }
+}
+
+/// What a mirror does to three numbers: places change `y`, rotations the other two.
+fn mirror(values: &[f64], rotation: bool) -> Vec<f64> {
+    let signs = if rotation { [-1.0, 1.0, -1.0] } else { [1.0, -1.0, 1.0] };
+    values.iter().zip(signs).map(|(value, sign)| value * sign).collect()
+}
+
+#[test]
+fn a_mirrored_model_gives_a_mirrored_file() {
+    let close = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+    let model = model(Support::Free);
+    let other = mirrored(&model);
+    let both = |format| [&model, &other].map(|m| read(&exported(m, format)).0);
+    let [one, two] = both(ExportFormat::Urdf);
+    for (a, b) in named(&one, "origin").iter().zip(named(&two, "origin")) {
+        assert!(close(&mirror(&a.numbers("xyz"), false), &b.numbers("xyz")));
+        assert!(close(&mirror(&a.numbers("rpy"), true), &b.numbers("rpy")));
+    }
+    let [one, two] = both(ExportFormat::Mjcf);
+    for (a, b) in named(&one, "body").iter().zip(named(&two, "body")) {
+        assert!(close(&mirror(&a.numbers("pos"), false), &b.numbers("pos")));
+        assert!(close(&mirror(&a.numbers("quat")[1..], true), &b.numbers("quat")[1..]));
+    }
+    // OpenSim's right is z: there, places change z, and rotations x and y.
+    let [one, two] = both(ExportFormat::Osim);
+    let signed = |text: &str, signs: [f64; 3]| -> Vec<f64> {
+        numbers(text).iter().zip(signs).map(|(value, sign)| value * sign).collect()
+    };
+    for (key, signs) in [("translation", [1.0, 1.0, -1.0]), ("orientation", [-1.0, -1.0, 1.0])] {
+        for (a, b) in named(&one, key).iter().zip(named(&two, key)) {
+            assert!(close(&signed(&a.text, signs), &numbers(&b.text)), "{key}");
+        }
+    }
+}
+
+#[test]
+fn no_name_breaks_out_of_its_place() {
+    let mut model = model(Support::Free);
+    for name in [
+        "--><x>",
+        "<!-- --- ----->",
+        "-",
+        "a\"b'c&d;&amp;",
+        "]]>",
+        "Müller 脊柱 \u{1F9B4} \u{202E}x",
+        " spaces ",
+        "",
+    ] {
+        model.case_id = name.to_owned();
+        for format in FORMATS {
+            let (all, comments) = read(&exported(&model, format));
+            assert_eq!(comments.len(), 1, "{name}");
+            assert!(named(&all, "x").is_empty());
+            match format {
+                ExportFormat::Mjcf => assert_eq!(all[0].attribute("model"), name),
+                ExportFormat::Urdf => assert_eq!(all[0].attribute("name"), name),
+                ExportFormat::Osim => {
+                    let credits = &named(&all, "credits")[0].text;
+                    assert_eq!(*credits, format!("test; case {name}"));
+                    let plain = all[1].attribute("name");
+                    assert!(plain.chars().all(|c| c.is_ascii_alphanumeric() || "._-".contains(c)));
+                    assert!(!plain.is_empty());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_no_engine_can_hold_is_refused_by_name() {
+    let good = model(Support::Free);
+    let refused =
+        |model: &StoredModel| export(model, ExportFormat::Mjcf, "test").expect_err("a bad model");
+    let mut bad = good.clone();
+    bad.case_id = "a\u{0}b".to_owned();
+    assert_eq!(refused(&bad), ExportError::Text { what: "case_id", character: '\0' });
+    let mut bad = good.clone();
+    bad.levels[4] = bad.levels[3];
+    assert_eq!(refused(&bad), ExportError::LevelTwice { level: bad.levels[3] });
+    let mut bad = good.clone();
+    bad.stiffness[2][(1, 1)] = -1.0;
+    let told = refused(&bad).to_string();
+    assert!(told.contains("L2/L1") && told.contains("flexion") && told.contains("-1"), "{told}");
+    let mut bad = good.clone();
+    (bad.stiffness[2][(0, 1)], bad.stiffness[2][(1, 0)]) = (1e3, 1e3);
+    assert!(refused(&bad).to_string().contains("L2/L1: its springs couple"), "{}", refused(&bad));
+}

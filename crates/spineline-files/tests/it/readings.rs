@@ -1,0 +1,62 @@
+//! Tables of readings: what is read, and what is refused with the line that it stands on.
+
+use spineline::reliability::{Icc, StatisticKind, Undefined, assess};
+use spineline_files::{FileError, parse_readings};
+
+const HEADING: &str = "quantity,unit,subject,observer,repeat,value\n";
+
+fn table(rows: &str) -> Result<spineline_files::ReadingsTable, FileError> {
+    parse_readings(&format!("{HEADING}{rows}"))
+}
+
+#[test]
+fn spreadsheets_marks_line_ends_and_any_order_of_columns_are_read() {
+    let plain = table("a,mm,1,A,1,2.5\na,mm,1,B,1,3\na,mm,2,A,1,4\na,mm,2,B,1,4.5\n");
+    let plain = plain.expect("a table");
+    let odd = "\u{feff}value,subject,repeat,observer,unit,quantity\r\n2.5,1,1,A,mm,a\r\n3,1,1,B,mm,a\r\n4,2,1,A,mm,a\r\n4.5,2,1,B,mm,a\r\n";
+    assert_eq!(parse_readings(odd).expect("a table"), plain);
+    assert!(!plain.synthetic);
+    let made_up = "quantity,unit,subject,observer,repeat,value,synthetic\na,mm,1,A,1,2.5,true\n";
+    assert!(parse_readings(made_up).expect("a table").synthetic);
+    let found = assess(&plain.quantities[0]);
+    // Row means 2.75 and 4.25, differences 0.5 both: no scatter is left beside the offset.
+    let icc = found.designs[0].statistic(StatisticKind::Icc(Icc::ConsistencySingle));
+    assert_eq!(icc.map(|estimate| estimate.value), Ok(1.0));
+    assert_eq!(found.designs[1].statistic(StatisticKind::Pearson), Err(Undefined::OneRepeat));
+}
+
+#[test]
+fn every_fault_of_a_row_names_its_line() {
+    let good = "a,mm,1,A,1,2.5\n";
+    for (row, words) in [
+        ("a,mm,1,B,1,NaN\n", "`value` is `NaN`"),
+        ("a,mm,1,B,1,1e999\n", "`value` is"),
+        ("a,mm,1,B,1,\n", "`value` is ``"),
+        ("a,mm,1,B,1,\"2,5\"\n", "decimal point"),
+        ("a,mm,1,B,0,2.5\n", "counts from 1"),
+        ("a,mm,1,B,-1,2.5\n", "counts from 1"),
+        ("a,mm,,B,1,2.5\n", "`subject` is empty"),
+        ("a,mm,1,=cmd|x,1,2.5\n", "formula"),
+        ("a,deg,1,B,1,2.5\n", "`a` is in deg, and in mm above"),
+        ("a,mm,1,A,1,7\n", "is there twice"),
+        ("a,mm,1,B,1\n", "5 cells, and the heading has 6"),
+    ] {
+        let error = table(&format!("{good}{row}")).expect_err(words).to_string();
+        assert!(error.starts_with("line 3: ") && error.contains(words), "{error}");
+    }
+    assert!(table("").expect_err("nothing").to_string().contains("no reading"));
+}
+
+#[test]
+fn columns_that_are_unknown_twice_there_or_missing_are_refused() {
+    for (heading, words) in [
+        ("quantity,unit,subject,observer,repeat,values", "did you mean `value`?"),
+        ("quantity;unit;subject;observer;repeat;value", "parted by commas"),
+        ("quantity,unit,subject,observer,repeat", "there is no column `value`"),
+        ("quantity,unit,subject,observer,repeat,value,value", "twice"),
+        ("", "no"),
+    ] {
+        let error = parse_readings(&format!("{heading}\n")).expect_err(words).to_string();
+        assert!(error.contains(words), "{error}");
+    }
+}

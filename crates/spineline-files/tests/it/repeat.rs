@@ -1,0 +1,146 @@
+//! An analysis file holds everything that it was made from.
+
+use spineline::action::LineOfAction;
+use spineline::analysis::{AnalysisOptions, Grouping, analyze};
+use spineline::anatomy::{Level, Posture, SagittalProfile};
+use spineline::curve::{InflectionChoice, OrderRule, Site};
+use spineline::hypothesis::{Base, Hypothesis, LoadShape};
+use spineline::multibody::{JointStiffness, StiffnessLibrary, Support};
+use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
+use spineline::spatial::{Angle, Frontal};
+use spineline::uncertainty::LandmarkNoise;
+use spineline_files::{
+    AnalysisFile, CaseFile, FileError, FilmOrigin, InputFile, ProgramRun, Provenance, Replicates,
+    Request, parse_analysis, parse_case_within, parse_stiffness, to_text,
+};
+use spineline_phantom::{Readers, Truth, generate};
+
+fn run() -> ProgramRun {
+    ProgramRun {
+        program: "spineline 0".to_owned(),
+        command: ["spineline", "analyze", "case.json"].map(str::to_owned).to_vec(),
+        date_utc: "2026-01-02T03:04:05Z".to_owned(),
+    }
+}
+
+fn provenance(request: &Request) -> Provenance {
+    let inputs = vec![InputFile::of("case.json", b"")];
+    Provenance::new(run(), FilmOrigin::Synthetic, inputs).asking(request)
+}
+
+/// No choice is the default one, and no number is short.
+fn odd_options() -> AnalysisOptions {
+    let defaults = StiffnessLibrary::default();
+    let rows = defaults.rows().iter().enumerate().map(|(i, row)| JointStiffness {
+        nmm_per_rad: row
+            .nmm_per_rad
+            .map(|value| 1000.0 * (value / 1000.0 * (1.1 + i as f64 / 7.0))),
+        source: format!("measured on the {i}th"),
+        ..row.clone()
+    });
+    let site = |inferior, superior| Site { inferior, superior };
+    AnalysisOptions {
+        order_rule: OrderRule::Fixed(7),
+        inflections: InflectionChoice::ByHand([
+            site(Level::L1, Level::T12),
+            site(Level::T6, Level::T6),
+        ]),
+        min_lobe: Angle::from_deg(4.1),
+        segment_window: 800..=1234,
+        profile: SagittalProfile::template(31.7, 52.3),
+        library: StiffnessLibrary::from_rows(rows.collect()).expect("sound springs"),
+        support: Support::Frontal,
+        gauge: Gauge::KnownForce { posture: Posture::Traction, force_n: 117.3 },
+        target: FitTarget::Ferguson,
+        grouping: Grouping::PerJoint,
+        prior: Some(LogNormalPrior { log_sd: 0.3 }),
+        given_lines: vec![(
+            Posture::LeftBending,
+            LineOfAction::leaning(Frontal::new(20.1, 150.7), Angle::from_deg(-5.3)),
+        )],
+        hypotheses: vec![
+            Hypothesis::of(LoadShape::Couple),
+            Hypothesis { load: LoadShape::FreeLine, base: Base::Noisy },
+        ],
+    }
+}
+
+#[test]
+fn every_choice_comes_back_to_the_last_bit() {
+    let case = generate(2, Truth::Rod, &Readers::exact(), 5).expect("subject 3 exists").case;
+    let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
+    let replicates =
+        Some(Replicates { count: 300, noise: LandmarkNoise::Pixels(2.7), seed: u64::MAX });
+    for request in [
+        Request::default(),
+        Request { options: odd_options(), replicates, identifiability: true },
+        Request {
+            options: AnalysisOptions {
+                order_rule: OrderRule::Paper,
+                gauge: Gauge::FrozenForce,
+                ..AnalysisOptions::default()
+            },
+            replicates: replicates.map(|r| Replicates { noise: LandmarkNoise::Measured, ..r }),
+            identifiability: false,
+        },
+    ] {
+        let file = AnalysisFile::new(&analysis, CaseFile::from_case(&case), provenance(&request));
+        let text = to_text(&file);
+        let stored = parse_analysis(&text).expect("our own file");
+        assert_eq!(stored.request, request);
+        assert_eq!(stored.case, case);
+        assert_eq!(stored.provenance, provenance(&request));
+        let (within, asked) = parse_case_within(&text).expect("a case is within");
+        assert_eq!((within, asked), (stored.case_file, Some(request)));
+    }
+}
+
+#[test]
+fn a_stiffness_of_a_table_comes_back_to_the_last_bit() {
+    let table = to_text(&spineline_files::StiffnessFile::from(&StiffnessLibrary::default()));
+    for written in ["131.9", "0.1234567890123", "97.30000000000001", "5120.007"] {
+        let text = table.replacen("132.0", written, 1);
+        assert_ne!(text, table);
+        let library = parse_stiffness(&text).expect("sound springs");
+        let again = to_text(&spineline_files::StiffnessFile::from(&library));
+        assert_eq!(parse_stiffness(&again).expect("our own file"), library, "{written}");
+    }
+}
+
+#[test]
+fn what_cannot_be_repeated_says_what_is_missing() {
+    let case = generate(2, Truth::Rod, &Readers::exact(), 5).expect("subject 3 exists").case;
+    let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
+    let request = Request {
+        options: odd_options(),
+        replicates: Some(Replicates { count: 3, noise: LandmarkNoise::Measured, seed: 1 }),
+        identifiability: false,
+    };
+    let file = AnalysisFile::new(&analysis, CaseFile::from_case(&case), provenance(&request));
+    let whole: serde_json::Value = serde_json::from_str(&to_text(&file)).expect("JSON");
+    let without = |pointer: &str, key: &str| {
+        let mut json = whole.clone();
+        let parent = json.pointer_mut(pointer).and_then(|value| value.as_object_mut());
+        assert!(parent.expect("an object").remove(key).is_some(), "{key}");
+        parse_analysis(&json.to_string()).expect_err("a part is missing")
+    };
+    assert!(matches!(without("", "case"), FileError::NotRepeatable { part: "case" }));
+    assert!(matches!(without("", "provenance"), FileError::NotRepeatable { part: "provenance" }));
+    let options = without("/provenance", "options");
+    assert!(matches!(options, FileError::NotRepeatable { part: "provenance.options" }));
+    assert!(options.help().contains("analyze"));
+    assert!(matches!(without("/provenance", "seed"), FileError::NoSeed));
+    assert!(matches!(without("/provenance/options", "known_force"), FileError::NoKnownForce));
+    let unknown = to_text(&file).replace("\"couple\"", "\"copule\"");
+    let error = parse_analysis(&unknown).expect_err("no such load").to_string();
+    assert!(error.contains("copule") && error.contains("compared_models"), "{error}");
+    let case = to_text(&CaseFile::from_case(&case));
+    assert!(matches!(parse_analysis(&case), Err(FileError::Format { .. })));
+}
+
+#[test]
+fn some_synthetic_films_among_real_ones_are_said() {
+    assert_eq!(FilmOrigin::of([true, true]), FilmOrigin::Synthetic);
+    assert_eq!(FilmOrigin::of([true, false]), FilmOrigin::SyntheticAndReal);
+    assert_eq!(FilmOrigin::of([false]), FilmOrigin::Real);
+}

@@ -1,0 +1,120 @@
+//! Compressed pictures without what is no picture: comments and the segments of applications, which may name anybody.
+
+use crate::codec::header_segment;
+use crate::error::{Codec, CodecFault, FilmError};
+
+/// The one compressed picture of a film, its fragments joined, without comments, segments of applications, and what
+/// follows its end. Run lengths hold nothing else than pixels and come back as they are.
+///
+/// # Errors
+/// [`FilmError::Codec`] where the headers do not hold together: what cannot be followed cannot be cleaned.
+pub(super) fn cleaned(fragments: &[Vec<u8>]) -> Result<Option<Vec<u8>>, FilmError> {
+    let joined = fragments.concat();
+    let (codec, clean) = match joined.get(..4) {
+        Some([0xFF, 0xD8, 0xFF, _]) => (Codec::Jpeg, clean_jpeg(&joined)),
+        Some([0xFF, 0x4F, 0xFF, 0x51]) => (Codec::Jpeg2000, clean_jpeg_2000(&joined)),
+        // The boxes of a JP2 file, which DICOM does not allow around the picture.
+        Some([0, 0, 0, 0x0C]) if joined.get(4..8) == Some(b"jP  ") => {
+            (Codec::Jpeg2000, Err(CodecFault::Header))
+        }
+        _ => return Ok(None),
+    };
+    clean.map(Some).map_err(|fault| FilmError::Codec { codec, fault })
+}
+
+/// JPEG and JPEG-LS: marker segments up to the first scan, then the scans up to the end of the image.
+fn clean_jpeg(data: &[u8]) -> Result<Vec<u8>, CodecFault> {
+    const COMMENT: u8 = 0xFE;
+    const SCAN: u8 = 0xDA;
+    // Adobe's says which colours the components are.
+    const ADOBE: u8 = 0xEE;
+    let is_text = |kind| kind == COMMENT || (0xE0..=0xEF).contains(&kind) && kind != ADOBE;
+    let (mut clean, scans) = clean_header(data, SCAN, is_text)?;
+    // Within a scan no such pair can stand: what follows 0xFF there is below 0x80.
+    let end = scans.windows(2).position(|pair| pair == END).ok_or(CodecFault::Truncated)?;
+    clean.extend_from_slice(&scans[..end + 2]);
+    Ok(clean)
+}
+
+/// JPEG 2000: marker segments of the main header, then the tiles up to the end of the codestream.
+fn clean_jpeg_2000(data: &[u8]) -> Result<Vec<u8>, CodecFault> {
+    const COMMENT: u8 = 0x64;
+    const TILE: u8 = 0x90;
+    let (mut clean, tiles) = clean_header(data, TILE, |kind| kind == COMMENT)?;
+    let end = tiles.windows(2).rposition(|pair| pair == END).ok_or(CodecFault::Truncated)?;
+    clean.extend_from_slice(&tiles[..end + 2]);
+    Ok(clean)
+}
+
+/// The end of an image, or of a codestream.
+const END: [u8; 2] = [0xFF, 0xD9];
+
+/// The header up to the first segment of a kind, without segments of text; then everything from there on.
+fn clean_header(
+    data: &[u8],
+    first: u8,
+    is_text: impl Fn(u8) -> bool,
+) -> Result<(Vec<u8>, &[u8]), CodecFault> {
+    let mut clean = data[..2].to_vec();
+    let mut at = 2;
+    loop {
+        let next = header_segment(data, at)?;
+        // The marker and the length stand before the body; fill bytes before them are no loss.
+        let start = next.end - next.body.len() - 4;
+        if next.kind == first {
+            return Ok((clean, &data[start..]));
+        }
+        if !is_text(next.kind) {
+            clean.extend_from_slice(&data[start..next.end]);
+        }
+        at = next.end;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::cleaned;
+
+    fn segment(marker: u8, body: &[u8]) -> Vec<u8> {
+        [&[0xFF, marker], &(body.len() as u16 + 2).to_be_bytes()[..], body].concat()
+    }
+
+    #[test]
+    fn comments_and_applications_go_and_the_picture_stays() {
+        let (frame, scan) = (segment(0xC3, &[8; 9]), segment(0xDA, &[1; 6]));
+        let pixels = [1, 2, 0xFF, 0, 3, 0xFF, 0xD9];
+        let with = [
+            &[0xFF, 0xD8][..],
+            &segment(0xE0, b"JFIF DOE"),
+            &segment(0xE1, b"Exif DOE"),
+            &frame,
+            &segment(0xFE, b"DOE^JANE"),
+            &scan,
+            &pixels,
+            b"DOE after the end",
+        ]
+        .concat();
+        let without = [&[0xFF, 0xD8][..], &frame, &scan, &pixels].concat();
+        // In one fragment or in several.
+        let halves = [with[..20].to_vec(), with[20..].to_vec()];
+        assert_eq!(cleaned(&[with]).expect("sound").expect("JPEG"), without);
+        assert_eq!(cleaned(&halves).expect("sound").expect("JPEG"), without);
+    }
+
+    #[test]
+    fn comments_of_jpeg_2000_go_from_its_main_header() {
+        let size = segment(0x51, &[0; 36]);
+        let tile = [0xFF, 0x90, 0, 10, 0, 0, 0, 0, 0, 0, 0, 1, 0xFF, 0x93, 7, 7, 0xFF, 0xD9];
+        let with =
+            [&[0xFF, 0x4F][..], &size, &segment(0x64, b"\0\x01DOE^JANE"), &tile, b"DOE"].concat();
+        let without = [&[0xFF, 0x4F][..], &size, &tile].concat();
+        assert_eq!(cleaned(&[with]).expect("sound").expect("JPEG 2000"), without);
+    }
+
+    #[test]
+    fn what_cannot_be_followed_is_refused_and_run_lengths_are_left_alone() {
+        assert!(cleaned(&[vec![0xFF, 0xD8, 0xFF, 0xE0, 0xFF]]).is_err());
+        assert!(cleaned(&[b"\0\0\0\x0cjP  \r\n\x87\n".to_vec()]).is_err());
+        assert_eq!(cleaned(&[vec![2, 0, 0, 0, 64]]).expect("no headers"), None);
+    }
+}

@@ -1,0 +1,273 @@
+//! Finding the films in what a person points at: files, folders, ZIP archives.
+//!
+//! Nothing is unpacked to disk and no name from an archive becomes a path. Links are not followed, archives within
+//! archives are not opened, and every count and size has a limit, so that a folder of any size and an archive of any
+//! malice end in a list. What is no film is passed over with its reason, never silently.
+
+mod archive;
+mod folder;
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use crate::{FilmError, FilmKind, Lookalike, sniff};
+
+/// What a survey may take at most.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct IntakeLimits {
+    /// Files and archive entries that are looked at.
+    pub entries: usize,
+    /// Bytes of one file or unpacked entry.
+    pub entry_bytes: u64,
+    /// Bytes that all entries of one archive may unpack to.
+    pub archive_bytes: u64,
+    /// Depth of folders.
+    pub depth: usize,
+}
+
+impl Default for IntakeLimits {
+    fn default() -> Self {
+        Self { entries: 100_000, entry_bytes: 256 << 20, archive_bytes: 4 << 30, depth: 32 }
+    }
+}
+
+/// Where a film lies.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Place {
+    /// A file.
+    File(PathBuf),
+    /// An entry of an archive, by its number there.
+    Entry {
+        /// The archive.
+        archive: PathBuf,
+        /// Place in the archive's own list.
+        index: usize,
+    },
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::File(path) => write!(f, "{}", printable(path)),
+            // The entry's own name may be anything, a patient's name among others.
+            Self::Entry { archive, index } => {
+                write!(f, "{}, entry {}", printable(archive), index + 1)
+            }
+        }
+    }
+}
+
+/// A path as it may be printed: without the control characters that could rewrite a terminal's screen.
+fn printable(path: &Path) -> String {
+    let text = path.to_string_lossy();
+    let hidden = |c: char| {
+        c.is_control()
+            || matches!(c, '\u{200e}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    text.chars().map(|c| if hidden(c) { '\u{fffd}' } else { c }).collect()
+}
+
+/// A film that was found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Found {
+    /// Where.
+    pub place: Place,
+    /// What its first bytes say it is.
+    pub kind: FilmKind,
+    /// Its size.
+    pub bytes: u64,
+}
+
+/// Something that was found and is no film.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PassedOver {
+    /// Where.
+    pub place: Place,
+    /// Why.
+    pub reason: Reason,
+}
+
+/// Why something was passed over.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Reason {
+    /// It is something else.
+    #[error("it {0}")]
+    NotAFilm(Lookalike),
+    /// It could not be read.
+    #[error("it cannot be read: {0}")]
+    Unreadable(std::io::ErrorKind),
+    /// A link, a device or a pipe.
+    #[error("it is no plain file")]
+    NotPlain,
+    /// Too large for a film.
+    #[error("it has {bytes} bytes, and the limit is {limit}")]
+    TooLarge {
+        /// Its size.
+        bytes: u64,
+        /// The limit.
+        limit: u64,
+    },
+    /// A name that leads out of the archive, or that no file can have.
+    #[error("its name in the archive is no plain name of a file")]
+    UnsafeName,
+    /// An encrypted entry.
+    #[error("it is encrypted")]
+    Encrypted,
+    /// An archive in an archive.
+    #[error("it is an archive within an archive")]
+    Nested,
+    /// A broken archive or entry.
+    #[error("the archive is damaged here, or packed in a way that is not read")]
+    Damaged,
+    /// Folders below folders below folders.
+    #[error("it lies deeper than {limit} folders")]
+    TooDeep {
+        /// The limit.
+        limit: usize,
+    },
+    /// The archive unpacks to more than it may.
+    #[error("its archive unpacks to more than {limit} bytes")]
+    ArchiveTooLarge {
+        /// The limit.
+        limit: u64,
+    },
+}
+
+/// A survey that cannot be made at all.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum IntakeError {
+    /// A path that was asked for by name does not open.
+    #[error("{place}: {kind}")]
+    Missing {
+        /// The path.
+        place: Place,
+        /// Why.
+        kind: std::io::ErrorKind,
+    },
+    /// More files than anyone imports at once.
+    #[error("there are more than {limit} files and archive entries here")]
+    TooMany {
+        /// The limit.
+        limit: usize,
+    },
+    /// A film changed or went away between the survey and its reading.
+    #[error("{place} {reason}")]
+    Gone {
+        /// Where.
+        place: Place,
+        /// What stands in the way.
+        reason: Reason,
+    },
+}
+
+impl IntakeError {
+    /// What the user can do about it.
+    #[must_use]
+    pub const fn help(&self) -> &'static str {
+        match self {
+            Self::Missing { .. } => "check the path, and that you may read it",
+            Self::TooMany { .. } => "name the patient's own folder, or the films one by one",
+            Self::Gone { .. } => "run the import again when nothing else writes there",
+        }
+    }
+}
+
+/// What lies at the given paths, in the order of the paths and of their names.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Survey {
+    /// The films.
+    pub films: Vec<Found>,
+    /// Everything else.
+    pub passed_over: Vec<PassedOver>,
+}
+
+/// Looks for films at the given paths: files, folders with all below them, ZIP archives. `seen` is told the number of
+/// files looked at so far, for a progress bar.
+///
+/// # Errors
+/// [`IntakeError::Missing`] for a given path that does not open, [`IntakeError::TooMany`].
+pub fn survey(
+    paths: &[PathBuf],
+    limits: &IntakeLimits,
+    mut seen: impl FnMut(usize),
+) -> Result<Survey, IntakeError> {
+    let mut surveyor = Surveyor { limits: *limits, looked_at: 0, survey: Survey::default() };
+    for path in paths {
+        folder::walk(&mut surveyor, path, &mut seen)?;
+    }
+    Ok(surveyor.survey)
+}
+
+/// The bytes of a film that was found.
+///
+/// # Errors
+/// [`IntakeError::Gone`] where it is no longer what it was, or is larger than `limits` allow.
+pub fn read(place: &Place, limits: &IntakeLimits) -> Result<Vec<u8>, IntakeError> {
+    let bytes = match place {
+        Place::File(path) => {
+            let file = File::open(path).map_err(|error| Reason::Unreadable(error.kind()));
+            file.and_then(|file| read_limited(file, limits.entry_bytes))
+        }
+        Place::Entry { archive, index } => archive::read(archive, *index, limits),
+    };
+    bytes.map_err(|reason| IntakeError::Gone { place: place.clone(), reason })
+}
+
+/// What a survey has found so far.
+struct Surveyor {
+    limits: IntakeLimits,
+    looked_at: usize,
+    survey: Survey,
+}
+
+impl Surveyor {
+    /// Counts one more file or entry.
+    fn count(&mut self) -> Result<(), IntakeError> {
+        self.looked_at += 1;
+        if self.looked_at > self.limits.entries {
+            return Err(IntakeError::TooMany { limit: self.limits.entries });
+        }
+        Ok(())
+    }
+
+    fn pass_over(&mut self, place: Place, reason: Reason) {
+        self.survey.passed_over.push(PassedOver { place, reason });
+    }
+
+    /// Files a thing by its first bytes.
+    fn file(&mut self, place: Place, bytes: u64, head: &[u8]) {
+        if bytes > self.limits.entry_bytes {
+            let limit = self.limits.entry_bytes;
+            return self.pass_over(place, Reason::TooLarge { bytes, limit });
+        }
+        match sniff(head) {
+            Ok(kind) => self.survey.films.push(Found { place, kind, bytes }),
+            Err(FilmError::NotAFilm { looks_like }) => {
+                self.pass_over(place, Reason::NotAFilm(looks_like));
+            }
+            Err(_) => self.pass_over(place, Reason::Damaged),
+        }
+    }
+}
+
+/// The first bytes of a stream: enough to tell what it is.
+fn head_of(stream: impl Read) -> Result<Vec<u8>, std::io::Error> {
+    const ENOUGH: u64 = 4096;
+    let mut head = Vec::new();
+    stream.take(ENOUGH).read_to_end(&mut head)?;
+    Ok(head)
+}
+
+/// A stream whole, if it is no longer than a limit.
+fn read_limited(stream: impl Read, limit: u64) -> Result<Vec<u8>, Reason> {
+    let mut bytes = Vec::new();
+    let read = stream.take(limit + 1).read_to_end(&mut bytes);
+    read.map_err(|error| Reason::Unreadable(error.kind()))?;
+    match bytes.len() as u64 {
+        more if more > limit => Err(Reason::TooLarge { bytes: more, limit }),
+        _ => Ok(bytes),
+    }
+}

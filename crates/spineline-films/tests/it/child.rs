@@ -1,0 +1,39 @@
+//! Decoders that are none: whatever the other process does, the parent gets an error.
+
+use std::path::Path;
+use std::time::Instant;
+
+use spineline_films::{ChildLimits, FilmError, Measure, decode_in_child};
+
+use crate::maker::{EXPLICIT, Maker, ramp};
+
+#[cfg(unix)]
+#[test]
+fn f62_children_that_hang_die_or_talk_too_much_are_errors() {
+    let film = Maker::new(6, 4, &ramp(6, 4)).file(EXPLICIT);
+    let mut limits = ChildLimits { wall_s: 5.0, ..ChildLimits::default() };
+    limits.film.pixels = 1000;
+    let run = |script: &str| {
+        decode_in_child(Path::new("/bin/sh"), &["-c", script], film.clone(), &limits).unwrap_err()
+    };
+    let asked = Instant::now();
+    assert_eq!(run("exec sleep 600"), FilmError::DecoderTimeout { limit_s: 5.0 });
+    // However slow the machine: the program is not waited for to its end.
+    assert!(asked.elapsed().as_secs() < 120, "{:?}", asked.elapsed());
+    assert_eq!(run("kill -SEGV $$"), FilmError::DecoderDied { signal: Some(11) });
+    assert_eq!(run("kill -ABRT $$"), FilmError::DecoderDied { signal: Some(6) });
+    assert_eq!(run("exit 101"), FilmError::DecoderDied { signal: None });
+    assert_eq!(run("echo hello"), FilmError::DecoderAnswer);
+    assert_eq!(run("exec cat"), FilmError::DecoderAnswer);
+    assert_eq!(run("printf 'SPLNFILM\\1\\0\\377\\377\\377\\377'"), FilmError::DecoderAnswer);
+    let endless = run("exec yes");
+    assert!(matches!(endless, FilmError::TooLarge { what: Measure::AnswerBytes, .. }), "{endless}");
+    let out_of_memory = run("echo 'memory allocation of 99 bytes failed' >&2; kill -ABRT $$");
+    assert_eq!(out_of_memory, FilmError::DecoderMemory { limit_bytes: 3 << 30 });
+    assert_eq!(
+        run("test -z \"$HOME$PATH_TO\" || exit 0; kill -KILL $$"),
+        FilmError::DecoderDied { signal: Some(9) }
+    );
+    let start = decode_in_child(Path::new("/nonexistent/program"), &[], film.clone(), &limits);
+    assert!(matches!(start, Err(FilmError::DecoderStart { .. })));
+}

@@ -1,0 +1,223 @@
+//! Finding films among whatever lies in folders and archives: faults F16, F63, F64 and F65.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use spineline_films::intake::{IntakeError, IntakeLimits, Place, Reason, Survey, read, survey};
+use spineline_films::{FilmKind, Lookalike};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
+
+/// The first bytes of a picture; a survey looks at no more.
+const PNG: &[u8] = b"\x89PNG\r\n\x1a\n and the rest";
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+fn look(path: &Path) -> Survey {
+    look_within(path, &IntakeLimits::default())
+}
+
+fn look_within(path: &Path, limits: &IntakeLimits) -> Survey {
+    survey(&[path.to_owned()], limits, |_| ()).expect("the path exists")
+}
+
+fn reasons(survey: &Survey) -> Vec<&Reason> {
+    survey.passed_over.iter().map(|passed| &passed.reason).collect()
+}
+
+fn archive(path: &Path, entries: &[(&str, &[u8])]) {
+    let mut writer = ZipWriter::new(fs::File::create(path).expect("a new file"));
+    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated);
+    for (name, bytes) in entries {
+        writer.start_file(*name, options).expect("an entry");
+        writer.write_all(bytes).expect("its bytes");
+    }
+    writer.finish().expect("an archive");
+}
+
+#[test]
+fn films_are_found_in_folders_of_folders_and_everything_else_is_named() {
+    let here = folder();
+    fs::create_dir_all(here.path().join("a/b")).expect("folders");
+    fs::write(here.path().join("a/b/one.png"), PNG).expect("a file");
+    fs::write(here.path().join("a/notes.txt"), "<notes>").expect("a file");
+    fs::write(here.path().join("report.pdf"), "%PDF-1.7").expect("a file");
+    fs::write(here.path().join("empty.dcm"), "").expect("a file");
+    // The name says nothing: the bytes do.
+    fs::write(here.path().join("z.txt"), [&[0; 128], b"DICM\0\0".as_slice()].concat())
+        .expect("a file");
+    let found = look(here.path());
+    let kinds: Vec<FilmKind> = found.films.iter().map(|film| film.kind).collect();
+    assert_eq!(kinds, [FilmKind::Png, FilmKind::Dicom]);
+    assert_eq!(
+        reasons(&found),
+        [
+            &Reason::NotAFilm(Lookalike::Text),
+            &Reason::NotAFilm(Lookalike::Empty),
+            &Reason::NotAFilm(Lookalike::Pdf)
+        ]
+    );
+    let bytes = read(&found.films[0].place, &IntakeLimits::default()).expect("still there");
+    assert_eq!(bytes, PNG);
+}
+
+#[test]
+fn names_that_trouble_other_systems_are_only_names() {
+    let here = folder();
+    let long = format!("{}.png", "x".repeat(250));
+    for name in ["CON", "nul.png", "..png", " .png", "Film.PNG", "film.png", "é\u{301}.png", &long]
+    {
+        fs::write(here.path().join(name), PNG).expect("a file");
+    }
+    assert_eq!(look(here.path()).films.len(), 8);
+}
+
+#[test]
+fn a_name_cannot_rewrite_the_screen() {
+    let place = Place::File(PathBuf::from("a\u{1b}[2Jb\u{202e}gnp.exe"));
+    assert_eq!(place.to_string(), "a\u{fffd}[2Jb\u{fffd}gnp.exe");
+}
+
+#[test]
+#[cfg(unix)]
+fn links_below_a_folder_are_not_followed_and_loops_end() {
+    use std::os::unix::fs::symlink;
+    let here = folder();
+    fs::create_dir(here.path().join("films")).expect("a folder");
+    fs::write(here.path().join("films/one.png"), PNG).expect("a file");
+    symlink(here.path(), here.path().join("films/loop")).expect("a link");
+    symlink("/nowhere/at/all", here.path().join("films/broken")).expect("a link");
+    let found = look(here.path());
+    assert_eq!(found.films.len(), 1);
+    assert_eq!(reasons(&found), [&Reason::NotPlain, &Reason::NotPlain]);
+    // A link that was asked for by name is meant.
+    symlink(here.path().join("films"), here.path().join("link")).expect("a link");
+    assert_eq!(look(&here.path().join("link")).films.len(), 1);
+}
+
+#[test]
+fn a_path_that_is_not_there_is_an_error_and_not_an_empty_list() {
+    let here = folder();
+    let wrong = here.path().join("fils");
+    let error = survey(&[wrong], &IntakeLimits::default(), |_| ()).expect_err("it is not there");
+    assert!(matches!(error, IntakeError::Missing { .. }), "{error}");
+    assert!(error.to_string().contains("fils"));
+}
+
+#[test]
+fn too_many_files_too_deep_folders_and_too_large_files_end_in_words() {
+    let here = folder();
+    let deep = here.path().join("1/2/3/4");
+    fs::create_dir_all(&deep).expect("folders");
+    fs::write(deep.join("deep.png"), PNG).expect("a file");
+    fs::write(here.path().join("large.png"), [PNG, &[0; 2000]].concat()).expect("a file");
+    let limits = IntakeLimits { depth: 2, entry_bytes: 1000, ..IntakeLimits::default() };
+    let found = look_within(here.path(), &limits);
+    assert!(found.films.is_empty());
+    assert!(matches!(
+        reasons(&found)[..],
+        [Reason::TooDeep { limit: 2 }, Reason::TooLarge { limit: 1000, .. }]
+    ));
+    let limits = IntakeLimits { entries: 3, ..IntakeLimits::default() };
+    let error = survey(&[here.path().to_owned()], &limits, |_| ()).expect_err("more than three");
+    assert_eq!(error, IntakeError::TooMany { limit: 3 });
+}
+
+#[test]
+fn films_are_read_out_of_archives_and_nothing_is_unpacked_to_disk() {
+    let here = folder();
+    let path = here.path().join("films.zip");
+    let other = [PNG, b" and more"].concat();
+    archive(&path, &[("a/one.png", PNG), ("notes.txt", b"<x>"), ("two.png", &other)]);
+    let files = || fs::read_dir(here.path()).expect("a folder").count();
+    let before = files();
+    let found = look(here.path());
+    assert_eq!(found.films.len(), 2);
+    assert_eq!(read(&found.films[1].place, &IntakeLimits::default()).expect("there"), other);
+
+    assert_eq!(before, files());
+    // What is printed of an entry is its number: its name may be a patient's.
+    assert!(found.films[1].place.to_string().ends_with("films.zip, entry 3"));
+}
+
+#[test]
+fn names_that_lead_out_of_an_archive_are_passed_over() {
+    let here = folder();
+    let path = here.path().join("traversal.zip");
+    let names =
+        ["../../etc/one.png", "/etc/two.png", "C:\\three.png", "a/../../four.png", "\\five.png"];
+    let entries: Vec<(&str, &[u8])> = names.iter().map(|name| (*name, PNG)).collect();
+    archive(&path, &entries);
+    let found = look(&path);
+    assert!(found.films.is_empty(), "{:?}", found.films);
+    assert_eq!(reasons(&found), [&Reason::UnsafeName; 5]);
+}
+
+#[test]
+fn an_archive_within_an_archive_is_not_opened() {
+    let here = folder();
+    let (inner, outer) = (here.path().join("inner.zip"), here.path().join("outer.zip"));
+    archive(&inner, &[("one.png", PNG)]);
+    archive(&outer, &[("inner.zip", &fs::read(&inner).expect("a file")), ("two.png", PNG)]);
+    let found = look(&outer);
+    assert_eq!(found.films.len(), 1);
+    assert_eq!(reasons(&found), [&Reason::Nested]);
+}
+
+#[test]
+fn a_bomb_is_refused_by_what_it_claims_and_by_what_it_holds() {
+    let here = folder();
+    let path = here.path().join("bomb.zip");
+    let zeros = [PNG, &vec![0; 4 << 20]].concat();
+    archive(&path, &[("a.png", &zeros), ("b.png", &zeros), ("c.png", &zeros)]);
+    assert!(fs::metadata(&path).expect("a file").len() < 100_000);
+    let limits = IntakeLimits { archive_bytes: 9 << 20, ..IntakeLimits::default() };
+    let found = look_within(&path, &limits);
+    assert_eq!(found.films.len(), 2);
+    assert!(matches!(reasons(&found)[..], [Reason::ArchiveTooLarge { .. }]));
+    let limits = IntakeLimits { entry_bytes: 1 << 20, ..IntakeLimits::default() };
+    let place = &found.films[0].place;
+    assert!(matches!(
+        read(place, &limits),
+        Err(IntakeError::Gone { reason: Reason::TooLarge { .. }, .. })
+    ));
+}
+
+#[test]
+fn a_damaged_archive_never_ends_the_survey() {
+    let here = folder();
+    let path = here.path().join("films.zip");
+    archive(&path, &[("one.png", PNG), ("two.png", PNG)]);
+    let whole = fs::read(&path).expect("a file");
+    for length in 0..whole.len() {
+        fs::write(&path, &whole[..length]).expect("a file");
+        let found = look(&path);
+        assert!(
+            !found.films.is_empty() || !found.passed_over.is_empty(),
+            "{length} bytes are lost"
+        );
+    }
+    for (place, byte) in whole.iter().enumerate() {
+        let mut broken = whole.clone();
+        broken[place] = !byte;
+        fs::write(&path, &broken).expect("a file");
+        for film in look(&path).films {
+            // Read or refused; a checksum that does not hold is refused.
+            let _ = read(&film.place, &IntakeLimits::default());
+        }
+    }
+}
+
+#[test]
+fn a_film_that_went_away_is_named() {
+    let here = folder();
+    let path = here.path().join("one.png");
+    fs::write(&path, PNG).expect("a file");
+    let found = look(here.path());
+    fs::remove_file(&path).expect("it was there");
+    let error = read(&found.films[0].place, &IntakeLimits::default()).expect_err("it is gone");
+    assert!(error.to_string().contains("one.png"), "{error}");
+}

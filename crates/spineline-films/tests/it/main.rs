@@ -1,0 +1,13 @@
+//! Films: made by hand, the public samples with what an independent program read from them, and films among other files.
+
+#![allow(clippy::unwrap_used)]
+
+mod child;
+mod deid;
+mod display;
+mod faults;
+mod intake;
+mod maker;
+mod reading;
+mod samples;
+mod write;

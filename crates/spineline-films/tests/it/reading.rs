@@ -1,0 +1,231 @@
+//! Every encoding of one film gives the same pixels.
+
+use spineline::measure::{
+    Direction, SpacingPlane, Stance, View, ViewPosition, judge_spacing, judge_view,
+};
+use spineline_films::{
+    Attribute, Codec, CodecFault, FilmError, FilmFile, FilmKind, FilmLimits, FilmRemark,
+    StoredPixels, read_film,
+};
+
+use crate::maker::{
+    BIG_ENDIAN, DEFLATED, EXPLICIT, IMPLICIT, JPEG, JPEG_EXTENDED, JPEG_LOSSLESS, JPEG_LOSSLESS_1,
+    JPEG_LS, Maker, RLE, Value, jpeg_lossless, jpeg_ls, ramp, rle, text,
+};
+
+pub fn read(bytes: &[u8]) -> Result<FilmFile, FilmError> {
+    read_film(bytes, &FilmLimits::default())
+}
+
+/// Not square, so that rows and columns cannot be exchanged unseen.
+const COLUMNS: u16 = 37;
+const ROWS: u16 = 23;
+
+fn noise() -> Vec<u16> {
+    // A linear congruential generator: differences of every size.
+    let mut state = 12345_u32;
+    let step = |_| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 20) as u16
+    };
+    (0..u32::from(COLUMNS) * u32::from(ROWS)).map(step).collect()
+}
+
+#[test]
+fn every_lossless_encoding_gives_the_same_pixels() {
+    for pixels in [ramp(COLUMNS, ROWS), noise()] {
+        let maker = Maker::new(COLUMNS, ROWS, &pixels);
+        let with = |fragment: Vec<u8>| {
+            let mut maker = maker.clone();
+            maker.fragments(vec![fragment]).clone()
+        };
+        let mut files = vec![
+            ("implicit", maker.file(IMPLICIT)),
+            ("explicit", maker.file(EXPLICIT)),
+            ("big endian", maker.file(BIG_ENDIAN)),
+            ("deflated", maker.file(DEFLATED)),
+            ("RLE", with(rle(&pixels)).file(RLE)),
+            ("JPEG-LS", with(jpeg_ls(COLUMNS, ROWS, 12, &pixels)).file(JPEG_LS)),
+        ];
+        for predictor in 1..=7 {
+            let coded = jpeg_lossless(COLUMNS, ROWS, 12, &pixels, predictor, 0, 0);
+            files.push(("JPEG lossless", with(coded).file(JPEG_LOSSLESS)));
+            let coded = jpeg_lossless(COLUMNS, ROWS, 16, &pixels, predictor, 0, 0);
+            files.push(("JPEG lossless of 16 bits", with(coded).file(JPEG_LOSSLESS_1)));
+        }
+        for (name, file) in files {
+            let film = read(&file).unwrap_or_else(|error| panic!("{name}: {error}"));
+            assert_eq!((film.columns, film.rows), (37, 23), "{name}");
+            assert_eq!(film.stored, StoredPixels::Unsigned(pixels.clone()), "{name}");
+            assert_eq!(film.remarks, [], "{name}");
+        }
+    }
+}
+
+#[test]
+fn a_picture_in_several_fragments_is_joined() {
+    let pixels = noise();
+    let coded = jpeg_lossless(COLUMNS, ROWS, 12, &pixels, 1, 0, 0);
+    let (a, b) = coded.split_at(coded.len() / 2 / 2 * 2);
+    let mut maker = Maker::new(COLUMNS, ROWS, &pixels);
+    let film = read(&maker.fragments(vec![a.to_vec(), b.to_vec()]).file(JPEG_LOSSLESS_1)).unwrap();
+    assert_eq!(film.stored, StoredPixels::Unsigned(pixels));
+}
+
+#[test]
+fn lossless_jpeg_that_its_decoder_gets_wrong_is_refused() {
+    // Restart markers after three rows, and two dropped low bits.
+    for (restart_rows, shift) in [(3, 0), (0, 2)] {
+        let coded = jpeg_lossless(COLUMNS, ROWS, 12, &noise(), 1, restart_rows, shift);
+        let mut maker = Maker::new(COLUMNS, ROWS, &noise());
+        let error = read(&maker.fragments(vec![coded]).file(JPEG_LOSSLESS_1)).unwrap_err();
+        let fault = CodecFault::Unsupported;
+        assert_eq!(error, FilmError::Codec { codec: Codec::JpegLossless, fault });
+    }
+}
+
+#[test]
+fn jpeg_of_8_bits_is_near_and_of_12_bits_is_refused() {
+    let pixels: Vec<u16> = (0..64 * 32).map(|i| (i / 64 * 4) as u16).collect();
+    let bytes: Vec<u8> = pixels.iter().map(|&p| p as u8).collect();
+    let mut coded = Vec::new();
+    image::codecs::jpeg::JpegEncoder::new_with_quality(&mut coded, 98)
+        .encode(&bytes, 64, 32, image::ExtendedColorType::L8)
+        .unwrap();
+    let mut maker = Maker::new(64, 32, &pixels);
+    maker.word((0x28, 0x100), 8).word((0x28, 0x101), 8).word((0x28, 0x102), 7);
+    let film = read(&maker.fragments(vec![coded.clone()]).file(JPEG)).unwrap();
+    let largest = film.stored.iter().zip(&pixels).map(|(a, &b)| (a - i32::from(b)).abs()).max();
+    assert!(largest <= Some(3), "{largest:?}");
+    // The precision stands behind the start of frame.
+    let frame = coded.windows(2).position(|pair| pair[0] == 0xFF && pair[1] == 0xC0).unwrap();
+    coded[frame + 1] = 0xC1;
+    coded[frame + 4] = 12;
+    maker.word((0x28, 0x100), 16);
+    let error = read(&maker.fragments(vec![coded]).file(JPEG_EXTENDED)).unwrap_err();
+    let fault = CodecFault::Precision { bits: 12 };
+    assert_eq!(error, FilmError::Codec { codec: Codec::Jpeg, fault });
+}
+
+#[test]
+fn signed_pixels_and_high_bits_are_exact() {
+    // 12 bits below the top of 16, two's complement.
+    let pixels = [0x0010, 0x7FF0, 0x8000, 0xFFF0];
+    let mut maker = Maker::new(2, 2, &pixels);
+    maker.word((0x28, 0x102), 15).word((0x28, 0x103), 1);
+    let film = read(&maker.file(EXPLICIT)).unwrap();
+    assert_eq!(film.stored, StoredPixels::Signed(vec![1, 2047, -2048, -1]));
+}
+
+#[test]
+fn eight_bit_pixels_in_big_endian_words_keep_their_order() {
+    let mut maker = Maker::new(3, 1, &[]);
+    maker.word((0x28, 0x100), 8).word((0x28, 0x101), 8).word((0x28, 0x102), 7);
+    maker.set((0x7FE0, 0x10), "OW", Value::Words(vec![0x0201, 0x0003]));
+    for syntax in [EXPLICIT, BIG_ENDIAN] {
+        let film = read(&maker.file(syntax)).unwrap();
+        assert_eq!(film.stored, StoredPixels::Unsigned(vec![1, 2, 3]));
+    }
+}
+
+#[test]
+fn grey_in_colour_becomes_luminance_with_a_remark() {
+    let mut maker = Maker::new(2, 1, &[]);
+    maker.word((0x28, 0x100), 8).word((0x28, 0x101), 8).word((0x28, 0x102), 7).word((0x28, 2), 3);
+    for (photometric, planar, bytes) in [
+        ("RGB", 0, vec![9, 9, 9, 200, 200, 200]),
+        ("RGB", 1, vec![9, 200, 9, 200, 9, 200]),
+        ("YBR_FULL", 0, vec![9, 128, 128, 200, 128, 128]),
+    ] {
+        maker.text((0x28, 4), "CS", photometric).word((0x28, 6), planar);
+        maker.set((0x7FE0, 0x10), "OW", Value::Bytes(bytes));
+        let film = read(&maker.file(EXPLICIT)).unwrap();
+        assert_eq!(film.stored, StoredPixels::Unsigned(vec![9, 200]), "{photometric}");
+        assert_eq!(film.remarks, [FilmRemark::Colour { largest_difference: 0 }]);
+    }
+}
+
+#[test]
+fn files_without_meta_information_are_read_with_remarks() {
+    let maker = Maker::new(COLUMNS, ROWS, &noise());
+    for syntax in [IMPLICIT, EXPLICIT, BIG_ENDIAN] {
+        let film = read(&maker.body(syntax)).unwrap();
+        assert_eq!(film.stored, StoredPixels::Unsigned(noise()));
+        assert_eq!(film.remarks[0], FilmRemark::NoPreamble);
+        assert!(matches!(film.remarks[1], FilmRemark::TransferSyntaxGuessed { .. }));
+    }
+    // Meta information without a preamble.
+    let film = read(&maker.file(EXPLICIT)[132..]).unwrap();
+    assert_eq!(film.stored, StoredPixels::Unsigned(noise()));
+    assert_eq!(film.remarks, [FilmRemark::NoPreamble]);
+}
+
+#[test]
+fn the_evidence_for_spacing_and_view_is_what_the_tags_say() {
+    let mut maker = Maker::new(2, 2, &[0; 4]);
+    maker.text((0x18, 0x1164), "DS", "0.20\\0.10").text((0x18, 0x1114), "DS", "1.25");
+    maker.text((0x18, 0x5101), "CS", "PA").text((0x20, 0x20), "CS", "L\\F");
+    let code = |value: &str| [((0x0008, 0x0100), ("SH", text(value)))].into();
+    maker.set((0x54, 0x410), "SQ", Value::Items(vec![code("F-10440")]));
+    let film = read(&maker.file(IMPLICIT)).unwrap();
+    let spacing = judge_spacing(&film.tags.spacing).spacing.unwrap();
+    assert_eq!((spacing.row_mm, spacing.column_mm), (0.16, 0.08));
+    assert_eq!(spacing.plane, SpacingPlane::Patient);
+    assert_eq!(film.tags.view.orientation, Some([Direction::Left, Direction::Foot]));
+    assert_eq!(film.tags.view.view_position, Some(ViewPosition::Frontal));
+    assert_eq!(film.tags.view.stance, Some(Stance::Erect));
+    assert_eq!(judge_view(&film.tags.view, None).view, Some(View::Frontal));
+    assert_eq!(film.tags.uids.sop_instance.as_deref(), Some("1.2.3.4.5.1"));
+    maker.remove((0x18, 0x5101)).remove((0x20, 0x20));
+    maker.set((0x54, 0x220), "SQ", Value::Items(vec![code("R-10236")]));
+    let view = read(&maker.file(EXPLICIT)).unwrap().tags.view;
+    assert_eq!(view.view_position, Some(ViewPosition::Lateral));
+}
+
+#[test]
+fn pictures_of_other_formats_are_read_and_have_no_spacing() {
+    let words: Vec<u16> = ramp(5, 3).iter().map(|&p| p * 16).collect();
+    let grey = image::ImageBuffer::<image::Luma<u16>, _>::from_raw(5, 3, words.clone()).unwrap();
+    for (format, kind) in
+        [(image::ImageFormat::Png, FilmKind::Png), (image::ImageFormat::Tiff, FilmKind::Tiff)]
+    {
+        let mut file = std::io::Cursor::new(Vec::new());
+        grey.write_to(&mut file, format).unwrap();
+        let film = read(file.get_ref()).unwrap();
+        assert_eq!((film.kind, film.columns, film.rows), (kind, 5, 3));
+        assert_eq!(film.stored, StoredPixels::Unsigned(words.clone()));
+        assert_eq!(judge_spacing(&film.tags.spacing).spacing, None);
+        assert_eq!(film.display(None, false).grey[1], (words[1] as f64 / 257.0).round() as u8);
+        for end in 0..file.get_ref().len() {
+            // Anything but a panic; the last bytes of a PNG hold no pixels.
+            let _ = read(&file.get_ref()[..end]).is_ok();
+        }
+    }
+}
+
+#[test]
+fn text_in_a_spacing_is_named_and_not_used() {
+    for bad in ["0,1\\0,1", "0.1", "nan\\nan", "inf\\inf", "one\\two", "1e400\\1", "0.1\\0.1\\0.1"]
+    {
+        let mut maker = Maker::new(2, 2, &[0; 4]);
+        maker.text((0x28, 0x30), "DS", bad);
+        let film = read(&maker.file(EXPLICIT)).unwrap();
+        assert_eq!(film.tags.spacing.pixel_mm, None, "{bad}");
+        let attribute = Attribute(0x28, 0x30);
+        assert_eq!(film.remarks, [FilmRemark::Unusable { attribute }], "{bad}");
+        assert!(film.remarks[0].to_string().contains("PixelSpacing (0028,0030)"));
+    }
+}
+
+#[test]
+fn a_table_that_cannot_be_read_is_named() {
+    let mut table = std::collections::BTreeMap::new();
+    // A value of UL has four bytes; these are six, and a reader that takes four is out of step.
+    table.insert((0x28, 0x1199), ("UL", Value::Words(vec![0; 3])));
+    let mut maker = Maker::new(2, 2, &[0; 4]);
+    maker.set((0x28, 0x3010), "SQ", Value::Items(vec![table]));
+    let film = read(&maker.file(EXPLICIT)).unwrap();
+    assert_eq!(film.look.voi, []);
+    let attribute = Attribute(0x28, 0x3010);
+    assert_eq!(film.remarks, [FilmRemark::Unusable { attribute }]);
+}

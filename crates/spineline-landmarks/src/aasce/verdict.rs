@@ -1,0 +1,85 @@
+use std::fmt;
+
+use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::clinical::tilt_range;
+use spineline::measure::{FilmMarks, ImageGeometry, MeasureError, measure_film};
+use spineline::spatial::Angle;
+use spineline::warning::Warnings;
+
+use crate::{LandmarkError, LandmarkReadings, MarkedFilm};
+
+/// What the landmarks of a film are good for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AasceVerdict {
+    /// Nothing is odd.
+    Clean {
+        /// The main angle as the set defines it: the range, over T1 to L5, of the tilt of the mean endplates.
+        main_angle: Angle,
+    },
+    /// Someone has to look at the film.
+    Faults(Vec<AasceFault>),
+}
+
+/// Something odd about a film's landmarks.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AasceFault {
+    /// No vertebrae can be measured from them.
+    Marks(MeasureError),
+    /// Two neighbours are so near or far, for this spine, that one may be doubled or skipped.
+    Spacing {
+        /// The upper one.
+        superior: Level,
+        /// In words.
+        message: String,
+    },
+}
+
+impl fmt::Display for AasceFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Marks(error) => error.fmt(f),
+            Self::Spacing { message, .. } => f.write_str(message),
+        }
+    }
+}
+
+/// Judges a film of the set by the checks that every film of a case goes through, and computes its main angle if it is clean.
+///
+/// # Errors
+/// [`LandmarkError::Needs`] for a film without the size of its picture or without corners.
+pub fn judge_aasce(
+    film: &MarkedFilm,
+    patient_left: ImageSide,
+) -> Result<AasceVerdict, LandmarkError> {
+    let format = "a verdict";
+    let (columns, rows) =
+        film.size.ok_or(LandmarkError::Needs { format, what: "the size of the picture" })?;
+    let LandmarkReadings::Corners(readings) = &film.marks else {
+        return Err(LandmarkError::Needs { format, what: "corners" });
+    };
+    let image = ImageGeometry { columns, rows, spacing: None, patient_left };
+    let marks = FilmMarks::Landmarks { image, iliac_crests: None, readings: readings.clone() };
+    let posture = film.posture.unwrap_or(Posture::Erect);
+    let mut warnings = Warnings::default();
+    if let Err(error) = measure_film(&spineline::measure::Film { posture, marks }, &mut warnings) {
+        return Ok(AasceVerdict::Faults(vec![AasceFault::Marks(error)]));
+    }
+    let odd = warnings.all().iter().filter(|warning| warning.code == "spacing_unusual");
+    let faults: Vec<AasceFault> = odd
+        .filter_map(|warning| {
+            let message = warning.message.clone();
+            warning.level.map(|superior| AasceFault::Spacing { superior, message })
+        })
+        .collect();
+    if !faults.is_empty() {
+        return Ok(AasceVerdict::Faults(faults));
+    }
+    let tilts = readings
+        .iter()
+        .flat_map(|reading| reading.vertebrae.values())
+        .map(|mark| mark.corners.map(|corner| image.frontal(corner)).measure_endplate_tilt());
+    match tilt_range(tilts) {
+        Some(main_angle) => Ok(AasceVerdict::Clean { main_angle }),
+        None => Err(LandmarkError::Needs { format, what: "a vertebra" }),
+    }
+}

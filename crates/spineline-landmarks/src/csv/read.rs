@@ -1,0 +1,416 @@
+use std::collections::BTreeMap;
+
+use csv::{ByteRecord, ReaderBuilder, Trim};
+use spineline::anatomy::{Level, Posture};
+use spineline::measure::{Corners, IliacCrests, Mark, Placement, Reading, ReadingId};
+use spineline::spatial::{Angle, Frontal};
+use spineline_files::nearest;
+
+use super::{
+    AXIS, CORNERS, CRESTS, MAX_ROWS, OBSERVER, PLACED, POSTURE, REPEAT, VERTEBRA, starts_formula,
+};
+use crate::film::{merge_crests, pixel};
+use crate::names::{coordinate, observer, parse_level, shown};
+use crate::{
+    LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm,
+};
+
+/// Reads a table of landmarks from the bytes of its file.
+///
+/// # Errors
+/// [`LandmarkError`], which names line and column. A row too many or too few, a cell that is no number, an unknown column
+/// and a vertebra given twice are errors.
+pub fn parse_csv(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, LandmarkError> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let separator = separator(first_line(bytes))?;
+    let mut reader = ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .delimiter(separator)
+        .trim(Trim::All)
+        .from_reader(bytes);
+    let mut record = ByteRecord::new();
+    read(&mut reader, &mut record)?;
+    let columns = Columns::of(&record)?;
+    let mut table = Table {
+        columns,
+        hint,
+        decimal: (separator == b',').then_some('.'),
+        films: BTreeMap::new(),
+    };
+    let mut rows = 0;
+    while read(&mut reader, &mut record)? {
+        rows += 1;
+        if rows > MAX_ROWS {
+            return Err(LandmarkError::TooLarge { what: "rows", found: rows, limit: MAX_ROWS });
+        }
+        let line = record.position().map_or(0, csv::Position::line);
+        // What a spreadsheet leaves of rows that were emptied.
+        if record.iter().all(<[u8]>::is_empty) {
+            continue;
+        }
+        table.row(&record, line)?;
+    }
+    table.finish()
+}
+
+/// Whether a file begins with the heading of such a table.
+pub(crate) fn looks_like_csv(bytes: &[u8]) -> bool {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    first_line(bytes).split(|byte| matches!(byte, b',' | b';' | b'\t')).any(|cell| {
+        cell.trim_ascii().trim_ascii_start() == VERTEBRA.as_bytes() || cell == b"\"vertebra\""
+    })
+}
+
+fn first_line(bytes: &[u8]) -> &[u8] {
+    bytes.split(|byte| matches!(byte, b'\n' | b'\r')).next().unwrap_or_default()
+}
+
+fn separator(heading: &[u8]) -> Result<u8, LandmarkError> {
+    let found: Vec<u8> =
+        [b',', b';', b'\t'].into_iter().filter(|byte| heading.contains(byte)).collect();
+    match found[..] {
+        [one] => Ok(one),
+        [] => Err(LandmarkError::Unrecognised {
+            reason: "the heading has neither commas, nor semicolons, nor tabs".to_owned(),
+        }),
+        _ => Err(LandmarkError::Ambiguous {
+            at: "line 1".to_owned(),
+            reason: "the heading holds more than one of comma, semicolon and tab".to_owned(),
+        }),
+    }
+}
+
+fn read(reader: &mut csv::Reader<&[u8]>, record: &mut ByteRecord) -> Result<bool, LandmarkError> {
+    reader.read_byte_record(record).map_err(|error| LandmarkError::Syntax {
+        at: format!("line {}", error.position().map_or(0, csv::Position::line)),
+        reason: "the row cannot be read".to_owned(),
+    })
+}
+
+/// Where the columns stand.
+struct Columns {
+    count: usize,
+    vertebra: usize,
+    posture: Option<usize>,
+    observer: Option<usize>,
+    repeat: Option<usize>,
+    axis: Option<usize>,
+    values: Values,
+}
+
+enum Values {
+    Corners([usize; 8]),
+    Placements([usize; 3]),
+}
+
+impl Columns {
+    fn of(heading: &ByteRecord) -> Result<Self, LandmarkError> {
+        let known: Vec<&str> = [POSTURE, OBSERVER, REPEAT, VERTEBRA, AXIS]
+            .into_iter()
+            .chain(CORNERS)
+            .chain(PLACED)
+            .collect();
+        let mut places: BTreeMap<&str, usize> = BTreeMap::new();
+        for (place, cell) in heading.iter().enumerate() {
+            let at = || format!("line 1, column {}", place + 1);
+            let name = String::from_utf8_lossy(cell);
+            let Some(&column) = known.iter().find(|known| **known == name) else {
+                let nearest = nearest(&shown(&name), &known);
+                let name = shown(&name);
+                return Err(LandmarkError::Unknown { at: at(), what: "column", name, nearest });
+            };
+            if places.insert(column, place).is_some() {
+                let what = format!("the column `{column}`");
+                return Err(LandmarkError::Duplicate { at: at(), what, first: None });
+            }
+        }
+        let get = |name: &str| places.get(name).copied();
+        let need = |name: &'static str| {
+            get(name).ok_or_else(|| LandmarkError::Missing {
+                at: "line 1".to_owned(),
+                what: format!("the column `{name}`"),
+            })
+        };
+        let placed = PLACED.iter().any(|name| get(name).is_some());
+        if placed && (CORNERS.iter().any(|name| get(name).is_some()) || get(AXIS).is_some()) {
+            return Err(LandmarkError::Ambiguous {
+                at: "line 1".to_owned(),
+                reason: "there are columns of corners and of locations; a table holds one kind"
+                    .to_owned(),
+            });
+        }
+        let values = if placed {
+            let [left, cranial, tilt] = PLACED;
+            Values::Placements([need(left)?, need(cranial)?, need(tilt)?])
+        } else {
+            let mut corners = [0; 8];
+            for (place, name) in corners.iter_mut().zip(CORNERS) {
+                *place = need(name)?;
+            }
+            Values::Corners(corners)
+        };
+        Ok(Self {
+            count: heading.len(),
+            vertebra: need(VERTEBRA)?,
+            posture: get(POSTURE),
+            observer: get(OBSERVER),
+            repeat: get(REPEAT),
+            axis: get(AXIS),
+            values,
+        })
+    }
+}
+
+/// What the rows of one film gave so far.
+#[derive(Default)]
+struct FilmRows {
+    crests: Option<IliacCrests>,
+    marks: BTreeMap<ReadingId, BTreeMap<Level, (Mark, u64)>>,
+    placements: BTreeMap<ReadingId, BTreeMap<Level, (Placement, u64)>>,
+}
+
+struct Table<'a> {
+    columns: Columns,
+    hint: &'a LandmarkHint,
+    /// The decimal mark; where it may be either, as soon as one was met.
+    decimal: Option<char>,
+    films: BTreeMap<Option<Posture>, FilmRows>,
+}
+
+impl Table<'_> {
+    fn row(&mut self, record: &ByteRecord, line: u64) -> Result<(), LandmarkError> {
+        if record.len() != self.columns.count {
+            let (found, wanted) = (record.len(), self.columns.count);
+            return Err(LandmarkError::Syntax {
+                at: format!("line {line}"),
+                reason: format!("{found} cells, and the heading has {wanted}"),
+            });
+        }
+        let posture = self.posture(record, line)?;
+        let vertebra = text(record, self.columns.vertebra, line, VERTEBRA)?;
+        if vertebra == CRESTS {
+            return self.crests(record, line, posture);
+        }
+        let at = place(line, VERTEBRA);
+        let level = parse_level(vertebra, &at)?;
+        let id = self.reading(record, line)?;
+        let twice = |first: u64| LandmarkError::Duplicate {
+            at: at.clone(),
+            what: format!("{level} of observer {id}"),
+            first: Some(format!("line {first}")),
+        };
+        match self.columns.values {
+            Values::Corners(columns) => {
+                let points = self.pixels(record, line, columns)?;
+                let axis_clockwise = match self.columns.axis {
+                    Some(column) if !record[column].is_empty() => {
+                        Some(Angle::from_deg(self.number(record, column, line, AXIS)?))
+                    }
+                    _ => None,
+                };
+                let [superior_left, superior_right, inferior_left, inferior_right] = points;
+                let corners =
+                    Corners { superior_left, superior_right, inferior_left, inferior_right };
+                let film = self.films.entry(posture).or_default();
+                let reading = film.marks.entry(id.clone()).or_default();
+                match reading.get(&level) {
+                    Some((_, first)) => return Err(twice(*first)),
+                    None => reading.insert(level, (Mark { corners, axis_clockwise }, line)),
+                };
+            }
+            Values::Placements(columns) => {
+                let [y, z, tilt] =
+                    [0, 1, 2].map(|i| self.number(record, columns[i], line, PLACED[i]));
+                let placement =
+                    Placement { location: Frontal::new(y?, z?), tilt: Angle::from_deg(tilt?) };
+                let film = self.films.entry(posture).or_default();
+                let reading = film.placements.entry(id.clone()).or_default();
+                match reading.get(&level) {
+                    Some((_, first)) => return Err(twice(*first)),
+                    None => reading.insert(level, (placement, line)),
+                };
+            }
+        }
+        Ok(())
+    }
+
+    fn crests(
+        &mut self,
+        record: &ByteRecord,
+        line: u64,
+        posture: Option<Posture>,
+    ) -> Result<(), LandmarkError> {
+        let Values::Corners(columns) = self.columns.values else {
+            return Err(LandmarkError::Ambiguous {
+                at: place(line, VERTEBRA),
+                reason: "iliac crests need columns of corners".to_owned(),
+            });
+        };
+        for (column, name) in columns.into_iter().zip(CORNERS).skip(4) {
+            if !record[column].is_empty() {
+                return Err(LandmarkError::Value {
+                    at: place(line, name),
+                    value: shown(&String::from_utf8_lossy(&record[column])),
+                    expected: "empty, as it is in a row of iliac crests",
+                });
+            }
+        }
+        let mut tips = [0.0; 4];
+        for i in 0..4 {
+            tips[i] = self.number(record, columns[i], line, CORNERS[i])?;
+        }
+        let at = format!("line {line}");
+        let left = pixel(tips[0], tips[1], &at)?;
+        let right = pixel(tips[2], tips[3], &at)?;
+        let film = self.films.entry(posture).or_default();
+        merge_crests(&mut film.crests, Some(IliacCrests { left, right }), &at)
+    }
+
+    fn pixels(
+        &mut self,
+        record: &ByteRecord,
+        line: u64,
+        columns: [usize; 8],
+    ) -> Result<[spineline::spatial::Pixel; 4], LandmarkError> {
+        let mut values = [0.0; 8];
+        for i in 0..8 {
+            values[i] = self.number(record, columns[i], line, CORNERS[i])?;
+        }
+        let at = format!("line {line}");
+        let point = |i: usize| pixel(values[2 * i], values[2 * i + 1], &at);
+        Ok([point(0)?, point(1)?, point(2)?, point(3)?])
+    }
+
+    fn posture(&self, record: &ByteRecord, line: u64) -> Result<Option<Posture>, LandmarkError> {
+        let Some(column) = self.columns.posture else { return Ok(self.hint.posture) };
+        let cell = text(record, column, line, POSTURE)?;
+        if cell.is_empty() {
+            return Ok(self.hint.posture);
+        }
+        let keys = Posture::ALL.map(Posture::key);
+        let wanted = cell.to_ascii_lowercase().replace(['-', ' '], "_");
+        match Posture::ALL.into_iter().find(|posture| posture.key() == wanted) {
+            Some(posture) => Ok(Some(posture)),
+            None => Err(LandmarkError::Unknown {
+                at: place(line, POSTURE),
+                what: "posture",
+                name: shown(cell),
+                nearest: nearest(&shown(&wanted), &keys),
+            }),
+        }
+    }
+
+    fn reading(&self, record: &ByteRecord, line: u64) -> Result<ReadingId, LandmarkError> {
+        let mut id = self.hint.reading.clone();
+        if let Some(column) = self.columns.observer {
+            let cell = text(record, column, line, OBSERVER)?;
+            if starts_formula(cell) {
+                return Err(LandmarkError::Value {
+                    at: place(line, OBSERVER),
+                    value: shown(cell),
+                    expected: "the code of an observer: a spreadsheet takes it for a formula",
+                });
+            }
+            // A quote guards a name that looks like a formula.
+            let name = cell.strip_prefix('\'').filter(|rest| guarded(rest)).unwrap_or(cell);
+            id.observer = observer(name, &place(line, OBSERVER))?;
+        }
+        if let Some(column) = self.columns.repeat {
+            let cell = text(record, column, line, REPEAT)?;
+            id.repeat = cell.parse().ok().filter(|&repeat| repeat > 0).ok_or_else(|| {
+                LandmarkError::Value {
+                    at: place(line, REPEAT),
+                    value: shown(cell),
+                    expected: "a whole number from 1",
+                }
+            })?;
+        }
+        Ok(id)
+    }
+
+    fn number(
+        &mut self,
+        record: &ByteRecord,
+        column: usize,
+        line: u64,
+        name: &str,
+    ) -> Result<f64, LandmarkError> {
+        let cell = text(record, column, line, name)?;
+        let at = || place(line, name);
+        for mark in ['.', ','] {
+            if cell.contains(mark) && *self.decimal.get_or_insert(mark) != mark {
+                return Err(LandmarkError::Ambiguous {
+                    at: at(),
+                    reason: format!(
+                        "`{}`: commas and points are both used in numbers, and only one can be the decimal mark",
+                        shown(cell)
+                    ),
+                });
+            }
+        }
+        let value = cell.replacen(',', ".", 1).parse().map_err(|_| LandmarkError::Value {
+            at: at(),
+            value: shown(cell),
+            expected: "a number",
+        })?;
+        coordinate(value, &at())
+    }
+
+    fn finish(self) -> Result<LandmarkFile, LandmarkError> {
+        if self.films.is_empty() {
+            return Err(LandmarkError::Missing {
+                at: "the table".to_owned(),
+                what: "a row with a vertebra".to_owned(),
+            });
+        }
+        let corners = matches!(self.columns.values, Values::Corners(_));
+        let films = self.films.into_iter().map(|(posture, rows)| MarkedFilm {
+            posture,
+            picture: None,
+            size: None,
+            iliac_crests: rows.crests,
+            marks: if corners {
+                LandmarkReadings::Corners(readings(rows.marks))
+            } else {
+                LandmarkReadings::Placements(readings(rows.placements))
+            },
+        });
+        Ok(LandmarkFile {
+            format: LandmarkFormat::Csv,
+            films: films.collect(),
+            remarks: Vec::new(),
+        })
+    }
+}
+
+fn readings<T>(rows: BTreeMap<ReadingId, BTreeMap<Level, (T, u64)>>) -> Vec<Reading<T>> {
+    rows.into_iter()
+        .map(|(id, vertebrae)| Reading {
+            id,
+            vertebrae: vertebrae.into_iter().map(|(level, (value, _))| (level, value)).collect(),
+        })
+        .collect()
+}
+
+/// Whether the writer puts a quote before such a name.
+pub(super) fn guarded(name: &str) -> bool {
+    starts_formula(name) || name.starts_with('\'')
+}
+
+fn text<'a>(
+    record: &'a ByteRecord,
+    column: usize,
+    line: u64,
+    name: &str,
+) -> Result<&'a str, LandmarkError> {
+    std::str::from_utf8(&record[column]).map_err(|_| LandmarkError::Value {
+        at: place(line, name),
+        value: shown(&String::from_utf8_lossy(&record[column])),
+        expected: "text in UTF-8",
+    })
+}
+
+fn place(line: u64, column: &str) -> String {
+    format!("line {line}, column `{column}`")
+}

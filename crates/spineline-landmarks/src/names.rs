@@ -1,0 +1,208 @@
+//! Names of points, and numbers as text.
+
+use std::fmt;
+
+use spineline::anatomy::Level;
+use spineline_files::nearest;
+
+use super::LandmarkError;
+
+/// No coordinate is larger, in pixels or millimetres: a point beyond it was not meant.
+const LARGEST: f64 = 1e6;
+/// Longest name of an observer.
+const LONGEST_NAME: usize = 64;
+
+/// A corner of a vertebral body, by the patient's side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Corner {
+    SuperiorLeft,
+    SuperiorRight,
+    InferiorLeft,
+    InferiorRight,
+}
+
+impl Corner {
+    pub const ALL: [Self; 4] =
+        [Self::SuperiorLeft, Self::SuperiorRight, Self::InferiorLeft, Self::InferiorRight];
+
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::SuperiorLeft => "superior_left",
+            Self::SuperiorRight => "superior_right",
+            Self::InferiorLeft => "inferior_left",
+            Self::InferiorRight => "inferior_right",
+        }
+    }
+
+    const fn short(self) -> &'static str {
+        match self {
+            Self::SuperiorLeft => "SL",
+            Self::SuperiorRight => "SR",
+            Self::InferiorLeft => "IL",
+            Self::InferiorRight => "IR",
+        }
+    }
+
+    pub fn parse(text: &str) -> Option<Self> {
+        let text = text.to_ascii_lowercase();
+        let is =
+            |corner: &Self| corner.name() == text || corner.short().to_ascii_lowercase() == text;
+        Self::ALL.into_iter().find(is)
+    }
+}
+
+/// A named point: a corner of a vertebra, or the tip of an iliac crest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum PointName {
+    Corner(Level, Corner),
+    CrestLeft,
+    CrestRight,
+}
+
+pub(super) const CREST_LEFT: &str = "iliac_crest_left";
+pub(super) const CREST_RIGHT: &str = "iliac_crest_right";
+
+impl fmt::Display for PointName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Corner(level, corner) => write!(f, "{level}_{}", corner.name()),
+            Self::CrestLeft => f.write_str(CREST_LEFT),
+            Self::CrestRight => f.write_str(CREST_RIGHT),
+        }
+    }
+}
+
+impl PointName {
+    /// Reads `T12_superior_left`, and `T12 SL` with a blank, a dash or an underscore.
+    pub fn parse(text: &str, at: &str) -> Result<Self, LandmarkError> {
+        let text = text.trim();
+        match text.to_ascii_lowercase().as_str() {
+            CREST_LEFT => return Ok(Self::CrestLeft),
+            CREST_RIGHT => return Ok(Self::CrestRight),
+            _ => {}
+        }
+        let split = text.split_once(['_', ' ', '-']);
+        let corner = split.and_then(|(_, corner)| Corner::parse(corner));
+        match (split, corner) {
+            (Some((level, _)), Some(corner)) => Ok(Self::Corner(parse_level(level, at)?, corner)),
+            _ => Err(LandmarkError::Unknown {
+                at: at.to_owned(),
+                what: "name of a point",
+                nearest: Self::resembling(text),
+                name: shown(text),
+            }),
+        }
+    }
+
+    fn resembling(text: &str) -> Option<String> {
+        let mut names: Vec<String> = vec![CREST_LEFT.to_owned(), CREST_RIGHT.to_owned()];
+        for level in Level::ALL {
+            names.extend(Corner::ALL.map(|corner| Self::Corner(level, corner).to_string()));
+        }
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        nearest(&shown(text), &names)
+    }
+}
+
+/// The vertebra of a name; a name that is none says what it probably is.
+pub(super) fn parse_level(text: &str, at: &str) -> Result<Level, LandmarkError> {
+    let trimmed = text.trim();
+    let found = trimmed.parse::<Level>().or_else(|_| {
+        // `t12` is as clear as `T12`; `th12` and `TH12` as `Th12`.
+        let upper = trimmed.to_ascii_uppercase();
+        upper.strip_prefix("TH").map_or(upper.clone(), |number| format!("T{number}")).parse()
+    });
+    found.map_err(|_| LandmarkError::Vertebra {
+        at: at.to_owned(),
+        name: shown(trimmed),
+        hint: hint(&trimmed.to_ascii_uppercase()),
+    })
+}
+
+fn hint(name: &str) -> Option<&'static str> {
+    let (region, number) = name.split_at_checked(1)?;
+    let number = number.parse::<u32>().ok()?;
+    match (region, number) {
+        ("T", 13) => Some(
+            "a thirteenth thoracic vertebra has no place in the model, which counts seventeen from T1 to L5; leave it out, \
+             or count again from below",
+        ),
+        ("L", 6) => Some(
+            "a sixth lumbar vertebra has no place in the model, which counts seventeen from T1 to L5; leave it out, or \
+             count again from above",
+        ),
+        ("C", 1..=7) | ("S", 1..=5) => {
+            Some("cervical and sacral vertebrae are not read; leave it out")
+        }
+        _ => None,
+    }
+}
+
+/// A finite number of a size that can be meant.
+pub(super) fn coordinate(value: f64, at: &str) -> Result<f64, LandmarkError> {
+    if value.is_finite() && value.abs() <= LARGEST {
+        Ok(value)
+    } else {
+        Err(LandmarkError::Value {
+            at: at.to_owned(),
+            value: value.to_string(),
+            expected: "a number between -1000000 and 1000000",
+        })
+    }
+}
+
+/// The name of an observer, as a code may look.
+pub(super) fn observer(text: &str, at: &str) -> Result<String, LandmarkError> {
+    let refused =
+        |expected| Err(LandmarkError::Value { at: at.to_owned(), value: shown(text), expected });
+    if text.trim().is_empty() {
+        return refused("the code of an observer");
+    }
+    if text.chars().count() > LONGEST_NAME || text.chars().any(char::is_control) {
+        return refused("a code of at most 64 plain characters");
+    }
+    Ok(text.to_owned())
+}
+
+/// Text from a file as it may be shown: its beginning, without control characters.
+pub(super) fn shown(text: &str) -> String {
+    const LONGEST: usize = 40;
+    let clean: String =
+        text.chars().take(LONGEST).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if text.chars().nth(LONGEST).is_some() { clean + "…" } else { clean }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_is_named_in_full_or_in_short() {
+        let t12 = PointName::Corner(Level::T12, Corner::InferiorRight);
+        for text in ["T12_inferior_right", "Th12_inferior_right", "D12-IR", "T12 ir", " t12_ir "] {
+            assert_eq!(PointName::parse(text, "here").expect(text), t12);
+        }
+        assert_eq!(t12.to_string(), "T12_inferior_right");
+        assert_eq!(PointName::parse(CREST_LEFT, "here").expect("a crest"), PointName::CrestLeft);
+    }
+
+    #[test]
+    fn a_name_that_is_none_says_what_was_meant() {
+        let error = PointName::parse("T12_superior_lfet", "point 3").expect_err("misspelt");
+        let text = error.to_string();
+        assert!(text.contains("point 3") && text.contains("`T12_superior_left`?"), "{text}");
+        for (name, part) in [("T13", "thirteenth"), ("L6", "sixth"), ("C7", "cervical")] {
+            let text = parse_level(name, "row 2").expect_err(name).to_string();
+            assert!(text.contains(name) && text.contains(part), "{text}");
+        }
+        assert!(parse_level("12", "row 2").is_err() && parse_level("é", "row 2").is_err());
+    }
+
+    #[test]
+    fn numbers_that_cannot_be_meant_are_refused() {
+        for value in [f64::NAN, f64::INFINITY, 1e308, -2e6] {
+            assert!(coordinate(value, "here").is_err(), "{value}");
+        }
+        assert_eq!(coordinate(-0.5, "here").expect("a coordinate"), -0.5);
+    }
+}

@@ -1,0 +1,374 @@
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use spineline::anatomy::{Level, Posture};
+use spineline::measure::{Corners, IliacCrests, Mark, Placement, Reading, ReadingId};
+use spineline::spatial::Frontal;
+use spineline_files::nearest;
+
+use super::{Description, PLANE_TOLERANCE_MM, SlicerFrame};
+use crate::film::{Points, merge_crests, pixel};
+use crate::json::parse_foreign;
+use crate::names::{PointName, coordinate, observer, shown};
+use crate::{
+    LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm,
+};
+
+#[derive(Deserialize)]
+struct MarkupsFile {
+    markups: Vec<Markup>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Markup {
+    #[serde(rename = "type")]
+    kind: String,
+    #[serde(default)]
+    name: String,
+    coordinate_system: Option<serde_json::Value>,
+    #[serde(default)]
+    coordinate_units: Option<serde_json::Value>,
+    #[serde(default)]
+    control_points: Vec<ControlPoint>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct ControlPoint {
+    #[serde(default)]
+    label: String,
+    #[serde(default)]
+    description: String,
+    #[serde(default)]
+    position: Option<Vec<f64>>,
+    #[serde(default)]
+    position_status: Option<String>,
+}
+
+/// A place in LPS, in millimetres.
+type Lps = [f64; 3];
+
+/// Reads point lists of Slicer.
+///
+/// The image's frame needs the pixel spacing: that of the file where it is ours, else the hint's picture's.
+///
+/// # Errors
+/// [`LandmarkError`], which names list and point.
+pub fn parse_slicer(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, LandmarkError> {
+    let file: MarkupsFile = parse_foreign(bytes)?;
+    let mut remarks = Vec::new();
+    let mut lists: BTreeMap<ListKey, List> = BTreeMap::new();
+    for (place, markup) in file.markups.iter().enumerate() {
+        let at = format!("markups[{place}] `{}`", shown(&markup.name));
+        if markup.kind != "Fiducial" {
+            remarks.push(format!(
+                "{at} is a {} and no point list; it was passed over",
+                shown(&markup.kind)
+            ));
+            continue;
+        }
+        gather(markup, &at, hint, &mut lists, &mut remarks)?;
+    }
+    lists.retain(|_, list| !list.points.is_empty());
+    if lists.is_empty() {
+        return Err(LandmarkError::Missing {
+            at: "markups".to_owned(),
+            what: "a point list with a placed point".to_owned(),
+        });
+    }
+    let mut films: BTreeMap<Option<Posture>, Film> = BTreeMap::new();
+    for (key, list) in lists {
+        let film = films.entry(key.0).or_default();
+        list.add_to(key.1, hint, film)?;
+    }
+    let films =
+        films.into_iter().map(|(posture, film)| film.finish(posture)).collect::<Result<_, _>>()?;
+    Ok(LandmarkFile { format: LandmarkFormat::Slicer, films, remarks })
+}
+
+/// Lists of one film and reading are read together: some people make one list per vertebra.
+type ListKey = (Option<Posture>, ReadingId);
+
+struct List {
+    at: String,
+    about: Option<Description>,
+    points: Points<Lps>,
+}
+
+fn gather(
+    markup: &Markup,
+    at: &str,
+    hint: &LandmarkHint,
+    lists: &mut BTreeMap<ListKey, List>,
+    remarks: &mut Vec<String>,
+) -> Result<(), LandmarkError> {
+    let signs = signs(markup, at)?;
+    let unit_mm = unit_mm(markup, at)?;
+    let about = description(markup, at)?;
+    let key = match &about {
+        Some(about) => {
+            let posture = Posture::ALL.into_iter().find(|posture| posture.key() == about.film);
+            let posture = posture.ok_or_else(|| LandmarkError::Unknown {
+                at: at.to_owned(),
+                what: "posture",
+                name: shown(&about.film),
+                nearest: nearest(&shown(&about.film), &Posture::ALL.map(Posture::key)),
+            })?;
+            (Some(posture), ReadingId::new(observer(&about.observer, at)?, about.repeat))
+        }
+        None => (hint.posture, hint.reading.clone()),
+    };
+    let list = lists.entry(key).or_insert_with(|| List {
+        at: at.to_owned(),
+        about: about.clone(),
+        points: Points::new(),
+    });
+    if list.about != about {
+        return Err(LandmarkError::Ambiguous {
+            at: at.to_owned(),
+            reason: "two lists of one reading differ in frame or spacing".to_owned(),
+        });
+    }
+    for (place, point) in markup.control_points.iter().enumerate() {
+        let at = format!("{at}, controlPoints[{place}] `{}`", shown(&point.label));
+        match point.position_status.as_deref() {
+            None | Some("defined") => {}
+            Some(status @ ("undefined" | "preview")) => {
+                remarks
+                    .push(format!("{at} is {status}, so it was never placed; it was passed over"));
+                continue;
+            }
+            Some(status) => {
+                return Err(LandmarkError::Value {
+                    at,
+                    value: shown(status),
+                    expected: "`defined`, `undefined` or `preview`",
+                });
+            }
+        }
+        let Some(&[x, y, z]) = point.position.as_deref() else {
+            return Err(LandmarkError::Missing {
+                at,
+                what: "a `position` of three numbers".to_owned(),
+            });
+        };
+        let name = PointName::parse(&point.label, &at)?;
+        let mut lps = [0.0; 3];
+        for (place, (value, sign)) in lps.iter_mut().zip([x, y, z].into_iter().zip(signs)) {
+            *place = coordinate(value * unit_mm, &at)? * sign;
+        }
+        list.points.insert(name, lps, &at)?;
+    }
+    Ok(())
+}
+
+/// What takes the coordinates to LPS.
+fn signs(markup: &Markup, at: &str) -> Result<[f64; 3], LandmarkError> {
+    match &markup.coordinate_system {
+        None => Err(LandmarkError::Missing {
+            at: at.to_owned(),
+            what: "`coordinateSystem`, without which left and right cannot be told,".to_owned(),
+        }),
+        Some(serde_json::Value::String(name)) if name == "LPS" => Ok([1.0, 1.0, 1.0]),
+        Some(serde_json::Value::String(name)) if name == "RAS" => Ok([-1.0, -1.0, 1.0]),
+        Some(other) => Err(LandmarkError::Value {
+            at: format!("{at}, coordinateSystem"),
+            value: shown(&other.to_string()),
+            expected: "`LPS` or `RAS`",
+        }),
+    }
+}
+
+fn unit_mm(markup: &Markup, at: &str) -> Result<f64, LandmarkError> {
+    let unit = match &markup.coordinate_units {
+        None | Some(serde_json::Value::Null) => return Ok(1.0),
+        // A coded unit is its code, the coding scheme and words.
+        Some(serde_json::Value::Array(code)) => code.first().cloned().unwrap_or_default(),
+        Some(unit) => unit.clone(),
+    };
+    match unit.as_str() {
+        Some("mm") => Ok(1.0),
+        Some("um") => Ok(1e-3),
+        _ => Err(LandmarkError::Value {
+            at: format!("{at}, coordinateUnits"),
+            value: shown(&unit.to_string()),
+            expected: "`mm` or `um`",
+        }),
+    }
+}
+
+/// The description that the points of a list share, where it is ours; points added in Slicer have none.
+fn description(markup: &Markup, at: &str) -> Result<Option<Description>, LandmarkError> {
+    let mut found: Option<Description> = None;
+    for point in &markup.control_points {
+        // Any other text there is the user's own.
+        let Ok(about) = serde_json::from_str::<Description>(&point.description) else { continue };
+        if about.spineline != 1 || about.repeat == 0 {
+            return Err(LandmarkError::Value {
+                at: format!("{at}, `{}`, description", shown(&point.label)),
+                value: shown(&point.description),
+                expected: "a description of version 1 with a repeat from 1",
+            });
+        }
+        if found.as_ref().is_some_and(|first| *first != about) {
+            return Err(LandmarkError::Ambiguous {
+                at: at.to_owned(),
+                reason: "its points carry descriptions of different films, readings or frames"
+                    .to_owned(),
+            });
+        }
+        found = Some(about);
+    }
+    Ok(found)
+}
+
+#[derive(Default)]
+struct Film {
+    crests: Option<IliacCrests>,
+    marked: Vec<Reading<Mark>>,
+    placed: Vec<Reading<Placement>>,
+}
+
+impl List {
+    fn add_to(
+        &self,
+        id: ReadingId,
+        hint: &LandmarkHint,
+        film: &mut Film,
+    ) -> Result<(), LandmarkError> {
+        let bodies = self.points.bodies(&self.at)?;
+        match self.frame(hint)? {
+            SlicerFrame::Image => {
+                let [column_mm, row_mm] = self.steps(hint)?;
+                let to_pixel = |p: Lps| pixel(p[0] / column_mm, p[1] / row_mm, &self.at);
+                let mut vertebrae = BTreeMap::new();
+                for (level, body) in bodies {
+                    let corners = Corners {
+                        superior_left: to_pixel(body.superior_left)?,
+                        superior_right: to_pixel(body.superior_right)?,
+                        inferior_left: to_pixel(body.inferior_left)?,
+                        inferior_right: to_pixel(body.inferior_right)?,
+                    };
+                    vertebrae.insert(level, Mark { corners, axis_clockwise: None });
+                }
+                let crests = match self.points.crests(&self.at)? {
+                    Some([left, right]) => {
+                        Some(IliacCrests { left: to_pixel(left)?, right: to_pixel(right)? })
+                    }
+                    None => None,
+                };
+                merge_crests(&mut film.crests, crests, &self.at)?;
+                film.marked.push(Reading { id, vertebrae });
+            }
+            SlicerFrame::Patient => {
+                let frontal = |p: Lps| Frontal::new(p[0], p[2]);
+                match hint.image {
+                    Some(image) => {
+                        let to_pixel = |p: Lps| image.pixel(frontal(p));
+                        let mark = |body: Corners<Lps>| Mark {
+                            corners: body.map(to_pixel),
+                            axis_clockwise: None,
+                        };
+                        let vertebrae =
+                            bodies.into_iter().map(|(l, body)| (l, mark(body))).collect();
+                        let crests = self.points.crests(&self.at)?;
+                        let crests = crests.map(|[left, right]| IliacCrests {
+                            left: to_pixel(left),
+                            right: to_pixel(right),
+                        });
+                        merge_crests(&mut film.crests, crests, &self.at)?;
+                        film.marked.push(Reading { id, vertebrae });
+                    }
+                    None => film.placed.push(Reading { id, vertebrae: self.placements(bodies)? }),
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn placements(
+        &self,
+        bodies: BTreeMap<Level, Corners<Lps>>,
+    ) -> Result<BTreeMap<Level, Placement>, LandmarkError> {
+        let mut placed = BTreeMap::new();
+        for (level, body) in bodies {
+            let body = body.map(|p| Frontal::new(p[0], p[2]));
+            let location = body.measure_location().map_err(|fault| LandmarkError::Syntax {
+                at: format!("{}, {level}", self.at),
+                reason: fault.to_string(),
+            })?;
+            placed.insert(level, Placement { location, tilt: body.measure_tilt() });
+        }
+        Ok(placed)
+    }
+
+    /// The frame that the file or the caller names, checked against the plane of the points, which alone decides otherwise.
+    fn frame(&self, hint: &LandmarkHint) -> Result<SlicerFrame, LandmarkError> {
+        let spread = |axis: usize| {
+            let values = || self.points.points().map(|p| p[axis]);
+            values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
+        };
+        let (posterior, superior) = (spread(1), spread(2));
+        let plane = match (posterior <= PLANE_TOLERANCE_MM, superior <= PLANE_TOLERANCE_MM) {
+            (false, true) => Ok(SlicerFrame::Image),
+            (true, false) => Ok(SlicerFrame::Patient),
+            _ => Err(LandmarkError::Plane {
+                at: self.at.clone(),
+                reason: format!(
+                    "its points spread over {posterior:.1} mm from front to back and {superior:.1} mm from foot to head, and \
+                     lie neither in the plane of a picture nor in a coronal plane"
+                ),
+            }),
+        }?;
+        let named = self.about.as_ref().map(|about| about.frame).or(hint.slicer_frame);
+        match named {
+            Some(named) if named != plane => Err(LandmarkError::Plane {
+                at: self.at.clone(),
+                reason: format!(
+                    "its frame was said to be {named:?}, and its points lie in that of {plane:?}"
+                ),
+            }),
+            _ => Ok(plane),
+        }
+    }
+
+    /// Millimetres per column and row that Slicer had.
+    fn steps(&self, hint: &LandmarkHint) -> Result<[f64; 2], LandmarkError> {
+        let own = self.about.as_ref().and_then(|about| about.spacing_mm);
+        let of_image = |image: spineline::measure::ImageGeometry| {
+            image.spacing.map_or([1.0, 1.0], |s| [s.column_mm, s.row_mm])
+        };
+        let steps = own.or(hint.image.map(of_image)).ok_or(LandmarkError::Needs {
+            format: "a point list on a picture",
+            what: "the pixel spacing of that picture",
+        })?;
+        for step in steps {
+            if !(step.is_finite() && step > 1e-4) {
+                return Err(LandmarkError::Value {
+                    at: self.at.clone(),
+                    value: step.to_string(),
+                    expected: "a pixel spacing above 0.0001 mm",
+                });
+            }
+        }
+        Ok(steps)
+    }
+}
+
+impl Film {
+    fn finish(self, posture: Option<Posture>) -> Result<MarkedFilm, LandmarkError> {
+        if !self.marked.is_empty() && !self.placed.is_empty() {
+            return Err(LandmarkError::Ambiguous {
+                at: "markups".to_owned(),
+                reason: "some lists lie on a picture and some in the patient".to_owned(),
+            });
+        }
+        let marks = if self.placed.is_empty() {
+            LandmarkReadings::Corners(self.marked)
+        } else {
+            LandmarkReadings::Placements(self.placed)
+        };
+        Ok(MarkedFilm { posture, picture: None, size: None, iliac_crests: self.crests, marks })
+    }
+}

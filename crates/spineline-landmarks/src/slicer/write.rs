@@ -1,0 +1,84 @@
+use serde_json::{Value, json};
+use spineline::measure::{Film, FilmMarks};
+use spineline::spatial::Pixel;
+
+use super::{Description, SlicerFrame};
+use crate::LandmarkExportError;
+use crate::names::{Corner, PointName};
+
+const SCHEMA: &str = "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/markups-schema-v1.0.3.json#";
+
+/// The point lists of one film: one per reading, and one for the iliac crests.
+pub fn write(film: &Film) -> Result<String, LandmarkExportError> {
+    let FilmMarks::Landmarks { image, iliac_crests, readings } = &film.marks else {
+        return Err(LandmarkExportError::NoCorners(film.posture));
+    };
+    let steps = image.spacing.map_or([1.0, 1.0], |s| [s.column_mm, s.row_mm]);
+    let mut lists = Vec::new();
+    for (place, reading) in readings.iter().enumerate() {
+        let description = Description {
+            spineline: 1,
+            film: film.posture.key().to_owned(),
+            observer: reading.id.observer.clone(),
+            repeat: reading.id.repeat,
+            frame: SlicerFrame::Image,
+            spacing_mm: Some(steps),
+        };
+        let mut points = Vec::new();
+        // The crests belong to the film; its first list carries them.
+        if let Some(crests) = iliac_crests.filter(|_| place == 0) {
+            points.push((PointName::CrestLeft, crests.left));
+            points.push((PointName::CrestRight, crests.right));
+        }
+        for (&level, mark) in &reading.vertebrae {
+            let named = Corner::ALL.into_iter().zip(mark.corners.points());
+            points.extend(named.map(|(corner, point)| (PointName::Corner(level, corner), point)));
+        }
+        lists.push(list(&description, &points, steps)?);
+    }
+    if lists.is_empty() {
+        return Err(LandmarkExportError::Nothing { what: format!("{} film", film.posture) });
+    }
+    let file = json!({ "@schema": SCHEMA, "markups": lists });
+    let mut text = serde_json::to_string_pretty(&file)
+        .map_err(|error| LandmarkExportError::Encode(error.to_string()))?;
+    text.push('\n');
+    Ok(text)
+}
+
+fn list(
+    about: &Description,
+    points: &[(PointName, Pixel)],
+    [column_mm, row_mm]: [f64; 2],
+) -> Result<Value, LandmarkExportError> {
+    let description = serde_json::to_string(about)
+        .map_err(|error| LandmarkExportError::Encode(error.to_string()))?;
+    let control: Vec<Value> = points
+        .iter()
+        .enumerate()
+        .map(|(place, (name, point))| {
+            json!({
+                "id": (place + 1).to_string(),
+                "label": name.to_string(),
+                "description": description,
+                "associatedNodeID": "",
+                "position": [column_mm * point.column_px, row_mm * point.row_px, 0.0],
+                "orientation": [-1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0],
+                "selected": true,
+                "locked": false,
+                "visibility": true,
+                "positionStatus": "defined",
+            })
+        })
+        .collect();
+    Ok(json!({
+        "type": "Fiducial",
+        "name": format!("{} {} {}", about.film, about.observer, about.repeat),
+        "coordinateSystem": "LPS",
+        "coordinateUnits": "mm",
+        "locked": false,
+        "fixedNumberOfControlPoints": false,
+        "labelFormat": "%N-%d",
+        "controlPoints": control,
+    }))
+}

@@ -1,0 +1,47 @@
+use std::path::Path;
+
+use dicom_core::Tag;
+use dicom_dictionary_std::tags;
+use spineline_films::intake::{IntakeLimits, Place, read};
+use spineline_films::read_data_set;
+
+use super::SourceImage;
+use crate::LandmarkExportError;
+
+/// What a report takes over from the DICOM file of a radiograph; pixels are not read.
+///
+/// # Errors
+/// [`LandmarkExportError::Source`] for a file that is no DICOM or has no identifiers.
+pub fn read_source(path: &Path) -> Result<SourceImage, LandmarkExportError> {
+    let unfit = |reason: &str| LandmarkExportError::Source(format!("{}: {reason}", path.display()));
+    let place = Place::File(path.to_owned());
+    let bytes = read(&place, &IntakeLimits::default())
+        .map_err(|error| LandmarkExportError::Source(error.to_string()))?;
+    let object = read_data_set(&bytes).map_err(|error| unfit(&error.to_string()))?;
+    let text = |tag: Tag| -> String {
+        let value = object.get(tag).and_then(|element| element.to_str().ok());
+        value.map(|text| text.trim_matches(['\0', ' ']).to_owned()).unwrap_or_default()
+    };
+    let side = |tag: Tag| object.get(tag).and_then(|element| element.to_int::<u32>().ok());
+    let size = side(tags::COLUMNS).zip(side(tags::ROWS));
+    let source = SourceImage {
+        sop_class_uid: text(tags::SOP_CLASS_UID),
+        sop_instance_uid: text(tags::SOP_INSTANCE_UID),
+        study_instance_uid: text(tags::STUDY_INSTANCE_UID),
+        series_instance_uid: text(tags::SERIES_INSTANCE_UID),
+        modality: text(tags::MODALITY),
+        size: size.ok_or_else(|| unfit("it holds no picture"))?,
+        patient_name: text(tags::PATIENT_NAME),
+        patient_id: text(tags::PATIENT_ID),
+        patient_birth_date: text(tags::PATIENT_BIRTH_DATE),
+        patient_sex: text(tags::PATIENT_SEX),
+        study_date: text(tags::STUDY_DATE),
+        study_time: text(tags::STUDY_TIME),
+        study_id: text(tags::STUDY_ID),
+        accession_number: text(tags::ACCESSION_NUMBER),
+    };
+    if source.sop_instance_uid.is_empty() || source.study_instance_uid.is_empty() {
+        return Err(unfit("it has no identifiers of its study and itself"));
+    }
+    Ok(source)
+}

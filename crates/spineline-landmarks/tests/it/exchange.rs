@@ -1,0 +1,315 @@
+//! Every export is read back and compared; left stays left on either side of the picture, with pixels that are not square.
+
+use std::collections::BTreeMap;
+
+use spineline::analysis::Case;
+use spineline::anatomy::{ImageSide, Level, Posture, Region};
+use spineline::clinical::CobbEnds;
+use spineline::measure::{
+    Film, FilmMarks, ImageGeometry, Placement, Reading, ReadingId, Spacing, SpacingPlane,
+};
+use spineline::spatial::{Angle, Frontal};
+use spineline_landmarks::{
+    LandmarkExportError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings,
+    LandmarkTarget, SlicerFrame, SourceImage, export_landmarks, parse_landmarks,
+};
+use spineline_phantom::{Readers, Truth, generate};
+
+/// A phantom whose films hang as asked, with pixels twice as high as wide.
+fn case(patient_left: ImageSide) -> Case {
+    let mut case = generate(2, Truth::Rod, &Readers::default(), 5).expect("subject 3 exists").case;
+    for film in &mut case.films {
+        let FilmMarks::Landmarks { image, readings, iliac_crests } = &mut film.marks else {
+            continue;
+        };
+        let own = *image;
+        let (column_mm, row_mm) = own.spacing.map_or((1.0, 1.0), |s| (s.column_mm, s.row_mm));
+        let wanted = ImageGeometry {
+            rows: own.rows,
+            spacing: Some(Spacing::stated(column_mm, 2.0 * row_mm, SpacingPlane::Detector)),
+            patient_left,
+            ..own
+        };
+        let mirrored = own.patient_left != patient_left;
+        let moved = |p: spineline::spatial::Pixel| {
+            let last = f64::from(own.columns) - 1.0;
+            let column_px = if mirrored { last - p.column_px } else { p.column_px };
+            spineline::spatial::Pixel::new(column_px, 0.5 * p.row_px)
+        };
+        *image = wanted;
+        for mark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+            mark.corners = mark.corners.map(moved);
+            if mirrored {
+                mark.axis_clockwise = mark.axis_clockwise.map(|axis| -axis);
+            }
+        }
+        if let Some(crests) = iliac_crests {
+            crests.left = moved(crests.left);
+            crests.right = moved(crests.right);
+        }
+    }
+    case
+}
+
+fn image(film: &Film) -> ImageGeometry {
+    match &film.marks {
+        FilmMarks::Landmarks { image, .. } => *image,
+        FilmMarks::Placements { .. } => panic!("phantoms have corners"),
+    }
+}
+
+fn read(bytes: &[u8]) -> LandmarkFile {
+    parse_landmarks(bytes, &LandmarkHint::default()).expect("our own file")
+}
+
+/// Largest distance between two films' corners and crests, in pixels; everything else has to be equal.
+#[track_caller]
+fn apart(one: &Film, other: &Film) -> f64 {
+    assert_eq!(one.posture, other.posture);
+    let (
+        FilmMarks::Landmarks { image: a, iliac_crests: c, readings: r },
+        FilmMarks::Landmarks { image: b, iliac_crests: d, readings: s },
+    ) = (&one.marks, &other.marks)
+    else {
+        panic!("corners on both sides");
+    };
+    assert_eq!((a, r.len()), (b, s.len()));
+    let mut pairs = Vec::new();
+    match (c, d) {
+        (Some(c), Some(d)) => pairs.extend([(c.left, d.left), (c.right, d.right)]),
+        (c, d) => assert!(c.is_none() && d.is_none()),
+    }
+    for (r, s) in r.iter().zip(s) {
+        assert_eq!(r.id, s.id);
+        assert!(r.vertebrae.keys().eq(s.vertebrae.keys()));
+        for (m, n) in r.vertebrae.values().zip(s.vertebrae.values()) {
+            pairs.extend(m.corners.points().into_iter().zip(n.corners.points()));
+        }
+    }
+    let off = |(p, q): (spineline::spatial::Pixel, spineline::spatial::Pixel)| {
+        (p.column_px - q.column_px).hypot(p.row_px - q.row_px)
+    };
+    pairs.into_iter().map(off).fold(0.0, f64::max)
+}
+
+fn axes(film: &Film) -> Vec<Option<f64>> {
+    let FilmMarks::Landmarks { readings, .. } = &film.marks else { panic!("corners") };
+    let marks = readings.iter().flat_map(|reading| reading.vertebrae.values());
+    marks.map(|mark| mark.axis_clockwise.map(Angle::deg)).collect()
+}
+
+#[track_caller]
+fn same_axes(one: &Film, other: &Film) {
+    for (a, b) in axes(one).into_iter().zip(axes(other)) {
+        assert!(a.is_some() == b.is_some() && (a.unwrap_or(0.0) - b.unwrap_or(0.0)).abs() < 1e-9);
+    }
+}
+
+const SIDES: [ImageSide; 2] = [ImageSide::Left, ImageSide::Right];
+
+#[test]
+fn a_table_comes_back_as_it_was_written() {
+    for side in SIDES {
+        let case = case(side);
+        let files = export_landmarks(&case, None, LandmarkTarget::Csv).expect("a table");
+        let file = read(&files[0].bytes);
+        assert_eq!((file.format, file.films.len()), (LandmarkFormat::Csv, case.films.len()));
+        for found in file.films {
+            let film = case.films.iter().find(|film| Some(film.posture) == found.posture);
+            let film = film.expect("a posture of the case");
+            let back = found.into_film(None, Some(image(film))).expect("sound marks");
+            assert_eq!(apart(film, &back), 0.0);
+            same_axes(film, &back);
+        }
+    }
+}
+
+#[test]
+fn point_lists_come_back_as_they_were_written() {
+    for side in SIDES {
+        let case = case(side);
+        let files = export_landmarks(&case, None, LandmarkTarget::Slicer).expect("lists");
+        assert_eq!(files.len(), case.films.len());
+        for bytes in files.iter().map(|file| &file.bytes) {
+            let mut file = read(bytes);
+            assert_eq!((file.format, file.films.len()), (LandmarkFormat::Slicer, 1));
+            let found = file.films.remove(0);
+            let film = case.films.iter().find(|film| Some(film.posture) == found.posture);
+            let film = film.expect("a posture of the case");
+            let back = found.into_film(None, Some(image(film))).expect("sound marks");
+            assert!(apart(film, &back) < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn a_list_in_ras_is_the_list_in_lps() {
+    let case = case(ImageSide::Right);
+    let files =
+        export_landmarks(&case, Some(Posture::Erect), LandmarkTarget::Slicer).expect("lists");
+    let mut json: serde_json::Value = serde_json::from_slice(&files[0].bytes).expect("JSON");
+    let lps = read(&files[0].bytes);
+    for markup in json["markups"].as_array_mut().expect("lists") {
+        markup["coordinateSystem"] = "RAS".into();
+        for point in markup["controlPoints"].as_array_mut().expect("points") {
+            for axis in 0..2 {
+                let value = -point["position"][axis].as_f64().expect("a number");
+                point["position"][axis] = value.into();
+            }
+        }
+    }
+    assert_eq!(read(json.to_string().as_bytes()).films, lps.films);
+    // The same file without a word on its coordinates could be mirrored.
+    json["markups"][0].as_object_mut().expect("a list").remove("coordinateSystem");
+    let error = parse_landmarks(json.to_string().as_bytes(), &LandmarkHint::default());
+    let text = error.expect_err("no coordinates named").to_string();
+    assert!(text.contains("coordinateSystem") && text.contains("erect"), "{text}");
+}
+
+#[test]
+fn a_list_in_the_patients_frame_lands_on_the_picture() {
+    for side in SIDES {
+        let case = case(side);
+        let film = &case.films[0];
+        let (image, FilmMarks::Landmarks { readings, .. }) = (image(film), &film.marks) else {
+            panic!("corners");
+        };
+        let names = ["superior_left", "superior_right", "inferior_left", "inferior_right"];
+        let mut points = Vec::new();
+        for (level, mark) in &readings[0].vertebrae {
+            for (name, corner) in names.into_iter().zip(mark.corners.points()) {
+                let at = image.frontal(corner);
+                points.push(serde_json::json!({
+                    "label": format!("{level}_{name}"), "position": [at.y_mm, 17.0, at.z_mm],
+                }));
+            }
+        }
+        let list = serde_json::json!({ "@schema": "markups-schema-v1.0.3.json#", "markups": [
+            { "type": "Fiducial", "coordinateSystem": "LPS", "controlPoints": points },
+        ]});
+        let hint = LandmarkHint {
+            image: Some(image),
+            posture: Some(film.posture),
+            reading: readings[0].id.clone(),
+            ..LandmarkHint::default()
+        };
+        let mut found = parse_landmarks(list.to_string().as_bytes(), &hint).expect("a list");
+        let LandmarkReadings::Corners(back) = &found.films[0].marks else { panic!("corners") };
+        for (mark, again) in readings[0].vertebrae.values().zip(back[0].vertebrae.values()) {
+            for (p, q) in mark.corners.points().into_iter().zip(again.corners.points()) {
+                assert!(
+                    (p.column_px - q.column_px).abs() < 1e-9 && (p.row_px - q.row_px).abs() < 1e-9
+                );
+            }
+        }
+        found.films.remove(0).into_film(None, Some(image)).expect("left stays left");
+        // Without a picture the same list gives locations.
+        let hint = LandmarkHint { image: None, ..hint };
+        let placed = parse_landmarks(list.to_string().as_bytes(), &hint).expect("a list");
+        assert!(matches!(placed.films[0].marks, LandmarkReadings::Placements(_)));
+        let hint = LandmarkHint { slicer_frame: Some(SlicerFrame::Image), ..hint };
+        let error = parse_landmarks(list.to_string().as_bytes(), &hint).expect_err("another plane");
+        assert!(error.to_string().contains("Patient"), "{error}");
+    }
+}
+
+fn source(size: (u32, u32), posture: Posture) -> SourceImage {
+    SourceImage {
+        sop_class_uid: "1.2.840.10008.5.1.4.1.1.1.1".to_owned(),
+        sop_instance_uid: format!("2.25.{}", 100 + posture as u32),
+        study_instance_uid: "2.25.7".to_owned(),
+        series_instance_uid: "2.25.8".to_owned(),
+        modality: "DX".to_owned(),
+        size,
+        patient_id: "P-1".to_owned(),
+        ..SourceImage::default()
+    }
+}
+
+#[test]
+fn reports_come_back_to_what_single_precision_keeps() {
+    // Half a unit in the last place of a number below 4096.
+    const TOLERANCE_PX: f64 = 2.0 * 1.3e-4;
+    let curves = [(Region::MainThoracic, CobbEnds { inferior: Level::L1, superior: Level::T6 })];
+    for side in SIDES {
+        let case = case(side);
+        let sources: BTreeMap<_, _> = case
+            .films
+            .iter()
+            .map(|film| {
+                let image = image(film);
+                (film.posture, source((image.columns, image.rows), film.posture))
+            })
+            .collect();
+        let target = LandmarkTarget::DicomSr {
+            sources: &sources,
+            curves: &curves,
+            written: ["20260131", "101500"],
+        };
+        let files = export_landmarks(&case, None, target).expect("reports");
+        assert_eq!(files, export_landmarks(&case, None, target).expect("the same bytes"));
+        let mut films: BTreeMap<Posture, Vec<_>> = BTreeMap::new();
+        for file in &files {
+            let mut read = read(&file.bytes);
+            assert_eq!(read.format, LandmarkFormat::DicomSr);
+            let found = read.films.remove(0);
+            let LandmarkReadings::Corners(readings) = found.marks else { panic!("corners") };
+            let posture = found.posture.expect("a posture");
+            films.entry(posture).or_default().push((found.iliac_crests, readings));
+        }
+        for film in &case.films {
+            let reports = films.remove(&film.posture).expect("reports of every film");
+            let iliac_crests = reports[0].0;
+            let readings = reports.into_iter().flat_map(|(_, readings)| readings).collect();
+            let marks = FilmMarks::Landmarks { image: image(film), iliac_crests, readings };
+            let back = Film { posture: film.posture, marks };
+            assert!(apart(film, &back) < TOLERANCE_PX, "{}", apart(film, &back));
+            same_axes(film, &back);
+        }
+    }
+}
+
+#[test]
+fn a_report_needs_the_radiograph_that_was_marked() {
+    let case = case(ImageSide::Right);
+    let mut sources = BTreeMap::new();
+    let refused = |sources: &BTreeMap<_, _>| {
+        let target =
+            LandmarkTarget::DicomSr { sources, curves: &[], written: ["20260131", "101500"] };
+        export_landmarks(&case, Some(Posture::Erect), target).expect_err("no such radiograph")
+    };
+    assert!(matches!(refused(&sources), LandmarkExportError::Source(_)));
+    sources.insert(Posture::Erect, source((10, 10), Posture::Erect));
+    assert!(refused(&sources).to_string().contains("10 × 10"));
+}
+
+#[test]
+fn locations_of_another_program_go_through_a_table() {
+    let placement = |i: usize| Placement {
+        location: Frontal::new(0.1 * i as f64, -31.25 * i as f64),
+        tilt: Angle::from_deg(3.0 - i as f64),
+    };
+    let vertebrae = Level::MODEL.into_iter().enumerate().map(|(i, level)| (level, placement(i)));
+    let readings = vec![Reading { id: ReadingId::new("=B", 2), vertebrae: vertebrae.collect() }];
+    let mut case = case(ImageSide::Right);
+    let placed = FilmMarks::Placements { spacing_plane: SpacingPlane::Unknown, readings };
+    case.films = vec![Film { posture: Posture::Erect, marks: placed }];
+    let files = export_landmarks(&case, None, LandmarkTarget::Csv).expect("a table");
+    let text = std::str::from_utf8(&files[0].bytes).expect("UTF-8");
+    // No cell that a spreadsheet would run.
+    for cell in text.lines().skip(1).flat_map(|line| line.split(',')) {
+        let formula = cell.starts_with(['=', '+', '-', '@']);
+        assert!(!formula || cell.parse::<f64>().is_ok(), "{cell}");
+    }
+    let LandmarkReadings::Placements(back) = &read(&files[0].bytes).films[0].marks else {
+        panic!("locations");
+    };
+    let FilmMarks::Placements { readings, .. } = &case.films[0].marks else { panic!("locations") };
+    assert_eq!(back[0].id, readings[0].id);
+    for (p, q) in back[0].vertebrae.values().zip(readings[0].vertebrae.values()) {
+        assert_eq!(p.location, q.location);
+        assert!((p.tilt - q.tilt).abs().deg() < 1e-13);
+    }
+    let error = export_landmarks(&case, None, LandmarkTarget::Slicer).expect_err("no corners");
+    assert_eq!(error, LandmarkExportError::NoCorners(Posture::Erect));
+}

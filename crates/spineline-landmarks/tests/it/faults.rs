@@ -1,0 +1,378 @@
+//! Landmark files marked or written wrongly: each fault ends with an error that names its place.
+
+use proptest::prelude::*;
+use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::measure::{CornerFault, ImageGeometry, MeasureError};
+use spineline_landmarks::{
+    LandmarkError, LandmarkHint, LandmarkReadings, MAX_ROWS, parse_coco, parse_csv, parse_labelme,
+    parse_landmarks, parse_slicer,
+};
+
+const HEADING: &str = "posture,observer,repeat,vertebra,superior_left_column_px,superior_left_row_px,superior_right_column_px,\
+superior_right_row_px,inferior_left_column_px,inferior_left_row_px,inferior_right_column_px,inferior_right_row_px";
+
+fn hint() -> LandmarkHint {
+    LandmarkHint { patient_left: Some(ImageSide::Right), ..LandmarkHint::default() }
+}
+
+fn image() -> ImageGeometry {
+    ImageGeometry { columns: 1000, rows: 2000, spacing: None, patient_left: ImageSide::Right }
+}
+
+/// A row of a straight spine; the patient's left is the picture's right.
+fn row(level: Level) -> String {
+    let top = 1800.5 - 100.0 * level as u8 as f64;
+    format!("erect,A,1,{level},546,{top},454,{top},550,{0},450,{0}", top + 60.0)
+}
+
+fn table(rows: &[String]) -> String {
+    format!("{HEADING}\n{}\n", rows.join("\n"))
+}
+
+fn whole() -> Vec<String> {
+    Level::MODEL.into_iter().map(row).collect()
+}
+
+#[track_caller]
+fn refused(text: &str, parts: &[&str]) -> LandmarkError {
+    let error = parse_csv(text.as_bytes(), &hint()).expect_err("the text is wrong on purpose");
+    let words = error.to_string();
+    for part in parts {
+        assert!(words.contains(part), "`{words}` does not say {part}");
+    }
+    assert!(!error.help().is_empty());
+    error
+}
+
+/// What the core says of a table with some rows changed.
+fn judged(change: impl Fn(&mut Vec<String>)) -> Result<(), LandmarkError> {
+    let mut rows = whole();
+    change(&mut rows);
+    let mut file = parse_csv(table(&rows).as_bytes(), &hint()).expect("a table");
+    file.films.remove(0).into_film(None, Some(image())).map(|_| ())
+}
+
+/// Another order of the four corners of a row.
+fn reordered(row: &str, order: [usize; 4]) -> String {
+    let cells: Vec<&str> = row.split(',').collect();
+    let mut out: Vec<&str> = cells[..4].to_vec();
+    out.extend(order.into_iter().flat_map(|i| [cells[4 + 2 * i], cells[5 + 2 * i]]));
+    out.join(",")
+}
+
+#[test]
+fn a_sound_table_is_a_sound_film() {
+    assert!(judged(|_| {}).is_ok());
+    let mut file = parse_csv(table(&whole()).as_bytes(), &hint()).expect("a table");
+    let film = file.films.remove(0);
+    assert_eq!((film.posture, film.vertebrae()), (Some(Posture::Erect), 15));
+}
+
+#[test]
+fn f17_corners_in_another_order_are_seen() {
+    let at = Level::T8.model_index().expect("of the model");
+    for (order, fault) in [
+        ([1, 0, 2, 3], CornerFault::Crossed),
+        ([0, 1, 3, 2], CornerFault::Crossed),
+        ([2, 3, 0, 1], CornerFault::UpsideDown),
+        ([1, 0, 3, 2], CornerFault::SidesExchanged),
+    ] {
+        match judged(|rows| rows[at] = reordered(&rows[at], order)) {
+            Err(LandmarkError::Marks(MeasureError::Corners { level, fault: found, .. })) => {
+                assert_eq!((level, found), (Level::T8, fault));
+            }
+            other => panic!("{order:?}: {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn f18_a_film_with_left_and_right_exchanged_throughout_is_mirrored() {
+    let all = judged(|rows| rows.iter_mut().for_each(|row| *row = reordered(row, [1, 0, 3, 2])));
+    assert!(matches!(all, Err(LandmarkError::Marks(MeasureError::FilmMirrored { count: 15, .. }))));
+}
+
+#[test]
+fn f19_a_film_upside_down_is_refused() {
+    let all = judged(|rows| rows.iter_mut().for_each(|row| *row = reordered(row, [2, 3, 0, 1])));
+    let Err(LandmarkError::Marks(MeasureError::Corners { fault, .. })) = all else {
+        panic!("{all:?}");
+    };
+    assert_eq!(fault, CornerFault::UpsideDown);
+}
+
+#[test]
+fn f20_vertebrae_that_are_there_twice_or_not_at_all_are_named() {
+    let mut rows = whole();
+    rows.push(row(Level::T12).replace("T12", "Th12"));
+    refused(&table(&rows), &["line 17", "T12", "twice", "line 6"]);
+    for (name, part) in [("T13", "thirteenth"), ("L6", "sixth"), ("S1", "sacral"), ("L7", "`L7`")] {
+        refused(
+            &table(&[row(Level::T12).replace("T12", name)]),
+            &["line 2", "`vertebra`", name, part],
+        );
+    }
+}
+
+#[test]
+fn f21_and_f22_a_vertebra_may_be_absent_and_is_not_made_up() {
+    let rows: Vec<String> = whole().into_iter().filter(|row| !row.contains(",T7,")).collect();
+    let mut file = parse_csv(table(&rows).as_bytes(), &hint()).expect("a table");
+    let film = file.films.remove(0);
+    assert_eq!(film.vertebrae(), 14);
+    film.into_film(None, Some(image())).expect("marks may come one by one");
+}
+
+#[test]
+fn f24_what_is_no_number_names_its_cell() {
+    for value in ["NaN", "inf", "1e308", "-1e7", "", "12 px", "=1+2", "0x10", "1,5"] {
+        let quoted = format!("\"{value}\"");
+        let text = table(&[row(Level::T5)]).replacen(",546,", &format!(",{quoted},"), 1);
+        refused(&text, &["line 2", "superior_left_column_px"]);
+    }
+}
+
+#[test]
+fn f25_points_in_one_place_or_off_the_picture_are_refused() {
+    let flat = judged(|rows| rows[3] = "erect,A,1,L1,500,500,500,500,500,500,500,500".to_owned());
+    let Err(LandmarkError::Marks(MeasureError::Corners { level, fault, .. })) = flat else {
+        panic!("{flat:?}");
+    };
+    assert_eq!((level, fault), (Level::L1, CornerFault::Flat));
+    let off = judged(|rows| rows[3] = rows[3].replace(",550,", ",1550,"));
+    assert!(matches!(off, Err(LandmarkError::Marks(MeasureError::OffImage { .. }))), "{off:?}");
+}
+
+#[test]
+fn f29_one_iliac_crest_is_none() {
+    let crests = |cells: &str| format!("erect,,,iliac_crests,{cells}");
+    let mut rows = whole();
+    rows.push(crests("700,1700,300,1710,,,,"));
+    let file = parse_csv(table(&rows).as_bytes(), &hint()).expect("a table");
+    let found = file.films[0].iliac_crests.expect("two crests");
+    assert_eq!((found.left.column_px, found.right.row_px), (700.0, 1710.0));
+    refused(&table(&[crests("700,1700,,,,,,")]), &["superior_right_column_px"]);
+    refused(&table(&[crests("700,1700,300,1710,1,,,")]), &["inferior_left_column_px", "empty"]);
+    refused(&table(&[crests("700,1700,300,1710,,,,"), crests("1,1,300,1710,,,,")]), &["twice"]);
+}
+
+#[test]
+fn f30_tables_of_spreadsheets_are_read() {
+    let plain = parse_csv(table(&whole()).as_bytes(), &hint()).expect("a table");
+    let german = table(&whole()).replace(',', ";").replace('.', ",");
+    let quoted = table(&whole()).replace("erect", "\"erect\"").replace("550", "\"550\"");
+    for text in [
+        format!("\u{feff}{}", table(&whole())),
+        table(&whole()).replace('\n', "\r\n"),
+        german.clone(),
+        table(&whole()).replace(',', ";"),
+        table(&whole()).replace(',', "\t"),
+        quoted,
+        table(&whole()) + ",,,,,,,,,,,\n",
+    ] {
+        assert_eq!(parse_csv(text.as_bytes(), &hint()).expect(&text).films, plain.films);
+    }
+    let mixed = german.replacen(",5;", ".5;", 1);
+    refused(&mixed, &["commas and points"]);
+    refused(&german.replacen("posture;", "posture,", 1), &["line 1", "more than one"]);
+}
+
+#[test]
+fn f30_a_formula_is_no_observer() {
+    for name in ["=cmd", "+1", "-B", "@x"] {
+        refused(
+            &table(&[row(Level::T5).replace(",A,", &format!(",{name},"))]),
+            &["`observer`", "formula"],
+        );
+    }
+}
+
+#[test]
+fn f30_more_rows_than_any_case_has_are_refused() {
+    let mut text = String::from(HEADING);
+    for repeat in 1..=MAX_ROWS + 1 {
+        text.push_str(&format!("\nerect,A,{repeat},T5,550,5,450,5,550,9,450,9"));
+    }
+    refused(&text, &["rows", "100000"]);
+}
+
+#[test]
+fn columns_and_postures_that_are_unknown_name_the_nearest() {
+    refused(
+        &table(&whole()).replace("superior_left_row_px", "superior_left_rows_px"),
+        &["`superior_left_row_px`?"],
+    );
+    refused(&table(&whole()).replace("repeat,", "posture,"), &["`posture`", "twice"]);
+    refused(&table(&whole()).replace("inferior_right_row_px", "posture"), &["twice"]);
+    refused(&table(&[row(Level::T5).replace("erect", "erct")]), &["`erect`?"]);
+    refused(&format!("{HEADING}\nerect,A,1\n"), &["line 2", "3 cells"]);
+    refused(&format!("{HEADING}\n"), &["missing"]);
+}
+
+fn slicer(points: &str) -> String {
+    format!(
+        r#"{{"markups":[{{"type":"Fiducial","name":"F","coordinateSystem":"LPS","controlPoints":[{points}]}}]}}"#
+    )
+}
+
+fn point(label: &str, x: f64, y: f64, z: f64) -> String {
+    format!(r#"{{"label":"{label}","position":[{x},{y},{z}]}}"#)
+}
+
+fn body(z: [f64; 4]) -> String {
+    let corners = [("SL", 5.0, 1.0), ("SR", -5.0, 1.0), ("IL", 5.0, 8.0), ("IR", -5.0, 8.0)];
+    let points =
+        corners.into_iter().zip(z).map(|((c, x, y), z)| point(&format!("T5 {c}"), x, y, z));
+    points.collect::<Vec<_>>().join(",")
+}
+
+#[test]
+fn f26_points_that_lie_in_no_plane_are_refused() {
+    let hint = LandmarkHint { image: Some(image()), ..hint() };
+    parse_slicer(slicer(&body([0.0; 4])).as_bytes(), &hint).expect("a plane of a picture");
+    let error = parse_slicer(slicer(&body([0.0, 0.0, 0.0, 3.0])).as_bytes(), &hint);
+    assert!(matches!(error, Err(LandmarkError::Plane { .. })), "{error:?}");
+}
+
+#[test]
+fn f26_millimetres_need_the_spacing_to_become_pixels() {
+    let error = parse_slicer(slicer(&body([0.0; 4])).as_bytes(), &LandmarkHint::default());
+    assert!(matches!(error, Err(LandmarkError::Needs { .. })), "{error:?}");
+}
+
+#[test]
+fn points_of_slicer_that_are_unnamed_doubled_missing_or_unplaced_are_told() {
+    let hint = LandmarkHint { image: Some(image()), ..hint() };
+    let refused = |points: &str, part: &str| {
+        let text = parse_slicer(slicer(points).as_bytes(), &hint).expect_err(part).to_string();
+        assert!(text.contains(part), "{text}");
+    };
+    refused(&point("F-1", 0.0, 0.0, 0.0), "F-1");
+    refused(&format!("{},{}", body([0.0; 4]), point("Th5_superior_left", 1.0, 1.0, 0.0)), "twice");
+    refused(&point("T5 SL", 0.0, 0.0, 0.0).replace("[0,0,0]", "[0,0]"), "three numbers");
+    let unplaced = r#"{"label":"T6 SL","positionStatus":"undefined","position":[0,0,0]}"#;
+    let text = slicer(&format!("{},{unplaced}", body([0.0; 4])));
+    let file = parse_slicer(text.as_bytes(), &hint).expect("a list");
+    assert_eq!((file.films[0].vertebrae(), file.remarks.len()), (1, 1));
+    let three = body([0.0; 4]).rsplit_once(",{").expect("four points").0.to_owned();
+    refused(&three, "inferior_right");
+    for system in ["\"XYZ\"", "0", "1", "null"] {
+        let text = slicer(&body([0.0; 4])).replace("\"LPS\"", system);
+        assert!(parse_slicer(text.as_bytes(), &hint).is_err(), "{system}");
+    }
+}
+
+fn labelme(shapes: &str) -> String {
+    format!(
+        r#"{{"version":"5.0","imagePath":"a.png","imageWidth":1000,"imageHeight":2000,"shapes":[{shapes}]}}"#
+    )
+}
+
+fn polygon(points: [[f64; 2]; 4]) -> String {
+    format!(r#"{{"label":"T5","shape_type":"polygon","points":{points:?}}}"#)
+}
+
+#[test]
+fn a_quadrilateral_of_labelme_has_its_corners_from_any_start_and_sense() {
+    let ring = [[10.5, 5.5], [50.5, 7.5], [52.5, 30.5], [12.5, 29.5]];
+    let corners = |points| {
+        let file = parse_labelme(labelme(&polygon(points)).as_bytes(), &hint()).expect("a body");
+        let LandmarkReadings::Corners(readings) = &file.films[0].marks else { panic!("corners") };
+        readings[0].vertebrae[&Level::T5].corners
+    };
+    let first = corners(ring);
+    // The patient's left is the picture's right, and labelme counts from the pixel's corner.
+    assert_eq!((first.superior_left.column_px, first.superior_left.row_px), (50.0, 7.0));
+    assert_eq!((first.inferior_right.column_px, first.inferior_right.row_px), (12.0, 29.0));
+    for start in 0..4 {
+        let mut turned = ring;
+        turned.rotate_left(start);
+        assert_eq!(corners(turned), first);
+        turned.reverse();
+        assert_eq!(corners(turned), first);
+    }
+}
+
+#[test]
+fn a_quadrilateral_of_labelme_that_leans_too_far_or_has_no_side_is_refused() {
+    let diamond = [[30.0, 0.0], [60.0, 30.0], [30.0, 60.0], [0.0, 30.0]];
+    let error = parse_labelme(labelme(&polygon(diamond)).as_bytes(), &hint());
+    assert!(matches!(error, Err(LandmarkError::Ambiguous { .. })), "{error:?}");
+    let upright = [[10.5, 5.5], [50.5, 7.5], [52.5, 30.5], [12.5, 29.5]];
+    let unsaid = parse_labelme(labelme(&polygon(upright)).as_bytes(), &LandmarkHint::default());
+    assert!(matches!(unsaid, Err(LandmarkError::Needs { .. })), "{unsaid:?}");
+}
+
+#[test]
+fn the_picture_of_a_file_is_the_picture_of_the_film() {
+    let upright = [[10.5, 5.5], [50.5, 7.5], [52.5, 30.5], [12.5, 29.5]];
+    let mut file = parse_labelme(labelme(&polygon(upright)).as_bytes(), &hint()).expect("a body");
+    let other = ImageGeometry { rows: 999, ..image() };
+    let error = file.films.remove(0).into_film(Some(Posture::Erect), Some(other));
+    assert!(matches!(error, Err(LandmarkError::OtherPicture { .. })), "{error:?}");
+}
+
+fn coco(keypoints: &str, values: &str) -> String {
+    format!(
+        r#"{{"images":[{{"id":7,"file_name":"a.png","width":1000,"height":2000}}],"categories":[{{"id":3,"name":"T5","keypoints":[{keypoints}]}}],"annotations":[{{"id":1,"image_id":7,"category_id":3,"keypoints":[{values}]}}]}}"#
+    )
+}
+
+#[test]
+fn keypoints_of_coco_are_named_in_either_way() {
+    let values = "50,7,2,10,5,2,52,30,2,12,29,1";
+    let short = r#""superior_left","superior_right","inferior_left","inferior_right""#;
+    let long = short.replace("\"s", "\"T5_s").replace("\"i", "\"T5_i");
+    let one = parse_coco(coco(short, values).as_bytes(), &hint()).expect("a film");
+    let other = parse_coco(coco(&long, values).as_bytes(), &hint()).expect("a film");
+    assert_eq!(one.films, other.films);
+    assert_eq!(one.films[0].size, Some((1000, 2000)));
+    for (names, values, part) in [
+        (short, "50,7,2,10,5,2", "6 numbers"),
+        (short, "50,7,3,10,5,2,52,30,2,12,29,1", "visibility"),
+        (short, "50,7,0,10,5,2,52,30,2,12,29,1", "superior_left"),
+        (r#""upper_left","b","c","d""#, values, "unknown"),
+    ] {
+        let text = parse_coco(coco(names, values).as_bytes(), &hint()).expect_err(part).to_string();
+        assert!(text.contains(part), "{text}");
+    }
+}
+
+#[test]
+fn files_that_hold_no_landmarks_say_so() {
+    for (text, part) in [
+        (r#"{"format":"spineline-case"}"#, "file of Spineline"),
+        (r#"{"a":1}"#, "none of"),
+        ("{", "line 1"),
+        ("0.1,0.2\n", "neither"),
+        ("", "neither"),
+    ] {
+        let error = parse_landmarks(text.as_bytes(), &hint()).expect_err(text).to_string();
+        assert!(error.contains(part), "{error}");
+    }
+    let deep = "[".repeat(100_000);
+    assert!(parse_landmarks(format!("{{\"markups\":{deep}").as_bytes(), &hint()).is_err());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 512, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// No bytes make a reader panic.
+    #[test]
+    fn any_bytes_are_read_or_refused(bytes in proptest::collection::vec(any::<u8>(), 0..400), kind in 0..5usize) {
+        let begin: &[u8] = [&b""[..], b"vertebra,", b"{\"markups\":[", b"MATLAB 5.0 MAT-file", b"{\"shapes\":["][kind];
+        let all = [begin, &bytes].concat();
+        let _ = parse_landmarks(&all, &hint());
+    }
+
+    /// Nor do changes of a sound table.
+    #[test]
+    fn a_table_changed_anywhere_is_read_or_refused(place in 0..2000usize, byte in any::<u8>()) {
+        let mut bytes = table(&whole()).into_bytes();
+        let place = place % bytes.len();
+        bytes[place] = byte;
+        if let Ok(file) = parse_csv(&bytes, &hint()) {
+            prop_assert!(file.films.iter().map(|film| film.vertebrae()).sum::<usize>() >= 14);
+        }
+    }
+}
