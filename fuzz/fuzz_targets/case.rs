@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use spineline_io::{CaseFile, parse_case, to_text};
+use spineline_files::{CaseFile, parse_case, to_text};
 
 fuzz_target!(|text: &str| {
     if let Ok(case) = parse_case(text) {

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use spineline_io::film::{DeidOptions, FilmLimits, deidentify, read_film};
+use spineline_films::{DeidOptions, FilmLimits, deidentify, read_film};
 
 fuzz_target!(|bytes: &[u8]| {
     let limits = FilmLimits { pixels: 1 << 20, inflated_bytes: 4 << 20, ..FilmLimits::default() };

@@ -4,7 +4,7 @@
 use libfuzzer_sys::fuzz_target;
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{ImageGeometry, Spacing, SpacingPlane};
-use spineline_io::landmarks::{LandmarkHint, parse_landmarks};
+use spineline_landmarks::{LandmarkHint, parse_landmarks};
 
 fuzz_target!(|bytes: &[u8]| {
     let image = ImageGeometry {

@@ -4,9 +4,9 @@
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|text: &str| {
-    let _ = spineline_io::parse_analysis(text);
-    let _ = spineline_io::parse_model(text);
-    let _ = spineline_io::parse_load(text);
-    let _ = spineline_io::parse_stiffness(text);
-    let _ = spineline_io::parse_readings(text);
+    let _ = spineline_files::parse_analysis(text);
+    let _ = spineline_files::parse_model(text);
+    let _ = spineline_files::parse_load(text);
+    let _ = spineline_files::parse_stiffness(text);
+    let _ = spineline_files::parse_readings(text);
 });

@@ -4,5 +4,5 @@
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    let _ = spineline_io::landmarks::read_sr(bytes);
+    let _ = spineline_landmarks::read_sr(bytes);
 });
