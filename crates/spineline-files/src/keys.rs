@@ -8,6 +8,7 @@ use std::marker::PhantomData;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use spineline::action::Application;
 use spineline::anatomy::{Level, Posture, Region};
 use spineline::measure::SpacingSource;
 use spineline::multibody::Support;
@@ -202,6 +203,34 @@ impl From<SupportKey> for Support {
         match key {
             SupportKey::Free => Self::Free,
             SupportKey::Frontal => Self::Frontal,
+        }
+    }
+}
+
+/// How a force is applied.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ApplicationKey {
+    /// Along a line fixed in space.
+    Fixed,
+    /// At T2's midpoint.
+    AtT2,
+}
+
+impl From<Application> for ApplicationKey {
+    fn from(application: Application) -> Self {
+        match application {
+            Application::Fixed => Self::Fixed,
+            Application::AtT2 => Self::AtT2,
+        }
+    }
+}
+
+impl From<ApplicationKey> for Application {
+    fn from(key: ApplicationKey) -> Self {
+        match key {
+            ApplicationKey::Fixed => Self::Fixed,
+            ApplicationKey::AtT2 => Self::AtT2,
         }
     }
 }

@@ -10,7 +10,7 @@ use spineline::spatial::{Mat3, Vec3};
 use crate::FileError;
 use crate::Provenance;
 use crate::json::parse;
-use crate::keys::{LevelKey, PostureKey, RegionKey, SupportKey};
+use crate::keys::{ApplicationKey, LevelKey, PostureKey, RegionKey, SupportKey};
 
 const FORMAT: &str = "spineline-model";
 const VERSION: u32 = 1;
@@ -123,34 +123,6 @@ pub struct LoadRecord {
     pub direction: [f64; 3],
     /// `fixed` in space, or `at_t2`: through T2's midpoint wherever that goes.
     pub application: ApplicationKey,
-}
-
-/// How a force is applied.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ApplicationKey {
-    /// Along a line fixed in space.
-    Fixed,
-    /// At T2's midpoint.
-    AtT2,
-}
-
-impl From<Application> for ApplicationKey {
-    fn from(application: Application) -> Self {
-        match application {
-            Application::Fixed => Self::Fixed,
-            Application::AtT2 => Self::AtT2,
-        }
-    }
-}
-
-impl From<ApplicationKey> for Application {
-    fn from(key: ApplicationKey) -> Self {
-        match key {
-            ApplicationKey::Fixed => Self::Fixed,
-            ApplicationKey::AtT2 => Self::AtT2,
-        }
-    }
 }
 
 /// A model as read back: what a simulation needs.

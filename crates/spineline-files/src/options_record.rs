@@ -11,8 +11,7 @@ use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
 
 use crate::FileError;
-use crate::keys::{LevelKey, PostureKey, SupportKey};
-use crate::model_file::ApplicationKey;
+use crate::keys::{ApplicationKey, LevelKey, PostureKey, SupportKey};
 use crate::stiffness_file::{StiffnessFile, border};
 
 /// Every choice of an analysis.
