@@ -3,8 +3,9 @@
 use std::borrow::Cow;
 use std::io::Read;
 
-use super::element::{Attributes, Encoding, parse_meta};
+use super::element::{Attributes, parse_meta};
 use super::error::{Codec, CodecFault, FilmError, Lookalike, Measure, Place};
+use super::scan::Encoding;
 use super::{Attribute, FilmKind, FilmLimits, FilmRemark};
 
 /// How the pixels of a transfer syntax are packed.

@@ -9,22 +9,8 @@ use dicom_transfer_syntax_registry::entries::{
 
 use super::codec::foreign;
 use super::error::{ElementFault, FilmError, Place};
-use super::scan::{Native, Scan, scan};
-use super::{Attribute, FilmLimits};
-
-/// How elements are written down.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Encoding {
-    pub explicit: bool,
-    pub big_endian: bool,
-}
-
-impl Encoding {
-    pub const IMPLICIT: Self = Self { explicit: false, big_endian: false };
-    pub const EXPLICIT: Self = Self { explicit: true, big_endian: false };
-}
-
-pub(super) const PIXEL_DATA: Attribute = Attribute(0x7FE0, 0x0010);
+use super::scan::{Encoding, Native, Scan, scan};
+use super::{Attribute, FilmLimits, FilmRemark};
 
 /// A data set: all of it but uncompressed pixels, which stay where they are, and what nobody needs.
 pub(super) struct DataSet<'a> {
@@ -163,4 +149,43 @@ fn text(value: &PrimitiveValue) -> Option<String> {
         PrimitiveValue::U8(bytes) => std::str::from_utf8(bytes).ok().map(str::to_owned),
         _ => None,
     }
+}
+
+/// A decimal string: digits, sign, point and exponent of ten. A comma, a text, or an overflow is none.
+fn decimal(text: &str) -> Option<f64> {
+    let text = text.trim_matches(|c: char| c == ' ' || c == '\0');
+    let plain = text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
+    // Not `inf` nor `nan`, which Rust would read.
+    text.parse::<f64>().ok().filter(|value| plain && value.is_finite())
+}
+
+/// One number; a remark if there is something else.
+pub(super) fn number(
+    data: &InMemDicomObject,
+    attribute: Attribute,
+    remarks: &mut Vec<FilmRemark>,
+) -> Option<f64> {
+    numbers(data, attribute, remarks).and_then(|values| match values[..] {
+        [value] => Some(value),
+        _ => {
+            remarks.push(FilmRemark::Unusable { attribute });
+            None
+        }
+    })
+}
+
+/// All numbers of an attribute; a remark if one of them is none.
+pub(super) fn numbers(
+    data: &InMemDicomObject,
+    attribute: Attribute,
+    remarks: &mut Vec<FilmRemark>,
+) -> Option<Vec<f64>> {
+    if data.is_blank(attribute) {
+        return None;
+    }
+    let values = data.text(attribute).and_then(|text| text.split('\\').map(decimal).collect());
+    if values.is_none() {
+        remarks.push(FilmRemark::Unusable { attribute });
+    }
+    values
 }

@@ -4,8 +4,7 @@ use dicom_core::value::PrimitiveValue;
 use dicom_object::InMemDicomObject;
 use serde::{Deserialize, Serialize};
 
-use super::element::Attributes;
-use super::tags::{number, numbers};
+use super::element::{Attributes, number, numbers};
 use super::{Attribute, FilmRemark};
 
 /// A table of up to 65536 values.

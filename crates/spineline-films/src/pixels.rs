@@ -4,10 +4,11 @@ use dicom_core::VR;
 use dicom_core::value::Value;
 use dicom_object::InMemDicomObject;
 
-use super::codec;
+use super::codec::{self, Coded, Format};
 use super::container::{Packing, Syntax};
-use super::element::{Attributes, DataSet, PIXEL_DATA};
+use super::element::{Attributes, DataSet};
 use super::error::{FilmError, Measure, UnsupportedPhotometric};
+use super::scan::PIXEL_DATA;
 use super::{Attribute, Codec, CodecFault, FilmLimits, FilmRemark, Photometric, StoredPixels};
 
 const SAMPLES: Attribute = Attribute(0x0028, 0x0002);
@@ -19,30 +20,6 @@ const BITS_ALLOCATED: Attribute = Attribute(0x0028, 0x0100);
 const BITS_STORED: Attribute = Attribute(0x0028, 0x0101);
 const HIGH_BIT: Attribute = Attribute(0x0028, 0x0102);
 const REPRESENTATION: Attribute = Attribute(0x0028, 0x0103);
-
-/// What the image pixel module says, checked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Format {
-    pub columns: u16,
-    pub rows: u16,
-    /// 1, or 3 for colour.
-    pub samples: u8,
-    /// All samples of one kind, then all of the next.
-    pub planar: bool,
-    /// The first of three samples is the luminance.
-    pub luminance_first: bool,
-    /// 8 or 16.
-    pub allocated: u8,
-    pub stored: u8,
-    pub high: u8,
-    pub signed: bool,
-}
-
-impl Format {
-    pub fn pixels(self) -> usize {
-        usize::from(self.columns) * usize::from(self.rows)
-    }
-}
 
 pub(super) struct Picture {
     pub columns: u32,
@@ -237,16 +214,6 @@ pub(super) fn luminance(pixels: &[[u8; 3]], remarks: &mut Vec<FilmRemark>) -> Ve
         ((sum + 500) / 1000) as u16
     };
     pixels.iter().map(weigh).collect()
-}
-
-/// What a codec gave back.
-pub(super) enum Coded {
-    /// Words of one sample each, as many as there are pixels.
-    Words(Vec<u16>),
-    /// Red, green and blue.
-    Colour(Vec<[u8; 3]>),
-    /// Luminance and two colour differences.
-    Luminance(Vec<[u8; 3]>),
 }
 
 impl Coded {

@@ -14,9 +14,22 @@ use dicom_encoding::decode::explicit_be::ExplicitVRBigEndianDecoder;
 use dicom_encoding::decode::explicit_le::ExplicitVRLittleEndianDecoder;
 use dicom_encoding::decode::implicit_le::StandardImplicitVRLittleEndianDecoder;
 
-use super::element::{Encoding, PIXEL_DATA};
 use super::error::{ElementFault, FilmError, Measure, Place};
 use super::{Attribute, FilmLimits};
+
+/// How elements are written down.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Encoding {
+    pub explicit: bool,
+    pub big_endian: bool,
+}
+
+impl Encoding {
+    pub const IMPLICIT: Self = Self { explicit: false, big_endian: false };
+    pub const EXPLICIT: Self = Self { explicit: true, big_endian: false };
+}
+
+pub(super) const PIXEL_DATA: Attribute = Attribute(0x7FE0, 0x0010);
 
 /// Uncompressed pixels as they stand in the file.
 #[derive(Clone, Copy)]

@@ -6,9 +6,10 @@ use spineline::measure::{
     CalibrationType, Direction, SpacingEvidence, Stance, ViewEvidence, ViewPosition, judge_spacing,
 };
 
-use super::element::{Attributes, DataSet, PIXEL_DATA};
+use super::element::{Attributes, DataSet, number, numbers};
 use super::error::FilmError;
 use super::lookup::{Look, look};
+use super::scan::PIXEL_DATA;
 use super::{Attribute, FilmRemark, FilmTags, FilmUids, Photometric, PresentationShape};
 
 const IMAGE_TYPE_LOSSY: Attribute = Attribute(0x0028, 0x2110);
@@ -162,45 +163,6 @@ fn refuse_other_pixels(data: &DataSet<'_>) -> Result<(), FilmError> {
     } else {
         Err(FilmError::NoPixels { missing: PIXEL_DATA })
     }
-}
-
-/// A decimal string: digits, sign, point and exponent of ten. A comma, a text, or an overflow is none.
-fn decimal(text: &str) -> Option<f64> {
-    let text = text.trim_matches(|c: char| c == ' ' || c == '\0');
-    let plain = text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
-    // Not `inf` nor `nan`, which Rust would read.
-    text.parse::<f64>().ok().filter(|value| plain && value.is_finite())
-}
-
-/// One number; a remark if there is something else.
-pub(super) fn number(
-    data: &InMemDicomObject,
-    attribute: Attribute,
-    remarks: &mut Vec<FilmRemark>,
-) -> Option<f64> {
-    numbers(data, attribute, remarks).and_then(|values| match values[..] {
-        [value] => Some(value),
-        _ => {
-            remarks.push(FilmRemark::Unusable { attribute });
-            None
-        }
-    })
-}
-
-/// All numbers of an attribute; a remark if one of them is none.
-pub(super) fn numbers(
-    data: &InMemDicomObject,
-    attribute: Attribute,
-    remarks: &mut Vec<FilmRemark>,
-) -> Option<Vec<f64>> {
-    if data.is_blank(attribute) {
-        return None;
-    }
-    let values = data.text(attribute).and_then(|text| text.split('\\').map(decimal).collect());
-    if values.is_none() {
-        remarks.push(FilmRemark::Unusable { attribute });
-    }
-    values
 }
 
 fn pair(

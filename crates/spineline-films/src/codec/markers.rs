@@ -1,7 +1,7 @@
 //! The markers of JPEG and JPEG-LS up to the first scan: what a picture says of itself, before a decoder believes it.
 
+use super::Format;
 use crate::error::CodecFault;
-use crate::pixels::Format;
 
 /// Start of frame of JPEG-LS.
 pub(super) const JPEG_LS: u8 = 0xF7;

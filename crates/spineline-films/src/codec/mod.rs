@@ -2,10 +2,12 @@
 //! itself: so its header is read here first, and compared with the data set. What a codec is known to decode wrongly is
 //! refused, and a codec that panics ends in an error.
 
+mod format;
 mod markers;
 mod runs;
 mod wavelets;
 
+pub(super) use format::{Coded, Format};
 pub(super) use markers::header_segment;
 
 use std::borrow::Cow;
@@ -16,7 +18,6 @@ use dicom_encoding::adapters::{PixelDataObject, RawPixelData};
 use dicom_transfer_syntax_registry::{TransferSyntaxIndex, TransferSyntaxRegistry};
 
 use super::error::{Codec, CodecFault, FilmError};
-use super::pixels::{Coded, Format};
 
 /// Undoes the compression of one frame, whose fragments are `fragments`.
 pub(super) fn decode<B: AsRef<[u8]>>(

@@ -1,8 +1,8 @@
 //! What run lengths (DICOM PS3.5, annex G) say of themselves: the decoder believes the number of segments and unpacks each
 //! of them to whatever length it has.
 
+use super::Format;
 use crate::error::CodecFault;
-use crate::pixels::Format;
 
 /// That there is one segment per byte of a pixel, and that each unpacks to as many bytes as there are pixels.
 pub(super) fn check(data: &[u8], format: Format) -> Result<(), CodecFault> {

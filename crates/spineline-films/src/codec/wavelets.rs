@@ -1,7 +1,7 @@
 //! What the header of a JPEG 2000 picture says of it, before the decoder allocates by it.
 
+use super::Format;
 use crate::error::CodecFault;
-use crate::pixels::Format;
 
 /// Tiles that a codestream may have: a film has one, or a few hundred; each costs memory of its own.
 const MOST_TILES: u64 = 4096;

@@ -21,8 +21,9 @@ use image::{ExtendedColorType, ImageEncoder};
 
 use super::codec::foreign;
 use super::container::{self, Container};
-use super::element::{self, Attributes, DataSet, PIXEL_DATA};
+use super::element::{self, Attributes, DataSet};
 use super::error::{Codec, CodecFault, FilmError, Measure};
+use super::scan::PIXEL_DATA;
 use super::tags::{self, STANCES, VIEW_CODES, is_uid};
 use super::uid;
 use super::{Attribute, FilmKind, FilmLimits, FilmRemark, StoredPixels, lookup, pixels, raster};

@@ -1,0 +1,189 @@
+//! What a radiograph is once it is read.
+
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
+use spineline::measure::{SpacingEvidence, ViewEvidence};
+
+use super::error::{FilmError, UnsupportedPhotometric};
+use super::{FilmRemark, Look};
+
+/// What kind of file a film came from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[allow(missing_docs)]
+pub enum FilmKind {
+    Dicom,
+    Png,
+    Jpeg,
+    Tiff,
+}
+
+impl std::fmt::Display for FilmKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(match self {
+            Self::Dicom => "DICOM",
+            Self::Png => "PNG",
+            Self::Jpeg => "JPEG",
+            Self::Tiff => "TIFF",
+        })
+    }
+}
+
+/// Which values are bright: Photometric Interpretation (0028,0004).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Photometric {
+    /// Small values are bright.
+    Monochrome1,
+    /// Large values are bright.
+    Monochrome2,
+    /// The picture was in colour; its luminance is here.
+    Colour,
+    /// Not stated; large values are taken as bright.
+    NotStated,
+}
+
+impl Photometric {
+    /// The name used in DICOM, or a word for what has none.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Monochrome1 => "MONOCHROME1",
+            Self::Monochrome2 => "MONOCHROME2",
+            Self::Colour => "colour",
+            Self::NotStated => "not stated",
+        }
+    }
+
+    pub(super) fn read(text: Option<&str>) -> Result<Self, FilmError> {
+        Ok(match text {
+            None => Self::NotStated,
+            Some("MONOCHROME1") => Self::Monochrome1,
+            Some("MONOCHROME2") => Self::Monochrome2,
+            Some("RGB" | "YBR_FULL" | "YBR_FULL_422" | "YBR_RCT" | "YBR_ICT") => Self::Colour,
+            Some(other) => {
+                let photometric = match other {
+                    "PALETTE COLOR" => UnsupportedPhotometric::Palette,
+                    _ => UnsupportedPhotometric::Unknown,
+                };
+                return Err(FilmError::Photometric { photometric });
+            }
+        })
+    }
+}
+
+/// Presentation LUT Shape (2050,0020).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[allow(missing_docs)]
+pub enum PresentationShape {
+    Identity,
+    Inverse,
+}
+
+/// Identifiers that a report needs to point at its film. They are unique to the film, though they name nobody:
+/// [`deidentify`](super::deidentify) exchanges them.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FilmUids {
+    /// SOP Class UID (0008,0016).
+    pub sop_class: Option<String>,
+    /// SOP Instance UID (0008,0018).
+    pub sop_instance: Option<String>,
+    /// Study Instance UID (0020,000D).
+    pub study_instance: Option<String>,
+    /// Series Instance UID (0020,000E).
+    pub series_instance: Option<String>,
+}
+
+/// What a film's attributes say.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FilmTags {
+    /// Modality (0008,0060); one of the radiographic ones, or `None`.
+    pub modality: Option<String>,
+    /// For [`judge_spacing`](spineline::measure::judge_spacing).
+    #[serde(with = "crate::record::spacing")]
+    pub spacing: SpacingEvidence,
+    /// For [`judge_view`](spineline::measure::judge_view).
+    #[serde(with = "crate::record::view")]
+    pub view: ViewEvidence,
+    /// Which values are bright.
+    pub photometric: Photometric,
+    /// The same once more, for presentation.
+    pub presentation_lut_shape: Option<PresentationShape>,
+    /// Burned In Annotation (0028,0301), where it is stated.
+    pub burned_in_annotation: Option<bool>,
+    /// Whether the file says that its picture is of a phantom: Quality Control Image (0028,0300). Films of synthetic
+    /// patients say so.
+    pub is_phantom: bool,
+    /// Identifiers of the film.
+    pub uids: FilmUids,
+    /// Name of the transfer syntax of a DICOM file.
+    pub transfer_syntax: Option<Cow<'static, str>>,
+    /// Bits of a sample: 1 to 16.
+    pub bits_stored: u8,
+}
+
+/// Pixels as stored, row by row from the top left, before any table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum StoredPixels {
+    /// Unsigned.
+    Unsigned(Vec<u16>),
+    /// Signed.
+    Signed(Vec<i16>),
+}
+
+impl StoredPixels {
+    /// How many there are.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        match self {
+            Self::Unsigned(values) => values.len(),
+            Self::Signed(values) => values.len(),
+        }
+    }
+
+    /// Whether there are none; never so in a [`FilmFile`].
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Values in order.
+    pub fn iter(&self) -> impl Iterator<Item = i32> + '_ {
+        let (unsigned, signed): (&[u16], &[i16]) = match self {
+            Self::Unsigned(values) => (values, &[]),
+            Self::Signed(values) => (&[], values),
+        };
+        unsigned.iter().map(|&v| i32::from(v)).chain(signed.iter().map(|&v| i32::from(v)))
+    }
+
+    /// Smallest and largest value; `(0, 0)` if there are none.
+    #[must_use]
+    pub fn range(&self) -> (i32, i32) {
+        fn of<T: Copy + Ord + Into<i32>>(values: &[T]) -> (i32, i32) {
+            let least = values.iter().copied().min().map_or(0, Into::into);
+            (least, values.iter().copied().max().map_or(0, Into::into))
+        }
+        match self {
+            Self::Unsigned(values) => of(values),
+            Self::Signed(values) => of(values),
+        }
+    }
+}
+
+/// A radiograph: its pixels, what its file says about it, and everything odd.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FilmFile {
+    /// What the file is.
+    pub kind: FilmKind,
+    /// Pixels in a row.
+    pub columns: u32,
+    /// Rows.
+    pub rows: u32,
+    /// Pixels as stored.
+    pub stored: StoredPixels,
+    /// What the attributes say.
+    pub tags: FilmTags,
+    /// How values become grey.
+    pub look: Look,
+    /// What is odd, and what was done about it.
+    pub remarks: Vec<FilmRemark>,
+}

@@ -1,0 +1,49 @@
+//! Reading a film of any kind.
+
+use dicom_object::InMemDicomObject;
+
+use super::error::{FilmError, Measure};
+use super::{FilmFile, FilmKind, FilmLimits, container, element, pixels, raster, tags};
+
+/// Reads a film, whatever it is.
+///
+/// # Errors
+/// [`FilmError`]; never a panic, and never more memory than `limits` and a few times the file's size.
+pub fn read_film(bytes: &[u8], limits: &FilmLimits) -> Result<FilmFile, FilmError> {
+    let found = bytes.len() as u64;
+    if found > limits.file_bytes {
+        let limit = limits.file_bytes;
+        return Err(FilmError::TooLarge { what: Measure::FileBytes, found, limit });
+    }
+    match container::sniff(bytes)? {
+        FilmKind::Dicom => read_dicom(bytes, limits),
+        kind => raster::read(bytes, kind, limits),
+    }
+}
+
+/// The data set of any DICOM file, without uncompressed pixels, after the same checks as a film.
+///
+/// # Errors
+/// [`FilmError`] for what is no DICOM file, or not a sound one.
+pub fn read_data_set(bytes: &[u8]) -> Result<InMemDicomObject, FilmError> {
+    let limits = FilmLimits::default();
+    let container::Container { syntax, body, .. } = container::open(bytes, &limits)?;
+    Ok(element::parse(&body, syntax.encoding, &limits)?.object)
+}
+
+fn read_dicom(bytes: &[u8], limits: &FilmLimits) -> Result<FilmFile, FilmError> {
+    let container::Container { syntax, body, mut remarks } = container::open(bytes, limits)?;
+    let data = element::parse(&body, syntax.encoding, limits)?;
+    let (mut tags, look) = tags::read(&data, syntax.name, &mut remarks)?;
+    let picture = pixels::read(&data, &syntax, tags.photometric, limits, &mut remarks)?;
+    tags.bits_stored = picture.bits_stored;
+    Ok(FilmFile {
+        kind: FilmKind::Dicom,
+        columns: picture.columns,
+        rows: picture.rows,
+        stored: picture.stored,
+        tags,
+        look,
+        remarks,
+    })
+}
