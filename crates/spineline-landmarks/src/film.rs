@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{
     Corners, Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading, ReadingId,
@@ -11,6 +12,36 @@ use spineline::spatial::Pixel;
 
 use super::LandmarkError;
 use super::names::{Corner, PointName, coordinate};
+
+/// A format of landmarks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LandmarkFormat {
+    /// Our own table.
+    Csv,
+    /// Point lists of 3D Slicer.
+    Slicer,
+    /// labelme.
+    Labelme,
+    /// Keypoints of COCO.
+    Coco,
+    /// A MATLAB file of AASCE.
+    AasceMat,
+    /// A folder of AASCE.
+    AasceFolder,
+    /// A DICOM report of ours.
+    DicomSr,
+}
+
+/// The landmarks of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LandmarkFile {
+    /// Format of the file.
+    pub format: LandmarkFormat,
+    /// Films, at least one.
+    pub films: Vec<MarkedFilm>,
+    /// What was passed over, in words.
+    pub remarks: Vec<String>,
+}
 
 /// The landmarks of one radiograph as some file holds them; sides are the patient's.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,6 +67,18 @@ pub enum LandmarkReadings {
     Placements(Vec<Reading<Placement>>),
 }
 
+/// In which plane the points of a list lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SlicerFrame {
+    /// A picture without a position in the patient, as DX and CR films are: the first pixel is the origin, the columns run
+    /// along `L` and the rows along `P` of LPS, each by its spacing, or by 1 mm where the picture has none. These
+    /// directions are nominal: they say nothing of the patient.
+    Image,
+    /// A coronal plane of the patient: `L` of LPS is the patient's left, `S` is cranial.
+    Patient,
+}
+
 /// What the caller knows of landmarks that their file may not hold.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LandmarkHint {
@@ -48,7 +91,7 @@ pub struct LandmarkHint {
     /// Who marked, for formats without a word on it.
     pub reading: ReadingId,
     /// Frame of a file of Slicer that does not say it.
-    pub slicer_frame: Option<super::SlicerFrame>,
+    pub slicer_frame: Option<SlicerFrame>,
 }
 
 impl Default for LandmarkHint {

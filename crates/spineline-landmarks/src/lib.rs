@@ -29,9 +29,11 @@ pub use coco::parse_coco;
 pub use csv::{MAX_ROWS, parse_csv};
 pub use error::{LandmarkError, LandmarkExportError};
 pub use export::{ExportedFile, LandmarkTarget, export_landmarks};
-pub use film::{LandmarkHint, LandmarkReadings, MarkedFilm};
+pub use film::{
+    LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm, SlicerFrame,
+};
 pub use labelme::parse_labelme;
-pub use slicer::{SlicerFrame, parse_slicer};
+pub use slicer::parse_slicer;
 pub use sr::{ReportOf, SourceImage, read_source, read_sr, write_sr};
 
 /// Largest file of landmarks that is read.
@@ -52,36 +54,6 @@ Landmark files, told apart by their content:
   DICOM SR      a report that `spineline export --to dicom-sr` wrote.
 Left and right are the patient's. AASCE and polygons name sides of the picture, so they need to be told on which side of it
 the patient's left is. Pixels count from the centre of the first pixel, which is 0.";
-
-/// A format of landmarks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LandmarkFormat {
-    /// Our own table.
-    Csv,
-    /// Point lists of 3D Slicer.
-    Slicer,
-    /// labelme.
-    Labelme,
-    /// Keypoints of COCO.
-    Coco,
-    /// A MATLAB file of AASCE.
-    AasceMat,
-    /// A folder of AASCE.
-    AasceFolder,
-    /// A DICOM report of ours.
-    DicomSr,
-}
-
-/// The landmarks of a file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LandmarkFile {
-    /// Format of the file.
-    pub format: LandmarkFormat,
-    /// Films, at least one.
-    pub films: Vec<MarkedFilm>,
-    /// What was passed over, in words.
-    pub remarks: Vec<String>,
-}
 
 /// Reads landmarks of any known format from the bytes of a file, by what they look like.
 ///

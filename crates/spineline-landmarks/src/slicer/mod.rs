@@ -24,17 +24,7 @@ use serde::{Deserialize, Serialize};
 pub use read::parse_slicer;
 pub(super) use write::write;
 
-/// In which plane the points of a list lie.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SlicerFrame {
-    /// A picture without a position in the patient, as DX and CR films are: the first pixel is the origin, the columns run
-    /// along `L` and the rows along `P` of LPS, each by its spacing, or by 1 mm where the picture has none. These
-    /// directions are nominal: they say nothing of the patient.
-    Image,
-    /// A coronal plane of the patient: `L` of LPS is the patient's left, `S` is cranial.
-    Patient,
-}
+use crate::film::SlicerFrame;
 
 /// What our own lists say of themselves in the description of every point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
