@@ -8,7 +8,7 @@ use spineline::anatomy::Posture;
 use spineline::cohort::Cohort;
 use spineline::personalize::Identifiability;
 use spineline::uncertainty::Uncertainty;
-use spineline_io::{
+use spineline_files::{
     AnalysisFile, FilmOrigin, InputFile, ModelFile, ProgramRun, Provenance, Request,
 };
 use spineline_report::figures;
@@ -298,8 +298,8 @@ fn write_files(
             })
             .collect();
         let text = match &files[..] {
-            [one] if !many => spineline_io::to_text(one),
-            all => spineline_io::to_text(&all),
+            [one] if !many => spineline_files::to_text(one),
+            all => spineline_files::to_text(&all),
         };
         write_or_print(path, &text)?;
     }
@@ -315,7 +315,7 @@ fn write_files(
         } else {
             let file = cohort::file(analyses, together, &generator());
             let file = file.with_provenance(origins.of_all());
-            write_or_print(path, &spineline_io::to_text(&file))?;
+            write_or_print(path, &spineline_files::to_text(&file))?;
         }
     }
     if let (Some(path), [analysis]) = (&args.model, analyses) {
@@ -354,7 +354,7 @@ fn write_model(
         ));
     };
     let file = ModelFile::new(analysis, model, &generator()).with_provenance(origins.of_all());
-    write_or_print(path, &spineline_io::to_text(&file))
+    write_or_print(path, &spineline_files::to_text(&file))
 }
 
 /// Writes a file as a whole: a reader never sees half of it.

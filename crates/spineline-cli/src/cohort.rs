@@ -3,7 +3,7 @@
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::cohort::Cohort;
-use spineline_io::CohortFile;
+use spineline_files::CohortFile;
 
 use crate::comparison;
 use crate::table::{Table, wrap};

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use spineline_io::film::{ChildLimits, FilmError, FilmFile, decode_in_child, serve_child};
+use spineline_films::{ChildLimits, FilmError, FilmFile, decode_in_child, serve_child};
 
 use crate::failure::{Ending, Failure};
 

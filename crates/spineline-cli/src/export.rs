@@ -7,8 +7,8 @@ use clap::{Args, ValueEnum};
 use spineline::analysis::{AnalysisOptions, Case, analyze};
 use spineline::anatomy::{Posture, Region};
 use spineline::clinical::CobbEnds;
-use spineline_io::landmarks::{LandmarkTarget, SourceImage, export_landmarks, read_source};
-use spineline_io::{CaseFile, ExportFormat, FileError, export, parse_case_file, read_text};
+use spineline_files::{CaseFile, ExportFormat, FileError, export, parse_case_file, read_text};
+use spineline_landmarks::{LandmarkTarget, SourceImage, export_landmarks, read_source};
 
 use crate::analyze::{generator, write_file, write_or_print};
 use crate::args::posture;

@@ -2,7 +2,7 @@ use std::fmt;
 use std::path::Path;
 use std::process::ExitCode;
 
-use spineline_io::intake::IntakeError;
+use spineline_films::intake::IntakeError;
 use spineline_server::store::StoreError;
 
 /// How a command that ran to its end came out.
@@ -53,10 +53,10 @@ impl Failure {
     }
 
     /// A file that could not be read as what it should be.
-    pub fn file(path: &Path, error: &spineline_io::FileError) -> Self {
+    pub fn file(path: &Path, error: &spineline_files::FileError) -> Self {
         // Reading errors name the path themselves.
         let what = match error {
-            spineline_io::FileError::Read { .. } => error.to_string(),
+            spineline_files::FileError::Read { .. } => error.to_string(),
             _ => format!("{}: {error}", path.display()),
         };
         Self { code: 3, what, help: Some(error.help().to_owned()) }

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Value, json};
 use spineline::measure::{judge_spacing, judge_view};
-use spineline_io::film::{FilmError, FilmFile, ModalityTransform, Voi, Window, WindowFunction};
-use spineline_io::intake::{IntakeLimits, Place, read};
+use spineline_films::intake::{IntakeLimits, Place, read};
+use spineline_films::{FilmError, FilmFile, ModalityTransform, Voi, Window, WindowFunction};
 
 use crate::analyze::write_file;
 use crate::args::number;

@@ -73,8 +73,8 @@ fn run(command: Command) -> Result<Ending, Failure> {
         Command::Schema { name } => print_schema(name),
         Command::Stiffness => {
             let library = spineline::multibody::StiffnessLibrary::default();
-            let file = spineline_io::StiffnessFile::from(&library);
-            print(&spineline_io::to_text(&file))
+            let file = spineline_files::StiffnessFile::from(&library);
+            print(&spineline_files::to_text(&file))
         }
         Command::Completions { shell } => {
             let mut script = Vec::new();
@@ -85,8 +85,8 @@ fn run(command: Command) -> Result<Ending, Failure> {
 }
 
 fn print_schema(name: SchemaName) -> Result<Ending, Failure> {
-    let schema = spineline_io::schema(name.key()).expect("every name has a schema");
-    print(&spineline_io::to_text(&schema))
+    let schema = spineline_files::schema(name.key()).expect("every name has a schema");
+    print(&spineline_files::to_text(&schema))
 }
 
 /// Writes to the standard output; a reader that closed the pipe has seen enough.

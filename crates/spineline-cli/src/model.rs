@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use spineline_io::{FileError, StoredModel, parse_model, read_text};
+use spineline_files::{FileError, StoredModel, parse_model, read_text};
 
 use crate::failure::Failure;
 

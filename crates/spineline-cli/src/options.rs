@@ -11,7 +11,7 @@ use spineline::curve::{InflectionChoice, OrderRule, Site};
 use spineline::multibody::Support;
 use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
-use spineline_io::Request;
+use spineline_files::Request;
 
 use crate::args::{number, posture};
 use crate::failure::Failure;
@@ -140,8 +140,8 @@ impl OptionArgs {
             ..AnalysisOptions::default()
         };
         if let Some(path) = &self.stiffness {
-            let read =
-                spineline_io::read_text(path).and_then(|text| spineline_io::parse_stiffness(&text));
+            let read = spineline_files::read_text(path)
+                .and_then(|text| spineline_files::parse_stiffness(&text));
             options.library = read.map_err(|error| Failure::file(path, &error))?;
         }
         Ok(options)

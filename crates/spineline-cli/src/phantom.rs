@@ -9,7 +9,7 @@ use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use serde::Serialize;
 use spineline::anatomy::Region;
-use spineline_io::CaseFile;
+use spineline_files::CaseFile;
 use spineline_phantom::{Phantom, Readers, SUBJECTS, Truth, generate};
 
 use crate::analyze::write_file;
@@ -62,9 +62,9 @@ pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
             Some(own) => films::with_files(case, own),
             None => case,
         };
-        write_file(&path, spineline_io::to_text(&case))?;
+        write_file(&path, spineline_files::to_text(&case))?;
         let truth = TruthFile { films: own.cloned(), ..TruthFile::new(phantom) };
-        write_file(&path.with_extension("truth.json"), spineline_io::to_text(&truth))?;
+        write_file(&path.with_extension("truth.json"), spineline_files::to_text(&truth))?;
         text.push_str(&format!("{} (synthetic; its truth is beside it)\n", path.display()));
     }
     let all: Vec<_> = films.values().flat_map(BTreeMap::values).collect();

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use chrono::{DateTime, SecondsFormat, Utc};
 use spineline::analysis::Case;
-use spineline_io::{CaseFile, InputFile, ProgramRun, Provenance, ProvenanceFile, Request};
+use spineline_files::{CaseFile, InputFile, ProgramRun, Provenance, ProvenanceFile, Request};
 
 use crate::analyze::{generator, write_file};
 use crate::failure::Failure;
@@ -54,8 +54,8 @@ impl Source {
     /// As the library's readers.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let failed = |error| Failure::file(path, &error);
-        let text = spineline_io::read_text(path).map_err(failed)?;
-        let (file, asked) = spineline_io::parse_case_within(&text).map_err(failed)?;
+        let text = spineline_files::read_text(path).map_err(failed)?;
+        let (file, asked) = spineline_files::parse_case_within(&text).map_err(failed)?;
         let case = file.clone().into_case().map_err(failed)?;
         Ok(Self { file, case, asked, input: input_of(path, &text) })
     }
@@ -71,7 +71,7 @@ pub fn input_of(path: &Path, text: &str) -> InputFile {
 /// # Errors
 /// If it cannot be read.
 pub fn read_input(path: &Path) -> Result<InputFile, Failure> {
-    let text = spineline_io::read_text(path).map_err(|error| Failure::file(path, &error))?;
+    let text = spineline_files::read_text(path).map_err(|error| Failure::file(path, &error))?;
     Ok(input_of(path, &text))
 }
 
@@ -96,7 +96,7 @@ pub fn write_beside(path: &Path, content: &[u8], provenance: &Provenance) -> Res
     write_file(path, content)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let file = ProvenanceFile::new(vec![InputFile::of(&*name, content)], provenance.clone());
-    write_file(&beside(path), spineline_io::to_text(&file))
+    write_file(&beside(path), spineline_files::to_text(&file))
 }
 
 /// `errors.csv` has `errors.csv.provenance.json` beside it.
@@ -112,7 +112,7 @@ pub fn in_svg(svg: &str, provenance: &Provenance) -> String {
     else {
         return svg.to_owned();
     };
-    let text = spineline_io::to_text(provenance);
+    let text = spineline_files::to_text(provenance);
     let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
     format!("{}\n<metadata>{text}</metadata>{}", &svg[..end], &svg[end..])
 }

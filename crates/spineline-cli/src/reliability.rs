@@ -9,7 +9,7 @@ use spineline::reliability::{
     BlandAltman, Design, DesignReliability, Quantity, QuantityReliability, Statistic, assess,
     film_quantities, shown_measure,
 };
-use spineline_io::{FilmOrigin, InputFile, Provenance, ReliabilityFile};
+use spineline_files::{FilmOrigin, InputFile, Provenance, ReliabilityFile};
 use spineline_report::figures;
 
 use crate::analyze::{case_files, generator, write_file, write_or_print};
@@ -63,7 +63,7 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
     if let Some(path) = &args.json {
         let file = ReliabilityFile::new(&found, synthetic, &generator())
             .with_provenance(provenance.clone());
-        write_or_print(path, &spineline_io::to_text(&file))?;
+        write_or_print(path, &spineline_files::to_text(&file))?;
     }
     if let Some(path) = &args.csv {
         write_table(path, &csv_text(&found, synthetic)?, &provenance)?;
@@ -95,8 +95,8 @@ fn read(inputs: &[PathBuf]) -> Result<Readings, Failure> {
         return Err(Failure::usage("give either case files, or one table of readings"));
     };
     let failed = |error| Failure::file(path, &error);
-    let text = spineline_io::read_text(path).map_err(failed)?;
-    let table = spineline_io::parse_readings(&text).map_err(failed)?;
+    let text = spineline_files::read_text(path).map_err(failed)?;
+    let table = spineline_files::parse_readings(&text).map_err(failed)?;
     let (quantities, synthetic) = (table.quantities, table.synthetic);
     Ok(Readings { quantities, synthetic, inputs: vec![input_of(path, &text)] })
 }

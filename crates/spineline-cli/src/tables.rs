@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use spineline_io::{InputFile, Provenance, ProvenanceFile, to_text};
+use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
 use spineline_tables::{Asked, Patient, Table, TableError, dictionary, tables};
 
 use crate::analyze::write_file;

@@ -10,7 +10,7 @@ use spineline::anatomy::Level;
 use spineline::uncertainty::{
     LandmarkNoise, MonteCarlo, Quantity, QuantitySpread, QuantityUnit, Replicate, Uncertainty,
 };
-use spineline_io::Replicates;
+use spineline_files::Replicates;
 
 use crate::args::number;
 use crate::failure::Failure;

@@ -6,9 +6,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
-use spineline_io::film::{ChildLimits, FilmError, FilmLimits, decode_in_child, read_film};
+use spineline_films::{ChildLimits, FilmError, FilmLimits, decode_in_child, read_film};
 
-#[path = "../../spineline-io/tests/film/maker.rs"]
+#[path = "../../spineline-films/tests/it/maker.rs"]
 mod maker;
 use maker::{DEFLATED, EXPLICIT, Maker, RLE, Value, ramp};
 

@@ -4,9 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value as Json;
-use spineline_io::film::{FilmLimits, read_film};
+use spineline_films::{FilmLimits, read_film};
 
-#[path = "../../spineline-io/tests/film/maker.rs"]
+#[path = "../../spineline-films/tests/it/maker.rs"]
 mod maker;
 use maker::{EXPLICIT, Maker, Value, ramp, text};
 
@@ -106,13 +106,13 @@ fn films_become_a_case_without_their_patient() {
     assert_eq!(image.get("inverted"), None);
     assert_eq!(case["films"][1]["image"]["inverted"], true);
     let written = fs::read(here.path("p07/erect.dcm")).expect("the film");
-    assert_eq!(image["sha256"], spineline_io::sha256_hex(&written));
+    assert_eq!(image["sha256"], spineline_files::sha256_hex(&written));
     let limits = FilmLimits::default();
     let (new, old) = (read_film(&written, &limits), read_film(&film(1).file(EXPLICIT), &limits));
     assert_eq!(new.expect("a film").stored, old.expect("a film").stored);
     assert!(!holds(&everything(&here.path("p07")), CANARY));
     assert!(!holds(out.as_bytes(), CANARY) && !holds(error.as_bytes(), CANARY));
-    spineline_io::parse_case(&fs::read_to_string(here.path("p07/case.json")).expect("text"))
+    spineline_files::parse_case(&fs::read_to_string(here.path("p07/case.json")).expect("text"))
         .expect("a case file");
 }
 

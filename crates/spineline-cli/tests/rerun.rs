@@ -171,7 +171,7 @@ fn every_file_of_an_analysis_says_where_it_comes_from() {
         ["simulate", "model.json", "--push", "left", "--force", "20", "--json", "s.json"];
     assert_eq!(run(here.path(), &simulate).2, 0);
     assert_eq!(run(here.path(), &["reliability", CASE, "--json", "r.json"]).2, 0);
-    let hash = spineline_io::sha256_hex(&fs::read(here.path().join(CASE)).expect("the case"));
+    let hash = spineline_files::sha256_hex(&fs::read(here.path().join(CASE)).expect("the case"));
     for name in [
         "a.json",
         "errors.csv.provenance.json",
@@ -193,10 +193,10 @@ fn every_file_of_an_analysis_says_where_it_comes_from() {
     }
     let model = fs::read(here.path().join("model.json")).expect("the model");
     let input = &json(&here.path().join("s.json"))["provenance"]["inputs"][0];
-    assert_eq!(input["sha256"], spineline_io::sha256_hex(&model).as_str());
+    assert_eq!(input["sha256"], spineline_files::sha256_hex(&model).as_str());
     let table = fs::read(here.path().join("errors.csv")).expect("the table");
     let of = &json(&here.path().join("errors.csv.provenance.json"))["of"][0];
-    assert_eq!(of["sha256"], spineline_io::sha256_hex(&table).as_str());
+    assert_eq!(of["sha256"], spineline_files::sha256_hex(&table).as_str());
     let mut wrong = Command::cargo_bin("spineline").expect("the program");
     wrong
         .current_dir(here.path())

@@ -27,9 +27,9 @@ fn store(folder: &Path) {
         let file = format!("{posture}.bin");
         fs::write(folder.join("p").join(&file), &posture).expect("a film");
         film["image"]["file"] = file.into();
-        film["image"]["sha256"] = spineline_io::sha256_hex(posture.as_bytes()).into();
+        film["image"]["sha256"] = spineline_files::sha256_hex(posture.as_bytes()).into();
     }
-    fs::write(&path, spineline_io::to_text(&case)).expect("written");
+    fs::write(&path, spineline_files::to_text(&case)).expect("written");
     assert_eq!(run(folder, &["study", "create", "s.db"]).2, 0);
     let (out, error, code) = run(folder, &["study", "add", "s.db", "p/phantom-rod-01.json"]);
     assert_eq!(code, 0, "{error}");
@@ -43,8 +43,8 @@ fn a_case_goes_through_the_store_and_comes_back_with_the_same_marks() {
     let (out, error, code) = run(here.path(), &["study", "export", "s.db", "phantom-rod-01"]);
     assert_eq!(code, 0, "{error}");
     let before = fs::read_to_string(here.path().join("p/phantom-rod-01.json")).expect("written");
-    let before = spineline_io::parse_case(&before).expect("a case");
-    let after = spineline_io::parse_case(&out).expect("a case");
+    let before = spineline_files::parse_case(&before).expect("a case");
+    let after = spineline_files::parse_case(&out).expect("a case");
     assert!(after.synthetic);
     assert_eq!(before.films, after.films);
     let (out, _, _) = run(here.path(), &["study", "list", "s.db"]);

@@ -33,7 +33,12 @@ fn every_table_is_there_in_both_formats_with_its_hash() {
     let listed = json["of"].as_array().expect("files");
     for file in listed {
         let bytes = fs::read(folder.join(file["name"].as_str().expect("a name"))).expect("a file");
-        assert_eq!(file["sha256"], spineline_io::sha256_hex(&bytes).as_str(), "{}", file["name"]);
+        assert_eq!(
+            file["sha256"],
+            spineline_files::sha256_hex(&bytes).as_str(),
+            "{}",
+            file["name"]
+        );
     }
     let found = names(&folder);
     assert_eq!(found.len(), listed.len() + 1);

@@ -1,5 +1,5 @@
 //! Decodes one film from its input to its output, as the server's decoder of its own process does.
 
 fn main() -> std::io::Result<()> {
-    spineline_io::film::serve_child(&mut std::io::stdin().lock(), &mut std::io::stdout().lock())
+    spineline_films::serve_child(&mut std::io::stdin().lock(), &mut std::io::stdout().lock())
 }

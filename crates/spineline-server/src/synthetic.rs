@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use spineline::anatomy::{ImageSide, Posture};
-use spineline_io::film::{
+use spineline_files::{CaseFile, FilmSource, sha256_hex};
+use spineline_films::{
     DicomFilm, Encoding, FilmPolarity, View, WriteFilmError, pixels_sha256, write_dicom,
 };
-use spineline_io::{CaseFile, FilmSource, sha256_hex};
 use spineline_phantom::{Phantom, Polarity, Radiograph, TrueFilm};
 
 /// How much larger the films' detector is said to show the patient.

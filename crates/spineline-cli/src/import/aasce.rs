@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use spineline::analysis::{Case, Subject};
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::ImageGeometry;
-use spineline_io::CaseFile;
-use spineline_io::landmarks::{
+use spineline_files::CaseFile;
+use spineline_landmarks::{
     AasceRow, AasceRows, AasceVerdict, LandmarkError, LandmarkHint, image_sizes, judge_aasce,
 };
 
@@ -126,6 +126,6 @@ fn write_case(
         films: vec![film],
         lateral: None,
     };
-    let text = spineline_io::to_text(&CaseFile::from_case(&case));
+    let text = spineline_files::to_text(&CaseFile::from_case(&case));
     write_file(&out.join(format!("{id}.json")), text)
 }

@@ -1,9 +1,9 @@
 //! The films that were found, each decoded once in a process of its own, and what each says of itself.
 
 use spineline::measure::{SpacingJudgement, ViewJudgement, judge_spacing, judge_view};
-use spineline_io::film::{FilmRemark, FilmTags};
-use spineline_io::intake::{Found, IntakeLimits, Survey, read, survey};
-use spineline_io::sha256_hex;
+use spineline_files::sha256_hex;
+use spineline_films::intake::{Found, IntakeLimits, Survey, read, survey};
+use spineline_films::{FilmRemark, FilmTags};
 
 use super::args::{FilmChoice, ImportArgs};
 use crate::decode::Decoder;
@@ -73,7 +73,7 @@ impl Candidates {
         let index = match choice {
             FilmChoice::Number(number) => Some(number - 1).filter(|&i| i < self.films.len()),
             FilmChoice::File(path) => self.films.iter().position(|film| {
-                matches!(&film.found.place, spineline_io::intake::Place::File(of) if of == path)
+                matches!(&film.found.place, spineline_films::intake::Place::File(of) if of == path)
             }),
         };
         index.ok_or_else(|| {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use spineline::anatomy::Posture;
 use spineline::measure::{FilmMarks, ImageGeometry};
-use spineline_io::landmarks::{LandmarkError, LandmarkHint, read_landmarks};
+use spineline_landmarks::{LandmarkError, LandmarkHint, read_landmarks};
 
 use super::args::ImportArgs;
 use super::settle::Settled;

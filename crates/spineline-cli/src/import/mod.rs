@@ -124,5 +124,5 @@ fn counted(questions: usize) -> String {
 
 /// Examples, and the formats of landmarks.
 pub fn long_help() -> String {
-    format!("{EXAMPLES}\n\n{}", spineline_io::landmarks::LANDMARK_FORMATS)
+    format!("{EXAMPLES}\n\n{}", spineline_landmarks::LANDMARK_FORMATS)
 }

@@ -8,9 +8,9 @@ use serde::Serialize;
 use spineline::analysis::{Case, Subject};
 use spineline::anatomy::Posture;
 use spineline::measure::{Film, FilmMarks, LateralFilm};
-use spineline_io::film::{DeidAction, DeidOptions, DeidReport, FilmKind, FilmLimits, deidentify};
-use spineline_io::intake::{IntakeLimits, read};
-use spineline_io::{CaseFile, FilmSource, sha256_hex};
+use spineline_files::{CaseFile, FilmSource, sha256_hex};
+use spineline_films::intake::{IntakeLimits, read};
+use spineline_films::{DeidAction, DeidOptions, DeidReport, FilmKind, FilmLimits, deidentify};
 
 use super::args::ImportArgs;
 use super::candidates::Candidates;
@@ -119,9 +119,9 @@ pub fn write(
         identity_kept: args.keep_identity,
         films: reports,
     };
-    write_file(&folder.join("import.json"), spineline_io::to_text(&report))?;
+    write_file(&folder.join("import.json"), spineline_files::to_text(&report))?;
     // The case comes last: where it is, everything that it names is.
-    write_file(&folder.join("case.json"), spineline_io::to_text(&case))
+    write_file(&folder.join("case.json"), spineline_files::to_text(&case))
 }
 
 fn write_film(

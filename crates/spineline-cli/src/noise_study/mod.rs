@@ -16,7 +16,7 @@ use spineline::cohort::{Claims, PatientClaims};
 use spineline::curve::OrderRule;
 use spineline::evaluate::statistics::Share;
 use spineline::multibody::Support;
-use spineline_io::{FilmOrigin, Provenance};
+use spineline_files::{FilmOrigin, Provenance};
 use spineline_phantom::{Readers, SUBJECTS, Truth, generate_read};
 
 use crate::analyze::write_file;

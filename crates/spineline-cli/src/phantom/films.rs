@@ -6,8 +6,8 @@ use std::path::Path;
 
 use serde::Serialize;
 use spineline::anatomy::{ImageSide, Level, Posture, Side};
-use spineline_io::film::Encoding;
-use spineline_io::{CaseFile, FilmSource, sha256_hex};
+use spineline_files::{CaseFile, FilmSource, sha256_hex};
+use spineline_films::Encoding;
 use spineline_phantom::{Phantom, TrueFilm};
 use spineline_server::synthetic::{DrawnFilm, draw_film};
 

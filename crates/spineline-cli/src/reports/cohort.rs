@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use spineline::analysis::{Analysis, AnalysisOptions};
-use spineline_io::AnalysisFile;
+use spineline_files::AnalysisFile;
 use spineline_report::cohort::{Patients, Refusal, Refused, report};
 
 use super::args::ReportArgs;

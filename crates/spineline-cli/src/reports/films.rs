@@ -5,8 +5,8 @@ use std::path::{Component, Path};
 use spineline::analysis::Case;
 use spineline::anatomy::Posture;
 use spineline::measure::{FilmMarks, ImageGeometry};
-use spineline_io::intake::{IntakeLimits, Place, read};
-use spineline_io::{CaseFile, FilmSource, sha256_hex};
+use spineline_files::{CaseFile, FilmSource, sha256_hex};
+use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_report::figures::FilmPicture;
 
 use crate::decode::Decoder;

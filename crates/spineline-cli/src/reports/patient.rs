@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use spineline_io::AnalysisFile;
+use spineline_files::AnalysisFile;
 use spineline_report::document::{Notice, NoticeKind};
 use spineline_report::file_stem;
 use spineline_report::patient::{Patient, report};

@@ -6,7 +6,7 @@ use spineline::action::LineKind;
 use spineline::anatomy::Posture;
 use spineline::cohort::EstimateStatistics;
 use spineline::multibody::Support;
-use spineline_io::Provenance;
+use spineline_files::Provenance;
 use spineline_report::figures::{
     self, EstimateGroup, EstimateSample, InflectionSample, LocationErrorSample,
 };

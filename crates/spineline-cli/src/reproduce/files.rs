@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 use spineline::analysis::{Analysis, Case};
-use spineline_io::{AnalysisFile, CaseFile, Provenance, Request};
+use spineline_files::{AnalysisFile, CaseFile, Provenance, Request};
 
 use super::rows::Section;
 use super::{Run, support_name};
@@ -33,7 +33,7 @@ pub fn write(
         noise: args.noise,
         rows: sections.iter().flat_map(records).collect(),
     };
-    write_file(&out.join("summary.json"), spineline_io::to_text(&summary))?;
+    write_file(&out.join("summary.json"), spineline_files::to_text(&summary))?;
     for run in runs {
         let support = support_name(run.support);
         let name = format!("errors-{}-{support}.csv", run.truth.key());
@@ -41,7 +41,7 @@ pub fn write(
         for (case, analysis) in run.cases.iter().zip(&run.analyses) {
             let name = format!("{}-{support}.json", analysis.case_id);
             let file = analysis_file(case, analysis, provenance);
-            write_file(&out.join("analyses").join(name), spineline_io::to_text(&file))?;
+            write_file(&out.join("analyses").join(name), spineline_files::to_text(&file))?;
         }
     }
     Ok(())

@@ -14,7 +14,7 @@ use std::path::Path;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::cohort::Cohort;
 use spineline::multibody::Support;
-use spineline_io::{FilmOrigin, Provenance};
+use spineline_files::{FilmOrigin, Provenance};
 use spineline_phantom::{Readers, SUBJECTS, Truth, generate};
 
 use crate::args::ReproduceArgs;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use spineline::analysis::{Analysis, Case, Subject};
 use spineline::multibody::Support;
-use spineline_io::Provenance;
+use spineline_files::Provenance;
 use spineline_report::cohort::Patients;
 use spineline_report::patient::Patient;
 use spineline_report::{Document, cohort, html, patient};

@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::Value;
 use spineline::analysis::Analysis;
-use spineline_io::{AnalysisFile, InputFile, Provenance, StoredAnalysis, parse_analysis, to_text};
+use spineline_files::{
+    AnalysisFile, InputFile, Provenance, StoredAnalysis, parse_analysis, to_text,
+};
 use spineline_report::embedded;
 
 use crate::analyze::{Sureness, analyze_case, draw, write_or_print};
@@ -91,7 +93,7 @@ struct Stored {
 
 fn stored(path: &Path) -> Result<Stored, Failure> {
     let bytes = std::fs::read(path)
-        .map_err(|source| spineline_io::FileError::Read { path: path.to_owned(), source })
+        .map_err(|source| spineline_files::FileError::Read { path: path.to_owned(), source })
         .map_err(|error| Failure::file(path, &error))?;
     let text = analysis_text(path, &bytes)?;
     // Says where it is no analysis; a list has no header to say it.
@@ -185,7 +187,7 @@ fn input_words(report: &Path, input: &InputFile) -> &'static str {
     let named = PathBuf::from(&input.name);
     let beside = report.with_file_name(named.file_name().unwrap_or_default());
     let bytes = [named, beside].into_iter().find_map(|path| std::fs::read(path).ok());
-    match bytes.map(|bytes| spineline_io::sha256_hex(&bytes) == input.sha256) {
+    match bytes.map(|bytes| spineline_files::sha256_hex(&bytes) == input.sha256) {
         Some(true) => "unchanged",
         Some(false) => "CHANGED since; this repeats what was read then",
         None => "not here; not needed",

@@ -2,7 +2,7 @@
 
 use spineline::anatomy::{Level, Posture};
 use spineline::spatial::Vec3;
-use spineline_io::{
+use spineline_files::{
     ApplicationKey, AppliedLoad, LevelKey, LoadFile, SimulationWarning, StoredModel, TimingKey,
     parse_load, read_text,
 };

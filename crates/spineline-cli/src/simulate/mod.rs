@@ -14,7 +14,7 @@ use std::ops::ControlFlow;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use spineline::multibody::{ForceSign, PathPoint};
-use spineline_io::{FilmOrigin, Provenance, to_text};
+use spineline_files::{FilmOrigin, Provenance, to_text};
 
 use crate::analyze::write_or_print;
 use crate::failure::{Ending, Failure};
@@ -93,7 +93,7 @@ mod tests {
     use clap::Parser;
     use spineline::analysis::{AnalysisOptions, analyze};
     use spineline::multibody::PathEnding;
-    use spineline_io::{ModelFile, parse_model};
+    use spineline_files::{ModelFile, parse_model};
     use spineline_phantom::{Readers, Truth, generate};
 
     use crate::args::{Cli, Command};

@@ -5,7 +5,7 @@ use spineline::clinical::CurvePlaces;
 use spineline::multibody::{GeneralStatics, Goal, PathOptions, Timing};
 use spineline::response::{OnSignedPoint, Response, erect_shape, largest_factor, respond};
 use spineline::spatial::Angle;
-use spineline_io::{LoadFile, PlacedLoads, SimulationFile, SimulationWarning, StoredModel};
+use spineline_files::{LoadFile, PlacedLoads, SimulationFile, SimulationWarning, StoredModel};
 use spineline_report::figures::{LoadedSpine, loaded_spine};
 
 use super::args::SimulateArgs;

@@ -2,7 +2,7 @@
 
 use spineline::multibody::{BodyLoad, PathEnding};
 use spineline::response::{Response, UNUSUAL_HINGE, largest_hinge};
-use spineline_io::{AppliedLoad, LoadFile, PlacedLoads, SimulationWarning, StoredModel};
+use spineline_files::{AppliedLoad, LoadFile, PlacedLoads, SimulationWarning, StoredModel};
 
 /// A warning by its stable name.
 pub fn warning(code: &str, message: impl Into<String>) -> SimulationWarning {

@@ -2,7 +2,7 @@
 
 use spineline::multibody::Timing;
 use spineline::spatial::{moment_words, vector_words};
-use spineline_io::{AppliedLoad, TimingKey};
+use spineline_files::{AppliedLoad, TimingKey};
 
 /// `held` or `growing`.
 pub const fn timing_word(timing: Timing) -> &'static str {

@@ -9,7 +9,7 @@ use crate::failure::Failure;
 
 /// Adds one case; tells what was added.
 pub fn add(store: &mut Store, at: &Path, path: &Path, by: &Signature) -> Result<String, Failure> {
-    let text = spineline_io::read_text(path).map_err(|error| Failure::file(path, &error))?;
+    let text = spineline_files::read_text(path).map_err(|error| Failure::file(path, &error))?;
     let bytes_of = |file: &str| {
         let file = path.with_file_name(file);
         fs::read(&file).map_err(|error| {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use axum::extract::State;
 use axum::http::StatusCode;
 use spineline::anatomy::Posture;
-use spineline_io::film::{Encoding, FilmLimits, read_film};
+use spineline_films::{Encoding, FilmLimits, read_film};
 use spineline_phantom::{Readers, Truth, generate};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -75,7 +75,7 @@ fn draw() -> Answer<Drawn> {
         thumbnails.push((Hash::of(&drawn.bytes), draw_thumbnails(&read)));
         films.insert(film.posture, drawn);
     }
-    let text = spineline_io::to_text(&case_file(&phantom, &films));
+    let text = spineline_files::to_text(&case_file(&phantom, &films));
     let bytes_of = |file: &str| {
         let film = films.values().find(|film| film.file == file);
         film.map(|film| film.bytes.clone()).ok_or("a film that was not drawn")

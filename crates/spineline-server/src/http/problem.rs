@@ -4,7 +4,7 @@ use axum::Json;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
-use spineline_io::film::FilmError;
+use spineline_films::FilmError;
 
 use super::api::Problem;
 use crate::store::StoreError;

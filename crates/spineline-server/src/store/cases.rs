@@ -6,7 +6,7 @@ use serde_json::Value;
 use spineline::analysis::Subject;
 use spineline::anatomy::Posture;
 use spineline::measure::{FilmMarks, IliacCrests, Mark, Reading};
-use spineline_io::{FileError, LevelKey};
+use spineline_files::{FileError, LevelKey};
 
 use super::accounts::{self, Role};
 use super::audit::Ledger;
@@ -144,7 +144,7 @@ impl NewCase {
         text: &str,
         mut bytes_of: impl FnMut(&str) -> Result<Vec<u8>, E>,
     ) -> Result<Self, CaseError<E>> {
-        let case = spineline_io::parse_case(text).map_err(CaseError::File)?;
+        let case = spineline_files::parse_case(text).map_err(CaseError::File)?;
         let written: Value = serde_json::from_str(text).expect("a case that was just read");
         let id = Name::new(&case.id).map_err(CaseError::Name)?;
         let mut films = Vec::new();
@@ -159,7 +159,7 @@ impl NewCase {
             let image = record["image"].clone();
             let file = image["file"].as_str().ok_or(CaseError::NotNamed { posture })?;
             let bytes = bytes_of(file).map_err(CaseError::Picture)?;
-            let found = spineline_io::sha256_hex(&bytes);
+            let found = spineline_files::sha256_hex(&bytes);
             if image["sha256"].as_str().is_some_and(|hash| !hash.eq_ignore_ascii_case(&found)) {
                 return Err(CaseError::OtherPicture { posture });
             }
@@ -216,7 +216,7 @@ impl NewCase {
             // The old name may be a patient's.
             let end = if film.bytes.get(128..132) == Some(b"DICM") { "dcm" } else { "png" };
             film.image["file"] = format!("{}-{}.{end}", self.study.id, film.posture.key()).into();
-            film.image["sha256"] = spineline_io::sha256_hex(&film.bytes).into();
+            film.image["sha256"] = spineline_files::sha256_hex(&film.bytes).into();
         }
         Ok(self)
     }
@@ -246,7 +246,7 @@ impl CaseReading {
                 events.push(Event::PlaceCorner { level, corner, column_px, row_px });
             }
             if let Some(axis) = mark.axis_clockwise {
-                let axis_deg = Some(spineline_io::written_axis_deg(axis));
+                let axis_deg = Some(spineline_files::written_axis_deg(axis));
                 events.push(Event::SetAxis { level, axis_deg });
             }
         }

@@ -227,7 +227,7 @@ pub enum StoreError {
     },
     /// What is stored does not make a case file.
     #[error("the study does not make a case: {0}")]
-    Case(#[from] spineline_io::FileError),
+    Case(#[from] spineline_files::FileError),
 }
 
 impl StoreError {

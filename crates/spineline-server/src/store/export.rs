@@ -16,7 +16,7 @@ use super::{Store, StoreError};
 /// A case file and what it could not hold.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ExportedCase {
-    /// Text of the case file, which `spineline_io::parse_case` has read.
+    /// Text of the case file, which `spineline_files::parse_case` has read.
     pub text: String,
     /// What was left out.
     pub remarks: Vec<ExportRemark>,
@@ -88,8 +88,8 @@ impl Store {
             }
             records.push(film_json(film, &finished));
         }
-        let text = spineline_io::to_text(&case_json(study, synthetic, records));
-        spineline_io::parse_case(&text)?;
+        let text = spineline_files::to_text(&case_json(study, synthetic, records));
+        spineline_files::parse_case(&text)?;
         Ok(ExportedCase { text, remarks })
     }
 }

@@ -165,7 +165,7 @@ impl Store {
                 FilmEdit::Posture(posture) => ("posture", Box::new(posture.key())),
                 FilmEdit::Inverted(inverted) => ("inverted", Box::new(inverted)),
                 FilmEdit::Spacing(spacing) => {
-                    let image = spineline_io::with_spacing(&now.image, now.posture, spacing)?;
+                    let image = spineline_files::with_spacing(&now.image, now.posture, spacing)?;
                     ("image", Box::new(image.to_string()))
                 }
             };

@@ -2,7 +2,7 @@
 
 use rusqlite::{Connection, params};
 use serde::{Deserialize, Serialize};
-use spineline_io::LevelKey;
+use spineline_files::LevelKey;
 use utoipa::ToSchema;
 
 use super::audit::{self, Ledger};

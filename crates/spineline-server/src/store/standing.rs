@@ -188,5 +188,5 @@ type Read<'r> = Vec<(&'r ReadingRecord, ReadingState)>;
 
 fn parsed(study: &Name, synthetic: bool, films: Vec<Value>) -> Result<Case, StoreError> {
     let case = export::case_json(study, synthetic, films);
-    Ok(spineline_io::parse_case(&case.to_string())?)
+    Ok(spineline_files::parse_case(&case.to_string())?)
 }

@@ -1,7 +1,7 @@
 //! Clicks, undo, conflicts, films and exported cases.
 
 use spineline::anatomy::{Level, Posture, Side};
-use spineline_io::{LevelKey, parse_case};
+use spineline_files::{LevelKey, parse_case};
 use spineline_server::store::{
     Corner, Event, ExportRemark, FilmEdit, FilmId, Name, ReadingId, Store, StoreError, Study,
 };

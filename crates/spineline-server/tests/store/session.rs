@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::json;
 use spineline::anatomy::{Level, Posture};
-use spineline_io::LevelKey;
+use spineline_files::LevelKey;
 use spineline_server::store::{
     Corner, CrestSide, Event, FilmEdit, FilmId, Name, ReadingId, Signature, Store, StoreError,
     Study, Timestamp,

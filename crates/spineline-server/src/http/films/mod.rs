@@ -121,8 +121,8 @@ fn film_edit(film: &FilmRecord, edit: FilmEditName) -> Answer<FilmEdit> {
         FilmEditName::Posture { posture } => FilmEdit::Posture(words::posture(posture)),
         FilmEditName::Inverted { inverted } => FilmEdit::Inverted(inverted),
         FilmEditName::Scale { from_px, to_px, length_mm, length_sd_mm, calibrator } => {
-            let image =
-                spineline_io::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
+            let image = spineline_files::parse_image(&film.image, film.posture)
+                .map_err(StoreError::from)?;
             let calibration = Calibration {
                 calibrator: match calibrator {
                     CalibratorName::Ball => Calibrator::Ball,
@@ -146,7 +146,8 @@ fn film_edit(film: &FilmRecord, edit: FilmEditName) -> Answer<FilmEdit> {
 
 async fn pixels(state: &AppState, film: &FilmRecord) -> Answer<Response> {
     let screen = screen::screen(state, &film.content).await?;
-    let image = spineline_io::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
+    let image =
+        spineline_files::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
     let [center, width] = screen.default_window;
     let numbers = [
         ("x-spineline-columns", f64::from(screen.columns)),

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use axum::body::Bytes;
 use axum::http::StatusCode;
 use spineline::measure::judge_spacing;
-use spineline_io::film::{ChildLimits, FilmError, FilmFile, decode_in_child};
+use spineline_films::{ChildLimits, FilmError, FilmFile, decode_in_child};
 use tokio::sync::Semaphore;
 
 use super::super::{Answer, AppState, Failure, words};

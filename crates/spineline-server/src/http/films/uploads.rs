@@ -9,8 +9,8 @@ use axum::extract::{DefaultBodyLimit, State};
 use axum::http::StatusCode;
 use axum::response::Response;
 use spineline::measure::{Spacing, Stance, View, judge_spacing, judge_view};
-use spineline_io::film::{FilmFile, FilmKind, FilmLimits, FilmRemark};
-use spineline_io::sha256_hex;
+use spineline_files::sha256_hex;
+use spineline_films::{FilmFile, FilmKind, FilmLimits, FilmRemark};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 

@@ -47,7 +47,8 @@ fn view_of(
     mine: bool,
 ) -> Answer<ReadingView> {
     let (record, film) = (&seen.record, &seen.film);
-    let image = spineline_io::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
+    let image =
+        spineline_files::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
     let marks = marks(state);
     let is_blinded = seen.code.is_some();
     let posture = (!is_blinded).then(|| words::posture_name(film.posture));
@@ -117,7 +118,7 @@ fn vertebra(image: &ImageGeometry, level: Level, mark: &PartialMark) -> Vertebra
     let axis = body.map(|body| AxisView {
         from_px: pair(body.axis[0]),
         to_px: pair(body.axis[1]),
-        axis_deg: spineline_io::written_axis_deg(body.axis_clockwise),
+        axis_deg: spineline_files::written_axis_deg(body.axis_clockwise),
         by_hand: mark.axis_clockwise.is_some(),
         text: leans(body.tilt),
     });

@@ -5,7 +5,7 @@ use axum::http::StatusCode;
 use spineline::anatomy::Level;
 use spineline::measure::turn_axis_towards;
 use spineline::spatial::Pixel;
-use spineline_io::LevelKey;
+use spineline_files::LevelKey;
 
 use super::live::live_view;
 use crate::http::api::{Preview, PreviewRequest, Problem, ReadingView, TurnAxis};
@@ -62,7 +62,8 @@ fn turned(film: &FilmRecord, view: &ReadingView, turn: &TurnAxis) -> Answer<Even
         let text = format!("{level} has no four corners, and so no axis");
         refused(text, "place the missing corners first")
     })?;
-    let image = spineline_io::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
+    let image =
+        spineline_files::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
     let [from, towards] = [midpoint, turn.towards_px].map(|[column, row]| Pixel::new(column, row));
     let axis = turn_axis_towards(&image, from, towards).ok_or_else(|| {
         refused(

@@ -4,7 +4,7 @@ use axum::extract::State;
 use axum::response::Response;
 use chrono::{SecondsFormat, Utc};
 use spineline::anatomy::Posture;
-use spineline_io::{AnalysisFile, CaseFile, FilmOrigin, ProgramRun, Provenance, Request};
+use spineline_files::{AnalysisFile, CaseFile, FilmOrigin, ProgramRun, Provenance, Request};
 
 use super::cache::{Outcome, StudyResult, computed, study_result};
 use super::live::overlay_of;
@@ -40,7 +40,7 @@ pub async fn analysis_file(
             let request = Request { options: analysis.options.clone(), ..Request::default() };
             let provenance = Provenance::new(run, films, Vec::new()).asking(&request);
             let case = CaseFile::from_case(&result.standing.complete_case());
-            spineline_io::to_text(&AnalysisFile::new(analysis, case, provenance))
+            spineline_files::to_text(&AnalysisFile::new(analysis, case, provenance))
         })
     });
     let text = text.await??;

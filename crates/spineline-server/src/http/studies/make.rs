@@ -7,8 +7,8 @@ use axum::extract::State;
 use axum::http::StatusCode;
 use spineline::anatomy::Posture;
 use spineline::measure::{ImageGeometry, Spacing};
-use spineline_io::film::{DeidOptions, FilmKind, FilmLimits, deidentify};
-use spineline_io::{FilmSource, image_value, sha256_hex};
+use spineline_files::{FilmSource, image_value, sha256_hex};
+use spineline_films::{DeidOptions, FilmKind, FilmLimits, deidentify};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 

@@ -149,7 +149,7 @@ const UNREADABLE: ImageGeometry =
 
 fn summary_of(film: &FilmRecord, overview: &Overview, user: &User, sight: Sight) -> FilmSummary {
     // One film that another program described must not hide all studies.
-    let image = spineline_io::parse_image(&film.image, film.posture).unwrap_or(UNREADABLE);
+    let image = spineline_files::parse_image(&film.image, film.posture).unwrap_or(UNREADABLE);
     let readings = overview.readings.iter().filter(|reading| reading.film == film.id);
     let readings = readings.filter(|_| sight == Sight::Open).map(|reading| ReadingSummary {
         reading: reading.id.0,

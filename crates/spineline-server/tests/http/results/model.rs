@@ -16,7 +16,7 @@ fn running() -> (Running, Analysis) {
         add_read_study(store, "S1", &phantom().case);
         exported = Some(store.export_case(&name("S1")).expect("a case").text);
     });
-    let case = spineline_io::parse_case(&exported.expect("exported")).expect("our own file");
+    let case = spineline_files::parse_case(&exported.expect("exported")).expect("our own file");
     let analysis = analyze(&case, &Default::default()).expect("a phantom");
     (running, analysis)
 }
@@ -180,8 +180,8 @@ fn loads_that_are_none_are_refused_in_words() {
 fn the_analysis_file_is_what_the_command_line_writes() {
     let (running, analysis) = running();
     let file = running.get("/api/studies/S1/analysis.json");
-    let stored = spineline_io::parse_analysis(&file.to_string()).expect("enough to repeat it");
-    let own = spineline_io::AnalysisFile::new(&analysis, stored.case_file, stored.provenance);
+    let stored = spineline_files::parse_analysis(&file.to_string()).expect("enough to repeat it");
+    let own = spineline_files::AnalysisFile::new(&analysis, stored.case_file, stored.provenance);
     let own = serde_json::to_value(own).expect("JSON");
     assert_eq!(file["chain"], own["chain"]);
     assert_eq!(file["inflections"], own["inflections"]);

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{Film, FilmMarks, ImageGeometry, Mark, Reading};
-use spineline_io::LevelKey;
+use spineline_files::LevelKey;
 use spineline_phantom::{Phantom, Readers, Truth, generate};
 use spineline_server::http::api::AccessName;
 use spineline_server::store::{
