@@ -350,7 +350,7 @@ impl Phantom {
     }
 }
 
-/// The README's example runs with the documentation's.
+/// The example of the guide runs with the documentation's.
 #[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
+#[doc = include_str!("../../../docs/guide/src/library.md")]
 struct Readme;
