@@ -14,7 +14,7 @@ use super::style::{BLACK, GREY, Ink, Marker, ORANGE, Shape, VERMILLION, action_i
 
 const TALL_PX: f64 = 390.0;
 const PANELS_PER_ROW: usize = 3;
-/// Room around the marks, as a part of their height.
+/// Room around the landmarks, as a part of their height.
 const ROOM: f64 = 0.06;
 
 const BODY: Ink = Ink::new(GREY, "", 1.0);
@@ -96,14 +96,15 @@ impl<'a> Hanging<'a> {
     }
 }
 
-/// The films of one patient: marks of all readings, fitted curve, inflections, iliac crests and lines of action, over the
+/// The films of one patient: landmarks of all readings, fitted curve, inflections, iliac crests and lines of action, over the
 /// pictures as far as there are any.
 #[must_use]
 pub fn films(case: &Case, analysis: &Analysis, pictures: &[FilmPicture]) -> String {
-    let title = format!("Films with marks, curve, inflections and lines, case {}", case.id);
+    let title = format!("Films with landmarks, curve, inflections and lines, case {}", case.id);
     let mut page = Page::new(title, analysis.synthetic);
-    page.notes
-        .push(format!("{VIEW} Films hang as they were taken; L4's midpoint is at the origin."));
+    page.notes.push(format!(
+        "{VIEW} Films are shown as they were taken; L4's midpoint is at the origin."
+    ));
     let hung: Vec<(Hanging<'_>, &PostureAnalysis)> = analysis
         .postures
         .iter()
@@ -153,7 +154,7 @@ fn legend(page: &mut Page, analysis: &Analysis, hung: &[(Hanging<'_>, &PostureAn
     }
 }
 
-/// A panel that holds all marks, as wide as its cell.
+/// A panel that holds all landmarks, as wide as its cell.
 fn empty_panel(film: &Hanging<'_>, cell_px: f64) -> Panel {
     let extent = film.extent();
     let px_per_mm = (TALL_PX / extent.height_mm()).min(cell_px / extent.width_mm());
