@@ -38,6 +38,7 @@ pub fn summary(patient: &Patient<'_>) -> Document {
         sections.push(section);
     }
     sections.extend(patient.uncertainty.map(|found| uncertainty::numbers(analysis, found)));
+    sections.retain(|section| !section.blocks.is_empty());
     Document {
         title: "Patient".to_owned(),
         subject: subject(analysis),

@@ -87,6 +87,7 @@ fn plain(text: &str) -> String {
     let words: Vec<String> = text
         .split_whitespace()
         .map(|word| word.chars().filter(|&c| !c.is_control() && !turns(c)).collect())
+        .filter(|word: &String| !word.is_empty())
         .collect();
     words.join(" ")
 }
@@ -146,7 +147,7 @@ mod tests {
 
     #[test]
     fn nothing_in_text_controls_the_terminal() {
-        assert_eq!(plain("a\u{1b}[31mb\u{7}\u{9b}\n\tc\u{202e}d\u{2066}"), "a[31mb cd");
+        assert_eq!(plain("\u{7} a\u{1b}[31mb\u{7}\u{9b}\n\tc\u{202e}d\u{2066}"), "a[31mb cd");
         let hostile = "x\u{1b}]0;title\u{7}\u{202e}\r\ny";
         let mut part = Section::new("a", hostile);
         part.heading(hostile);

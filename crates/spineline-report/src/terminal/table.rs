@@ -51,9 +51,12 @@ fn widths(heads: &[String], rows: &[Vec<String>], numeric: &[bool], room: usize)
         .map(|i| column(i).map(str::width).fold(narrowest(&heads[i]), usize::max))
         .collect();
     let least: Vec<usize> = (0..heads.len())
-        .map(|i| match numeric[i] {
-            true => full[i],
-            false => column(i).map(longest_word).fold(narrowest(&heads[i]), usize::max),
+        .map(|i| {
+            if numeric[i] {
+                full[i]
+            } else {
+                column(i).map(longest_word).fold(narrowest(&heads[i]), usize::max)
+            }
         })
         .collect();
     let fits = |widths: &Vec<usize>| widths.iter().sum::<usize>() <= room;
