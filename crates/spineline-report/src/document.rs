@@ -54,9 +54,9 @@ pub enum Block {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum NoticeKind {
-    /// What the whole report is: made up, or no medical device.
+    /// What applies to the whole report: synthetic data, or no medical device.
     Banner,
-    /// The data speak against the model, or a number is no result.
+    /// The data contradict the model, or a number is no result.
     Contradiction,
     /// Something may be wrong.
     Warning,
@@ -282,11 +282,11 @@ impl Document {
 /// that changed anything, eight digits of a hash keep different texts apart.
 #[must_use]
 pub fn file_stem(text: &str) -> String {
-    const LONGEST: usize = 80;
+    const MAX_LENGTH: usize = 80;
     let mut plain: String = text
         .chars()
         .map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' })
-        .take(LONGEST)
+        .take(MAX_LENGTH)
         .collect();
     if plain.starts_with('.') || plain.is_empty() {
         plain.insert(0, '_');

@@ -1,7 +1,7 @@
 //! Fonts for pictures and pages: one family within, and those of the machine for what it has no letters for.
 //!
 //! DejaVu Sans has the scripts of Europe and the Near East. A letter that it lacks, such as a Chinese one, is looked for in
-//! the fonts of the machine, and only the first font that has it is taken; what no font has is told, so that a report can
+//! the fonts of the machine, and only the first font that has it is taken; what no font has is reported, so that a report can
 //! say so. Bytes of pictures and pages are the same everywhere as long as nothing is looked for.
 
 use std::collections::BTreeSet;
@@ -46,17 +46,17 @@ impl Fonts {
             .to_vec()
     }
 
-    /// The fonts for texts, which looks at the machine's own only where a letter is lacking.
+    /// The fonts for texts, which looks at the machine's own only where a letter is missing.
     pub fn for_texts<'a>(texts: impl IntoIterator<Item = &'a str>) -> Self {
         let letters: BTreeSet<char> =
             texts.into_iter().flat_map(str::chars).filter(|c| is_drawn(*c)).collect();
         let mut fonts = Self::within();
-        let mut lacking: Vec<char> =
+        let mut missing: Vec<char> =
             letters.into_iter().filter(|&letter| !fonts[0].has(letter)).collect();
-        if !lacking.is_empty() {
-            fonts.extend(of_machine(&mut lacking));
+        if !missing.is_empty() {
+            fonts.extend(of_machine(&mut missing));
         }
-        Self { fonts, missing: lacking }
+        Self { fonts, missing }
     }
 
     /// The letters that no font has, in words with their codes; `None` where all are drawn.
@@ -66,7 +66,7 @@ impl Fonts {
             self.missing.iter().map(|c| format!("U+{:04X}", u32::from(*c))).collect();
         (!codes.is_empty()).then(|| {
             format!(
-                "No font on the machine that made this has letters for {}: they are shown as empty boxes. The embedded analysis has them; install a font with them and make the report again.",
+                "No installed font has letters for {}: they are shown as empty boxes. The embedded analysis has them; install a font with these letters and make the report again.",
                 codes.join(", ")
             )
         })
@@ -83,8 +83,8 @@ impl Fonts {
     }
 }
 
-/// The machine's fonts that have a letter which is lacking, in the order of their files; takes out what they have.
-fn of_machine(lacking: &mut Vec<char>) -> Vec<Font> {
+/// The machine's fonts that have a letter which is missing, in the order of their files; takes out what they have.
+fn of_machine(missing: &mut Vec<char>) -> Vec<Font> {
     let mut database = Database::new();
     database.load_system_fonts();
     let mut places: Vec<(std::path::PathBuf, u32)> = database
@@ -97,13 +97,13 @@ fn of_machine(lacking: &mut Vec<char>) -> Vec<Font> {
     places.sort();
     let mut found = Vec::new();
     for (path, index) in places {
-        if lacking.is_empty() {
+        if missing.is_empty() {
             break;
         }
         let Ok(bytes) = std::fs::read(&path) else { continue };
-        let before = lacking.len();
-        lacking.retain(|&letter| !covers(&bytes, index, letter));
-        if lacking.len() < before {
+        let before = missing.len();
+        missing.retain(|&letter| !covers(&bytes, index, letter));
+        if missing.len() < before {
             found.push(Font { data: Arc::new(bytes), index });
         }
     }
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn a_letter_without_a_font_is_told() {
+    fn a_letter_without_a_font_is_reported() {
         // A private letter that no font of a machine has.
         let fonts = Fonts::for_texts(["a\u{10fffd}b"]);
         assert_eq!(fonts.missing, ['\u{10fffd}']);

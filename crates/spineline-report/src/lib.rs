@@ -1,9 +1,12 @@
 //! Reports and pictures of what Spineline found.
 //!
 //! [`figures`] turns an analysis, or samples of a cohort, into SVG text. [`patient::report`] and [`cohort::report`] make a
-//! [`Document`] of them, which [`html`], [`markdown`] and, in a crate of its own, a typesetter write. All are pure
-//! functions without files and with the same bytes for the same input, and the word `synthetic` is on every picture of
-//! made-up films. The one exception is [`fonts`]: what the fonts within cannot draw is looked for among those of the machine.
+//! [`Document`] of them, which [`html()`], [`markdown()`] and, in a crate of its own, a typesetter write. [`patient::summary`],
+//! [`cohort::summary`] and [`reliability::summary`] make short documents without figures, which [`terminal()`] writes.
+//!
+//! All are pure functions without files and with the same bytes for the same input, and the word `synthetic` is on every
+//! picture of synthetic films. The one exception is [`fonts`]: what the fonts within cannot draw is looked for among those of
+//! the machine.
 
 pub mod cohort;
 pub mod document;
@@ -11,12 +14,16 @@ mod embedded;
 pub mod figures;
 pub mod fonts;
 mod html;
+mod hypotheses;
 mod markdown;
 pub mod patient;
 mod png;
+pub mod reliability;
+pub mod terminal;
 
 pub use document::{Document, file_stem};
 pub use embedded::embedded;
 pub use html::html;
 pub use markdown::markdown;
 pub use png::{PngError, png};
+pub use terminal::terminal;

@@ -12,7 +12,7 @@ use crate::fonts::Fonts;
 #[non_exhaustive]
 pub enum PngError {
     /// The text is no SVG.
-    #[error("the figure is no SVG that can be drawn: {0}")]
+    #[error("the figure is not a valid SVG: {0}")]
     Svg(#[from] resvg::usvg::Error),
     /// More pixels than memory takes.
     #[error("a picture of {columns} × {rows} pixels is too large")]

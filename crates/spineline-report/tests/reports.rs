@@ -155,6 +155,63 @@ fn every_number_has_its_unit_in_the_head() {
     }
 }
 
+/// Headings, captions, heads of columns and notes below tables: what the report itself calls things.
+fn own_words(document: &Document) -> Vec<String> {
+    let mut found = Vec::new();
+    for section in &document.sections {
+        found.push(section.title.clone());
+        for block in &section.blocks {
+            match block {
+                Block::Heading(text) => found.push(text.clone()),
+                Block::Figure(figure) => found.push(figure.caption.clone()),
+                Block::Table(table) => {
+                    found.extend([table.caption.clone(), table.note.clone()]);
+                    found.extend(table.columns.iter().map(|column| column.head.clone()));
+                }
+                Block::Paragraph(_) | Block::Notice(_) => {}
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn reports_use_the_terms_of_the_field() {
+    const AVOIDED: [&str; 12] = [
+        "mark",
+        "marks",
+        "lean",
+        "leans",
+        "leaning",
+        "prefer",
+        "preferred",
+        "told",
+        "truth",
+        "lacking",
+        "growing",
+        "gauge",
+    ];
+    let case = case(0);
+    let documents = [document(&case), cohort_document(&[])];
+    let found: Vec<String> = documents.iter().flat_map(own_words).collect();
+    for text in &found {
+        let words = text.split(|c: char| !c.is_alphanumeric()).map(str::to_lowercase);
+        for word in words {
+            assert!(!AVOIDED.contains(&word.as_str()), "`{word}` in `{text}`");
+        }
+    }
+    for term in [
+        "Lateral tilt of L4–T2",
+        "Line of best fit to the rotations of each film",
+        "Counter-rotating joints",
+        "Films with landmarks",
+    ] {
+        assert!(found.iter().any(|text| text.contains(term)), "{term}");
+    }
+    let text = markdown(&documents[0], "figures");
+    assert!(text.contains("Scale constraint (gauge)"), "{text}");
+}
+
 #[test]
 fn an_erect_film_alone_makes_a_report_that_says_what_it_lacks() {
     let mut alone = case(0);

@@ -9,7 +9,7 @@ use super::people::main_curve;
 use super::with_interval;
 use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures::{self, LocationErrorSample};
-use crate::patient::{none, numbers};
+use crate::patient::{FITTED, HELD_OUT, none, numbers, sentence_case};
 
 const NO_MODEL: &str = "No patient has a personalised model.";
 
@@ -21,10 +21,10 @@ pub fn fitted_and_held_out(cohort: &Cohort) -> Section {
         return section;
     }
     section.heading("Fitted films");
-    section.paragraph("The stiffness was fitted to these very films: a small error here shows how far a line bends to data, and is no evidence for it.");
+    section.paragraph(FITTED);
     kind_of_film(&mut section, cohort, "fitted", "bending films, fitted", |line| &line.fitted);
     section.heading("Held-out films");
-    section.paragraph("No fit has seen these films.");
+    section.paragraph(HELD_OUT);
     let films = "neutral and traction films, held out";
     kind_of_film(&mut section, cohort, "held-out", films, |line| &line.held_out);
     section
@@ -94,19 +94,24 @@ pub fn tests(cohort: &Cohort) -> Section {
     table.row(tested("location error (mm)", &cohort.location_test, "mm"));
     table.row(tested("Ferguson error (°)", &cohort.ferguson_test, "°"));
     section.table(table);
+    compared(&mut section, cohort);
+    section
+}
+
+/// The lines on the same films, and the test of every pair of them.
+pub fn compared(section: &mut Section, cohort: &Cohort) {
     let compared = &cohort.compared;
     if compared.family() == 0 {
         section.paragraph(
             "No two lines can be compared over patients: that takes two patients with bending films.",
         );
-        return section;
+        return;
     }
     section.table(same_films(cohort));
     section.table(family(cohort));
     for words in [compared.believe_words().to_owned(), compared.family_words()] {
         section.notice(Notice::new(NoticeKind::Note, format!("{words}.")));
     }
-    section
 }
 
 fn same_films(cohort: &Cohort) -> Table {
@@ -135,7 +140,7 @@ fn same_films(cohort: &Cohort) -> Table {
             free.map_or_else(String::new, |(_, free)| numbers(free, errors.role)),
         ]);
     }
-    table.note = "Intervals are over patients. Left out: films on which some line has no result. Numbers fitted: free multipliers + forces + what places a free line.".to_owned();
+    table.note = "Intervals are over patients. Left out: films on which at least one line has no result. Numbers fitted: free multipliers + forces + parameters of a free line. A bend left out is predicted with the stiffness fitted to the other bend.".to_owned();
     table
 }
 
@@ -181,52 +186,81 @@ fn test_row(test: &LinePairTest) -> Vec<String> {
     ]
 }
 
+/// How many columns a table may have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Detail {
+    /// As many as a terminal has room for.
+    Summary,
+    /// One per number.
+    Full,
+}
+
 /// One row per patient.
-pub fn by_patient(analyses: &[Analysis]) -> Section {
+pub fn by_patient(analyses: &[Analysis], detail: Detail) -> Section {
     let mut section = Section::new("by-patient", "Patient by patient");
     let kinds = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
-    let mut columns = vec![Column::words("Case"), Column::numbers("Main Cobb (°)")];
+    let mut columns = vec![
+        Column::words("Case"),
+        Column::numbers("Main Cobb (°)"),
+        Column::numbers("Inflections"),
+    ];
     for kind in kinds {
-        let name = kind.to_string().replace(" line", "");
-        columns.push(Column::numbers(format!("{name}: fitted (mm)")));
-        columns.push(Column::numbers(format!("{name}: held out (mm)")));
+        let name = sentence_case(&kind.to_string());
+        match detail {
+            Detail::Summary => columns.push(Column::words(format!("{name} (mm)"))),
+            Detail::Full => {
+                columns.push(Column::numbers(format!("{name}: fitted (mm)")));
+                columns.push(Column::numbers(format!("{name}: held out (mm)")));
+            }
+        }
     }
-    columns.push(Column::numbers("Joints against"));
-    columns.push(Column::numbers("Contradictions, warnings"));
+    columns.push(Column::numbers("Counter-rotating joints"));
+    columns.push(Column::numbers("Contradictions, warnings, notes"));
     let mut table = Table::new("Mean location errors of every patient", columns);
     for analysis in analyses {
-        let main = main_curve(analysis).map(|curve| curve.cobb[0].1.abs().deg());
-        let mut row =
-            vec![analysis.case_id.clone(), main.map_or_else(none, |cobb| format!("{cobb:.0}"))];
-        for kind in kinds {
-            let model = analysis.models.iter().find(|model| model.kind == kind);
-            for fitted in [true, false] {
-                let error = model.and_then(|model| model.mean_location_error_mm(fitted));
-                row.push(error.map_or_else(none, |error| format!("{error:.1}")));
-            }
-        }
-        let inflection = analysis.models.iter().find(|model| model.kind == kinds[0]);
-        let against = inflection.map(|model| {
-            let fitted = model.postures.iter().filter(|s| s.fitted);
-            fitted.map(|s| s.contradicted.len().to_string()).collect::<Vec<_>>().join(", ")
-        });
-        row.push(against.unwrap_or_else(none));
-        let weights = analysis.warnings.all().iter().map(|w| NoticeKind::from(w.severity()));
-        let (mut against, mut warned) = (0, 0);
-        for weight in weights {
-            match weight {
-                NoticeKind::Contradiction => against += 1,
-                NoticeKind::Warning => warned += 1,
-                NoticeKind::Banner | NoticeKind::Note => {}
-            }
-        }
-        row.push(format!("{against}, {warned}"));
-        table.row(row);
+        table.row(patient_row(analysis, kinds, detail));
     }
+    let columns = match detail {
+        Detail::Summary => "Location errors: fitted bends / held-out films. ",
+        Detail::Full => "",
+    };
     table.note = format!(
-        "Joints against: joints of each fitted bend that turn against the force along the {}.",
+        "{columns}Counter-rotating joints: joints of each fitted bend that turn against the force along the {}.",
         kinds[0]
     );
     section.table(table);
     section
+}
+
+fn patient_row(analysis: &Analysis, kinds: [LineKind; 3], detail: Detail) -> Vec<String> {
+    let main = main_curve(analysis).map(|curve| curve.cobb[0].1.abs().deg());
+    let mut row = vec![
+        analysis.case_id.clone(),
+        main.map_or_else(none, |cobb| format!("{cobb:.0}")),
+        analysis.inflections.all.len().to_string(),
+    ];
+    for kind in kinds {
+        let model = analysis.models.iter().find(|model| model.kind == kind);
+        let errors = [true, false].map(|fitted| {
+            let error = model.and_then(|model| model.mean_location_error_mm(fitted));
+            error.map_or_else(none, |error| format!("{error:.1}"))
+        });
+        match detail {
+            Detail::Summary => row.push(errors.join(" / ")),
+            Detail::Full => row.extend(errors),
+        }
+    }
+    let inflection = analysis.models.iter().find(|model| model.kind == kinds[0]);
+    let against = inflection.map(|model| {
+        let fitted = model.postures.iter().filter(|s| s.fitted);
+        fitted.map(|s| s.contradicted.len().to_string()).collect::<Vec<_>>().join(", ")
+    });
+    row.push(against.unwrap_or_else(none));
+    let count = |kind: NoticeKind| {
+        let all = analysis.warnings.all().iter();
+        all.filter(|warning| NoticeKind::from(warning.severity()) == kind).count().to_string()
+    };
+    let kinds = [NoticeKind::Contradiction, NoticeKind::Warning, NoticeKind::Note];
+    row.push(kinds.map(count).join(", "));
+    row
 }

@@ -1,4 +1,4 @@
-//! Analyses of many patients → a report: verdict and exclusions first, how it was made last.
+//! Analyses of many patients → a report: verdict and exclusions first, the method last.
 
 mod errors;
 mod movement;
@@ -8,18 +8,19 @@ mod readers;
 use spineline::analysis::{Analysis, Subject};
 
 use crate::document::{Document, Section};
-use crate::patient;
+use crate::{hypotheses, patient};
+use errors::Detail;
 
 pub use people::{Refusal, Refused};
 
 /// What a report of a cohort is made from.
 #[derive(Debug, Clone, Copy)]
 pub struct Patients<'a> {
-    /// What was found of every patient.
+    /// The results of every patient.
     pub analyses: &'a [Analysis],
     /// Who they are, in the same order.
     pub subjects: &'a [Subject],
-    /// What they say together.
+    /// Their statistics.
     pub together: &'a spineline::cohort::Cohort,
     /// Cases that are not among them.
     pub refused: &'a [Refused],
@@ -38,15 +39,12 @@ pub fn report(patients: &Patients<'_>) -> Document {
     sections.push(movement::section(patients.together));
     sections.push(errors::fitted_and_held_out(patients.together));
     sections.push(errors::tests(patients.together));
-    sections.push(errors::by_patient(patients.analyses));
+    sections.push(errors::by_patient(patients.analyses, Detail::Full));
     sections.push(readers::section(patients.analyses));
     sections.push(how(patients));
     Document {
         title: "Cohort report".to_owned(),
-        subject: match patients.analyses.len() {
-            1 => "1 patient".to_owned(),
-            n => format!("{n} patients"),
-        },
+        subject: size(patients.analyses),
         generator: patients.generator.to_owned(),
         banners: patient::banners(patients.together.synthetic),
         sections,
@@ -54,13 +52,49 @@ pub fn report(patients: &Patients<'_>) -> Document {
     }
 }
 
+/// The numbers of a cohort in about a page, without figures; a terminal shows it.
+#[must_use]
+pub fn summary(
+    analyses: &[Analysis],
+    together: &spineline::cohort::Cohort,
+    generator: &str,
+) -> Document {
+    let mut verdict = Section::new("verdict", "Verdict");
+    let mut sections = if analyses.is_empty() {
+        verdict.paragraph("No case could be analysed.");
+        vec![verdict]
+    } else {
+        people::sentences(&mut verdict, together);
+        let mut tests = Section::new("tests", "Comparison of the lines");
+        errors::compared(&mut tests, together);
+        vec![verdict, errors::by_patient(analyses, Detail::Summary), tests]
+    };
+    sections.extend(hypotheses::section(analyses));
+    let synthetic = if together.synthetic { " · SYNTHETIC" } else { "" };
+    Document {
+        title: "Cohort".to_owned(),
+        subject: format!("{}{synthetic}", size(analyses)),
+        generator: generator.to_owned(),
+        banners: Vec::new(),
+        sections,
+        analysis: String::new(),
+    }
+}
+
+fn size(analyses: &[Analysis]) -> String {
+    match analyses.len() {
+        1 => "1 patient".to_owned(),
+        n => format!("{n} patients"),
+    }
+}
+
 fn how(patients: &Patients<'_>) -> Section {
-    let mut section = Section::new("method", "How it was made");
+    let mut section = Section::new("method", "How this report was made");
     // All patients of a run share their options.
     if let Some(first) = patients.analyses.first() {
         section.table(patient::options(patients.generator, &first.options));
     }
-    section.paragraph("Statistics: a patient is the unit. One mean per patient enters every interval and every test but those called pooled, which are the paper's and take vertebrae of one spine for independent. Intervals resample patients.");
+    section.paragraph("Statistics: a patient is the unit. One mean per patient enters every interval and every test except those called pooled, which are the paper's and treat vertebrae of one spine as independent. Intervals resample patients.");
     section
 }
 

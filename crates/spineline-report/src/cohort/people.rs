@@ -1,10 +1,11 @@
-//! Who the patients are, and who of those that came was left out.
+//! Description of the patients, and of the cases that were excluded.
 
 use std::collections::BTreeMap;
 
 use spineline::analysis::{Analysis, Sex, Subject};
 use spineline::anatomy::Posture;
 use spineline::clinical::ClinicalCurve;
+use spineline::cohort::Cohort;
 use spineline::evaluate::statistics::{Summary, quantile};
 
 use super::Patients;
@@ -41,12 +42,17 @@ pub struct Refused {
     pub why: String,
 }
 
-/// What the patients say together, and what speaks against single ones.
-pub fn verdict(patients: &Patients<'_>) -> Section {
-    let mut section = Section::new("verdict", "Verdict, contradictions and warnings");
-    for sentence in patients.together.sentences() {
+/// The findings of a cohort, one sentence each.
+pub fn sentences(section: &mut Section, cohort: &Cohort) {
+    for sentence in cohort.sentences() {
         section.paragraph(sentence);
     }
+}
+
+/// The findings of the cohort, and how many patients have which contradiction or warning.
+pub fn verdict(patients: &Patients<'_>) -> Section {
+    let mut section = Section::new("verdict", "Verdict, contradictions and warnings");
+    sentences(&mut section, patients.together);
     let mut counts: BTreeMap<(NoticeKind, &str), (usize, String)> = BTreeMap::new();
     for analysis in patients.analyses {
         let mut seen: Vec<&str> = Vec::new();
@@ -59,10 +65,10 @@ pub fn verdict(patients: &Patients<'_>) -> Section {
         }
     }
     let columns = vec![
-        Column::words("Weight"),
+        Column::words("Severity"),
         Column::words("Code"),
         Column::numbers("Patients"),
-        Column::words("Such as"),
+        Column::words("Example"),
     ];
     let mut table = Table::new("Contradictions, warnings and notes over patients", columns);
     for ((kind, code), (patients, example)) in counts {
@@ -88,7 +94,7 @@ pub fn flow(patients: &Patients<'_>) -> Section {
     let other = analyses.len() - modelled.len() - no_scale - no_bend;
     let complete =
         |a: &&&Analysis| Posture::ALL.iter().all(|&posture| a.posture(posture).is_some());
-    let lacking = Posture::MOVED.map(|posture| {
+    let missing = Posture::MOVED.map(|posture| {
         let n = modelled.iter().filter(|a| a.posture(posture).is_none()).count();
         (format!("no {posture} film"), n)
     });
@@ -107,11 +113,11 @@ pub fn flow(patients: &Patients<'_>) -> Section {
     let steps = [
         step("case files read", analyses.len() + refused.len(), refusals.to_vec()),
         step("analysed", analyses.len(), no_model),
-        step("with a personalised model", modelled.len(), lacking.to_vec()),
+        step("with a personalised model", modelled.len(), missing.to_vec()),
         step("with all five postures", modelled.iter().filter(complete).count(), Vec::new()),
     ];
     let svg = figures::exclusions(&steps, patients.together.synthetic);
-    let caption = "How many cases came how far. A film that is lacking takes a case out of the last step alone: all its other films count.";
+    let caption = "Cases at every step. A missing film removes a case from the last step only: all its other films count.";
     section.figure(Figure::new("flow", caption, svg));
     section.table(refused_table(refused));
     section.table(films_table(analyses));
@@ -119,7 +125,7 @@ pub fn flow(patients: &Patients<'_>) -> Section {
 }
 
 fn refused_table(refused: &[Refused]) -> Table {
-    let columns = vec![Column::words("File"), Column::words("Refused since"), Column::words("Why")];
+    let columns = vec![Column::words("File"), Column::words("Reason"), Column::words("Details")];
     let mut table = Table::new("Cases that were refused", columns);
     for one in refused {
         table.row(vec![one.name.clone(), one.refusal.words().to_owned(), one.why.clone()]);
@@ -257,7 +263,7 @@ pub fn lenke(patients: &Patients<'_>) -> Section {
     let without = patients.analyses.iter().filter(|a| a.lenke.is_none()).count();
     counts.push(("none".to_owned(), without));
     let svg = figures::lenke_types(&counts, patients.together.synthetic);
-    let caption = "Lenke types as far as frontal films tell them; none: a bending film or a pair of inflections is lacking, or the curves make no type.";
+    let caption = "Lenke types as far as frontal films determine them; none: a bending film or a pair of inflections is missing, or the curves match no type.";
     section.figure(Figure::new("lenke", caption, svg));
     section.table(recorded(patients));
     section

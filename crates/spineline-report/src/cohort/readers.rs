@@ -1,4 +1,4 @@
-//! How well readings repeat over a cohort.
+//! The repeatability of readings over a cohort.
 
 use spineline::analysis::Analysis;
 use spineline::measure::FilmReadings;
@@ -8,6 +8,7 @@ use spineline::reliability::{
 
 use crate::document::{Column, Figure, Section, Table};
 use crate::figures::bland_altman;
+use crate::reliability::NOTE;
 
 /// The statistics that a reader asks for first; the rest is in the analyses and in `spineline reliability`.
 const SHOWN: [StatisticKind; 4] = [
@@ -20,9 +21,9 @@ const SHOWN: [StatisticKind; 4] = [
 /// What is plotted: tilts between neighbours, which no turn of the film changes, and as the paper takes them.
 const PLOTTED: [&str; 2] = ["tilt_step", "tilt_as_paper"];
 /// More points than these hide one another.
-const MOST_POINTS: usize = 4000;
+const MAX_POINTS: usize = 4000;
 
-/// Errors and correlations of the readings, and how far readers lie apart.
+/// Errors and correlations of the readings, and the differences between readers.
 pub fn section(analyses: &[Analysis]) -> Section {
     let mut section = Section::new("reliability", "Reliability of the readings");
     let mut cases: Vec<(&str, &[FilmReadings])> = Vec::new();
@@ -33,19 +34,20 @@ pub fn section(analyses: &[Analysis]) -> Section {
     }
     let repeated = |films: &&[FilmReadings]| films.iter().any(|film| film.readings.len() > 1);
     if !cases.iter().any(|(_, films)| repeated(films)) {
-        section.paragraph("Every film was read once: how well readings repeat is not known.");
+        section
+            .paragraph("Every film was read once: the repeatability of the readings is not known.");
         return section;
     }
     let columns = vec![
         Column::words("Quantity"),
-        Column::words("Between whom"),
+        Column::words("Design"),
         Column::numbers("Subjects"),
         Column::words("Statistic"),
         Column::numbers("Value"),
         Column::words("95 % interval"),
         Column::words("Unit"),
     ];
-    let mut table = Table::new("How well readings repeat", columns);
+    let mut table = Table::new("Repeatability of the readings", columns);
     let synthetic = analyses.iter().any(|analysis| analysis.synthetic);
     let mut plots: Vec<Figure> = Vec::new();
     for quantity in film_quantities(&cases).iter().map(assess) {
@@ -65,7 +67,7 @@ pub fn section(analyses: &[Analysis]) -> Section {
             }
         }
     }
-    table.note = "SEM and MDC95 speak of the readers alone. Every correlation also grows with the spread of the subjects. Intervals take the subjects for independent; vertebrae of one film are not, so true ones are wider. Plots of more than 4,000 points are left out.".to_owned();
+    table.note = format!("{NOTE} Plots of more than 4,000 points are left out.");
     section.table(table);
     for plot in plots {
         section.figure(plot);
@@ -79,7 +81,7 @@ fn plot(
     design: &DesignReliability,
     synthetic: bool,
 ) -> Option<Figure> {
-    let few = design.bland_altman.iter().all(|pair| pair.points.len() <= MOST_POINTS);
+    let few = design.bland_altman.iter().all(|pair| pair.points.len() <= MAX_POINTS);
     if !few || !PLOTTED.contains(&quantity.key.as_str()) {
         return None;
     }

@@ -1,4 +1,4 @@
-//! How far two raters' readings lie apart.
+//! The agreement of two raters' readings.
 
 use kuva::render::render::Primitive;
 use spineline::reliability::{BlandAltman, DesignReliability, QuantityReliability, shown_measure};

@@ -10,7 +10,7 @@ use super::style::{FILLS, action_fill, outlined};
 /// How near the inflection segments of one group of cases are to the least-rotating ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InflectionSample {
-    /// Name of the group, such as the truth of its phantoms.
+    /// Name of the group, such as the loading scenario of its phantoms.
     pub name: String,
     /// Distances between inflection and least-rotating segment, in segments: one per posture and window.
     pub distances_segments: Vec<f64>,
@@ -41,7 +41,7 @@ pub struct EstimateGroup {
 /// Location errors of one model over one group of cases.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LocationErrorSample {
-    /// Name of the group, such as the truth of its phantoms.
+    /// Name of the group, such as the loading scenario of its phantoms.
     pub group: String,
     /// The line of action of the model.
     pub line: LineKind,

@@ -13,7 +13,7 @@ use super::style::{
 #[must_use]
 pub fn lenke_types(counts: &[(String, usize)], synthetic: bool) -> String {
     let mut page = Page::new("Lenke types from frontal films", synthetic);
-    page.notes.push("Kyphosis and modifiers are not seen on frontal films.".to_owned());
+    page.notes.push("Kyphosis and modifiers are not visible on frontal films.".to_owned());
     page.width_px = 640.0;
     let most = counts.iter().map(|(_, count)| *count).max().unwrap_or(0);
     let total = counts.len().max(1) as f64;

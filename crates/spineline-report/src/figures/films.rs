@@ -1,4 +1,4 @@
-//! The films of one patient as they hang, with all that was marked and found on them.
+//! The films of one patient as they were taken, with all landmarks and results on them.
 
 use kuva::render::render::Primitive;
 use spineline::action::{LineKind, LineOfAction};
@@ -14,7 +14,7 @@ use super::style::{BLACK, GREY, Ink, Marker, ORANGE, Shape, VERMILLION, action_i
 
 const TALL_PX: f64 = 390.0;
 const PANELS_PER_ROW: usize = 3;
-/// Room around the marks, as a part of their height.
+/// Room around the landmarks, as a part of their height.
 const ROOM: f64 = 0.06;
 
 const BODY: Ink = Ink::new(GREY, "", 1.0);
@@ -32,14 +32,14 @@ pub struct FilmPicture {
     pub png: Vec<u8>,
 }
 
-/// Where things lie on a film that hangs upright: `-y` and `z` from L4's midpoint.
-struct Hanging<'a> {
+/// Coordinates on a film that is displayed upright: `-y` and `z` from L4's midpoint.
+struct Displayed<'a> {
     film: &'a Film,
     outline: &'a Outline,
     frame: Option<FilmFrame>,
 }
 
-impl<'a> Hanging<'a> {
+impl<'a> Displayed<'a> {
     fn of(film: &'a Film, outline: &'a Outline) -> Self {
         Self { film, outline, frame: FilmFrame::of(film, outline) }
     }
@@ -96,27 +96,28 @@ impl<'a> Hanging<'a> {
     }
 }
 
-/// The films of one patient: marks of all readings, fitted curve, inflections, iliac crests and lines of action, over the
+/// The films of one patient: landmarks of all readings, fitted curve, inflections, iliac crests and lines of action, over the
 /// pictures as far as there are any.
 #[must_use]
 pub fn films(case: &Case, analysis: &Analysis, pictures: &[FilmPicture]) -> String {
-    let title = format!("Films with marks, curve, inflections and lines, case {}", case.id);
+    let title = format!("Films with landmarks, curve, inflections and lines, case {}", case.id);
     let mut page = Page::new(title, analysis.synthetic);
-    page.notes
-        .push(format!("{VIEW} Films hang as they were taken; L4's midpoint is at the origin."));
-    let hung: Vec<(Hanging<'_>, &PostureAnalysis)> = analysis
+    page.notes.push(format!(
+        "{VIEW} Films are shown as they were taken; L4's midpoint is at the origin."
+    ));
+    let displayed: Vec<(Displayed<'_>, &PostureAnalysis)> = analysis
         .postures
         .iter()
         .filter_map(|p| {
             let film = case.films.iter().find(|film| film.posture == p.outline.posture)?;
-            Some((Hanging::of(film, &p.outline), p))
+            Some((Displayed::of(film, &p.outline), p))
         })
         .collect();
-    legend(&mut page, analysis, &hung);
-    let columns = PANELS_PER_ROW.min(hung.len()).max(1);
+    legend(&mut page, analysis, &displayed);
+    let columns = PANELS_PER_ROW.min(displayed.len()).max(1);
     // Heights differ from film to film, so that every panel has an axis of its own.
     let cell_px = page.inner_px() / columns as f64 - 84.0;
-    for row in hung.chunks(columns) {
+    for row in displayed.chunks(columns) {
         let mut panels: Vec<Panel> = Vec::new();
         for (film, posture) in row {
             let mut panel = empty_panel(film, cell_px.min(TALL_PX));
@@ -135,9 +136,9 @@ pub fn films(case: &Case, analysis: &Analysis, pictures: &[FilmPicture]) -> Stri
     page.into_svg()
 }
 
-fn legend(page: &mut Page, analysis: &Analysis, hung: &[(Hanging<'_>, &PostureAnalysis)]) {
+fn legend(page: &mut Page, analysis: &Analysis, displayed: &[(Displayed<'_>, &PostureAnalysis)]) {
     let mut add = |sample, words: &str| page.legend.push((sample, words.to_owned()));
-    if hung.iter().any(|(film, _)| film.marks().next().is_some()) {
+    if displayed.iter().any(|(film, _)| film.marks().next().is_some()) {
         add(Sample::Stroke(BODY, None), "marked corners, every reading");
     }
     add(Sample::Marker(MIDPOINT), "midpoints, mean of readings");
@@ -145,7 +146,7 @@ fn legend(page: &mut Page, analysis: &Analysis, hung: &[(Hanging<'_>, &PostureAn
     if analysis.inflection_segments.is_some() {
         add(Sample::Marker(INFLECTION), "inflections of the erect curve");
     }
-    if hung.iter().any(|(film, _)| film.crests().is_some()) {
+    if displayed.iter().any(|(film, _)| film.crests().is_some()) {
         add(Sample::Stroke(CREST, None), "iliac crests");
     }
     for model in &analysis.models {
@@ -153,8 +154,8 @@ fn legend(page: &mut Page, analysis: &Analysis, hung: &[(Hanging<'_>, &PostureAn
     }
 }
 
-/// A panel that holds all marks, as wide as its cell.
-fn empty_panel(film: &Hanging<'_>, cell_px: f64) -> Panel {
+/// A panel that holds all landmarks, as wide as its cell.
+fn empty_panel(film: &Displayed<'_>, cell_px: f64) -> Panel {
     let extent = film.extent();
     let px_per_mm = (TALL_PX / extent.height_mm()).min(cell_px / extent.width_mm());
     let mut extent = extent.at_least_wide(cell_px / px_per_mm);
@@ -165,7 +166,7 @@ fn empty_panel(film: &Hanging<'_>, cell_px: f64) -> Panel {
 }
 
 /// Where the picture lies in a panel.
-fn placed(panel: &Panel, film: &Hanging<'_>, picture: &FilmPicture) -> Option<Picture> {
+fn placed(panel: &Panel, film: &Displayed<'_>, picture: &FilmPicture) -> Option<Picture> {
     let frame = film.frame.as_ref()?;
     let image = frame.image();
     let [columns, rows] = [image.columns, image.rows].map(f64::from);
@@ -177,7 +178,7 @@ fn placed(panel: &Panel, film: &Hanging<'_>, picture: &FilmPicture) -> Option<Pi
     Some(Picture { png: picture.png.clone(), corners_px })
 }
 
-fn fill(panel: &mut Panel, film: &Hanging<'_>, analysis: &Analysis, posture: &PostureAnalysis) {
+fn fill(panel: &mut Panel, film: &Displayed<'_>, analysis: &Analysis, posture: &PostureAnalysis) {
     let at = |point: Frontal| drawn(film.place(point));
     let bodies: Vec<Primitive> = film
         .marks()
@@ -224,7 +225,7 @@ fn within(panel: &Panel, [a, b]: [(f64, f64); 2]) -> Option<[(f64, f64); 2]> {
 
 fn line_layer(
     panel: &mut Panel,
-    film: &Hanging<'_>,
+    film: &Displayed<'_>,
     kind: LineKind,
     posture: &PostureAnalysis,
     analysis: &Analysis,

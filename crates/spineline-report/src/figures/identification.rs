@@ -1,4 +1,4 @@
-//! Where the line of action of every film runs, by its own evidence and through the inflections.
+//! The line of best fit to the rotations of every film, beside the line through the inflections.
 
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, LineCrossing, PostureAnalysis, PreferredLine, probability};
@@ -16,10 +16,10 @@ const SPINE: (Ink, Marker) = (
     Marker { radius_px: 2.8, ..Marker::new(Shape::Circle, BLACK, false) },
 );
 const INFLECTION: Marker = Marker { radius_px: 5.0, ..Marker::new(Shape::Diamond, ORANGE, true) };
-const OWN: Ink = Ink::new(PURPLE, "", 1.8);
+const BEST_FIT: Ink = Ink::new(PURPLE, "", 1.8);
 const INTERVAL: Ink = Ink::new(PURPLE, "", 4.0);
 
-/// The line through the inflections beside the line that the rotations of each film prefer, with its 95 % intervals at the
+/// The line through the inflections beside the line of best fit to the rotations of each film, with its 95 % intervals at the
 /// heights of the inflections, like figure 7 of the paper. `None` where no film was moved from the erect posture.
 #[must_use]
 pub fn line_identification(analysis: &Analysis) -> Option<String> {
@@ -31,15 +31,15 @@ pub fn line_identification(analysis: &Analysis) -> Option<String> {
     let title = format!("Identification of the line of action, case {}", analysis.case_id);
     let mut page = Page::new(title, analysis.synthetic);
     page.notes.push(format!(
-        "{VIEW} p: of the film's own line running through both inflections; below 0.05 speaks against it."
+        "{VIEW} p: the line of best fit runs through both inflections; below 0.05 speaks against it."
     ));
     let line_ink = action_ink(LineKind::Inflection);
     page.legend = vec![
         (Sample::Stroke(SPINE.0, Some(SPINE.1)), "measured spine".to_owned()),
         (Sample::Marker(INFLECTION), "inflections of the erect curve".to_owned()),
         (Sample::Stroke(line_ink, None), "line through them".to_owned()),
-        (Sample::Stroke(OWN, None), "line that the rotations prefer".to_owned()),
-        (Sample::Stroke(INTERVAL, None), "its 95 % interval, of each place alone".to_owned()),
+        (Sample::Stroke(BEST_FIT, None), "line of best fit to the rotations".to_owned()),
+        (Sample::Stroke(INTERVAL, None), "its 95 % interval, for each place alone".to_owned()),
     ];
     let room_px = 84.0 + 18.0 * (moved.len() as f64 - 1.0);
     let cell_px = (page.inner_px() - room_px) / moved.len() as f64;
@@ -59,8 +59,8 @@ pub fn line_identification(analysis: &Analysis) -> Option<String> {
 
 fn fill(panel: &mut Panel, posture: &PostureAnalysis) {
     panel.heading(HeadingKind::Title, posture.outline.posture.to_string());
-    let own = posture.preferred_line.as_ref();
-    let test = own.and_then(|own| own.inflection);
+    let best_fit = posture.preferred_line.as_ref();
+    let test = best_fit.and_then(|line| line.inflection);
     panel.heading(
         HeadingKind::Plain,
         test.map_or_else(
@@ -76,17 +76,17 @@ fn fill(panel: &mut Panel, posture: &PostureAnalysis) {
     {
         panel.layer("line through the inflections", [mark]);
     }
-    if let Some(own) = own {
-        own_line(panel, own);
+    if let Some(found) = best_fit {
+        best_fit_line(panel, found);
     }
     panel.spine(&locations, SPINE.0, SPINE.1);
     panel.points(INFLECTION, posture.inflection_points.into_iter().flatten().map(drawn));
 }
 
-fn own_line(panel: &mut Panel, own: &PreferredLine) {
-    let line = panel.action_mark(&own.line, OWN);
-    let bars: Vec<_> = own.crossings.iter().filter_map(|at| interval(panel, at)).collect();
-    panel.layer("line that the rotations prefer", line.into_iter().chain(bars));
+fn best_fit_line(panel: &mut Panel, found: &PreferredLine) {
+    let line = panel.action_mark(&found.line, BEST_FIT);
+    let bars: Vec<_> = found.crossings.iter().filter_map(|at| interval(panel, at)).collect();
+    panel.layer("line of best fit to the rotations", line.into_iter().chain(bars));
 }
 
 /// Where a line may cross a height, as far as the frame reaches.

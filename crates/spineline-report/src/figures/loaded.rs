@@ -42,7 +42,7 @@ const MOMENT: Ink = Ink::new(PURPLE, "", 1.8);
 pub struct LoadedSpine<'a> {
     /// Case of the model.
     pub case_id: &'a str,
-    /// Whether that case is made up.
+    /// Whether that case is synthetic.
     pub synthetic: bool,
     /// What forces are given in.
     pub force_unit: &'a str,
@@ -141,7 +141,7 @@ fn state_words(input: &LoadedSpine<'_>) -> String {
     match (response.result(), response.nearest()) {
         (Some(result), _) => {
             format!(
-                "Factor of the growing loads: {:.4} ({}).",
+                "Factor of the proportional loads: {:.4} ({}).",
                 result.factor,
                 response.ending.key()
             )

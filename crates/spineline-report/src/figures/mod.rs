@@ -10,7 +10,7 @@
 //! | [`least_rotating_estimates`] | 10 |
 //! | [`force_path`] | 11 |
 //! | [`bland_altman`] | none: readings of two raters against one another |
-//! | [`films`] | none: films as they hang, with marks, curve, inflections and lines |
+//! | [`films`] | none: films as they were taken, with landmarks, curve, inflections and lines |
 //! | [`spine_in_space`] | none: the multibody model from three sides |
 //! | [`lenke_types`], [`exclusions`] | none: counts over a cohort |
 //! | [`case_overview`] | none: all postures of one patient side by side |

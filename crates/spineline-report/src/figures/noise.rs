@@ -4,7 +4,7 @@ use super::page::{Page, Sample};
 use super::panel::{Axis, HeadingKind, Panel, Ticks};
 use super::style::{BLACK, BLUE, GREEN, GREY, Ink, Marker, ORANGE, PURPLE, SKY, Shape, VERMILLION};
 
-/// What moved the patients of a curve.
+/// The loading scenario of the patients of a curve.
 #[derive(Debug, Clone)]
 pub struct NoiseTruth {
     /// Its name.
@@ -13,19 +13,19 @@ pub struct NoiseTruth {
     pub meaning: String,
 }
 
-/// A number over the noise, for one truth.
+/// A number over the noise, for one loading scenario.
 #[derive(Debug, Clone)]
 pub struct NoiseCurve {
     /// Noise in mm; value, lower and upper end of its interval, in percent.
     pub points: Vec<(f64, [f64; 3])>,
 }
 
-/// The curves of all truths, for one rule.
+/// The curves of all loading scenarios, for one rule.
 #[derive(Debug, Clone)]
 pub struct NoisePanel {
     /// The rule.
     pub name: String,
-    /// One curve per truth.
+    /// One curve per loading scenario.
     pub curves: Vec<NoiseCurve>,
 }
 
@@ -42,7 +42,7 @@ pub struct NoiseRow {
     pub panels: Vec<NoisePanel>,
 }
 
-/// Colour, dash and marker in the order of the truths: any one of the three tells them apart.
+/// Colour, dash and marker in the order of the scenarios: any one of the three tells them apart.
 const STYLES: [(&str, &str, Shape, bool, f64); 7] = [
     (BLACK, "", Shape::Circle, true, 2.2),
     (BLUE, "8 3", Shape::Square, true, 1.5),
@@ -57,18 +57,18 @@ const WIDTH_PX: f64 = 1080.0;
 /// Curves stand side by side by so much, so that their intervals do not cover one another.
 const BESIDE_MM: f64 = 0.012;
 
-fn style(truth: usize) -> (Ink, Marker) {
-    let (colour, dash, shape, filled, width_px) = STYLES[truth % STYLES.len()];
+fn style(scenario: usize) -> (Ink, Marker) {
+    let (colour, dash, shape, filled, width_px) = STYLES[scenario % STYLES.len()];
     let marker = Marker { radius_px: 2.9, ..Marker::new(shape, colour, filled) };
     (Ink::new(colour, dash, width_px), marker)
 }
 
-/// Three claims over landmark noise: rows are claims, columns rules of the curves' order, curves truths.
+/// Three claims over landmark noise: rows are claims, columns rules of the curves' order, curves loading scenarios.
 ///
 /// `about` says how many patients, and from which seed.
 #[must_use]
 pub fn noise_study(
-    truths: &[NoiseTruth],
+    scenarios: &[NoiseTruth],
     rows: &[NoiseRow],
     about: &str,
     synthetic: bool,
@@ -80,13 +80,13 @@ pub fn noise_study(
          patients. Grey line: the claim holds above it."
     ));
     page.notes.push(
-        "Columns: rule for the order of the curves. A claim speaks for a force through the inflections only where the black \
+        "Columns: rule for the order of the curves. A claim supports a force through the inflections only where the black \
          curve lies above the others."
             .to_owned(),
     );
-    for (i, truth) in truths.iter().enumerate() {
+    for (i, scenario) in scenarios.iter().enumerate() {
         let (ink, marker) = style(i);
-        let label = format!("{}: {}", truth.name, truth.meaning);
+        let label = format!("{}: {}", scenario.name, scenario.meaning);
         page.legend.push((Sample::Stroke(ink, Some(marker)), label));
     }
     let last = rows.len().saturating_sub(1);
@@ -130,10 +130,10 @@ fn draw_curves(drawn: &mut Panel, panel: &NoisePanel, limit_percent: f64) {
     let across = drawn.x.range.map(|x| (x, limit_percent)).to_vec();
     drawn.curves.push((Ink::new(GREY, "", 2.6), across));
     let middle = 0.5 * (panel.curves.len() as f64 - 1.0);
-    // The first truth is drawn last, on top.
-    for (truth, curve) in panel.curves.iter().enumerate().rev() {
-        let (ink, marker) = style(truth);
-        let beside = BESIDE_MM * (truth as f64 - middle);
+    // The first scenario is drawn last, on top.
+    for (scenario, curve) in panel.curves.iter().enumerate().rev() {
+        let (ink, marker) = style(scenario);
+        let beside = BESIDE_MM * (scenario as f64 - middle);
         let [least, most] = drawn.y.range;
         let inside = |v: f64| v.clamp(least, most);
         let mut places = Vec::new();

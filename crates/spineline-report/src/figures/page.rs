@@ -99,7 +99,7 @@ impl Page {
         }
         if self.synthetic {
             *y += line_px(NOTE_PX);
-            let words = "synthetic data: made up, not measured on a patient";
+            let words = "synthetic data: generated, not measured on a patient";
             elements.push(bold(at(*y - 3.0), words, NOTE_PX, TextAnchor::Start, VERMILLION));
         }
         for line in self.notes.iter().flat_map(|note| wrapped(note, NOTE_PX, self.inner_px())) {
@@ -150,7 +150,7 @@ impl Page {
     }
 }
 
-/// A picture cut off at the edges of its frame, paler than it is, so that marks stand out; kuva draws no pictures.
+/// A picture cut off at the edges of its frame, paler than it is, so that landmarks stand out; kuva draws no pictures.
 fn drawn(picture: &Picture, [width, height]: [f64; 2]) -> String {
     let [(x, y), (to_x, to_y)] = picture.corners_px;
     // A picture whose columns run to the left is mirrored about its first one.

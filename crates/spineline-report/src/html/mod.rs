@@ -39,7 +39,7 @@ pub fn html(document: &Document) -> String {
                     }
                 }
                 main { @for part in &document.sections { (section(part)) } }
-                footer { "Made by " (document.generator) ". The analysis behind this report is inside of this file." }
+                footer { "Made by " (document.generator) ". This file contains the analysis behind this report." }
                 script type="application/json" id=(ELEMENT_ID) {
                     (PreEscaped(for_html(&document.analysis)))
                 }

@@ -1,4 +1,4 @@
-//! What the films show: marks, curve, movement, and where the line of action runs.
+//! What the films show: landmarks, curve, movement, and where the line of action runs.
 
 use spineline::analysis::{Analysis, probability};
 use spineline::motion::Estimate;
@@ -14,26 +14,30 @@ pub fn films(patient: &Patient<'_>) -> Section {
     let mut section = Section::new("films", "Films");
     let svg = figures::films(patient.case, analysis, patient.pictures);
     let pictures = match patient.pictures.len() {
-        0 => "No picture of a film was at hand: marks alone are shown.".to_owned(),
-        n => format!("{n} of {} films with their pictures.", analysis.postures.len()),
+        0 => "No image of a film was available: landmarks alone are shown.".to_owned(),
+        n => format!("{n} of {} films with their images.", analysis.postures.len()),
     };
     let caption = format!(
-        "Films with marks, fitted curve, inflections and candidate lines of action. {pictures}"
+        "Films with landmarks, fitted curve, inflections and candidate lines of action. {pictures}"
     );
     section.figure(Figure::new("films", caption, svg));
+    curve(&mut section, analysis);
+    section
+}
+
+/// The curve, the chain, clinical angles and what was fitted to every film.
+pub fn curve(section: &mut Section, analysis: &Analysis) {
     for line in analysis.inflection_words().lines() {
         section.paragraph(format!("{line}."));
     }
     let scale = analysis.scale();
-    section.paragraph(format!(
-        "Chain of {} segments of {}.",
-        analysis.chain.segments,
-        scale.text(analysis.chain.segment_mm, 4)
-    ));
+    let segment_mm = analysis.chain.segment_mm;
+    let segment =
+        scale.px(segment_mm).map_or_else(|| scale.text(segment_mm, 4), |px| format!("{px:.3} px"));
+    section.paragraph(format!("Chain of {} segments of {segment}.", analysis.chain.segments));
     section.table(clinical(analysis));
     section.paragraph(format!("{}.", analysis.lenke_words()));
     section.table(curves(analysis));
-    section
 }
 
 fn clinical(analysis: &Analysis) -> Table {
@@ -60,21 +64,26 @@ fn clinical(analysis: &Analysis) -> Table {
         table.row(row);
     }
     table.note =
-        "In the direction of the erect curve: a negative angle has turned over.".to_owned();
+        "Positive in the direction of the erect curve: a negative angle is convex to the other side.".to_owned();
     table
 }
 
 fn curves(analysis: &Analysis) -> Table {
     let columns = vec![
         Column::words("Film"),
-        Column::words("L4–T2 leans"),
+        Column::words("Lateral tilt of L4–T2"),
         Column::numbers("Order of the curve"),
         Column::words("Residual of locations"),
         Column::numbers("Residual of tilts (°)"),
         Column::numbers("Readings"),
+        Column::numbers("Mean rotation (°)"),
+        Column::words("Inflections to the least-rotating segments (segments)"),
     ];
-    let mut table = Table::new("Fitted curves", columns);
+    let mut table = Table::new("Fitted curves and their movement from the erect film", columns);
     for p in &analysis.postures {
+        let distances = p
+            .inflection_estimates
+            .map(|pair| format!("{}, {}", pair[0].distance_segments, pair[1].distance_segments));
         table.row(vec![
             p.outline.posture.to_string(),
             p.outline.amplitude().leaning(),
@@ -82,6 +91,8 @@ fn curves(analysis: &Analysis) -> Table {
             p.outline.scale.residual_text(p.fit.rmse_mm),
             format!("{:.2}", p.fit.rmse_tilt.deg()),
             p.outline.readings.to_string(),
+            p.mean_rotation().map_or_else(none, |rotation| format!("{:.4}", rotation.deg())),
+            distances.unwrap_or_else(none),
         ]);
     }
     table
@@ -91,7 +102,7 @@ fn curves(analysis: &Analysis) -> Table {
 pub fn movement(analysis: &Analysis) -> Section {
     let mut section = Section::new("movement", "Movement of the spine");
     let Some(svg) = figures::rotations(analysis) else {
-        section.paragraph("Only the erect posture was filmed: there is no movement.");
+        section.paragraph("Only the erect film is available: there is no movement.");
         return section;
     };
     let caption = "Rotation of every segment of the chain from the erect to every other posture (figure 5 of the paper).";
@@ -145,44 +156,49 @@ pub fn movement(analysis: &Analysis) -> Section {
     section
 }
 
-/// Figure 7 of the paper, with what every film's own evidence says.
+/// Figure 7 of the paper, with the line of best fit to the rotations of every film.
 pub fn line(analysis: &Analysis) -> Section {
     let mut section = Section::new("line", "Identification of the line of action");
     let Some(svg) = figures::line_identification(analysis) else {
-        section.paragraph("Only the erect posture was filmed: no line can be identified.");
+        section.paragraph("Only the erect film is available: no line can be identified.");
         return section;
     };
-    let caption = "The line through the inflections, and the line that the joints' rotations prefer on each film (after figure 7 of the paper).";
+    let caption = "The line through the inflections, and the line of best fit to the joints' rotations on each film (after figure 7 of the paper).";
     section.figure(Figure::new("line", caption, svg));
+    section.table(best_fit(analysis));
+    section
+}
+
+/// The line of best fit to the rotations of every film, and its tests against the candidate lines.
+pub fn best_fit(analysis: &Analysis) -> Table {
     let columns = vec![
         Column::words("Film"),
-        Column::words("Own line leans"),
+        Column::words("Lateral tilt of the line"),
         Column::words("At the caudal inflection (mm left)"),
-        Column::words("At the cranial one (mm left)"),
-        Column::words("p: through both"),
+        Column::words("At the cranial inflection (mm left)"),
+        Column::words("p: through both inflections"),
         Column::words("p: parallel to the iliac line"),
     ];
-    let mut table = Table::new("The line that the rotations of each film prefer", columns);
+    let mut table = Table::new("Line of best fit to the rotations of each film", columns);
     for p in &analysis.postures {
-        let Some(own) = &p.preferred_line else { continue };
-        let [caudal, cranial] = &own.crossings;
+        let Some(found) = &p.preferred_line else { continue };
+        let [caudal, cranial] = &found.crossings;
         table.row(vec![
             p.outline.posture.to_string(),
-            own.line.lean().leaning(),
+            found.line.lean().leaning(),
             caudal.to_string(),
             cranial.to_string(),
-            p_value(own.inflection.map(|found| found.test)),
-            p_value(own.iliac),
+            p_value(found.inflection.map(|found| found.test)),
+            p_value(found.iliac),
         ]);
     }
-    if let Some(own) = analysis.postures.iter().find_map(|p| p.preferred_line.as_ref()) {
+    if let Some(found) = analysis.postures.iter().find_map(|p| p.preferred_line.as_ref()) {
         table.note = format!(
-            "In brackets 95 % confidence, of this place alone; negative is right. p below 0.05 speaks against the line. Joints of a region differ in stiffness by {:.0} % on these films.",
-            100.0 * own.joint_log_sd
+            "In brackets the 95 % confidence interval of each place alone; negative is right. p below 0.05 speaks against the line. Joints of a region differ in stiffness by {:.0} % on these films.",
+            100.0 * found.joint_log_sd
         );
     }
-    section.table(table);
-    section
+    table
 }
 
 fn p_value(test: Option<LineTest>) -> String {

@@ -10,7 +10,7 @@ use crate::document::{Column, Section, Table};
 
 /// Version, choices and sources of one patient's analysis.
 pub fn how(patient: &Patient<'_>) -> Section {
-    let mut section = Section::new("method", "How it was made");
+    let mut section = Section::new("method", "How this report was made");
     let mut table = options(patient.generator, &patient.analysis.options);
     let mut add = |what: &str, words: String| table.row(vec![what.to_owned(), words]);
     let analysis: &Analysis = patient.analysis;
@@ -32,11 +32,11 @@ pub(crate) fn options(generator: &str, options: &AnalysisOptions) -> Table {
     add("Program", generator.to_owned());
     add("Order of the curves", order_words(options.order_rule));
     add("Inflections", inflection_words(options));
-    add("Gauge", gauge_words(options.gauge));
+    add("Scale constraint (gauge)", gauge_words(options.gauge));
     add(
         "Support",
         match options.support {
-            Support::Free => "free: every joint turns about three axes (the paper)",
+            Support::Free => "free: every joint rotates about three axes (the paper)",
             Support::Frontal => "frontal: flexion and axial hinges are locked",
         }
         .to_owned(),
@@ -69,10 +69,10 @@ pub(crate) fn options(generator: &str, options: &AnalysisOptions) -> Table {
 fn order_words(rule: OrderRule) -> String {
     match rule {
         OrderRule::LeaveOneOut => {
-            "least order whose error on left-out vertebrae is within 5 % of the best".to_owned()
+            "smallest order whose error on left-out vertebrae is within 5 % of the best".to_owned()
         }
         OrderRule::Paper => {
-            "the paper's: least residual among orders with two inflections".to_owned()
+            "the paper's: smallest residual among orders with two inflections".to_owned()
         }
         OrderRule::Fixed(order) => format!("{order}, given"),
     }
@@ -83,13 +83,13 @@ fn inflection_words(options: &AnalysisOptions) -> String {
         InflectionChoice::Automatic => "from the erect curve",
         InflectionChoice::ByHand(_) => "picked by hand",
     };
-    format!("{from}; a lobe counts from {} on", options.min_lobe)
+    format!("{from}; a curve between inflections counts from {} on", options.min_lobe)
 }
 
 fn gauge_words(gauge: Gauge) -> String {
     match gauge {
         Gauge::GeometricMean => "geometric mean of the multipliers is 1".to_owned(),
-        Gauge::FrozenForce => "forces kept from the nominal stiffness".to_owned(),
+        Gauge::FrozenForce => "forces fixed at those of the nominal stiffness".to_owned(),
         Gauge::KnownForce { posture, force_n } => {
             format!("the force of the {posture} film is {force_n} N")
         }

@@ -1,9 +1,10 @@
-//! An analysis of one patient → a report: what speaks against it first, and how it was made last.
+//! An analysis of one patient → a report: contradictions and warnings first, the method last.
 
 mod measured;
 mod method;
 mod model;
-mod sureness;
+mod summary;
+mod uncertainty;
 
 use spineline::analysis::{Analysis, Case, LinesCompared};
 use spineline::personalize::Identifiability;
@@ -14,24 +15,25 @@ use crate::figures::FilmPicture;
 
 pub(crate) use measured::none;
 pub(crate) use method::options;
-pub(crate) use model::numbers;
+pub(crate) use model::{FITTED, HELD_OUT, numbers, sentence_case};
+pub use summary::{summary, warnings};
 
 /// What a report is made from.
 #[derive(Debug, Clone, Copy)]
 pub struct Patient<'a> {
     /// The films.
     pub case: &'a Case,
-    /// What was found.
+    /// The results.
     pub analysis: &'a Analysis,
-    /// Pictures of the films, as far as there are any.
+    /// Images of the films, as far as there are any; [`summary`] shows none.
     pub pictures: &'a [FilmPicture],
-    /// What the films say of every model's multipliers, in the order of the models; `None` where nobody asked.
+    /// What the films identify of every model's multipliers, in the order of the models; `None` where it was not requested.
     pub identifiability: Option<&'a [Option<Identifiability>]>,
-    /// What the noise of landmarks does to the numbers; `None` where nobody asked.
+    /// The effect of landmark noise on the numbers; `None` where it was not requested.
     pub uncertainty: Option<&'a Uncertainty>,
     /// Program that makes the report.
     pub generator: &'a str,
-    /// The analysis as JSON, to be embedded.
+    /// The analysis as JSON, to be embedded; [`summary`] does not show it.
     pub json: &'a str,
 }
 
@@ -49,7 +51,7 @@ pub fn report(patient: &Patient<'_>) -> Document {
     sections.push(model::stiffness(patient));
     sections.push(model::errors(analysis));
     sections.push(model::comparison(analysis, &compared));
-    sections.extend(patient.uncertainty.map(|found| sureness::numbers(analysis, found)));
+    sections.extend(patient.uncertainty.map(|found| uncertainty::numbers(analysis, found)));
     sections.push(method::how(patient));
     Document {
         title: "Patient report".to_owned(),
@@ -63,23 +65,28 @@ pub fn report(patient: &Patient<'_>) -> Document {
 
 /// What stands above every report.
 pub(crate) fn banners(synthetic: bool) -> Vec<Notice> {
-    let made_up = "Synthetic data: made up, not measured on a patient. Every number and picture here is synthetic.";
+    let generated = "Synthetic data: generated, not measured on a patient. Every number and picture here is synthetic.";
     let device =
-        "Research software, not a medical device: no diagnosis and no treatment may rest on it.";
-    let texts = synthetic.then_some(made_up).into_iter().chain([device]);
+        "Research software, not a medical device: not to be used for diagnosis or treatment.";
+    let texts = synthetic.then_some(generated).into_iter().chain([device]);
     texts.map(|text| Notice::new(NoticeKind::Banner, text)).collect()
 }
 
-/// The verdict in sentences, then all that speaks against the numbers, the heaviest first.
-fn verdict(analysis: &Analysis, compared: &LinesCompared) -> Section {
-    let mut section = Section::new("verdict", "Verdict, contradictions and warnings");
+/// The verdict in sentences.
+fn sentences(section: &mut Section, analysis: &Analysis, compared: &LinesCompared) {
     for sentence in analysis.verdict(compared) {
         section.paragraph(sentence);
     }
+}
+
+/// The verdict in sentences, then contradictions and warnings, the most severe first.
+fn verdict(analysis: &Analysis, compared: &LinesCompared) -> Section {
+    let mut section = Section::new("verdict", "Verdict, contradictions and warnings");
+    sentences(&mut section, analysis, compared);
     let mut notices: Vec<Notice> = analysis.warnings.all().iter().map(Notice::from).collect();
     notices.sort_by_key(|notice| notice.kind);
     if notices.is_empty() {
-        section.paragraph("No contradiction and no warning was met.");
+        section.paragraph("There is no contradiction and no warning.");
     }
     for notice in notices {
         section.notice(notice);

@@ -3,17 +3,22 @@
 use spineline::analysis::{Analysis, FilmRole, FreeNumbers, LineModel, LinesCompared};
 use spineline::anatomy::Posture;
 use spineline::multibody::StiffnessLibrary;
+use spineline::personalize::{FitStatus, StiffnessBound};
 use spineline::uncertainty::{Quantity, Uncertainty};
 
 use super::Patient;
 use super::measured::none;
-use super::sureness;
+use super::uncertainty;
 use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures;
 
 /// Parts of the force at which figure 11 shows the spine.
 const PARTS: [f64; 4] = [0.0, 0.5, 1.0, 1.25];
-const NO_MODEL: &str = "There is no personalised model: the warnings above say why.";
+const NO_MODEL: &str = "There is no personalised model: the warnings above give the reason.";
+/// What errors on held-out films are worth.
+pub(crate) const HELD_OUT: &str = "No model was fitted to these films.";
+/// What errors on fitted films are worth.
+pub(crate) const FITTED: &str = "The stiffness was fitted to these films: a small error here shows how well a line adapts to the data, and is no evidence for it.";
 
 /// Figures 9 and 11 of the paper, for every posture.
 pub fn simulated(analysis: &Analysis) -> Section {
@@ -60,13 +65,51 @@ pub fn stiffness(patient: &Patient<'_>) -> Section {
         section.paragraph(NO_MODEL);
         return section;
     }
-    section.paragraph(format!("Gauge: {}.", analysis.gauge_words()));
+    section.paragraph(scale_constraint(analysis));
     section.table(multipliers(patient));
     section.table(springs(analysis));
     if let Some(found) = patient.identifiability {
-        sureness::identifiability(&mut section, analysis, found);
+        uncertainty::identifiability(&mut section, analysis, found);
     }
     section
+}
+
+/// What fixes the level of all springs.
+pub fn scale_constraint(analysis: &Analysis) -> String {
+    format!("Scale constraint (gauge): {}.", analysis.gauge_words())
+}
+
+/// The multipliers of all lines side by side, with what makes a value none.
+pub fn multipliers_in_short(section: &mut Section, analysis: &Analysis) {
+    let Some(first) = analysis.models.first() else { return };
+    let mut columns = vec![Column::words("Joints")];
+    columns.extend(
+        analysis
+            .models
+            .iter()
+            .map(|model| Column::words(format!("{} (1)", sentence_case(&model.kind.to_string())))),
+    );
+    let mut table = Table::new("Multipliers of the lateral stiffness of the table", columns);
+    let values: Vec<Vec<f64>> = analysis.models.iter().map(|m| m.multipliers().collect()).collect();
+    // Lines differ in their values; the groups are those of the analysis.
+    for (group, name) in first.groups.names().iter().enumerate() {
+        let mut row = vec![name.replace('_', " ")];
+        for (model, values) in analysis.models.iter().zip(&values) {
+            let value = values[group] * model.fit.absolute_scale;
+            let note = match model.fit.bounds[group] {
+                StiffnessBound::Inside => "",
+                _ => " (at its bound: not identified)",
+            };
+            row.push(format!("{value:.2}{note}"));
+        }
+        table.row(row);
+    }
+    section.table(table);
+    for model in analysis.models.iter().filter(|m| m.fit.status != FitStatus::Converged) {
+        let status = model.fit.status.key().replace('_', " ");
+        let text = format!("{}: the fit is NOT CONVERGED ({status}).", model.kind);
+        section.notice(Notice::new(NoticeKind::Warning, text));
+    }
 }
 
 fn multipliers(patient: &Patient<'_>) -> Table {
@@ -86,7 +129,8 @@ fn multipliers(patient: &Patient<'_>) -> Table {
             model.groups.names().iter().zip(model.multipliers()).zip(model.verdicts(analysis));
         for (group, ((name, value), verdict)) in rows.enumerate() {
             let scale = model.fit.absolute_scale;
-            let profile = found.map(|found| sureness::interval(&found.multipliers[group], scale));
+            let profile =
+                found.map(|found| uncertainty::interval(&found.multipliers[group], scale));
             let noise =
                 patient.uncertainty.and_then(|found| noise_interval(found, model, group, scale));
             table.row(vec![
@@ -101,10 +145,10 @@ fn multipliers(patient: &Patient<'_>) -> Table {
     }
     let asked = match (patient.identifiability.is_some(), patient.uncertainty.is_some()) {
         (true, true) => "",
-        (false, true) => "Ask for `--identifiability` to have intervals from the films.",
-        (true, false) => "Ask for `--replicates` to have intervals from landmark noise.",
+        (false, true) => "`--identifiability` adds intervals from the films.",
+        (true, false) => "`--replicates` adds intervals from landmark noise.",
         (false, false) => {
-            "Intervals were not asked for: `--identifiability` gives those from the films, `--replicates` those from landmark noise."
+            "`--identifiability` adds intervals from the films, `--replicates` intervals from landmark noise."
         }
     };
     table.note = asked.to_owned();
@@ -148,7 +192,7 @@ fn springs(analysis: &Analysis) -> Table {
     table.note = if absolute {
         "Springs are scaled to the known force, about all axes.".to_owned()
     } else {
-        "Springs stand at the level of the table: only their ratios are known. Flexion and axial springs are those of the table.".to_owned()
+        "Springs are at the level of the table: only their ratios are known. Flexion and axial springs are those of the table.".to_owned()
     };
     table
 }
@@ -161,21 +205,21 @@ pub fn errors(analysis: &Analysis) -> Section {
         return section;
     }
     section.heading("Fitted films");
-    section.paragraph("The stiffness was fitted to these very films: a small error here shows how far a line bends to data, and is no evidence for it.");
+    section.paragraph(FITTED);
     section.table(error_table(analysis, true));
     section.heading("Held-out films");
     let held_out = error_table(analysis, false);
     if held_out.rows.is_empty() {
-        section
-            .paragraph("No film was held out: nothing can be said of how well the models predict.");
+        section.paragraph("No film was held out: the models' predictions cannot be assessed.");
     } else {
-        section.paragraph("No fit has seen these films.");
+        section.paragraph(HELD_OUT);
     }
     section.table(held_out);
     section
 }
 
-fn error_table(analysis: &Analysis, fitted: bool) -> Table {
+/// Errors of all lines on one kind of film.
+pub fn error_table(analysis: &Analysis, fitted: bool) -> Table {
     let absolute = analysis.models.iter().all(|model| model.is_absolute(analysis.options.gauge));
     let columns = vec![
         Column::words("Line of action"),
@@ -184,7 +228,7 @@ fn error_table(analysis: &Analysis, fitted: bool) -> Table {
         Column::numbers("Largest (mm)"),
         Column::numbers("Ferguson errors (°)"),
         Column::numbers(if absolute { "Force (N)" } else { "Force (relative)" }),
-        Column::numbers("Joints against the force"),
+        Column::numbers("Counter-rotating joints"),
     ];
     let films = if fitted { "fitted" } else { "held-out" };
     let mut table = Table::new(format!("Errors on {films} films"), columns);
@@ -207,7 +251,7 @@ fn error_table(analysis: &Analysis, fitted: bool) -> Table {
             ]);
         }
     }
-    table.note = "Location error: distance between simulated and measured midpoints, L3 to T2. Ferguson errors: three regions, caudal first.".to_owned();
+    table.note = "Location error: distance between simulated and measured midpoints, L3 to T2. Ferguson errors: three regions, caudal first. Counter-rotating joints turn against the moment of the force.".to_owned();
     table
 }
 
@@ -218,38 +262,37 @@ pub fn comparison(analysis: &Analysis, found: &LinesCompared) -> Section {
         section.paragraph(NO_MODEL);
         return section;
     }
-    for role in FilmRole::ALL {
-        section.table(role_table(found, role));
-    }
+    section.table(same_films(found));
     for text in comparison_notes(found) {
         section.notice(Notice::new(NoticeKind::Note, text));
     }
     section
 }
 
-fn role_table(found: &LinesCompared, role: FilmRole) -> Table {
+fn same_films(found: &LinesCompared) -> Table {
     let columns = vec![
+        Column::words("Films"),
         Column::words("Line of action"),
-        Column::numbers("Films"),
+        Column::words("Evidence"),
+        Column::numbers("Films compared"),
         Column::numbers("Location error (mm)"),
         Column::numbers("Ferguson error (°)"),
         Column::words("Numbers taken from the films"),
     ];
-    let (films, what) = match role {
-        FilmRole::Fitted => ("fitted bends", "no evidence for a line"),
-        FilmRole::LeftOutBend => ("bends left out of the fit", "prediction"),
-        FilmRole::HeldOut => ("neutral and traction films", "prediction"),
-    };
-    let mut table = Table::new(format!("Lines on {films}: {what}"), columns);
-    for (place, line) in found.lines.iter().enumerate() {
-        let Some(errors) = found.errors(place, role) else { continue };
-        table.row(vec![
-            line.kind.to_string(),
-            errors.films.to_string(),
-            format!("{:.2}", errors.location_mm),
-            format!("{:.1}", errors.ferguson_deg),
-            numbers(&line.numbers, role),
-        ]);
+    let mut table = Table::new("Lines on the same films", columns);
+    for role in FilmRole::ALL {
+        for (place, line) in found.lines.iter().enumerate() {
+            let Some(errors) = found.errors(place, role) else { continue };
+            table.row(vec![
+                role.to_string(),
+                line.kind.to_string(),
+                if role == FilmRole::Fitted { "none: fitted" } else { "prediction" }.to_owned(),
+                errors.films.to_string(),
+                format!("{:.2}", errors.location_mm),
+                format!("{:.1}", errors.ferguson_deg),
+                numbers(&line.numbers, role),
+            ]);
+        }
     }
     table
 }
@@ -266,10 +309,10 @@ pub(crate) fn numbers(numbers: &FreeNumbers, role: FilmRole) -> String {
 }
 
 fn comparison_notes(found: &LinesCompared) -> Vec<String> {
-    let mut notes = vec!["Numbers fitted: free multipliers + forces + what places a free line. A bend that is left out is predicted with the stiffness that the other bend gave.".to_owned()];
+    let mut notes = vec!["Numbers fitted: free multipliers + forces + parameters of a free line. A bend that is left out is predicted with the stiffness fitted to the other bend.".to_owned()];
     for role in FilmRole::ALL {
         if let (all, left @ 1..) = found.counted(role) {
-            notes.push(format!("{left} of {all} films ({role}) are not compared, since some line has no result there."));
+            notes.push(format!("{left} of {all} films ({role}) are not compared, because at least one line has no result on them."));
         }
     }
     if !found.same_data() {

@@ -1,0 +1,76 @@
+//! Loads and bases other than the lines of action, fitted and left out, over one patient or several.
+
+use spineline::analysis::Analysis;
+use spineline::hypothesis::{Comparison, HypothesisFit, HypothesisSummary, Role, compare};
+
+use crate::document::{Column, Section, Table};
+use crate::patient::none;
+
+const LEGEND: &str = "Location errors in mm and rotation errors in degrees, one mean per patient. Fitted: stiffness and loads fitted to both bends. Left out: a bend predicted with the stiffness of the other bend and the smallest load that brings T2 near. Load fitted: the same with the load fitted to the whole shape. Held out: neutral and traction films, as left out. Rotation errors: root mean square over the joints; the rotation of a base counts at the lowest joint. Counter-rotating: joints per bend that turn against the load. AICc and BIC: differences from the first row. Best: patients in whom no other load has a smaller left-out error, or a smaller AICc. Lost: films without a prediction and fits that did not converge.";
+
+/// The hypotheses of one patient or several; `None` where nobody asked for any.
+pub fn section(analyses: &[Analysis]) -> Option<Section> {
+    let patients: Vec<&[HypothesisFit]> = analyses.iter().map(|a| &a.hypotheses[..]).collect();
+    let blocks = compare(&patients);
+    if blocks.is_empty() {
+        return None;
+    }
+    let synthetic = if analyses.iter().any(|a| a.synthetic) { " (synthetic)" } else { "" };
+    let mut section = Section::new("hypotheses", format!("Loads and bases compared{synthetic}"));
+    for block in &blocks {
+        let who = match analyses.len() {
+            1 => String::new(),
+            all => format!(", {} of {all} patients, who have all of these", block.patients),
+        };
+        section.table(table(block, format!("Errors by load and base{who}")));
+    }
+    section.paragraph(LEGEND);
+    Some(section)
+}
+
+fn table(block: &Comparison, caption: String) -> Table {
+    let columns = vec![
+        Column::words("Load and base"),
+        Column::numbers("Free"),
+        Column::numbers("Fitted (mm)"),
+        Column::numbers("Left out (mm)"),
+        Column::numbers("Load fitted (mm)"),
+        Column::numbers("Held out (mm)"),
+        Column::numbers("Fitted (°)"),
+        Column::numbers("Left out (°)"),
+        Column::numbers("Counter-rotating"),
+        Column::numbers("AICc"),
+        Column::numbers("BIC"),
+        Column::numbers("Best"),
+        Column::numbers("Lost"),
+    ];
+    let mut table = Table::new(caption, columns);
+    for summary in &block.hypotheses {
+        table.row(row(summary));
+    }
+    table
+}
+
+fn row(summary: &HypothesisSummary) -> Vec<String> {
+    let number = |value: Option<f64>| value.map_or_else(none, |value| format!("{value:.1}"));
+    let of = |values: &[Option<f64>; 4], role: Role| {
+        values[Role::ALL.iter().position(|one| *one == role).expect("it is one of all")]
+    };
+    let mm = |role| number(of(&summary.location_mm, role));
+    let deg = |role| number(of(&summary.rotation_deg, role));
+    vec![
+        summary.hypothesis.to_string(),
+        summary.free.to_string(),
+        mm(Role::Fitted),
+        mm(Role::LeftOut),
+        mm(Role::LeftOutLoadFitted),
+        mm(Role::HeldOut),
+        deg(Role::Fitted),
+        deg(Role::LeftOut),
+        number(summary.against),
+        format!("{:+.0}", summary.aicc_difference),
+        format!("{:+.0}", summary.bic_difference),
+        format!("{}, {}", summary.best_left_out, summary.best_aicc),
+        summary.lost.to_string(),
+    ]
+}

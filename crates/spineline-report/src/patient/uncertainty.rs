@@ -1,0 +1,199 @@
+//! The uncertainty of the numbers: from the films themselves, and from the noise of landmarks.
+
+use spineline::analysis::{Analysis, LineModel};
+use spineline::anatomy::Level;
+use spineline::personalize::{Identifiability, MultiplierInformation, ProfileEnd};
+use spineline::uncertainty::{Quantity, QuantityUnit, Uncertainty};
+
+use super::measured::none;
+use crate::document::{Column, Notice, NoticeKind, Section, Table};
+
+/// An interval of a multiplier from its profile.
+pub fn interval(one: &MultiplierInformation, scale: f64) -> String {
+    let end = |end: ProfileEnd, open: f64| match end {
+        ProfileEnd::At(log) => format!("{:.2}", scale * log.exp()),
+        ProfileEnd::Open if open < 1.0 => format!("below {:.2}", scale * open),
+        ProfileEnd::Open => format!("above {:.1}", scale * open),
+        ProfileEnd::Lost(_) => "?".to_owned(),
+    };
+    format!("{} to {}", end(one.profile.lower, 0.1), end(one.profile.upper, 10.0))
+}
+
+/// What the bending films say of every multiplier.
+pub fn identifiability(
+    section: &mut Section,
+    analysis: &Analysis,
+    found: &[Option<Identifiability>],
+) {
+    let prior = analysis.options.prior;
+    let mut columns = vec![
+        Column::words("Line of action"),
+        Column::words("Joints"),
+        Column::numbers("Ratio to the geometric mean (1)"),
+        Column::words("95 % interval of the ratio"),
+        Column::numbers("sd of ln (1)"),
+        Column::words("What the films identify"),
+    ];
+    if prior.is_some() {
+        columns.push(Column::numbers("sd of ln with prior (1)"));
+        columns.push(Column::numbers("of it from films (%)"));
+    }
+    let mut table = Table::new("Profile likelihood of the multipliers", columns);
+    for (model, found) in analysis.models.iter().zip(found) {
+        let Some(found) = found else {
+            let text = format!("{}: the fit did not converge, so nothing is known.", model.kind);
+            section.notice(Notice::new(NoticeKind::Warning, text));
+            continue;
+        };
+        let rows = model.groups.names().iter().zip(model.multipliers()).zip(&found.multipliers);
+        for ((name, value), one) in rows {
+            let mut row = vec![
+                model.kind.to_string(),
+                name.replace('_', " "),
+                format!("{value:.2}"),
+                interval(one, 1.0),
+                deviation(one.log_sd),
+                one.profile.verdict().to_string(),
+            ];
+            if let Some(prior) = prior {
+                row.push(one.log_sd_with_prior.map_or_else(none, deviation));
+                let share = one.film_share(prior.log_sd);
+                row.push(share.map_or_else(none, |share| format!("{:.0}", 100.0 * share)));
+            }
+            table.row(row);
+        }
+        for notice in limits(model, found) {
+            section.notice(notice);
+        }
+    }
+    section.table(table);
+}
+
+/// What limits the knowledge of one model's multipliers.
+fn limits(model: &LineModel, found: &Identifiability) -> Vec<Notice> {
+    let note = |text: String| Notice::new(NoticeKind::Note, format!("{}: {text}", model.kind));
+    let mut notices = Vec::new();
+    if found.variance_factor > 1.0 {
+        let times = found.variance_factor.sqrt();
+        notices.push(note(format!(
+            "the fit leaves {times:.1} times what noise explains; intervals are widened by that factor."
+        )));
+    }
+    if let Some(weakest) = found.directions.first() {
+        let what = if weakest.gauge_share > 0.9 {
+            "the level of all, which the scale constraint (gauge) fixes"
+        } else {
+            "a ratio"
+        };
+        let sd = deviation(weakest.log_sd);
+        notices.push(note(format!("Least known: {what} (sd of ln {sd}).")));
+    }
+    if found.multipliers.iter().any(|one| one.profile.improves()) {
+        let text =
+            "a profile found a better fit than the fit itself: its minimum was not the lowest.";
+        notices.push(Notice::new(NoticeKind::Warning, format!("{}: {text}", model.kind)));
+    }
+    notices
+}
+
+fn deviation(log_sd: f64) -> String {
+    if log_sd < 100.0 { format!("{log_sd:.2}") } else { "unlimited".to_owned() }
+}
+
+/// Every number of the report with its interval.
+pub fn numbers(analysis: &Analysis, found: &Uncertainty) -> Section {
+    let mut section = Section::new("uncertainty", "Effect of landmark noise on the results");
+    section.paragraph(format!(
+        "Monte Carlo over landmark noise: {} replicates, seed {}; {} of them failed. Means and 95 % intervals are those of the others.",
+        found.done, found.seed, found.failed
+    ));
+    for words in found.noise_words().into_iter().chain(found.failure_words()) {
+        section.paragraph(words);
+    }
+    section.notice(Notice::new(NoticeKind::Note, Uncertainty::CAVEAT));
+    if found.done < found.asked {
+        let text = format!("Interrupted: {} replicates were requested.", found.asked);
+        section.notice(Notice::new(NoticeKind::Warning, text));
+    }
+    section.table(places(analysis, found));
+    section.table(spreads(analysis, found));
+    section
+}
+
+/// Deviations of the measured vertebrae, film by film.
+fn places(analysis: &Analysis, found: &Uncertainty) -> Table {
+    let columns = vec![
+        Column::words("Film"),
+        Column::words("Lateral, mean"),
+        Column::words("Lateral, largest"),
+        Column::words("Height, mean"),
+        Column::words("Height, largest"),
+        Column::words("Tilt (°), mean"),
+        Column::words("Tilt (°), largest"),
+    ];
+    let mut table = Table::new("Standard deviation of the vertebrae", columns);
+    for posture in analysis.postures.iter().map(|p| p.outline.posture) {
+        let mut row = vec![posture.to_string()];
+        for quantity in [Quantity::LocationY, Quantity::LocationZ, Quantity::Tilt] {
+            row.extend(mean_and_largest(found, |level| quantity(posture, level), analysis));
+        }
+        table.row(row);
+    }
+    table
+}
+
+fn mean_and_largest(
+    found: &Uncertainty,
+    quantity: impl Fn(Level) -> Quantity,
+    analysis: &Analysis,
+) -> [String; 2] {
+    let sds: Vec<(f64, Level)> = Level::MODEL[1..]
+        .iter()
+        .filter_map(|&level| Some((found.spread(quantity(level))?.sd, level)))
+        .collect();
+    let Some(&(largest, level)) = sds.iter().max_by(|a, b| a.0.total_cmp(&b.0)) else {
+        return [none(), none()];
+    };
+    let unit = match quantity(level).unit(analysis) {
+        QuantityUnit::Degrees => String::new(),
+        unit => format!(" {}", unit.key()),
+    };
+    let mean = sds.iter().map(|(sd, _)| sd).sum::<f64>() / sds.len() as f64;
+    [format!("{mean:.2}{unit}"), format!("{largest:.2} ({level})")]
+}
+
+/// Every other number that is reported.
+fn spreads(analysis: &Analysis, found: &Uncertainty) -> Table {
+    let columns = vec![
+        Column::words("Number"),
+        Column::words("Unit"),
+        Column::numbers("Value"),
+        Column::numbers("Mean"),
+        Column::numbers("sd"),
+        Column::words("95 % interval"),
+        Column::numbers("In (%)"),
+    ];
+    let mut table = Table::new("Numbers over the replicates", columns);
+    for spread in found.quantities.iter().filter(|spread| spread.quantity.is_reported()) {
+        let unit = spread.quantity.unit(analysis);
+        let number = |value: f64| match unit {
+            QuantityUnit::Segments => format!("{value:.0}"),
+            QuantityUnit::One | QuantityUnit::Millimetres => format!("{value:.2}"),
+            _ => format!("{value:.1}"),
+        };
+        let of = spread.spread;
+        table.row(vec![
+            spread.quantity.label(analysis),
+            unit.key().to_owned(),
+            spread.nominal.ok().map_or_else(none, number),
+            of.map_or_else(none, |s| number(s.mean)),
+            of.map_or_else(none, |s| format!("{:.2}", s.sd)),
+            of.map_or_else(none, |s| {
+                let [low, high] = s.interval_95();
+                format!("{} to {}", number(low), number(high))
+            }),
+            format!("{:.1}", 100.0 * spread.count as f64 / found.done.max(1) as f64),
+        ]);
+    }
+    table
+}

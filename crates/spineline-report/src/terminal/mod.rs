@@ -1,0 +1,208 @@
+//! Plain text for a terminal: headings between rules, wrapped paragraphs, and tables with aligned columns.
+//!
+//! No control character and no change of the writing direction reaches the terminal, whatever a case file holds.
+
+mod table;
+
+use unicode_width::UnicodeWidthStr;
+
+use crate::document::{Block, Document, Notice, Section};
+
+pub use table::table;
+
+/// Lines after the first one of a paragraph begin with it.
+const HANGING: &str = "  ";
+
+/// The document as text of at most so many columns, unless a single word or a table of numbers is wider. A figure is named
+/// in one line; the embedded analysis is left out.
+#[must_use]
+pub fn terminal(document: &Document, width: usize) -> String {
+    let mut text = hanging(&format!("{}: {}", document.title, document.subject), width);
+    for banner in &document.banners {
+        text.push_str(&notice(banner, width));
+    }
+    for part in &document.sections {
+        text.push('\n');
+        text.push_str(&section(part, width));
+    }
+    text
+}
+
+/// One section with its heading.
+#[must_use]
+pub fn section(section: &Section, width: usize) -> String {
+    let title = plain(&section.title);
+    let mut text = format!("═══ {title} ═══\n");
+    let mut after_table = false;
+    for (place, block) in section.blocks.iter().enumerate() {
+        let apart = matches!(block, Block::Heading(_) | Block::Table(_));
+        if place > 0 && (apart || after_table) {
+            text.push('\n');
+        }
+        after_table = matches!(block, Block::Table(_));
+        match block {
+            Block::Heading(words) | Block::Paragraph(words) => {
+                text.push_str(&hanging(words, width));
+            }
+            Block::Notice(one) => text.push_str(&notice(one, width)),
+            Block::Table(one) => text.push_str(&table(one, width)),
+            Block::Figure(figure) => {
+                let words = format!("[Figure {}: {}]", figure.name, figure.caption);
+                text.push_str(&hanging(&words, width));
+            }
+        }
+    }
+    text
+}
+
+/// One notice, such as `Warning: left bending film, T9: … [code]`.
+#[must_use]
+pub fn notice(notice: &Notice, width: usize) -> String {
+    let mut words = format!("{}: ", notice.kind.word());
+    if !notice.place.is_empty() {
+        words.push_str(&format!("{}: ", notice.place));
+    }
+    words.push_str(&notice.text);
+    if !notice.code.is_empty() {
+        words.push_str(&format!(" [{}]", notice.code));
+    }
+    hanging(&words, width)
+}
+
+/// Running text in lines of at most so many columns, each after the indent, which does not count.
+#[must_use]
+pub fn paragraph(text: &str, width: usize, indent: &str) -> String {
+    let lines = wrapped(&plain(text), width, false);
+    lines.iter().map(|line| format!("{indent}{line}\n")).collect()
+}
+
+/// Running text whose lines after the first one are indented.
+fn hanging(text: &str, width: usize) -> String {
+    let lines = wrapped(&plain(text), width.saturating_sub(HANGING.len()), false);
+    lines.join(&format!("\n{HANGING}")) + "\n"
+}
+
+/// Text as text: control characters and changes of the writing direction are left out, and all of it is one line.
+fn plain(text: &str) -> String {
+    let words: Vec<String> = text
+        .split_whitespace()
+        .map(|word| word.chars().filter(|&c| !c.is_control() && !turns(c)).collect())
+        .filter(|word: &String| !word.is_empty())
+        .collect();
+    words.join(" ")
+}
+
+/// Whether a character changes the direction of what follows it.
+const fn turns(c: char) -> bool {
+    matches!(c, '\u{200e}' | '\u{200f}' | '\u{061c}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// Breaks plain text into lines of at most so many columns; never none. A longer word has a line of its own. The heads of
+/// narrow columns may break after hyphens too.
+fn wrapped(text: &str, width: usize, at_hyphens: bool) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let pieces = if at_hyphens { word.split_inclusive('-').collect() } else { vec![word] };
+        for (place, piece) in pieces.into_iter().enumerate() {
+            let line = lines.last_mut().expect("never empty");
+            let blank = usize::from(place == 0 && !line.is_empty());
+            if !line.is_empty() && line.width() + blank + piece.width() > width {
+                lines.push(piece.to_owned());
+            } else {
+                line.push_str(&" ".repeat(blank));
+                line.push_str(piece);
+            }
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{Column, Figure, NoticeKind, Table};
+
+    #[test]
+    fn lines_are_as_long_as_they_may_be_and_no_word_is_lost() {
+        let text =
+            "Each bend left out of the fit in turn and then predicted: inflection line 2.9 mm";
+        for width in [12, 20, 33, 200] {
+            let lines = wrapped(text, width, false);
+            assert!(lines.iter().all(|line| line.width() <= width), "{lines:?}");
+            assert_eq!(lines.join(" "), text);
+            for pair in lines.windows(2) {
+                let next = pair[1].split(' ').next().expect("a word");
+                assert!(pair[0].width() + 1 + next.width() > width, "{lines:?}");
+            }
+        }
+        assert_eq!(wrapped("", 10, false), [""]);
+        assert_eq!(wrapped("a verylongword b", 4, false), ["a", "verylongword", "b"]);
+        assert_eq!(wrapped("Counter-rotating joints", 8, true), ["Counter-", "rotating", "joints"]);
+    }
+
+    #[test]
+    fn wide_letters_count_twice() {
+        assert_eq!(wrapped("病例 病例 病例", 9, false), ["病例 病例", "病例"]);
+    }
+
+    #[test]
+    fn nothing_in_text_controls_the_terminal() {
+        assert_eq!(plain("\u{7} a\u{1b}[31mb\u{7}\u{9b}\n\tc\u{202e}d\u{2066}"), "a[31mb cd");
+        let hostile = "x\u{1b}]0;title\u{7}\u{202e}\r\ny";
+        let mut part = Section::new("a", hostile);
+        part.heading(hostile);
+        part.paragraph(hostile);
+        part.notice(Notice {
+            kind: NoticeKind::Warning,
+            place: hostile.to_owned(),
+            text: hostile.to_owned(),
+            code: hostile.to_owned(),
+        });
+        let mut rows = Table::new(hostile, vec![Column::words(hostile), Column::numbers(hostile)]);
+        rows.row(vec![hostile.to_owned(), hostile.to_owned()]);
+        rows.note = hostile.to_owned();
+        part.table(rows);
+        part.figure(Figure::new("name", hostile, String::new()));
+        let document = Document {
+            title: hostile.to_owned(),
+            subject: hostile.to_owned(),
+            generator: String::new(),
+            banners: vec![Notice::new(NoticeKind::Banner, hostile)],
+            sections: vec![part],
+            analysis: hostile.to_owned(),
+        };
+        let text = terminal(&document, 40);
+        assert!(text.chars().all(|c| c == '\n' || !(c.is_control() || turns(c))), "{text:?}");
+        assert!(text.contains("[Figure name: x]0;title y]"), "{text}");
+    }
+
+    #[test]
+    fn notices_name_their_weight_place_and_code() {
+        let one = Notice {
+            kind: NoticeKind::Warning,
+            place: "left bending film, T9".to_owned(),
+            text: "a tilt differs from its neighbours".to_owned(),
+            code: "odd_tilt".to_owned(),
+        };
+        assert_eq!(
+            notice(&one, 60),
+            "Warning: left bending film, T9: a tilt differs from its\n  neighbours [odd_tilt]\n"
+        );
+        let plain = Notice::new(NoticeKind::Note, "a, b");
+        assert_eq!(notice(&plain, 60), "Note: a, b\n");
+    }
+
+    #[test]
+    fn sections_have_a_heading_and_room_around_tables() {
+        let mut part = Section::new("a", "Films");
+        part.paragraph("One film.");
+        let mut rows = Table::new("Angles", vec![Column::words("Film"), Column::numbers("(°)")]);
+        rows.row(vec!["erect".to_owned(), "4.5".to_owned()]);
+        part.table(rows);
+        part.paragraph("Two words.");
+        assert_eq!(
+            section(&part, 80),
+            "═══ Films ═══\nOne film.\n\nAngles\nFilm   (°)\n──────────\nerect  4.5\n\nTwo words.\n"
+        );
+    }
+}

@@ -1,0 +1,225 @@
+//! Tables with aligned columns: numbers right, words left.
+//!
+//! Laid out by us: comfy-table gives a narrow column of numbers the same share as a column of words and cuts numbers in two.
+
+use unicode_width::UnicodeWidthStr;
+
+use super::{HANGING, plain, wrapped};
+use crate::document::Table;
+
+/// Between two columns.
+const GAP: &str = "  ";
+
+/// One table: its caption, heads, rule, rows and note. Heads and columns of words are wrapped where the table is wider than
+/// the width; numbers never are. Blanks at the start of a cell stay, and so does its row's place in the order.
+#[must_use]
+pub fn table(table: &Table, width: usize) -> String {
+    let heads: Vec<String> = table.columns.iter().map(|column| plain(&column.head)).collect();
+    let rows: Vec<Vec<String>> =
+        table.rows.iter().map(|row| row.iter().map(|cell| indented(cell)).collect()).collect();
+    let numeric: Vec<bool> = table.columns.iter().map(|column| column.numeric).collect();
+    let gaps = GAP.len() * heads.len().saturating_sub(1);
+    let widths = widths(&heads, &rows, &numeric, width.saturating_sub(gaps));
+    let mut text = String::new();
+    if !table.caption.is_empty() {
+        text.push_str(&super::hanging(&table.caption, width));
+    }
+    text.push_str(&head_lines(&heads, &widths, &numeric));
+    text.push_str(&"─".repeat(widths.iter().sum::<usize>() + gaps));
+    text.push('\n');
+    for row in &rows {
+        let cells = row.iter().zip(&widths).map(|(cell, &width)| cell_lines(cell, width)).collect();
+        text.push_str(&lines(cells, &widths, &numeric));
+    }
+    if !table.note.is_empty() {
+        text.push_str(&super::paragraph(&table.note, width.saturating_sub(HANGING.len()), HANGING));
+    }
+    text
+}
+
+/// A cell as plain text with the blanks at its start, which indent names of rows.
+fn indented(cell: &str) -> String {
+    let blanks = cell.chars().take_while(|c| *c == ' ').count();
+    format!("{}{}", " ".repeat(blanks), plain(cell))
+}
+
+/// The width of every column. Cells have one line where there is room; then heads have as few lines as possible. Where
+/// cells need more room than there is, the widest columns of words are narrowed, and no word is cut.
+fn widths(heads: &[String], rows: &[Vec<String>], numeric: &[bool], room: usize) -> Vec<usize> {
+    let column = |i: usize| rows.iter().map(move |row| row[i].as_str());
+    let full: Vec<usize> = (0..heads.len())
+        .map(|i| column(i).map(str::width).fold(narrowest(&heads[i]), usize::max))
+        .collect();
+    let least: Vec<usize> = (0..heads.len())
+        .map(|i| {
+            if numeric[i] {
+                full[i]
+            } else {
+                column(i).map(longest_word).fold(narrowest(&heads[i]), usize::max)
+            }
+        })
+        .collect();
+    let fits = |widths: &Vec<usize>| widths.iter().sum::<usize>() <= room;
+    if fits(&full) {
+        let longest = heads.iter().map(|head| head.width()).max().unwrap_or(0);
+        let in_lines = |lines: usize| -> Vec<usize> {
+            let with_head = |(head, &full): (&String, &usize)| full.max(width_in(head, lines));
+            heads.iter().zip(&full).map(with_head).collect()
+        };
+        return (1..=longest).map(in_lines).find(fits).unwrap_or(full);
+    }
+    let narrowed = |limit: usize| -> Vec<usize> {
+        full.iter().zip(&least).map(|(&full, &least)| full.min(limit).max(least)).collect()
+    };
+    (1..=room).rev().map(narrowed).find(fits).unwrap_or(least)
+}
+
+/// The least width in which a head has at most so many lines.
+fn width_in(head: &str, lines: usize) -> usize {
+    (narrowest(head)..=head.width())
+        .find(|&width| wrapped(head, width, true).len() <= lines)
+        .unwrap_or(head.width())
+}
+
+fn narrowest(head: &str) -> usize {
+    wrapped(head, 1, true).iter().map(|line| line.width()).max().unwrap_or(0)
+}
+
+fn longest_word(cell: &str) -> usize {
+    let blanks = cell.len() - cell.trim_start().len();
+    blanks + cell.split_whitespace().map(str::width).max().unwrap_or(0)
+}
+
+/// A cell in lines; those after the first one begin below its first word.
+fn cell_lines(cell: &str, width: usize) -> Vec<String> {
+    let blanks = &cell[..cell.len() - cell.trim_start().len()];
+    let lines = wrapped(cell, width.saturating_sub(blanks.len()), false);
+    lines.iter().map(|line| format!("{blanks}{line}")).collect()
+}
+
+/// The heads, whose last lines stand on the rule.
+fn head_lines(heads: &[String], widths: &[usize], numeric: &[bool]) -> String {
+    let mut cells: Vec<Vec<String>> =
+        heads.iter().zip(widths).map(|(head, &width)| wrapped(head, width, true)).collect();
+    let most = cells.iter().map(Vec::len).max().unwrap_or(0);
+    for cell in &mut cells {
+        let missing = most - cell.len();
+        cell.splice(0..0, vec![String::new(); missing]);
+    }
+    lines(cells, widths, numeric)
+}
+
+/// One row, whose cells may have several lines.
+fn lines(cells: Vec<Vec<String>>, widths: &[usize], numeric: &[bool]) -> String {
+    let most = cells.iter().map(Vec::len).max().unwrap_or(0);
+    let mut text = String::new();
+    for line in 0..most {
+        let padded: Vec<String> = cells
+            .iter()
+            .zip(widths.iter().zip(numeric))
+            .map(|(cell, (&width, &numeric))| {
+                let words = cell.get(line).map_or("", String::as_str);
+                let blanks = " ".repeat(width.saturating_sub(words.width()));
+                if numeric { format!("{blanks}{words}") } else { format!("{words}{blanks}") }
+            })
+            .collect();
+        text.push_str(padded.join(GAP).trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::Column;
+
+    fn example(rows: &[[&str; 3]]) -> Table {
+        let columns = vec![
+            Column::words("Line of action"),
+            Column::numbers("Mean location error (mm)"),
+            Column::words("Verdict"),
+        ];
+        let mut table = Table::new("Errors", columns);
+        for row in rows {
+            table.row(row.map(str::to_owned).to_vec());
+        }
+        table
+    }
+
+    const ROWS: [[&str; 3]; 3] = [
+        ["inflection line", "2.05", "identified as a ratio"],
+        ["iliac line", "12.1", "only an upper limit"],
+        ["病例", "-3", "–"],
+    ];
+
+    #[test]
+    fn numbers_stand_right_and_words_left() {
+        assert_eq!(
+            table(&example(&ROWS), 80),
+            "Errors\n\
+             Line of action   Mean location error (mm)  Verdict\n\
+             ────────────────────────────────────────────────────────────────\n\
+             inflection line                      2.05  identified as a ratio\n\
+             iliac line                           12.1  only an upper limit\n\
+             病例                                   -3  –\n"
+        );
+    }
+
+    #[test]
+    fn heads_are_wrapped_before_cells() {
+        assert_eq!(
+            table(&example(&ROWS[..1]), 50),
+            format!(
+                "Errors\n{:>27}\n{:>27}\n\
+                 Line of action   error (mm)  Verdict\n\
+                 ──────────────────────────────────────────────────\n\
+                 inflection line        2.05  identified as a ratio\n",
+                "Mean", "location"
+            )
+        );
+    }
+
+    #[test]
+    fn columns_of_words_are_narrowed_and_no_number_or_word_is_cut() {
+        for width in 36..90 {
+            let text = table(&example(&ROWS), width);
+            assert!(text.lines().all(|line| line.width() <= width), "{width}:\n{text}");
+            let end = |number: &str| {
+                let line = text.lines().find(|line| line.contains(number)).expect("it is whole");
+                line[..line.find(number).expect("found")].width() + number.len()
+            };
+            assert!(end("2.05") == end("12.1") && end("-3") == end("2.05"), "{width}:\n{text}");
+            for word in ROWS.iter().flatten().flat_map(|cell| cell.split(' ')) {
+                assert!(text.contains(word), "{width}: {word}\n{text}");
+            }
+        }
+        // Too narrow for any layout: the words stay whole all the same.
+        assert!(table(&example(&ROWS), 5).contains("identified"));
+    }
+
+    #[test]
+    fn a_wide_table_without_limit_has_one_line_per_row() {
+        let text = table(&example(&ROWS), usize::MAX);
+        assert_eq!(text.lines().count(), 3 + ROWS.len());
+    }
+
+    #[test]
+    fn blanks_at_the_start_of_a_cell_indent_all_of_its_lines() {
+        let mut rows = Table::new("", vec![Column::words("Quantity"), Column::numbers("n")]);
+        rows.row(vec!["  resampled over patients".to_owned(), "4".to_owned()]);
+        let text = table(&rows, 19);
+        assert_eq!(
+            text,
+            "Quantity          n\n───────────────────\n  resampled over  4\n  patients\n"
+        );
+    }
+
+    #[test]
+    fn the_note_stands_below_and_indented() {
+        let mut rows = example(&ROWS[..1]);
+        rows.note = "p below 0.05 speaks against the line.".to_owned();
+        let text = table(&rows, 64);
+        assert!(text.ends_with("\n  p below 0.05 speaks against the line.\n"), "{text}");
+    }
+}

@@ -1,0 +1,468 @@
+//! What a terminal shows holds every number and every word of the analysis, aligned and in lines that fit.
+
+use spineline::action::LineKind;
+use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, analyze};
+use spineline::anatomy::Level;
+use spineline::cohort::Cohort;
+use spineline::hypothesis::{Hypothesis, Role, compare};
+use spineline::measure::FilmReadings;
+use spineline::personalize::{FitStatus, Identifiability, LogNormalPrior, StiffnessBound};
+use spineline::reliability::{QuantityReliability, assess, film_quantities};
+use spineline::uncertainty::{LandmarkNoise, MonteCarlo, Quantity, Uncertainty};
+use spineline_phantom::{Readers, Truth, generate};
+use spineline_report::document::{Block, NoticeKind, Table};
+use spineline_report::patient::{self, Patient, warnings};
+use spineline_report::{Document, cohort, reliability, terminal};
+
+const WIDTH: usize = 110;
+/// No line is broken below it.
+const WIDE: usize = 1000;
+
+fn case(subject: usize, truth: Truth) -> Case {
+    generate(subject, truth, &Readers::scaled(1.0), 1).expect("a subject of table 1").case
+}
+
+fn analysis(case: &Case) -> Analysis {
+    analyze(case, &AnalysisOptions::default()).expect("a phantom is sound")
+}
+
+fn summary(
+    case: &Case,
+    analysis: &Analysis,
+    identifiability: Option<&[Option<Identifiability>]>,
+    uncertainty: Option<&Uncertainty>,
+) -> Document {
+    patient::summary(&Patient {
+        case,
+        analysis,
+        pictures: &[],
+        identifiability,
+        uncertainty,
+        generator: "spineline test",
+        json: "",
+    })
+}
+
+/// The text with one blank between words.
+fn words(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// All cells of a row, as a wide terminal shows them.
+fn holds(text: &str, cells: &[String]) {
+    let row = words(&cells.join(" "));
+    assert!(words(text).contains(&row), "`{row}` is missing in\n{text}");
+}
+
+fn percent(part: f64) -> String {
+    format!("{:.0}", 100.0 * part)
+}
+
+#[test]
+fn the_head_the_verdict_and_the_curve_are_there() {
+    for (subject, truth) in [(0, Truth::Rod), (4, Truth::Pull)] {
+        let case = case(subject, truth);
+        let analysis = analysis(&case);
+        let text = terminal(&summary(&case, &analysis, None, None), WIDTH);
+        let head = format!("{} · SYNTHETIC · films: {}", case.id, analysis.postures.len());
+        assert!(text.lines().next().expect("a line").contains(&head), "{text}");
+        let said = analysis.verdict(&analysis.compare_lines());
+        let curve = analysis.inflection_words();
+        let chain = format!("Chain of {} segments of", analysis.chain.segments);
+        let said = said.into_iter().chain(curve.lines().map(str::to_owned));
+        for sentence in said.chain([analysis.lenke_words(), chain]) {
+            assert!(words(&text).contains(&words(&sentence)), "`{sentence}` is missing in\n{text}");
+        }
+        assert!(text.contains(&analysis.scale().text(analysis.chain.segment_mm, 4)), "{text}");
+        assert!(text.contains(analysis.gauge_words()), "{text}");
+    }
+}
+
+#[test]
+fn every_clinical_angle_and_every_fitted_curve_is_there() {
+    let case = case(0, Truth::Rod);
+    let analysis = analysis(&case);
+    let text = terminal(&summary(&case, &analysis, None, None), WIDE);
+    assert!(!analysis.clinical.is_empty());
+    for curve in &analysis.clinical {
+        let sign = curve.cobb[0].1.rad().signum();
+        let mut cells = vec![
+            curve.region.to_string(),
+            curve.convex.expect("a curve has a side").to_string(),
+            format!("{}–{}", curve.ends.superior, curve.ends.inferior),
+            curve.apex.to_string(),
+        ];
+        cells.extend(curve.cobb.iter().map(|(_, angle)| format!("{:.1}", angle.deg() * sign)));
+        cells.push(percent(curve.flexibility.expect("it was bent")));
+        holds(&text, &cells);
+    }
+    for p in &analysis.postures {
+        let mut cells = vec![
+            p.outline.posture.to_string(),
+            p.outline.amplitude().leaning(),
+            p.fit.order.to_string(),
+            p.outline.scale.residual_text(p.fit.rmse_mm),
+            format!("{:.2}", p.fit.rmse_tilt.deg()),
+            p.outline.readings.to_string(),
+        ];
+        if let (Some(mean), Some([a, b])) = (p.mean_rotation(), p.inflection_estimates) {
+            let distances = format!("{}, {}", a.distance_segments, b.distance_segments);
+            cells.extend([format!("{:.4}", mean.deg()), distances]);
+        }
+        holds(&text, &cells);
+        if let Some(line) = &p.preferred_line {
+            let [caudal, cranial] = &line.crossings;
+            let tilt = line.line.lean().leaning();
+            let posture = p.outline.posture.to_string();
+            holds(&text, &[posture, tilt, caudal.to_string(), cranial.to_string()]);
+        }
+    }
+    let mut lines = analysis.postures.iter().filter_map(|p| p.preferred_line.as_ref());
+    let spread = percent(lines.next().expect("a line").joint_log_sd);
+    assert!(text.contains(&format!("differ in stiffness by {spread} %")), "{text}");
+}
+
+#[test]
+fn every_error_force_and_multiplier_is_there() {
+    let case = case(0, Truth::Rod);
+    let analysis = analysis(&case);
+    let compared = analysis.compare_lines();
+    let text = terminal(&summary(&case, &analysis, None, None), WIDE);
+    assert_eq!(analysis.models.len(), 3);
+    for model in &analysis.models {
+        for s in model.postures.iter().filter(|s| s.is_usable()) {
+            let largest = s.location_errors_mm.iter().copied().fold(0.0, f64::max);
+            let angles: Vec<String> =
+                s.ferguson_difference.iter().map(|a| format!("{:.1}", a.abs().deg())).collect();
+            holds(
+                &text,
+                &[
+                    model.kind.to_string(),
+                    s.posture.to_string(),
+                    format!("{:.2}", s.mean_location_error_mm()),
+                    format!("{largest:.2}"),
+                    angles.join(" / "),
+                    format!("{:.0}", s.force_n),
+                    format!("{} of {}", s.contradicted.len(), s.location_errors_mm.len()),
+                ],
+            );
+        }
+    }
+    let values: Vec<Vec<f64>> = analysis.models.iter().map(|m| m.multipliers().collect()).collect();
+    for (group, name) in analysis.models[0].groups.names().iter().enumerate() {
+        let mut cells = vec![name.replace('_', " ")];
+        for (model, values) in analysis.models.iter().zip(&values) {
+            cells.push(format!("{:.2}", values[group]));
+            if model.fit.bounds[group] != StiffnessBound::Inside {
+                cells.push("(at its bound: not identified)".to_owned());
+            }
+        }
+        holds(&text, &cells);
+    }
+    for (place, line) in compared.lines.iter().enumerate() {
+        for role in FilmRole::ALL {
+            let errors = compared.errors(place, role).expect("all films are there");
+            let evidence = if role == FilmRole::Fitted { "none: fitted" } else { "prediction" };
+            let numbers = match role {
+                FilmRole::Fitted => format!("= {} fitted", line.numbers.fitted()),
+                _ => format!("{} per film", line.numbers.per_predicted_film),
+            };
+            let cells = [
+                role.to_string(),
+                line.kind.to_string(),
+                evidence.to_owned(),
+                errors.films.to_string(),
+                format!("{:.2}", errors.location_mm),
+                format!("{:.1}", errors.ferguson_deg),
+            ];
+            holds(&text, &cells);
+            assert!(text.contains(&numbers), "{numbers} is missing in\n{text}");
+        }
+    }
+}
+
+#[test]
+fn a_fit_that_found_no_value_says_so() {
+    let case = case(0, Truth::Rod);
+    let mut analysis = analysis(&case);
+    for model in &mut analysis.models {
+        model.fit.bounds.fill(StiffnessBound::Inside);
+    }
+    analysis.models[0].fit.status = FitStatus::IterationLimit;
+    analysis.models[1].fit.bounds[2] = StiffnessBound::Upper;
+    let text = terminal(&summary(&case, &analysis, None, None), WIDE);
+    assert!(text.contains("Warning: inflection line: the fit is NOT CONVERGED ("), "{text}");
+    assert_eq!(text.matches("(at its bound: not identified)").count(), 1, "{text}");
+}
+
+#[test]
+fn every_load_and_base_is_there_where_it_was_requested() {
+    let case = case(0, Truth::Rod);
+    let asked = ["inflection_line", "couple"];
+    let hypotheses: Vec<Hypothesis> = asked.map(|name| name.parse().expect("a load")).to_vec();
+    let options = AnalysisOptions { hypotheses, ..AnalysisOptions::default() };
+    let analysis = analyze(&case, &options).expect("a phantom is sound");
+    let text = terminal(&summary(&case, &analysis, None, None), WIDE);
+    assert!(text.contains("Loads and bases compared (synthetic)"), "{text}");
+    let blocks = compare(&[&analysis.hypotheses[..]]);
+    let [block] = &blocks[..] else { panic!("one block") };
+    let number = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.1}"));
+    for one in &block.hypotheses {
+        let at = |role: Role| Role::ALL.iter().position(|r| *r == role).expect("one of all");
+        let mm = |role| number(one.location_mm[at(role)]);
+        let deg = |role| number(one.rotation_deg[at(role)]);
+        holds(
+            &text,
+            &[
+                one.hypothesis.to_string(),
+                one.free.to_string(),
+                mm(Role::Fitted),
+                mm(Role::LeftOut),
+                mm(Role::LeftOutLoadFitted),
+                mm(Role::HeldOut),
+                deg(Role::Fitted),
+                deg(Role::LeftOut),
+                number(one.against),
+                format!("{:+.0} {:+.0}", one.aicc_difference, one.bic_difference),
+                format!("{}, {} {}", one.best_left_out, one.best_aicc, one.lost),
+            ],
+        );
+    }
+}
+
+#[test]
+fn identifiability_and_its_prior_are_there_where_they_were_requested() {
+    let case = case(1, Truth::Rod);
+    let prior = LogNormalPrior::IN_VIVO;
+    let options = AnalysisOptions { prior: Some(prior), ..AnalysisOptions::default() };
+    let analysis = analyze(&case, &options).expect("a phantom is sound");
+    let found: Vec<Option<Identifiability>> =
+        analysis.models.iter().map(|model| analysis.identifiability(model)).collect();
+    let text = terminal(&summary(&case, &analysis, Some(&found), None), WIDE);
+    assert!(text.contains("Profile likelihood"), "{text}");
+    let deviation = |sd: f64| if sd < 100.0 { format!("{sd:.2}") } else { "unlimited".to_owned() };
+    for (model, found) in analysis.models.iter().zip(&found) {
+        let Some(found) = found else { continue };
+        let rows = model.groups.names().iter().zip(model.multipliers()).zip(&found.multipliers);
+        for ((name, value), one) in rows {
+            let row = format!("{} {} {value:.2}", model.kind, name.replace('_', " "));
+            holds(&text, &[row]);
+            let with_prior = one.log_sd_with_prior.expect("there is a prior");
+            let share = one.film_share(prior.log_sd);
+            let cells = [
+                deviation(one.log_sd),
+                one.profile.verdict().to_string(),
+                deviation(with_prior),
+                share.map_or("–".to_owned(), percent),
+            ];
+            holds(&text, &cells);
+        }
+        if found.variance_factor > 1.0 {
+            let times = format!("the fit leaves {:.1} times", found.variance_factor.sqrt());
+            assert!(text.contains(&times), "{times} is missing in\n{text}");
+        }
+        let weakest = found.directions.first().expect("a direction");
+        let least = format!("(sd of ln {})", deviation(weakest.log_sd));
+        assert!(text.contains("Least known") && text.contains(&least), "{text}");
+    }
+}
+
+#[test]
+fn every_number_of_the_replicates_is_there_where_they_were_requested() {
+    let case = case(0, Truth::Rod);
+    let analysis = analysis(&case);
+    let monte_carlo =
+        MonteCarlo::new(&case, &analysis, LandmarkNoise::Measured, 7).expect("readings repeat");
+    let mut tally = monte_carlo.tally();
+    (0..4).for_each(|index| tally.add(&monte_carlo.replicate(index)));
+    let found = tally.finish(5);
+    let text = terminal(&summary(&case, &analysis, None, Some(&found)), WIDE);
+    let head = format!("4 replicates, seed 7; {} of them failed", found.failed);
+    assert!(text.contains(&head), "{text}");
+    assert!(text.contains("Interrupted: 5 replicates were requested."), "{text}");
+    let said = found.noise_words().into_iter().chain(found.failure_words());
+    for sentence in said.chain([Uncertainty::CAVEAT.to_owned()]) {
+        assert!(words(&text).contains(&words(&sentence)), "`{sentence}` is missing in\n{text}");
+    }
+    for spread in found.quantities.iter().filter(|spread| spread.quantity.is_reported()) {
+        let sd = spread.spread.map_or("–".to_owned(), |s| format!("{:.2}", s.sd));
+        let label = words(&spread.quantity.label(&analysis));
+        let rows = text.lines().map(words);
+        let mut rows = rows.filter(|row| row.starts_with(&label)).peekable();
+        assert!(rows.peek().is_some(), "{label} is missing in\n{text}");
+        assert!(rows.any(|row| row.contains(&sd)), "{label}: {sd} is missing in\n{text}");
+    }
+    for posture in analysis.postures.iter().map(|p| p.outline.posture) {
+        let of = |level: Level| found.spread(Quantity::Tilt(posture, level)).map(|s| s.sd);
+        let sds = || Level::MODEL[1..].iter().filter_map(|&level| of(level));
+        let largest = format!("{:.2} (", sds().fold(0.0, f64::max));
+        let mean = format!("{:.2} ", sds().sum::<f64>() / sds().count() as f64);
+        let row = words(&[mean, largest].concat());
+        assert!(words(&text).contains(&row), "{posture}: {row} is missing in\n{text}");
+    }
+}
+
+#[test]
+fn every_warning_names_the_case_the_place_and_the_code() {
+    let case = case(0, Truth::Rod);
+    let analysis = analysis(&case);
+    let notices = warnings(&analysis);
+    assert!(!notices.is_empty() && notices.len() == analysis.warnings.all().len());
+    for (notice, warning) in notices.iter().zip(analysis.warnings.all()) {
+        let line = terminal::notice(notice, usize::MAX);
+        let begin = format!("{}: {}", NoticeKind::from(warning.severity()).word(), case.id);
+        assert!(line.starts_with(&begin) && line.lines().count() == 1, "{line}");
+        assert!(line.contains(&words(&warning.text())), "{line}");
+        assert!(line.ends_with(&format!("[{}]\n", warning.code)), "{line}");
+        let film = warning.posture.map(|posture| format!(", {posture} film"));
+        assert!(film.is_none_or(|film| line.contains(&film)), "{line}");
+    }
+}
+
+#[test]
+fn one_film_has_neither_models_nor_empty_sections() {
+    let mut alone = case(0, Truth::Rod);
+    alone.films.retain(|film| film.posture == spineline::anatomy::Posture::Erect);
+    let document = summary(&alone, &analysis(&alone), None, None);
+    let ids: Vec<&str> = document.sections.iter().map(|section| section.id).collect();
+    assert_eq!(ids, ["verdict", "films"]);
+    assert!(document.sections.iter().all(|section| !section.blocks.is_empty()));
+}
+
+fn tables(document: &Document) -> Vec<&Table> {
+    let blocks = document.sections.iter().flat_map(|section| &section.blocks);
+    let tables = blocks.filter_map(|block| match block {
+        Block::Table(table) => Some(table),
+        _ => None,
+    });
+    tables.collect()
+}
+
+/// Every word of every cell is in the text, and no line is longer than the width.
+fn assert_whole(document: &Document) {
+    let text = terminal(document, WIDTH);
+    assert_eq!(document.figures().count(), 0);
+    for line in text.lines() {
+        assert!(line.chars().count() <= WIDTH, "{line}\n{text}");
+        assert_eq!(line, line.trim_end(), "blanks at the end");
+    }
+    for table in tables(document) {
+        let shown = terminal::table(table, WIDTH);
+        assert!(text.contains(&shown), "{}", table.caption);
+        for word in table.rows.iter().flatten().flat_map(|cell| cell.split_whitespace()) {
+            assert!(shown.contains(word), "{word} is missing in\n{shown}");
+        }
+        let wide = terminal::table(table, WIDE);
+        let rows = table.rows.len() + 3 + usize::from(!table.note.is_empty());
+        assert_eq!(wide.lines().count(), rows, "one line per row:\n{wide}");
+    }
+}
+
+#[test]
+fn a_patient_fits_into_a_terminal_and_on_two_pages() {
+    for truth in [Truth::Rod, Truth::Pull] {
+        let case = case(2, truth);
+        let document = summary(&case, &analysis(&case), None, None);
+        assert_whole(&document);
+        let lines = terminal(&document, WIDTH).lines().count();
+        assert!(lines < 125, "{lines} lines");
+    }
+}
+
+#[test]
+fn a_cohort_has_every_patient_every_line_and_every_test() {
+    let cases: Vec<Case> = (0..4).map(|subject| case(subject, Truth::Pull)).collect();
+    let analyses: Vec<Analysis> = cases.iter().map(analysis).collect();
+    let together = Cohort::of(&analyses.iter().collect::<Vec<_>>(), 1);
+    let document = cohort::summary(&analyses, &together, "spineline test");
+    assert_whole(&document);
+    let text = terminal(&document, WIDE);
+    assert!(text.starts_with("Cohort: 4 patients · SYNTHETIC"), "{text}");
+    for sentence in together.sentences() {
+        assert!(words(&text).contains(&words(&sentence)), "`{sentence}` is missing in\n{text}");
+    }
+    for analysis in &analyses {
+        let cobb = analysis.clinical.iter().map(|curve| curve.cobb[0].1.abs().deg());
+        let mut cells = vec![
+            analysis.case_id.clone(),
+            format!("{:.0}", cobb.fold(0.0, f64::max)),
+            analysis.inflections.all.len().to_string(),
+        ];
+        for kind in [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated] {
+            let model = analysis.models.iter().find(|model| model.kind == kind);
+            let errors =
+                [true, false].map(|fitted| model.and_then(|m| m.mean_location_error_mm(fitted)));
+            let errors = errors.map(|e| e.map_or("–".to_owned(), |e| format!("{e:.1}")));
+            cells.push(errors.join(" / "));
+        }
+        holds(&text, &cells);
+    }
+    let compared = &together.compared;
+    assert!(compared.family() > 0);
+    for errors in compared.errors.iter().filter(|errors| errors.films > 0) {
+        let cells = [
+            errors.kind.to_string(),
+            errors.role.to_string(),
+            errors.location_mm.patients.n.to_string(),
+            errors.films.to_string(),
+            errors.left_out.to_string(),
+            format!("{:.1}", errors.location_mm.patients.mean),
+        ];
+        holds(&text, &cells);
+    }
+    let rows =
+        tables(&document).iter().find(|t| t.caption.contains("pair")).expect("tests").rows.len();
+    assert_eq!(rows, compared.family());
+    for said in [compared.believe_words().to_owned(), compared.family_words()] {
+        assert!(words(&text).contains(&words(&said)), "{said}");
+    }
+}
+
+#[test]
+fn an_empty_cohort_says_so() {
+    let document = cohort::summary(&[], &Cohort::of(&[], 1), "spineline test");
+    let text = terminal(&document, WIDTH);
+    assert!(text.contains("No case could be analysed."), "{text}");
+}
+
+#[test]
+fn every_statistic_of_readings_is_there_with_its_interval_and_limits_of_agreement() {
+    let case = case(0, Truth::Rod);
+    let films: Vec<FilmReadings> =
+        case.films.iter().map(|film| FilmReadings::measure(film).expect("sound")).collect();
+    let found: Vec<QuantityReliability> =
+        film_quantities(&[(&case.id, &films)]).iter().map(assess).collect();
+    let document = reliability::summary(&found, true, "spineline test");
+    assert_whole(&document);
+    let text = terminal(&document, WIDE);
+    assert!(text.lines().next().is_some_and(|line| line.contains("SYNTHETIC")), "{text}");
+    for quantity in &found {
+        assert!(text.contains(&format!("{}: {}", quantity.key, quantity.meaning)), "{text}");
+        for design in quantity.designs.iter().filter(|design| !design.bland_altman.is_empty()) {
+            for statistic in &design.statistics {
+                let (value, interval) = statistic.shown();
+                let value = value.unwrap_or_else(|| "–".to_owned());
+                holds(&text, &[statistic.kind.name().to_owned(), value, interval]);
+            }
+            for pair in &design.bland_altman {
+                let [first, second] = &pair.raters;
+                let bias = spineline::reliability::shown_measure(pair.bias);
+                holds(&text, &[format!("Bland-Altman bias, {second} minus {first} {bias}")]);
+            }
+            for remark in &design.remarks {
+                assert!(words(&text).contains(&words(&remark.to_string())), "{remark}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_name_that_controls_a_terminal_stays_a_name() {
+    let hostile = "\u{1b}[2J\u{1b}]0;x\u{7}\u{202e}P07\r\u{9b}31m";
+    let case = Case { id: hostile.to_owned(), ..case(0, Truth::Rod) };
+    let analysis = analysis(&case);
+    let mut text = terminal(&summary(&case, &analysis, None, None), WIDTH);
+    text.extend(warnings(&analysis).iter().map(|notice| terminal::notice(notice, WIDTH)));
+    assert!(text.chars().all(|c| c == '\n' || !(c.is_control() || c == '\u{202e}')), "{text:?}");
+    assert!(text.starts_with("Patient: [2J]0;xP07"), "{text}");
+}
