@@ -8,7 +8,7 @@ use utoipa_axum::routes;
 use super::api::{AccountEdit, AccountView, Problem, RoleName};
 use super::extract::{Json, Path};
 use super::{Answer, AppState, Failure, User};
-use crate::store::{Account, AccountChange, Name, PasswordHash, StoreError};
+use spineline_store::{Account, AccountChange, Name, PasswordHash, StoreError};
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(accounts)).routes(routes!(put_account))

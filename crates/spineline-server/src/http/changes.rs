@@ -15,7 +15,7 @@ use super::api::{Change, Problem};
 use super::extract::Path;
 use super::studies::study_name;
 use super::{Answer, AppState, User};
-use crate::store::{Name, Sight};
+use spineline_store::{Name, Sight};
 
 /// Changes that a slow listener may lag behind before it misses some.
 const LAG: usize = 256;

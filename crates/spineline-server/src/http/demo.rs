@@ -14,8 +14,8 @@ use super::api::{Problem, RoleName, StudyDetail};
 use super::extract::Json;
 use super::films::{draw_thumbnails, keep_thumbnails};
 use super::{Answer, AppState, Failure, User, studies};
-use crate::store::{Hash, Name, NewCase, StoreError, Thumbnails};
 use crate::synthetic::{DrawnFilm, case_file, draw_film};
+use spineline_store::{Hash, Name, NewCase, StoreError, Thumbnails};
 
 /// Pixels of 0.2 mm, as those of a computed radiograph of a whole spine; phantoms are drawn with a quarter of that area.
 const COARSER: u32 = 2;

@@ -14,7 +14,7 @@ use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, watch};
 
 use super::{AppState, ServeOptions, app};
-use crate::store::Store;
+use spineline_store::Store;
 
 /// Connections at once; further ones wait to be accepted.
 const MOST_CONNECTIONS: usize = 256;
@@ -129,7 +129,7 @@ mod tests {
 
     use super::super::api::AccessName;
     use super::{AppState, ServeOptions, app, connection};
-    use crate::store::{Name, Signature, Store, Timestamp};
+    use spineline_store::{Name, Signature, Store, Timestamp};
 
     /// What a client reads that sends this and then nothing more, until the server has had enough. Time is made up.
     async fn answer_to(sent: &str) -> String {

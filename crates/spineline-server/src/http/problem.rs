@@ -7,7 +7,7 @@ use axum::response::{IntoResponse, Response};
 use spineline_io::film::FilmError;
 
 use super::api::Problem;
-use crate::store::StoreError;
+use spineline_store::StoreError;
 
 /// What a handler gives back.
 pub type Answer<T> = Result<T, Failure>;

@@ -12,7 +12,7 @@ use super::api::{AccessName, Problem, RoleName, SessionView, SignIn, SignInPage}
 use super::extract::Json;
 use super::state::secret;
 use super::{Answer, AppState, Failure};
-use crate::store::{
+use spineline_store::{
     Access, Hash, Name, Role, Session, SessionLimits, Signature, Store, Study, Timestamp,
 };
 

@@ -12,7 +12,7 @@ use super::guard::Hosts;
 use super::guard_rate::Attempts;
 use super::guard_token::OneTimeToken;
 use super::{Answer, changes, films, results, studies};
-use crate::store::{Store, StoreError, Timestamp};
+use spineline_store::{Store, StoreError, Timestamp};
 
 /// Requests that are answered at once. Each may hold a body of some megabytes.
 const MOST_IN_FLIGHT: usize = 64;

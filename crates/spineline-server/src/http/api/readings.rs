@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{ImageSideName, LiveView, LostChangeView, Notice, PlaneName, PostureName, Problem};
-use crate::store::{Corner, CrestSide, Event};
+use spineline_store::{Corner, CrestSide, Event};
 
 /// A new reading of a film by whoever asks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

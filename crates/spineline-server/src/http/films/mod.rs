@@ -16,7 +16,7 @@ use super::api::{
 };
 use super::extract::{Json, Path};
 use super::{Answer, AppState, Failure, User, readings, studies, words};
-use crate::store::{FilmEdit, FilmId, FilmRecord, ReadingId, Store, StoreError};
+use spineline_store::{FilmEdit, FilmId, FilmRecord, ReadingId, Store, StoreError};
 
 pub use screen::{Shelf, draw_thumbnails, keep_thumbnails};
 pub use uploads::Upload;

@@ -11,7 +11,7 @@ use tokio::sync::Semaphore;
 
 use super::super::{Answer, AppState, Failure, words};
 use super::uploads::Uploads;
-use crate::store::{Hash, Store, Thumbnails};
+use spineline_store::{Hash, Store, Thumbnails};
 
 /// Room for decoded films.
 const ROOM_BYTES: usize = 300 << 20;

@@ -22,7 +22,7 @@ use super::super::state::secret;
 use super::super::{Answer, AppState, Failure, User, words};
 use super::png;
 use super::screen::{decode, draw_thumbnails, turn};
-use crate::store::{Name, Timestamp};
+use spineline_store::{Name, Timestamp};
 
 /// How long an upload is kept.
 const KEPT_MS: i64 = 60 * 60 * 1000;

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::super::api::LostChangeView;
-use crate::store::{FilmRecord, LostChange, ReadingId, Store, StoreError};
+use spineline_store::{FilmRecord, LostChange, ReadingId, Store, StoreError};
 
 pub fn of_reading(store: &Store, reading: ReadingId) -> Result<Vec<LostChangeView>, StoreError> {
     Ok(store.conflicts_of_reading(reading)?.iter().map(view).collect())

@@ -14,7 +14,7 @@ use super::api::{
 };
 use super::extract::{Json, Path};
 use super::{Answer, AppState, Failure, User, films};
-use crate::store::{FilmCode, FilmId, ReadingId, SeenReading, Sight, Store, StoreError};
+use spineline_store::{FilmCode, FilmId, ReadingId, SeenReading, Sight, Store, StoreError};
 
 pub(super) use lost::{of_film as lost_of_film, of_reading as lost_of_reading};
 pub(super) use view::seen;
@@ -180,7 +180,11 @@ fn told(state: &AppState, store: &Store, user: &User, reading: ReadingId) -> Ans
 }
 
 /// Refuses a film of a study of which this user may see codes only.
-pub(super) fn refuse_blinded(store: &Store, user: &User, study: &crate::store::Name) -> Answer<()> {
+pub(super) fn refuse_blinded(
+    store: &Store,
+    user: &User,
+    study: &spineline_store::Name,
+) -> Answer<()> {
     user.on_study(store, study)?;
     match store.observer(&user.name).sight(study)? {
         Sight::Reader => Err(Failure::not_found()),

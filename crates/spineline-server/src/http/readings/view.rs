@@ -14,7 +14,7 @@ use super::super::api::{
 };
 use super::super::{Answer, Failure, User, words};
 use super::lost;
-use crate::store::{
+use spineline_store::{
     Corner, CrestSide, Event, ReadingId, ReadingState, SeenReading, Store, StoreError,
 };
 

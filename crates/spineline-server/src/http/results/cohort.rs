@@ -18,7 +18,7 @@ use crate::http::api::{
 };
 use crate::http::extract::Json;
 use crate::http::{Answer, AppState, User};
-use crate::store::StoreError;
+use spineline_store::StoreError;
 
 /// The bootstrap starts from here.
 const BOOTSTRAP_SEED: u64 = 1;

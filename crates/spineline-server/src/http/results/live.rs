@@ -11,7 +11,7 @@ use super::{findings, notices, overlay};
 use crate::http::api::{FilmOverlay, LiveStatus, LiveView, Notice, Problem, Severity};
 use crate::http::extract::{Json, Path};
 use crate::http::{Answer, AppState, User, readings};
-use crate::store::{Event, FilmId, ReadingId, Stand, StandingFilm};
+use spineline_store::{Event, FilmId, ReadingId, Stand, StandingFilm};
 
 /// What follows from a reading as it stands.
 #[utoipa::path(get, path = "/api/readings/{reading}/live", params(("reading" = i64, Path)),

@@ -8,7 +8,7 @@ use spineline::warning::{Severity as Kind, Warning};
 use super::cache::{Outcome, StudyResult};
 use super::words::{line_name, listed, posture_name};
 use crate::http::api::{Notice, Severity};
-use crate::store::StandingCase;
+use spineline_store::StandingCase;
 
 /// A notice of a whole study.
 pub fn notice(severity: Severity, code: &str, text: impl Into<String>) -> Notice {

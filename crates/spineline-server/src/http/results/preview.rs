@@ -11,7 +11,7 @@ use super::live::live_view;
 use crate::http::api::{Preview, PreviewRequest, Problem, ReadingView, TurnAxis};
 use crate::http::extract::{Json, Path};
 use crate::http::{Answer, AppState, Failure, User, readings};
-use crate::store::{Event, FilmRecord, ReadingId, Store, StoreError};
+use spineline_store::{Event, FilmRecord, ReadingId, Store, StoreError};
 
 /// What would follow from events upon a reading.
 #[utoipa::path(post, path = "/api/readings/{reading}/preview", params(("reading" = i64, Path)),

@@ -6,7 +6,7 @@ use spineline::measure::{LengthScale, SpacingPlane};
 
 use crate::http::api::{LineName, SideName};
 pub use crate::http::words::posture_name;
-use crate::store::StandingCase;
+use spineline_store::StandingCase;
 
 pub const fn side_name(side: Side) -> SideName {
     match side {

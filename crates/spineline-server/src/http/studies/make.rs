@@ -19,7 +19,7 @@ use super::super::extract::Json;
 use super::super::films::Upload;
 use super::super::{Answer, AppState, Failure, User, words};
 use super::{detail, of_study};
-use crate::store::{CaseError, Name, NewCase, Study};
+use spineline_store::{CaseError, Name, NewCase, Study};
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(new_study)).routes(routes!(import_case))

@@ -14,7 +14,7 @@ use super::api::{
 };
 use super::extract::{Json, Path};
 use super::{Answer, AppState, Failure, User, readings, results};
-use crate::store::{Name, Next, PlanDesign, Sight, Store, Timestamp};
+use spineline_store::{Name, Next, PlanDesign, Sight, Store, Timestamp};
 
 pub use summary::{Overviews, film_summary, study_summary};
 

@@ -8,7 +8,7 @@ use spineline::measure::ImageGeometry;
 
 use super::super::api::{FilmSummary, ReadingSummary, RoleName, StudyStatus, StudySummary};
 use super::super::{Answer, AppState, User, results, words};
-use crate::store::{
+use spineline_store::{
     FilmId, FilmRecord, Name, ReadingId, ReadingRecord, ReadingState, Sight, Store, StoreError,
     Study,
 };
