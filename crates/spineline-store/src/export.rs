@@ -2,17 +2,19 @@
 
 use std::collections::BTreeMap;
 
-use rusqlite::Connection;
-use serde_json::{Map, Value, json};
-use spineline::anatomy::{Posture, Side};
+use serde_json::Value;
+use spineline::analysis::Case;
+use spineline::anatomy::Posture;
+use spineline_io::CaseFile;
 
+use crate::assembly;
 use crate::connection::Store;
 use crate::error::StoreError;
 use crate::films::{self, FilmRecord};
 use crate::journal;
 use crate::names::{Name, ReadingId};
-use crate::readings::{self, ReadingRecord};
-use crate::state::{ReadingState, VertebraMarks};
+use crate::readings;
+use crate::state::ReadingState;
 
 /// A case file and what it could not hold.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -72,10 +74,10 @@ impl Store {
     pub fn export_case(&self, study: &Name) -> Result<ExportedCase, StoreError> {
         let snapshot = self.connection.unchecked_transaction()?;
         let synthetic = films::study(&snapshot, study)?.synthetic;
-        let by_posture = by_posture(&snapshot, study)?;
+        let by_posture = assembly::by_posture(&snapshot, study)?;
         let mut remarks = Vec::new();
         let readings = readings::of_study(&snapshot, study)?;
-        let mut records = Vec::new();
+        let mut films = Vec::new();
         for film in by_posture.values() {
             let mut finished = Vec::new();
             for reading in readings.iter().filter(|reading| reading.film == film.id) {
@@ -87,34 +89,13 @@ impl Store {
                 remarks.extend(left_out(reading.id, &state));
                 finished.push((reading, state));
             }
-            records.push(film_json(film, &finished));
+            films.push(assembly::film(film, &finished)?);
         }
-        let text = spineline_io::to_text(&case_json(study, synthetic, records));
+        let case = assembly::case(study, synthetic, films);
+        let text = spineline_io::to_text(&written(&case, &by_posture));
         spineline_io::parse_case(&text)?;
         Ok(ExportedCase { text, remarks })
     }
-}
-
-/// The films of a study, of which a case has one per posture.
-pub(crate) fn by_posture(
-    connection: &Connection,
-    study: &Name,
-) -> Result<BTreeMap<Posture, FilmRecord>, StoreError> {
-    let mut by_posture: BTreeMap<Posture, FilmRecord> = BTreeMap::new();
-    for film in films::films(connection, study)? {
-        if let Some(other) = by_posture.insert(film.posture, film) {
-            let (study, posture) = (study.clone(), other.posture);
-            return Err(StoreError::PostureTwice { study, posture });
-        }
-    }
-    Ok(by_posture)
-}
-
-pub(crate) fn case_json(study: &Name, synthetic: bool, films: Vec<Value>) -> Value {
-    json!({
-        "format": "spineline-case", "version": 1, "case_id": study.as_str(),
-        "synthetic": synthetic, "films": films,
-    })
 }
 
 fn left_out(reading: ReadingId, state: &ReadingState) -> Vec<ExportRemark> {
@@ -128,9 +109,19 @@ fn left_out(reading: ReadingId, state: &ReadingState) -> Vec<ExportRemark> {
     remarks
 }
 
-pub(crate) fn film_json(film: &FilmRecord, finished: &[(&ReadingRecord, ReadingState)]) -> Value {
-    let mut record = Map::new();
-    record.insert("posture".to_owned(), film.posture.key().into());
+/// The case as its file has it, with the descriptions of the images as they were given.
+fn written(case: &Case, records: &BTreeMap<Posture, FilmRecord>) -> Value {
+    let file = CaseFile::from_case(case);
+    let mut value = serde_json::to_value(file).expect("string keys only");
+    let films = value["films"].as_array_mut().into_iter().flatten();
+    for (film, record) in films.zip(records.values()) {
+        film["image"] = described(record);
+    }
+    value
+}
+
+/// The image of a film with how it is to be shown now.
+fn described(film: &FilmRecord) -> Value {
     let mut image = film.image.clone();
     if let Some(image) = image.as_object_mut() {
         image.remove("inverted");
@@ -138,53 +129,5 @@ pub(crate) fn film_json(film: &FilmRecord, finished: &[(&ReadingRecord, ReadingS
             image.insert("inverted".to_owned(), true.into());
         }
     }
-    record.insert("image".to_owned(), image);
-    if let Some(crests) = mean_crests(finished) {
-        record.insert("iliac_crests_px".to_owned(), crests);
-    }
-    let readings: Vec<Value> = finished
-        .iter()
-        .map(|(reading, state)| {
-            let vertebrae: Map<String, Value> = state
-                .vertebrae
-                .iter()
-                .filter(|(_, marks)| marks.is_complete())
-                .map(|(level, marks)| (level.name().to_owned(), vertebra_json(marks)))
-                .collect();
-            json!({
-                "observer": reading.observer.as_str(), "repeat": reading.repeat,
-                "vertebrae": vertebrae,
-            })
-        })
-        .collect();
-    record.insert("readings".to_owned(), readings.into());
-    Value::Object(record)
-}
-
-fn vertebra_json(marks: &VertebraMarks) -> Value {
-    let mut vertebra: Map<String, Value> = marks
-        .corners
-        .iter()
-        .map(|(corner, place)| (corner.key().to_owned(), json!(place)))
-        .collect();
-    if let Some(axis_deg) = marks.axis_deg {
-        vertebra.insert("axis_deg".to_owned(), axis_deg.into());
-    }
-    Value::Object(vertebra)
-}
-
-/// The mean of the readings that have both crests, summed in their order.
-fn mean_crests(finished: &[(&ReadingRecord, ReadingState)]) -> Option<Value> {
-    let pairs: Vec<[[f64; 2]; 2]> = finished
-        .iter()
-        .filter_map(|(_, state)| {
-            let crest = |side| state.iliac_crests_px.get(&side).copied();
-            Some([crest(Side::Left)?, crest(Side::Right)?])
-        })
-        .collect();
-    let mean = |side: usize, axis: usize| {
-        pairs.iter().map(|pair| pair[side][axis]).sum::<f64>() / pairs.len() as f64
-    };
-    (!pairs.is_empty())
-        .then(|| json!({ "left": [mean(0, 0), mean(0, 1)], "right": [mean(1, 0), mean(1, 1)] }))
+    image
 }

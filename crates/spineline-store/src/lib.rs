@@ -25,6 +25,7 @@
 //! ```
 
 mod accounts;
+mod assembly;
 mod audit;
 mod backup;
 mod cases;

@@ -3,15 +3,14 @@
 use std::collections::BTreeSet;
 
 use rusqlite::Connection;
-use serde_json::Value;
 use spineline::analysis::Case;
 use spineline::anatomy::{Level, Posture};
 use spineline::measure::Film;
 
+use crate::assembly;
 use crate::connection::Store;
 use crate::error::StoreError;
 use crate::event::Event;
-use crate::export;
 use crate::films::{self, FilmRecord};
 use crate::journal;
 use crate::names::{Name, ReadingId};
@@ -97,8 +96,8 @@ impl Store {
         let snapshot = self.connection.unchecked_transaction()?;
         let synthetic = films::study(&snapshot, study)?.synthetic;
         let readings = readings::of_study(&snapshot, study)?;
-        let (mut films, mut records) = (Vec::new(), Vec::new());
-        for film in export::by_posture(&snapshot, study)?.into_values() {
+        let (mut films, mut marks) = (Vec::new(), Vec::new());
+        for film in assembly::by_posture(&snapshot, study)?.into_values() {
             let of_film: Vec<&ReadingRecord> =
                 readings.iter().filter(|reading| reading.film == film.id).collect();
             let standing = match stand {
@@ -118,11 +117,11 @@ impl Store {
             let marked: BTreeSet<Level> =
                 standing.iter().flat_map(|(_, state)| complete(state)).collect();
             if !marked.is_empty() {
-                records.push(export::film_json(&film, &standing));
+                marks.push(assembly::film(&film, &standing)?);
             }
             films.push(StandingFilm { record: film, readings: standing.len(), marked });
         }
-        let case = parsed(study, synthetic, records)?;
+        let case = assembly::case(study, synthetic, marks);
         Ok(StandingCase { films, case })
     }
 
@@ -163,8 +162,3 @@ impl Store {
 }
 
 type Read<'r> = Vec<(&'r ReadingRecord, ReadingState)>;
-
-fn parsed(study: &Name, synthetic: bool, films: Vec<Value>) -> Result<Case, StoreError> {
-    let case = export::case_json(study, synthetic, films);
-    Ok(spineline_io::parse_case(&case.to_string())?)
-}

@@ -9,3 +9,4 @@ mod plan;
 mod schema;
 mod session;
 mod small_disk;
+mod standing;
