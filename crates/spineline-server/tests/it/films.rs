@@ -99,11 +99,12 @@ fn a_person_marks_undoes_reloads_and_finishes() {
         corner("L4", "inferior_right", 1140.0, 2120.0),
         corner("L4", "inferior_left", 890.0, 2120.0),
     ];
-    let marked = record(&browser, reading, 0, json!(body)).json();
+    let marked = record(&browser, reading, 0, json!(body)).json()["reading"].clone();
     assert_eq!(marked["revision"], 4);
     assert_eq!(marked["proposal"]["level"], "L3");
     assert_eq!(marked["vertebrae"][0]["complete"], true);
-    let undone = record(&browser, reading, 4, json!([{ "kind": "undo" }])).json();
+    let undone =
+        record(&browser, reading, 4, json!([{ "kind": "undo" }])).json()["reading"].clone();
     assert_eq!(
         (&undone["undoable"], &undone["redoable"], &undone["vertebrae"][0]["complete"]),
         (&json!(3), &json!(1), &json!(false))
@@ -113,7 +114,8 @@ fn a_person_marks_undoes_reloads_and_finishes() {
     let browser = app.observer("Ann");
     let known = browser.get(&format!("/api/readings/{reading}")).json();
     assert_eq!(known["vertebrae"], undone["vertebrae"]);
-    let redone = record(&browser, reading, 5, json!([{ "kind": "redo" }])).json();
+    let redone =
+        record(&browser, reading, 5, json!([{ "kind": "redo" }])).json()["reading"].clone();
     assert_eq!(redone["vertebrae"], marked["vertebrae"]);
     let finish = |revision: u64| {
         let body = json!({ "expected_revision": revision });
@@ -133,7 +135,10 @@ fn f58_two_sessions_of_one_observer_lose_nothing() {
     assert_eq!(record(&browser, reading, 0, click.clone()).status, StatusCode::OK);
     // The acknowledgement was lost: the same request again records nothing.
     let again = record(&browser, reading, 0, click);
-    assert_eq!((again.status, again.json()["revision"].clone()), (StatusCode::OK, json!(1)));
+    assert_eq!(
+        (again.status, again.json()["reading"]["revision"].clone()),
+        (StatusCode::OK, json!(1))
+    );
 
     let late = [
         corner("L4", "superior_left", 950.0, 2000.0),
@@ -268,6 +273,8 @@ fn a_blinded_reader_is_told_no_posture_anywhere() {
         reader.get(&format!("/api/readings/{reading}/thumbnail")),
         record_one(&reader, reading),
     ];
+    let recorded = answers[4].json();
+    assert_eq!((&recorded["reading"]["revision"], &recorded["live"]), (&json!(1), &Value::Null));
     for answer in &answers {
         let told = format!("{:?} {}", answer.headers, answer.text());
         for word in ["erect", "bending", "neutral", "traction", "\"repeat\":1"] {

@@ -7,7 +7,7 @@ use spineline::measure::turn_axis_towards;
 use spineline::spatial::Pixel;
 use spineline_io::LevelKey;
 
-use super::live::live_view;
+use super::live::{followed, in_hand};
 use crate::http::api::{Preview, PreviewRequest, Problem, ReadingView, TurnAxis};
 use crate::http::extract::{Json, Path};
 use crate::http::{Answer, AppState, Failure, User, readings};
@@ -25,11 +25,13 @@ pub async fn preview(
     Json(request): Json<PreviewRequest>,
 ) -> Answer<Json<Preview>> {
     let reading = ReadingId(reading);
-    let asker = user.clone();
-    let before = state.ask(move |store| before(store, &asker, reading, request));
-    let (view, events) = before.await?;
-    let live = live_view(&state, &user, reading, events).await?;
-    Ok(Json(Preview { reading: view, live }))
+    let found = state.ask(move |store| {
+        let (view, events) = before(store, &user, reading, request)?;
+        Ok((view, in_hand(store, &user, reading, &events)?))
+    });
+    let (reading, hand) = found.await?;
+    let live = followed(hand).await?;
+    Ok(Json(Preview { reading, live }))
 }
 
 /// The reading as it would be, and the events that make it so.

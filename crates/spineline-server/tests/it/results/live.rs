@@ -282,3 +282,34 @@ fn a_preview_shows_what_would_follow_and_records_nothing() {
     assert!(axis["by_hand"] == true && deg > 0.0);
     assert!((10.0 * deg - (10.0 * deg).round()).abs() < 1e-9, "{deg} is not in tenths");
 }
+
+#[test]
+fn recorded_events_are_answered_with_what_follows_from_them() {
+    let case = phantom().case;
+    let mut reading = None;
+    let running = serve(|store| {
+        add_study(store, "S1", &case);
+        reading = Some(begun(store, &case, "S1", 15));
+    });
+    let path = format!("/api/readings/{}", reading.expect("begun").0);
+    let revision = running.get(&path)["revision"].as_u64().expect("a number");
+    let before = running.get(&format!("{path}/live"));
+    let (_, marks) = reading_of(&case, Posture::Erect);
+    let corner = marks.vertebrae[&Level::T8].corners.superior_left;
+    let moved = json!([{
+        "kind": "move_corner", "level": "T8", "corner": "superior_left",
+        "column_px": corner.column_px + 6.0, "row_px": corner.row_px,
+    }]);
+    let preview = running.post(&format!("{path}/preview"), &json!({ "events": moved }));
+    let body = json!({ "expected_revision": revision, "events": moved });
+    let recorded = running.post(&format!("{path}/events"), &body);
+    assert_eq!(recorded["reading"]["revision"], json!(revision + 1));
+    assert_eq!(recorded["live"]["status"], "complete", "{recorded}");
+    assert_ne!(recorded["live"], before);
+    // What was shown while it was dragged, and what a reload shows.
+    assert_eq!(recorded["live"], preview["live"]);
+    assert_eq!(recorded["live"], running.get(&format!("{path}/live")));
+    assert_eq!(recorded["reading"], running.get(&path));
+    // The same request once more is answered once more.
+    assert_eq!(running.post(&format!("{path}/events"), &body), recorded);
+}
