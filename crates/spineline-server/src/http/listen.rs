@@ -1,4 +1,7 @@
 //! Listening, and connections that take their time.
+//!
+//! `axum::serve` cannot replace this loop: it sets no deadline for the head of a request and no limit of connections, and its
+//! graceful end waits for event streams that never end.
 
 use std::net::SocketAddr;
 use std::pin::pin;
