@@ -12,12 +12,12 @@ use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::GracefulShutdown;
 use hyper_util::service::TowerToHyperService;
+use spineline_store::Store;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, watch};
 
 use super::{AppState, ServeOptions, app};
-use spineline_store::Store;
 
 /// Connections at once; further ones wait to be accepted.
 const MOST_CONNECTIONS: usize = 256;

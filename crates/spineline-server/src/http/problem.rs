@@ -5,9 +5,9 @@ use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
 use spineline_io::film::FilmError;
+use spineline_store::StoreError;
 
 use super::api::Problem;
-use spineline_store::StoreError;
 
 /// What a handler gives back.
 pub type Answer<T> = Result<T, Failure>;

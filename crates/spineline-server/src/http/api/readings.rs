@@ -1,10 +1,10 @@
 //! One reading of one film.
 
 use serde::{Deserialize, Serialize};
+use spineline_store::{Corner, CrestSide, Event};
 use utoipa::ToSchema;
 
 use super::{ImageSideName, LiveView, LostChangeView, Notice, PlaneName, PostureName, Problem};
-use spineline_store::{Corner, CrestSide, Event};
 
 /// A new reading of a film by whoever asks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

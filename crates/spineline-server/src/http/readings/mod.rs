@@ -6,13 +6,13 @@ mod view;
 use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
+use spineline_store::{FilmCode, FilmId, ReadingId, SeenReading, Sight, Store, StoreError};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::api::{Change, ConflictAnswer, Finish, NewReading, Problem, ReadingView, RoleName};
 use super::extract::{Json, Path};
 use super::{Answer, AppState, Failure, User, films};
-use spineline_store::{FilmCode, FilmId, ReadingId, SeenReading, Sight, Store, StoreError};
 
 pub(super) use lost::{of_film as lost_of_film, of_reading as lost_of_reading};
 pub(super) use view::seen;

@@ -3,6 +3,7 @@
 use axum::extract::State;
 use spineline::anatomy::Posture;
 use spineline::measure::{MeasureError, check_marks};
+use spineline_store::{Event, FilmId, Name, ReadingId, Stand, StandingCase, StandingFilm, Store};
 
 use super::cache::{Outcome, StudyResult, computed};
 use super::sight::blinded;
@@ -11,7 +12,6 @@ use super::{findings, notices, overlay};
 use crate::http::api::{FilmOverlay, LiveStatus, LiveView, Notice, Problem, Severity};
 use crate::http::extract::{Json, Path};
 use crate::http::{Answer, AppState, User, readings};
-use spineline_store::{Event, FilmId, Name, ReadingId, Stand, StandingCase, StandingFilm, Store};
 
 /// What follows from a reading as it stands.
 #[utoipa::path(get, path = "/api/readings/{reading}/live", params(("reading" = i64, Path)),

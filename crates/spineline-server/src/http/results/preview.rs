@@ -6,12 +6,12 @@ use spineline::anatomy::Level;
 use spineline::measure::turn_axis_towards;
 use spineline::spatial::Pixel;
 use spineline_io::LevelKey;
+use spineline_store::{Event, FilmRecord, ReadingId, Store, StoreError};
 
 use super::live::{followed, in_hand};
 use crate::http::api::{Preview, PreviewRequest, Problem, ReadingView, TurnAxis};
 use crate::http::extract::{Json, Path};
 use crate::http::{Answer, AppState, Failure, User, readings};
-use spineline_store::{Event, FilmRecord, ReadingId, Store, StoreError};
 
 /// What would follow from events upon a reading.
 #[utoipa::path(post, path = "/api/readings/{reading}/preview", params(("reading" = i64, Path)),

@@ -2,12 +2,12 @@
 
 use axum::extract::State;
 use axum::response::{IntoResponse, Response};
+use spineline_store::ReadingId;
 
 use super::live::{followed, in_hand};
 use crate::http::api::{ConflictAnswer, NewEvent, Preview, Problem};
 use crate::http::extract::{Json, Path};
 use crate::http::{Answer, AppState, User, readings};
-use spineline_store::ReadingId;
 
 /// Records events, all or none; answers what follows. The same request once more is answered once more, and records nothing.
 #[utoipa::path(post, path = "/api/readings/{reading}/events", request_body = NewEvent,

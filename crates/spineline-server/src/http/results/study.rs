@@ -5,6 +5,7 @@ use axum::response::Response;
 use chrono::{SecondsFormat, Utc};
 use spineline::anatomy::Posture;
 use spineline_io::{AnalysisFile, CaseFile, FilmOrigin, ProgramRun, Provenance, Request};
+use spineline_store::FilmId;
 
 use super::cache::{Outcome, StudyResult, computed, study_result};
 use super::live::overlay_of;
@@ -15,7 +16,6 @@ use crate::http::api::{FilmOverlay, LiveStatus, LiveView, Problem};
 use crate::http::extract::{Json, Path};
 use crate::http::studies::attachment;
 use crate::http::{Answer, AppState, Failure, User};
-use spineline_store::FilmId;
 
 /// The analysis file of a study, as `spineline analyze` writes it.
 #[utoipa::path(get, path = "/api/studies/{study}/analysis.json",
