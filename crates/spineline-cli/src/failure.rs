@@ -3,7 +3,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use spineline_films::intake::IntakeError;
-use spineline_server::store::StoreError;
+use spineline_store::StoreError;
 
 /// How a command that ran to its end came out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -7,7 +7,7 @@ use chrono::Utc;
 use clap::Args;
 use spineline_server::http::api::AccessName;
 use spineline_server::http::{ServeOptions, Server};
-use spineline_server::store::{Name, Role, Signature, Store};
+use spineline_store::{Name, Role, Signature, Store};
 
 use crate::failure::{Ending, Failure};
 use crate::print;

@@ -129,7 +129,7 @@ export class Marking {
       send: (events, expected_revision) =>
         ask("POST", `${path}/events`, { json: { expected_revision, events } }),
       keeping: this.#keeping,
-      saved: (answer) => this.#use(answer),
+      saved: (answer) => this.#use(answer.reading, answer.live ?? null),
       conflict: (_, answer) => {
         this.#use(answer);
         void this.#showLost();
@@ -361,7 +361,8 @@ export class Marking {
     this.#outbox.push(events);
   }
 
-  #use(reading: ReadingView): void {
+  /** Takes a reading with what follows from it; without that, it is asked for. */
+  #use(reading: ReadingView, live?: LiveView | null): void {
     // An answer that was overtaken by a newer one.
     const isOlder = reading.revision < this.#outbox.known;
     if (isOlder || (this.#recorded.finished && !reading.finished)) return;
@@ -371,7 +372,13 @@ export class Marking {
       this.#live = this.#preview.live ?? this.#live;
       this.#preview = null;
     }
-    this.#refreshLive();
+    if (live === undefined) {
+      this.#refreshLive();
+      return;
+    }
+    // What is under way is about an older reading.
+    this.#lives.cancel();
+    this.#live = live ?? this.#live;
   }
 
   #outboxChanged(): void {

@@ -64,10 +64,23 @@ const sent = (): Event[] =>
 function taking(start = 0): (one: Asked) => Answer {
   let revision = start;
   return ({ path, json }) => {
-    if (path.endsWith("/events")) revision += (json as { events: Event[] }).events.length;
-    return { status: 200, body: { ...reading(), revision } };
+    if (!path.endsWith("/events")) return { status: 200, body: { ...reading(), revision } };
+    revision += (json as { events: Event[] }).events.length;
+    return { status: 200, body: { reading: { ...reading(), revision }, live: null } };
   };
 }
+
+it("asks once for a click, and shows what follows from it", async () => {
+  const live = { status: "partial", status_text: "1 of 15 vertebrae", notices: [] };
+  answer = () => ({ status: 200, body: { reading: { ...reading(), revision: 1 }, live } });
+  const marking = new Marking(reading(), "me");
+  await settle();
+  asked.length = 0;
+  marking.note("one");
+  await settle();
+  expect(asked.map(({ path }) => path)).toEqual(["/api/readings/7/events"]);
+  expect(marking.live).toEqual(live);
+});
 
 function conflict(now: Partial<ReadingView>): Answer {
   const problem = { code: "conflict", message: "changed meanwhile", help: null };

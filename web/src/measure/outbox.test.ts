@@ -2,6 +2,7 @@ import { afterEach, beforeEach, expect, it, vi } from "vitest";
 
 import { Refusal, Unreachable } from "../api/client";
 import { reading } from "./reading.fixture";
+import type { Api } from "../api/types";
 import type { Event, ReadingView } from "./marks";
 import { Outbox, type Entry, type Keeping } from "./outbox";
 
@@ -38,7 +39,7 @@ class Program {
   /** What goes wrong with the next requests: before they are recorded, or after it. */
   faults: ("away" | "answer lost" | Refusal)[] = [];
 
-  async send(events: readonly Event[], expected: number): Promise<ReadingView> {
+  async send(events: readonly Event[], expected: number): Promise<Api<"Preview">> {
     this.asked.push({ events, expected });
     const fault = this.faults.shift();
     await Promise.resolve();
@@ -48,7 +49,7 @@ class Program {
     if (!repeated && expected !== this.events.length) throw this.conflict();
     if (!repeated) this.events.push(...events);
     if (fault === "answer lost") throw new Unreachable();
-    return this.view();
+    return { reading: this.view(), live: null };
   }
 
   view(): ReadingView {
@@ -67,7 +68,7 @@ function outbox(program: Program, keeping: Keeping = memory()) {
     revision: program.events.length,
     send: (events, expected) => program.send(events, expected),
     keeping,
-    saved: (view) => told.saved.push(view.revision),
+    saved: (answer) => told.saved.push(answer.reading.revision),
     conflict: (lost) => told.lost.push(...lost),
     refused: (lost) => told.refused.push(...lost),
     changed: () => undefined,

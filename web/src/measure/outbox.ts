@@ -2,6 +2,7 @@ import { Refusal } from "../api/client";
 import type { Api } from "../api/types";
 
 type Event = Api<"Event">;
+type Preview = Api<"Preview">;
 type ReadingView = Api<"ReadingView">;
 
 /** Events that belong together, and the revision they were made on. */
@@ -36,11 +37,11 @@ export interface Keeping {
 export interface OutboxOptions {
   /** Revision of the reading as it was loaded. */
   revision: number;
-  /** Records events; the answer is the reading after them. */
-  send(events: readonly Event[], expected: number): Promise<ReadingView>;
+  /** Records events; the answer is the reading after them, with what follows. */
+  send(events: readonly Event[], expected: number): Promise<Preview>;
   keeping: Keeping;
   /** The reading after events that were recorded. */
-  saved(reading: ReadingView): void;
+  saved(answer: Preview): void;
   /** Others were first: these events are not recorded, and here is how things stand. */
   conflict(lost: readonly Event[], reading: ReadingView): void;
   /** The program will never take these events. */
@@ -163,14 +164,14 @@ export class Outbox {
       this.#options.keeping.save(this.#entries);
     }
     try {
-      const reading = await this.#options.send(entry.events, entry.expected);
+      const answer = await this.#options.send(entry.events, entry.expected);
       if (this.#closed) return;
       this.#sending = false;
       this.#failures = 0;
-      this.#revision = Math.max(this.#revision, reading.revision);
+      this.#revision = Math.max(this.#revision, answer.reading.revision);
       this.#entries.shift();
       this.#keep();
-      this.#options.saved(reading);
+      this.#options.saved(answer);
     } catch (error) {
       // The next page's outbox has the entry from storage, and is told the same.
       if (this.#closed) return;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
-use spineline_server::store::Role;
+use spineline_store::Role;
 
 /// What a user types.
 pub const EXAMPLES: &str = "\

@@ -8,9 +8,7 @@ use std::io::{IsTerminal, Read, stdin};
 use std::path::Path;
 
 use chrono::Utc;
-use spineline_server::store::{
-    Account, AccountChange, Name, PasswordHash, Signature, Store, StoreError,
-};
+use spineline_store::{Account, AccountChange, Name, PasswordHash, Signature, Store, StoreError};
 
 use args::AccountCommand;
 

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use spineline_server::store::{CaseError, NewCase, Signature, Store};
+use spineline_store::{CaseError, NewCase, Signature, Store};
 
 use crate::failure::Failure;
 

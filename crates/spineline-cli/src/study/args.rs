@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
-use spineline_server::store::Head;
+use spineline_store::Head;
 
 /// What a user types.
 pub const EXAMPLES: &str = "\

@@ -8,7 +8,7 @@ pub use args::{EXAMPLES, StudyArgs};
 use std::path::Path;
 
 use chrono::Utc;
-use spineline_server::store::{
+use spineline_store::{
     FilmRecord, Head, Name, Next, PlanDesign, ReadingRecord, Signature, Store, StoreError,
     Timestamp, Verification,
 };

@@ -2,13 +2,13 @@
 
 use axum::extract::State;
 use axum::http::StatusCode;
+use spineline_store::{Account, AccountChange, Name, PasswordHash, StoreError};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::api::{AccountEdit, AccountView, Problem, RoleName};
 use super::extract::{Json, Path};
 use super::{Answer, AppState, Failure, User};
-use crate::store::{Account, AccountChange, Name, PasswordHash, StoreError};
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(accounts)).routes(routes!(put_account))

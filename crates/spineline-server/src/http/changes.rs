@@ -5,6 +5,7 @@ use std::convert::Infallible;
 use axum::extract::State;
 use axum::response::Sse;
 use axum::response::sse::{Event, KeepAlive};
+use spineline_store::{Name, Sight};
 use tokio::sync::broadcast;
 use tokio_stream::wrappers::BroadcastStream;
 use tokio_stream::{Stream, StreamExt};
@@ -15,7 +16,6 @@ use super::api::{Change, Problem};
 use super::extract::Path;
 use super::studies::study_name;
 use super::{Answer, AppState, User};
-use crate::store::{Name, Sight};
 
 /// Changes that a slow listener may lag behind before it misses some.
 const LAG: usize = 256;

@@ -7,6 +7,7 @@ use axum::http::StatusCode;
 use spineline::anatomy::Posture;
 use spineline_films::{Encoding, FilmLimits, read_film};
 use spineline_phantom::{Readers, Truth, generate};
+use spineline_store::{Hash, Name, NewCase, StoreError, Thumbnails};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -14,7 +15,6 @@ use super::api::{Problem, RoleName, StudyDetail};
 use super::extract::Json;
 use super::films::{draw_thumbnails, keep_thumbnails};
 use super::{Answer, AppState, Failure, User, studies};
-use crate::store::{Hash, Name, NewCase, StoreError, Thumbnails};
 use crate::synthetic::{DrawnFilm, case_file, draw_film};
 
 /// Pixels of 0.2 mm, as those of a computed radiograph of a whole spine; phantoms are drawn with a quarter of that area.

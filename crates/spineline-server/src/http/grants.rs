@@ -2,6 +2,7 @@
 
 use axum::extract::State;
 use axum::http::StatusCode;
+use spineline_store::{Name, Store, StoreError};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -9,7 +10,6 @@ use super::api::{Grant, Problem, RoleName};
 use super::extract::{Json, Path};
 use super::studies::study_name;
 use super::{Answer, AppState, Failure, User};
-use crate::store::{Name, Store, StoreError};
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(grants, put_grants))
@@ -69,7 +69,7 @@ async fn put_grants(
     Ok(Json(grants))
 }
 
-fn parse(grant: &Grant) -> Answer<(Name, crate::store::Role)> {
+fn parse(grant: &Grant) -> Answer<(Name, spineline_store::Role)> {
     if grant.role == RoleName::Admin {
         return Err(refused("a study is granted to a `reader` or an `editor`"));
     }

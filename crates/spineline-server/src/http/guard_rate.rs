@@ -1,4 +1,7 @@
 //! How often somebody may try to sign in.
+//!
+//! Rate limiters such as `governor` count requests of an address; here failures count alone, by account name, with locks that
+//! double and end with quiet, and by the clock that the caller gives.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};

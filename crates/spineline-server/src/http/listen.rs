@@ -1,4 +1,7 @@
 //! Listening, and connections that take their time.
+//!
+//! `axum::serve` cannot replace this loop: it sets no deadline for the head of a request and no limit of connections, and its
+//! graceful end waits for event streams that never end.
 
 use std::net::SocketAddr;
 use std::pin::pin;
@@ -9,12 +12,12 @@ use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::GracefulShutdown;
 use hyper_util::service::TowerToHyperService;
+use spineline_store::Store;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, watch};
 
 use super::{AppState, ServeOptions, app};
-use crate::store::Store;
 
 /// Connections at once; further ones wait to be accepted.
 const MOST_CONNECTIONS: usize = 256;
@@ -129,7 +132,7 @@ mod tests {
 
     use super::super::api::AccessName;
     use super::{AppState, ServeOptions, app, connection};
-    use crate::store::{Name, Signature, Store, Timestamp};
+    use spineline_store::{Name, Signature, Store, Timestamp};
 
     /// What a client reads that sends this and then nothing more, until the server has had enough. Time is made up.
     async fn answer_to(sent: &str) -> String {

@@ -5,9 +5,9 @@ use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
 use spineline_films::FilmError;
+use spineline_store::StoreError;
 
 use super::api::Problem;
-use crate::store::StoreError;
 
 /// What a handler gives back.
 pub type Answer<T> = Result<T, Failure>;

@@ -5,6 +5,9 @@ use axum::http::request::Parts;
 use axum::http::{HeaderMap, StatusCode};
 use axum_extra::extract::CookieJar;
 use axum_extra::extract::cookie::{Cookie, SameSite};
+use spineline_store::{
+    Access, Hash, Name, Role, Session, SessionLimits, Signature, Store, Study, Timestamp,
+};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -12,9 +15,6 @@ use super::api::{AccessName, Problem, RoleName, SessionView, SignIn, SignInPage}
 use super::extract::Json;
 use super::state::secret;
 use super::{Answer, AppState, Failure};
-use crate::store::{
-    Access, Hash, Name, Role, Session, SessionLimits, Signature, Store, Study, Timestamp,
-};
 
 /// Sessions end after 12 hours of rest and after 7 days in any case.
 const LIMITS: SessionLimits =

@@ -5,6 +5,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use spineline_store::{Store, StoreError, Timestamp};
 use tokio::sync::Semaphore;
 
 use super::api::AccessName;
@@ -12,7 +13,6 @@ use super::guard::Hosts;
 use super::guard_rate::Attempts;
 use super::guard_token::OneTimeToken;
 use super::{Answer, changes, films, results, studies};
-use crate::store::{Store, StoreError, Timestamp};
 
 /// Requests that are answered at once. Each may hold a body of some megabytes.
 const MOST_IN_FLIGHT: usize = 64;

@@ -1,10 +1,10 @@
 //! One reading of one film.
 
 use serde::{Deserialize, Serialize};
+use spineline_store::{Corner, CrestSide, Event};
 use utoipa::ToSchema;
 
 use super::{ImageSideName, LiveView, LostChangeView, Notice, PlaneName, PostureName, Problem};
-use crate::store::{Corner, CrestSide, Event};
 
 /// A new reading of a film by whoever asks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -195,12 +195,12 @@ pub struct TurnAxis {
     pub towards_px: [f64; 2],
 }
 
-/// The answer to a preview.
+/// A reading with what follows from it: the answer to a preview, and to events that were recorded.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Preview {
-    /// The reading as it would be.
+    /// The reading with the events.
     pub reading: ReadingView,
-    /// What would follow for the film and the study; absent where the reading is blinded.
+    /// What follows for the film and the study; absent where the reading is blinded, or where it cannot be computed.
     pub live: Option<LiveView>,
 }
 

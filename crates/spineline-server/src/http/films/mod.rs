@@ -8,6 +8,7 @@ use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use spineline::measure::{Calibration, Calibrator};
 use spineline::spatial::Pixel;
+use spineline_store::{FilmEdit, FilmId, FilmRecord, ReadingId, Store, StoreError};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -16,7 +17,6 @@ use super::api::{
 };
 use super::extract::{Json, Path};
 use super::{Answer, AppState, Failure, User, readings, studies, words};
-use crate::store::{FilmEdit, FilmId, FilmRecord, ReadingId, Store, StoreError};
 
 pub use screen::{Shelf, draw_thumbnails, keep_thumbnails};
 pub use uploads::Upload;

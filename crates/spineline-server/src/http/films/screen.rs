@@ -7,11 +7,11 @@ use axum::body::Bytes;
 use axum::http::StatusCode;
 use spineline::measure::judge_spacing;
 use spineline_films::{ChildLimits, FilmError, FilmFile, decode_in_child};
+use spineline_store::{Hash, Store, Thumbnails};
 use tokio::sync::Semaphore;
 
 use super::super::{Answer, AppState, Failure, words};
 use super::uploads::Uploads;
-use crate::store::{Hash, Store, Thumbnails};
 
 /// Room for decoded films.
 const ROOM_BYTES: usize = 300 << 20;

@@ -11,6 +11,7 @@ use axum::response::Response;
 use spineline::measure::{Spacing, Stance, View, judge_spacing, judge_view};
 use spineline_files::sha256_hex;
 use spineline_films::{FilmFile, FilmKind, FilmLimits, FilmRemark};
+use spineline_store::{Name, Timestamp};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -22,7 +23,6 @@ use super::super::state::secret;
 use super::super::{Answer, AppState, Failure, User, words};
 use super::png;
 use super::screen::{decode, draw_thumbnails, turn};
-use crate::store::{Name, Timestamp};
 
 /// How long an upload is kept.
 const KEPT_MS: i64 = 60 * 60 * 1000;

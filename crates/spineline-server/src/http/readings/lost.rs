@@ -1,9 +1,9 @@
 //! Changes that lost a race, in words.
 
 use serde_json::Value;
+use spineline_store::{FilmRecord, LostChange, ReadingId, Store, StoreError};
 
 use super::super::api::LostChangeView;
-use crate::store::{FilmRecord, LostChange, ReadingId, Store, StoreError};
 
 pub fn of_reading(store: &Store, reading: ReadingId) -> Result<Vec<LostChangeView>, StoreError> {
     Ok(store.conflicts_of_reading(reading)?.iter().map(view).collect())

@@ -6,15 +6,13 @@ mod view;
 use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
+use spineline_store::{FilmCode, FilmId, ReadingId, SeenReading, Sight, Store, StoreError};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::api::{
-    Change, ConflictAnswer, Finish, NewEvent, NewReading, Problem, ReadingView, RoleName,
-};
+use super::api::{Change, ConflictAnswer, Finish, NewReading, Problem, ReadingView, RoleName};
 use super::extract::{Json, Path};
 use super::{Answer, AppState, Failure, User, films};
-use crate::store::{FilmCode, FilmId, ReadingId, SeenReading, Sight, Store, StoreError};
 
 pub(super) use lost::{of_film as lost_of_film, of_reading as lost_of_reading};
 pub(super) use view::seen;
@@ -25,7 +23,6 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(begin))
         .routes(routes!(begin_planned))
         .routes(routes!(reading))
-        .routes(routes!(record))
         .routes(routes!(finish))
 }
 
@@ -86,27 +83,6 @@ async fn reading(
     view.await.map(Json)
 }
 
-/// Records events, all or none. The same request once more is answered once more, and records nothing.
-#[utoipa::path(post, path = "/api/readings/{reading}/events", request_body = NewEvent,
-    responses((status = 200, body = ReadingView), (status = 404, body = Problem),
-        (status = 409, body = ConflictAnswer), (status = 422, body = Problem)))]
-async fn record(
-    State(state): State<AppState>,
-    user: User,
-    Path(reading): Path<i64>,
-    Json(new): Json<NewEvent>,
-) -> Answer<Response> {
-    let by = user.sign(state.now());
-    let asker = state.clone();
-    let answer = state.ask(move |store| {
-        let id = ReadingId(reading);
-        may_mark(store, &user, id)?;
-        let recorded = store.record_all(id, &new.events, new.expected_revision, &by);
-        settle(&asker, store, &user, id, recorded.map(drop))
-    });
-    answer.await
-}
-
 /// Finishes a reading, which never changes from then on.
 #[utoipa::path(post, path = "/api/readings/{reading}/finish", request_body = Finish,
     responses((status = 200, body = ReadingView), (status = 404, body = Problem),
@@ -132,11 +108,14 @@ async fn finish(
         };
         settle(&asker, store, &user, id, finished)
     });
-    answer.await
+    Ok(match answer.await? {
+        Ok(view) => Json(view).into_response(),
+        Err(lost) => conflict(lost),
+    })
 }
 
 /// A reading that this user may change: a planned one, or one of a study that they may edit.
-fn may_mark(store: &Store, user: &User, reading: ReadingId) -> Answer<SeenReading> {
+pub(super) fn may_mark(store: &Store, user: &User, reading: ReadingId) -> Answer<SeenReading> {
     let seen = seen(store, user, reading)?;
     if seen.code.is_none() {
         user.need_on_study(store, &seen.study.id, RoleName::Editor)?;
@@ -145,24 +124,28 @@ fn may_mark(store: &Store, user: &User, reading: ReadingId) -> Answer<SeenReadin
 }
 
 /// The reading after a change, or as it stands where the change lost.
-fn settle(
+pub(super) fn settle(
     state: &AppState,
     store: &Store,
     user: &User,
     reading: ReadingId,
     changed: Result<(), StoreError>,
-) -> Answer<Response> {
+) -> Answer<Result<ReadingView, ConflictAnswer>> {
     match changed {
-        Ok(()) => Ok(Json(told(state, store, user, reading)?).into_response()),
+        Ok(()) => told(state, store, user, reading).map(Ok),
         Err(error @ StoreError::Conflict { .. }) => {
             let problem = Failure::from(error).into_problem();
             // A lost change is news too: it is kept.
             let reading = told(state, store, user, reading)?;
-            let answer = ConflictAnswer { problem, reading };
-            Ok((StatusCode::CONFLICT, Json(answer)).into_response())
+            Ok(Err(ConflictAnswer { problem, reading }))
         }
         Err(other) => Err(other.into()),
     }
+}
+
+/// The answer to a change that lost.
+pub(super) fn conflict(lost: ConflictAnswer) -> Response {
+    (StatusCode::CONFLICT, Json(lost)).into_response()
 }
 
 /// The reading as it stands, of which everybody who looks at its study is told.
@@ -180,7 +163,11 @@ fn told(state: &AppState, store: &Store, user: &User, reading: ReadingId) -> Ans
 }
 
 /// Refuses a film of a study of which this user may see codes only.
-pub(super) fn refuse_blinded(store: &Store, user: &User, study: &crate::store::Name) -> Answer<()> {
+pub(super) fn refuse_blinded(
+    store: &Store,
+    user: &User,
+    study: &spineline_store::Name,
+) -> Answer<()> {
     user.on_study(store, study)?;
     match store.observer(&user.name).sight(study)? {
         Sight::Reader => Err(Failure::not_found()),

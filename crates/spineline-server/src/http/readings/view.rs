@@ -7,6 +7,9 @@ use spineline::measure::{
     CornerName, Corners, ImageGeometry, NextLandmark, PartialMark, PartialReading, Proposal,
 };
 use spineline::spatial::{Angle, Pixel};
+use spineline_store::{
+    Corner, CrestSide, Event, ReadingId, ReadingState, SeenReading, Store, StoreError,
+};
 
 use super::super::api::{
     AxisView, CornerView, CrestsView, LostChangeView, NextMark, Notice, Proposal as ProposalView,
@@ -14,9 +17,6 @@ use super::super::api::{
 };
 use super::super::{Answer, Failure, User, words};
 use super::lost;
-use crate::store::{
-    Corner, CrestSide, Event, ReadingId, ReadingState, SeenReading, Store, StoreError,
-};
 
 /// A reading as this user may see it, after all its events and these, which are not recorded.
 pub(in crate::http) fn view(

@@ -7,9 +7,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use axum::http::StatusCode;
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
 use spineline::anatomy::Posture;
+use spineline_store::{Name, Stand, StandingCase, Store, StoreError};
 
 use crate::http::{Answer, AppState, Failure};
-use crate::store::{Name, Stand, StandingCase, Store, StoreError};
 
 /// How far the readings of a study reach.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,6 +7,7 @@ use spineline::action::LineKind;
 use spineline::analysis::Analysis;
 use spineline::cohort::{Clustered, Cohort};
 use spineline::evaluate::statistics::{Summary, box_summary};
+use spineline_store::StoreError;
 
 use super::cache::{Outcome, StudyResult, computed};
 use super::curves::main_curve;
@@ -18,7 +19,6 @@ use crate::http::api::{
 };
 use crate::http::extract::Json;
 use crate::http::{Answer, AppState, User};
-use crate::store::StoreError;
 
 /// The bootstrap starts from here.
 const BOOTSTRAP_SEED: u64 = 1;

@@ -3,6 +3,7 @@
 use axum::extract::State;
 use spineline::anatomy::Posture;
 use spineline::measure::{MeasureError, check_marks};
+use spineline_store::{Event, FilmId, Name, ReadingId, Stand, StandingCase, StandingFilm, Store};
 
 use super::cache::{Outcome, StudyResult, computed};
 use super::sight::blinded;
@@ -11,7 +12,6 @@ use super::{findings, notices, overlay};
 use crate::http::api::{FilmOverlay, LiveStatus, LiveView, Notice, Problem, Severity};
 use crate::http::extract::{Json, Path};
 use crate::http::{Answer, AppState, User, readings};
-use crate::store::{Event, FilmId, ReadingId, Stand, StandingFilm};
 
 /// What follows from a reading as it stands.
 #[utoipa::path(get, path = "/api/readings/{reading}/live", params(("reading" = i64, Path)),
@@ -21,30 +21,37 @@ pub async fn live(
     user: User,
     Path(reading): Path<i64>,
 ) -> Answer<Json<LiveView>> {
-    let view = live_view(&state, &user, ReadingId(reading), Vec::new()).await?;
-    view.map(Json).ok_or_else(blinded)
+    let found = state.ask(move |store| in_hand(store, &user, ReadingId(reading), &[]));
+    followed(found.await?).await?.map(Json).ok_or_else(blinded)
 }
 
-/// What follows from a reading with events that are not recorded; `None` where results are hidden from whoever asks.
-pub async fn live_view(
-    state: &AppState,
+/// The study of a reading in hand as it stands for results.
+pub struct InHand {
+    study: Name,
+    film: FilmId,
+    standing: StandingCase,
+}
+
+/// The study of a reading with events that are not recorded; `None` where results are hidden from whoever asks.
+pub fn in_hand(
+    store: &Store,
     user: &User,
     reading: ReadingId,
-    pending: Vec<Event>,
-) -> Answer<Option<LiveView>> {
-    let user = user.clone();
-    let found = state.ask(move |store| {
-        let seen = readings::seen(store, &user, reading)?;
-        if seen.code.is_some() {
-            return Ok(None);
-        }
-        let (study, film) = (seen.study.id, seen.film.id);
-        let standing = store.standing_case(&study, Stand::InHand { reading, pending: &pending })?;
-        Ok(Some((study, film, standing)))
-    });
-    let Some((study, film, standing)) = found.await? else { return Ok(None) };
-    let work = move || of_film(&StudyResult::of(&study, standing), film);
-    computed(work).await.map(Some)
+    pending: &[Event],
+) -> Answer<Option<InHand>> {
+    let seen = readings::seen(store, user, reading)?;
+    if seen.code.is_some() {
+        return Ok(None);
+    }
+    let (study, film) = (seen.study.id, seen.film.id);
+    let standing = store.standing_case(&study, Stand::InHand { reading, pending })?;
+    Ok(Some(InHand { study, film, standing }))
+}
+
+/// What follows for the film in hand; the store is free for others while it is computed.
+pub async fn followed(hand: Option<InHand>) -> Answer<Option<LiveView>> {
+    let Some(InHand { study, film, standing }) = hand else { return Ok(None) };
+    computed(move || of_film(&StudyResult::of(&study, standing), film)).await.map(Some)
 }
 
 /// What follows for one film of a study.

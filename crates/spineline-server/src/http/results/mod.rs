@@ -12,6 +12,7 @@ mod model;
 mod notices;
 mod overlay;
 mod preview;
+mod record;
 mod reliability;
 mod sight;
 mod simulated;
@@ -32,6 +33,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()
         .routes(routes!(live::live))
         .routes(routes!(preview::preview))
+        .routes(routes!(record::record))
         .routes(routes!(study::analysis_file))
         .routes(routes!(study::findings))
         .routes(routes!(study::overlay))

@@ -4,11 +4,11 @@ use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
 use spineline::measure::{LengthScale, SpacingPlane};
 use spineline::warning::{Severity as Kind, Warning};
+use spineline_store::StandingCase;
 
 use super::cache::{Outcome, StudyResult};
 use super::words::{line_name, listed, posture_name};
 use crate::http::api::{Notice, Severity};
-use crate::store::StandingCase;
 
 /// A notice of a whole study.
 pub fn notice(severity: Severity, code: &str, text: impl Into<String>) -> Notice {

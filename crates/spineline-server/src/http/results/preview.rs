@@ -6,12 +6,12 @@ use spineline::anatomy::Level;
 use spineline::measure::turn_axis_towards;
 use spineline::spatial::Pixel;
 use spineline_files::LevelKey;
+use spineline_store::{Event, FilmRecord, ReadingId, Store, StoreError};
 
-use super::live::live_view;
+use super::live::{followed, in_hand};
 use crate::http::api::{Preview, PreviewRequest, Problem, ReadingView, TurnAxis};
 use crate::http::extract::{Json, Path};
 use crate::http::{Answer, AppState, Failure, User, readings};
-use crate::store::{Event, FilmRecord, ReadingId, Store, StoreError};
 
 /// What would follow from events upon a reading.
 #[utoipa::path(post, path = "/api/readings/{reading}/preview", params(("reading" = i64, Path)),
@@ -25,11 +25,13 @@ pub async fn preview(
     Json(request): Json<PreviewRequest>,
 ) -> Answer<Json<Preview>> {
     let reading = ReadingId(reading);
-    let asker = user.clone();
-    let before = state.ask(move |store| before(store, &asker, reading, request));
-    let (view, events) = before.await?;
-    let live = live_view(&state, &user, reading, events).await?;
-    Ok(Json(Preview { reading: view, live }))
+    let found = state.ask(move |store| {
+        let (view, events) = before(store, &user, reading, request)?;
+        Ok((view, in_hand(store, &user, reading, &events)?))
+    });
+    let (reading, hand) = found.await?;
+    let live = followed(hand).await?;
+    Ok(Json(Preview { reading, live }))
 }
 
 /// The reading as it would be, and the events that make it so.

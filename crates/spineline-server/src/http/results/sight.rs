@@ -1,12 +1,12 @@
 //! Who sees results of a study, and the results of what is seen.
 
 use axum::http::StatusCode;
+use spineline_store::{Name, Sight, Store, StoreError, Study};
 
 use super::cache::study_result;
 use crate::http::api::RoleName;
 use crate::http::studies::study_name;
 use crate::http::{Answer, AppState, Failure, User};
-use crate::store::{Name, Sight, Store, StoreError, Study};
 
 /// Whether results of a study may be shown to somebody who may see it.
 ///

@@ -5,6 +5,7 @@ use axum::response::Response;
 use chrono::{SecondsFormat, Utc};
 use spineline::anatomy::Posture;
 use spineline_files::{AnalysisFile, CaseFile, FilmOrigin, ProgramRun, Provenance, Request};
+use spineline_store::FilmId;
 
 use super::cache::{Outcome, StudyResult, computed, study_result};
 use super::live::overlay_of;
@@ -15,7 +16,6 @@ use crate::http::api::{FilmOverlay, LiveStatus, LiveView, Problem};
 use crate::http::extract::{Json, Path};
 use crate::http::studies::attachment;
 use crate::http::{Answer, AppState, Failure, User};
-use crate::store::FilmId;
 
 /// The analysis file of a study, as `spineline analyze` writes it.
 #[utoipa::path(get, path = "/api/studies/{study}/analysis.json",
@@ -66,7 +66,7 @@ fn view(result: &StudyResult) -> LiveView {
         Outcome::Refused { text, .. } => (LiveStatus::Refused, text.clone()),
         Outcome::Analysed(_) => {
             let erect = result.standing.film(Posture::Erect);
-            let missing = erect.map(crate::store::StandingFilm::missing).unwrap_or_default();
+            let missing = erect.map(spineline_store::StandingFilm::missing).unwrap_or_default();
             (LiveStatus::Complete, format!("{} on the erect film", marked_text(&missing)))
         }
     };

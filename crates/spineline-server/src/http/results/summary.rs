@@ -1,5 +1,6 @@
 //! A study in the list.
 
+use spineline_store::{Name, Store, StoreError};
 use std::sync::Arc;
 
 use super::cache::{Cache, Outcome, StudyResult};
@@ -8,7 +9,6 @@ use super::words::progress;
 use super::{curves, notices};
 use crate::http::User;
 use crate::http::api::{CurveSummary, Severity, StudyStatus};
-use crate::store::{Name, Store, StoreError};
 
 /// A study's results as its line in the list shows them.
 #[derive(Debug, Clone, PartialEq)]

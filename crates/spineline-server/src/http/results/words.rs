@@ -3,10 +3,10 @@
 use spineline::action::LineKind;
 use spineline::anatomy::{Level, Posture, Side};
 use spineline::measure::{LengthScale, SpacingPlane};
+use spineline_store::StandingCase;
 
 use crate::http::api::{LineName, SideName};
 pub use crate::http::words::posture_name;
-use crate::store::StandingCase;
 
 pub const fn side_name(side: Side) -> SideName {
     match side {

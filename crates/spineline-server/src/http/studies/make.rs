@@ -9,6 +9,7 @@ use spineline::anatomy::Posture;
 use spineline::measure::{ImageGeometry, Spacing};
 use spineline_files::{FilmSource, image_value, sha256_hex};
 use spineline_films::{DeidOptions, FilmKind, FilmLimits, deidentify};
+use spineline_store::{CaseError, Name, NewCase, Study};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -19,7 +20,6 @@ use super::super::extract::Json;
 use super::super::films::Upload;
 use super::super::{Answer, AppState, Failure, User, words};
 use super::{detail, of_study};
-use crate::store::{CaseError, Name, NewCase, Study};
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(new_study)).routes(routes!(import_case))

@@ -6,6 +6,7 @@ mod summary;
 use axum::extract::State;
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
+use spineline_store::{Name, Next, PlanDesign, Sight, Store, Timestamp};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -14,7 +15,6 @@ use super::api::{
 };
 use super::extract::{Json, Path};
 use super::{Answer, AppState, Failure, User, readings, results};
-use crate::store::{Name, Next, PlanDesign, Sight, Store, Timestamp};
 
 pub use summary::{Overviews, film_summary, study_summary};
 

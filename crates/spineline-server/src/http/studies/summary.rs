@@ -5,13 +5,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::ImageGeometry;
-
-use super::super::api::{FilmSummary, ReadingSummary, RoleName, StudyStatus, StudySummary};
-use super::super::{Answer, AppState, User, results, words};
-use crate::store::{
+use spineline_store::{
     FilmId, FilmRecord, Name, ReadingId, ReadingRecord, ReadingState, Sight, Store, StoreError,
     Study,
 };
+
+use super::super::api::{FilmSummary, ReadingSummary, RoleName, StudyStatus, StudySummary};
+use super::super::{Answer, AppState, User, results, words};
 
 /// What is known of studies as they were at a number of the log.
 #[derive(Default)]

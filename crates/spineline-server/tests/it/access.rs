@@ -1,0 +1,87 @@
+//! Who may do what in which study.
+
+use axum::http::StatusCode;
+use serde_json::json;
+use spineline_server::http::User;
+use spineline_server::http::api::RoleName;
+use spineline_store::{Role, Store, Study};
+
+use crate::browser::{App, by, name};
+
+const GRANTS: &str = "/api/studies/S-1/grants";
+
+#[test]
+fn admins_grant_and_take_back() {
+    let app = App::with_accounts();
+    let lead = app.account("lead");
+    let both =
+        json!([{ "name": "editor", "role": "editor" }, { "name": "reader", "role": "reader" }]);
+    assert_eq!(lead.get(GRANTS).json(), both);
+    for who in ["editor", "reader"] {
+        let answer = app.account(who).get(GRANTS);
+        assert_eq!((answer.status, answer.code().as_str()), (StatusCode::FORBIDDEN, "not_allowed"));
+    }
+    let one = json!([{ "name": "nobody", "role": "reader" }]);
+    assert_eq!(lead.put(GRANTS, &one).json(), one);
+    assert_eq!(app.account("nobody").get(GRANTS).status, StatusCode::FORBIDDEN, "now there");
+    assert_eq!(app.account("editor").get(GRANTS).status, StatusCode::NOT_FOUND, "gone");
+    for bad in [
+        json!([{ "name": "stranger", "role": "reader" }]),
+        json!([{ "name": "editor", "role": "admin" }]),
+        json!([{ "name": "not a name", "role": "reader" }]),
+    ] {
+        assert_eq!(lead.put(GRANTS, &bad).status, StatusCode::UNPROCESSABLE_ENTITY, "{bad}");
+    }
+    assert_eq!(lead.get(GRANTS).json(), one, "refused as a whole");
+    assert_eq!(lead.put(GRANTS, &both).json(), both, "and granted again");
+    assert_eq!(lead.get("/api/studies/S-99/grants").status, StatusCode::NOT_FOUND);
+    let store = Store::view(&app.store_path()).expect("a store");
+    assert!(store.verify(None).expect("verifiable").is_clean());
+}
+
+#[test]
+fn a_role_in_a_study_is_the_least_of_account_and_grant() {
+    let app = App::with_accounts();
+    let mut store = Store::open(&app.store_path()).expect("a store");
+    let study = name("S-1");
+    store.grant(&study, &name("reader"), Role::Editor, &by("lead")).expect("a grant");
+    let user = |who: &str, role| User { name: name(who), role };
+    let on = |store: &Store, who, role| user(who, role).on_study(store, &study).ok();
+    assert_eq!(on(&store, "reader", RoleName::Reader), Some(RoleName::Reader));
+    assert_eq!(on(&store, "editor", RoleName::Editor), Some(RoleName::Editor));
+    assert_eq!(on(&store, "nobody", RoleName::Editor), None);
+    assert_eq!(on(&store, "lead", RoleName::Admin), Some(RoleName::Admin));
+    let reader = user("reader", RoleName::Reader);
+    assert!(reader.need_on_study(&store, &study, RoleName::Reader).is_ok());
+    assert!(reader.need_on_study(&store, &study, RoleName::Editor).is_err());
+    let seen = reader.studies(&store).expect("studies");
+    assert_eq!(seen.len(), 1);
+    assert_eq!((seen[0].0.id.as_str(), seen[0].1), ("S-1", RoleName::Reader));
+    assert_eq!(user("lead", RoleName::Admin).studies(&store).expect("studies").len(), 2);
+}
+
+#[test]
+fn who_makes_a_study_may_edit_it() {
+    let app = App::with_accounts();
+    let mut store = Store::open(&app.store_path()).expect("a store");
+    let study = Study { id: name("S-3"), label: None, synthetic: true };
+    store.add_own_study(&study, &by("nobody")).expect("a study");
+    let maker = User { name: name("nobody"), role: RoleName::Editor };
+    assert_eq!(maker.on_study(&store, &study.id), Ok(RoleName::Editor));
+    store.revoke(&study.id, &name("nobody"), &by("lead")).expect("taken back");
+    assert!(maker.on_study(&store, &study.id).is_err());
+    assert!(store.verify(None).expect("verifiable").is_clean());
+}
+
+#[test]
+fn a_reader_of_a_study_marks_nothing() {
+    let app = App::with_accounts();
+    let begun =
+        |who: &str| app.account(who).post("/api/films/1/readings", &json!({ "repeat": 1 })).status;
+    assert_eq!(begun("reader"), StatusCode::FORBIDDEN);
+    let event = json!({ "kind": "note", "text": "not by me" });
+    let body = json!({ "expected_revision": 0, "events": [event] });
+    // The reading of another one in a study that they do not see.
+    let answer = app.account("reader").post("/api/readings/1/events", &body);
+    assert_eq!(answer.status, StatusCode::NOT_FOUND);
+}

@@ -1,0 +1,236 @@
+//! An app over a store of its own, and browsers that are signed in there.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use axum::Router;
+use axum::body::{Body, to_bytes};
+use axum::http::{HeaderMap, Method, Request, StatusCode, header};
+use serde_json::{Value, json};
+use spineline::anatomy::Posture;
+use spineline_server::http::api::AccessName;
+use spineline_server::http::{AppState, ServeOptions, app};
+use spineline_store::{Account, Name, PasswordHash, Role, Signature, Store, Study, Timestamp};
+use tempfile::TempDir;
+use tokio::runtime::Runtime;
+use tower::ServiceExt;
+
+pub const HOST: &str = "127.0.0.1:8765";
+pub const ORIGIN: &str = "http://127.0.0.1:8765";
+pub const PASSWORD: &str = "a long enough sentence";
+
+pub fn name(text: &str) -> Name {
+    Name::new(text).expect("a good name")
+}
+
+pub fn by(who: &str) -> Signature {
+    Signature::new(name(who), Timestamp::from_unix_ms(1_750_000_000_000).expect("a moment"))
+}
+
+pub struct App {
+    runtime: Runtime,
+    router: Router,
+    state: AppState,
+    folder: TempDir,
+}
+
+impl App {
+    /// An app that asks for the token of the terminal.
+    pub fn with_token() -> Self {
+        Self::new(AccessName::Token, |_| ())
+    }
+
+    /// An app with the accounts `lead` (admin), `editor`, `reader` and `nobody`, where `editor` and `reader` are granted the
+    /// study `S-1` as such, and nobody is granted `S-2`; each study has a film, and `S-2` a reading, by `lead`.
+    pub fn with_accounts() -> Self {
+        Self::new(AccessName::Accounts, |store| {
+            let password = PasswordHash::new(PASSWORD).expect("long enough");
+            for (who, role) in [
+                ("lead", Role::Admin),
+                ("editor", Role::Editor),
+                ("reader", Role::Reader),
+                ("nobody", Role::Editor),
+            ] {
+                let account = Account { name: name(who), role, enabled: true };
+                store.add_account(&account, &password, &by("lead")).expect("an account");
+            }
+            for study in ["S-1", "S-2"] {
+                let record = Study { id: name(study), label: None, synthetic: true };
+                store.add_study(&record, &by("lead")).expect("a study");
+                let film = store
+                    .add_film(&record.id, Posture::Erect, study.as_bytes(), &json!({}), &by("lead"))
+                    .expect("a film");
+                if study == "S-2" {
+                    store.begin_reading(film.film, 1, &by("lead")).expect("a reading");
+                }
+            }
+            for (who, role) in [("editor", Role::Editor), ("reader", Role::Reader)] {
+                store.grant(&name("S-1"), &name(who), role, &by("lead")).expect("a grant");
+            }
+        })
+    }
+
+    pub fn new(access: AccessName, fill: impl FnOnce(&mut Store)) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut store =
+            Store::create(&folder.path().join("store"), &by("lead")).expect("a new store");
+        fill(&mut store);
+        Self::over(folder, store, options(access))
+    }
+
+    fn over(folder: TempDir, store: Store, options: ServeOptions) -> Self {
+        let runtime = Runtime::new().expect("a runtime");
+        let address: SocketAddr = HOST.parse().expect("an address");
+        let state = AppState::new(store, address, options);
+        Self { runtime, router: app(state.clone()), state, folder }
+    }
+
+    /// The same store under a program that was started anew.
+    pub fn restarted(self, options: ServeOptions) -> Self {
+        let Self { runtime, router, state, folder } = self;
+        drop((router, state, runtime));
+        let store = Store::open(&folder.path().join("store")).expect("the store");
+        Self::over(folder, store, options)
+    }
+
+    pub fn store_path(&self) -> PathBuf {
+        self.folder.path().join("store")
+    }
+
+    pub fn token(&self) -> String {
+        self.state.current_token()
+    }
+
+    /// Asks, with nothing but what the request says.
+    pub fn ask(&self, request: Request<Body>) -> Answer {
+        self.runtime.block_on(async {
+            let answer = self.router.clone().oneshot(request).await.expect("an answer");
+            let (parts, body) = answer.into_parts();
+            let body = to_bytes(body, 64 << 20).await.expect("a body");
+            Answer { status: parts.status, headers: parts.headers, body: body.to_vec() }
+        })
+    }
+
+    /// A browser at the address, where nobody is signed in.
+    pub fn browser(&self) -> Browser<'_> {
+        Browser { app: self, cookie: String::new(), csrf: String::new() }
+    }
+
+    /// A browser that used the token.
+    pub fn observer(&self, observer: &str) -> Browser<'_> {
+        let mut browser = self.browser();
+        let how = json!({ "kind": "token", "token": self.token(), "observer": observer });
+        assert_eq!(browser.sign_in(&how).status, StatusCode::OK);
+        browser
+    }
+
+    /// A browser that is signed in with an account.
+    pub fn account(&self, who: &str) -> Browser<'_> {
+        let mut browser = self.browser();
+        let answer = browser.sign_in(&account(who, PASSWORD));
+        assert_eq!(answer.status, StatusCode::OK, "{}", answer.text());
+        browser
+    }
+}
+
+pub fn account(who: &str, password: &str) -> Value {
+    json!({ "kind": "account", "name": who, "password": password })
+}
+
+pub fn options(access: AccessName) -> ServeOptions {
+    ServeOptions {
+        decoder: PathBuf::from("no-decoder-in-this-test"),
+        decoder_arguments: Vec::new(),
+        access,
+        hosts: Vec::new(),
+        https: false,
+    }
+}
+
+pub struct Browser<'a> {
+    pub app: &'a App,
+    pub cookie: String,
+    pub csrf: String,
+}
+
+impl Browser<'_> {
+    /// Signs in, and keeps what it is given.
+    pub fn sign_in(&mut self, how: &Value) -> Answer {
+        let answer = self.post("/api/session", how);
+        if answer.status == StatusCode::OK {
+            let cookie = answer.header("set-cookie");
+            self.cookie = cookie.split(';').next().unwrap_or_default().to_owned();
+            self.csrf = answer.json()["csrf"].as_str().expect("a token").to_owned();
+        }
+        answer
+    }
+
+    pub fn get(&self, path: &str) -> Answer {
+        self.send(Method::GET, path, "", Vec::new())
+    }
+
+    pub fn post(&self, path: &str, body: &Value) -> Answer {
+        self.json(Method::POST, path, body)
+    }
+
+    pub fn put(&self, path: &str, body: &Value) -> Answer {
+        self.json(Method::PUT, path, body)
+    }
+
+    pub fn delete(&self, path: &str) -> Answer {
+        self.send(Method::DELETE, path, "", Vec::new())
+    }
+
+    pub fn json(&self, method: Method, path: &str, body: &Value) -> Answer {
+        self.send(method, path, "application/json", body.to_string().into_bytes())
+    }
+
+    pub fn send(&self, method: Method, path: &str, kind: &str, body: Vec<u8>) -> Answer {
+        let mut request = self.request(method, path);
+        if !kind.is_empty() {
+            request = request.header(header::CONTENT_TYPE, kind);
+        }
+        self.app.ask(request.body(Body::from(body)).expect("a request"))
+    }
+
+    /// The head of a request as the app's own page sends it.
+    pub fn request(&self, method: Method, path: &str) -> axum::http::request::Builder {
+        let mut request = Request::builder().uri(path).header(header::HOST, HOST);
+        if method != Method::GET {
+            request = request.header(header::ORIGIN, ORIGIN).header("X-Spineline-Csrf", &self.csrf);
+        }
+        if !self.cookie.is_empty() {
+            request = request.header(header::COOKIE, &self.cookie);
+        }
+        request.method(method)
+    }
+}
+
+pub struct Answer {
+    pub status: StatusCode,
+    pub headers: HeaderMap,
+    pub body: Vec<u8>,
+}
+
+impl Answer {
+    pub fn text(&self) -> String {
+        String::from_utf8_lossy(&self.body).into_owned()
+    }
+
+    pub fn json(&self) -> Value {
+        serde_json::from_slice(&self.body).expect("JSON")
+    }
+
+    /// A header, or nothing.
+    pub fn header(&self, name: &str) -> String {
+        self.headers.get(name).map_or_else(String::new, |v| v.to_str().expect("text").to_owned())
+    }
+
+    /// The key of a refusal, which is a whole problem.
+    pub fn code(&self) -> String {
+        assert_eq!(self.header("content-type"), "application/json", "{}", self.text());
+        let problem = self.json();
+        assert!(problem["message"].is_string(), "{problem}");
+        problem["code"].as_str().expect("a code").to_owned()
+    }
+}

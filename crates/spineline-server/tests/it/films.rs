@@ -1,0 +1,294 @@
+//! Films and readings as a person meets them: the demonstration, clicks, reloads, lost races, blinded readers, uploads.
+
+use axum::http::{Method, StatusCode};
+use serde_json::{Value, json};
+use spineline_server::http::ServeOptions;
+use spineline_server::http::api::AccessName;
+
+use crate::browser::{App, Browser, options};
+
+/// A program that decodes films: the example, which is built beside the tests.
+fn decoding() -> ServeOptions {
+    let tests = std::env::current_exe().expect("this program");
+    let built = tests.parent().and_then(std::path::Path::parent).expect("a folder of builds");
+    let decoder = built.join("examples").join(format!("decoder{}", std::env::consts::EXE_SUFFIX));
+    ServeOptions { decoder, ..options(AccessName::Token) }
+}
+
+fn app() -> App {
+    App::with_token().restarted(decoding())
+}
+
+fn demo(browser: &Browser<'_>) -> Value {
+    let answer = browser.post("/api/studies/demo", &Value::Null);
+    assert_eq!(answer.status, StatusCode::OK, "{}", answer.text());
+    answer.json()
+}
+
+fn corner(level: &str, corner: &str, column: f64, row: f64) -> Value {
+    json!({ "kind": "place_corner", "level": level, "corner": corner, "column_px": column, "row_px": row })
+}
+
+fn record(
+    browser: &Browser<'_>,
+    reading: i64,
+    revision: u64,
+    events: Value,
+) -> crate::browser::Answer {
+    let body = json!({ "expected_revision": revision, "events": events });
+    browser.post(&format!("/api/readings/{reading}/events"), &body)
+}
+
+fn begin(browser: &Browser<'_>, film: i64) -> i64 {
+    let begun = browser.post(&format!("/api/films/{film}/readings"), &json!({ "repeat": 1 }));
+    assert_eq!(begun.status, StatusCode::OK, "{}", begun.text());
+    begun.json()["reading"].as_i64().expect("a number")
+}
+
+#[test]
+fn small_pictures_and_scales_of_films_outlast_the_program() {
+    let app = app();
+    let browser = app.observer("Ann");
+    let film = |study: &Value| study["summary"]["films"][0].clone();
+    let before = film(&demo(&browser));
+    let id = before["film"].as_i64().expect("a number");
+    let small = browser.get(&format!("/api/films/{id}/thumbnail")).body;
+    drop(browser);
+    // No film can be decoded any more.
+    let nothing = ServeOptions { decoder: "/nowhere".into(), ..decoding() };
+    let app = app.restarted(nothing);
+    let browser = app.observer("Ann");
+    let again = browser.get(&format!("/api/films/{id}/thumbnail"));
+    assert_eq!(again.status, StatusCode::OK, "{}", again.text());
+    assert!(small.starts_with(b"\x89PNG") && again.body == small);
+    assert_eq!(film(&browser.get("/api/studies/demo-rod-01").json()), before);
+    assert_eq!(before["row_mm"], json!(0.2));
+}
+
+#[test]
+fn a_person_marks_undoes_reloads_and_finishes() {
+    let app = app();
+    let browser = app.observer("Ann");
+    let study = demo(&browser);
+    assert_eq!(study["summary"]["id"], "demo-rod-01");
+    assert_eq!(study["summary"]["synthetic"], true);
+    let films = study["summary"]["films"].as_array().expect("films");
+    assert_eq!(films.len(), 5);
+    assert!(films.iter().all(|film| film["readings"].as_array().map(Vec::len) == Some(6)));
+    assert_eq!(browser.get("/api/studies").json().as_array().map(Vec::len), Some(1));
+
+    let film = films[0]["film"].as_i64().expect("a number");
+    let pixels = browser.get(&format!("/api/films/{film}/pixels"));
+    assert_eq!(pixels.status, StatusCode::OK, "{}", pixels.text());
+    let number = |name: &str| pixels.header(name).parse::<f64>().expect("a number");
+    let count = number("x-spineline-columns") * number("x-spineline-rows");
+    assert_eq!(pixels.body.len() as f64, 2.0 * count);
+    assert!(number("x-spineline-window-width") > 1.0 && number("x-spineline-max") > 1000.0);
+    let small = browser.get(&format!("/api/films/{film}/thumbnail"));
+    assert!(small.body.starts_with(b"\x89PNG"));
+
+    let reading = begin(&browser, film);
+    let first = browser.get(&format!("/api/readings/{reading}")).json();
+    assert_eq!(
+        first["next"],
+        json!({ "kind": "corner", "level": "L4", "corner": "superior_left" })
+    );
+    let body = [
+        corner("L4", "superior_left", 900.0, 2000.0),
+        corner("L4", "superior_right", 1130.0, 2000.0),
+        corner("L4", "inferior_right", 1140.0, 2120.0),
+        corner("L4", "inferior_left", 890.0, 2120.0),
+    ];
+    let marked = record(&browser, reading, 0, json!(body)).json()["reading"].clone();
+    assert_eq!(marked["revision"], 4);
+    assert_eq!(marked["proposal"]["level"], "L3");
+    assert_eq!(marked["vertebrae"][0]["complete"], true);
+    let undone =
+        record(&browser, reading, 4, json!([{ "kind": "undo" }])).json()["reading"].clone();
+    assert_eq!(
+        (&undone["undoable"], &undone["redoable"], &undone["vertebrae"][0]["complete"]),
+        (&json!(3), &json!(1), &json!(false))
+    );
+
+    let app = app.restarted(decoding());
+    let browser = app.observer("Ann");
+    let known = browser.get(&format!("/api/readings/{reading}")).json();
+    assert_eq!(known["vertebrae"], undone["vertebrae"]);
+    let redone =
+        record(&browser, reading, 5, json!([{ "kind": "redo" }])).json()["reading"].clone();
+    assert_eq!(redone["vertebrae"], marked["vertebrae"]);
+    let finish = |revision: u64| {
+        let body = json!({ "expected_revision": revision });
+        browser.post(&format!("/api/readings/{reading}/finish"), &body)
+    };
+    assert_eq!(finish(6).json()["finished"], true);
+    assert_eq!(finish(6).status, StatusCode::OK, "the same once more");
+}
+
+#[test]
+fn f58_two_sessions_of_one_observer_lose_nothing() {
+    let app = app();
+    let browser = app.observer("Ann");
+    let film = demo(&browser)["summary"]["films"][0]["film"].as_i64().expect("a number");
+    let reading = begin(&browser, film);
+    let click = json!([corner("L4", "superior_left", 900.0, 2000.0)]);
+    assert_eq!(record(&browser, reading, 0, click.clone()).status, StatusCode::OK);
+    // The acknowledgement was lost: the same request again records nothing.
+    let again = record(&browser, reading, 0, click);
+    assert_eq!(
+        (again.status, again.json()["reading"]["revision"].clone()),
+        (StatusCode::OK, json!(1))
+    );
+
+    let late = [
+        corner("L4", "superior_left", 950.0, 2000.0),
+        corner("L4", "superior_right", 990.0, 2000.0),
+    ];
+    let lost = record(&browser, reading, 0, json!(late));
+    assert_eq!(lost.status, StatusCode::CONFLICT);
+    let lost = lost.json();
+    assert_eq!(lost["problem"]["code"], "conflict");
+    assert_eq!(lost["reading"]["vertebrae"][0]["corners"][0]["px"], json!([900.0, 2000.0]));
+    let kept = lost["reading"]["conflicts"].as_array().expect("conflicts");
+    assert_eq!(kept.len(), 2, "both lost clicks are kept");
+    assert_eq!(kept[0]["text"], "L4 superior left corner to (950.0, 2000.0)");
+
+    // Half of a step is never recorded.
+    let half = [corner("L4", "superior_right", 990.0, 2000.0), json!({ "kind": "redo" })];
+    assert_eq!(record(&browser, reading, 1, json!(half)).status, StatusCode::UNPROCESSABLE_ENTITY);
+    assert_eq!(browser.get(&format!("/api/readings/{reading}")).json()["revision"], 1);
+}
+
+#[test]
+fn f59_a_stale_edit_of_a_film_is_refused_and_kept() {
+    let app = app();
+    let browser = app.observer("Ann");
+    let film = demo(&browser)["summary"]["films"][0]["film"].as_i64().expect("a number");
+    let edit = |revision: u64, edit: Value| {
+        let body = json!({ "expected_revision": revision, "edit": edit });
+        browser.post(&format!("/api/films/{film}/edits"), &body)
+    };
+    let ball = json!({ "kind": "scale", "from_px": [100.0, 100.0], "to_px": [200.0, 100.0],
+        "length_mm": 25.0, "length_sd_mm": 0.05, "calibrator": "ball" });
+    let scaled = edit(0, ball).json();
+    assert_eq!(scaled["revision"], 1);
+    let text = scaled["spacing_text"].as_str().expect("text");
+    assert!(text.starts_with("0.250 mm × 0.250 mm") && text.contains("ball"), "{text}");
+    let stale = edit(0, json!({ "kind": "inverted", "inverted": true }));
+    assert_eq!(stale.status, StatusCode::CONFLICT);
+    let study = browser.get("/api/studies/demo-rod-01").json();
+    assert_eq!(study["conflicts"][0]["text"], "erect film: dark and bright exchanged");
+    let case = browser.get("/api/studies/demo-rod-01/case");
+    assert_eq!(case.header("content-disposition"), "attachment; filename=\"demo-rod-01.json\"");
+    assert_eq!(case.json()["films"][0]["image"]["spacing_source"], "ball");
+}
+
+/// A DICOM film with a patient's name, which is the demonstration's with the name exchanged for another of its length.
+fn film_of(browser: &Browser<'_>, app: &App) -> Vec<u8> {
+    demo(browser);
+    let store = spineline_store::Store::open(&app.store_path()).expect("the store");
+    let film = store.films(&crate::browser::name("demo-rod-01")).expect("films").remove(0);
+    let mut bytes = store.content(&film.content).expect("bytes");
+    let old = b"PHANTOM^ROD01";
+    let at = bytes.windows(old.len()).position(|part| part == old).expect("the name");
+    bytes[at..at + old.len()].copy_from_slice(b"DOE^JANE SMIT");
+    bytes
+}
+
+fn upload(browser: &Browser<'_>, bytes: Vec<u8>) -> crate::browser::Answer {
+    browser.send(Method::POST, "/api/uploads", "application/octet-stream", bytes)
+}
+
+#[test]
+fn a_patients_name_reaches_neither_answers_nor_the_store() {
+    let app = app();
+    let browser = app.observer("Ann");
+    let bytes = film_of(&browser, &app);
+    let uploaded = upload(&browser, bytes);
+    assert_eq!(uploaded.status, StatusCode::OK, "{}", uploaded.text());
+    let view = uploaded.json();
+    let id = view["upload"].as_str().expect("a name");
+    assert!(browser.get(&format!("/api/uploads/{id}/thumbnail")).body.starts_with(b"\x89PNG"));
+    let others = app.observer("Bob");
+    assert_eq!(others.get(&format!("/api/uploads/{id}/thumbnail")).status, StatusCode::NOT_FOUND);
+    let film = json!({ "upload": id, "posture": "erect", "patient_left": "image_left",
+        "scale": { "kind": "file" } });
+    let new = json!({ "id": "S-17", "label": null, "films": [film] });
+    let made = browser.post("/api/studies", &new);
+    assert_eq!(made.status, StatusCode::OK, "{}", made.text());
+    let case = browser.get("/api/studies/S-17/case");
+    for answer in [&uploaded, &made, &case] {
+        assert!(!answer.text().contains("DOE"), "{}", answer.text());
+    }
+    for end in ["", "-wal"] {
+        let path = app.store_path().with_file_name(format!("store{end}"));
+        let bytes = std::fs::read(path).unwrap_or_default();
+        assert!(!bytes.windows(8).any(|part| part == b"DOE^JANE"), "store{end} holds the name");
+    }
+}
+
+#[test]
+fn garbage_is_refused_and_says_nothing_of_itself() {
+    let app = app();
+    let browser = app.observer("Ann");
+    let refused = upload(&browser, b"%PDF-1.7 Doe Jane".to_vec());
+    assert_eq!(
+        (refused.status, refused.code().as_str()),
+        (StatusCode::UNPROCESSABLE_ENTITY, "film")
+    );
+    assert!(!refused.text().contains("Doe"));
+}
+
+#[test]
+fn a_blinded_reader_is_told_no_posture_anywhere() {
+    let app = app();
+    let lead = app.observer("Ann");
+    // A plan needs a study without readings: the demonstration's case without them.
+    demo(&lead);
+    let mut store = spineline_store::Store::open(&app.store_path()).expect("the store");
+    let by = crate::browser::by("Ann");
+    let study = crate::browser::name("blind");
+    let record = spineline_store::Study { id: study.clone(), label: None, synthetic: true };
+    store.add_study(&record, &by).expect("a study");
+    for film in store.films(&crate::browser::name("demo-rod-01")).expect("films") {
+        let bytes = store.content(&film.content).expect("bytes");
+        store.add_film(&study, film.posture, &bytes, &film.image, &by).expect("a film");
+    }
+    drop(store);
+    let plan = json!({ "observers": ["Bob"], "repeats": 2, "washout_days": 0, "seed": 3 });
+    assert_eq!(lead.post("/api/studies/blind/plan", &plan).status, StatusCode::OK);
+
+    let reader = app.observer("Bob");
+    let detail = reader.get("/api/studies/blind");
+    let code = detail.json()["plan"]["next"]["code"].as_str().expect("a code").to_owned();
+    let begun = reader.post(&format!("/api/codes/{code}/readings"), &Value::Null);
+    assert_eq!(begun.status, StatusCode::OK, "{}", begun.text());
+    let reading = begun.json()["reading"].as_i64().expect("a number");
+    let pixels = reader.get(&format!("/api/readings/{reading}/pixels"));
+    assert_eq!((pixels.status, pixels.header("etag").as_str()), (StatusCode::OK, ""));
+    let answers = [
+        detail,
+        begun,
+        reader.get(&format!("/api/readings/{reading}")),
+        reader.get(&format!("/api/readings/{reading}/thumbnail")),
+        record_one(&reader, reading),
+    ];
+    let recorded = answers[4].json();
+    assert_eq!((&recorded["reading"]["revision"], &recorded["live"]), (&json!(1), &Value::Null));
+    for answer in &answers {
+        let told = format!("{:?} {}", answer.headers, answer.text());
+        for word in ["erect", "bending", "neutral", "traction", "\"repeat\":1"] {
+            assert!(!told.contains(word), "{word} in {told}");
+        }
+    }
+    for film in 6..=10 {
+        let status = reader.get(&format!("/api/films/{film}/pixels")).status;
+        assert_eq!(status, StatusCode::NOT_FOUND);
+    }
+    assert_eq!(lead.get(&format!("/api/readings/{reading}")).status, StatusCode::NOT_FOUND);
+    assert_eq!(lead.get("/api/studies/blind/case").status, StatusCode::FORBIDDEN);
+}
+
+fn record_one(browser: &Browser<'_>, reading: i64) -> crate::browser::Answer {
+    record(browser, reading, 0, json!([corner("L4", "superior_left", 5.0, 5.0)]))
+}

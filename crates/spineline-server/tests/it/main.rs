@@ -1,0 +1,12 @@
+//! The server as a browser meets it: every request passes the whole app.
+
+mod access;
+mod accounts;
+mod browser;
+mod example;
+mod films;
+mod guards;
+mod openapi;
+mod results;
+mod routes;
+mod sessions;

@@ -1,0 +1,315 @@
+use serde_json::{Value, json};
+use spineline::analysis::Case;
+use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::measure::{Corners, FilmMarks};
+use spineline::spatial::Pixel;
+use spineline_store::{PlanDesign, ReadingId, Store};
+
+use super::server::{
+    READER, add_read_study, add_study, assert_numbers, by, events, name, phantom, reading_of,
+    record, serve, vertebra,
+};
+
+fn px(value: &Value) -> [f64; 2] {
+    serde_json::from_value(value.clone()).expect("a place")
+}
+
+/// A reading of the erect film by the one who is signed in, of all vertebrae up to a level.
+fn begun(store: &mut Store, case: &Case, study: &str, count: usize) -> ReadingId {
+    let films = store.films(&name(study)).expect("films");
+    let film = films.iter().find(|film| film.posture == Posture::Erect).expect("erect");
+    let by = by(READER);
+    let reading = store.begin_reading(film.id, 9, &by).expect("a new reading");
+    let (_, marks) = reading_of(case, Posture::Erect);
+    let clicks: Vec<_> = Level::MODEL[..count]
+        .iter()
+        .flat_map(|level| vertebra(*level, &marks.vertebrae[level]))
+        .collect();
+    record(store, reading, &clicks, &by);
+    reading
+}
+
+#[test]
+fn a_half_marked_reading_is_partial_and_names_what_is_missing() {
+    let case = phantom().case;
+    let mut reading = None;
+    let running = serve(|store| {
+        add_study(store, "S1", &case);
+        reading = Some(begun(store, &case, "S1", 12));
+    });
+    let live = running.get(&format!("/api/readings/{}/live", reading.expect("begun").0));
+    assert_eq!(live["status"], "partial");
+    assert_eq!(live["status_text"], "12 of 15 vertebrae; T4, T3 and T2 are missing");
+    assert!(live["overlay"].is_null() && live["study"].is_null());
+}
+
+#[test]
+fn a_whole_reading_gives_an_overlay_and_the_study() {
+    let case = phantom().case;
+    let mut reading = None;
+    let running = serve(|store| {
+        add_read_study(store, "S1", &case);
+        reading = Some(begun(store, &case, "S1", 15));
+    });
+    let live = running.get(&format!("/api/readings/{}/live", reading.expect("begun").0));
+    assert_numbers(&live, "live");
+    assert_eq!(live["status"], "complete", "{live}");
+    assert_eq!(live["study"]["curves"].as_array().map(Vec::len), Some(3));
+    let codes: Vec<&str> = live["notices"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter_map(|n| n["code"].as_str())
+        .collect();
+    assert!(codes.contains(&"synthetic"), "{codes:?}");
+    let overlay = &live["overlay"];
+    assert_eq!(overlay["curve_px"].as_array().map(Vec::len), Some(120));
+    assert_eq!(overlay["cobb"].as_array().map(Vec::len), Some(3));
+    assert_eq!(overlay["inflections"].as_array().map(Vec::len), Some(2));
+}
+
+/// All places of an overlay.
+fn places(overlay: &Value) -> Vec<[f64; 2]> {
+    match overlay {
+        Value::Array(items) if items.len() == 2 && items.iter().all(Value::is_number) => {
+            vec![px(overlay)]
+        }
+        Value::Array(items) => items.iter().flat_map(places).collect(),
+        Value::Object(fields) => fields.values().flat_map(places).collect(),
+        _ => Vec::new(),
+    }
+}
+
+#[test]
+fn overlays_lie_on_their_films_and_curves_pass_the_midpoints() {
+    let case = phantom().case;
+    let running = serve(|store| add_read_study(store, "S1", &case));
+    for (film, posture) in (1..).zip(case.films.iter().map(|film| film.posture)) {
+        let overlay = running.get(&format!("/api/studies/S1/films/{film}/overlay"));
+        let (marked, reading) = reading_of(&case, posture);
+        let FilmMarks::Landmarks { image, .. } = &marked.marks else { panic!("landmarks") };
+        let all = places(&overlay);
+        assert!(all.len() > 150, "{posture}");
+        for [column, row] in &all {
+            assert!(image.contains(Pixel::new(*column, *row)), "{posture}: {column}, {row}");
+        }
+        assert_eq!(
+            overlay["lines"].as_array().map(Vec::len),
+            Some(if posture == Posture::Erect { 0 } else { 3 })
+        );
+        let curve: Vec<[f64; 2]> =
+            overlay["curve_px"].as_array().expect("a list").iter().map(px).collect();
+        for residual in overlay["residuals"].as_array().expect("a list") {
+            let from = px(&residual["from_px"]);
+            // The crossing of the diagonals, taken anew in pixels: no scale moves it.
+            let level: Level =
+                residual["level"].as_str().expect("a name").parse().expect("a level");
+            let crossing = crossing(&reading.vertebrae[&level].corners);
+            assert!(
+                (from[0] - crossing[0]).hypot(from[1] - crossing[1]) < 1e-6,
+                "{posture} {level}"
+            );
+            let to = px(&residual["to_px"]);
+            let nearest = curve
+                .iter()
+                .map(|p| (p[0] - to[0]).hypot(p[1] - to[1]))
+                .fold(f64::INFINITY, f64::min);
+            // Half of the way from point to point of the drawn curve.
+            let step = (curve[1][0] - curve[0][0]).hypot(curve[1][1] - curve[0][1]);
+            assert!(nearest < step, "{posture} {level}: {nearest} px");
+        }
+    }
+}
+
+fn crossing(corners: &Corners<Pixel>) -> [f64; 2] {
+    let [a, b, c, d] = [
+        corners.superior_left,
+        corners.inferior_right,
+        corners.superior_right,
+        corners.inferior_left,
+    ]
+    .map(|p| nalgebra::Vector2::new(p.column_px, p.row_px));
+    let parts =
+        nalgebra::Matrix2::from_columns(&[b - a, c - d]).lu().solve(&(c - a)).expect("they cross");
+    (a + (b - a) * parts[0]).into()
+}
+
+/// The same films seen from the other side.
+fn mirrored(case: &Case) -> Case {
+    let mut case = case.clone();
+    for film in &mut case.films {
+        let FilmMarks::Landmarks { image, iliac_crests, readings } = &mut film.marks else {
+            panic!("landmarks")
+        };
+        let last = f64::from(image.columns - 1);
+        let mirror = |p: Pixel| Pixel::new(last - p.column_px, p.row_px);
+        image.patient_left = match image.patient_left {
+            ImageSide::Left => ImageSide::Right,
+            ImageSide::Right => ImageSide::Left,
+        };
+        if let Some(crests) = iliac_crests {
+            (crests.left, crests.right) = (mirror(crests.left), mirror(crests.right));
+        }
+        for mark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+            mark.corners = mark.corners.map(mirror);
+            mark.axis_clockwise = mark.axis_clockwise.map(|axis| -axis);
+        }
+    }
+    case
+}
+
+#[test]
+fn a_mirrored_film_has_the_mirrored_overlay() {
+    let case = phantom().case;
+    let running = serve(|store| {
+        add_read_study(store, "S1", &case);
+        add_read_study(store, "S2", &mirrored(&case));
+    });
+    let films = case.films.len();
+    for (film, marked) in case.films.iter().enumerate() {
+        let FilmMarks::Landmarks { image, .. } = &marked.marks else { panic!("landmarks") };
+        let last = f64::from(image.columns - 1);
+        let [plain, turned] = [(1, film), (2, film + films)].map(|(study, film)| {
+            running.get(&format!("/api/studies/S{study}/films/{}/overlay", film + 1))
+        });
+        let (plain, turned) = (places(&plain), places(&turned));
+        assert_eq!(plain.len(), turned.len());
+        for (a, b) in plain.iter().zip(&turned) {
+            // Ends of clipped lines come in the other order on neither; fits agree to their tolerance.
+            assert!(
+                (last - a[0] - b[0]).hypot(a[1] - b[1]) < 1e-3,
+                "{}: {a:?} {b:?}",
+                marked.posture
+            );
+        }
+    }
+}
+
+#[test]
+fn exchanged_sides_are_refused_with_what_is_wrong() {
+    let case = phantom().case;
+    let mut wrong = case.clone();
+    for film in &mut wrong.films {
+        let FilmMarks::Landmarks { image, .. } = &mut film.marks else { panic!("landmarks") };
+        image.patient_left = match image.patient_left {
+            ImageSide::Left => ImageSide::Right,
+            ImageSide::Right => ImageSide::Left,
+        };
+    }
+    let mut reading = None;
+    let running = serve(|store| {
+        add_study(store, "S1", &wrong);
+        reading = Some(begun(store, &case, "S1", 4));
+    });
+    let live = running.get(&format!("/api/readings/{}/live", reading.expect("begun").0));
+    assert_eq!(live["status"], "refused");
+    let text = live["status_text"].as_str().expect("words");
+    assert!(text.contains("left and right corners are exchanged"), "{text}");
+    assert_eq!(live["notices"][0]["severity"], "error");
+}
+
+#[test]
+fn a_bend_shows_its_own_curve_before_the_erect_film_is_read() {
+    let case = phantom().case;
+    let mut reading = None;
+    let running = serve(|store| {
+        let films = add_study(store, "S1", &case);
+        let (_, film) =
+            films.into_iter().find(|(p, _)| *p == Posture::LeftBending).expect("a bend");
+        let by = by(READER);
+        let begun = store.begin_reading(film, 1, &by).expect("a new reading");
+        let (film, marks) = reading_of(&case, Posture::LeftBending);
+        record(store, begun, &events(film, marks), &by);
+        reading = Some(begun);
+    });
+    let live = running.get(&format!("/api/readings/{}/live", reading.expect("begun").0));
+    assert_eq!(live["status"], "complete");
+    assert!(live["study"].is_null());
+    assert_eq!(live["overlay"]["curve_px"].as_array().map(Vec::len), Some(120));
+    assert_eq!(live["overlay"]["lines"], json!([]));
+}
+
+#[test]
+fn blinded_readers_see_no_results() {
+    let case = phantom().case;
+    let mut reading = None;
+    let running = serve(|store| {
+        add_study(store, "S1", &case);
+        let design = PlanDesign { repeats: 1, washout_days: 1, seed: 1 };
+        store.reading_plan(&name("S1"), &[name(READER)], design, &by("lead")).expect("a plan");
+        let who = name(READER);
+        let next = store.observer(&who).next_film_for(&name("S1"), by(READER).at).expect("a plan");
+        let spineline_store::Next::Begin(film) = next else { panic!("a film to begin") };
+        let begun = store.begin_planned(&film.code, &by(READER)).expect("in turn");
+        reading = Some(begun);
+    });
+    let path = format!("/api/readings/{}/live", reading.expect("begun").0);
+    let (status, body) = running.ask("GET", &path, None);
+    assert_eq!((status, &body["code"]), (403, &json!("blinded")));
+}
+
+#[test]
+fn a_preview_shows_what_would_follow_and_records_nothing() {
+    let case = phantom().case;
+    let mut reading = None;
+    let running = serve(|store| {
+        add_study(store, "S1", &case);
+        reading = Some(begun(store, &case, "S1", 15));
+    });
+    let reading = reading.expect("begun").0;
+    let before = running.get(&format!("/api/readings/{reading}/live"));
+    let (_, marks) = reading_of(&case, Posture::Erect);
+    let corner = marks.vertebrae[&Level::T8].corners.superior_left;
+    let moved = json!({
+        "kind": "move_corner", "level": "T8", "corner": "superior_left",
+        "column_px": corner.column_px + 6.0, "row_px": corner.row_px,
+    });
+    let path = format!("/api/readings/{reading}/preview");
+    let preview = running.post(&path, &json!({ "events": [moved], "turn_axis": null }));
+    let residual = |live: &Value| {
+        let all = live["overlay"]["residuals"].as_array().expect("a list").clone();
+        all.into_iter().find(|r| r["level"] == "T8").map(|r| px(&r["from_px"])).expect("T8")
+    };
+    // Moving one corner moves the crossing of the diagonals, and no other film's.
+    assert!((residual(&preview["live"])[0] - residual(&before)[0]).abs() > 1.0);
+    assert_eq!(running.get(&format!("/api/readings/{reading}/live")), before);
+    let midpoint = residual(&before);
+    let towards = json!({ "level": "T8", "towards_px": [midpoint[0] + 10.0, midpoint[1] - 100.0] });
+    let turned = running.post(&path, &json!({ "events": [], "turn_axis": towards }));
+    let vertebrae = turned["reading"]["vertebrae"].as_array().expect("a list");
+    let axis = vertebrae.iter().find(|v| v["level"] == "T8").map(|v| &v["axis"]).expect("T8");
+    let deg = axis["axis_deg"].as_f64().expect("an angle");
+    assert!(axis["by_hand"] == true && deg > 0.0);
+    assert!((10.0 * deg - (10.0 * deg).round()).abs() < 1e-9, "{deg} is not in tenths");
+}
+
+#[test]
+fn recorded_events_are_answered_with_what_follows_from_them() {
+    let case = phantom().case;
+    let mut reading = None;
+    let running = serve(|store| {
+        add_study(store, "S1", &case);
+        reading = Some(begun(store, &case, "S1", 15));
+    });
+    let path = format!("/api/readings/{}", reading.expect("begun").0);
+    let revision = running.get(&path)["revision"].as_u64().expect("a number");
+    let before = running.get(&format!("{path}/live"));
+    let (_, marks) = reading_of(&case, Posture::Erect);
+    let corner = marks.vertebrae[&Level::T8].corners.superior_left;
+    let moved = json!([{
+        "kind": "move_corner", "level": "T8", "corner": "superior_left",
+        "column_px": corner.column_px + 6.0, "row_px": corner.row_px,
+    }]);
+    let preview = running.post(&format!("{path}/preview"), &json!({ "events": moved }));
+    let body = json!({ "expected_revision": revision, "events": moved });
+    let recorded = running.post(&format!("{path}/events"), &body);
+    assert_eq!(recorded["reading"]["revision"], json!(revision + 1));
+    assert_eq!(recorded["live"]["status"], "complete", "{recorded}");
+    assert_ne!(recorded["live"], before);
+    // What was shown while it was dragged, and what a reload shows.
+    assert_eq!(recorded["live"], preview["live"]);
+    assert_eq!(recorded["live"], running.get(&format!("{path}/live")));
+    assert_eq!(recorded["reading"], running.get(&path));
+    // The same request once more is answered once more.
+    assert_eq!(running.post(&format!("{path}/events"), &body), recorded);
+}

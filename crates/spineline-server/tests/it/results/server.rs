@@ -1,0 +1,171 @@
+//! A server over a store with made-up studies, and a plain client.
+
+use serde_json::{Value, json};
+use spineline::analysis::Case;
+use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::measure::{Film, FilmMarks, ImageGeometry, Mark, Reading};
+use spineline_files::LevelKey;
+use spineline_phantom::{Phantom, Readers, Truth, generate};
+use spineline_server::http::api::AccessName;
+use spineline_store::{
+    Corner, CrestSide, Event, FilmId, Name, ReadingId, Signature, Store, Study, Timestamp,
+};
+
+use crate::browser::App;
+
+pub const READER: &str = "A";
+
+pub fn phantom() -> Phantom {
+    generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists")
+}
+
+pub fn name(text: &str) -> Name {
+    Name::new(text).expect("a name")
+}
+
+pub fn by(who: &str) -> Signature {
+    let noon = Timestamp::from_unix_ms(1_760_000_000_000).expect("a time");
+    Signature::new(name(who), noon)
+}
+
+/// An app over a store that was filled before, asked by [`READER`].
+pub struct Running(App);
+
+pub fn serve(fill: impl FnOnce(&mut Store)) -> Running {
+    Running(App::new(AccessName::Token, fill))
+}
+
+impl Running {
+    /// What the server answers: status, and body as JSON.
+    pub fn ask(&self, method: &str, path: &str, body: Option<&Value>) -> (u16, Value) {
+        let browser = self.0.observer(READER);
+        let answer = match body {
+            Some(body) => browser.json(method.parse().expect("a method"), path, body),
+            None => browser.get(path),
+        };
+        let value = serde_json::from_slice(&answer.body).unwrap_or(Value::Null);
+        (answer.status.as_u16(), value)
+    }
+
+    pub fn get(&self, path: &str) -> Value {
+        let (status, body) = self.ask("GET", path, None);
+        assert_eq!(status, 200, "{path}: {body}");
+        body
+    }
+
+    pub fn post(&self, path: &str, body: &Value) -> Value {
+        let (status, body) = self.ask("POST", path, Some(body));
+        assert_eq!(status, 200, "{path}: {body}");
+        body
+    }
+}
+
+/// The `image` of a case file.
+fn image_json(image: &ImageGeometry) -> Value {
+    let mut json = json!({
+        "columns": image.columns, "rows": image.rows,
+        "patient_left": match image.patient_left {
+            ImageSide::Left => "image_left",
+            ImageSide::Right => "image_right",
+        },
+    });
+    if let Some(spacing) = image.spacing {
+        json["column_spacing_mm"] = spacing.column_mm.into();
+        json["row_spacing_mm"] = spacing.row_mm.into();
+        json["spacing_plane"] = spacing.plane.key().into();
+    }
+    json
+}
+
+/// A study with the films of a case, not read yet.
+pub fn add_study(store: &mut Store, study: &str, case: &Case) -> Vec<(Posture, FilmId)> {
+    let id = name(study);
+    let record = Study { id: id.clone(), label: None, synthetic: case.synthetic };
+    store.add_study(&record, &by("lead")).expect("a new study");
+    let films = case.films.iter().map(|film| {
+        let FilmMarks::Landmarks { image, .. } = &film.marks else { panic!("landmarks") };
+        let bytes = format!("{study} {}", film.posture);
+        let image = image_json(image);
+        let added = store.add_film(&id, film.posture, bytes.as_bytes(), &image, &by("lead"));
+        (film.posture, added.expect("a new film").film)
+    });
+    films.collect()
+}
+
+/// A study whose films are read as in the case, all readings finished.
+pub fn add_read_study(store: &mut Store, study: &str, case: &Case) {
+    for (posture, film) in add_study(store, study, case) {
+        let marked = case.films.iter().find(|film| film.posture == posture).expect("its film");
+        let FilmMarks::Landmarks { readings, .. } = &marked.marks else { panic!("landmarks") };
+        for reading in readings {
+            let by = by(&reading.id.observer);
+            let begun = store.begin_reading(film, reading.id.repeat, &by).expect("a new reading");
+            let count = record(store, begun, &events(marked, reading), &by);
+            store.finish_reading(begun, count, &by).expect("whole vertebrae");
+        }
+    }
+}
+
+/// Records events on a reading without any; says how many.
+pub fn record(store: &mut Store, reading: ReadingId, events: &[Event], by: &Signature) -> u64 {
+    for (revision, event) in (0..).zip(events) {
+        store.record(reading, event, revision, by).expect("a sound event");
+    }
+    events.len() as u64
+}
+
+/// A reading as clicks.
+pub fn events(film: &Film, reading: &Reading<Mark>) -> Vec<Event> {
+    let FilmMarks::Landmarks { iliac_crests, .. } = &film.marks else { panic!("landmarks") };
+    let mut events: Vec<Event> = Vec::new();
+    for (&level, mark) in &reading.vertebrae {
+        events.extend(vertebra(level, mark));
+    }
+    if let Some(crests) = iliac_crests {
+        for (side, place) in [(CrestSide::Left, crests.left), (CrestSide::Right, crests.right)] {
+            let (column_px, row_px) = (place.column_px, place.row_px);
+            events.push(Event::PlaceIliacCrest { side, column_px, row_px });
+        }
+    }
+    events
+}
+
+/// A vertebra as clicks.
+pub fn vertebra(level: Level, mark: &Mark) -> Vec<Event> {
+    let corners = Corner::ALL.into_iter().zip(mark.corners.points());
+    let mut events: Vec<Event> = corners
+        .map(|(corner, place)| Event::PlaceCorner {
+            level: LevelKey(level),
+            corner,
+            column_px: place.column_px,
+            row_px: place.row_px,
+        })
+        .collect();
+    if let Some(axis) = mark.axis_clockwise {
+        events.push(Event::SetAxis { level: LevelKey(level), axis_deg: Some(axis.deg()) });
+    }
+    events
+}
+
+/// The one reading of a film of a case.
+pub fn reading_of(case: &Case, posture: Posture) -> (&Film, &Reading<Mark>) {
+    let film = case.films.iter().find(|film| film.posture == posture).expect("its film");
+    let FilmMarks::Landmarks { readings, .. } = &film.marks else { panic!("landmarks") };
+    (film, &readings[0])
+}
+
+/// Every number of an answer is one: JSON writes what is none as null, so no list of numbers holds a null.
+pub fn assert_numbers(value: &Value, place: &str) {
+    match value {
+        Value::Array(items) => {
+            for (i, item) in items.iter().enumerate() {
+                assert!(!item.is_null(), "{place}/{i} is no number");
+                assert_numbers(item, &format!("{place}/{i}"));
+            }
+        }
+        Value::Object(fields) => {
+            fields.iter().for_each(|(key, item)| assert_numbers(item, &format!("{place}/{key}")));
+        }
+        _ => {}
+    }
+}

@@ -1,0 +1,418 @@
+//! Accounts, their passwords, and who may do what in which study.
+
+use std::fmt;
+use std::sync::OnceLock;
+
+use argon2::Argon2;
+use argon2::password_hash::phc;
+use argon2::password_hash::{PasswordHasher, PasswordVerifier};
+use rusqlite::{Connection, Row, params};
+
+use crate::audit::{self, Ledger, next_id};
+use crate::connection::Store;
+use crate::error::StoreError;
+use crate::films::{self, Study};
+use crate::names::{Name, Signature};
+use crate::sessions;
+
+/// Fewest characters of a password.
+const LEAST_CHARACTERS: usize = 12;
+/// Most bytes of a password.
+const MOST_BYTES: usize = 1024;
+
+/// What somebody may do; each includes those before it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Role {
+    /// Looks.
+    Reader,
+    /// Marks films and makes studies.
+    Editor,
+    /// Leads: accounts, grants, plans, every study.
+    Admin,
+}
+
+impl Role {
+    /// All, from the least to the most.
+    pub const ALL: [Self; 3] = [Self::Reader, Self::Editor, Self::Admin];
+
+    /// Its word.
+    #[must_use]
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Reader => "reader",
+            Self::Editor => "editor",
+            Self::Admin => "admin",
+        }
+    }
+
+    fn of_key(key: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|role| role.key() == key)
+    }
+}
+
+/// A local account.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Account {
+    /// Its name, which is also the observer's.
+    pub name: Name,
+    /// What it may do at most.
+    pub role: Role,
+    /// Whether it may sign in.
+    pub enabled: bool,
+}
+
+/// A change of an account: what is absent stays.
+#[derive(Debug, Clone, Default)]
+pub struct AccountChange {
+    /// Role.
+    pub role: Option<Role>,
+    /// Password.
+    pub password: Option<PasswordHash>,
+    /// Whether it may sign in.
+    pub enabled: Option<bool>,
+}
+
+/// Somebody's right to a study.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StudyGrant {
+    /// Study.
+    pub study: Name,
+    /// Account or observer.
+    pub name: Name,
+    /// Reader or editor.
+    pub role: Role,
+}
+
+/// What is kept of a password: a salted Argon2id hash. Making one takes time and memory on purpose, so make it before
+/// the store is asked.
+#[derive(Clone)]
+pub struct PasswordHash(String);
+
+impl fmt::Debug for PasswordHash {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("PasswordHash")
+    }
+}
+
+impl PasswordHash {
+    /// Hashes a password of at least 12 characters and at most 1024 bytes.
+    ///
+    /// # Errors
+    /// [`StoreError::BadPassword`].
+    ///
+    /// # Panics
+    /// If the system has no random numbers.
+    pub fn new(password: &str) -> Result<Self, StoreError> {
+        if password.chars().count() < LEAST_CHARACTERS || password.len() > MOST_BYTES {
+            let (least, most_bytes) = (LEAST_CHARACTERS, MOST_BYTES);
+            return Err(StoreError::BadPassword { least, most_bytes });
+        }
+        Ok(Self::of_any(password))
+    }
+
+    fn of_any(password: &str) -> Self {
+        let mut salt = [0_u8; 16];
+        getrandom::fill(&mut salt).expect("the system has random numbers");
+        let hash: phc::PasswordHash = Argon2::default()
+            .hash_password_with_salt(password.as_bytes(), &salt)
+            .expect("the default parameters and a salt of 16 bytes are allowed");
+        Self(hash.to_string())
+    }
+
+    fn is_of(&self, password: &str) -> bool {
+        let hash = phc::PasswordHash::new(&self.0);
+        hash.is_ok_and(|hash| Argon2::default().verify_password(password.as_bytes(), &hash).is_ok())
+    }
+}
+
+/// What a password is compared with. The comparison takes time and memory on purpose, so do it after the store was asked.
+#[derive(Debug)]
+pub struct Credential {
+    account: Option<Account>,
+    password: PasswordHash,
+}
+
+impl Credential {
+    /// The account, if the password is its own and it may sign in. An unknown name takes as long as a wrong password.
+    #[must_use]
+    pub fn check(self, password: &str) -> Option<Account> {
+        let right = password.len() <= MOST_BYTES && self.password.is_of(password);
+        self.account.filter(|account| right && account.enabled)
+    }
+}
+
+impl Store {
+    /// Adds an account.
+    ///
+    /// # Errors
+    /// [`StoreError::Exists`].
+    pub fn add_account(
+        &mut self,
+        account: &Account,
+        password: &PasswordHash,
+        by: &Signature,
+    ) -> Result<(), StoreError> {
+        self.write(by, |ledger| {
+            let name = account.name.as_str();
+            if !accounts(ledger.transaction, Some(&account.name))?.is_empty() {
+                return Err(StoreError::Exists { object: format!("account/{name}") });
+            }
+            ledger.transaction.execute(
+                "INSERT INTO accounts VALUES (?1, ?2, ?3, ?4)",
+                params![name, account.role.key(), password.0, account.enabled],
+            )?;
+            ledger.seal("add", "accounts", &name).map(drop)
+        })
+    }
+
+    /// Changes an account. A new password, and being disabled, end its sessions.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`]; [`StoreError::LastAdmin`] where nobody could lead any more.
+    pub fn edit_account(
+        &mut self,
+        name: &Name,
+        change: &AccountChange,
+        by: &Signature,
+    ) -> Result<Account, StoreError> {
+        self.write(by, |ledger| {
+            let before = account(ledger.transaction, name)?;
+            let after = Account {
+                name: name.clone(),
+                role: change.role.unwrap_or(before.role),
+                enabled: change.enabled.unwrap_or(before.enabled),
+            };
+            ledger.transaction.execute(
+                "UPDATE accounts SET role = ?2, enabled = ?3, password = coalesce(?4, password) WHERE name = ?1",
+                params![
+                    name.as_str(),
+                    after.role.key(),
+                    after.enabled,
+                    change.password.as_ref().map(|password| &password.0)
+                ],
+            )?;
+            ledger.seal("edit", "accounts", &name.as_str())?;
+            if leads(&before) && !accounts(ledger.transaction, None)?.iter().any(leads) {
+                return Err(StoreError::LastAdmin { name: name.clone() });
+            }
+            if change.password.is_some() || !after.enabled {
+                sessions::end_all(ledger.transaction, name)?;
+            }
+            Ok(after)
+        })
+    }
+
+    /// All accounts, by name.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`].
+    pub fn accounts(&self) -> Result<Vec<Account>, StoreError> {
+        accounts(&self.connection, None)
+    }
+
+    /// An account.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`], [`StoreError::Damaged`].
+    pub fn account(&self, name: &Name) -> Result<Account, StoreError> {
+        account(&self.connection, name)
+    }
+
+    /// What a password for this name is to be compared with, whether or not there is such an account.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`].
+    pub fn credential(&self, name: &Name) -> Result<Credential, StoreError> {
+        static NOBODY: OnceLock<PasswordHash> = OnceLock::new();
+        let condition = "WHERE name = ?1";
+        let found = audit::load(&self.connection, "accounts", condition, [name.as_str()], |row| {
+            let (account, password) = (read(row)?, PasswordHash(row.get("password")?));
+            Ok(Credential { account: Some(account), password })
+        })?;
+        Ok(found.into_iter().next().unwrap_or_else(|| Credential {
+            account: None,
+            password: NOBODY.get_or_init(|| PasswordHash::of_any("nobody")).clone(),
+        }))
+    }
+
+    /// Adds a study and grants its maker to edit it, in one step.
+    ///
+    /// # Errors
+    /// As [`Store::add_study`].
+    pub fn add_own_study(&mut self, study: &Study, by: &Signature) -> Result<(), StoreError> {
+        self.write(by, |ledger| {
+            films::insert_study(ledger, study)?;
+            set_grant(ledger, &study.id, &by.who, Some(Role::Editor))
+        })
+    }
+
+    /// Makes these the grants of a study, and takes back all others. Admins need none.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`] for the study or an account.
+    pub fn set_grants(
+        &mut self,
+        study: &Name,
+        wanted: &[(Name, Role)],
+        by: &Signature,
+    ) -> Result<(), StoreError> {
+        self.write(by, |ledger| {
+            let transaction = ledger.transaction;
+            films::study(transaction, study)?;
+            for grant in grants(transaction, "study", study)? {
+                if !wanted.iter().any(|(name, _)| *name == grant.name) {
+                    set_grant(ledger, study, &grant.name, None)?;
+                }
+            }
+            for (name, role) in wanted {
+                granted_before_or_account(transaction, study, name)?;
+                set_grant(ledger, study, name, Some(*role))?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Lets an account into a study, or changes what it may do there.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`] for the study or the account.
+    pub fn grant(
+        &mut self,
+        study: &Name,
+        name: &Name,
+        role: Role,
+        by: &Signature,
+    ) -> Result<(), StoreError> {
+        self.write(by, |ledger| {
+            films::study(ledger.transaction, study)?;
+            granted_before_or_account(ledger.transaction, study, name)?;
+            set_grant(ledger, study, name, Some(role))
+        })
+    }
+
+    /// Takes a grant back.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`] where there is none.
+    pub fn revoke(&mut self, study: &Name, name: &Name, by: &Signature) -> Result<(), StoreError> {
+        self.write(by, |ledger| {
+            if !grants(ledger.transaction, "study", study)?.iter().any(|grant| grant.name == *name)
+            {
+                let object = format!("grant of account/{name} to study/{study}");
+                return Err(StoreError::Unknown { object });
+            }
+            set_grant(ledger, study, name, None)
+        })
+    }
+
+    /// The grants of a study, by name.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`].
+    pub fn grants(&self, study: &Name) -> Result<Vec<StudyGrant>, StoreError> {
+        grants(&self.connection, "study", study)
+    }
+
+    /// What somebody is granted in a study.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`] where there is no such study, [`StoreError::Damaged`].
+    pub fn granted(&self, study: &Name, name: &Name) -> Result<Option<Role>, StoreError> {
+        films::study(&self.connection, study)?;
+        let grants = grants(&self.connection, "study", study)?;
+        Ok(grants.into_iter().find(|grant| grant.name == *name).map(|grant| grant.role))
+    }
+
+    /// The grants of an account, by study.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`].
+    pub fn grants_of(&self, name: &Name) -> Result<Vec<StudyGrant>, StoreError> {
+        grants(&self.connection, "name", name)
+    }
+}
+
+fn leads(account: &Account) -> bool {
+    account.enabled && account.role == Role::Admin
+}
+
+fn read(row: &Row<'_>) -> Result<Account, StoreError> {
+    let role: String = row.get("role")?;
+    Ok(Account {
+        name: Name::new(&row.get::<_, String>("name")?)?,
+        role: Role::of_key(&role).ok_or_else(|| StoreError::damaged("account"))?,
+        enabled: row.get("enabled")?,
+    })
+}
+
+fn accounts(connection: &Connection, name: Option<&Name>) -> Result<Vec<Account>, StoreError> {
+    let condition = "WHERE ?1 IS NULL OR name = ?1 ORDER BY name";
+    audit::load(connection, "accounts", condition, [name.map(Name::as_str)], read)
+}
+
+pub(crate) fn account(connection: &Connection, name: &Name) -> Result<Account, StoreError> {
+    let unknown = || StoreError::Unknown { object: format!("account/{name}") };
+    accounts(connection, Some(name))?.pop().ok_or_else(unknown)
+}
+
+/// A name may be given rights if there is such an account; who has them by the terminal's token keeps them.
+fn granted_before_or_account(
+    connection: &Connection,
+    study: &Name,
+    name: &Name,
+) -> Result<(), StoreError> {
+    if grants(connection, "study", study)?.iter().any(|grant| grant.name == *name) {
+        return Ok(());
+    }
+    account(connection, name).map(drop)
+}
+
+fn grants(
+    connection: &Connection,
+    column: &str,
+    value: &Name,
+) -> Result<Vec<StudyGrant>, StoreError> {
+    let condition = format!("WHERE {column} = ?1 AND role IS NOT NULL ORDER BY study, name");
+    audit::load(connection, "grants", &condition, [value.as_str()], |row| {
+        let role: String = row.get("role")?;
+        Ok(StudyGrant {
+            study: Name::new(&row.get::<_, String>("study")?)?,
+            name: Name::new(&row.get::<_, String>("name")?)?,
+            role: Role::of_key(&role).ok_or_else(|| StoreError::damaged("grant"))?,
+        })
+    })
+}
+
+/// Writes a grant, or takes it back; does nothing where it stands already.
+pub(crate) fn set_grant(
+    ledger: &Ledger<'_>,
+    study: &Name,
+    name: &Name,
+    role: Option<Role>,
+) -> Result<(), StoreError> {
+    let transaction = ledger.transaction;
+    let role = role.map(|role| role.min(Role::Editor).key());
+    let rows = audit::load(
+        transaction,
+        "grants",
+        "WHERE study = ?1 AND name = ?2",
+        [study.as_str(), name.as_str()],
+        |row| Ok((row.get::<_, i64>("id")?, row.get::<_, Option<String>>("role")?)),
+    )?;
+    let (id, action) = match rows.first() {
+        Some((_, now)) if now.as_deref() == role => return Ok(()),
+        Some(&(id, _)) => {
+            transaction.execute("UPDATE grants SET role = ?2 WHERE id = ?1", params![id, role])?;
+            (id, if role.is_some() { "edit" } else { "revoke" })
+        }
+        None => {
+            let id = next_id(transaction, "grants", "id")?;
+            transaction.execute(
+                "INSERT INTO grants VALUES (?1, ?2, ?3, ?4)",
+                params![id, study.as_str(), name.as_str(), role],
+            )?;
+            (id, "add")
+        }
+    };
+    ledger.seal(action, "grants", &id).map(drop)
+}

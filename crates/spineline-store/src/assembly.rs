@@ -1,0 +1,96 @@
+//! What the store holds of a study as the core's types: the one way from readings to a [`Case`].
+
+use std::collections::BTreeMap;
+
+use rusqlite::Connection;
+use spineline::analysis::{Case, Subject};
+use spineline::anatomy::{Posture, Side};
+use spineline::measure::{
+    Corners, Film, FilmMarks, IliacCrests, Mark, Reading, ReadingId as Reader,
+};
+use spineline::spatial::{Angle, Pixel};
+
+use crate::error::StoreError;
+use crate::event::Corner;
+use crate::films::{self, FilmRecord};
+use crate::names::Name;
+use crate::readings::ReadingRecord;
+use crate::state::{ReadingState, VertebraMarks};
+
+/// The films of a study, of which a case has one per posture.
+pub(crate) fn by_posture(
+    connection: &Connection,
+    study: &Name,
+) -> Result<BTreeMap<Posture, FilmRecord>, StoreError> {
+    let mut by_posture: BTreeMap<Posture, FilmRecord> = BTreeMap::new();
+    for film in films::films(connection, study)? {
+        if let Some(other) = by_posture.insert(film.posture, film) {
+            let (study, posture) = (study.clone(), other.posture);
+            return Err(StoreError::PostureTwice { study, posture });
+        }
+    }
+    Ok(by_posture)
+}
+
+/// The case of a study with these films.
+pub(crate) fn case(study: &Name, synthetic: bool, films: Vec<Film>) -> Case {
+    let (id, subject) = (study.to_string(), Subject::default());
+    Case { id, synthetic, subject, films, lateral: None }
+}
+
+/// A film with the readings that stand for it: the vertebrae with four corners, and the mean of the pairs of crests.
+///
+/// # Errors
+/// [`StoreError::Case`] where the image's description is not that of a case file.
+pub(crate) fn film(
+    record: &FilmRecord,
+    readings: &[(&ReadingRecord, ReadingState)],
+) -> Result<Film, StoreError> {
+    let image = spineline_files::parse_image(&record.image, record.posture)?;
+    let iliac_crests = mean_crests(readings);
+    let readings = readings.iter().map(|(reading, state)| marked(reading, state)).collect();
+    let marks = FilmMarks::Landmarks { image, iliac_crests, readings };
+    Ok(Film { posture: record.posture, marks })
+}
+
+fn marked(reading: &ReadingRecord, state: &ReadingState) -> Reading<Mark> {
+    let vertebrae = state.vertebrae.iter().filter_map(|(&level, v)| Some((level, mark(v)?)));
+    Reading {
+        id: Reader::new(reading.observer.to_string(), reading.repeat),
+        vertebrae: vertebrae.collect(),
+    }
+}
+
+/// The mark of a vertebra, if all four corners are placed.
+fn mark(marks: &VertebraMarks) -> Option<Mark> {
+    let corner = |corner| marks.corners.get(&corner).copied().map(pixel);
+    Some(Mark {
+        corners: Corners {
+            superior_left: corner(Corner::SuperiorLeft)?,
+            superior_right: corner(Corner::SuperiorRight)?,
+            inferior_left: corner(Corner::InferiorLeft)?,
+            inferior_right: corner(Corner::InferiorRight)?,
+        },
+        axis_clockwise: marks.axis_deg.map(Angle::from_deg),
+    })
+}
+
+/// The mean of the readings that have both crests, summed in their order.
+fn mean_crests(readings: &[(&ReadingRecord, ReadingState)]) -> Option<IliacCrests> {
+    let pairs: Vec<[[f64; 2]; 2]> = readings
+        .iter()
+        .filter_map(|(_, state)| {
+            let crest = |side| state.iliac_crests_px.get(&side).copied();
+            Some([crest(Side::Left)?, crest(Side::Right)?])
+        })
+        .collect();
+    let mean = |side: usize, axis: usize| {
+        pairs.iter().map(|pair| pair[side][axis]).sum::<f64>() / pairs.len() as f64
+    };
+    let place = |side| pixel([mean(side, 0), mean(side, 1)]);
+    (!pairs.is_empty()).then(|| IliacCrests { left: place(0), right: place(1) })
+}
+
+fn pixel([column, row]: [f64; 2]) -> Pixel {
+    Pixel::new(column, row)
+}

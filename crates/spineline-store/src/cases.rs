@@ -1,0 +1,322 @@
+//! A case file with its films, as a study: all of it, or nothing.
+
+use std::fmt;
+
+use serde_json::Value;
+use spineline::analysis::Subject;
+use spineline::anatomy::Posture;
+use spineline::measure::{FilmMarks, IliacCrests, Mark, Reading};
+use spineline_files::{FileError, LevelKey};
+
+use crate::accounts::{self, Role};
+use crate::audit::Ledger;
+use crate::connection::Store;
+use crate::error::StoreError;
+use crate::event::{Corner, CrestSide, Event};
+use crate::films::{self, NewFilm, Study};
+use crate::journal;
+use crate::names::{FilmId, Name, Signature};
+use crate::readings;
+use crate::state::ReadingState;
+
+/// A case that is to become a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NewCase {
+    study: Study,
+    films: Vec<CaseFilm>,
+    remarks: Vec<CaseRemark>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct CaseFilm {
+    posture: Posture,
+    bytes: Vec<u8>,
+    image: Value,
+    readings: Vec<CaseReading>,
+}
+
+/// A reading as if it had been clicked.
+#[derive(Debug, Clone, PartialEq)]
+struct CaseReading {
+    observer: Name,
+    repeat: u32,
+    events: Vec<Event>,
+}
+
+/// What a store does not keep of a case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum CaseRemark {
+    /// The lateral film and its marks.
+    Lateral,
+    /// Sex, age and Lenke class.
+    Subject,
+}
+
+impl fmt::Display for CaseRemark {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Lateral => {
+                "the lateral film and its marks are not kept by a store: keep the case file"
+            }
+            Self::Subject => "sex, age and Lenke class are not kept by a store: keep the case file",
+        })
+    }
+}
+
+/// Why a case cannot become a study. `E` is what kept a film's file from being read.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum CaseError<E> {
+    /// The text is no case file.
+    File(FileError),
+    /// The case or an observer has a name that a store does not take.
+    Name(StoreError),
+    /// A film has locations from another program.
+    NoPicture {
+        /// Film.
+        posture: Posture,
+    },
+    /// The case does not name a film's picture file.
+    NotNamed {
+        /// Film.
+        posture: Posture,
+    },
+    /// A picture is not the one that was marked.
+    OtherPicture {
+        /// Film.
+        posture: Posture,
+    },
+    /// A picture cannot be read.
+    Picture(E),
+}
+
+impl<E: fmt::Display> fmt::Display for CaseError<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(error) => error.fmt(f),
+            Self::Name(error) => error.fmt(f),
+            Self::NoPicture { posture } => {
+                write!(f, "{posture} film: it has locations from another program, and no picture")
+            }
+            Self::NotNamed { posture } => write!(f, "{posture} film: no picture is named"),
+            Self::OtherPicture { posture } => write!(
+                f,
+                "{posture} film: its picture is not the one that the case was made with (SHA-256 differs)"
+            ),
+            Self::Picture(error) => error.fmt(f),
+        }
+    }
+}
+
+impl<E> CaseError<E> {
+    /// What the user can do about it; for [`CaseError::Picture`], whoever gave the error knows better.
+    #[must_use]
+    pub fn help(&self) -> &'static str {
+        match self {
+            Self::File(error) => error.help(),
+            Self::Name(error) => error.help(),
+            Self::NoPicture { .. } => "a store holds pictures and what was marked on them",
+            Self::NotNamed { .. } => "give `image.file`; `import` and `phantom --films` write it",
+            Self::OtherPicture { .. } => "find the original film, or make the case again",
+            Self::Picture(_) => "put the film beside its case",
+        }
+    }
+}
+
+/// What became of a case.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AddedCase {
+    /// Its study.
+    pub study: Name,
+    /// Its films, in the order of the case.
+    pub films: Vec<FilmId>,
+    /// Number of readings, all finished.
+    pub readings: usize,
+    /// What is not kept.
+    pub remarks: Vec<CaseRemark>,
+}
+
+impl NewCase {
+    /// Reads a case; `bytes_of` gives the bytes of a film by its file name.
+    ///
+    /// # Errors
+    /// [`CaseError`].
+    pub fn read<E>(
+        text: &str,
+        mut bytes_of: impl FnMut(&str) -> Result<Vec<u8>, E>,
+    ) -> Result<Self, CaseError<E>> {
+        let case = spineline_files::parse_case(text).map_err(CaseError::File)?;
+        let written: Value = serde_json::from_str(text).expect("a case that was just read");
+        let id = Name::new(&case.id).map_err(CaseError::Name)?;
+        let mut films = Vec::new();
+        let records = written["films"].as_array().into_iter().flatten();
+        for (film, record) in case.films.iter().zip(records) {
+            let posture = film.posture;
+            let FilmMarks::Landmarks { readings, iliac_crests, .. } = &film.marks else {
+                return Err(CaseError::NoPicture { posture });
+            };
+            let readings = readings.iter().map(|reading| CaseReading::of(reading, *iliac_crests));
+            let readings = readings.collect::<Result<_, _>>().map_err(CaseError::Name)?;
+            let image = record["image"].clone();
+            let file = image["file"].as_str().ok_or(CaseError::NotNamed { posture })?;
+            let bytes = bytes_of(file).map_err(CaseError::Picture)?;
+            let found = spineline_files::sha256_hex(&bytes);
+            if image["sha256"].as_str().is_some_and(|hash| !hash.eq_ignore_ascii_case(&found)) {
+                return Err(CaseError::OtherPicture { posture });
+            }
+            films.push(CaseFilm { posture, bytes, image, readings });
+        }
+        let mut remarks = Vec::new();
+        if case.lateral.is_some() {
+            remarks.push(CaseRemark::Lateral);
+        }
+        if case.subject != Subject::default() {
+            remarks.push(CaseRemark::Subject);
+        }
+        let study = Study { id, label: None, synthetic: case.synthetic };
+        Ok(Self { study, films, remarks })
+    }
+
+    /// A study without films yet.
+    #[must_use]
+    pub fn of(study: Study) -> Self {
+        Self { study, films: Vec::new(), remarks: Vec::new() }
+    }
+
+    /// With one film more, which nobody has read.
+    #[must_use]
+    pub fn film(mut self, posture: Posture, bytes: Vec<u8>, image: Value) -> Self {
+        self.films.push(CaseFilm { posture, bytes, image, readings: Vec::new() });
+        self
+    }
+
+    /// Its identifier.
+    #[must_use]
+    pub fn id(&self) -> &Name {
+        &self.study.id
+    }
+
+    /// Its films: posture, file name, columns and rows.
+    pub fn pictures(&self) -> impl Iterator<Item = (Posture, &str, [u64; 2])> {
+        self.films.iter().map(|film| {
+            let size = ["columns", "rows"].map(|key| film.image[key].as_u64().unwrap_or_default());
+            (film.posture, film.image["file"].as_str().unwrap_or_default(), size)
+        })
+    }
+
+    /// With other files for the same pictures, named after the study.
+    ///
+    /// # Errors
+    /// What `rewrite` refuses.
+    pub fn rewritten<E>(
+        mut self,
+        rewrite: impl Fn(&[u8]) -> Result<Vec<u8>, E>,
+    ) -> Result<Self, E> {
+        for film in &mut self.films {
+            film.bytes = rewrite(&film.bytes)?;
+            // The old name may be a patient's.
+            let end = if film.bytes.get(128..132) == Some(b"DICM") { "dcm" } else { "png" };
+            film.image["file"] = format!("{}-{}.{end}", self.study.id, film.posture.key()).into();
+            film.image["sha256"] = spineline_files::sha256_hex(&film.bytes).into();
+        }
+        Ok(self)
+    }
+
+    /// With a text for the one who leads the study.
+    #[must_use]
+    pub fn label(mut self, label: &str) -> Self {
+        self.study.label = Some(label.to_owned());
+        self
+    }
+
+    /// Under another identifier.
+    #[must_use]
+    pub fn named(mut self, id: Name) -> Self {
+        self.study.id = id;
+        self
+    }
+}
+
+impl CaseReading {
+    fn of(reading: &Reading<Mark>, crests: Option<IliacCrests>) -> Result<Self, StoreError> {
+        let mut events = Vec::new();
+        for (&level, mark) in &reading.vertebrae {
+            let level = LevelKey(level);
+            for (corner, place) in Corner::ALL.into_iter().zip(mark.corners.points()) {
+                let (column_px, row_px) = (place.column_px, place.row_px);
+                events.push(Event::PlaceCorner { level, corner, column_px, row_px });
+            }
+            if let Some(axis) = mark.axis_clockwise {
+                let axis_deg = Some(spineline_files::written_axis_deg(axis));
+                events.push(Event::SetAxis { level, axis_deg });
+            }
+        }
+        if let Some(IliacCrests { left, right }) = crests {
+            for (side, place) in [(CrestSide::Left, left), (CrestSide::Right, right)] {
+                let (column_px, row_px) = (place.column_px, place.row_px);
+                events.push(Event::PlaceIliacCrest { side, column_px, row_px });
+            }
+        }
+        let (observer, repeat) = (Name::new(&reading.id.observer)?, reading.id.repeat);
+        Ok(Self { observer, repeat, events })
+    }
+}
+
+impl Store {
+    /// Adds a case with its films and its readings, which are finished: all of it, or nothing.
+    ///
+    /// # Errors
+    /// As [`Store::add_study`], [`Store::add_film`], [`Store::record_all`] and [`Store::finish_reading`].
+    pub fn add_case(&mut self, case: &NewCase, by: &Signature) -> Result<AddedCase, StoreError> {
+        self.write(by, |ledger| insert_case(ledger, case))
+    }
+
+    /// Adds a case as [`Store::add_case`] does, and grants its maker to edit it, in one step.
+    ///
+    /// # Errors
+    /// As [`Store::add_case`].
+    pub fn add_own_case(
+        &mut self,
+        case: &NewCase,
+        by: &Signature,
+    ) -> Result<AddedCase, StoreError> {
+        self.write(by, |ledger| {
+            let added = insert_case(ledger, case)?;
+            accounts::set_grant(ledger, &added.study, &by.who, Some(Role::Editor))?;
+            Ok(added)
+        })
+    }
+}
+
+fn insert_case(ledger: &Ledger<'_>, case: &NewCase) -> Result<AddedCase, StoreError> {
+    films::insert_study(ledger, &case.study)?;
+    let study = case.study.id.clone();
+    let (mut films, mut readings) = (Vec::new(), 0);
+    for film in &case.films {
+        let new = NewFilm {
+            posture: film.posture,
+            bytes: &film.bytes,
+            image: &film.image,
+            inverted: film.image["inverted"] == true,
+        };
+        let added = films::add_film(ledger, &study, &new)?.film;
+        for reading in &film.readings {
+            add_reading(ledger, added, reading)?;
+            readings += 1;
+        }
+        films.push(added);
+    }
+    Ok(AddedCase { study, films, readings, remarks: case.remarks.clone() })
+}
+
+/// A whole reading, finished. Its observer signs, at the time of whoever brings it.
+fn add_reading(ledger: &Ledger<'_>, film: FilmId, reading: &CaseReading) -> Result<(), StoreError> {
+    let by = Signature::new(reading.observer.clone(), ledger.by.at);
+    let ledger = Ledger { transaction: ledger.transaction, by: &by };
+    let id = readings::begin(&ledger, film, reading.repeat)?;
+    if !reading.events.is_empty() {
+        journal::append(&ledger, id, Vec::new(), &reading.events)?;
+    }
+    readings::finish(&ledger, id, &ReadingState::replay(&reading.events, false)).map(drop)
+}

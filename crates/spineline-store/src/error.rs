@@ -1,0 +1,312 @@
+//! What can go wrong in a store. Errors name identifiers and numbers, never labels, notes or the contents of films.
+
+use std::path::PathBuf;
+
+use rusqlite::ErrorCode;
+use spineline::anatomy::{Level, Posture};
+
+use crate::names::{FilmId, Name, ReadingId, Timestamp};
+
+/// Why the store refused or failed. Whatever was refused has changed nothing, except that a
+/// [`Conflict`](Self::Conflict) has kept the event that lost.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StoreError {
+    /// No file of this name.
+    #[error("{}: no such store", path.display())]
+    NotFound {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// A file of this name is there already.
+    #[error("{}: exists already", path.display())]
+    AlreadyExists {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// A file of something else.
+    #[error("{}: not a Spineline store", path.display())]
+    NotAStore {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// Written by a newer program.
+    #[error("the store has schema {found}, and this program knows schemas up to {supported}")]
+    NewerSchema {
+        /// Schema of the file.
+        found: i64,
+        /// Newest schema known here.
+        supported: i64,
+    },
+    /// Neither file nor folder may be written.
+    #[error("the store cannot be written: its file or folder is read-only")]
+    ReadOnly,
+    /// The file could not be opened.
+    #[error("the store, or a file beside it, cannot be opened")]
+    CannotOpen,
+    /// No room.
+    #[error("the disk or its quota is full; nothing was saved by this step")]
+    Full,
+    /// Another program holds the store.
+    #[error("another program is writing to the store, and did not finish in time")]
+    Busy,
+    /// The file is not what was written.
+    #[error("the store is damaged{}", object.as_ref().map(|o| format!(" at {o}")).unwrap_or_default())]
+    Damaged {
+        /// Which object, where it is known.
+        object: Option<String>,
+    },
+    /// Reading or writing failed below the database.
+    #[error("the disk failed (SQLite code {extended_code})")]
+    Disk {
+        /// SQLite's extended result code.
+        extended_code: i32,
+    },
+    /// A file beside the store.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The database refused a statement for a reason that has no name of its own here.
+    #[error("the database refused (SQLite code {extended_code})")]
+    Database {
+        /// SQLite's extended result code; 0 where the library and not SQLite refused.
+        extended_code: i32,
+    },
+    /// An identifier that is none. The text is not repeated, since it might be a name.
+    #[error(
+        "an identifier has 1 to 64 ASCII letters, digits, `.`, `-` or `_`, and this one of {characters} characters has not"
+    )]
+    BadName {
+        /// Its length.
+        characters: usize,
+    },
+    /// No such object.
+    #[error("no {object} in this store")]
+    Unknown {
+        /// Such as `film/3`.
+        object: String,
+    },
+    /// An object that is there already.
+    #[error("{object} exists already")]
+    Exists {
+        /// Such as `study/S1`.
+        object: String,
+    },
+    /// The same bytes already serve another posture, or the same one, of this study.
+    #[error("the same picture is already {film}, the {posture} film of study {study}")]
+    AlreadyKnown {
+        /// Study.
+        study: Name,
+        /// Film that has these bytes.
+        film: FilmId,
+        /// Posture that it shows.
+        posture: Posture,
+    },
+    /// A password that is none.
+    #[error("a password has {least} characters at least and {most_bytes} bytes at most")]
+    BadPassword {
+        /// Fewest characters.
+        least: usize,
+        /// Most bytes.
+        most_bytes: usize,
+    },
+    /// Nobody could lead the store any more.
+    #[error("account {name} is the last enabled admin")]
+    LastAdmin {
+        /// Account.
+        name: Name,
+    },
+    /// Something too large.
+    #[error("{what} has {found}, and the limit is {limit}")]
+    TooLarge {
+        /// What.
+        what: &'static str,
+        /// Its size.
+        found: usize,
+        /// The limit.
+        limit: usize,
+    },
+    /// An image description that is not a JSON object.
+    #[error("the description of an image must be a JSON object")]
+    ImageNotAnObject,
+    /// The state on which a change was based is no longer the newest. The change was kept as a conflict.
+    #[error(
+        "{object} is at revision {found}, not {expected}; what lost was kept as conflict {conflict}"
+    )]
+    Conflict {
+        /// Such as `reading/4`.
+        object: String,
+        /// Revision on which the change was based.
+        expected: u64,
+        /// Revision found.
+        found: u64,
+        /// Where the change was kept.
+        conflict: i64,
+    },
+    /// A finished reading is immutable.
+    #[error("{reading} is finished")]
+    Finished {
+        /// Reading.
+        reading: ReadingId,
+    },
+    /// A reading is written by its own observer only.
+    #[error("{reading} belongs to another observer")]
+    NotYours {
+        /// Reading.
+        reading: ReadingId,
+    },
+    /// An event that makes no sense after those before it.
+    #[error("{reading}: {reason}")]
+    BadEvent {
+        /// Reading.
+        reading: ReadingId,
+        /// Why.
+        reason: &'static str,
+    },
+    /// A step without any event.
+    #[error("a step has at least one event")]
+    NoEvent,
+    /// A vertebra without all four corners.
+    #[error("{reading}: {level} has {corners} of four corners")]
+    Incomplete {
+        /// Reading.
+        reading: ReadingId,
+        /// Vertebra.
+        level: Level,
+        /// Corners that it has.
+        corners: usize,
+    },
+    /// Films and readings of a planned study follow the plan.
+    #[error("study {study} has a reading plan, which fixes its films and who reads them when")]
+    PlanGoverns {
+        /// Study.
+        study: Name,
+    },
+    /// A plan without films, observers or repeats, or of too many.
+    #[error("a plan needs {needs}")]
+    BadPlan {
+        /// What it needs.
+        needs: &'static str,
+    },
+    /// A film code that is not the observer's next one.
+    #[error("this film is not the next one of this observer")]
+    OutOfTurn,
+    /// A repeat before its washout is over.
+    #[error("this film is released on {until}")]
+    Washout {
+        /// When.
+        until: Timestamp,
+    },
+    /// Two films of one posture in a case.
+    #[error("study {study} has more than one {posture} film")]
+    PostureTwice {
+        /// Study.
+        study: Name,
+        /// Posture.
+        posture: Posture,
+    },
+    /// What is stored does not make a case file.
+    #[error("the study does not make a case: {0}")]
+    Case(#[from] spineline_files::FileError),
+}
+
+impl Name {
+    /// Checks an identifier.
+    ///
+    /// # Errors
+    /// [`StoreError::BadName`], which does not repeat the text: it might be a patient's name.
+    pub fn new(text: &str) -> Result<Self, StoreError> {
+        let characters = text.chars().count();
+        Self::checked(text).ok_or(StoreError::BadName { characters })
+    }
+}
+
+impl StoreError {
+    /// What the user can do about it.
+    #[must_use]
+    pub fn help(&self) -> &'static str {
+        match self {
+            Self::NotFound { .. } | Self::Unknown { .. } => "check the name",
+            Self::AlreadyExists { .. } | Self::Exists { .. } => "choose another name",
+            Self::NotAStore { .. } => "name a file that Spineline created as a store",
+            Self::NewerSchema { .. } => "install a newer Spineline; the file was not touched",
+            Self::Damaged { .. } => {
+                "keep the file as evidence, look at what verifying it finds, and restore a backup"
+            }
+            Self::ReadOnly | Self::CannotOpen => {
+                "give this user the right to write the file and its folder, or copy the store elsewhere"
+            }
+            Self::Full => "make room on the disk and repeat the step",
+            Self::Busy => {
+                "try again; if it lasts, look for another program that has the store open"
+            }
+            Self::Disk { .. } | Self::File { .. } => {
+                "check the disk, its cable or its network, and repeat"
+            }
+            Self::Database { .. } => "report this as a bug, with the code",
+            Self::BadName { .. } => "use a code such as `S-017`, without the patient's name",
+            Self::BadPassword { .. } => "use a sentence that nobody else would think of",
+            Self::LastAdmin { .. } => "make another account admin first",
+            Self::AlreadyKnown { .. } => "check whether one picture was exported under two names",
+            Self::TooLarge { .. } => "split it, or leave out what is not needed",
+            Self::ImageNotAnObject => {
+                "give columns, rows, spacing and `patient_left` as a JSON object"
+            }
+            Self::Conflict { .. } => {
+                "look at both versions, and repeat the change on the newest one"
+            }
+            Self::Finished { .. } => "a correction is a new repeat",
+            Self::NotYours { .. } => "open your own reading of this film",
+            Self::NoEvent => "send what was done",
+            Self::BadEvent { .. } => "look at the reading as it is now",
+            Self::Incomplete { .. } => "place the missing corners, or remove the vertebra",
+            Self::PlanGoverns { .. } => "ask for the observer's next film, or make a new study",
+            Self::BadPlan { .. } => "give films first, then observers and repeats",
+            Self::OutOfTurn => "ask for the next film again",
+            Self::Washout { .. } => "come back then",
+            Self::PostureTwice { .. } => "correct the posture of one of them",
+            Self::Case(error) => error.help(),
+        }
+    }
+
+    pub(crate) fn damaged(object: impl Into<String>) -> Self {
+        Self::Damaged { object: Some(object.into()) }
+    }
+}
+
+/// Refuses what is larger than a limit.
+pub(crate) fn limit(what: &'static str, found: usize, limit: usize) -> Result<(), StoreError> {
+    if found > limit { Err(StoreError::TooLarge { what, found, limit }) } else { Ok(()) }
+}
+
+impl From<rusqlite::Error> for StoreError {
+    /// Keeps the code and drops the text, which may quote what was stored.
+    fn from(error: rusqlite::Error) -> Self {
+        use rusqlite::Error as E;
+        let Some(failure) = error.sqlite_error() else {
+            return match error {
+                // Every statement here is tested, so that a column of another type is another file than was written.
+                E::FromSqlConversionFailure(..)
+                | E::IntegralValueOutOfRange(..)
+                | E::InvalidColumnType(..)
+                | E::Utf8Error(..)
+                | E::QueryReturnedNoRows => Self::Damaged { object: None },
+                _ => Self::Database { extended_code: 0 },
+            };
+        };
+        let extended_code = failure.extended_code;
+        match failure.code {
+            ErrorCode::DiskFull => Self::Full,
+            ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked => Self::Busy,
+            ErrorCode::ReadOnly | ErrorCode::PermissionDenied => Self::ReadOnly,
+            ErrorCode::CannotOpen => Self::CannotOpen,
+            ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase => Self::Damaged { object: None },
+            ErrorCode::SystemIoFailure => Self::Disk { extended_code },
+            _ => Self::Database { extended_code },
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! What a reader did: the entries of a reading's journal.
+
+use serde::{Deserialize, Serialize};
+use spineline_files::LevelKey;
+use utoipa::ToSchema;
+
+/// A corner of a vertebral body, by endplate and by the patient's side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Corner {
+    /// Superior endplate, patient's left.
+    SuperiorLeft,
+    /// Superior endplate, patient's right.
+    SuperiorRight,
+    /// Inferior endplate, patient's left.
+    InferiorLeft,
+    /// Inferior endplate, patient's right.
+    InferiorRight,
+}
+
+impl Corner {
+    /// All four.
+    pub const ALL: [Self; 4] =
+        [Self::SuperiorLeft, Self::SuperiorRight, Self::InferiorLeft, Self::InferiorRight];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::SuperiorLeft => "superior_left",
+            Self::SuperiorRight => "superior_right",
+            Self::InferiorLeft => "inferior_left",
+            Self::InferiorRight => "inferior_right",
+        }
+    }
+}
+
+/// The patient's side of an iliac crest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum CrestSide {
+    /// The patient's left.
+    Left,
+    /// The patient's right.
+    Right,
+}
+
+/// One thing that a reader did, as JSON with a `kind`. Places are in pixels of the film, column and row, sub-pixel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Event {
+    /// A corner set, wherever it was before.
+    PlaceCorner {
+        /// Vertebra.
+        #[schema(value_type = String)]
+        level: LevelKey,
+        /// Which corner.
+        corner: Corner,
+        /// Column.
+        column_px: f64,
+        /// Row.
+        row_px: f64,
+    },
+    /// A placed corner moved.
+    MoveCorner {
+        /// Vertebra.
+        #[schema(value_type = String)]
+        level: LevelKey,
+        /// Which corner.
+        corner: Corner,
+        /// Column.
+        column_px: f64,
+        /// Row.
+        row_px: f64,
+    },
+    /// An axis turned by hand, or given back to the corners.
+    SetAxis {
+        /// Vertebra.
+        #[schema(value_type = String)]
+        level: LevelKey,
+        /// Against the image's vertical, positive clockwise as seen; none to follow the corners.
+        axis_deg: Option<f64>,
+    },
+    /// A vertebra taken off the film.
+    RemoveVertebra {
+        /// Vertebra.
+        #[schema(value_type = String)]
+        level: LevelKey,
+    },
+    /// The superior tip of an iliac crest.
+    PlaceIliacCrest {
+        /// The patient's side.
+        side: CrestSide,
+        /// Column.
+        column_px: f64,
+        /// Row.
+        row_px: f64,
+    },
+    /// The scale tool: a line of known length.
+    Scale {
+        /// One end.
+        from_px: [f64; 2],
+        /// The other end.
+        to_px: [f64; 2],
+        /// Length.
+        length_mm: f64,
+    },
+    /// Dark and bright exchanged for this reading, or not.
+    Invert {
+        /// Whether they are.
+        inverted: bool,
+    },
+    /// The last edit taken back; notes are not edits.
+    Undo,
+    /// What was taken back last, done again.
+    Redo,
+    /// Free text, which leaves the store in the reading's state only.
+    Note {
+        /// Text.
+        text: String,
+    },
+}

@@ -1,0 +1,133 @@
+//! A study as a case file.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+use spineline::analysis::Case;
+use spineline::anatomy::Posture;
+use spineline_files::CaseFile;
+
+use crate::assembly;
+use crate::connection::Store;
+use crate::error::StoreError;
+use crate::films::{self, FilmRecord};
+use crate::journal;
+use crate::names::{Name, ReadingId};
+use crate::readings;
+use crate::state::ReadingState;
+
+/// A case file and what it could not hold.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ExportedCase {
+    /// Text of the case file, which `spineline_files::parse_case` has read.
+    pub text: String,
+    /// What was left out.
+    pub remarks: Vec<ExportRemark>,
+}
+
+/// Something of the study that is not in its case file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ExportRemark {
+    /// A reading that is not finished.
+    Unfinished {
+        /// Reading.
+        reading: ReadingId,
+    },
+    /// A scale read off the film. The image's own spacing stands.
+    ScaleLeftOut {
+        /// Reading.
+        reading: ReadingId,
+    },
+    /// A reading with one iliac crest only.
+    OneCrest {
+        /// Reading.
+        reading: ReadingId,
+    },
+}
+
+impl std::fmt::Display for ExportRemark {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Unfinished { reading } => {
+                write!(f, "{reading} is not finished, and not in the case")
+            }
+            Self::ScaleLeftOut { reading } => write!(
+                f,
+                "{reading} holds a scale read off the film; the image's own spacing stands in the case"
+            ),
+            Self::OneCrest { reading } => {
+                write!(f, "{reading} has one iliac crest only, which is not in the case")
+            }
+        }
+    }
+}
+
+impl Store {
+    /// The case of a study: its finished readings, by posture, observer and repeat. The same store gives the same bytes.
+    ///
+    /// A case file has one pair of iliac crests per film; it gets the mean of the pairs of all readings. Labels and notes stay in the store.
+    ///
+    /// # Errors
+    /// [`StoreError::PostureTwice`]; [`StoreError::Case`] where the images' descriptions are not those of a case file;
+    /// [`StoreError::Unknown`], [`StoreError::Damaged`].
+    pub fn export_case(&self, study: &Name) -> Result<ExportedCase, StoreError> {
+        let snapshot = self.connection.unchecked_transaction()?;
+        let synthetic = films::study(&snapshot, study)?.synthetic;
+        let by_posture = assembly::by_posture(&snapshot, study)?;
+        let mut remarks = Vec::new();
+        let readings = readings::of_study(&snapshot, study)?;
+        let mut films = Vec::new();
+        for film in by_posture.values() {
+            let mut finished = Vec::new();
+            for reading in readings.iter().filter(|reading| reading.film == film.id) {
+                if reading.finished_at.is_none() {
+                    remarks.push(ExportRemark::Unfinished { reading: reading.id });
+                    continue;
+                }
+                let state = journal::state(&snapshot, reading)?;
+                remarks.extend(left_out(reading.id, &state));
+                finished.push((reading, state));
+            }
+            films.push(assembly::film(film, &finished)?);
+        }
+        let case = assembly::case(study, synthetic, films);
+        let text = spineline_files::to_text(&written(&case, &by_posture));
+        spineline_files::parse_case(&text)?;
+        Ok(ExportedCase { text, remarks })
+    }
+}
+
+fn left_out(reading: ReadingId, state: &ReadingState) -> Vec<ExportRemark> {
+    let mut remarks = Vec::new();
+    if state.scale.is_some() {
+        remarks.push(ExportRemark::ScaleLeftOut { reading });
+    }
+    if state.iliac_crests_px.len() == 1 {
+        remarks.push(ExportRemark::OneCrest { reading });
+    }
+    remarks
+}
+
+/// The case as its file has it, with the descriptions of the images as they were given.
+fn written(case: &Case, records: &BTreeMap<Posture, FilmRecord>) -> Value {
+    let file = CaseFile::from_case(case);
+    let mut value = serde_json::to_value(file).expect("string keys only");
+    let films = value["films"].as_array_mut().into_iter().flatten();
+    for (film, record) in films.zip(records.values()) {
+        film["image"] = described(record);
+    }
+    value
+}
+
+/// The image of a film with how it is to be shown now.
+fn described(film: &FilmRecord) -> Value {
+    let mut image = film.image.clone();
+    if let Some(image) = image.as_object_mut() {
+        image.remove("inverted");
+        if film.inverted {
+            image.insert("inverted".to_owned(), true.into());
+        }
+    }
+    image
+}

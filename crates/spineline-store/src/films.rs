@@ -1,0 +1,305 @@
+//! Studies, their films, and the bytes of films.
+
+use rusqlite::{Connection, OptionalExtension, Row, params};
+use serde_json::Value;
+use spineline::anatomy::Posture;
+use spineline::measure::Spacing;
+
+use crate::audit::{self, Ledger, next_id};
+use crate::conflicts::{Acknowledged, keep_lost};
+use crate::connection::Store;
+use crate::error::{StoreError, limit};
+use crate::names::{FilmId, Hash, Name, Signature};
+
+/// Largest film, in bytes; a frontal radiograph has some tens of millions.
+const LARGEST_FILM_BYTES: usize = 512 << 20;
+/// Longest description of an image, in bytes of JSON.
+const LARGEST_IMAGE_BYTES: usize = 1 << 20;
+/// Longest label, in characters.
+const LONGEST_LABEL: usize = 200;
+
+/// A study: the films of one subject.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Study {
+    /// Identifier, without the patient's name.
+    pub id: Name,
+    /// Free text for the one who leads the study. It appears in no error, log, export or blinded view.
+    pub label: Option<String>,
+    /// Whether the films are made up.
+    pub synthetic: bool,
+}
+
+/// A film of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FilmRecord {
+    /// Film.
+    pub id: FilmId,
+    /// Study to which it belongs.
+    pub study: Name,
+    /// Posture that it shows.
+    pub posture: Posture,
+    /// Its bytes, for [`Store::content`].
+    pub content: Hash,
+    /// The `image` of a case file: size, spacing, sides. The store does not look into it.
+    pub image: Value,
+    /// Whether it is shown with dark and bright exchanged.
+    pub inverted: bool,
+    /// Number of edits so far.
+    pub revision: u64,
+}
+
+/// A film as it was added.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AddedFilm {
+    /// The new film.
+    pub film: FilmId,
+    /// Hash of its bytes.
+    pub content: Hash,
+    /// False where a film of another study has the same bytes, which are stored once.
+    pub bytes_are_new: bool,
+}
+
+/// A change of a film's record.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FilmEdit {
+    /// The film shows another posture than was said.
+    Posture(Posture),
+    /// Dark and bright are exchanged on the screen, or not.
+    Inverted(bool),
+    /// The distances between its pixels became known otherwise than before.
+    Spacing(Spacing),
+}
+
+impl FilmEdit {
+    fn json(self) -> Value {
+        match self {
+            Self::Spacing(spacing) => serde_json::json!({
+                "column_spacing_mm": spacing.column_mm, "row_spacing_mm": spacing.row_mm,
+                "spacing_plane": spacing.plane.key(), "spacing_source": spacing.source.key(),
+            }),
+            Self::Posture(posture) => serde_json::json!({ "posture": posture.key() }),
+            Self::Inverted(inverted) => serde_json::json!({ "inverted": inverted }),
+        }
+    }
+}
+
+impl Store {
+    /// Adds a study.
+    ///
+    /// # Errors
+    /// [`StoreError::Exists`], [`StoreError::TooLarge`] for its label.
+    pub fn add_study(&mut self, study: &Study, by: &Signature) -> Result<(), StoreError> {
+        self.write(by, |ledger| insert_study(ledger, study))
+    }
+
+    /// A study.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`], [`StoreError::Damaged`].
+    pub fn study(&self, id: &Name) -> Result<Study, StoreError> {
+        self::study(&self.connection, id)
+    }
+
+    /// A film.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`], [`StoreError::Damaged`].
+    pub fn film(&self, id: FilmId) -> Result<FilmRecord, StoreError> {
+        self::film(&self.connection, id)
+    }
+
+    /// All studies, by identifier.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`].
+    pub fn studies(&self) -> Result<Vec<Study>, StoreError> {
+        study_rows(&self.connection, None)
+    }
+
+    /// Adds a film to a study that has no reading plan yet.
+    ///
+    /// # Errors
+    /// [`StoreError::AlreadyKnown`] where a film of this study has the same bytes, whatever its posture;
+    /// [`StoreError::PlanGoverns`], [`StoreError::ImageNotAnObject`], [`StoreError::TooLarge`], [`StoreError::Unknown`].
+    pub fn add_film(
+        &mut self,
+        study: &Name,
+        posture: Posture,
+        bytes: &[u8],
+        image: &Value,
+        by: &Signature,
+    ) -> Result<AddedFilm, StoreError> {
+        let film = NewFilm { posture, bytes, image, inverted: false };
+        self.write(by, |ledger| add_film(ledger, study, &film))
+    }
+
+    /// The films of a study, in the order in which they were added.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`], [`StoreError::Damaged`].
+    pub fn films(&self, study: &Name) -> Result<Vec<FilmRecord>, StoreError> {
+        self::study(&self.connection, study)?;
+        films(&self.connection, study)
+    }
+
+    /// Changes a film's record, if it still is at the expected revision.
+    ///
+    /// # Errors
+    /// [`StoreError::Conflict`], and then the edit is among [`Store::conflicts_of_film`]; [`StoreError::Unknown`];
+    /// [`StoreError::Case`] for a spacing where the image's description is not that of a case file.
+    pub fn edit_film(
+        &mut self,
+        film: FilmId,
+        edit: FilmEdit,
+        expected_revision: u64,
+        by: &Signature,
+    ) -> Result<Acknowledged, StoreError> {
+        self.write(by, |ledger| {
+            let now = self::film(ledger.transaction, film)?;
+            if now.revision != expected_revision {
+                let change = [edit.json().to_string()];
+                let object = film.to_string();
+                return keep_lost(ledger, object, expected_revision, now.revision, &change)
+                    .map(Err);
+            }
+            let (column, value): (_, Box<dyn rusqlite::ToSql>) = match edit {
+                FilmEdit::Posture(posture) => ("posture", Box::new(posture.key())),
+                FilmEdit::Inverted(inverted) => ("inverted", Box::new(inverted)),
+                FilmEdit::Spacing(spacing) => {
+                    let image = spineline_files::with_spacing(&now.image, now.posture, spacing)?;
+                    ("image", Box::new(image.to_string()))
+                }
+            };
+            let update =
+                format!("UPDATE films SET {column} = ?1, revision = revision + 1 WHERE id = ?2");
+            ledger.transaction.execute(&update, params![value, film.0])?;
+            let sequence = ledger.seal("edit", "films", &film.0)?;
+            Ok(Ok(Acknowledged { sequence, revision: now.revision + 1 }))
+        })?
+    }
+
+    /// The bytes of a film, compared with their hash. They are the file as it was given, which may name the patient and the
+    /// posture: a blinded reader is shown a picture made of them.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`], [`StoreError::Damaged`].
+    pub fn content(&self, content: &Hash) -> Result<Vec<u8>, StoreError> {
+        let object = format!("content/{content}");
+        let query = "SELECT bytes FROM contents WHERE hash = ?1";
+        let bytes: Option<Vec<u8>> =
+            self.connection.query_row(query, [content.as_str()], |row| row.get(0)).optional()?;
+        let bytes = bytes.ok_or_else(|| StoreError::Unknown { object: object.clone() })?;
+        if Hash::of(&bytes) == *content { Ok(bytes) } else { Err(StoreError::damaged(object)) }
+    }
+}
+
+/// A film that is to be added.
+pub(crate) struct NewFilm<'a> {
+    pub posture: Posture,
+    pub bytes: &'a [u8],
+    pub image: &'a Value,
+    pub inverted: bool,
+}
+
+pub(crate) fn insert_study(ledger: &Ledger<'_>, study: &Study) -> Result<(), StoreError> {
+    let characters = study.label.as_ref().map_or(0, |label| label.chars().count());
+    limit("the label", characters, LONGEST_LABEL)?;
+    let id = study.id.as_str();
+    if !study_rows(ledger.transaction, Some(&study.id))?.is_empty() {
+        return Err(StoreError::Exists { object: format!("study/{id}") });
+    }
+    ledger.transaction.execute(
+        "INSERT INTO studies VALUES (?1, ?2, ?3)",
+        params![id, study.label, study.synthetic],
+    )?;
+    ledger.seal("add", "studies", &id).map(drop)
+}
+
+pub(crate) fn add_film(
+    ledger: &Ledger<'_>,
+    study: &Name,
+    new: &NewFilm<'_>,
+) -> Result<AddedFilm, StoreError> {
+    limit("the film (in bytes)", new.bytes.len(), LARGEST_FILM_BYTES)?;
+    if !new.image.is_object() {
+        return Err(StoreError::ImageNotAnObject);
+    }
+    let image = new.image.to_string();
+    limit("the image's description (in bytes)", image.len(), LARGEST_IMAGE_BYTES)?;
+    let content = Hash::of(new.bytes);
+    let transaction = ledger.transaction;
+    self::study(transaction, study)?;
+    if is_planned(transaction, study)? {
+        return Err(StoreError::PlanGoverns { study: study.clone() });
+    }
+    if let Some(film) = films(transaction, study)?.into_iter().find(|film| film.content == content)
+    {
+        let (study, film, posture) = (study.clone(), film.id, film.posture);
+        return Err(StoreError::AlreadyKnown { study, film, posture });
+    }
+    let bytes_are_new = keep(ledger, &content, new.bytes)?;
+    let film = next_id(transaction, "films", "id")?;
+    transaction.execute(
+        "INSERT INTO films VALUES (?1, ?2, ?3, ?4, ?5, ?6, 0)",
+        params![film, study.as_str(), new.posture.key(), content.as_str(), image, new.inverted],
+    )?;
+    ledger.seal("add", "films", &film)?;
+    Ok(AddedFilm { film: FilmId(film), content, bytes_are_new })
+}
+
+/// Stores bytes unless they are there; says whether they were new.
+fn keep(ledger: &Ledger<'_>, content: &Hash, bytes: &[u8]) -> Result<bool, StoreError> {
+    let hash = content.as_str();
+    if ledger.transaction.prepare("SELECT 1 FROM contents WHERE hash = ?1")?.exists([hash])? {
+        return Ok(false);
+    }
+    ledger.transaction.execute("INSERT INTO contents VALUES (?1, ?2)", params![hash, bytes])?;
+    ledger.seal("add", "contents", &hash)?;
+    Ok(true)
+}
+
+/// Whether the readings of a study are planned.
+pub(crate) fn is_planned(connection: &Connection, study: &Name) -> Result<bool, StoreError> {
+    Ok(connection.prepare("SELECT 1 FROM plans WHERE study = ?1")?.exists([study.as_str()])?)
+}
+
+fn study_rows(connection: &Connection, id: Option<&Name>) -> Result<Vec<Study>, StoreError> {
+    let condition = "WHERE ?1 IS NULL OR id = ?1 ORDER BY id";
+    audit::load(connection, "studies", condition, [id.map(Name::as_str)], |row| {
+        Ok(Study {
+            id: Name::new(&row.get::<_, String>("id")?)?,
+            label: row.get("label")?,
+            synthetic: row.get("synthetic")?,
+        })
+    })
+}
+
+pub(crate) fn study(connection: &Connection, id: &Name) -> Result<Study, StoreError> {
+    let unknown = || StoreError::Unknown { object: format!("study/{id}") };
+    study_rows(connection, Some(id))?.pop().ok_or_else(unknown)
+}
+
+pub(crate) fn films(connection: &Connection, study: &Name) -> Result<Vec<FilmRecord>, StoreError> {
+    audit::load(connection, "films", "WHERE study = ?1 ORDER BY id", [study.as_str()], read)
+}
+
+pub(crate) fn film(connection: &Connection, film: FilmId) -> Result<FilmRecord, StoreError> {
+    let mut found = audit::load(connection, "films", "WHERE id = ?1", [film.0], read)?;
+    found.pop().ok_or_else(|| StoreError::Unknown { object: film.to_string() })
+}
+
+fn read(row: &Row<'_>) -> Result<FilmRecord, StoreError> {
+    let id = FilmId(row.get("id")?);
+    let damaged = || StoreError::damaged(id.to_string());
+    let posture: String = row.get("posture")?;
+    let image: String = row.get("image")?;
+    Ok(FilmRecord {
+        id,
+        study: Name::new(&row.get::<_, String>("study")?)?,
+        posture: Posture::ALL.into_iter().find(|p| p.key() == posture).ok_or_else(damaged)?,
+        content: Hash(row.get("content")?),
+        image: serde_json::from_str(&image).map_err(|_| damaged())?,
+        inverted: row.get("inverted")?,
+        revision: row.get::<_, i64>("revision")?.unsigned_abs(),
+    })
+}

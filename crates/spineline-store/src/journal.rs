@@ -1,0 +1,252 @@
+//! Every click, kept; and the end of a reading.
+
+use rusqlite::{Connection, params};
+
+use crate::audit::{self, Ledger, next_id};
+use crate::conflicts::{Acknowledged, keep_lost, signed};
+use crate::connection::Store;
+use crate::error::{StoreError, limit};
+use crate::event::Event;
+use crate::names::{ReadingId, Signature};
+use crate::readings::{self, ReadingRecord};
+use crate::state::ReadingState;
+
+/// Longest note, in characters.
+const LONGEST_NOTE: usize = 4_000;
+/// Most events in one step; a whole film has fewer than a hundred.
+const MOST_EVENTS: usize = 500;
+
+impl Store {
+    /// Adds an event to a reading, if it still is at the expected revision. What is acknowledged is on the disk.
+    ///
+    /// # Errors
+    /// As [`Store::record_all`].
+    pub fn record(
+        &mut self,
+        reading: ReadingId,
+        event: &Event,
+        expected_revision: u64,
+        by: &Signature,
+    ) -> Result<Acknowledged, StoreError> {
+        self.record_all(reading, std::slice::from_ref(event), expected_revision, by)
+    }
+
+    /// Adds events to a reading, all of them or none, if it still is at the expected revision.
+    ///
+    /// Whoever sends the same events for the same revision once more has missed the acknowledgement, and is given it
+    /// again: nothing is recorded twice.
+    ///
+    /// # Errors
+    /// [`StoreError::Conflict`], and then every event is among [`Store::conflicts_of_reading`]; [`StoreError::NotYours`],
+    /// [`StoreError::Finished`], [`StoreError::BadEvent`], [`StoreError::TooLarge`], [`StoreError::Unknown`];
+    /// [`StoreError::NoEvent`] for no events.
+    pub fn record_all(
+        &mut self,
+        reading: ReadingId,
+        events: &[Event],
+        expected_revision: u64,
+        by: &Signature,
+    ) -> Result<Acknowledged, StoreError> {
+        check(events)?;
+        self.write(by, |ledger| {
+            let (record, known) = own(ledger, reading)?;
+            let found = known.len() as u64;
+            if found != expected_revision {
+                if let Some(before) = known_before(&known, events, expected_revision) {
+                    return acknowledge(ledger.transaction, reading, before).map(Ok);
+                }
+                let lost: Vec<String> = events.iter().map(json).collect();
+                return keep_lost(ledger, reading.to_string(), expected_revision, found, &lost)
+                    .map(Err);
+            }
+            if record.finished_at.is_some() {
+                return Err(StoreError::Finished { reading });
+            }
+            append(ledger, reading, known, events).map(Ok)
+        })?
+    }
+
+    /// Finishes a reading, which is immutable from then on.
+    ///
+    /// # Errors
+    /// [`StoreError::Incomplete`] where a vertebra lacks a corner; [`StoreError::Conflict`], [`StoreError::NotYours`],
+    /// [`StoreError::Finished`], [`StoreError::Unknown`].
+    pub fn finish_reading(
+        &mut self,
+        reading: ReadingId,
+        expected_revision: u64,
+        by: &Signature,
+    ) -> Result<Acknowledged, StoreError> {
+        const FINISH: &str = r#"{"kind":"finish"}"#;
+        self.write(by, |ledger| {
+            let state = match current(ledger, reading, expected_revision, FINISH)? {
+                Ok(state) => state,
+                Err(lost) => return Ok(Err(lost)),
+            };
+            let sequence = readings::finish(ledger, reading, &state)?;
+            Ok(Ok(Acknowledged { sequence, revision: state.revision }))
+        })?
+    }
+
+    /// A reading after all its events, for the one who leads the study; readers look through [`Store::observer`].
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`], [`StoreError::Damaged`].
+    pub fn reading_state(&self, reading: ReadingId) -> Result<ReadingState, StoreError> {
+        let snapshot = self.connection.unchecked_transaction()?;
+        let record = readings::reading(&snapshot, reading)?;
+        self.state_of(&snapshot, &record)
+    }
+
+    /// The state of a reading. That of a finished one never changes, and was verified when it was first read.
+    pub(crate) fn state_of(
+        &self,
+        connection: &Connection,
+        reading: &ReadingRecord,
+    ) -> Result<ReadingState, StoreError> {
+        if reading.finished_at.is_none() {
+            return state(connection, reading);
+        }
+        if let Some(known) = self.finals.borrow().get(&reading.id) {
+            return Ok(known.clone());
+        }
+        let state = state(connection, reading)?;
+        self.finals.borrow_mut().insert(reading.id, state.clone());
+        Ok(state)
+    }
+}
+
+/// The reading that someone wants to finish, if it is theirs, at the revision that they saw, and not finished.
+/// The inner error is a conflict, which has been kept.
+fn current(
+    ledger: &Ledger<'_>,
+    reading: ReadingId,
+    expected: u64,
+    change: &str,
+) -> Result<Result<ReadingState, StoreError>, StoreError> {
+    let (record, events) = own(ledger, reading)?;
+    let state = ReadingState::replay(&events, record.finished_at.is_some());
+    if state.revision != expected {
+        let (object, change) = (reading.to_string(), [change.to_owned()]);
+        return keep_lost(ledger, object, expected, state.revision, &change).map(Err);
+    }
+    if state.finished {
+        return Err(StoreError::Finished { reading });
+    }
+    Ok(Ok(state))
+}
+
+/// A reading of whoever signs, and its events.
+fn own(ledger: &Ledger<'_>, reading: ReadingId) -> Result<(ReadingRecord, Vec<Event>), StoreError> {
+    let record = readings::reading(ledger.transaction, reading)?;
+    if record.observer != ledger.by.who {
+        return Err(StoreError::NotYours { reading });
+    }
+    let events = events(ledger.transaction, reading)?;
+    Ok((record, events))
+}
+
+/// Checks what needs no reading to be checked.
+fn check(events: &[Event]) -> Result<(), StoreError> {
+    if events.is_empty() {
+        return Err(StoreError::NoEvent);
+    }
+    limit("one step (in events)", events.len(), MOST_EVENTS)?;
+    for event in events {
+        if let Event::Note { text } = event {
+            limit("the note (in characters)", text.chars().count(), LONGEST_NOTE)?;
+        }
+    }
+    Ok(())
+}
+
+/// The revision after these events, where a reading has them at that place already.
+fn known_before(known: &[Event], events: &[Event], expected: u64) -> Option<u64> {
+    let start = usize::try_from(expected).ok()?;
+    let end = start.checked_add(events.len())?;
+    (known.get(start..end)? == events).then_some(end as u64)
+}
+
+/// The acknowledgement of the event that made a revision.
+fn acknowledge(
+    connection: &Connection,
+    reading: ReadingId,
+    revision: u64,
+) -> Result<Acknowledged, StoreError> {
+    let query = "SELECT max(audit.sequence) FROM audit JOIN events
+                 ON audit.object = 'event/' || events.sequence
+                 WHERE events.reading = ?1 AND events.revision = ?2";
+    let sequence: i64 =
+        connection.query_row(query, params![reading.0, signed(revision)?], |row| row.get(0))?;
+    Ok(Acknowledged { sequence: sequence.unsigned_abs(), revision })
+}
+
+/// Adds events that were checked for themselves to a reading with these events.
+pub(crate) fn append(
+    ledger: &Ledger<'_>,
+    reading: ReadingId,
+    mut known: Vec<Event>,
+    events: &[Event],
+) -> Result<Acknowledged, StoreError> {
+    let mut last = Err(StoreError::NoEvent);
+    for event in events {
+        let state = ReadingState::replay(&known, false);
+        if let Some(reason) = state.objection(event) {
+            return Err(StoreError::BadEvent { reading, reason });
+        }
+        let revision = state.revision + 1;
+        let number = next_id(ledger.transaction, "events", "sequence")?;
+        ledger.transaction.execute(
+            "INSERT INTO events VALUES (?1, ?2, ?3, ?4, ?5)",
+            params![number, reading.0, signed(revision)?, ledger.by.at.unix_ms(), json(event)],
+        )?;
+        let sequence = ledger.seal("record", "events", &number)?;
+        known.push(event.clone());
+        last = Ok(Acknowledged { sequence, revision });
+    }
+    last
+}
+
+fn json(event: &Event) -> String {
+    serde_json::to_string(event).expect("string keys only")
+}
+
+pub(crate) fn state(
+    connection: &Connection,
+    record: &ReadingRecord,
+) -> Result<ReadingState, StoreError> {
+    Ok(ReadingState::replay(&events(connection, record.id)?, record.finished_at.is_some()))
+}
+
+/// The events of a reading.
+pub(crate) fn events(
+    connection: &Connection,
+    reading: ReadingId,
+) -> Result<Vec<Event>, StoreError> {
+    let condition = "WHERE reading = ?1 ORDER BY revision";
+    let mut next = 1;
+    audit::load(connection, "events", condition, [reading.0], |row| {
+        let (sequence, revision, json): (i64, i64, String) =
+            (row.get("sequence")?, row.get("revision")?, row.get("event")?);
+        let event = serde_json::from_str(&json).ok().filter(|_| revision == next);
+        next += 1;
+        event.ok_or_else(|| StoreError::damaged(format!("event/{sequence}")))
+    })
+}
+
+/// A reading after its events and these, which are not recorded.
+pub(crate) fn replayed(
+    record: &ReadingRecord,
+    mut events: Vec<Event>,
+    pending: &[Event],
+) -> Result<ReadingState, StoreError> {
+    let finished = record.finished_at.is_some();
+    for event in pending {
+        let state = ReadingState::replay(&events, finished);
+        if let Some(reason) = state.objection(event) {
+            return Err(StoreError::BadEvent { reading: record.id, reason });
+        }
+        events.push(event.clone());
+    }
+    Ok(ReadingState::replay(&events, finished))
+}

@@ -1,0 +1,74 @@
+//! One file that holds studies, their films, who read them, and every click.
+//!
+//! A [`Store`] is one SQLite file. Everything that is acknowledged is committed and flushed to the disk. Readings are
+//! append-only journals of [`Event`]s; their state is a fold over the journal, so that undo survives a reload. Nothing is
+//! overwritten: a change based on an old revision is refused **and kept** ([`StoreError::Conflict`], [`Store::conflicts_of_reading`]).
+//! Every change has an entry in a hash-chained log. A row that is read is compared with its entry, so that a damaged row
+//! is an error and never another reading; rows that are gone, and the log itself, are the business of [`Store::verify`].
+//!
+//! The bytes of films lie in the database too, once for all films that share them: one file is one thing to copy, to back up
+//! and to lock, and no crash can part a film from its record.
+//!
+//! The store reads no clock. It keeps who may do what ([`Account`], [`StudyGrant`]) and leaves it to its callers to ask. They say who
+//! does what and when ([`Signature`]); a blinded reader is given an [`ObserverView`] and nothing else.
+//!
+//! ```
+//! use spineline_store::{Name, Signature, Store, Study, Timestamp};
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("clinic.spineline");
+//! let noon = Timestamp::from_unix_ms(1_760_000_000_000).ok_or("no such time")?;
+//! let by = Signature::new(Name::new("lead")?, noon);
+//! let mut store = Store::create(&path, &by)?;
+//! store.add_study(&Study { id: Name::new("S-017")?, label: None, synthetic: true }, &by)?;
+//! assert!(store.verify(None)?.is_clean());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod accounts;
+mod assembly;
+mod audit;
+mod backup;
+mod cases;
+mod conflicts;
+mod connection;
+mod error;
+mod event;
+mod export;
+mod films;
+mod journal;
+mod names;
+mod plan;
+mod readings;
+mod schema;
+mod sessions;
+mod sight;
+mod standing;
+mod state;
+mod thumbnails;
+mod verify;
+
+#[cfg(test)]
+mod full_disk;
+
+pub use accounts::{Account, AccountChange, Credential, PasswordHash, Role, StudyGrant};
+pub use audit::{AuditEntry, Head};
+pub use cases::{AddedCase, CaseError, CaseRemark, NewCase};
+pub use conflicts::{Acknowledged, LostChange};
+pub use connection::Store;
+pub use error::StoreError;
+pub use event::{Corner, CrestSide, Event};
+pub use export::{ExportRemark, ExportedCase};
+pub use films::{AddedFilm, FilmEdit, FilmRecord, Study};
+pub use names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};
+pub use plan::{BlindFilm, FilmCode, Next, ObserverView, OwnReading, PlanDesign, VisibleReadings};
+pub use readings::ReadingRecord;
+pub use sessions::{Access, Session, SessionLimits};
+pub use sight::{LastChange, SeenReading, Sight};
+pub use standing::{Stand, StandingCase, StandingFilm};
+pub use state::{ReadingState, Scale, VertebraMarks};
+pub use thumbnails::Thumbnails;
+pub use verify::{Finding, Verification};
+
+// The session of the crash tests is one file, which unit tests use too.
+#[cfg(test)]
+extern crate self as spineline_store;

@@ -1,0 +1,132 @@
+//! Identifiers, times and signatures: who did what, to which object, when.
+
+use std::fmt;
+
+use chrono::{DateTime, Days, SecondsFormat, SubsecRound, Utc};
+use sha2::{Digest, Sha256};
+
+/// The identifier of a study or of an observer: 1 to 64 ASCII letters, digits, `.`, `-` and `_`, without any patient's name.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Name(String);
+
+impl Name {
+    /// The identifier, if the text is one.
+    pub(crate) fn checked(text: &str) -> Option<Self> {
+        let allowed = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
+        let fits = (1..=64).contains(&text.len()) && text.chars().all(allowed);
+        fits.then(|| Self(text.to_owned()))
+    }
+
+    /// The text.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl fmt::Display for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(&self.0)
+    }
+}
+
+/// A moment in UTC, to the millisecond. The store never reads a clock: callers say what time it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Timestamp(DateTime<Utc>);
+
+impl From<DateTime<Utc>> for Timestamp {
+    fn from(time: DateTime<Utc>) -> Self {
+        Self(time.trunc_subsecs(3))
+    }
+}
+
+impl Timestamp {
+    /// Milliseconds since 1970-01-01 UTC.
+    #[must_use]
+    pub fn unix_ms(self) -> i64 {
+        self.0.timestamp_millis()
+    }
+
+    /// The moment of so many milliseconds since 1970-01-01 UTC, if the calendar reaches it.
+    #[must_use]
+    pub fn from_unix_ms(unix_ms: i64) -> Option<Self> {
+        DateTime::from_timestamp_millis(unix_ms).map(Self)
+    }
+
+    /// So many days of 24 hours later, at most the end of the calendar.
+    #[must_use]
+    pub fn plus_days(self, days: u32) -> Self {
+        Self(self.0.checked_add_days(Days::new(days.into())).unwrap_or(DateTime::<Utc>::MAX_UTC))
+    }
+}
+
+impl fmt::Display for Timestamp {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(&self.0.to_rfc3339_opts(SecondsFormat::Millis, true))
+    }
+}
+
+/// Who changes something, and when, as the caller vouches for it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Signature {
+    /// Who.
+    pub who: Name,
+    /// When.
+    pub at: Timestamp,
+}
+
+impl Signature {
+    /// A signature.
+    #[must_use]
+    pub fn new(who: Name, at: Timestamp) -> Self {
+        Self { who, at }
+    }
+}
+
+/// A film of a store.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct FilmId(pub i64);
+
+impl fmt::Display for FilmId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "film/{}", self.0)
+    }
+}
+
+/// A reading of a store.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ReadingId(pub i64);
+
+impl fmt::Display for ReadingId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "reading/{}", self.0)
+    }
+}
+
+/// SHA-256 of some bytes, in lower-case hexadecimal digits.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Hash(pub(crate) String);
+
+impl Hash {
+    /// The hash of bytes.
+    #[must_use]
+    pub fn of(bytes: &[u8]) -> Self {
+        Self::from_hasher(Sha256::new_with_prefix(bytes))
+    }
+
+    pub(crate) fn from_hasher(hasher: Sha256) -> Self {
+        Self(hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    }
+
+    /// The 64 digits.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl fmt::Display for Hash {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(&self.0)
+    }
+}

@@ -1,0 +1,147 @@
+//! Readings: one per observer, film and repeat; begun, written, finished, and then immutable.
+
+use rusqlite::{Connection, Row, params};
+
+use crate::audit::{self, Ledger, next_id};
+use crate::connection::Store;
+use crate::error::StoreError;
+use crate::event::Corner;
+use crate::films;
+use crate::names::{FilmId, Name, ReadingId, Signature, Timestamp};
+use crate::state::ReadingState;
+
+/// A reading, without what was marked.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ReadingRecord {
+    /// Reading.
+    pub id: ReadingId,
+    /// Film.
+    pub film: FilmId,
+    /// Who reads.
+    pub observer: Name,
+    /// 1 for the first time.
+    pub repeat: u32,
+    /// When it was begun.
+    pub begun_at: Timestamp,
+    /// When it was finished.
+    pub finished_at: Option<Timestamp>,
+    /// For a finished reading, the latest time at which it was worked on: from here a washout counts.
+    pub rest_from: Option<Timestamp>,
+}
+
+impl Store {
+    /// Begins a reading of a study without a plan. The observer is who signs.
+    ///
+    /// # Errors
+    /// [`StoreError::PlanGoverns`], [`StoreError::Exists`], [`StoreError::Unknown`]; [`StoreError::BadPlan`] for repeat 0.
+    pub fn begin_reading(
+        &mut self,
+        film: FilmId,
+        repeat: u32,
+        by: &Signature,
+    ) -> Result<ReadingId, StoreError> {
+        if repeat == 0 {
+            return Err(StoreError::BadPlan { needs: "repeats counted from 1" });
+        }
+        self.write(by, |ledger| {
+            let study = films::film(ledger.transaction, film)?.study;
+            if films::is_planned(ledger.transaction, &study)? {
+                return Err(StoreError::PlanGoverns { study });
+            }
+            begin(ledger, film, repeat)
+        })
+    }
+
+    /// A reading, without what was marked.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`], [`StoreError::Damaged`].
+    pub fn reading(&self, id: ReadingId) -> Result<ReadingRecord, StoreError> {
+        self::reading(&self.connection, id)
+    }
+
+    /// All readings of a study, by film, observer and repeat, for the one who leads it; readers look through
+    /// [`Store::observer`].
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`], [`StoreError::Damaged`].
+    pub fn readings(&self, study: &Name) -> Result<Vec<ReadingRecord>, StoreError> {
+        let snapshot = self.connection.unchecked_transaction()?;
+        films::study(&snapshot, study)?;
+        of_study(&snapshot, study)
+    }
+}
+
+pub(crate) fn begin(
+    ledger: &Ledger<'_>,
+    film: FilmId,
+    repeat: u32,
+) -> Result<ReadingId, StoreError> {
+    let (transaction, who) = (ledger.transaction, ledger.by.who.as_str());
+    let condition = "WHERE film = ?1 AND observer = ?2 AND repeat = ?3";
+    let known =
+        audit::load(transaction, "readings", condition, params![film.0, who, repeat], read)?;
+    if let Some(reading) = known.first() {
+        return Err(StoreError::Exists { object: reading.id.to_string() });
+    }
+    let id = next_id(transaction, "readings", "id")?;
+    transaction.execute(
+        "INSERT INTO readings VALUES (?1, ?2, ?3, ?4, ?5, NULL, NULL)",
+        params![id, film.0, who, repeat, ledger.by.at.unix_ms()],
+    )?;
+    ledger.seal("begin", "readings", &id)?;
+    Ok(ReadingId(id))
+}
+
+/// Finishes a reading in this state; returns the number of its entry in the log.
+pub(crate) fn finish(
+    ledger: &Ledger<'_>,
+    reading: ReadingId,
+    state: &ReadingState,
+) -> Result<u64, StoreError> {
+    for (&level, marks) in &state.vertebrae {
+        let corners = marks.corners.len();
+        if corners < Corner::ALL.len() {
+            return Err(StoreError::Incomplete { reading, level, corners });
+        }
+    }
+    ledger.transaction.execute(
+        "UPDATE readings SET finished_ms = ?1, rest_from_ms = max(?1, begun_ms,
+         (SELECT coalesce(max(time_ms), ?1) FROM events WHERE reading = ?2)) WHERE id = ?2",
+        params![ledger.by.at.unix_ms(), reading.0],
+    )?;
+    ledger.seal("finish", "readings", &reading.0)
+}
+
+pub(crate) fn reading(
+    connection: &Connection,
+    reading: ReadingId,
+) -> Result<ReadingRecord, StoreError> {
+    let mut found = audit::load(connection, "readings", "WHERE id = ?1", [reading.0], read)?;
+    found.pop().ok_or_else(|| StoreError::Unknown { object: reading.to_string() })
+}
+
+pub(crate) fn of_study(
+    connection: &Connection,
+    study: &Name,
+) -> Result<Vec<ReadingRecord>, StoreError> {
+    let condition = "WHERE film IN (SELECT id FROM films WHERE study = ?1)
+                     ORDER BY film, observer, repeat";
+    audit::load(connection, "readings", condition, [study.as_str()], read)
+}
+
+fn read(row: &Row<'_>) -> Result<ReadingRecord, StoreError> {
+    let id = ReadingId(row.get("id")?);
+    let damaged = || StoreError::damaged(id.to_string());
+    let time = |ms: i64| Timestamp::from_unix_ms(ms).ok_or_else(damaged);
+    let maybe = |ms: Option<i64>| ms.map(time).transpose();
+    Ok(ReadingRecord {
+        id,
+        film: FilmId(row.get("film")?),
+        observer: Name::new(&row.get::<_, String>("observer")?)?,
+        repeat: row.get("repeat")?,
+        begun_at: time(row.get("begun_ms")?)?,
+        finished_at: maybe(row.get("finished_ms")?)?,
+        rest_from: maybe(row.get("rest_from_ms")?)?,
+    })
+}

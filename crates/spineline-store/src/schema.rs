@@ -1,0 +1,117 @@
+//! The tables of a store, and how a file shows that it is one.
+//!
+//! There is one schema, version 1. A version 2 would come as a second script beside `schema.sql`, which leads from 1 to 2: a
+//! new store runs both, and [`Store::open`](crate::Store::open) verifies an older store, copies it, and runs the second
+//! script with new log entries for all rows that it changed, in one transaction.
+
+use std::path::Path;
+use std::time::Duration;
+
+use rusqlite::config::DbConfig;
+use rusqlite::{Connection, OpenFlags, Transaction, TransactionBehavior};
+
+use crate::audit::Ledger;
+use crate::error::StoreError;
+use crate::names::Signature;
+
+/// `SpSt`, which marks the file as ours.
+const APPLICATION_ID: i64 = 0x5370_5374;
+
+/// The definition of every table.
+const SCHEMA: &str = include_str!("schema.sql");
+
+/// Its version, which this program reads and writes.
+const VERSION: i64 = 1;
+
+/// How long a write waits for another program, unless told otherwise.
+const BUSY_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// Opens a file that is there, without looking at what it holds.
+pub(crate) fn connect(path: &Path, flags: OpenFlags) -> Result<Connection, StoreError> {
+    let connection = Connection::open_with_flags(path, flags | OpenFlags::SQLITE_OPEN_NO_MUTEX)?;
+    connection.busy_timeout(BUSY_TIMEOUT)?;
+    connection.set_db_config(DbConfig::SQLITE_DBCONFIG_DEFENSIVE, true)?;
+    Ok(connection)
+}
+
+/// Settings of a connection, which SQLite does not keep in the file.
+pub(crate) fn settle(connection: &Connection) -> Result<(), StoreError> {
+    connection.pragma_update(None, "trusted_schema", false)?;
+    connection.pragma_update(None, "cell_size_check", true)?;
+    connection.pragma_update(None, "foreign_keys", true)?;
+    connection.pragma_update(None, "synchronous", "FULL")?;
+    // Without these, an Apple disk may confirm what only its cache holds.
+    connection.pragma_update(None, "fullfsync", true)?;
+    connection.pragma_update(None, "checkpoint_fullfsync", true)?;
+    Ok(())
+}
+
+/// Turns an empty database into a store, or does nothing.
+///
+/// Returns false where the database was not empty.
+pub(crate) fn create(connection: &mut Connection, by: &Signature) -> Result<bool, StoreError> {
+    let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
+    let objects: i64 =
+        transaction.query_row("SELECT count(*) FROM sqlite_schema", [], |row| row.get(0))?;
+    if objects > 0 || number(&transaction, "application_id")? != 0 {
+        return Ok(false);
+    }
+    build(&transaction)?;
+    transaction.pragma_update(None, "application_id", APPLICATION_ID)?;
+    Ledger { transaction: &transaction, by }.note("create")?;
+    transaction.commit()?;
+    write_ahead(connection)?;
+    Ok(true)
+}
+
+fn build(transaction: &Transaction<'_>) -> Result<(), StoreError> {
+    transaction.execute_batch(SCHEMA)?;
+    transaction.execute("INSERT INTO head VALUES (1, 0, '', ?1)", [i64::MIN])?;
+    transaction.pragma_update(None, "user_version", VERSION)?;
+    Ok(())
+}
+
+pub(crate) fn write_ahead(connection: &Connection) -> Result<(), StoreError> {
+    connection.pragma_update_and_check(None, "journal_mode", "WAL", |_| Ok(()))?;
+    Ok(())
+}
+
+/// A whole number that SQLite keeps in the file's header.
+pub(crate) fn number(connection: &Connection, pragma: &str) -> Result<i64, StoreError> {
+    Ok(connection.pragma_query_value(None, pragma, |row| row.get(0))?)
+}
+
+/// Refuses a file that is no store of this schema.
+///
+/// # Errors
+/// [`StoreError::NotAStore`], [`StoreError::NewerSchema`].
+pub(crate) fn check(connection: &Connection, path: &Path) -> Result<(), StoreError> {
+    let not_ours = || StoreError::NotAStore { path: path.to_owned() };
+    match number(connection, "application_id") {
+        Ok(APPLICATION_ID) => {}
+        Ok(_) | Err(StoreError::Damaged { .. }) => return Err(not_ours()),
+        Err(other) => return Err(other),
+    }
+    match number(connection, "user_version")? {
+        VERSION => Ok(()),
+        found if found > VERSION => Err(StoreError::NewerSchema { found, supported: VERSION }),
+        _ => Err(not_ours()),
+    }
+}
+
+/// Names and definitions of everything in a database, as SQLite keeps them.
+pub(crate) fn definitions(connection: &Connection) -> Result<Vec<(String, String)>, StoreError> {
+    let mut query = connection.prepare(
+        "SELECT type || ' ' || name, tbl_name || coalesce(sql, '') FROM sqlite_schema ORDER BY 1",
+    )?;
+    let rows = query.query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?;
+    Ok(rows.collect::<Result<_, _>>()?)
+}
+
+/// The definitions that a store should have.
+pub(crate) fn expected_definitions() -> Result<Vec<(String, String)>, StoreError> {
+    let mut connection = Connection::open_in_memory()?;
+    let transaction = connection.transaction()?;
+    build(&transaction)?;
+    definitions(&transaction)
+}

@@ -1,0 +1,167 @@
+-- The schema, version 1. Times are milliseconds since 1970-01-01 UTC.
+
+-- One row: how long the log is and how it ends.
+CREATE TABLE head (
+    id INTEGER PRIMARY KEY CHECK (id = 1),
+    entries INTEGER NOT NULL,
+    hash TEXT NOT NULL,
+    last_ms INTEGER NOT NULL
+) STRICT;
+
+CREATE TABLE audit (
+    sequence INTEGER PRIMARY KEY,
+    time_ms INTEGER NOT NULL,
+    actor TEXT NOT NULL,
+    action TEXT NOT NULL,
+    object TEXT NOT NULL,
+    digest TEXT NOT NULL,
+    hash TEXT NOT NULL
+) STRICT;
+CREATE INDEX audit_by_object ON audit (object, sequence);
+
+-- Studies and their films.
+
+CREATE TABLE contents (
+    hash TEXT PRIMARY KEY,
+    bytes BLOB NOT NULL
+) STRICT;
+
+CREATE TABLE studies (
+    id TEXT PRIMARY KEY,
+    label TEXT,
+    synthetic INTEGER NOT NULL CHECK (synthetic IN (0, 1))
+) STRICT;
+
+-- Edits of a film are numbered, so that a stale one is noticed.
+CREATE TABLE films (
+    id INTEGER PRIMARY KEY,
+    study TEXT NOT NULL REFERENCES studies (id),
+    posture TEXT NOT NULL,
+    content TEXT NOT NULL REFERENCES contents (hash),
+    image TEXT NOT NULL,
+    inverted INTEGER NOT NULL CHECK (inverted IN (0, 1)),
+    revision INTEGER NOT NULL,
+    UNIQUE (study, content)
+) STRICT;
+
+-- Small pictures of films, so that a list of studies need not decode every film again. They are drawn from the contents
+-- and drawn again when they are missing: these rows are no record, and the log does not know them.
+CREATE TABLE thumbnails (
+    content TEXT PRIMARY KEY REFERENCES contents (hash),
+    plain BLOB NOT NULL,
+    inverted BLOB NOT NULL
+) STRICT;
+
+-- Readings and their events.
+
+-- `rest_from_ms` is the latest time at which a finished reading was worked on: a washout begins here, and not at
+-- `finished_ms`, so that a clock that jumped back in mid-reading releases nothing early.
+CREATE TABLE readings (
+    id INTEGER PRIMARY KEY,
+    film INTEGER NOT NULL REFERENCES films (id),
+    observer TEXT NOT NULL,
+    repeat INTEGER NOT NULL CHECK (repeat >= 1),
+    begun_ms INTEGER NOT NULL,
+    finished_ms INTEGER,
+    rest_from_ms INTEGER,
+    UNIQUE (film, observer, repeat)
+) STRICT;
+
+CREATE TABLE events (
+    sequence INTEGER PRIMARY KEY,
+    reading INTEGER NOT NULL REFERENCES readings (id),
+    revision INTEGER NOT NULL CHECK (revision >= 1),
+    time_ms INTEGER NOT NULL,
+    event TEXT NOT NULL,
+    UNIQUE (reading, revision)
+) STRICT;
+
+-- Changes that lost a race.
+CREATE TABLE conflicts (
+    id INTEGER PRIMARY KEY,
+    object TEXT NOT NULL,
+    actor TEXT NOT NULL,
+    time_ms INTEGER NOT NULL,
+    base_revision INTEGER NOT NULL,
+    found_revision INTEGER NOT NULL,
+    change TEXT NOT NULL
+) STRICT;
+CREATE INDEX conflicts_by_object ON conflicts (object, id);
+
+-- Plans of blinded readings.
+
+CREATE TABLE plans (
+    id INTEGER PRIMARY KEY,
+    study TEXT NOT NULL UNIQUE REFERENCES studies (id),
+    repeats INTEGER NOT NULL CHECK (repeats >= 1),
+    washout_days INTEGER NOT NULL CHECK (washout_days >= 0),
+    seed TEXT NOT NULL
+) STRICT;
+
+CREATE TABLE slots (
+    code TEXT PRIMARY KEY,
+    plan INTEGER NOT NULL REFERENCES plans (id),
+    observer TEXT NOT NULL,
+    place INTEGER NOT NULL CHECK (place >= 1),
+    film INTEGER NOT NULL REFERENCES films (id),
+    repeat INTEGER NOT NULL CHECK (repeat >= 1),
+    UNIQUE (plan, observer, place),
+    UNIQUE (film, observer, repeat)
+) STRICT;
+
+-- Accounts, what they may do in which study, and who is signed in.
+
+CREATE TABLE accounts (
+    name TEXT PRIMARY KEY,
+    role TEXT NOT NULL CHECK (role IN ('reader', 'editor', 'admin')),
+    password TEXT NOT NULL,
+    enabled INTEGER NOT NULL CHECK (enabled IN (0, 1))
+) STRICT;
+
+-- The name may be that of an observer who has no account: who makes a study by the token of the terminal is one. A grant
+-- that was taken back has no role, so that the log still knows its row.
+CREATE TABLE grants (
+    id INTEGER PRIMARY KEY,
+    study TEXT NOT NULL REFERENCES studies (id),
+    name TEXT NOT NULL,
+    role TEXT CHECK (role IN ('reader', 'editor')),
+    UNIQUE (study, name)
+) STRICT;
+CREATE INDEX grants_by_name ON grants (name);
+
+-- Who is signed in, by the SHA-256 of the secret in their cookie. These rows are no record: they come and go unlogged.
+CREATE TABLE sessions (
+    secret_hash TEXT PRIMARY KEY,
+    name TEXT NOT NULL,
+    access TEXT NOT NULL CHECK (access IN ('token', 'accounts')),
+    begun_ms INTEGER NOT NULL,
+    used_ms INTEGER NOT NULL
+) STRICT;
+CREATE INDEX sessions_by_name ON sessions (name);
+
+-- What is never changed.
+
+CREATE TRIGGER audit_is_never_edited BEFORE UPDATE ON audit
+BEGIN SELECT RAISE (ABORT, 'the audit log is append-only'); END;
+CREATE TRIGGER audit_is_never_deleted BEFORE DELETE ON audit
+BEGIN SELECT RAISE (ABORT, 'the audit log is append-only'); END;
+CREATE TRIGGER events_are_never_edited BEFORE UPDATE ON events
+BEGIN SELECT RAISE (ABORT, 'events are append-only'); END;
+CREATE TRIGGER events_are_never_deleted BEFORE DELETE ON events
+BEGIN SELECT RAISE (ABORT, 'events are append-only'); END;
+CREATE TRIGGER finished_readings_are_never_edited BEFORE UPDATE ON readings
+WHEN OLD.finished_ms IS NOT NULL
+BEGIN SELECT RAISE (ABORT, 'a finished reading is immutable'); END;
+CREATE TRIGGER finished_readings_get_no_events BEFORE INSERT ON events
+WHEN (SELECT finished_ms FROM readings WHERE id = NEW.reading) IS NOT NULL
+BEGIN SELECT RAISE (ABORT, 'a finished reading is immutable'); END;
+CREATE TRIGGER readings_are_never_deleted BEFORE DELETE ON readings
+BEGIN SELECT RAISE (ABORT, 'readings are never deleted'); END;
+CREATE TRIGGER conflicts_are_never_edited BEFORE UPDATE ON conflicts
+BEGIN SELECT RAISE (ABORT, 'conflicts are append-only'); END;
+CREATE TRIGGER conflicts_are_never_deleted BEFORE DELETE ON conflicts
+BEGIN SELECT RAISE (ABORT, 'conflicts are append-only'); END;
+CREATE TRIGGER accounts_are_never_deleted BEFORE DELETE ON accounts
+BEGIN SELECT RAISE (ABORT, 'accounts are disabled, never deleted'); END;
+CREATE TRIGGER grants_are_never_deleted BEFORE DELETE ON grants
+BEGIN SELECT RAISE (ABORT, 'grants are taken back, never deleted'); END;

@@ -1,0 +1,124 @@
+//! Who is signed in. Sessions lie in the store so that a server that was killed goes on with them; they are no record.
+
+use rusqlite::{Connection, OptionalExtension, params};
+
+use crate::connection::Store;
+use crate::error::StoreError;
+use crate::names::{Hash, Name, Timestamp};
+
+/// How old a session's last use may be in the store: less often written, the disk rests.
+const TOUCH_MS: i64 = 60_000;
+
+/// How somebody showed who they are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Access {
+    /// By the token of the terminal.
+    Token,
+    /// By an account and its password.
+    Accounts,
+}
+
+impl Access {
+    fn key(self) -> &'static str {
+        match self {
+            Self::Token => "token",
+            Self::Accounts => "accounts",
+        }
+    }
+}
+
+/// Somebody who is signed in.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Session {
+    /// Observer or account.
+    pub name: Name,
+    /// How they signed in.
+    pub access: Access,
+}
+
+/// When sessions end by themselves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SessionLimits {
+    /// After this long without any request, in milliseconds.
+    pub idle_ms: i64,
+    /// After this long in any case, in milliseconds.
+    pub whole_ms: i64,
+}
+
+impl Store {
+    /// Begins a session with a secret that only its cookie keeps, and forgets those that have ended.
+    ///
+    /// # Errors
+    /// Whatever keeps the store from writing.
+    pub fn begin_session(
+        &mut self,
+        secret: &str,
+        session: &Session,
+        now: Timestamp,
+        limits: SessionLimits,
+    ) -> Result<(), StoreError> {
+        let now_ms = now.unix_ms();
+        let transaction = self.connection.transaction()?;
+        transaction.execute(
+            "DELETE FROM sessions WHERE used_ms <= ?1 OR begun_ms <= ?2",
+            [now_ms.saturating_sub(limits.idle_ms), now_ms.saturating_sub(limits.whole_ms)],
+        )?;
+        transaction.execute(
+            "INSERT INTO sessions VALUES (?1, ?2, ?3, ?4, ?4)",
+            params![hash(secret), session.name.as_str(), session.access.key(), now_ms],
+        )?;
+        Ok(transaction.commit()?)
+    }
+
+    /// Whose session it is, if it has not ended; it counts as used.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`].
+    pub fn session(
+        &mut self,
+        secret: &str,
+        now: Timestamp,
+        limits: SessionLimits,
+    ) -> Result<Option<Session>, StoreError> {
+        let (secret_hash, now_ms) = (hash(secret), now.unix_ms());
+        let query = "SELECT name, access, begun_ms, used_ms FROM sessions WHERE secret_hash = ?1";
+        let found = self.connection.query_row(query, [&secret_hash], |row| {
+            Ok((row.get::<_, String>(0)?, row.get::<_, String>(1)?, row.get(2)?, row.get(3)?))
+        });
+        let Some((name, access, begun_ms, used_ms)) = found.optional()? else { return Ok(None) };
+        let (begun_ms, used_ms): (i64, i64) = (begun_ms, used_ms);
+        if now_ms.saturating_sub(used_ms) >= limits.idle_ms
+            || now_ms.saturating_sub(begun_ms) >= limits.whole_ms
+        {
+            return Ok(None);
+        }
+        if now_ms.saturating_sub(used_ms) >= TOUCH_MS {
+            let touch = "UPDATE sessions SET used_ms = ?2 WHERE secret_hash = ?1";
+            // A full or read-only disk ends the session early, and must not keep anybody from looking meanwhile.
+            let _ = self.connection.execute(touch, params![secret_hash, now_ms]);
+        }
+        let access = [Access::Token, Access::Accounts].into_iter().find(|a| a.key() == access);
+        let access = access.ok_or_else(|| StoreError::damaged("session"))?;
+        Ok(Some(Session { name: Name::new(&name)?, access }))
+    }
+
+    /// Ends a session.
+    ///
+    /// # Errors
+    /// Whatever keeps the store from writing.
+    pub fn end_session(&mut self, secret: &str) -> Result<(), StoreError> {
+        let end = "DELETE FROM sessions WHERE secret_hash = ?1";
+        self.connection.execute(end, [hash(secret)])?;
+        Ok(())
+    }
+}
+
+/// Ends all sessions of an account.
+pub(crate) fn end_all(connection: &Connection, name: &Name) -> Result<(), StoreError> {
+    connection.execute("DELETE FROM sessions WHERE name = ?1", [name.as_str()])?;
+    Ok(())
+}
+
+fn hash(secret: &str) -> String {
+    Hash::of(secret.as_bytes()).to_string()
+}

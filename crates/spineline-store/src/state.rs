@@ -1,0 +1,156 @@
+//! The state of a reading: a fold over its events.
+
+use std::collections::BTreeMap;
+
+use spineline::anatomy::{Level, Side};
+
+use crate::event::{Corner, CrestSide, Event};
+
+/// What is marked of a vertebra.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct VertebraMarks {
+    /// Corners placed so far, `[column, row]` in pixels.
+    pub corners: BTreeMap<Corner, [f64; 2]>,
+    /// Axis turned by hand, against the image's vertical, positive clockwise as seen.
+    pub axis_deg: Option<f64>,
+}
+
+impl VertebraMarks {
+    /// Whether all four corners are placed.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.corners.len() == Corner::ALL.len()
+    }
+}
+
+/// A known length on the film.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scale {
+    /// One end, `[column, row]`.
+    pub from_px: [f64; 2],
+    /// The other end.
+    pub to_px: [f64; 2],
+    /// The length between them.
+    pub length_mm: f64,
+}
+
+/// A reading after all its events.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ReadingState {
+    /// Number of events: what the next one is to be based on.
+    pub revision: u64,
+    /// Vertebrae with at least a corner or an axis.
+    pub vertebrae: BTreeMap<Level, VertebraMarks>,
+    /// Superior tips of the iliac crests by the patient's side, `[column, row]`.
+    pub iliac_crests_px: BTreeMap<Side, [f64; 2]>,
+    /// The scale tool, where it was used.
+    pub scale: Option<Scale>,
+    /// How the reader wanted the film shown, if other than the film's record says.
+    pub inverted: Option<bool>,
+    /// Notes, oldest first; undo does not touch them.
+    pub notes: Vec<String>,
+    /// How many changes can be undone.
+    pub undoable: usize,
+    /// How many can be done again.
+    pub redoable: usize,
+    /// Whether the reading is finished.
+    pub finished: bool,
+}
+
+impl ReadingState {
+    /// Replays events.
+    pub(crate) fn replay(events: &[Event], finished: bool) -> Self {
+        let (mut done, mut undone, mut notes) = (Vec::new(), Vec::new(), Vec::new());
+        for event in events {
+            match event {
+                Event::Undo => undone.extend(done.pop()),
+                Event::Redo => done.extend(undone.pop()),
+                Event::Note { text } => notes.push(text.clone()),
+                edit => {
+                    done.push(edit);
+                    undone.clear();
+                }
+            }
+        }
+        let mut state = Self {
+            revision: events.len() as u64,
+            notes,
+            undoable: done.len(),
+            redoable: undone.len(),
+            finished,
+            ..Self::default()
+        };
+        for edit in done {
+            state.apply(edit);
+        }
+        state
+    }
+
+    fn apply(&mut self, edit: &Event) {
+        match *edit {
+            Event::PlaceCorner { level, corner, column_px, row_px }
+            | Event::MoveCorner { level, corner, column_px, row_px } => {
+                let vertebra = self.vertebrae.entry(level.0).or_default();
+                vertebra.corners.insert(corner, [column_px, row_px]);
+            }
+            Event::SetAxis { level, axis_deg } => {
+                let vertebra = self.vertebrae.entry(level.0).or_default();
+                vertebra.axis_deg = axis_deg;
+                if *vertebra == VertebraMarks::default() {
+                    self.vertebrae.remove(&level.0);
+                }
+            }
+            Event::RemoveVertebra { level } => drop(self.vertebrae.remove(&level.0)),
+            Event::PlaceIliacCrest { side, column_px, row_px } => {
+                let side = match side {
+                    CrestSide::Left => Side::Left,
+                    CrestSide::Right => Side::Right,
+                };
+                self.iliac_crests_px.insert(side, [column_px, row_px]);
+            }
+            Event::Scale { from_px, to_px, length_mm } => {
+                self.scale = Some(Scale { from_px, to_px, length_mm });
+            }
+            Event::Invert { inverted } => self.inverted = Some(inverted),
+            // Replaying has taken these apart already.
+            Event::Undo | Event::Redo | Event::Note { .. } => {}
+        }
+    }
+
+    /// Why an event makes no sense now, if it does not.
+    pub(crate) fn objection(&self, event: &Event) -> Option<&'static str> {
+        let on_film = |place: &[f64]| place.iter().all(|x| x.is_finite() && x.abs() <= FARTHEST_PX);
+        let (sound, reason) = match event {
+            Event::PlaceCorner { column_px, row_px, .. }
+            | Event::PlaceIliacCrest { column_px, row_px, .. } => {
+                (on_film(&[*column_px, *row_px]), "a place is within a million pixels")
+            }
+            Event::MoveCorner { level, corner, column_px, row_px } => {
+                let known = self.vertebrae.get(&level.0);
+                let placed = known.is_some_and(|vertebra| vertebra.corners.contains_key(corner));
+                (placed && on_film(&[*column_px, *row_px]), "only a placed corner can be moved")
+            }
+            Event::SetAxis { axis_deg, .. } => {
+                let turned = axis_deg.is_none_or(|deg| deg.is_finite() && deg.abs() <= 90.0);
+                (turned, "an axis is within 90° of the vertical")
+            }
+            Event::RemoveVertebra { level } => {
+                (self.vertebrae.contains_key(&level.0), "only a marked vertebra can be removed")
+            }
+            Event::Scale { from_px, to_px, length_mm } => {
+                let long = length_mm.is_finite() && *length_mm > 0.0 && from_px != to_px;
+                (
+                    long && on_film(from_px) && on_film(to_px),
+                    "a scale has a length, in pixels and in mm",
+                )
+            }
+            Event::Undo => (self.undoable > 0, "nothing to undo"),
+            Event::Redo => (self.redoable > 0, "nothing to redo"),
+            Event::Invert { .. } | Event::Note { .. } => (true, ""),
+        };
+        (!sound).then_some(reason)
+    }
+}
+
+/// Beyond any film; a bound against slips of units.
+const FARTHEST_PX: f64 = 1e6;

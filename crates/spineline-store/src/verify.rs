@@ -1,0 +1,300 @@
+//! Does the store still hold what was written? Every row against the log, the log against itself, the file against SQLite.
+
+use std::collections::BTreeMap;
+
+use rusqlite::Connection;
+
+use crate::audit::{self, AuditEntry, Head, TABLES};
+use crate::connection::Store;
+use crate::error::StoreError;
+use crate::names::Hash;
+use crate::schema;
+
+/// Something in the store that is not as it was written. Nothing here quotes what is stored.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Finding {
+    /// SQLite's own check of pages, indices and constraints.
+    Integrity {
+        /// SQLite's words, which name tables and pages.
+        message: String,
+    },
+    /// A reference to a row that is not there.
+    ForeignKey {
+        /// Table of the reference.
+        table: String,
+    },
+    /// A part that cannot be read at all.
+    Unreadable {
+        /// Which part.
+        part: &'static str,
+    },
+    /// A table, index or trigger that is not the one of this schema.
+    Definition {
+        /// Kind and name.
+        name: String,
+    },
+    /// An entry of the log that is gone, from among the others.
+    EntryMissing {
+        /// Its sequence number.
+        sequence: i64,
+    },
+    /// An entry whose hash does not follow from it and the one before: edited, exchanged or moved.
+    EntryChanged {
+        /// Its sequence number.
+        sequence: i64,
+    },
+    /// The log is shorter than it was, or longer than it may be.
+    Length {
+        /// Entries that there should be.
+        expected: u64,
+        /// Entries found.
+        found: u64,
+    },
+    /// The log does not end as its head says.
+    HeadChanged,
+    /// The log does not contain the head that was kept outside of the store: it was rewritten since.
+    Rewritten,
+    /// A row that the log knows is gone.
+    RowMissing {
+        /// Such as `event/17`.
+        object: String,
+    },
+    /// A row is not what its last entry says.
+    RowChanged {
+        /// Such as `event/17`.
+        object: String,
+    },
+    /// A row that no entry knows.
+    RowUnknown {
+        /// Such as `event/17`.
+        object: String,
+    },
+    /// The bytes of a film are not those of its hash.
+    ContentChanged {
+        /// The hash.
+        content: Hash,
+    },
+}
+
+impl std::fmt::Display for Finding {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Integrity { message } => write!(f, "the file itself is damaged: {message}"),
+            Self::ForeignKey { table } => {
+                write!(f, "a row of `{table}` refers to one that is not there")
+            }
+            Self::Unreadable { part } => write!(f, "{part} cannot be read at all"),
+            Self::Definition { name } => write!(f, "{name} is not the one of this schema"),
+            Self::EntryMissing { sequence } => write!(f, "entry {sequence} of the log is gone"),
+            Self::EntryChanged { sequence } => {
+                write!(f, "entry {sequence} of the log was edited, exchanged or moved")
+            }
+            Self::Length { expected, found } => {
+                write!(f, "the log has {found} entries, and should have {expected}")
+            }
+            Self::HeadChanged => f.write_str("the log does not end as its head says"),
+            Self::Rewritten => f.write_str(
+                "the log does not contain the head that was kept outside: it was rewritten since",
+            ),
+            Self::RowMissing { object } => write!(f, "{object} is gone"),
+            Self::RowChanged { object } => {
+                write!(f, "{object} is not what the log says it was when it was written")
+            }
+            Self::RowUnknown { object } => write!(f, "{object} is in no entry of the log"),
+            Self::ContentChanged { content } => {
+                write!(f, "the bytes of a film are not those of its hash {content}")
+            }
+        }
+    }
+}
+
+/// What verifying a store found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Verification {
+    /// The end of the log, worth keeping outside of the store.
+    pub head: Option<Head>,
+    /// Everything that is wrong; empty for a sound store.
+    pub findings: Vec<Finding>,
+}
+
+impl Verification {
+    /// Whether nothing is wrong.
+    #[must_use]
+    pub fn is_clean(&self) -> bool {
+        self.findings.is_empty()
+    }
+}
+
+impl Store {
+    /// Checks everything: the file, its references, the log, every row against the log, every film against its hash.
+    ///
+    /// With a head that was kept outside of the store, it also finds a log that was rewritten as a whole. **Without one,
+    /// whoever can write the file can compute the whole log anew, and nothing in the file can tell.**
+    ///
+    /// # Errors
+    /// Damage is a finding. Errors are only what keeps from looking, such as [`StoreError::Busy`].
+    pub fn verify(&self, known: Option<&Head>) -> Result<Verification, StoreError> {
+        verify(&self.connection, known)
+    }
+}
+
+type Check = fn(&Connection, &mut Vec<Finding>) -> Result<(), StoreError>;
+
+pub(crate) fn verify(
+    connection: &Connection,
+    known: Option<&Head>,
+) -> Result<Verification, StoreError> {
+    // One snapshot for all parts, whoever else writes meanwhile.
+    let snapshot = connection.unchecked_transaction()?;
+    let checks: [(&'static str, Check); 5] = [
+        ("file", integrity),
+        ("definitions", definitions),
+        ("references", foreign_keys),
+        ("contents", contents),
+        ("rows", rows),
+    ];
+    let mut findings = Vec::new();
+    for (part, check) in checks {
+        let outcome = check(&snapshot, &mut findings);
+        unreadable(outcome, part, &mut findings)?;
+    }
+    let outcome = chain(&snapshot, known, &mut findings);
+    unreadable(outcome, "log", &mut findings)?;
+    let head = audit::head(&snapshot).ok().map(|(head, _)| head);
+    Ok(Verification { head, findings })
+}
+
+/// Damage that stops a check is a finding; anything else is an error.
+fn unreadable(
+    outcome: Result<(), StoreError>,
+    part: &'static str,
+    findings: &mut Vec<Finding>,
+) -> Result<(), StoreError> {
+    match outcome {
+        Err(StoreError::Damaged { .. } | StoreError::Database { .. } | StoreError::Disk { .. }) => {
+            findings.push(Finding::Unreadable { part });
+            Ok(())
+        }
+        other => other,
+    }
+}
+
+fn integrity(connection: &Connection, findings: &mut Vec<Finding>) -> Result<(), StoreError> {
+    let mut query = connection.prepare("PRAGMA integrity_check(20)")?;
+    let mut rows = query.query([])?;
+    while let Some(row) = rows.next()? {
+        let message: String = row.get(0)?;
+        if message != "ok" {
+            findings.push(Finding::Integrity { message });
+        }
+    }
+    Ok(())
+}
+
+fn definitions(connection: &Connection, findings: &mut Vec<Finding>) -> Result<(), StoreError> {
+    let mut expected = schema::expected_definitions()?.into_iter().collect::<BTreeMap<_, _>>();
+    for (name, sql) in schema::definitions(connection)? {
+        if expected.remove(&name) != Some(sql) {
+            findings.push(Finding::Definition { name });
+        }
+    }
+    findings.extend(expected.into_keys().map(|name| Finding::Definition { name }));
+    Ok(())
+}
+
+fn foreign_keys(connection: &Connection, findings: &mut Vec<Finding>) -> Result<(), StoreError> {
+    let mut query = connection.prepare("PRAGMA foreign_key_check")?;
+    let tables = query.query_map([], |row| row.get(0))?;
+    for table in tables {
+        findings.push(Finding::ForeignKey { table: table? });
+    }
+    Ok(())
+}
+
+fn contents(connection: &Connection, findings: &mut Vec<Finding>) -> Result<(), StoreError> {
+    let mut query = connection.prepare("SELECT hash, bytes FROM contents ORDER BY hash")?;
+    let mut rows = query.query([])?;
+    while let Some(row) = rows.next()? {
+        let content = Hash(row.get(0)?);
+        let bytes = row.get_ref(1)?.as_blob().map_err(|_| StoreError::damaged("contents"))?;
+        if Hash::of(bytes) != content {
+            findings.push(Finding::ContentChanged { content });
+        }
+    }
+    Ok(())
+}
+
+/// Every row against the last entry about it.
+fn rows(connection: &Connection, findings: &mut Vec<Finding>) -> Result<(), StoreError> {
+    let mut sealed = BTreeMap::new();
+    let mut query = connection.prepare("SELECT object, digest FROM audit ORDER BY sequence")?;
+    let mut entries = query.query([])?;
+    while let Some(row) = entries.next()? {
+        let (object, digest): (String, String) = (row.get(0)?, row.get(1)?);
+        if !digest.is_empty() {
+            sealed.insert(object, digest);
+        }
+    }
+    let mut present = connection.prepare("SELECT 1 FROM sqlite_schema WHERE name = ?1")?;
+    for (table, word, column) in TABLES {
+        // The rows of a table that was dropped are missing one by one.
+        if !present.exists([table])? {
+            continue;
+        }
+        let mut query =
+            connection.prepare(&format!("SELECT {column}, * FROM {table} NOT INDEXED"))?;
+        let mut rows = query.query([])?;
+        while let Some(row) = rows.next()? {
+            let object = audit::object_of(word, row)?;
+            let digest = audit::digest(row)?;
+            match sealed.remove(&object) {
+                Some(expected) if expected == digest.as_str() => {}
+                Some(_) => findings.push(Finding::RowChanged { object }),
+                None => findings.push(Finding::RowUnknown { object }),
+            }
+        }
+    }
+    findings.extend(sealed.into_keys().map(|object| Finding::RowMissing { object }));
+    Ok(())
+}
+
+/// The log against itself, its head, and a head kept outside.
+fn chain(
+    connection: &Connection,
+    known: Option<&Head>,
+    findings: &mut Vec<Finding>,
+) -> Result<(), StoreError> {
+    let mut query = connection.prepare("SELECT * FROM audit NOT INDEXED ORDER BY sequence")?;
+    let mut entries = query.query([])?;
+    let (mut previous, mut found, mut expected, mut last_ms) = (String::new(), 0, 1, i64::MIN);
+    let mut contains_known = known.is_none_or(|known| known.entries == 0);
+    while let Some(row) = entries.next()? {
+        let (entry, hash) = AuditEntry::read(row)?;
+        // A gap may be wide: its first entry stands for all of it.
+        if entry.sequence != expected {
+            findings.push(Finding::EntryMissing { sequence: expected });
+        }
+        if entry.hash(&previous).as_str() != hash {
+            findings.push(Finding::EntryChanged { sequence: entry.sequence });
+        }
+        contains_known |= known.is_some_and(|known| {
+            i64::try_from(known.entries) == Ok(entry.sequence) && known.hash.as_str() == hash
+        });
+        expected = entry.sequence.saturating_add(1);
+        last_ms = entry.time_ms;
+        previous = hash;
+        found += 1;
+    }
+    let (head, head_last_ms) = audit::head(connection)?;
+    if head.entries != found {
+        findings.push(Finding::Length { expected: head.entries, found });
+    }
+    if head.hash.as_str() != previous || head_last_ms != last_ms {
+        findings.push(Finding::HeadChanged);
+    }
+    if !contains_known {
+        findings.push(Finding::Rewritten);
+    }
+    Ok(())
+}

@@ -1,0 +1,231 @@
+//! Other programs, read-only files and files of something else.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use rusqlite::Connection;
+use spineline_store::{Event, Store, StoreError};
+
+use crate::session::{READING, STEPS, by, clicks, create, fingerprint, name, run};
+
+fn five_steps(path: &Path) -> Store {
+    let mut store = create(path);
+    (0..5).for_each(|step| run(&mut store, step).expect("a step"));
+    store
+}
+
+#[test]
+fn a_store_that_another_program_writes_is_busy_and_free_again_afterwards() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("store");
+    let mut store = five_steps(&path);
+    store.set_busy_timeout(Duration::from_millis(200)).expect("a time");
+    let other = Connection::open(&path).expect("a database");
+    other.execute_batch("BEGIN IMMEDIATE").expect("a lock");
+    let asked = Instant::now();
+    let refused = store.record(READING, &clicks()[0], 0, &by("A", 10));
+    assert!(matches!(refused, Err(StoreError::Busy)), "{refused:?}");
+    // It waits for the other one before it gives up; how much longer depends on the machine.
+    assert!(asked.elapsed() >= Duration::from_millis(190), "{:?}", asked.elapsed());
+    // Reading goes on.
+    assert_eq!(store.reading_state(READING).expect("a state").revision, 0);
+    assert!(store.verify(None).expect("verifiable").is_clean());
+    other.execute_batch("ROLLBACK").expect("no lock");
+    store.record(READING, &clicks()[0], 0, &by("A", 10)).expect("free again");
+}
+
+#[test]
+fn two_connections_that_write_in_turn_lose_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("store");
+    let mut stores = [five_steps(&path), Store::open(&path).expect("the same store")];
+    for (revision, event) in (0_u64..).zip(&clicks()) {
+        let store = &mut stores[revision as usize % 2];
+        store.record(READING, event, revision, &by("A", 10)).expect("an event");
+    }
+    assert_eq!(fingerprint(&stores[0]), fingerprint(&stores[1]));
+    assert!(stores[1].verify(None).expect("verifiable").is_clean());
+}
+
+#[test]
+fn threads_that_race_for_every_revision_win_it_once_and_lose_it_visibly() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("store");
+    drop(five_steps(&path));
+    let race = |thread: usize| {
+        // Each its own event: a repeat of what is there would be acknowledged again.
+        let event = Event::Note { text: format!("thread {thread}") };
+        let mut store = Store::open(&path).expect("a store");
+        let (mut won, mut lost) = (0, 0);
+        for revision in 0..20 {
+            match store.record(READING, &event, revision, &by("A", 10)) {
+                Ok(_) => won += 1,
+                Err(StoreError::Conflict { .. }) => lost += 1,
+                Err(other) => panic!("{other}"),
+            }
+        }
+        (won, lost)
+    };
+    let outcomes: Vec<(usize, usize)> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..2).map(|i| scope.spawn(move || race(i))).collect();
+        threads.into_iter().map(|thread| thread.join().expect("no panic")).collect()
+    });
+    let store = Store::open(&path).expect("a store");
+    let won: usize = outcomes.iter().map(|outcome| outcome.0).sum();
+    let lost: usize = outcomes.iter().map(|outcome| outcome.1).sum();
+    assert_eq!(
+        (won + lost, store.reading_state(READING).expect("a state").revision),
+        (40, won as u64)
+    );
+    assert_eq!(store.conflicts_of_reading(READING).expect("conflicts").len(), lost);
+    assert!(store.verify(None).expect("verifiable").is_clean());
+}
+
+/// Keeps everyone from writing a file, root too where the file system can; gives the right back in the end.
+struct WriteProtection<'a> {
+    path: &'a Path,
+}
+
+impl<'a> WriteProtection<'a> {
+    fn put_on(path: &'a Path) -> Option<Self> {
+        let mut permissions = fs::metadata(path).expect("a file").permissions();
+        permissions.set_readonly(true);
+        fs::set_permissions(path, permissions).expect("permissions");
+        let _ = Command::new("chattr").arg("+i").arg(path).output();
+        let protection = Self { path };
+        let writable = if path.is_dir() {
+            fs::write(path.join("probe"), "").is_ok()
+        } else {
+            fs::OpenOptions::new().append(true).open(path).is_ok()
+        };
+        if writable {
+            let _ = fs::remove_file(path.join("probe"));
+            println!("skipped: nothing here keeps this user from writing {}", path.display());
+            return None;
+        }
+        Some(protection)
+    }
+}
+
+impl Drop for WriteProtection<'_> {
+    fn drop(&mut self) {
+        let _ = Command::new("chattr").arg("-i").arg(self.path).output();
+        let mut permissions = fs::metadata(self.path).expect("a file").permissions();
+        #[allow(
+            clippy::permissions_set_readonly_false,
+            reason = "a folder that is removed at once"
+        )]
+        permissions.set_readonly(false);
+        fs::set_permissions(self.path, permissions).expect("permissions");
+    }
+}
+
+#[test]
+fn a_read_only_file_is_told_apart_and_not_changed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("store");
+    drop(five_steps(&path));
+    let before = fs::read(&path).expect("bytes");
+    let Some(protection) = WriteProtection::put_on(&path) else { return };
+    let refused = Store::open(&path).expect_err("read-only");
+    assert!(matches!(refused, StoreError::ReadOnly), "{refused:?}");
+    let mut store = Store::view(&path).expect("readable");
+    assert_eq!(store.films(&name("S-1")).expect("films").len(), 2);
+    assert!(store.verify(None).expect("verifiable").is_clean());
+    let refused = store.record(READING, &clicks()[0], 0, &by("A", 10));
+    assert!(matches!(refused, Err(StoreError::ReadOnly)), "{refused:?}");
+    drop((store, protection));
+    assert!(fs::read(&path).expect("bytes") == before);
+}
+
+#[test]
+fn a_read_only_folder_is_told_apart_and_a_backup_in_it_can_be_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("store");
+    let closed = folder.path().join("closed");
+    fs::create_dir(&closed).expect("a folder");
+    let copy = closed.join("copy");
+    let store = five_steps(&path);
+    assert!(store.backup_to(&copy).expect("a backup").is_clean());
+    let expected = fingerprint(&store);
+    let before = fs::read(&copy).expect("bytes");
+    {
+        let Some(_protection) = WriteProtection::put_on(&closed) else { return };
+        let refused = Store::create(&closed.join("new"), &by("lead", 0)).expect_err("read-only");
+        assert!(matches!(refused, StoreError::CannotOpen | StoreError::ReadOnly), "{refused:?}");
+        let refused = store.backup_to(&closed.join("new")).expect_err("read-only");
+        assert!(matches!(refused, StoreError::File { .. }), "{refused:?}");
+        let refused = Store::open(&copy).expect_err("read-only");
+        assert!(
+            matches!(
+                refused,
+                StoreError::CannotOpen | StoreError::ReadOnly | StoreError::Disk { .. }
+            ),
+            "{refused:?}"
+        );
+        assert_eq!(fingerprint(&Store::view(&copy).expect("readable")), expected);
+    }
+    assert!(fs::read(&copy).expect("bytes") == before);
+}
+
+#[test]
+fn a_view_changes_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("store");
+    drop(five_steps(&path));
+    let before = fs::read(&path).expect("bytes");
+    let mut view = Store::view(&path).expect("readable");
+    let refused = run(&mut view, 5);
+    assert!(matches!(refused, Err(StoreError::ReadOnly)), "{refused:?}");
+    drop(view);
+    assert!(fs::read(&path).expect("bytes") == before);
+}
+
+#[test]
+fn files_of_something_else_are_refused_and_not_changed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("file");
+    let other = Connection::open(folder.path().join("database")).expect("a database");
+    other.execute_batch("CREATE TABLE a (b); PRAGMA application_id = 7").expect("a table");
+    drop(other);
+    let database = fs::read(folder.path().join("database")).expect("bytes");
+    for bytes in [&b""[..], b"{}", &[0; 100_000], &database] {
+        fs::write(&path, bytes).expect("a file");
+        let refused = Store::open(&path).expect_err("not a store");
+        assert!(
+            matches!(refused, StoreError::NotAStore { .. }),
+            "{} bytes: {refused:?}",
+            bytes.len()
+        );
+        assert!(fs::read(&path).expect("bytes") == bytes);
+        if !bytes.is_empty() {
+            let refused = Store::create(&path, &by("lead", 0)).expect_err("there is a file");
+            assert!(matches!(refused, StoreError::AlreadyExists { .. }), "{refused:?}");
+            assert!(fs::read(&path).expect("bytes") == bytes);
+        }
+    }
+    let missing = Store::open(&folder.path().join("missing"));
+    assert!(matches!(missing, Err(StoreError::NotFound { .. })), "{missing:?}");
+    assert!(matches!(Store::open(folder.path()), Err(StoreError::NotAStore { .. })));
+}
+
+#[test]
+fn a_backup_is_the_store_and_never_replaces_a_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, copy) = (folder.path().join("store"), folder.path().join("copy"));
+    let mut store = five_steps(&path);
+    let verification = store.backup_to(&copy).expect("a backup");
+    assert!(verification.is_clean());
+    assert_eq!(verification.head, Some(store.head().expect("a head")));
+    let before = fs::read(&copy).expect("bytes");
+    let refused = store.backup_to(&copy);
+    assert!(matches!(refused, Err(StoreError::AlreadyExists { .. })), "{refused:?}");
+    (5..STEPS).for_each(|step| run(&mut store, step).expect("a step"));
+    assert!(fs::read(&copy).expect("bytes") == before);
+    // The copy takes the same steps to the same history.
+    let mut restored = Store::open(&copy).expect("a store");
+    (5..STEPS).for_each(|step| run(&mut restored, step).expect("a step"));
+    assert_eq!(fingerprint(&restored), fingerprint(&store));
+}
