@@ -1,0 +1,9 @@
+//! Cases analysed, with what was asked about the confidence of their numbers.
+
+pub mod case;
+pub mod cohort;
+pub mod confidence;
+pub mod figures;
+pub mod record;
+pub mod replicates;
+pub mod tables;

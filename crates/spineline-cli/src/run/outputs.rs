@@ -1,0 +1,83 @@
+//! The one way in which results leave the program: whole files, or the standard output.
+
+use std::fs;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use spineline_io::{InputFile, Provenance, ProvenanceFile, to_text};
+
+use super::failure::{Ending, Failure};
+
+/// Whether a path stands for the standard output.
+pub fn is_stdout(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// Writes to the standard output; a reader that closed the pipe has seen enough.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn print(text: &str) -> Result<Ending, Failure> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::write("standard output", &error))
+        }
+        _ => Ok(Ending::Done),
+    }
+}
+
+/// Writes a file as a whole and makes its folder: a reader never sees half of it.
+///
+/// Every file of results goes through here.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn write_file(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Failure> {
+    let failed = |error: &std::io::Error| Failure::write(&path.display().to_string(), error);
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        fs::create_dir_all(folder).map_err(|error| failed(&error))?;
+    }
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(".part");
+    let part = path.with_file_name(name);
+    fs::write(&part, content).and_then(|()| fs::rename(&part, path)).map_err(|error| failed(&error))
+}
+
+/// Writes a file, or to the standard output for `-`.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn write_or_print(path: &Path, text: &str) -> Result<(), Failure> {
+    if is_stdout(path) { print(text).map(|_| ()) } else { write_file(path, text) }
+}
+
+/// Writes a table and, in a file beside it, its provenance, so that other programs read the table unchanged; `-` writes the
+/// table alone to the standard output.
+///
+/// # Errors
+/// If they cannot be written.
+pub fn write_table(path: &Path, text: &str, provenance: &Provenance) -> Result<(), Failure> {
+    if is_stdout(path) {
+        print(text).map(|_| ())
+    } else {
+        write_beside(path, text.as_bytes(), provenance)
+    }
+}
+
+/// Writes a file that has no place for its provenance, and the provenance beside it.
+///
+/// # Errors
+/// If they cannot be written.
+pub fn write_beside(path: &Path, content: &[u8], provenance: &Provenance) -> Result<(), Failure> {
+    write_file(path, content)?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let file = ProvenanceFile::new(vec![InputFile::of(&*name, content)], provenance.clone());
+    write_file(&beside(path), to_text(&file))
+}
+
+/// `errors.csv` has `errors.csv.provenance.json` beside it.
+fn beside(path: &Path) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(".provenance.json");
+    path.with_file_name(name)
+}
