@@ -34,13 +34,17 @@ pub fn print(text: &str) -> Result<Ending, Failure> {
 /// If it cannot be written.
 pub fn write_file(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Failure> {
     let failed = |error: &std::io::Error| Failure::write(&path.display().to_string(), error);
-    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        fs::create_dir_all(folder).map_err(|error| failed(&error))?;
-    }
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(".part");
-    let part = path.with_file_name(name);
-    fs::write(&part, content).and_then(|()| fs::rename(&part, path)).map_err(|error| failed(&error))
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = folder.unwrap_or(Path::new("."));
+    fs::create_dir_all(folder).map_err(|error| failed(&error))?;
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".spineline-").suffix(".part");
+    // A temporary file is its owner's alone; a result has the permissions of an ordinary new file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let part = builder.tempfile_in(folder).map_err(|error| failed(&error))?;
+    part.as_file().write_all(content.as_ref()).map_err(|error| failed(&error))?;
+    part.persist(path).map(|_| ()).map_err(|error| failed(&error.error))
 }
 
 /// Writes a file, or to the standard output for `-`.
