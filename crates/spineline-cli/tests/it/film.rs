@@ -8,9 +8,7 @@ use std::path::{Path, PathBuf};
 use assert_cmd::Command;
 use spineline_io::film::{ChildLimits, FilmError, FilmLimits, decode_in_child, read_film};
 
-#[path = "../../spineline-io/tests/film/maker.rs"]
-mod maker;
-use maker::{DEFLATED, EXPLICIT, Maker, RLE, Value, ramp};
+use crate::maker::{DEFLATED, EXPLICIT, Maker, RLE, Value, ramp};
 
 fn program() -> PathBuf {
     assert_cmd::cargo::cargo_bin!("spineline").to_path_buf()

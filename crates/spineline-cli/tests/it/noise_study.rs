@@ -6,9 +6,7 @@ use std::path::Path;
 
 use assert_cmd::Command;
 
-mod results;
-
-use results::results;
+use crate::results::results;
 
 type Row = BTreeMap<String, String>;
 

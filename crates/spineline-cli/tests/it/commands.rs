@@ -1,4 +1,4 @@
-//! The program as its users call it: what it prints, what it writes, and how it ends.
+//! Commands from first to last: phantom, check, analyze, reproduce and export.
 
 use std::fs;
 use std::path::Path;
@@ -6,9 +6,7 @@ use std::path::Path;
 use assert_cmd::Command;
 use tempfile::TempDir;
 
-mod results;
-
-use results::results;
+use crate::results::results;
 
 fn spineline(folder: &Path) -> Command {
     let mut command = Command::cargo_bin("spineline").expect("the program is built for its tests");

@@ -6,9 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value as Json;
 use spineline_io::film::{FilmLimits, read_film};
 
-#[path = "../../spineline-io/tests/film/maker.rs"]
-mod maker;
-use maker::{EXPLICIT, Maker, Value, ramp, text};
+use crate::maker::{EXPLICIT, Maker, Value, ramp, text};
 
 /// A name that must never be seen again.
 const CANARY: &str = "Kanarienvogel";

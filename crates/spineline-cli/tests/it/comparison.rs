@@ -7,9 +7,7 @@ use assert_cmd::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
-mod results;
-
-use results::results;
+use crate::results::results;
 
 fn run(folder: &Path, arguments: &[&str]) -> (String, String, i32) {
     let mut command = Command::cargo_bin("spineline").expect("the program is built for its tests");

@@ -1,0 +1,18 @@
+//! The program as its users call it: what it prints, what it writes, and how it ends.
+
+mod commands;
+mod comparison;
+mod film;
+mod guide;
+mod import;
+#[path = "../../../spineline-io/tests/film/maker.rs"]
+mod maker;
+mod noise_study;
+mod reliability;
+mod report;
+mod rerun;
+mod results;
+mod serve;
+mod simulate;
+mod study;
+mod tables;
