@@ -1,4 +1,4 @@
-//! Cases analysed, with what was asked about the confidence of their numbers.
+//! Cases read and analysed, with the confidence of their numbers.
 
 pub mod case;
 pub mod cohort;

@@ -60,7 +60,7 @@ impl RunRecord {
         let others = self.cases.iter().filter(|source| source.request.as_ref().is_some_and(other));
         let warning = |source: &CaseInput| {
             format!(
-                "warning: {}: this analysis had other options; `spineline rerun` keeps its own [other_options]\n",
+                "warning: {}: this analysis was made with other options; `spineline rerun` keeps them [other_options]\n",
                 source.input.name
             )
         };

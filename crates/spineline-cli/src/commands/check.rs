@@ -1,4 +1,4 @@
-//! `spineline check`: are these films good to analyse?
+//! `spineline check`: case files validated.
 
 use std::path::{Path, PathBuf};
 
@@ -35,7 +35,7 @@ pub fn run(args: &CheckArgs) -> Result<Ending, Failure> {
     Ok(ending)
 }
 
-/// What a case holds, what is odd about it, and what can be made of it.
+/// The films of a case, its warnings, and the models that it supports.
 fn text(path: &Path, analysis: &Analysis) -> String {
     let synthetic = if analysis.synthetic { " · SYNTHETIC" } else { "" };
     let mut text = format!("{}: {}{synthetic}\n", path.display(), analysis.case_id);
@@ -43,7 +43,7 @@ fn text(path: &Path, analysis: &Analysis) -> String {
         "Film",
         "readings",
         "L4-T2",
-        "leans",
+        "lateral tilt",
         "location sd",
         "tilt sd (°)",
         "iliac crests",
@@ -64,16 +64,16 @@ fn text(path: &Path, analysis: &Analysis) -> String {
         ]);
     }
     text.push_str(&table.text());
-    // What the fit says is for `analyze`; here it is the films that count.
+    // Warnings of the fit belong to `analyze`; here only the films count.
     let of_films = |step: Step| step <= Step::Motion;
-    let odd: Vec<_> = analysis.warnings.all().iter().filter(|w| of_films(w.step)).collect();
-    for warning in &odd {
+    let warnings: Vec<_> = analysis.warnings.all().iter().filter(|w| of_films(w.step)).collect();
+    for warning in &warnings {
         let place = warning.posture.map_or_else(String::new, |p| format!("{p} film: "));
         let level = warning.level.map_or_else(String::new, |l| format!("{l}: "));
         text.push_str(&wrap(&format!("! {place}{level}{}", warning.text()), 110, "  "));
     }
-    if odd.is_empty() {
-        text.push_str("  nothing odd about these films\n");
+    if warnings.is_empty() {
+        text.push_str("  no warnings about these films\n");
     }
     let lines: Vec<String> = analysis.models.iter().map(|m| m.kind.to_string()).collect();
     text.push_str(&if lines.is_empty() {

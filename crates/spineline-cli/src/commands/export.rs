@@ -1,4 +1,4 @@
-//! `spineline export`: a personalised model for another multibody program, or the landmarks of a case for an image program.
+//! `spineline export`: a personalised model for other multibody programs, or the landmarks of a case for image programs.
 
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
@@ -16,7 +16,7 @@ use crate::run::inputs::read_model;
 use crate::run::outputs::{write_file, write_or_print};
 use crate::run::provenance::generator;
 
-/// How to come by a model file, and how each program opens what comes out.
+/// How to make a model file, and how each program opens the result.
 pub const EXAMPLES: &str = "\
 Examples:
   spineline analyze CASE.json --model model.json
@@ -31,13 +31,13 @@ Examples:
   spineline export CASE.json --to dicom-sr --out reports
 
 All models are in metres, newtons and radians. MJCF and URDF keep x anterior, y left, z cranial; OpenSim has x anterior, \
-y cranial, z right. MJCF and OpenSim carry the springs; URDF has no word for them, so they stand in its `gazebo` \
-elements. The comment at the top of each file holds the loads that the model needs for its films. Masses and damping \
+y cranial, z right. MJCF and OpenSim contain the springs; URDF has no element for springs, so they are in its `gazebo` \
+elements. The comment at the top of each file lists the loads of the films. Masses and damping \
 are nominal.
 
 Landmarks are named by the patient's sides. CSV holds all films in one table; Slicer gets one file per film; DICOM SR one \
-per reading, for which the case has to name the DICOM file of each film. Reports hold the patient's name and ID as that \
-file has them. Several files go into the folder that `--out` names.";
+per reading, for which the case has to name the DICOM file of each film. Reports contain the patient's name and ID from that \
+file. Several files are written into the folder that `--out` names.";
 
 #[derive(Args)]
 pub struct ExportArgs {
@@ -51,10 +51,10 @@ pub struct ExportArgs {
     /// File to write (`-`: standard output), or a folder for several files
     #[arg(long, value_name = "PATH", default_value = "-")]
     out: PathBuf,
-    /// Landmarks of this posture's film only
+    /// Export the landmarks of this posture's film only
     #[arg(long, value_name = "POSTURE", value_parser = posture)]
     posture: Option<Posture>,
-    /// Date and time that a DICOM report is to carry, in UTC: YYYYMMDDhhmmss; now, if not given
+    /// Date and time of a DICOM report in UTC, as YYYYMMDDhhmmss [default: now]
     #[arg(long, value_name = "TIME", value_parser = moment)]
     written: Option<[String; 2]>,
 }
@@ -90,7 +90,7 @@ impl FormatName {
 pub fn run(args: &ExportArgs) -> Result<Ending, Failure> {
     let Some(format) = args.to.of_model() else { return landmarks(args) };
     if args.posture.is_some() {
-        return Err(Failure::usage("--posture is for landmarks; a model has no postures"));
+        return Err(Failure::usage("--posture is for landmarks only"));
     }
     let model = read_model(&args.file)?;
     let text = export(&model, format, &generator())
@@ -101,7 +101,7 @@ pub fn run(args: &ExportArgs) -> Result<Ending, Failure> {
 
 fn landmarks(args: &ExportArgs) -> Result<Ending, Failure> {
     if args.written.is_some() && args.to != FormatName::DicomSr {
-        return Err(Failure::usage("--written is for DICOM reports"));
+        return Err(Failure::usage("--written is for DICOM reports only"));
     }
     let file = read_case_file(&args.file)?;
     let case = file.clone().into_case().map_err(|error| Failure::file(&args.file, &error))?;
@@ -126,14 +126,14 @@ fn landmarks(args: &ExportArgs) -> Result<Ending, Failure> {
                 write_or_print(&args.out, text).map(|()| Ending::Done)
             }
             _ if args.out.as_os_str() == "-" => {
-                Err(Failure::usage("a DICOM report is no text; give a file with --out"))
+                Err(Failure::usage("a DICOM report is not text; give a file with --out"))
             }
             _ => write_file(&args.out, &only.bytes).map(|()| Ending::Done),
         };
     }
     if args.out.as_os_str() == "-" {
         return Err(Failure::usage(format!(
-            "{} files come out; give a folder with --out, or one film with --posture",
+            "there are {} files to write; give a folder with --out, or one film with --posture",
             files.len()
         )));
     }
@@ -148,7 +148,7 @@ fn read_case_file(path: &Path) -> Result<CaseFile, Failure> {
         FileError::Format { found, .. } if found == "spineline-model" => Failure::input(
             &path.display().to_string(),
             &error,
-            "landmarks are those of a case; a model is exported to mjcf, osim or urdf",
+            "landmarks belong to a case; export a model to mjcf, osim or urdf",
         ),
         _ => Failure::file(path, &error),
     })
@@ -166,7 +166,8 @@ fn read_sources(
         if let Some(name) = file.source(film.posture).and_then(|source| source.file) {
             // A case names pictures that lie with it, and nothing else on this machine.
             if !Path::new(&name).components().all(|part| matches!(part, Component::Normal(_))) {
-                let error = format!("{} film: its `file` leaves the case's folder", film.posture);
+                let error =
+                    format!("{} film: its `file` is outside the folder of the case", film.posture);
                 let place = args.file.display().to_string();
                 return Err(Failure::input(&place, &error, "put the picture beside the case file"));
             }
@@ -184,7 +185,7 @@ fn curves_of(case: &Case) -> Vec<(Region, CobbEnds)> {
     match analyze(case, &AnalysisOptions::default()) {
         Ok(analysis) => analysis.clinical.iter().map(|curve| (curve.region, curve.ends)).collect(),
         Err(error) => {
-            eprintln!("note: the reports hold no Cobb angles: {error}");
+            eprintln!("note: the reports have no Cobb angles: {error}");
             Vec::new()
         }
     }

@@ -19,16 +19,16 @@ pub struct FilmArgs {
     /// DICOM, PNG, JPEG or TIFF files
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Write the picture as the screen shows it; for one film only
+    /// Write a preview as PNG; for one film only
     #[arg(long, value_name = "OUT")]
     png: Option<PathBuf>,
-    /// Exchange black and white in that picture
+    /// Invert black and white in the preview
     #[arg(long, requires = "png")]
     invert: bool,
-    /// Show values around CENTER, WIDTH wide, instead of what the file asks for
+    /// Display window of stored values, instead of the window in the file
     #[arg(long, value_name = "CENTER,WIDTH", requires = "png", value_parser = window, allow_hyphen_values = true)]
     window: Option<Window>,
-    /// Print one JSON object per film
+    /// Print one JSON object per film instead of text
     #[arg(long)]
     json: bool,
 }

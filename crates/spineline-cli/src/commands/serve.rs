@@ -1,4 +1,4 @@
-//! `spineline serve`: the browser app, on this machine unless told otherwise.
+//! `spineline serve`: the browser app, on this machine by default.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
@@ -15,13 +15,13 @@ use crate::run::outputs::print;
 /// What a user types.
 pub const EXAMPLES: &str = "\
 Examples:
-  spineline serve                          the app over studies.spineline, for whoever sits at this terminal
+  spineline serve                          the app on studies.spineline, for the user of this terminal
   spineline serve clinic.spineline --port 9000
   spineline serve clinic.spineline --accounts
   spineline serve clinic.spineline --bind 192.168.1.20 --host spine.clinic.example --https
 
-Without accounts, the address that is printed signs one browser in; another one is printed after it was used. Any
-address but this machine's own demands accounts (`spineline account add NAME --role admin STORE`). Ctrl-C stops.";
+Without accounts, the printed address signs in one browser; a new one is printed after each use. Addresses other than this
+machine's own require accounts (`spineline account add NAME --role admin STORE`). Ctrl-C stops the server.";
 
 /// Port, unless another program has it.
 const PORT: u16 = 8765;
@@ -29,27 +29,27 @@ const PORT: u16 = 8765;
 /// Start the browser app
 #[derive(Debug, Args)]
 pub struct ServeArgs {
-    /// Store of studies; made if it is not there
+    /// Store of studies; created if it does not exist
     #[arg(default_value = "studies.spineline", value_name = "STORE")]
     store: PathBuf,
 
-    /// Port; 0 takes a free one [default: 8765, or a free one if that is taken]
+    /// Port; 0: a free one [default: 8765, or a free one if it is in use]
     #[arg(long)]
     port: Option<u16>,
 
-    /// Address to listen on. Any but a loopback one demands accounts, and others can listen in
+    /// Address to listen on; other addresses than loopback require accounts, and their traffic is not encrypted
     #[arg(long, value_name = "ADDRESS", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
     bind: IpAddr,
 
-    /// Name by which browsers call it, beside its address and `localhost`; may be repeated
+    /// Host name in the browser's address, beside the address itself and `localhost`; may be repeated
     #[arg(long = "host", value_name = "NAME")]
     hosts: Vec<String>,
 
-    /// Ask for accounts and passwords on this machine too
+    /// Require accounts and passwords on this machine too
     #[arg(long)]
     accounts: bool,
 
-    /// A proxy before it serves it by TLS: cookies travel by https only, and browsers must come that way
+    /// Behind a TLS proxy: cookies are sent over https only, and browsers must use https
     #[arg(long)]
     https: bool,
 }
@@ -71,13 +71,13 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
         hosts: args.hosts.clone(),
         https: args.https,
     };
-    tell_panics_without_their_words();
+    report_panics_without_messages();
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
         .build()
         .map_err(|error| Failure::internal(error.to_string()))?;
     let ending = runtime.block_on(serve(args, store, options));
-    // A question to the store is not waited for: whatever is not committed is not there.
+    // Requests under way are not waited for: what is not committed is not stored.
     runtime.shutdown_background();
     ending
 }
@@ -91,27 +91,27 @@ fn open(args: &ServeArgs) -> Result<Store, Failure> {
     Store::create(&args.store, &by).map_err(fail)
 }
 
-/// What could let somebody in who should not be, or keep everybody out.
+/// Refuses settings that give access to the wrong people or to no one.
 fn check(args: &ServeArgs, store: &Store, access: AccessName) -> Result<(), Failure> {
     let name = args.store.display();
     if access == AccessName::Accounts {
         let accounts = store.accounts().map_err(|error| Failure::store(&args.store, &error))?;
         if !accounts.iter().any(|account| account.enabled && account.role == Role::Admin) {
-            let why = if args.accounts { "--accounts" } else { "an address that others reach" };
-            let what = format!("{why} needs an admin's account, and the store has none");
+            let why = if args.accounts { "--accounts" } else { "an address other than loopback" };
+            let what = format!("{why} requires an admin account, and the store has none");
             let help = format!("run: spineline account add NAME --role admin {name}");
             return Err(Failure::input(&name.to_string(), &what, &help));
         }
     }
     if args.bind.is_unspecified() && args.hosts.is_empty() {
         return Err(Failure::usage(format!(
-            "--bind {} listens on every address of this machine; say by which name browsers call it: --host NAME",
+            "--bind {} listens on every address of this machine; give the host name that browsers use: --host NAME",
             args.bind
         )));
     }
     if !args.bind.is_loopback() && !args.https {
         eprintln!(
-            "warning: films, names and passwords travel unencrypted between {} and the browsers, and others can read\n  and change them on the way; put a proxy with TLS before it, and start with --https",
+            "warning: films, names and passwords are not encrypted between {} and the browsers: others can read and\n  change them; use a TLS proxy, and start with --https",
             args.bind
         );
     }
@@ -126,7 +126,7 @@ async fn serve(args: &ServeArgs, store: Store, options: ServeOptions) -> Result<
     };
     let listener = match tokio::net::TcpListener::bind(address).await {
         Err(error) if args.port.is_none() && error.kind() == std::io::ErrorKind::AddrInUse => {
-            eprintln!("note: port {PORT} is taken by another program; this is a free one");
+            eprintln!("note: port {PORT} is in use; a free port is used instead");
             tokio::net::TcpListener::bind(SocketAddr::new(args.bind, 0)).await
         }
         other => other,
@@ -137,17 +137,19 @@ async fn serve(args: &ServeArgs, store: Store, options: ServeOptions) -> Result<
         let mut tokens = server.tokens();
         let token = tokens.borrow_and_update().clone();
         print(&format!("{base}#token={token}\n"))?;
-        print("Open this address in a browser; it is good once. Ctrl-C stops.\n")?;
+        print("Open this address in a browser; it works once. Press Ctrl-C to stop.\n")?;
         tokio::spawn(async move {
             while tokens.changed().await.is_ok() {
                 let token = tokens.borrow_and_update().clone();
-                // Nobody reads the terminal: nobody needs another address.
-                let _ = print(&format!("For another browser: {base}#token={token}\n"));
+                // A closed terminal needs no further address.
+                let _ = print(&format!("Address for another browser: {base}#token={token}\n"));
             }
         });
     } else {
         print(&format!("{base}\n"))?;
-        print("Open this address in a browser, and sign in with an account. Ctrl-C stops.\n")?;
+        print(
+            "Open this address in a browser and sign in with an account. Press Ctrl-C to stop.\n",
+        )?;
     }
     let end = async { tokio::signal::ctrl_c().await.unwrap_or_default() };
     server.run(end).await.map_err(|error| Failure::internal(error.to_string()))?;
@@ -165,8 +167,8 @@ fn base(args: &ServeArgs, address: SocketAddr, https: bool) -> String {
     }
 }
 
-/// The words of a panic may quote a request. Its place does not.
-fn tell_panics_without_their_words() {
+/// Reports panics by their place only: the message may quote a request.
+fn report_panics_without_messages() {
     std::panic::set_hook(Box::new(|panic| {
         let place = panic.location().map_or_else(String::new, ToString::to_string);
         eprintln!("error: a bug at {place}; please report it");

@@ -20,7 +20,7 @@ use crate::run::failure::Failure;
 pub enum FitName {
     /// Locations and tilts of all vertebrae
     Shape,
-    /// Three Ferguson angles per bend, amplitude held (the paper)
+    /// Three Ferguson angles per bend, with the amplitude fixed (the paper)
     Ferguson,
 }
 
@@ -35,9 +35,9 @@ impl FitName {
 
 #[derive(Clone, Copy, ValueEnum)]
 pub enum SupportName {
-    /// Every joint turns about three axes (the paper)
+    /// Every joint rotates about three axes (the paper)
     Free,
-    /// The patient lies on a table: flexion and axial hinges are locked
+    /// The patient lies on a table: flexion and axial rotation are locked
     Frontal,
 }
 
@@ -70,40 +70,40 @@ enum GroupingName {
 #[derive(Args)]
 #[command(next_help_heading = "Method")]
 pub struct MethodArgs {
-    /// Order of the curves: `leave-one-out`, `paper`, or a number from 4 to 12
+    /// Polynomial order of the curves: `leave-one-out`, `paper`, or a number from 4 to 12
     #[arg(long, value_name = "RULE", default_value = "leave-one-out", value_parser = order_rule)]
     order_rule: OrderRule,
-    /// What fixes the level of stiffness and force: `geometric-mean`, `frozen-force`, or `known-force:POSTURE=NEWTON`
+    /// Scale constraint (gauge) of stiffness and force: `geometric-mean`, `frozen-force`, or `known-force:POSTURE=NEWTON`
     /// such as known-force:traction=120
     #[arg(long, value_name = "GAUGE", default_value = "geometric-mean", value_parser = gauge)]
     gauge: Gauge,
-    /// What holds the patient
+    /// Support of the patient
     #[arg(long, value_enum, default_value_t = SupportName::Free)]
     support: SupportName,
-    /// What the stiffness is fitted to
+    /// Quantity that the stiffness is fitted to
     #[arg(long, value_enum, default_value_t = FitName::Shape)]
     fit: FitName,
-    /// Which joints share a stiffness multiplier
+    /// Joints that share a stiffness multiplier
     #[arg(long, value_enum, default_value_t = GroupingName::Regional)]
     multipliers: GroupingName,
-    /// What is known of multipliers before the films, as a log-normal spread about their mean: `none`, `in-vivo` (0.5, the
-    /// spread of segments of living scoliotic spines), or a standard deviation of ln such as 0.3
+    /// Log-normal prior of the multipliers about their mean: `none`, a standard deviation of ln such as 0.3, or `in-vivo`
+    /// (0.5, the spread between segments of living scoliotic spines)
     #[arg(long, value_name = "none|in-vivo|SD", default_value = "none", value_parser = prior)]
     prior: Prior,
-    /// Stiffness table to start from (`spineline stiffness` prints the built-in one)
+    /// Stiffness table to start from [default: the built-in table, which `spineline stiffness` prints]
     #[arg(long, value_name = "FILE")]
     pub stiffness: Option<PathBuf>,
-    /// Inflections picked by hand, caudal first, each a vertebra or a disc: L1/T12,T6
+    /// Inflections set by hand, caudal first, each a vertebra or a disc, such as L1/T12,T6 [default: found on the erect film]
     #[arg(long, value_name = "SITE,SITE", value_parser = inflection_sites)]
     inflections: Option<[Site; 2]>,
-    /// A stretch of the erect curve counts as a lobe, bounded by inflections, when it turns at least so many degrees
+    /// Minimum angle of a curve between inflections, in degrees
     #[arg(long, value_name = "DEG", default_value = "5", value_parser = lobe)]
     min_lobe: Angle,
-    /// A line of action of your own: POSTURE=Y,Z,LEAN with a point in mm and its lean from cranial in degrees, right
-    /// positive; may be repeated
+    /// Additional line of action: POSTURE=Y,Z,TILT with a point in mm and the lateral tilt from cranial in degrees, positive
+    /// to the right; may be repeated
     #[arg(long, value_name = "LINE", value_parser = given_line)]
     given_line: Vec<(Posture, LineOfAction)>,
-    /// Compare other loads and bases with the paper's line, fitted and left out: `all`, or names such as
+    /// Compare other loads and base supports with the paper's line, on fitted and left-out films: `all`, or names such as
     /// couple,weight,inflection-line+free-base (see docs/models.md)
     #[arg(long, value_name = "all|NAME,NAME", value_parser = hypotheses)]
     compare_models: Option<ChosenHypotheses>,
@@ -152,7 +152,8 @@ fn prior(text: &str) -> Result<Prior, String> {
         "in-vivo" => Ok(Prior(Some(LogNormalPrior::IN_VIVO))),
         other => match number(other) {
             Ok(log_sd @ 0.01..=5.0) => Ok(Prior(Some(LogNormalPrior { log_sd }))),
-            _ => Err("expected `none`, `in-vivo`, or a deviation of 0.01 to 5".to_owned()),
+            _ => Err("expected `none`, `in-vivo`, or a standard deviation of ln from 0.01 to 5"
+                .to_owned()),
         },
     }
 }
@@ -217,14 +218,14 @@ fn inflection_sites(text: &str) -> Result<[Site; 2], String> {
 }
 
 fn given_line(text: &str) -> Result<(Posture, LineOfAction), String> {
-    let expected = || "expected POSTURE=Y,Z,LEAN, such as left_bending=20,150,-5".to_owned();
+    let expected = || "expected POSTURE=Y,Z,TILT, such as left_bending=20,150,-5".to_owned();
     let (name, rest) = text.split_once('=').ok_or_else(expected)?;
     let numbers: Vec<f64> = rest.split(',').map(number).collect::<Result<_, _>>()?;
-    let [y, z, lean] = numbers[..] else { return Err(expected()) };
-    Ok((posture(name)?, LineOfAction::leaning(Frontal::new(y, z), Angle::from_deg(lean))))
+    let [y, z, tilt] = numbers[..] else { return Err(expected()) };
+    Ok((posture(name)?, LineOfAction::leaning(Frontal::new(y, z), Angle::from_deg(tilt))))
 }
 
-/// Loads and bases that were asked for.
+/// Loads and base supports to compare.
 #[derive(Clone)]
 struct ChosenHypotheses(Vec<Hypothesis>);
 

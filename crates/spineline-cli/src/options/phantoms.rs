@@ -25,7 +25,10 @@ impl ValueEnum for ScenarioName {
     }
 }
 
-/// The default readers with their deviations multiplied; zero is one reader who sees the truth.
+/// The default virtual readers with their noise multiplied; zero is one reader without error.
+///
+/// # Errors
+/// If the factor is out of range.
 pub fn readers(noise: f64) -> Result<Readers, Failure> {
     if !(0.0..=10.0).contains(&noise) {
         return Err(Failure::usage(format!("--noise {noise}: the factor must be from 0 to 10")));

@@ -10,18 +10,18 @@ use super::values::number;
 #[derive(Args)]
 #[command(next_help_heading = "Uncertainty")]
 pub struct UncertaintyArgs {
-    /// Tell which multipliers the bending films identify: profile likelihood, 95 % intervals, the weakest direction
+    /// Compute which multipliers the bending films identify: profile likelihood, 95 % intervals, weakest direction
     #[arg(long)]
     pub identifiability: bool,
-    /// Move all landmarks at random and analyse anew, so many times: every number then has a standard deviation and a 95 %
-    /// interval, in the report and under `uncertainty` in the JSON. 1000 are enough for intervals, 10000 for their ends
+    /// Run N Monte Carlo replicates with perturbed landmarks: every number gets a standard deviation and a 95 % interval, in
+    /// the report and under `uncertainty` in the JSON. Use 1000 for intervals, 10000 for stable ends of intervals
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=10_000_000))]
     pub replicates: Option<u64>,
-    /// Standard deviation of a landmark in one reading: `measured` (between the case's own readings; where it was read once,
-    /// what one careful reading is taken to have), or pixels of the film, such as 3
+    /// Standard deviation of the landmark noise of one reading: `measured` (between the case's readings; an assumed value
+    /// where there is one reading), or a number of film pixels, such as 3
     #[arg(long, value_name = "measured|PX", default_value = "measured", value_parser = noise, requires = "replicates")]
     pub noise: LandmarkNoise,
-    /// Seed of the replicates; each has a random stream of its own
+    /// Seed of the replicates
     #[arg(long, default_value_t = 1, requires = "replicates")]
     pub seed: u64,
 }
@@ -32,7 +32,7 @@ fn noise(text: &str) -> Result<LandmarkNoise, String> {
     }
     match number(text) {
         Ok(sd_px @ 0.0..=1000.0) => Ok(LandmarkNoise::Pixels(sd_px)),
-        _ => Err("expected `measured`, or a standard deviation of 0 to 1000 pixels".to_owned()),
+        _ => Err("expected `measured`, or a noise standard deviation from 0 to 1000 px".to_owned()),
     }
 }
 

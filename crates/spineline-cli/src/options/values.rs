@@ -6,7 +6,7 @@ pub fn posture(text: &str) -> Result<Posture, String> {
     let wanted = text.replace('-', "_");
     Posture::ALL.into_iter().find(|posture| posture.key() == wanted).ok_or_else(|| {
         format!(
-            "`{text}` is no posture; expected one of {}",
+            "unknown posture `{text}`; expected one of {}",
             Posture::ALL.map(Posture::key).join(", ")
         )
     })

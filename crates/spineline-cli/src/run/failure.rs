@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use spineline_io::intake::IntakeError;
 use spineline_server::store::StoreError;
 
-/// How a command that ran to its end came out.
+/// How a finished command ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
     /// Everything is a result.
@@ -16,7 +16,7 @@ pub enum Ending {
     BadInput,
     /// Finished, but something did not converge.
     NotConverged,
-    /// What was repeated came out different.
+    /// A repeated analysis differs.
     Differs,
 }
 
@@ -39,7 +39,7 @@ pub struct Failure {
 }
 
 impl Failure {
-    /// The command line asks for something that cannot be.
+    /// The command line is wrong.
     pub fn usage(what: impl Into<String>) -> Self {
         Self { code: 2, what: what.into(), help: None }
     }
@@ -54,7 +54,7 @@ impl Failure {
         Self { code: 1, what: format!("{place} could not be written: {error}"), help: None }
     }
 
-    /// A file that could not be read as what it should be.
+    /// A file that cannot be read as its format.
     pub fn file(path: &Path, error: &spineline_io::FileError) -> Self {
         // Reading errors name the path themselves.
         let what = match error {

@@ -13,7 +13,7 @@ pub fn is_stdout(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Writes to the standard output; a reader that closed the pipe has seen enough.
+/// Writes to the standard output; a closed pipe is no error.
 ///
 /// # Errors
 /// If it cannot be written.
@@ -28,7 +28,7 @@ pub fn print(text: &str) -> Result<Ending, Failure> {
 
 /// Writes a file as a whole and makes its folder: a reader never sees half of it.
 ///
-/// Every file of results goes through here.
+/// The only place that writes files of results.
 ///
 /// # Errors
 /// If it cannot be written.

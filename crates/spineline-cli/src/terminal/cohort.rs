@@ -11,7 +11,7 @@ use super::table::{Table, wrap};
 const LINES: [LineKind; 3] = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
 const WIDTH: usize = 110;
 
-/// A table of patients, and what they say together.
+/// A table of patients, and their statistics.
 pub fn text(analyses: &[Analysis], cohort: &Cohort) -> String {
     if analyses.is_empty() {
         return "no case could be analysed\n".to_owned();
@@ -23,14 +23,14 @@ pub fn text(analyses: &[Analysis], cohort: &Cohort) -> String {
         "inflection line",
         "iliac line",
         "estimated line",
-        "joints against",
+        "counter-rotating joints",
         "warnings",
     ]);
     for analysis in analyses {
         table.row(row(analysis));
     }
     let mut text = format!(
-        "Mean location errors in mm, fitted bends / held-out films; joints that turn against the inflection line's force\n{}\n",
+        "Mean location errors in mm, fitted bends / held-out films; joints that rotate against the inflection line's force\n{}\n",
         table.text()
     );
     text.push_str(&lines::cohort_text(cohort));
@@ -63,13 +63,13 @@ fn row(analysis: &Analysis) -> Vec<String> {
         ));
     }
     let inflection = analysis.models.iter().find(|m| m.kind == LINES[0]);
-    let against: Vec<String> = inflection
+    let counter_rotating: Vec<String> = inflection
         .into_iter()
         .flat_map(|m| &m.postures)
         .filter(|s| s.fitted)
         .map(|s| s.contradicted.len().to_string())
         .collect();
-    row.push(against.join(", "));
+    row.push(counter_rotating.join(", "));
     row.push(analysis.warnings.all().len().to_string());
     row
 }

@@ -1,4 +1,4 @@
-//! Other loads and bases than the lines, fitted and left out, as text.
+//! Comparison of other loads and base supports with the lines, as text.
 
 use std::fmt::Write;
 
@@ -8,9 +8,9 @@ use spineline::hypothesis::{Comparison, HypothesisFit, HypothesisSummary, Role, 
 use super::table::{Table, wrap};
 
 const WIDTH: usize = 110;
-const LEGEND: &str = "E_LOC in mm, one mean per patient. Fitted: stiffness and loads to both bends. Left out: a bend by the stiffness of the other and the least load that brings T2 near. Load fitted: the same with the load fitted to the whole shape. Held out: neutral and traction, as left out. Turns: root mean square of the errors of joint rotations in degrees; a base's turn counts at the lowest joint. Against: joints per bend that turn against the load. AICc and BIC: differences from the first row. Best: patients in whom no other is better left out, by AICc. Lost: films without a prediction and fits that did not converge.";
+const LEGEND: &str = "E_LOC in mm, one mean per patient. Fitted: stiffness and loads to both bends. Left out: a bend predicted with the stiffness of the other one and the smallest load that brings T2 near. Load fitted: the same with the load fitted to the whole shape. Held out: neutral and traction, as left out. Rotations: root mean square error of joint rotations in degrees; the rotation of a base counts at the lowest joint. Counter-rotating: joints per bend that rotate against the load. AICc and BIC: differences from the first row. Best: patients in whom none is better, on left-out bends and by AICc. Lost: films without a prediction and fits that did not converge.";
 
-/// The hypotheses that were asked for, over one patient or several; nothing where none was.
+/// The hypotheses that were asked for, over one patient or several; empty where there are none.
 pub fn text(analyses: &[Analysis]) -> String {
     let patients: Vec<&[HypothesisFit]> = analyses.iter().map(|a| &a.hypotheses[..]).collect();
     let blocks = compare(&patients);
@@ -42,9 +42,9 @@ fn table(block: &Comparison) -> String {
         "left out",
         "load fitted",
         "held out",
-        "turns fitted",
-        "turns left out",
-        "against",
+        "rotations fitted",
+        "rotations left out",
+        "counter-rotating",
         "AICc",
         "BIC",
         "best",

@@ -7,10 +7,10 @@ use spineline::personalize::{Identifiability, MultiplierInformation, ProfileEnd}
 
 use super::table::Table;
 
-/// The part of a report that tells which multipliers the bending films identify.
+/// The part of a report about which multipliers the bending films identify.
 pub fn text(analysis: &Analysis, found: &[Option<Identifiability>]) -> String {
     let mut text = String::from(
-        "What the bending films say of every multiplier (profile likelihood; ratios to their geometric mean)\n",
+        "Identifiability of every multiplier from the bending films (profile likelihood; ratios to their geometric mean)\n",
     );
     for (model, found) in analysis.models.iter().zip(found) {
         match found {
@@ -18,7 +18,7 @@ pub fn text(analysis: &Analysis, found: &[Option<Identifiability>]) -> String {
             None => {
                 let _ = writeln!(
                     text,
-                    "\n{}: its fit did not converge, so nothing is known",
+                    "\n{}: the fit did not converge, so there is no result",
                     model.kind
                 );
             }
@@ -56,21 +56,19 @@ fn model_text(analysis: &Analysis, model: &LineModel, found: &Identifiability) -
         let times = found.variance_factor.sqrt();
         let _ = writeln!(
             text,
-            "  The fit leaves {times:.1} times what noise explains; intervals are widened by that."
+            "  Residuals are {times:.1} times what noise explains; intervals are widened by this factor."
         );
     }
     if let Some(weakest) = found.directions.first() {
         let what = if weakest.gauge_share > 0.9 {
-            "the level of all, which the gauge fixes"
+            "the level of all, which the scale constraint (gauge) fixes"
         } else {
             "a ratio"
         };
         let _ = writeln!(text, "  Least known: {what} (sd of ln {}).", deviation(weakest.log_sd));
     }
     if found.multipliers.iter().any(|one| one.profile.improves()) {
-        text.push_str(
-            "  A profile found a better fit than the fit itself: its minimum was not the lowest.\n",
-        );
+        text.push_str("  A profile found a lower minimum than the fit did.\n");
     }
     text
 }

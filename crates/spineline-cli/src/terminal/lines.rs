@@ -32,7 +32,7 @@ pub fn patient_text(found: &LinesCompared) -> String {
 }
 
 fn patient_note(found: &LinesCompared) -> String {
-    let mut note = "Numbers fitted: free multipliers + forces + what places a free line. A bend that is left out is predicted with the stiffness that the other bend gave.".to_owned();
+    let mut note = "Numbers fitted: free multipliers + forces + position of a free line. A bend that is left out is predicted with the stiffness that the other bend gave.".to_owned();
     let left: Vec<String> = FilmRole::ALL
         .into_iter()
         .filter_map(|role| match found.counted(role) {
@@ -42,7 +42,7 @@ fn patient_note(found: &LinesCompared) -> String {
         .collect();
     if !left.is_empty() {
         note.push_str(&format!(
-            " Not compared, since some line has no result there: {}.",
+            " Not compared, because a line has no result: {}.",
             left.join(", ")
         ));
     }
@@ -73,7 +73,7 @@ pub fn cohort_text(cohort: &Cohort) -> String {
     text.push('\n');
     text.push_str(&tests_table(compared));
     let note = format!(
-        "Intervals are over patients. Left out: films on which some line has no result. Numbers fitted: free multipliers + forces + what places a free line. A bend left out is predicted with the stiffness that the other bend gave. {}. {}.",
+        "Intervals are over patients. Left out: films on which a line has no result. Numbers fitted: free multipliers + forces + position of a free line. A bend left out is predicted with the stiffness that the other bend gave. {}. {}.",
         compared.believe_words(),
         compared.family_words()
     );

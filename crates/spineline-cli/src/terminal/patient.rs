@@ -10,7 +10,7 @@ use super::table::{Table, wrap};
 
 const WIDTH: usize = 110;
 
-/// Everything that a person wants to read of one patient.
+/// The whole report of one patient.
 pub fn text(analysis: &Analysis) -> String {
     let mut text = String::new();
     let synthetic = if analysis.synthetic { " · SYNTHETIC" } else { "" };
@@ -25,7 +25,7 @@ pub fn text(analysis: &Analysis) -> String {
     text.push_str(&curve_text(analysis));
     text.push_str(&clinical_text(analysis));
     text.push_str(&motion_text(analysis));
-    text.push_str(&own_lines_text(analysis));
+    text.push_str(&best_fit_lines_text(analysis));
     if !analysis.models.is_empty() {
         text.push_str(&models_text(analysis));
         text.push('\n');
@@ -34,7 +34,7 @@ pub fn text(analysis: &Analysis) -> String {
     text
 }
 
-/// The soft problems of an analysis, for the error stream.
+/// The warnings of an analysis, for the error stream.
 pub fn warnings(analysis: &Analysis) -> String {
     let mut text = String::new();
     for warning in analysis.warnings.all() {
@@ -80,7 +80,7 @@ fn clinical_text(analysis: &Analysis) -> String {
             format!("{}-{}", curve.ends.superior, curve.ends.inferior),
             curve.apex.to_string(),
         ];
-        // In the direction of the erect curve: a negative number has turned over.
+        // In the direction of the erect curve: a negative angle is convex to the other side.
         row.extend(curve.cobb.iter().map(|(_, angle)| format!("{:.1}°", angle.deg() * sign)));
         row.push(
             curve.flexibility.map_or_else(|| "-".to_owned(), |f| format!("{:.0} %", 100.0 * f)),
@@ -93,7 +93,7 @@ fn clinical_text(analysis: &Analysis) -> String {
 fn motion_text(analysis: &Analysis) -> String {
     let mut table = Table::new([
         "Posture",
-        "L4-T2 leans",
+        "L4-T2 lateral tilt",
         "curve order",
         "fit",
         "fit (°)",
@@ -117,11 +117,11 @@ fn motion_text(analysis: &Analysis) -> String {
     format!("{}\n", table.text())
 }
 
-/// The line that every film's rotations prefer, and what it says of the proposed ones.
-fn own_lines_text(analysis: &Analysis) -> String {
+/// The line of best fit to the rotations of each film, and tests of the proposed lines.
+fn best_fit_lines_text(analysis: &Analysis) -> String {
     let mut table = Table::new([
-        "Line that the rotations prefer",
-        "leans",
+        "Line of best fit to the rotations",
+        "lateral tilt",
         "at the caudal inflection (mm left, - right)",
         "at the cranial one",
         "p: through both",
@@ -145,7 +145,7 @@ fn own_lines_text(analysis: &Analysis) -> String {
     let Some((_, any)) = own.clone().next() else { return String::new() };
     let mut text = table.text();
     let said = format!(
-        "In brackets 95 % confidence, of this place alone; p below 0.05 speaks against the line. Joints of a region differ in stiffness by {:.0} % on these films.",
+        "In brackets: 95 % confidence interval of this crossing alone. p below 0.05 rejects the line. Joints of a region differ in stiffness by {:.0} % on these films.",
         100.0 * any.joint_log_sd
     );
     text.push_str(&wrap(&said, WIDTH, "  "));
@@ -161,7 +161,7 @@ fn models_text(analysis: &Analysis) -> String {
         "location error (mm)",
         "Ferguson errors (°)",
         force_heading(analysis),
-        "joints against",
+        "counter-rotating joints",
     ]);
     for model in &analysis.models {
         for s in &model.postures {
@@ -181,7 +181,7 @@ fn models_text(analysis: &Analysis) -> String {
         }
     }
     let mut text = format!("{}\n", table.text());
-    let _ = writeln!(text, "Lateral stiffness against the table ({})", analysis.gauge_words());
+    let _ = writeln!(text, "Lateral stiffness relative to the table ({})", analysis.gauge_words());
     for model in &analysis.models {
         let _ = writeln!(text, "  {:15} {}", model.kind, multipliers_text(model));
     }
@@ -204,7 +204,7 @@ fn multipliers_text(model: &LineModel) -> String {
         .map(|((name, value), bound)| {
             let note = match bound {
                 StiffnessBound::Inside => "",
-                _ => " (at its bound: not identified)",
+                _ => " (at its limit: not identified)",
             };
             format!("{} {:.2}{note}", name.replace('_', " "), value * model.fit.absolute_scale)
         })

@@ -10,7 +10,7 @@ use super::table::{Table, wrap};
 pub fn text(found: &[QuantityReliability], synthetic: bool) -> String {
     let mut text = String::new();
     if synthetic {
-        text.push_str("SYNTHETIC: made-up films\n\n");
+        text.push_str("SYNTHETIC films\n\n");
     }
     for quantity in found {
         text.push_str(&wrap(&format!("{}: {}", quantity.key, quantity.meaning), 110, ""));
@@ -20,7 +20,7 @@ pub fn text(found: &[QuantityReliability], synthetic: bool) -> String {
         text.push('\n');
     }
     text.push_str(&wrap(
-        "SEM, MDC95 and limits of agreement speak of the readers alone. Every correlation also grows with the spread of the subjects. Intervals take the subjects for independent; vertebrae of one film are not, so true ones are wider.",
+        "SEM, MDC95 and limits of agreement describe the readers alone. Every correlation also grows with the spread of the subjects. Intervals assume independent subjects; vertebrae of one film are not independent, so true intervals are wider.",
         110,
         "",
     ));
@@ -32,7 +32,7 @@ fn design_text(design: &DesignReliability, unit: &str) -> String {
         if count == 1 { format!("1 {word}") } else { format!("{count} {word}s") }
     };
     let mut text = format!("\n{}: {}\n", design.design, design.raters.join(" | "));
-    // All statistics of a table without raters or subjects lack for the same reason.
+    // All statistics of a table without raters or subjects are undefined for the same reason.
     let mut reasons = design.statistics.iter().map(|statistic| statistic.outcome.err());
     if let Some(Some(reason)) = reasons.next()
         && reasons.all(|other| other == Some(reason))

@@ -46,7 +46,7 @@ impl Table {
     }
 }
 
-/// Breaks a text into lines of at most so many characters, each after an indent.
+/// Breaks a text into lines of at most `width` characters, each after an indent.
 pub fn wrap(text: &str, width: usize, indent: &str) -> String {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {

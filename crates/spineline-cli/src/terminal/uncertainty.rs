@@ -8,14 +8,14 @@ use spineline::uncertainty::{Quantity, QuantitySpread, QuantityUnit, Uncertainty
 
 use super::table::{Table, wrap};
 
-/// The part of a report that tells how sure its numbers are.
+/// The part of a report about the uncertainty of its numbers.
 pub fn text(analysis: &Analysis, found: &Uncertainty) -> String {
     let mut text = format!(
-        "Landmark noise: {} replicates, seed {}; mean is that of the replicates, the interval holds 95 % of them\n",
+        "Landmark noise: {} replicates, seed {}; mean of the replicates, interval with 95 % of them\n",
         found.done, found.seed
     );
     if found.done < found.asked {
-        let _ = writeln!(text, "  broken off: {} were asked for", found.asked);
+        let _ = writeln!(text, "  interrupted: {} were requested", found.asked);
     }
     for words in found.noise_words() {
         text.push_str(&wrap(&words, 106, "  "));
@@ -33,7 +33,7 @@ pub fn text(analysis: &Analysis, found: &Uncertainty) -> String {
 fn places_text(analysis: &Analysis, found: &Uncertainty) -> String {
     let mut table = Table::new([
         "Standard deviation of vertebrae",
-        "to the side",
+        "lateral",
         "largest",
         "height",
         "largest",

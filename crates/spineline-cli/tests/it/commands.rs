@@ -44,6 +44,8 @@ fn help_teaches_every_command() {
         "simulate",
         "schema",
         "completions",
+        "Validate case files and list warnings",
+        "Manage user accounts and study permissions",
         "not a medical device",
     ] {
         assert!(text.contains(word), "{word}");
@@ -51,6 +53,20 @@ fn help_teaches_every_command() {
     assert_eq!(run(here.path(), &["analyze"]).2, 2, "nothing to analyse is a wrong call");
     assert_eq!(run(here.path(), &["analyse"]).2, 2, "an unknown word is a wrong call");
     assert!(run(here.path(), &["completions", "bash"]).0.contains("spineline"));
+}
+
+#[test]
+fn a_scenario_is_given_by_either_name_of_its_option() {
+    let here = folder();
+    for option in ["--truth", "--scenario"] {
+        let out = format!("--out={}", option.trim_start_matches('-'));
+        let line = ["phantom", option, "bend", "--subject", "2", &out];
+        assert_eq!(run(here.path(), &line).2, 0, "{option}");
+    }
+    let read = |folder: &str| {
+        fs::read(here.path().join(folder).join("phantom-bend-02.json")).expect("it was written")
+    };
+    assert_eq!(read("truth"), read("scenario"));
 }
 
 #[test]
@@ -147,7 +163,7 @@ fn what_films_say_of_multipliers_is_told_on_demand_with_and_without_a_prior() {
     let with = |more: &[&str]| run(here.path(), &[&["analyze", case], more].concat()).0;
     let plain = with(&[]);
     assert!(!plain.contains("profile likelihood"), "{plain}");
-    for word in ["Line that the rotations prefer", "p: through both", "p: parallel to iliac"] {
+    for word in ["Line of best fit to the rotations", "p: through both", "p: parallel to iliac"] {
         assert!(plain.contains(word), "{word} is missing in\n{plain}");
     }
     let asked = with(&["--identifiability"]);
@@ -257,9 +273,9 @@ fn wrong_options_say_what_would_be_right() {
     let here = folder();
     for (arguments, word) in [
         (["analyze", "x.json", "--order-rule", "3"], "4 to 12"),
-        (["analyze", "x.json", "--gauge", "known-force:sitting=3"], "no posture"),
+        (["analyze", "x.json", "--gauge", "known-force:sitting=3"], "unknown posture `sitting`"),
         (["analyze", "x.json", "--inflections", "T6"], "two sites"),
-        (["analyze", "x.json", "--given-line", "neutral=1,2"], "POSTURE=Y,Z,LEAN"),
+        (["analyze", "x.json", "--given-line", "neutral=1,2"], "POSTURE=Y,Z,TILT"),
         (["analyze", "x.json", "--support", "table"], "frontal"),
         (["phantom", "--subject", "19", "--seed=1"], "1 to 18"),
     ] {

@@ -1,4 +1,4 @@
-//! The words of `spineline account`.
+//! The command line of `account`.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
 use spineline_server::store::Role;
 
-/// What a user types.
+/// Shown below the options.
 pub const EXAMPLES: &str = "\
 Examples:
   spineline account add lead --role admin clinic.spineline
@@ -17,42 +17,42 @@ Examples:
   spineline account revoke reader-2 P07 clinic.spineline
   spineline account list clinic.spineline
 
-A password is asked for in the terminal, or read from the standard input; it is never an argument, which others on the
-machine could see. An admin leads every study. Editors and readers see the studies that they are granted.";
+Passwords are entered in the terminal or read from the standard input, never given as arguments, which other users of the
+machine could see. Admins may do everything in every study. Editors and readers see the studies granted to them.";
 
 #[derive(Args)]
 pub struct AccountArgs {
     #[command(subcommand)]
     pub command: AccountCommand,
-    /// Who does this, for the log
+    /// Your name for the log
     #[arg(long, global = true, value_name = "NAME", default_value = "cli")]
     pub by: String,
 }
 
 #[derive(Subcommand)]
 pub enum AccountCommand {
-    /// Make an account
+    /// Add an account
     Add {
-        /// Its name, which is also the observer's
+        /// Name of the account and of the observer
         name: String,
         /// File of the store
         #[arg(default_value = "studies.spineline")]
         store: PathBuf,
-        /// What it may do at most
+        /// Highest role of the account
         #[arg(long, value_name = "ROLE", value_parser = role(&Role::ALL))]
         role: Role,
         /// Read the password from the standard input, up to the end of its first line
         #[arg(long)]
         password_stdin: bool,
     },
-    /// Change an account; a new password and --disable sign it out everywhere
+    /// Edit an account; a new password and --disable end all its sessions
     Edit {
-        /// Its name
+        /// Name of the account
         name: String,
         /// File of the store
         #[arg(default_value = "studies.spineline")]
         store: PathBuf,
-        /// What it may do at most
+        /// Highest role of the account
         #[arg(long, value_name = "ROLE", value_parser = role(&Role::ALL))]
         role: Option<Role>,
         /// Ask for a new password
@@ -61,20 +61,20 @@ pub enum AccountCommand {
         /// Read a new password from the standard input, up to the end of its first line
         #[arg(long, conflicts_with = "password")]
         password_stdin: bool,
-        /// Let it sign in again
+        /// Allow sign-in again
         #[arg(long)]
         enable: bool,
-        /// Keep it from signing in
+        /// Prevent sign-in
         #[arg(long, conflicts_with = "enable")]
         disable: bool,
     },
-    /// Tell which accounts there are, and what they are granted
+    /// List accounts and their studies
     List {
         /// File of the store
         #[arg(default_value = "studies.spineline")]
         store: PathBuf,
     },
-    /// Let an account into a study
+    /// Grant an account a role in a study
     Grant {
         /// Name of the account
         name: String,
@@ -83,11 +83,11 @@ pub enum AccountCommand {
         /// File of the store
         #[arg(default_value = "studies.spineline")]
         store: PathBuf,
-        /// What it may do there
+        /// Role in the study
         #[arg(long, value_name = "ROLE", value_parser = role(&[Role::Reader, Role::Editor]))]
         role: Role,
     },
-    /// Take a grant back
+    /// Revoke an account's role in a study
     Revoke {
         /// Name of the account
         name: String,

@@ -1,4 +1,4 @@
-//! `spineline account`: who may sign in to the browser app, and see which study.
+//! `spineline account`: user accounts of the browser app and their studies.
 
 mod args;
 
@@ -19,7 +19,7 @@ use crate::run::outputs::print;
 use crate::terminal::table::Table;
 
 /// More than the longest password.
-const MOST_INPUT_BYTES: u64 = 4096;
+const MAX_INPUT_BYTES: u64 = 4096;
 
 pub fn run(args: &AccountArgs) -> Result<Ending, Failure> {
     let path = args.command.store();
@@ -34,11 +34,11 @@ pub fn run(args: &AccountArgs) -> Result<Ending, Failure> {
             let account = Account { name: name(account)?, role: *role, enabled: true };
             let password = password(path, *password_stdin)?;
             store.add_account(&account, &password, &by).map_err(fail)?;
-            print(&format!("Account {} is there, as {}.\n", account.name, role.key()))
+            print(&format!("Account {} was added as {}.\n", account.name, role.key()))
         }
         AccountCommand::Edit { name: account, .. } => {
             let account = name(account)?;
-            // Before anybody types a password for nothing.
+            // An unknown account must fail before the password is entered.
             store.account(&account).map_err(fail)?;
             let change = change(&args.command)?;
             let account = store.edit_account(&account, &change, &by).map_err(fail)?;
@@ -69,7 +69,7 @@ fn change(command: &AccountCommand) -> Result<AccountChange, Failure> {
     let change = AccountChange { role: *role, password: password.transpose()?, enabled };
     if change.role.is_none() && change.password.is_none() && change.enabled.is_none() {
         let options = "--role, --password, --password-stdin, --enable or --disable";
-        return Err(Failure::usage(format!("nothing to change; say {options}")));
+        return Err(Failure::usage(format!("nothing to change; give {options}")));
     }
     Ok(change)
 }
@@ -81,7 +81,7 @@ fn password(store: &Path, from_stdin: bool) -> Result<PasswordHash, Failure> {
 
 fn first_line() -> Result<String, Failure> {
     let mut text = String::new();
-    let read = stdin().lock().take(MOST_INPUT_BYTES).read_to_string(&mut text);
+    let read = stdin().lock().take(MAX_INPUT_BYTES).read_to_string(&mut text);
     read.map_err(|error| {
         Failure::input("standard input", &error, "write the password as one line of UTF-8 text")
     })?;
@@ -90,13 +90,11 @@ fn first_line() -> Result<String, Failure> {
 
 fn asked() -> Result<String, Failure> {
     if !stdin().is_terminal() {
-        return Err(Failure::usage(
-            "there is no terminal to ask for the password in; give it with --password-stdin",
-        ));
+        return Err(Failure::usage("no terminal to enter the password; use --password-stdin"));
     }
     let asked = dialoguer::Password::new()
         .with_prompt("Password (at least 12 characters)")
-        .with_confirmation("Once more", "These were two different ones.")
+        .with_confirmation("Repeat password", "The passwords differ.")
         .interact();
     let dialoguer::Error::IO(error) = match asked {
         Ok(text) => return Ok(text),

@@ -12,7 +12,7 @@ use crate::options::values::threads;
 
 #[derive(Args)]
 pub struct AnalyzeArgs {
-    /// Case files or analyses, or folders of them; more than one case is a cohort
+    /// Case files, analyses, or folders of them; more than one case is a cohort
     #[arg(required = true, value_name = "CASE")]
     pub cases: Vec<PathBuf>,
     /// Write the analysis as JSON (`-`: standard output); a list for a cohort
@@ -24,11 +24,11 @@ pub struct AnalyzeArgs {
     /// Write the chain of every posture as a Denavit-Hartenberg table, one row per segment, as CSV (`-`: standard output)
     #[arg(long, value_name = "FILE")]
     pub chain: Option<PathBuf>,
-    /// Write what the cases say together of the lines of action, errors and every test, as JSON; as CSV, one row per test,
-    /// where the name ends in .csv (`-`: JSON to the standard output)
+    /// Write the statistics of the cohort as JSON: lines of action, errors and tests; as CSV, one row per test, where the name
+    /// ends in .csv (`-`: JSON to the standard output)
     #[arg(long, value_name = "FILE")]
     pub cohort: Option<PathBuf>,
-    /// Write the personalised model of one case
+    /// Write the personalised model of one case as JSON (`-`: standard output)
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
     /// Line of action of the model that `--model` writes
@@ -37,7 +37,7 @@ pub struct AnalyzeArgs {
     /// Draw figures as SVG into this folder
     #[arg(long, value_name = "DIR")]
     pub figures: Option<PathBuf>,
-    /// Threads for a cohort and for replicates; 0 uses all cores. The results do not depend on it
+    /// Threads for a cohort and for replicates; 0: all cores. The number does not change the results
     #[arg(long, default_value = "0", value_parser = threads)]
     pub threads: usize,
     #[command(flatten)]

@@ -14,11 +14,11 @@ use crate::run::outputs::write_file;
 #[command(next_help_heading = "Tables")]
 pub struct TablesArgs {
     /// Write tidy tables into this folder: patients, postures, vertebrae, joints, models, multipliers, springs, lines, clinical,
-    /// reliability and warnings, with what was asked for of other loads and uncertainty; dictionary.csv says what every column
-    /// means, provenance.json where they come from
+    /// reliability and warnings, and other loads and uncertainty where they are asked for; dictionary.csv defines every
+    /// column, provenance.json names the inputs
     #[arg(long = "tables", value_name = "DIR")]
     pub folder: Option<PathBuf>,
-    /// What to write them as
+    /// File formats of the tables
     #[arg(
         long = "tables-format",
         value_name = "FORMAT,FORMAT",
@@ -32,13 +32,13 @@ pub struct TablesArgs {
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 pub enum TableFormat {
-    /// Text with commas, for every program
+    /// Comma-separated text
     Csv,
-    /// With types, units and provenance inside, for pandas, polars, R and DuckDB
+    /// Typed columns with units and provenance, for pandas, polars, R and DuckDB
     Parquet,
 }
 
-/// Writes all tables of some patients, and what they mean and come from.
+/// Writes all tables of some patients, their dictionary and their provenance.
 ///
 /// # Errors
 /// If a file cannot be written.

@@ -1,4 +1,4 @@
-//! Sets of AASCE landmarks: a verdict on every row, and a case of every row without fault.
+//! AASCE landmarks: a verdict on every row, and a case for every row without faults.
 
 use std::path::{Path, PathBuf};
 
@@ -22,11 +22,13 @@ const HEADING: [&str; 5] = ["row", "case_id", "verdict", "main_angle_deg", "faul
 pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
     let [side] = &args.patient_left[..] else {
         return Err(Failure::usage(
-            "these landmarks name sides of the picture: say once for all of them where the patient's left is, with --patient-left image-right or image-left",
+            "these landmarks name sides of the picture: give the side with the patient's left once for all films, with --patient-left image-right or image-left",
         ));
     };
     if side.posture.is_some() {
-        return Err(Failure::usage("--patient-left is for all of these films: give it no posture"));
+        return Err(Failure::usage(
+            "--patient-left is for all AASCE films: give it without a posture",
+        ));
     }
     for folder in &args.paths {
         import(args, folder, side.value.side())?;
@@ -66,13 +68,13 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
         table.push([row.row.to_string(), case_id, verdict, angle, faults]);
     }
     text.push_str(&format!(
-        "{}: {clean} of {} rows without fault; the others are not made into cases\n",
+        "{}: {clean} of {} rows have no faults; cases are written for these only\n",
         folder.display(),
         table.len()
     ));
     if let Some(verdicts) = verdicts {
         write_file(&verdicts, rows_to_csv(HEADING, &table)?)?;
-        text.push_str(&format!("{} holds every verdict\n", verdicts.display()));
+        text.push_str(&format!("Verdicts on every row: {}\n", verdicts.display()));
     }
     print(&text).map(|_| ())
 }
@@ -82,7 +84,7 @@ fn rows(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<Vec<AasceRo
     let read = |path: PathBuf| {
         std::fs::read(&path).map_err(|error| {
             let help =
-                "a set has filenames.csv and landmarks.csv; --sizes names the pictures' sizes";
+                "an AASCE folder has filenames.csv and landmarks.csv; --sizes gives the sizes of the pictures";
             Failure::input(&path.display().to_string(), &error, help)
         })
     };

@@ -1,4 +1,4 @@
-//! The words of `spineline import`.
+//! The command line of `import`.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -13,77 +13,77 @@ use super::role::Role;
 use crate::options::values::{number, posture};
 use crate::run::failure::Failure;
 
-/// What a user types.
+/// Shown below the options.
 pub const EXAMPLES: &str = "\
 Examples:
   spineline import FOLDER --list
-      tell what lies there: films, what each says of itself, and everything else
+      list the films there with their metadata, and all other files
   spineline import FOLDER --case-id P07 --out p07
-      answer a few questions, and get p07/case.json with its films beside it
+      answer a few questions; writes p07/case.json with its films beside it
   spineline import films.zip --case-id P07 --out p07 \\
       --film erect=1 --film left-bending=4 --film right-bending=5 --patient-left image-left
-      the same without questions; the numbers are those of --list
+      the same without questions; the numbers are from --list
   spineline import xray.png --case-id P07 --out p07 --film erect=1 --patient-left image-right \\
       --ball erect=212,400,337,400,25
       a picture with a 25 mm ball: two clicks and its diameter give the scale
 
-Films that have a case but no marks yet are marked in the browser app, or elsewhere: --landmarks reads CSV, 3D Slicer, AASCE, \
-labelme, COCO and DICOM SR files. Names, numbers and dates of the patient are taken out of DICOM files unless you keep them; look at \
-the pictures for burned-in text yourself.";
+Place landmarks in the browser app or in another program: --landmarks reads CSV, 3D Slicer, AASCE, labelme, COCO and DICOM SR \
+files. Names, numbers and dates of the patient are removed from DICOM files unless you keep them; check the pictures for \
+burned-in text yourself.";
 
 #[derive(Args, Clone)]
 pub struct ImportArgs {
     /// Films (DICOM, PNG, JPEG, TIFF), folders of them, and ZIP archives
     #[arg(required = true, value_name = "PATH")]
     pub paths: Vec<PathBuf>,
-    /// Only tell what was found
+    /// List what was found and write nothing
     #[arg(long)]
     pub list: bool,
-    /// Folder for the case; it must not hold one yet
+    /// Folder for the case; it must not hold a case
     #[arg(long, value_name = "DIR", required_unless_present = "list")]
     pub out: Option<PathBuf>,
-    /// Identifier of the patient in this study: letters, digits, `-`, `_`; never a name or a hospital's number
+    /// Identifier of the patient in this study: letters, digits, `-`, `_`; not a name or a hospital number
     #[arg(long, value_name = "ID", required_unless_present_any = ["list", "aasce"], value_parser = case_id)]
     pub case_id: Option<String>,
-    /// Which film shows which posture: POSTURE=N with the number that `--list` prints, or POSTURE=FILE; may be repeated
+    /// Film of a posture: POSTURE=N with the number from `--list`, or POSTURE=FILE; may be repeated
     #[arg(long, value_name = "POSTURE=FILM", value_parser = film_choice)]
     pub film: Vec<(Posture, FilmChoice)>,
-    /// Which film is the lateral one, for the sagittal profile
+    /// Lateral film, for the sagittal profile: its number from `--list`, or its file
     #[arg(long, value_name = "FILM", value_parser = choice)]
     pub lateral: Option<FilmChoice>,
-    /// Side of the picture on which the patient's left is, where the file does not say so or is wrong: of all films, or of
-    /// one as in erect=image-left; may be repeated
+    /// Side of the picture with the patient's left, where the file does not state it or is wrong: for all films, or for one
+    /// as in erect=image-left; may be repeated
     #[arg(long, value_name = "[POSTURE=]SIDE", value_parser = side_of_film)]
     pub patient_left: Vec<OfFilm<SideName>>,
-    /// Side of the lateral picture on which the patient's front is
+    /// Side of the lateral picture with the patient's front
     #[arg(long, value_enum, value_name = "SIDE")]
     pub patient_anterior: Option<SideName>,
-    /// Distances between columns and rows in mm and their plane, where the file has none or is wrong, as in
+    /// Pixel spacing of columns and rows in mm and its plane, where the file has none or is wrong, as in
     /// 0.143,0.143,patient or erect=0.1,0.2,detector; may be repeated
     #[arg(long, value_name = "[POSTURE=]COLUMN,ROW,PLANE", value_parser = spacing_of_film)]
     pub spacing: Vec<OfFilm<Spacing>>,
-    /// A ball in the picture: two clicks on opposite ends of a diameter, and that diameter in mm with its deviation if it
-    /// has any, as in erect=212,400,337,400,25 or erect=212,400,337,400,25+-0.1; may be repeated
+    /// Calibration ball in the picture: two pixels at opposite ends of a diameter, and the diameter in mm, optionally with its
+    /// standard deviation, as in erect=212,400,337,400,25 or erect=212,400,337,400,25+-0.1; may be repeated
     #[arg(long, value_name = "POSTURE=COLUMN,ROW,COLUMN,ROW,MM", value_parser = clicks)]
     pub ball: Vec<(Posture, Clicks)>,
-    /// A ruler in the picture: two clicks on it, and the length between them; as `--ball`
+    /// Ruler in the picture: two pixels on it, and the length between them in mm; format as `--ball`
     #[arg(long, value_name = "POSTURE=COLUMN,ROW,COLUMN,ROW,MM", value_parser = clicks)]
     pub ruler: Vec<(Posture, Clicks)>,
-    /// Landmarks that another program made, of all films or of one as in erect=erect.mrk.json; may be repeated. `--help`
+    /// File of landmarks from another program, for all films or for one as in erect=erect.mrk.json; may be repeated. `--help`
     /// lists the formats
     #[arg(long, value_name = "[POSTURE=]FILE", value_parser = landmarks)]
     pub landmarks: Vec<OfFilm<PathBuf>>,
-    /// The paths are folders of AASCE landmarks (filenames.csv, landmarks.csv): judge every row, and write a case for each
-    /// one without fault
+    /// Read the paths as folders of AASCE landmarks (filenames.csv, landmarks.csv): check every row, and write a case for
+    /// each row without faults
     #[arg(long, conflicts_with_all = ["film", "lateral", "landmarks", "case_id"])]
     pub aasce: bool,
-    /// Sizes of the pictures of such a set [default: image_sizes.csv in its folder]
+    /// Sizes of the pictures of an AASCE folder, in pixels [default: image_sizes.csv in the folder]
     #[arg(long, value_name = "FILE", requires = "aasce")]
     pub sizes: Option<PathBuf>,
-    /// Show this film with black and white exchanged, against what its file says; may be repeated
+    /// Invert black and white of this film; may be repeated
     #[arg(long, value_name = "POSTURE", value_parser = posture)]
     pub invert: Vec<Posture>,
-    /// Go on where a file contradicts what you said of it
+    /// Continue where a file contradicts your options
     #[arg(long)]
     pub accept: bool,
     /// Keep names, numbers and dates in DICOM files
@@ -92,8 +92,8 @@ pub struct ImportArgs {
     /// Keep sex and age in DICOM files
     #[arg(long, conflicts_with = "keep_identity")]
     pub keep_characteristics: bool,
-    /// File with the secret that maps identifiers, made if it does not exist; the same secret maps the same identifiers to
-    /// the same new ones. Keep it out of what you pass on [default: in your configuration folder]
+    /// File with the secret that maps identifiers, created if it does not exist; the same secret gives the same new
+    /// identifiers. Do not pass it on [default: in your configuration folder]
     #[arg(long, value_name = "FILE")]
     pub secret: Option<PathBuf>,
 }
@@ -107,9 +107,9 @@ pub enum FilmChoice {
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 pub enum SideName {
-    /// On the left of the picture as one looks at it
+    /// Left side of the picture as viewed
     ImageLeft,
-    /// On the right of the picture as one looks at it
+    /// Right side of the picture as viewed
     ImageRight,
 }
 
@@ -122,14 +122,14 @@ impl SideName {
     }
 }
 
-/// Something said of one film, or of all.
+/// A value for one film, or for all.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OfFilm<T> {
     pub posture: Option<Posture>,
     pub value: T,
 }
 
-/// What was said of a film: what names it goes before what names none.
+/// The value for a film: one that names the film goes before a general one.
 pub fn answer_for<T: Copy>(all: &[OfFilm<T>], role: Role) -> Option<T> {
     let posture = role.posture();
     let named = all.iter().find(|said| posture.is_some() && said.posture == posture);
@@ -198,7 +198,7 @@ impl ImportArgs {
         match named.find(|posture| !chosen.contains(posture)) {
             None => Ok(()),
             Some(posture) => Err(Failure::usage(format!(
-                "something is said of the {posture} film, and no such film was chosen: add --film {}=…",
+                "an option names the {posture} film, but no such film was chosen: add --film {}=…",
                 posture.key().replace('_', "-")
             ))),
         }
@@ -243,7 +243,7 @@ fn of_film<T>(text: &str, value: impl Fn(&str) -> Result<T, String>) -> Result<O
 }
 
 fn landmarks(text: &str) -> Result<OfFilm<PathBuf>, String> {
-    // A file's own name may hold an equals sign; a posture before it may not be misspelt unseen.
+    // A file name may contain an equals sign, but a misspelt posture before it must not pass unnoticed.
     of_film(text, |file| match file {
         "" => Err("expected a file".to_owned()),
         file => Ok(PathBuf::from(file)),
@@ -273,7 +273,7 @@ fn spacing_of_film(text: &str) -> Result<OfFilm<Spacing>, String> {
         if spacing.is_plausible() {
             Ok(spacing)
         } else {
-            Err(format!("a spacing of {column},{row} mm: both must be above 0.0001"))
+            Err(format!("spacing {column},{row} mm: both must be > 0.0001 mm"))
         }
     })
 }

@@ -1,4 +1,4 @@
-//! The questions of an import, asked one by one where a person sits at the terminal.
+//! The questions of an import, asked one by one at an interactive terminal.
 
 use std::io::IsTerminal;
 
@@ -59,8 +59,8 @@ pub fn choose_films(
 const fn meaning(posture: Posture) -> &'static str {
     match posture {
         Posture::Erect => "standing (the reference of all others)",
-        Posture::LeftBending => "bending to the patient's own left",
-        Posture::RightBending => "bending to the patient's own right",
+        Posture::LeftBending => "bending to the patient's left",
+        Posture::RightBending => "bending to the patient's right",
         Posture::Neutral => "lying at rest",
         Posture::Traction => "pulled along the spine",
     }
@@ -98,7 +98,7 @@ fn pick(
         .map_err(asked)?;
     match answer {
         Some(place) => Ok(options[place]),
-        None => Err(Failure::usage("the import was left; nothing was written")),
+        None => Err(Failure::usage("the import was cancelled; nothing was written")),
     }
 }
 
@@ -115,17 +115,17 @@ pub fn ask(question: &Question) -> Result<Option<ImageSide>, Failure> {
             match answer {
                 Some(0) => Ok(Some(ImageSide::Left)),
                 Some(_) => Ok(Some(ImageSide::Right)),
-                None => Err(Failure::usage("the import was left; nothing was written")),
+                None => Err(Failure::usage("the import was cancelled; nothing was written")),
             }
         }
         About::Contradiction(text) => {
-            let prompt = format!("{}: {text}. Go on as you said?", question.role);
+            let prompt = format!("{}: {text}. Continue with your options?", question.role);
             let sure =
                 Confirm::new().with_prompt(prompt).default(false).interact().map_err(asked)?;
             if sure {
                 Ok(None)
             } else {
-                Err(Failure::usage("the import was left; nothing was written"))
+                Err(Failure::usage("the import was cancelled; nothing was written"))
             }
         }
     }

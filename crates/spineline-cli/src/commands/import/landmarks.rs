@@ -1,4 +1,4 @@
-//! Landmarks of other programs, onto the films of a case.
+//! Landmarks of other programs for the films of a case.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use super::resolve::ResolvedFilm;
 use crate::run::failure::Failure;
 
 /// What was marked, by posture.
-pub type Marks = BTreeMap<Posture, FilmMarks>;
+pub type LandmarksByPosture = BTreeMap<Posture, FilmMarks>;
 
 impl ResolvedFilm {
     /// How the picture of a frontal film lies.
@@ -26,8 +26,8 @@ impl ResolvedFilm {
 }
 
 /// Reads every file of landmarks and lays it on its film; a posture that is marked twice is refused.
-pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<Marks, Failure> {
-    let mut marks = Marks::new();
+pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksByPosture, Failure> {
+    let mut marks = LandmarksByPosture::new();
     for of in &args.landmarks {
         let fail = |error: &LandmarkError| {
             Failure::input(&of.value.display().to_string(), error, error.help())
@@ -55,23 +55,26 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<Marks, Fai
             let film = marked.into_film(hint.posture, image).map_err(|error| fail(&error))?;
             if matches!(film.marks, FilmMarks::Placements { .. }) {
                 let what = format!(
-                    "it holds locations and tilts of the {} film, and no corners that could lie on its picture",
+                    "it has locations and tilts of the {} film, but no corners in its picture",
                     film.posture
                 );
-                let help = "a case of such locations needs no picture: write them into a case file";
+                let help = "such a case needs no picture: write the locations into a case file";
                 return Err(Failure::input(&of.value.display().to_string(), &what, help));
             }
             if marks.insert(film.posture, film.marks).is_some() {
-                let what = format!("it marks the {} film, which is marked already", film.posture);
+                let what = format!(
+                    "it has landmarks of the {} film, which has landmarks already",
+                    film.posture
+                );
                 let help = "give one file of landmarks per film";
                 return Err(Failure::input(&of.value.display().to_string(), &what, help));
             }
         }
     }
-    let homeless = marks.keys().find(|&&p| !films.iter().any(|f| f.role.posture() == Some(p)));
-    match homeless {
+    let unmatched = marks.keys().find(|&&p| !films.iter().any(|f| f.role.posture() == Some(p)));
+    match unmatched {
         Some(posture) => Err(Failure::usage(format!(
-            "the landmarks are of the {posture} film, and no such film was chosen: add --film {}=…",
+            "the landmarks are of the {posture} film, but no such film was chosen: add --film {}=…",
             posture.key().replace('_', "-")
         ))),
         None => Ok(marks),

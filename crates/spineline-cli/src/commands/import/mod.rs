@@ -1,4 +1,4 @@
-//! `spineline import`: films from wherever they lie into a case.
+//! `spineline import`: films from folders and archives as a case.
 
 mod aasce;
 mod args;
@@ -39,7 +39,7 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
     if chosen.is_empty() {
         eprint!("{}", text::list(&candidates));
         return Err(Failure::usage(
-            "which film shows which posture? Say it by number, as in --film erect=1 --film left-bending=2",
+            "which film shows which posture? Give their numbers, as in --film erect=1 --film left-bending=2",
         ));
     }
     chosen.sort_unstable();
@@ -73,7 +73,7 @@ fn chosen(args: &ImportArgs, candidates: &Candidates) -> Result<Vec<(Role, usize
     Ok(chosen)
 }
 
-/// Settles every film; what is open is asked at the terminal, or listed whole with the words that answer it.
+/// Resolves every film; open questions are asked at the terminal, or listed with the options that answer them.
 fn resolve_all(
     args: &ImportArgs,
     seen: &[(Role, usize, &Seen)],

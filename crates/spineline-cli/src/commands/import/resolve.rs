@@ -1,4 +1,4 @@
-//! From what a file says and what a person says to what goes into the case; what is absent or contradicts is asked.
+//! Combines a film's metadata with the user's options; what is missing or contradictory becomes a question.
 
 use std::fmt;
 
@@ -25,7 +25,7 @@ pub struct ResolvedFilm {
     pub is_phantom: bool,
     /// SHA-256 of the file that was looked at.
     pub source: String,
-    /// What was odd, and what was done about it.
+    /// Remarks on the film and what was done about them.
     pub notes: Vec<String>,
 }
 
@@ -52,13 +52,13 @@ impl fmt::Display for Question {
             About::Side if *role == Role::Lateral => {
                 write!(
                     f,
-                    "{role}: the file does not say on which side of the picture the patient's front is"
+                    "{role}: the file does not state on which side of the picture the patient's front is"
                 )
             }
             About::Side => {
                 write!(
                     f,
-                    "{role}: the file does not say on which side of the picture the patient's left is"
+                    "{role}: the file does not state on which side of the picture the patient's left is"
                 )
             }
             About::Contradiction(text) => write!(f, "{role}: {text}"),
@@ -84,7 +84,7 @@ impl Question {
     }
 }
 
-/// Settles one film, or says what has to be asked about it.
+/// Resolves one film, or returns the questions that are open.
 pub fn resolve(
     args: &ImportArgs,
     role: Role,
@@ -143,7 +143,7 @@ pub fn resolve(
 /// The file puts a side of the patient on the other side of the picture than the user does.
 fn orientation_contradiction(role: Role, by_file: ImageSide) -> String {
     format!(
-        "Patient Orientation puts the patient's {} on the {} of the picture, and you on the other",
+        "Patient Orientation puts the patient's {} on the {} of the picture, your option on the other side",
         if role == Role::Lateral { "front" } else { "left" },
         if by_file == ImageSide::Left { "left" } else { "right" }
     )
@@ -178,7 +178,7 @@ fn spacing(
 ) -> Result<Option<Spacing>, Failure> {
     if let Some((calibrator, clicks)) = role.posture().and_then(|posture| args.calibrator(posture))
     {
-        // A ball cannot tell how high a pixel is against its width; the file's spacing can, whatever its plane.
+        // A ball does not give the aspect ratio of a pixel; the file's spacing does, in any plane.
         let aspect = judged.spacing.map_or(1.0, |spacing| spacing.row_mm / spacing.column_mm);
         let spacing = clicks
             .calibration(calibrator, aspect)
@@ -222,14 +222,14 @@ pub fn check_films(films: &[(Role, usize, &Seen)]) -> Result<(), Failure> {
             return Err(Failure::input(
                 &format!("{other} and {role}"),
                 &"both are the same picture",
-                "one film cannot show two postures: choose the right one for each",
+                "choose a different film for each posture",
             ));
         }
     }
     if films.iter().any(|(role, _, _)| *role == Role::Frontal(Posture::Erect)) {
         return Ok(());
     }
-    Err(Failure::usage("a case needs its erect film: say which one it is, as in --film erect=1"))
+    Err(Failure::usage("a case needs an erect film: choose it, as in --film erect=1"))
 }
 
 /// Films that carry the same identifier and different pixels.
@@ -241,7 +241,7 @@ pub fn same_identifier(films: &[(Role, usize, &Seen)]) -> Vec<String> {
             films[..i].iter().filter(|(_, _, o)| uid.is_some() && o.tags.uids.sop_instance == *uid)
         {
             notes.push(format!(
-                "the {other} and the {role} carry the same SOP Instance UID and different pixels: one was changed without a new identifier"
+                "the {other} and the {role} have the same SOP Instance UID but different pixels: one was changed without a new identifier"
             ));
         }
     }

@@ -1,4 +1,4 @@
-//! What an import tells: the list of films, and what came of it.
+//! The list of films, and the outcome of an import, as text.
 
 use std::fmt::Write;
 
@@ -15,7 +15,7 @@ const WIDTH: usize = 110;
 pub fn list(candidates: &Candidates) -> String {
     let mut text = String::new();
     let mut table =
-        Table::new(["Film", "kind", "size", "view", "patient's left", "lengths", "where"]);
+        Table::new(["Film", "kind", "size", "view", "patient's left", "lengths", "file"]);
     for (index, film) in candidates.films.iter().enumerate() {
         let number = (index + 1).to_string();
         let place = film.found.place.to_string();
@@ -126,7 +126,7 @@ fn numbered(films: &[usize]) -> String {
     format!("{word} {}", runs.iter().map(run).collect::<Vec<_>>().join(", "))
 }
 
-/// What is odd about a film, or why it cannot be used.
+/// Remarks on a film, or why it cannot be used.
 fn notes(film: &Candidate) -> Vec<String> {
     match &film.seen {
         Err(why) => vec![why.clone()],
@@ -144,10 +144,10 @@ fn passed_over(candidates: &Candidates) -> String {
     let all = &candidates.survey.passed_over;
     let mut text = String::new();
     for passed in all.iter().take(SHOWN) {
-        let _ = writeln!(text, "  passed over: {}: {}", passed.place, passed.reason);
+        let _ = writeln!(text, "  skipped: {}: {}", passed.place, passed.reason);
     }
     if all.len() > SHOWN {
-        let _ = writeln!(text, "  passed over: {} more", all.len() - SHOWN);
+        let _ = writeln!(text, "  skipped: {} more", all.len() - SHOWN);
     }
     text
 }
@@ -177,12 +177,12 @@ pub fn outcome(films: &[ResolvedFilm], folder: &std::path::Path, marked: usize) 
     let case = folder.join("case.json");
     let _ = writeln!(text, "\n{} and {} films were written.", case.display(), films.len());
     if films.iter().all(|film| film.is_phantom) {
-        text.push_str("The films are a phantom's: the case says SYNTHETIC.\n");
+        text.push_str("All films are phantoms: the case is marked SYNTHETIC.\n");
     }
     if marked == 0 {
         let _ = writeln!(
             text,
-            "Nothing is marked yet: mark the vertebrae, or add them with --landmarks."
+            "No landmarks yet: place them in the browser app, or add them with --landmarks."
         );
     } else {
         let _ = writeln!(text, "Try: spineline check {}", case.display());

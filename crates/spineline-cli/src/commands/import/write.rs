@@ -1,4 +1,4 @@
-//! Films without names, and the case beside them.
+//! De-identified films, and the case beside them.
 
 use std::fs::{self, OpenOptions};
 use std::io::Write;
@@ -14,14 +14,14 @@ use spineline_io::{CaseFile, FilmSource, sha256_hex};
 
 use super::args::ImportArgs;
 use super::candidates::Candidates;
-use super::landmarks::Marks;
+use super::landmarks::LandmarksByPosture;
 use super::resolve::ResolvedFilm;
 use super::role::Role;
 use crate::run::failure::Failure;
 use crate::run::outputs::write_file;
 use crate::run::provenance::generator;
 
-/// What was taken out of a film, and what was odd about it.
+/// What was removed from a film, and remarks on it.
 #[derive(Serialize)]
 struct FilmReport {
     film: &'static str,
@@ -68,7 +68,7 @@ struct ImportReport<'a> {
     films: Vec<FilmReport>,
 }
 
-/// Refuses a folder that holds anything that an import writes: nobody's films or marks are overwritten.
+/// Refuses a folder that holds anything that an import writes: films and landmarks are never overwritten.
 pub fn check_free(folder: &Path) -> Result<(), Failure> {
     let roles = Posture::ALL.map(Role::Frontal).into_iter().chain([Role::Lateral]);
     let kinds = [FilmKind::Dicom, FilmKind::Png, FilmKind::Jpeg, FilmKind::Tiff];
@@ -78,7 +78,7 @@ pub fn check_free(folder: &Path) -> Result<(), Failure> {
         None => Ok(()),
         Some(there) => Err(Failure::input(
             &there.display().to_string(),
-            &"this is there already, and an import overwrites nothing",
+            &"it exists already, and an import overwrites nothing",
             "choose another folder with --out",
         )),
     }
@@ -95,7 +95,7 @@ pub fn write(
     case_id: &str,
     candidates: &Candidates,
     films: &[ResolvedFilm],
-    marks: &Marks,
+    marks: &LandmarksByPosture,
 ) -> Result<(), Failure> {
     let secret = secret(args)?;
     let mut reports = Vec::new();
@@ -139,8 +139,8 @@ fn write_film(
     if sha256_hex(&bytes) != film.source {
         return Err(Failure::input(
             &found.place.to_string(),
-            &"it changed while it was imported",
-            "run the import again when nothing else writes there",
+            &"it changed during the import",
+            "run the import again while no other program writes there",
         ));
     }
     let (bytes, kind, deidentification) = if args.keep_identity {
@@ -153,7 +153,7 @@ fn write_film(
         };
         let clean = deidentify(&bytes, &options, &FilmLimits::default())
             .map_err(|error| Failure::input(&film.role.to_string(), &error, error.help()))?;
-        // Pictures without a DICOM header are written anew.
+        // Pictures without a DICOM header are encoded again.
         let kind = if found.kind == FilmKind::Dicom { FilmKind::Dicom } else { FilmKind::Png };
         (clean.bytes, kind, Some(DeidRecord::of(&clean.report)))
     };
@@ -178,8 +178,8 @@ const fn extension(kind: FilmKind) -> &'static str {
     }
 }
 
-/// The case: pictures, sides and scales, with the marks that were brought along.
-fn case(case_id: &str, films: &[ResolvedFilm], marks: &Marks) -> Case {
+/// The case: pictures, sides and scales, with imported landmarks.
+fn case(case_id: &str, films: &[ResolvedFilm], marks: &LandmarksByPosture) -> Case {
     let frontal = films.iter().filter_map(|film| {
         let posture = film.role.posture()?;
         let unmarked = || FilmMarks::Landmarks {
@@ -219,7 +219,7 @@ fn secret(args: &ImportArgs) -> Result<[u8; 32], Failure> {
                 Failure::input(
                     &path.display().to_string(),
                     &format!("a secret has 32 bytes, and this file has {}", bytes.len()),
-                    "name another file, or one that does not exist to have it made",
+                    "name another file, or a file that does not exist yet",
                 )
             });
         }
@@ -238,10 +238,7 @@ fn secret(args: &ImportArgs) -> Result<[u8; 32], Failure> {
     std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
     let mut file = options.open(&path).map_err(|error| failed(&error))?;
     file.write_all(&secret).and_then(|()| file.sync_all()).map_err(|error| failed(&error))?;
-    eprintln!(
-        "a new secret for identifiers was made: {} (keep it, and keep it out of what you pass on)",
-        path.display()
-    );
+    eprintln!("new secret for identifiers: {} (keep it, and do not pass it on)", path.display());
     Ok(secret)
 }
 
@@ -252,6 +249,6 @@ fn default_secret() -> Result<PathBuf, Failure> {
         .map(PathBuf::from)
         .or_else(|| variable("HOME").map(|home| PathBuf::from(home).join(".config")));
     folder.map(|folder| folder.join("spineline").join("identifiers.secret")).ok_or_else(|| {
-        Failure::usage("there is no configuration folder here: name a file with --secret")
+        Failure::usage("no configuration folder was found: name a file with --secret")
     })
 }

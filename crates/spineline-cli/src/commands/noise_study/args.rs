@@ -9,7 +9,7 @@ use crate::options::method::FitName;
 use crate::options::phantoms::ScenarioName;
 use crate::options::values::threads;
 
-/// What is studied.
+/// The command line.
 #[derive(Args)]
 pub struct NoiseStudyArgs {
     /// Folder for the table and the figure
@@ -18,16 +18,22 @@ pub struct NoiseStudyArgs {
     /// Seed of the phantoms, of their noise and of the bootstrap
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Phantoms per truth; they take the rows of the paper's Table 1 in turn
+    /// Phantoms per loading scenario; they take the rows of the paper's Table 1 in turn
     #[arg(long, value_name = "N", default_value_t = 36, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub phantoms: u32,
-    /// Threads; 0 uses all cores. The results do not depend on it
+    /// Threads; 0: all cores. The number does not change the results
     #[arg(long, default_value = "0", value_parser = threads)]
     pub threads: usize,
-    /// What moved the phantoms, separated by commas; all if not given
-    #[arg(long, value_name = "TRUTHS", value_enum, value_delimiter = ',')]
+    /// Loading scenarios, separated by commas [default: all]
+    #[arg(
+        long,
+        visible_alias = "scenarios",
+        value_name = "SCENARIOS",
+        value_enum,
+        value_delimiter = ','
+    )]
     pub truths: Vec<ScenarioName>,
-    /// What the stiffness is fitted to; the paper fitted Ferguson angles
+    /// Quantity that the stiffness is fitted to; the paper fitted Ferguson angles
     #[arg(long, value_enum, default_value_t = FitName::Ferguson)]
     pub fit: FitName,
 }

@@ -17,7 +17,7 @@ pub fn svg(points: &[Point], args: &NoiseStudyArgs) -> String {
             meaning: truth.meaning().to_owned(),
         })
         .collect();
-    let movement: Vec<Way> = WAYS.into_iter().filter(|way| way.tells_movement()).collect();
+    let movement: Vec<Way> = WAYS.into_iter().filter(|way| way.has_movement()).collect();
     let modelled: Vec<Way> = WAYS.into_iter().filter(|way| way.support.is_some()).collect();
     let row = |heading: &str, y_label: &str, ways: &[Way], limit, value: Value| NoiseRow {
         heading: heading.to_owned(),
@@ -51,7 +51,7 @@ pub fn svg(points: &[Point], args: &NoiseStudyArgs) -> String {
             |c| [c.better.share, c.better.interval[0], c.better.interval[1]],
         ),
     ];
-    let about = format!("{} patients per truth, seed {}", args.phantoms, args.seed);
+    let about = format!("{} patients per scenario, seed {}", args.phantoms, args.seed);
     noise_study(&truths, &rows, &about, true)
 }
 

@@ -1,7 +1,7 @@
-//! `spineline noise-study`: over which landmark noise, for which rule of the curves' order and for which truth the paper's three
-//! headline claims hold, on synthetic patients.
+//! `spineline noise-study`: how robust the paper's three main claims are to landmark noise, curve order and loading scenario, on
+//! synthetic patients.
 //!
-//! Every patient is read once per deviation of a corner's coordinate, with the same random numbers for all deviations, and
+//! Every patient is read once per standard deviation of a corner's coordinate, with the same random numbers for all deviations, and
 //! analysed once per rule and support. A claim is a number over patients with an interval over patients.
 
 mod args;

@@ -1,4 +1,4 @@
-//! The study as a table: one row per truth, support, rule and noise.
+//! The study as a table: one row per scenario, support, rule and noise.
 
 use spineline::evaluate::statistics::Share;
 

@@ -47,13 +47,13 @@ impl Way {
         self.support.map_or("", support_key)
     }
 
-    /// Whether it tells of movements: those do not depend on the support, and are told once.
-    pub fn tells_movement(self) -> bool {
+    /// Whether movements are reported for it: they do not depend on the support and are reported once.
+    pub fn has_movement(self) -> bool {
         self.support != Some(Support::Frontal)
     }
 }
 
-/// One point of a curve: what the claims are worth in one setting.
+/// The claims in one setting: one point of a curve.
 pub struct Point {
     pub truth: Truth,
     pub way: Way,
@@ -61,12 +61,12 @@ pub struct Point {
     pub claims: Claims,
     /// Phantoms that could not be made or analysed.
     pub lost: usize,
-    /// Per claim: how often a rod phantom's number exceeds that of one of this truth. 0.5: they cannot be told apart. `None`
+    /// Per claim: how often a rod phantom's number exceeds that of one of this scenario. 0.5: they cannot be distinguished. `None`
     /// where rods are not studied.
     pub rod_exceeds: Option<[Share; 3]>,
 }
 
-/// Ways and deviations of one truth, in the order of the points.
+/// Ways and noises of one scenario, in the order of the points.
 fn settings() -> impl Iterator<Item = (Way, usize)> {
     WAYS.into_iter().flat_map(|way| (0..NOISE_MM.len()).map(move |noise| (way, noise)))
 }

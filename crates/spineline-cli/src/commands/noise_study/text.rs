@@ -1,4 +1,4 @@
-//! The study in words: up to which noise every claim holds.
+//! The study as text: the noise up to which every claim holds.
 
 use spineline::cohort::{ClaimVerdict, Claims, NEAR_SEGMENTS};
 use spineline_phantom::Truth;
@@ -9,7 +9,7 @@ use crate::terminal::table::{Table, wrap};
 
 pub fn report(points: &[Point], args: &NoiseStudyArgs) -> String {
     let mut text = format!(
-        "The paper's claims over landmark noise: {} SYNTHETIC patients per truth (seed {}), read once at each noise of {} to {} mm \
+        "The paper's claims over landmark noise: {} SYNTHETIC patients per loading scenario (seed {}), read once at each noise of {} to {} mm \
          (standard deviation of a corner's coordinate)\n",
         args.phantoms,
         args.seed,
@@ -22,7 +22,7 @@ pub fn report(points: &[Point], args: &NoiseStudyArgs) -> String {
     let lost: usize = points.iter().map(|point| point.lost).sum();
     if lost > 0 {
         text.push_str(&format!(
-            "{lost} analyses of phantoms that could not be made or analysed are left out.\n"
+            "{lost} analyses are missing, of phantoms that could not be made or analysed.\n"
         ));
     }
     let percent = |limit: f64| 100.0 * limit;
@@ -34,18 +34,18 @@ pub fn report(points: &[Point], args: &NoiseStudyArgs) -> String {
         "Claim 2: inflections rotate by more than {:.0} % less than the mean",
         percent(Claims::BELOW_LIMIT)
     );
-    let told = WAYS.into_iter().filter(|way| way.tells_movement());
-    let told: Vec<(String, Way)> = told.map(|way| (way.rule_name(), way)).collect();
-    text.push_str(&table(points, args, 0, &told, &near));
-    text.push_str(&table(points, args, 1, &told, &below));
+    let movement = WAYS.into_iter().filter(|way| way.has_movement());
+    let movement: Vec<(String, Way)> = movement.map(|way| (way.rule_name(), way)).collect();
+    text.push_str(&table(points, args, 0, &movement, &near));
+    text.push_str(&table(points, args, 1, &movement, &below));
     let modelled = WAYS.into_iter().filter(|way| way.support.is_some());
     let name = |way: Way| format!("{}, {}", way.rule_name(), way.support_name());
     let modelled: Vec<(String, Way)> = modelled.map(|way| (name(way), way)).collect();
-    let better = "Claim 3: the inflection line beats the iliac line in most patients";
+    let better = "Claim 3: the inflection line has a smaller location error than the iliac line in most patients";
     text.push_str(&table(points, args, 2, &modelled, better));
     text.push_str(&wrap(
-        "A claim holds where the whole 95 % interval over patients lies on its side, and fails where the whole of it lies on the \
-         other; what is between is open. `to x mm`: holds at every noise from 0 to x. `reversed`: the opposite holds at every noise.",
+        "A claim holds where the whole 95 % interval over patients supports it, and fails where the whole interval contradicts it; \
+         otherwise it is open. `to x mm`: holds at every noise from 0 to x. `reversed`: the opposite holds at every noise.",
         104,
         "  ",
     ));
@@ -59,7 +59,7 @@ fn table(
     ways: &[(String, Way)],
     title: &str,
 ) -> String {
-    let mut heading = vec!["  truth"];
+    let mut heading = vec!["  scenario"];
     heading.extend(ways.iter().map(|(name, _)| name.as_str()));
     let mut table = Table::new(heading);
     for truth in args.truths() {

@@ -47,7 +47,7 @@ pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
         write_file(&path, spineline_io::to_text(&case))?;
         let truth = TruthFile { films: own.cloned(), ..TruthFile::new(phantom) };
         write_file(&path.with_extension("truth.json"), spineline_io::to_text(&truth))?;
-        text.push_str(&format!("{} (synthetic; its truth is beside it)\n", path.display()));
+        text.push_str(&format!("{} (synthetic; its true values are beside it)\n", path.display()));
     }
     let all: Vec<_> = films.values().flat_map(BTreeMap::values).collect();
     if !all.is_empty() {
@@ -58,7 +58,7 @@ pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
     print(&text)
 }
 
-/// What is true of a phantom. Positive tilts and leans are to the patient's right, as everywhere.
+/// The true values of a phantom. Positive tilts are to the patient's right, as everywhere.
 #[derive(Serialize)]
 struct TruthFile {
     format: &'static str,

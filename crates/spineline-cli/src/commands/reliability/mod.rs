@@ -1,4 +1,4 @@
-//! `spineline reliability`: do readings repeat, and how far are they off?
+//! `spineline reliability`: agreement within and between observers.
 
 mod rows;
 
@@ -20,12 +20,12 @@ pub const EXAMPLES: &str = "\
 Cases are pooled: subjects are case × film × vertebra, and an observer of one name is one observer.
 
 A table has one reading per row and the columns
-  quantity   what was read, such as tilt_T6
+  quantity   measured quantity, such as tilt_T6
   unit       deg, mm, …
-  subject    patient, or patient and film, by a code
-  observer   who read
-  repeat     the how-manieth time, from 1
-  value      a number with a decimal point; leave the row out where there is none
+  subject    code of the patient, or of the patient and film
+  observer   code of the reader
+  repeat     number of the reading, from 1
+  value      a number with a decimal point; leave the row out where it is missing
   synthetic  true or false; this column may be absent
 
 Examples:
@@ -37,7 +37,7 @@ pub struct ReliabilityArgs {
     /// Case files or folders of them, or one table of readings that ends in .csv
     #[arg(required = true, value_name = "CASE|TABLE.csv")]
     inputs: Vec<PathBuf>,
-    /// Write everything as JSON (`-`: standard output)
+    /// Write all results as JSON (`-`: standard output)
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Write one row per statistic as CSV (`-`: standard output)
@@ -77,7 +77,7 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
 /// What was read.
 struct Readings {
     quantities: Vec<Quantity>,
-    /// Whether any film is made up.
+    /// Whether any film is synthetic.
     synthetic: bool,
     inputs: Vec<InputFile>,
 }
@@ -89,7 +89,7 @@ fn read(inputs: &[PathBuf]) -> Result<Readings, Failure> {
         return read_cases(inputs);
     }
     let [path] = inputs else {
-        return Err(Failure::usage("give either case files, or one table of readings"));
+        return Err(Failure::usage("give case files or one table of readings, not both"));
     };
     let failed = |error| Failure::file(path, &error);
     let text = spineline_io::read_text(path).map_err(failed)?;

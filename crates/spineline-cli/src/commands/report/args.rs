@@ -1,4 +1,4 @@
-//! What `spineline report` is asked.
+//! The command line of `report`.
 
 use std::path::PathBuf;
 
@@ -11,23 +11,23 @@ use crate::options::values::threads;
 /// Shown below the options.
 pub const EXAMPLES: &str = "Examples:
   spineline phantom --truth rod --subject 1 --films --out demo
-  spineline report demo                        one patient as phantom-rod-01.html, to open in a browser
-  spineline report demo --to md                Markdown, and its figures in phantom-rod-01-figures
-  spineline report demo --to pdf               the same typeset, to print, send and keep
+  spineline report demo                        one patient as phantom-rod-01.html, for a browser
+  spineline report demo --to md                Markdown, with figures in phantom-rod-01-figures
+  spineline report demo --to pdf               the same as PDF, to print and archive
   spineline report demo --figures pictures     all figures as SVG and PNG too
   spineline phantom --out patients && spineline report patients
                                                a cohort: table 1, box charts, tests, exclusions
 
-A report holds the analysis that it shows, so that nothing in it has to be typed off.";
+A report contains its analysis as JSON: `spineline rerun` repeats it from the report alone.";
 
 /// The form of a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum FormName {
-    /// One file for a browser that needs no network: tables sort, layers hide, the spine turns
+    /// One interactive file for a browser, without network access
     Html,
     /// Markdown, with figures as SVG in a folder beside it
     Md,
-    /// One typeset file (PDF/A-3b), the analysis attached to it
+    /// One typeset file (PDF/A-3b) with the analysis attached
     #[cfg(feature = "pdf")]
     Pdf,
 }
@@ -50,16 +50,16 @@ pub struct ReportArgs {
     /// Case files, or folders of them; more than one case makes the report of a cohort
     #[arg(required = true, value_name = "CASE")]
     pub cases: Vec<PathBuf>,
-    /// Form of the report
+    /// Format of the report
     #[arg(long, value_enum, default_value_t = FormName::Html)]
     pub to: FormName,
-    /// The report's file; else the case's identifier, or `cohort`, with the ending of its form, in this folder
+    /// File to write [default: the case's identifier, or `cohort`, with the extension of the format]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Write every figure as SVG and PNG into this folder too
     #[arg(long, value_name = "DIR")]
     pub figures: Option<PathBuf>,
-    /// Threads; 0 uses all cores. The report does not depend on it
+    /// Threads; 0: all cores. The number does not change the report
     #[arg(long, default_value = "0", value_parser = threads)]
     pub threads: usize,
     /// For the report of one patient.

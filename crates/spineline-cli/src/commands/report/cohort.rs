@@ -45,7 +45,7 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs) -> Result<Ending, Failure> {
         }
     }
     if analyses.is_empty() {
-        return Err(Failure::usage("none of these cases could be analysed: there is no cohort"));
+        return Err(Failure::usage("no case could be analysed: there is no cohort to report"));
     }
     eprint!("{}", record.warnings());
     let pairs: Vec<(&Analysis, &CaseInput)> = analyses.iter().zip(&record.cases).collect();

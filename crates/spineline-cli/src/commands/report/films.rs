@@ -68,13 +68,13 @@ fn picture(decoder: &Decoder, folder: &Path, film: &Named) -> Result<Vec<u8>, St
     let place = Place::File(folder.join(name));
     let bytes = read(&place, &IntakeLimits::default()).map_err(|error| error.to_string())?;
     if film.source.sha256.as_ref().is_some_and(|sum| *sum != sha256_hex(&bytes)) {
-        return Err("its file is not the one that was marked (another SHA-256)".to_owned());
+        return Err("its file is not the one with the landmarks (different SHA-256)".to_owned());
     }
     let picture = decoder.decode(bytes).map_err(|error| error.to_string())?;
     let ImageGeometry { columns, rows, spacing, .. } = film.image;
     if (picture.columns, picture.rows) != (columns, rows) {
         return Err(format!(
-            "it has {} × {} pixels, and the film that was marked {columns} × {rows}",
+            "it has {} × {} pixels, but the film with the landmarks {columns} × {rows}",
             picture.columns, picture.rows
         ));
     }

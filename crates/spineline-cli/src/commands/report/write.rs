@@ -14,7 +14,7 @@ use crate::run::threads::map_all;
 /// Pixels of a PNG per unit of its SVG.
 const PNG_SCALE: f32 = 2.0;
 
-/// Writes the report in the form that was asked for, and every figure where it was; says what was written.
+/// Writes the report in the requested format, and every figure if requested; prints what was written.
 pub fn all(
     document: &Document,
     stem: &str,

@@ -1,4 +1,4 @@
-//! What the paper does not have: the lines on the same films, bends left out among them, with patients as the unit.
+//! Beyond the paper: the lines on the same films, including left-out bends, with patients as the unit.
 
 use spineline::action::LineKind;
 use spineline::analysis::{FilmRole, probability};
@@ -44,7 +44,7 @@ pub fn section(cohorts: [&Cohort; 3], support: Support) -> Section {
         }
     }
     let title = format!("Fair comparison with {}", support_words(support));
-    let note = "Location errors on films on which every line has a result; one mean per patient. Left-out bends: stiffness from the other bend, only the force free. The estimated line takes two more numbers from every film, so it can lose to another line by prediction but not win over it; with `--fit ferguson`, the default here, it is also fitted to other data, whole shapes. Intervals resample patients; p flips the signs of the patients' differences, corrected by Holm over the 18 tests of a column. Believe these and not the pooled p of the paper, which takes 14 vertebrae of one spine for 14 patients.";
+    let note = "Location errors on films on which every line has a result; one mean per patient. Left-out bends: stiffness from the other bend, only the force is free. The estimated line takes two more numbers from every film, so a smaller error is no evidence for it; with `--fit ferguson`, the default here, it is also fitted to other data, whole shapes. Intervals resample patients; p flips the signs of the patients' differences, corrected by Holm over the 18 tests of a column. Use these and not the pooled p of the paper, which treats 14 vertebrae of one spine as 14 patients.";
     Section { title, support: Some(support), rows, note }
 }
 
@@ -86,7 +86,7 @@ fn holm(test: Option<&LinePairTest>) -> Cell {
     )
 }
 
-/// Which line predicts better, by truth; nothing is said of fitted films.
+/// Which line predicts better, by scenario; fitted films get no verdict.
 fn verdict(tests: [Option<&LinePairTest>; 3], role: FilmRole) -> String {
     if role == FilmRole::Fitted {
         return String::new();
@@ -105,5 +105,5 @@ fn verdict(tests: [Option<&LinePairTest>; 3], role: FilmRole) -> String {
             }
         })
         .collect();
-    if better.is_empty() { "no difference beyond chance".to_owned() } else { better.join("; ") }
+    if better.is_empty() { "no significant difference".to_owned() } else { better.join("; ") }
 }

@@ -72,7 +72,7 @@ struct Summary {
     rows: Vec<Record>,
 }
 
-/// One number of the paper against one truth.
+/// One number of the paper beside that of one scenario.
 #[derive(Serialize)]
 struct Record {
     section: String,

@@ -37,13 +37,13 @@ pub fn run(args: &ReproduceArgs) -> Result<Ending, Failure> {
     drawings::write(&args.out.join("figures"), &runs, &provenance)?;
     reports::write(&args.out.join("reports"), &runs, &provenance)?;
     print(&closing(&args.out))?;
-    // A model without result against a truth that contradicts it is a finding: the table counts it.
+    // A model without result in a scenario that contradicts it is a finding: the table counts it.
     Ok(Ending::Done)
 }
 
 fn text(sections: &[Section], args: &ReproduceArgs) -> String {
     let mut text = format!(
-        "Jalalian et al. 2016 on synthetic patients: {} subjects of its Table 1, moved in three ways (seed {})\n",
+        "Jalalian et al. 2016 on synthetic patients: {} subjects of its Table 1, in three loading scenarios (seed {})\n",
         SUBJECTS.len(),
         args.seed
     );
@@ -75,9 +75,9 @@ fn text(sections: &[Section], args: &ReproduceArgs) -> String {
 
 fn closing(out: &Path) -> String {
     format!(
-        "\nTables   {} (and .json)\n         {} has every vertebra, {} every patient\n\
+        "\nTables   {} (and .json)\n         {} (every vertebra), {} (every patient)\n\
          Figures  {} (open them in a browser)\n\
-         Reports  {} (a cohort per truth, and one patient)\n",
+         Reports  {} (a cohort and one patient per scenario)\n",
         out.join("summary.csv").display(),
         out.join("errors").display(),
         out.join("analyses").display(),

@@ -1,4 +1,4 @@
-//! Reports of a reproduction: the cohort of every truth, and one patient, with the paper's support.
+//! Reports of a reproduction: the cohort and one patient of every scenario, with the paper's support.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ use crate::run::failure::Failure;
 use crate::run::outputs::write_file;
 use crate::run::provenance::generator;
 
-/// `cohort-TRUTH.html` for every truth, and `patient-TRUTH.html` and `.pdf` of the first subject.
+/// `cohort-SCENARIO.html` for every scenario, and `patient-SCENARIO.html` and `.pdf` of the first subject.
 pub fn write(folder: &Path, runs: &[Run], provenance: &Provenance) -> Result<(), Failure> {
     for run in runs.iter().filter(|run| run.support == Support::Free) {
         let truth = run.truth.key();

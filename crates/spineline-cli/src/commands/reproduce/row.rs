@@ -62,7 +62,7 @@ impl Cell {
     }
 }
 
-/// The truths in the order of the columns.
+/// The loading scenarios in the order of the columns.
 const TRUTHS: [&str; 3] = ["rod", "bend", "pull"];
 /// Numbers within this factor of the paper's count as the same, on other patients.
 const ALIKE: f64 = 1.5;
@@ -87,7 +87,7 @@ pub fn row(
     Row { quantity: quantity.to_owned(), unit, paper: paper.0.to_owned(), ours, verdict }
 }
 
-/// Which truths come out like the paper, and by how much the others differ.
+/// Which scenarios agree with the paper, and by how much the others differ.
 fn verdict(paper: f64, ours: &[Cell; 3]) -> String {
     if !paper.is_finite() {
         return String::new();
@@ -108,7 +108,7 @@ fn verdict(paper: f64, ours: &[Cell; 3]) -> String {
 
 fn sentence(alike: &[&str], differs: &[String]) -> String {
     match (alike.is_empty(), differs.is_empty()) {
-        (false, true) => "same for all truths".to_owned(),
+        (false, true) => "same for all scenarios".to_owned(),
         (true, _) => format!("differs: {}", differs.join(", ")),
         (false, false) => format!("same for {}; {}", alike.join(" and "), differs.join(", ")),
     }
@@ -118,13 +118,13 @@ fn short(ratio: f64) -> String {
     if ratio < 10.0 { format!("{ratio:.1}") } else { format!("{ratio:.0}") }
 }
 
-/// The verdict of a probability: whether it falls on the paper's side of 0.05.
+/// The verdict of a p-value: whether it lies on the same side of 0.05 as the paper's.
 pub fn test_verdict(paper_rejects: bool, ours: &[Cell; 3]) -> String {
     let (mut alike, mut differs) = (Vec::new(), Vec::new());
     for (name, cell) in TRUTHS.iter().zip(ours) {
         // The paper rejected where its first mean was the smaller one.
         if paper_rejects && cell.mean < 0.05 && cell.difference > 0.0 {
-            differs.push(format!("rejected the other way round for {name}"));
+            differs.push(format!("rejected in the other direction for {name}"));
         } else if (cell.mean < 0.05) == paper_rejects && cell.mean.is_finite() {
             alike.push(*name);
         } else {

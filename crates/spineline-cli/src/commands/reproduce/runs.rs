@@ -9,11 +9,11 @@ use super::args::ReproduceArgs;
 use crate::run::failure::Failure;
 use crate::run::threads::map_all;
 
-/// The phantoms of one truth, analysed with one support.
+/// The phantoms of one loading scenario, analysed with one support.
 pub struct Run {
-    /// What moved the phantoms.
+    /// The loading scenario.
     pub truth: Truth,
-    /// What held them.
+    /// Their support.
     pub support: Support,
     /// One case per subject of Table 1.
     pub cases: Vec<Case>,
@@ -34,7 +34,7 @@ pub fn support_words(support: Support) -> &'static str {
     }
 }
 
-/// Analyses every phantom with both supports; the order of the results is fixed, whatever the threads do.
+/// Analyses every phantom with both supports; the order of the results does not depend on the threads.
 pub fn all_runs(args: &ReproduceArgs, readers: &Readers) -> Result<Vec<Run>, Failure> {
     let tasks: Vec<(Truth, usize)> =
         Truth::ALL.iter().flat_map(|&truth| (0..SUBJECTS.len()).map(move |i| (truth, i))).collect();

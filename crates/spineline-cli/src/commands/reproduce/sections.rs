@@ -39,7 +39,7 @@ fn chain(cohorts: [&Cohort; 3]) -> Section {
     Section::new(
         "Curves and chain",
         rows,
-        "n is held in a window, which is our reading of the paper's problem (1). The phantoms' lengths and the virtual readers' deviations were chosen to be like the paper's patients and residuals.",
+        "n is limited to a window, which is our reading of the paper's problem (1). The lengths of the phantoms and the noise of the virtual readers were chosen to resemble the paper's patients and residuals.",
     )
 }
 
@@ -113,7 +113,7 @@ fn movement(cohorts: [&Cohort; 3]) -> Section {
     Section::new(
         "Movement of the segments",
         rows,
-        "How far a phantom moves is drawn, not fitted to the paper. A rotation is the small difference of two curvatures: landmark noise, and even what a polynomial leaves without any noise (try --noise 0), shifts its zero by many segments, also where the truth leaves the inflections at rest. Where a rotation changes its sign, the least of 998 is almost zero. Segments of one spine are not independent, and the interval over patients is the honest one.",
+        "The amount of movement of a phantom is random, not fitted to the paper. A rotation is the small difference of two curvatures: landmark noise, and even the residual of a polynomial without noise (try --noise 0), shifts its zero by many segments, also in scenarios that leave the inflections at rest. Where a rotation changes sign, the least of 998 is almost zero. Segments of one spine are not independent: use the interval over patients.",
     )
 }
 
@@ -138,9 +138,9 @@ fn table_2(cohorts: [&Cohort; 3]) -> Section {
         rows.push(patient_row(cohorts.map(|c| Cell::p(c.table_2[i].patients, false))));
     }
     Section::new(
-        "Inflections against MMS_Mean (Table 2; two-sided paired t)",
+        "Inflections compared with MMS_Mean (Table 2; two-sided paired t)",
         rows,
-        "A p-value of the paper's cannot come back without its patients; what can is the side of 0.05. Where the paper rejects, its inflections were the nearer ones; `the other way round` means that MMS_Mean is. Figure 10 shows both.",
+        "The paper's p-values cannot be reproduced without its patients; the side of 0.05 can. Where the paper rejects, its inflections were nearer; `in the other direction` means that MMS_Mean is nearer. Figure 10 shows both.",
     )
 }
 
@@ -237,9 +237,9 @@ fn models(cohorts: [&Cohort; 3], support: Support) -> Section {
     let contradicted = |cohort: &Cohort| {
         of_line(cohort, LineKind::Inflection, |line| Cell::of(&line.contradicted.pooled, 1))
     };
-    let name = "joints of 14 against Model-1's force";
+    let name = "counter-rotating joints of 14, Model-1";
     rows.push(row(name, "1", NOT_GIVEN, cohorts, contradicted));
-    let note = "Model-1 has the inflection line, Model-2 the iliac line. `rod` has the paper's line built in, `pull` Petit's, `bend` neither, and that decides which model wins. Held-out films are neutral and traction; no stiffness was fitted to them. `[1 without]`: films for which no force gave a result.";
+    let note = "Model-1 has the inflection line, Model-2 the iliac line. `rod` has the paper's line built in, `pull` Petit's, `bend` neither; this decides which model has the smaller error. Held-out films are neutral and traction; no stiffness was fitted to them. `[1 without]`: number of films without a result for any force.";
     Section { title, support: Some(support), rows, note }
 }
 

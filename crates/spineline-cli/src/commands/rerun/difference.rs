@@ -2,34 +2,33 @@
 
 use serde_json::Value;
 
-/// Says when and how a file was made, and differs by nature.
+/// Keys that say when and how a file was made, which always differ.
 const NOT_RESULTS: [&str; 1] = ["provenance"];
 /// Longer texts are cut where they are shown.
 const SHOWN: usize = 60;
 
-/// A value that is another one now.
+/// A value that differs.
 #[derive(Debug, PartialEq)]
 pub struct Difference {
     /// Where, with dots between keys and places.
     pub path: String,
     pub then: String,
     pub now: String,
-    /// Of two numbers: how far they are apart, over the larger one.
+    /// Of two numbers: their difference relative to the larger one.
     pub relative: Option<f64>,
 }
 
-/// What a comparison saw.
+/// The result of a comparison.
 #[derive(Debug, Default, PartialEq)]
 pub struct Found {
     pub all: Vec<Difference>,
     /// Pairs of numbers.
     pub numbers: usize,
-    /// Pairs of texts, truths and nothings, and what stands on one side alone.
+    /// Pairs of texts, booleans and nulls, and values on one side only.
     pub others: usize,
 }
 
-/// Every value of two analysis files that is not the same; numbers may be apart by so much of the larger one or, below 1, by
-/// so much.
+/// Every value that differs between two analysis files; the tolerance of numbers is relative, and absolute below 1.
 pub fn differences(then: &Value, now: &Value, tolerance: f64) -> Found {
     let mut walk = Walk { tolerance, found: Found::default() };
     walk.pair("", Some(then), Some(now));

@@ -1,4 +1,4 @@
-//! `spineline rerun`: an analysis again, from nothing but its file.
+//! `spineline rerun`: an analysis repeated from its file alone.
 
 mod difference;
 
@@ -21,10 +21,10 @@ use crate::terminal::table::{Table, wrap};
 use difference::{Difference, Found, differences};
 
 pub const EXAMPLES: &str = "\
-The case and the options come from FILE alone; films, case files and stiffness tables are not needed. Where they still lie
-where the command line named them, their hashes are compared, and what has changed is said.
+The case and the options come from FILE alone; films, case files and stiffness tables are not needed. Where these files still
+exist, their hashes are compared, and changes are reported.
 
-Exit codes: 0 nothing differs, 4 something does, 3 FILE cannot be repeated.
+Exit codes: 0 no differences, 4 differences, 3 FILE cannot be repeated.
 
 Examples:
   spineline rerun analysis.json
@@ -35,11 +35,11 @@ Examples:
 
 #[derive(Args)]
 pub struct RerunArgs {
-    /// Analysis, or list of them, from `analyze --json`; or a report
+    /// Analysis, or list of analyses, from `analyze --json`; or a report
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// Numbers differ where they are further apart than this part of the larger one; below 1, further than this itself
-    #[arg(long, value_name = "PART", default_value = "1e-9", value_parser = tolerance)]
+    /// Tolerance: relative; absolute below 1
+    #[arg(long, value_name = "NUMBER", default_value = "1e-9", value_parser = tolerance)]
     tolerance: f64,
     /// Write the new analysis as JSON (`-`: standard output); a list for a list
     #[arg(long, value_name = "FILE")]
@@ -47,7 +47,7 @@ pub struct RerunArgs {
     /// Draw the figures of the new analysis as SVG into this folder
     #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
-    /// Threads for replicates; 0 uses all cores. The results do not depend on it
+    /// Threads for replicates; 0: all cores. The number does not change the results
     #[arg(long, default_value = "0", value_parser = threads)]
     threads: usize,
 }
@@ -118,7 +118,7 @@ fn analysis_text(path: &Path, bytes: &[u8]) -> Result<String, Failure> {
         None => Err(Failure::input(
             &path.display().to_string(),
             &"there is no analysis in this file",
-            "give the JSON that `spineline analyze CASE --json FILE` writes, or what `spineline report CASE` does",
+            "give a file from `spineline analyze CASE --json FILE` or from `spineline report CASE`",
         )),
     }
 }
@@ -189,7 +189,7 @@ fn input_words(report: &Path, input: &InputFile) -> &'static str {
     let bytes = [named, beside].into_iter().find_map(|path| std::fs::read(path).ok());
     match bytes.map(|bytes| spineline_io::sha256_hex(&bytes) == input.sha256) {
         Some(true) => "unchanged",
-        Some(false) => "CHANGED since; this repeats what was read then",
+        Some(false) => "CHANGED since; the stored content is repeated",
         None => "not here; not needed",
     }
 }

@@ -11,10 +11,10 @@ use super::args::SimulateArgs;
 use super::warnings::warning;
 use crate::run::failure::Failure;
 
-/// A force whose factor is sought; near enough to what is found that the path takes sound steps.
-const SOUGHT_FORCE_N: f64 = 100.0;
+/// Reference force of a search for a factor; its size only sets the steps of the path.
+const REFERENCE_FORCE_N: f64 = 100.0;
 
-/// The loads that are asked for, and what is odd about them.
+/// The loads that are asked for, and warnings about them.
 pub fn of(
     args: &SimulateArgs,
     model: &StoredModel,
@@ -31,10 +31,10 @@ pub fn of(
     };
     let size_n = match (args.force, args.amplitude) {
         (Some(force), _) => force,
-        (None, Some(_)) => SOUGHT_FORCE_N,
+        (None, Some(_)) => REFERENCE_FORCE_N,
         (None, None) => {
             return Err(Failure::usage(
-                "--push needs --force N, or --amplitude to find the force for a lean",
+                "--push needs --force N, or --amplitude DEG to find the force for a lateral tilt",
             ));
         }
     };
@@ -73,7 +73,7 @@ fn of_posture(
         let text =
             format!("the model has no load for {}; it has {}", posture.key(), known.join(", "));
         let place = args.model.display().to_string();
-        return Err(Failure::input(&place, &text, "take one of these, or --push"));
+        return Err(Failure::input(&place, &text, "choose one of these, or use --push"));
     };
     let mut notes = Vec::new();
     if record.status != "converged" {

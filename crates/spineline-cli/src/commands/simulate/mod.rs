@@ -1,4 +1,4 @@
-//! `spineline simulate`: what a personalised model does under loads.
+//! `spineline simulate`: a personalised model under loads.
 
 mod args;
 mod loads;
@@ -49,7 +49,7 @@ pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
     Ok(if outcome.response.ending.is_usable() { Ending::Done } else { Ending::NotConverged })
 }
 
-/// Shows how far a search has come, and breaks it off at Ctrl-C; a second Ctrl-C ends the program.
+/// Shows the progress of a search, and interrupts it at Ctrl-C; a second Ctrl-C ends the program.
 fn with_progress<T>(
     search: impl FnOnce(&mut dyn FnMut(ForceSign, &PathPoint) -> ControlFlow<()>) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
@@ -102,8 +102,8 @@ mod tests {
         args: SimulateArgs,
     }
 
-    /// A search that is broken off at its so-manieth shape.
-    fn broken_off(arguments: &[&str], at: usize) -> Outcome {
+    /// A search that is interrupted at the shape of this number.
+    fn interrupted(arguments: &[&str], at: usize) -> Outcome {
         let phantom = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists");
         let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a phantom");
         let text = to_text(&ModelFile::new(&analysis, &analysis.models[0], "test"));
@@ -125,7 +125,7 @@ mod tests {
             &["--push", "left", "--force", "50"][..],
             &["--push", "left", "--amplitude", "20", "--towards", "left"],
         ] {
-            let outcome = broken_off(arguments, 3);
+            let outcome = interrupted(arguments, 3);
             assert_eq!(outcome.response.ending, PathEnding::Interrupted);
             let json: serde_json::Value =
                 serde_json::from_str(&to_text(&outcome.file())).expect("whole");
@@ -140,12 +140,12 @@ mod tests {
     }
 
     #[test]
-    fn a_search_broken_off_after_its_goal_is_no_result_either() {
+    fn a_search_interrupted_after_its_goal_is_no_result_either() {
         // Whether a smaller factor of the other sign exists is not known then.
-        let whole = broken_off(&["--push", "left", "--amplitude", "5", "--towards", "left"], 0);
+        let whole = interrupted(&["--push", "left", "--amplitude", "5", "--towards", "left"], 0);
         let first = whole.response.paths[0].path.points.len();
         let cut =
-            broken_off(&["--push", "left", "--amplitude", "5", "--towards", "left"], first + 1);
+            interrupted(&["--push", "left", "--amplitude", "5", "--towards", "left"], first + 1);
         assert!(whole.response.result().is_some());
         assert!(!cut.response.met.is_empty() && cut.response.result().is_none());
     }

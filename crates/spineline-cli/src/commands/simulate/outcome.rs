@@ -25,7 +25,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Loads a model; the callback hears of every shape, and may break off.
+    /// Loads a model; the callback gets every shape and may interrupt the search.
     pub fn of(
         args: &SimulateArgs,
         model: StoredModel,
@@ -84,7 +84,7 @@ fn goal(args: &SimulateArgs, placed: &PlacedLoads) -> Result<Goal, Failure> {
     let (Some(degrees), Some(towards)) = (args.amplitude, args.towards) else {
         if args.largest_factor.is_some_and(|factor| factor < 1.0) {
             return Err(Failure::usage(
-                "--largest-factor below 1 leaves the loads out of reach; leave it out, or give --amplitude",
+                "--largest-factor below 1 excludes the full loads; omit it, or give --amplitude",
             ));
         }
         return Ok(Goal::FullLoad);
@@ -93,13 +93,13 @@ fn goal(args: &SimulateArgs, placed: &PlacedLoads) -> Result<Goal, Failure> {
     let mut timings = timings.chain(placed.loading.rods.iter().map(|rod| rod.timing));
     if !timings.any(|timing| timing == Timing::Growing) {
         return Err(Failure::usage(
-            "--amplitude seeks a factor of the growing loads, and all loads of this file are held",
+            "--amplitude needs proportional loads, and all loads of this file are constant",
         ));
     }
-    let lean = Angle::from_deg(degrees);
+    let tilt = Angle::from_deg(degrees);
     Ok(Goal::Lean(match towards.side() {
-        Side::Right => lean,
-        Side::Left => -lean,
+        Side::Right => tilt,
+        Side::Left => -tilt,
     }))
 }
 
@@ -114,7 +114,7 @@ fn statics<'m>(args: &SimulateArgs, model: &'m StoredModel) -> Result<GeneralSta
             ),
             other => other.to_string(),
         };
-        let help = "a spring that gives energy away is none; correct it, or write the model again with `analyze`";
+        let help = "correct the stiffness, or write the model again with `analyze`";
         Failure::input(&args.model.display().to_string(), &text, help)
     })
 }
@@ -137,7 +137,7 @@ fn places(model: &StoredModel, notes: &mut Vec<SimulationWarning>) -> Vec<CurveP
         "the model file has no regions; Cobb and Ferguson angles are measured with regions that end at T12 and T6, \
          which may not be those of its analysis; write the model again with `spineline analyze CASE --model FILE`"
     } else {
-        "the model file has no regions, and does not go from L4 to T2: no Cobb and Ferguson angles"
+        "the model file has no regions and does not go from L4 to T2: there are no Cobb and Ferguson angles"
     };
     notes.push(warning("usual_regions", text));
     usual.map_or_else(Vec::new, Vec::from)

@@ -11,12 +11,12 @@ use spineline::response::{
 use spineline::spatial::{Angle, moment_words, vector_words};
 
 use super::outcome::Outcome;
-use super::words::{load_words, timing_word};
+use super::words::{load_words, timing_words};
 use crate::terminal::table::{Table, wrap};
 
 const WIDTH: usize = 110;
 
-/// Everything that a person wants to read of one simulation.
+/// The whole report of one simulation.
 pub fn report(outcome: &Outcome) -> String {
     let mut text = head(outcome);
     text.push_str(&ending_text(outcome));
@@ -25,13 +25,13 @@ pub fn report(outcome: &Outcome) -> String {
         text.push_str(&result_text(outcome, result));
         text.push_str(&angles_text(outcome, result));
     }
-    text.push_str(&met_text(outcome));
+    text.push_str(&solutions_text(outcome));
     text.push_str(&events_text(outcome));
     text.push_str(&warnings(outcome));
     text
 }
 
-/// The soft problems.
+/// The warnings.
 pub fn warnings(outcome: &Outcome) -> String {
     let lines = outcome.warnings.iter().map(|w| format!("warning: {} [{}]", w.message, w.code));
     lines.map(|line| wrap(&line, WIDTH, "")).collect()
@@ -54,11 +54,11 @@ fn head(outcome: &Outcome) -> String {
         let _ = writeln!(text, "  load {}: {}", number + 1, load_words(load));
     }
     let _ = match outcome.response.goal {
-        Goal::FullLoad => writeln!(text, "  sought: the shape under these loads"),
-        Goal::Lean(lean) => writeln!(
+        Goal::FullLoad => writeln!(text, "  goal: the shape under these loads"),
+        Goal::Lean(tilt) => writeln!(
             text,
-            "  sought: the factor of the growing loads at which L4-T2 leans {}, up to {:.4} along and against",
-            lean.leaning(),
+            "  goal: the factor of the proportional loads for a lateral tilt of L4-T2 of {}, up to {:.4} in either direction",
+            tilt.leaning(),
             outcome.response.largest_factor
         ),
     };
@@ -79,7 +79,7 @@ fn ending_text(outcome: &Outcome) -> String {
             "several shapes meet the goal; the first one that the erect spine reaches is the result".to_owned()
         }
         PathEnding::Interrupted => {
-            "NO RESULT: broken off; the path so far is in the files".to_owned()
+            "NO RESULT: interrupted; the files hold the path so far".to_owned()
         }
         other => format!("NO RESULT: {}", other.meaning()),
     };
@@ -88,9 +88,9 @@ fn ending_text(outcome: &Outcome) -> String {
     if let (None, Some(point)) = (outcome.response.result(), outcome.response.nearest()) {
         let _ = writeln!(
             text,
-            "  nearest on the way: a factor of {:.4} of the {} loads, leaning {}, largest hinge {:.1}°",
+            "  nearest shape on the path: factor {:.4} of the {} loads, lateral tilt {}, largest joint rotation {:.1}°",
             point.factor,
-            timing_word(point.timing),
+            timing_words(point.timing),
             point.deformed.lean().leaning(),
             largest_hinge(&point.deformed).2.abs().deg()
         );
@@ -105,19 +105,19 @@ fn result_text(outcome: &Outcome, result: &Equilibrium) -> String {
     let (vertebra, moved_mm) = largest_displacement_mm(&outcome.model.spine, shape);
     let (joint, axis, turn) = largest_hinge(shape);
     let axis = ["lateral", "flexion", "axial"][axis];
-    let _ = writeln!(text, "factor of the growing loads  {:.6}", result.factor);
+    let _ = writeln!(text, "factor of proportional loads {:.6}", result.factor);
     let _ =
         writeln!(text, "largest displacement         {moved_mm:.1} mm, at {}", levels[vertebra]);
     let _ = writeln!(
         text,
-        "largest hinge                {:.1}° ({axis}, {}/{})",
+        "largest joint rotation       {:.1}° ({axis}, {}/{})",
         turn.abs().deg(),
         levels[joint],
         levels[joint + 1]
     );
     let _ = writeln!(
         text,
-        "out of balance               {:.0e} rad; smallest singular value {:.3} (1 unloaded, 0 where a spine snaps or buckles)",
+        "residual                     {:.0e} rad; smallest singular value {:.3} (1 unloaded, 0 at a limit or branch point)",
         result.residual_rad, result.smallest_singular_value
     );
     text.push_str(&forces_text(outcome, result));
@@ -125,7 +125,7 @@ fn result_text(outcome: &Outcome, result: &Equilibrium) -> String {
     text
 }
 
-/// What each load does in the end; slices of gravity are left out.
+/// The force or moment of each load in the final shape; slices of gravity are left out.
 fn forces_text(outcome: &Outcome, result: &Equilibrium) -> String {
     let (model, placed) = (&outcome.model, &outcome.placed);
     let mut text = String::new();
@@ -181,7 +181,7 @@ fn angles_text(outcome: &Outcome, result: &Equilibrium) -> String {
     }
     let SpineAngles { lean, .. } = after;
     table.row(vec![
-        "lean of L4-T2".to_owned(),
+        "lateral tilt of L4-T2".to_owned(),
         before.lean.leaning(),
         lean.leaning(),
         (lean - before.lean).wrapped().leaning(),
@@ -196,7 +196,7 @@ fn convex_words(angle: Angle) -> String {
 
 fn change_words(before: Angle, after: Angle) -> String {
     if before.side() != after.side() {
-        return "turned over".to_owned();
+        return "reversed".to_owned();
     }
     let more = after.abs() - before.abs();
     let word = if more.rad() < 0.0 { "less" } else { "more" };
@@ -204,7 +204,7 @@ fn change_words(before: Angle, after: Angle) -> String {
 }
 
 /// Every shape that meets the goal, where there is a choice or no result.
-fn met_text(outcome: &Outcome) -> String {
+fn solutions_text(outcome: &Outcome) -> String {
     let response = &outcome.response;
     let is_plain = response.goal == Goal::FullLoad && response.ending == PathEnding::Converged;
     if response.met.is_empty() || is_plain {
@@ -215,8 +215,8 @@ fn met_text(outcome: &Outcome) -> String {
         "factor",
         "limit points",
         "branch points",
-        "largest hinge",
-        "lean of L4-T2",
+        "largest joint rotation",
+        "lateral tilt of L4-T2",
         "verdict",
     ]);
     for met in &response.met {
@@ -260,7 +260,7 @@ fn events_text(outcome: &Outcome) -> String {
                 "{} at a factor of {:.4} of the {} loads{way}",
                 event.kind.key().replace('_', " "),
                 event.factor,
-                timing_word(event.timing)
+                timing_words(event.timing)
             );
         }
     }

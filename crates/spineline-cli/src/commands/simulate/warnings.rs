@@ -1,15 +1,15 @@
-//! What a reader of a simulation should know beside its numbers.
+//! Warnings about a simulation.
 
 use spineline::multibody::{BodyLoad, PathEnding};
 use spineline::response::{Response, UNUSUAL_HINGE, largest_hinge};
 use spineline_io::{AppliedLoad, LoadFile, PlacedLoads, SimulationWarning, StoredModel};
 
-/// A warning by its stable name.
+/// A warning with its stable code.
 pub fn warning(code: &str, message: impl Into<String>) -> SimulationWarning {
     SimulationWarning { code: code.to_owned(), message: message.into() }
 }
 
-/// Everything odd about a simulation.
+/// All warnings about a simulation.
 pub fn warnings(
     model: &StoredModel,
     loads: &LoadFile,
@@ -18,12 +18,11 @@ pub fn warnings(
 ) -> Vec<SimulationWarning> {
     let mut all = about_loads(model, loads);
     if response.ending == PathEnding::Interrupted {
-        let text = "broken off; the path so far is kept, and nothing of it is a result";
+        let text = "interrupted; the path so far is kept, but it is not a result";
         all.push(warning("interrupted", text));
     }
     if response.ending != PathEnding::Interrupted && !response.is_complete() {
-        let text =
-            "a path of equilibria was lost on its way: there may be more shapes that meet the goal";
+        let text = "a path of equilibria was lost: there may be more shapes that meet the goal";
         all.push(warning("path_lost", text));
     }
     if response.ending == PathEnding::SeveralEquilibria {
@@ -40,8 +39,8 @@ pub fn warnings(
             let axis = ["lateral", "flexion", "axial"][axis];
             let (below, above) = (model.levels[joint], model.levels[joint + 1]);
             let text = format!(
-                "the {axis} hinge of {below}/{above} turns by {:.0}°, more than a spine allows (from {UNUSUAL_HINGE:.0} on this is said); \
-                 linear springs do not stop it, ligaments and facets would",
+                "the {axis} rotation of joint {below}/{above} is {:.0}°, more than a spine allows (limit of this warning: {UNUSUAL_HINGE:.0}); \
+                 linear springs do not limit it as ligaments and facets do",
                 turn.abs().deg()
             );
             all.push(warning("large_hinge", text));
@@ -56,16 +55,16 @@ fn about_loads(model: &StoredModel, loads: &LoadFile) -> Vec<SimulationWarning> 
     let springs =
         |load: &AppliedLoad| matches!(load, AppliedLoad::Pad { .. } | AppliedLoad::Strap { .. });
     if !model.absolute {
-        let text = "only ratios of this model's stiffness are known: forces, weights and springs of loads count in its relative units, not newtons; \
+        let text = "only ratios of this model's stiffness are known: forces, weights and springs of loads are in its relative units, not newtons; \
                     `analyze --gauge known-force:POSTURE=NEWTON` makes them absolute";
         all.push(warning("relative_forces", text));
     }
     if weighs {
-        let text = "the erect shape counts as unloaded, although the patient's weight already acted on the erect film: weight here comes on top of it, and no muscles carry it: a bare spine bears a small part of the body";
+        let text = "the erect shape is taken as unloaded, although the patient's weight already acted on the erect film: this weight is added to it, and no muscles carry it; a spine without muscles bears only a small part of the body";
         all.push(warning("weight_on_top", text));
     }
     if loads.loads.iter().any(springs) {
-        let text = "pads and straps are springs that stick: they touch the erect spine without force, and no contact is lost";
+        let text = "pads and straps are springs without loss of contact: they touch the erect spine with zero force";
         all.push(warning("springs_stick", text));
     }
     all
@@ -85,11 +84,11 @@ fn about_springs(
         match item.load {
             BodyLoad::Pad { .. } => warning(
                 "pad_pulls",
-                format!("load {load}: the pad on {level} pulls with {size:.1} ({}), and a real one would let go: leave it out", model.force_unit()),
+                format!("load {load}: the pad on {level} pulls with {size:.1} ({}); a real pad would lose contact: remove it", model.force_unit()),
             ),
             _ => warning(
                 "strap_pushes",
-                format!("load {load}: the strap on {level} pushes with {size:.1} ({}), and a real one would go slack: leave it out", model.force_unit()),
+                format!("load {load}: the strap on {level} pushes with {size:.1} ({}); a real strap would be slack: remove it", model.force_unit()),
             ),
         }
     });

@@ -4,11 +4,19 @@ use spineline::multibody::Timing;
 use spineline::spatial::{moment_words, vector_words};
 use spineline_io::{AppliedLoad, TimingKey};
 
-/// `held` or `growing`.
-pub const fn timing_word(timing: Timing) -> &'static str {
+/// `held` or `growing`, as files call the timing.
+pub const fn timing_key(timing: Timing) -> &'static str {
     match timing {
         Timing::Held => "held",
         Timing::Growing => "growing",
+    }
+}
+
+/// How loads are applied, in words.
+pub const fn timing_words(timing: Timing) -> &'static str {
+    match timing {
+        Timing::Held => "constant",
+        Timing::Growing => "proportional",
     }
 }
 
@@ -22,7 +30,7 @@ pub fn load_words(load: &AppliedLoad) -> String {
             format!("force at {}: {}", level.0, vector_words(*force_n))
         }
         AppliedLoad::FollowerForce { level, force_in_vertebra_n, .. } => format!(
-            "force at {} that turns with it: {} of the vertebra",
+            "force at {} that follows its rotation: {} of the vertebra",
             level.0,
             vector_words(*force_in_vertebra_n)
         ),
@@ -30,7 +38,7 @@ pub fn load_words(load: &AppliedLoad) -> String {
             format!("moment on {} (force × mm): {}", level.0, moment_words(*moment_nmm))
         }
         AppliedLoad::FollowerMoment { level, moment_in_vertebra_nmm, .. } => format!(
-            "moment on {} that turns with it (force × mm): {}",
+            "moment on {} that follows its rotation (force × mm): {}",
             level.0,
             moment_words(*moment_in_vertebra_nmm)
         ),
@@ -46,14 +54,14 @@ pub fn load_words(load: &AppliedLoad) -> String {
             format!("strap on {}, shortened by {shortening_mm} mm, {n_per_mm} per mm", level.0)
         }
         AppliedLoad::Rod { inferior, superior, shift_mm, turn_deg, .. } => {
-            let still = shift_mm.iter().chain(turn_deg).all(|part| *part == 0.0);
+            let fixed = shift_mm.iter().chain(turn_deg).all(|part| *part == 0.0);
             let how =
-                if still { "keeps their erect pose" } else { "moves them against each other" };
+                if fixed { "keeps their erect pose" } else { "moves them relative to each other" };
             format!("rod from {} to {}: {how}", inferior.0, superior.0)
         }
     };
     match load.timing() {
-        TimingKey::Held => format!("{words} (held)"),
+        TimingKey::Held => format!("{words} (constant)"),
         TimingKey::Growing => words,
     }
 }

@@ -7,7 +7,7 @@ use spineline_server::store::{CaseError, NewCase, Signature, Store};
 
 use crate::run::failure::Failure;
 
-/// Adds one case; tells what was added.
+/// Adds one case; returns what was added as text.
 pub fn add(store: &mut Store, at: &Path, path: &Path, by: &Signature) -> Result<String, Failure> {
     let text = spineline_io::read_text(path).map_err(|error| Failure::file(path, &error))?;
     let bytes_of = |file: &str| {

@@ -1,11 +1,11 @@
-//! The words of `spineline study`.
+//! The command line of `study`.
 
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use spineline_server::store::Head;
 
-/// What a user types.
+/// Shown below the options.
 pub const EXAMPLES: &str = "\
 Examples:
   spineline study create clinic.spineline
@@ -20,19 +20,19 @@ Examples:
 pub struct StudyArgs {
     #[command(subcommand)]
     pub command: StudyCommand,
-    /// Who does this, for the log: a code, not a patient's name
+    /// Your code for the log; not a patient's name
     #[arg(long, global = true, value_name = "NAME", default_value = "cli")]
     pub by: String,
 }
 
 #[derive(Subcommand)]
 pub enum StudyCommand {
-    /// Make an empty store
+    /// Create an empty store
     Create {
         /// File of the store
         store: PathBuf,
     },
-    /// Put cases with their films and readings into a store
+    /// Add cases with their films and readings to a store
     Add {
         /// File of the store
         store: PathBuf,
@@ -40,32 +40,32 @@ pub enum StudyCommand {
         #[arg(required = true, value_name = "CASE")]
         cases: Vec<PathBuf>,
     },
-    /// Tell what is in a store
+    /// List the films and readings of a store
     List {
         /// File of the store
         store: PathBuf,
     },
-    /// Plan blinded readings: every observer reads every film again and again, in random order, with a washout
+    /// Plan blinded readings: every observer reads every film repeatedly, in random order, with a washout period
     Plan {
         /// File of the store
         store: PathBuf,
-        /// Identifier of the study: the case's
+        /// Identifier of the study, which is the case's
         #[arg(value_name = "CASE_ID")]
         study: String,
         /// Codes of the observers
         #[arg(long, required = true, value_delimiter = ',', value_name = "NAME,NAME")]
         observers: Vec<String>,
-        /// How often everybody reads every film
+        /// Readings of every film by every observer
         #[arg(long, default_value_t = 3)]
         repeats: u32,
-        /// Days between two readings of one film by one observer
+        /// Washout period: days between two readings of one film by one observer
         #[arg(long, default_value_t = 14)]
         washout_days: u32,
-        /// Seed of the order
+        /// Seed of the random order
         #[arg(long, default_value_t = 1)]
         seed: u64,
     },
-    /// Tell an observer which film comes next, and nothing else about it
+    /// Print the code of the film that an observer reads next
     Next {
         /// File of the store
         store: PathBuf,
@@ -87,16 +87,16 @@ pub enum StudyCommand {
         #[arg(long, value_name = "FILE", default_value = "-")]
         out: PathBuf,
     },
-    /// Print the log of everything that was changed
+    /// Print the log of all changes
     Log {
         /// File of the store
         store: PathBuf,
     },
-    /// Find damage, and entries of the log that were edited, removed or exchanged
+    /// Verify a store: find damage, and log entries that were edited, removed or replaced
     Verify {
         /// File of the store
         store: PathBuf,
-        /// End of the log as `verify` printed it once, kept elsewhere
+        /// End of the log from an earlier `verify`, kept elsewhere
         #[arg(long, value_name = "N:HASH", value_parser = head)]
         head: Option<Head>,
     },
@@ -104,7 +104,7 @@ pub enum StudyCommand {
     Backup {
         /// File of the store
         store: PathBuf,
-        /// File to write; it must not exist
+        /// File to write; it must not exist yet
         #[arg(value_name = "FILE")]
         out: PathBuf,
     },

@@ -26,7 +26,7 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
     match &args.command {
         StudyCommand::Create { .. } => {
             Store::create(path, &by()?).map_err(fail)?;
-            print(&format!("{} is an empty store.\n", path.display()))
+            print(&format!("{} was created as an empty store.\n", path.display()))
         }
         StudyCommand::Add { cases, .. } => {
             let mut store = Store::open(path).map_err(fail)?;
@@ -43,7 +43,7 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
             let slots =
                 store.reading_plan(&name(study)?, &observers, design, &by()?).map_err(fail)?;
             print(&format!(
-                "{slots} readings are planned: every observer reads every film {repeats} times, {washout_days} days apart, in an order of their own.\n"
+                "{slots} readings are planned: every observer reads every film {repeats} times, {washout_days} days apart, in a random order each.\n"
             ))
         }
         StudyCommand::Next { study, observer, .. } => {
@@ -117,9 +117,9 @@ fn row(study: &str, film: &FilmRecord, readings: &[ReadingRecord]) -> Vec<String
 fn next_text(next: &Next) -> String {
     match next {
         Next::Begin(film) => format!("Next: film {}.\n", film.code),
-        Next::Continue(film, _) => format!("Go on with film {}, which was begun.\n", film.code),
-        Next::Wait(until) => format!("Nothing before {until}: the washout.\n"),
-        Next::Done => "Everything is read.\n".to_owned(),
+        Next::Continue(film, _) => format!("Continue with film {}.\n", film.code),
+        Next::Wait(until) => format!("Washout: no film before {until}.\n"),
+        Next::Done => "All films are read.\n".to_owned(),
     }
 }
 
@@ -146,7 +146,7 @@ fn report(path: &Path, verification: &Verification) -> Result<Ending, Failure> {
     let mut text = String::new();
     if let Some(head) = &verification.head {
         text.push_str(&format!(
-            "{}: {} entries in its log, which ends in {head}\n",
+            "{}: {} log entries; end of the log {head}\n",
             path.display(),
             head.entries
         ));
@@ -156,7 +156,7 @@ fn report(path: &Path, verification: &Verification) -> Result<Ending, Failure> {
     }
     if verification.is_clean() {
         text.push_str(
-            "  everything is as it was written. Keep that end elsewhere: with `--head`, `verify` also finds a store that was rewritten as a whole.\n",
+            "  no damage found. Keep the end of the log elsewhere: with `--head`, `verify` also detects a store that was rewritten as a whole.\n",
         );
         return print(&text);
     }
