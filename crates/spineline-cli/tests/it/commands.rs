@@ -3,26 +3,13 @@
 use std::fs;
 use std::path::Path;
 
-use assert_cmd::Command;
 use tempfile::TempDir;
 
+use crate::program::run;
 use crate::results::results;
-
-fn spineline(folder: &Path) -> Command {
-    let mut command = Command::cargo_bin("spineline").expect("the program is built for its tests");
-    command.current_dir(folder);
-    command
-}
 
 fn folder() -> TempDir {
     tempfile::tempdir().expect("a place for files")
-}
-
-/// Standard output, standard error and exit code.
-fn run(folder: &Path, arguments: &[&str]) -> (String, String, i32) {
-    let output = spineline(folder).args(arguments).output().expect("the program starts");
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    (text(&output.stdout), text(&output.stderr), output.status.code().unwrap_or(-1))
 }
 
 fn phantom(folder: &Path, truth: &str, subject: &str) {

@@ -1,20 +1,12 @@
 //! Lines of action compared: what `analyze` prints and writes of one patient and of a cohort.
 
 use std::fs;
-use std::path::Path;
 
-use assert_cmd::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::program::run;
 use crate::results::results;
-
-fn run(folder: &Path, arguments: &[&str]) -> (String, String, i32) {
-    let mut command = Command::cargo_bin("spineline").expect("the program is built for its tests");
-    let output = command.current_dir(folder).args(arguments).output().expect("the program starts");
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    (text(&output.stdout), text(&output.stderr), output.status.code().unwrap_or(-1))
-}
 
 fn with_phantoms(truth: &str, subjects: &[&str]) -> TempDir {
     let here = tempfile::tempdir().expect("a place for files");

@@ -7,6 +7,7 @@ use serde_json::Value as Json;
 use spineline_io::film::{FilmLimits, read_film};
 
 use crate::maker::{EXPLICIT, Maker, Value, ramp, text};
+use crate::program::{finish, spineline};
 
 /// A name that must never be seen again.
 const CANARY: &str = "Kanarienvogel";
@@ -24,16 +25,9 @@ impl Here {
 
     /// Runs `spineline import`; standard output, standard error and exit code.
     fn import(&self, arguments: &[&str]) -> (String, String, i32) {
-        let output = assert_cmd::Command::cargo_bin("spineline")
-            .expect("the program")
-            .current_dir(self.0.path())
-            .env("XDG_CONFIG_HOME", self.path("configuration"))
-            .arg("import")
-            .args(arguments)
-            .output()
-            .expect("it runs");
-        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
-        (text(output.stdout), text(output.stderr), output.status.code().expect("an exit code"))
+        let mut command = spineline(self.0.path());
+        command.env("XDG_CONFIG_HOME", self.path("configuration"));
+        finish(command.arg("import").args(arguments))
     }
 
     fn json(&self, name: &str) -> Json {

@@ -8,6 +8,7 @@ mod import;
 #[path = "../../../spineline-io/tests/film/maker.rs"]
 mod maker;
 mod noise_study;
+mod program;
 mod reliability;
 mod report;
 mod rerun;

@@ -4,17 +4,15 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use assert_cmd::Command;
-
+use crate::program;
 use crate::results::results;
 
 type Row = BTreeMap<String, String>;
 
 fn run(folder: &Path, arguments: &[&str]) -> String {
-    let mut command = Command::cargo_bin("spineline").expect("the program is built for its tests");
-    let output = command.current_dir(folder).args(arguments).output().expect("the program starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8_lossy(&output.stdout).into_owned()
+    let (text, error, code) = program::run(folder, arguments);
+    assert_eq!(code, 0, "{error}");
+    text
 }
 
 fn rows(text: &str) -> Vec<Row> {

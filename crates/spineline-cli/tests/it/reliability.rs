@@ -5,20 +5,13 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use assert_cmd::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::program::run;
+
 fn folder() -> TempDir {
     tempfile::tempdir().expect("a place for files")
-}
-
-/// Standard output, standard error and exit code.
-fn run(folder: &Path, arguments: &[&str]) -> (String, String, i32) {
-    let mut command = Command::cargo_bin("spineline").expect("the program is built for its tests");
-    let output = command.current_dir(folder).args(arguments).output().expect("the program starts");
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    (text(&output.stdout), text(&output.stderr), output.status.code().unwrap_or(-1))
 }
 
 fn json(text: &str) -> Value {

@@ -7,13 +7,11 @@ use assert_cmd::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::program::{finish, spineline};
+
 /// Standard output, standard error and exit code, at a fixed date.
 fn run(folder: &Path, arguments: &[&str]) -> (String, String, i32) {
-    let mut command = Command::cargo_bin("spineline").expect("the program is built for its tests");
-    command.current_dir(folder).env("SOURCE_DATE_EPOCH", "1767323045").args(arguments);
-    let output = command.output().expect("the program starts");
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    (text(&output.stdout), text(&output.stderr), output.status.code().unwrap_or(-1))
+    finish(spineline(folder).env("SOURCE_DATE_EPOCH", "1767323045").args(arguments))
 }
 
 fn folder_with_phantom() -> TempDir {

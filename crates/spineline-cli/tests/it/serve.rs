@@ -4,21 +4,17 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command as Program, Stdio};
 
-use assert_cmd::Command;
 use assert_cmd::assert::Assert;
+
+use crate::program::spineline;
 
 const PASSWORD: &str = "a long enough sentence";
 
 fn run(folder: &Path, arguments: &[&str], input: &str) -> Assert {
-    Command::cargo_bin("spineline")
-        .expect("the program")
-        .current_dir(folder)
-        .args(arguments)
-        .write_stdin(input)
-        .assert()
+    spineline(folder).args(arguments).write_stdin(input).assert()
 }
 
-fn told(assert: &Assert) -> String {
+fn output_of(assert: &Assert) -> String {
     let output = assert.get_output();
     let [out, err] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
     format!("{out}{err}")
@@ -36,7 +32,7 @@ fn accounts_are_made_changed_and_listed() {
     let run = |arguments: &[&str], input: &str| run(folder.path(), arguments, input);
     let add = ["account", "add", "r2", "--role", "reader", "--password-stdin", "s.spineline"];
     let weak = run(&add, "short\n").failure().code(3);
-    assert!(told(&weak).contains("12 characters") && !told(&weak).contains("short"));
+    assert!(output_of(&weak).contains("12 characters") && !output_of(&weak).contains("short"));
     run(&add, PASSWORD).success();
     run(&add, PASSWORD).failure().code(3);
     run(&["account", "edit", "r2", "--role", "editor", "s.spineline"], "").success();
@@ -46,8 +42,12 @@ fn accounts_are_made_changed_and_listed() {
         .failure()
         .code(3);
     let list = run(&["account", "list", "s.spineline"], "").success();
-    assert!(told(&list).contains("r2") && told(&list).contains("editor"), "{}", told(&list));
-    assert!(!told(&list).contains("argon2"));
+    assert!(
+        output_of(&list).contains("r2") && output_of(&list).contains("editor"),
+        "{}",
+        output_of(&list)
+    );
+    assert!(!output_of(&list).contains("argon2"));
     run(&["study", "verify", "s.spineline"], "").success();
 }
 
@@ -57,7 +57,7 @@ fn a_password_is_never_an_argument() {
     store_with_admin(folder.path());
     let add = ["account", "add", "r2", "--role", "reader", "s.spineline"];
     let refused = run(folder.path(), &add, PASSWORD).failure().code(2);
-    assert!(told(&refused).contains("--password-stdin"), "{}", told(&refused));
+    assert!(output_of(&refused).contains("--password-stdin"), "{}", output_of(&refused));
 }
 
 #[test]
@@ -70,11 +70,11 @@ fn f70_an_address_that_others_reach_demands_accounts() {
         let arguments = [&["serve", "s.spineline"], demanding].concat();
         let refused = run(folder.path(), &arguments, "").failure().code(3);
         let expected = "spineline account add NAME --role admin s.spineline";
-        assert!(told(&refused).contains(expected), "{}", told(&refused));
+        assert!(output_of(&refused).contains(expected), "{}", output_of(&refused));
     }
     add_admin(folder.path());
     let nameless = run(folder.path(), &["serve", "s.spineline", "--bind", "0.0.0.0"], "");
-    assert!(told(&nameless.failure().code(2)).contains("--host NAME"));
+    assert!(output_of(&nameless.failure().code(2)).contains("--host NAME"));
 }
 
 fn add_admin(folder: &Path) {

@@ -3,16 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-fn run(folder: &Path, arguments: &[&str]) -> (String, String, i32) {
-    let output = assert_cmd::Command::cargo_bin("spineline")
-        .expect("the program")
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .expect("it runs");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
-    (text(output.stdout), text(output.stderr), output.status.code().expect("an exit code"))
-}
+use crate::program::run;
 
 /// A store with one synthetic case of one reading, whose films are small files of any bytes.
 fn store(folder: &Path) {

@@ -4,14 +4,13 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use assert_cmd::Command;
 use serde_json::Value;
 
+use crate::program;
+
 fn run(folder: &Path, arguments: &[&str]) -> (String, i32) {
-    let mut command = Command::cargo_bin("spineline").expect("the program is built for its tests");
-    let output = command.current_dir(folder).args(arguments).output().expect("the program starts");
-    let error = String::from_utf8_lossy(&output.stderr).into_owned();
-    (error, output.status.code().unwrap_or(-1))
+    let (_, error, code) = program::run(folder, arguments);
+    (error, code)
 }
 
 fn names(folder: &Path) -> BTreeSet<String> {
