@@ -85,3 +85,24 @@ fn beside(path: &Path) -> PathBuf {
     name.push(".provenance.json");
     path.with_file_name(name)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_replaced_as_a_whole_with_ordinary_permissions() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("new/result.txt");
+        for content in ["a longer first content", "second"] {
+            write_file(&path, content).expect("written");
+            assert_eq!(fs::read_to_string(&path).expect("there"), content);
+        }
+        let inside = fs::read_dir(path.parent().expect("a folder")).expect("entries").count();
+        assert_eq!(inside, 1, "no temporary file is left");
+        let ordinary = folder.path().join("ordinary.txt");
+        fs::write(&ordinary, "").expect("written");
+        let permissions = |path: &Path| fs::metadata(path).expect("there").permissions();
+        assert_eq!(permissions(&path), permissions(&ordinary));
+    }
+}
