@@ -8,12 +8,11 @@ use std::io::{IsTerminal, Read, stdin};
 use std::path::Path;
 
 use chrono::Utc;
-use spineline_server::store::{
-    Account, AccountChange, Name, PasswordHash, Signature, Store, StoreError,
-};
+use spineline_server::store::{Account, AccountChange, PasswordHash, Signature, Store, StoreError};
 
 use args::AccountCommand;
 
+use crate::options::values::store_name;
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::print;
 use crate::terminal::table::Table;
@@ -28,16 +27,16 @@ pub fn run(args: &AccountArgs) -> Result<Ending, Failure> {
         return print(&list(&Store::view(path).map_err(fail)?).map_err(fail)?);
     }
     let mut store = Store::open(path).map_err(fail)?;
-    let by = Signature::new(name(&args.by)?, Utc::now().into());
+    let by = Signature::new(store_name(&args.by)?, Utc::now().into());
     match &args.command {
         AccountCommand::Add { name: account, role, password_stdin, .. } => {
-            let account = Account { name: name(account)?, role: *role, enabled: true };
+            let account = Account { name: store_name(account)?, role: *role, enabled: true };
             let password = password(path, *password_stdin)?;
             store.add_account(&account, &password, &by).map_err(fail)?;
             print(&format!("Account {} was added as {}.\n", account.name, role.key()))
         }
         AccountCommand::Edit { name: account, .. } => {
-            let account = name(account)?;
+            let account = store_name(account)?;
             // An unknown account must fail before the password is entered.
             store.account(&account).map_err(fail)?;
             let change = change(&args.command)?;
@@ -46,11 +45,11 @@ pub fn run(args: &AccountArgs) -> Result<Ending, Failure> {
             print(&format!("Account {} is {} and {state}.\n", account.name, account.role.key()))
         }
         AccountCommand::Grant { name: account, study, role, .. } => {
-            store.grant(&name(study)?, &name(account)?, *role, &by).map_err(fail)?;
+            store.grant(&store_name(study)?, &store_name(account)?, *role, &by).map_err(fail)?;
             print(&format!("Account {account} is {} of study {study}.\n", role.key()))
         }
         AccountCommand::Revoke { name: account, study, .. } => {
-            store.revoke(&name(study)?, &name(account)?, &by).map_err(fail)?;
+            store.revoke(&store_name(study)?, &store_name(account)?, &by).map_err(fail)?;
             print(&format!("Account {account} no longer sees study {study}.\n"))
         }
         AccountCommand::List { .. } => Ok(Ending::Done),
@@ -101,10 +100,6 @@ fn asked() -> Result<String, Failure> {
         Err(error) => error,
     };
     Err(Failure::input("terminal", &error, "give the password with --password-stdin"))
-}
-
-fn name(text: &str) -> Result<Name, Failure> {
-    Name::new(text).map_err(|error| Failure::usage(format!("{error}; {}", error.help())))
 }
 
 fn list(store: &Store) -> Result<String, StoreError> {

@@ -9,12 +9,13 @@ use std::path::Path;
 
 use chrono::Utc;
 use spineline_server::store::{
-    FilmRecord, Head, Name, Next, PlanDesign, ReadingRecord, Signature, Store, StoreError,
-    Timestamp, Verification,
+    FilmRecord, Head, Next, PlanDesign, ReadingRecord, Signature, Store, StoreError, Timestamp,
+    Verification,
 };
 
 use args::StudyCommand;
 
+use crate::options::values::store_name;
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{print, write_or_print};
 use crate::terminal::table::Table;
@@ -22,7 +23,7 @@ use crate::terminal::table::Table;
 pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
     let path = args.command.store();
     let fail = |error: StoreError| Failure::store(path, &error);
-    let by = || Ok(Signature::new(name(&args.by)?, Utc::now().into()));
+    let by = || Ok(Signature::new(store_name(&args.by)?, Utc::now().into()));
     match &args.command {
         StudyCommand::Create { .. } => {
             Store::create(path, &by()?).map_err(fail)?;
@@ -38,25 +39,27 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
         StudyCommand::List { .. } => print(&list(&view(path)?).map_err(fail)?),
         StudyCommand::Plan { study, observers, repeats, washout_days, seed, .. } => {
             let mut store = Store::open(path).map_err(fail)?;
-            let observers = observers.iter().map(|o| name(o)).collect::<Result<Vec<_>, _>>()?;
+            let observers =
+                observers.iter().map(|o| store_name(o)).collect::<Result<Vec<_>, _>>()?;
             let design = PlanDesign { repeats: *repeats, washout_days: *washout_days, seed: *seed };
-            let slots =
-                store.reading_plan(&name(study)?, &observers, design, &by()?).map_err(fail)?;
+            let slots = store
+                .reading_plan(&store_name(study)?, &observers, design, &by()?)
+                .map_err(fail)?;
             print(&format!(
                 "{slots} readings are planned: every observer reads every film {repeats} times, {washout_days} days apart, in a random order each.\n"
             ))
         }
         StudyCommand::Next { study, observer, .. } => {
             let store = view(path)?;
-            let observer = name(observer)?;
+            let observer = store_name(observer)?;
             let next = store
                 .observer(&observer)
-                .next_film_for(&name(study)?, Utc::now().into())
+                .next_film_for(&store_name(study)?, Utc::now().into())
                 .map_err(fail)?;
             print(&next_text(&next))
         }
         StudyCommand::Export { study, out, .. } => {
-            let exported = view(path)?.export_case(&name(study)?).map_err(fail)?;
+            let exported = view(path)?.export_case(&store_name(study)?).map_err(fail)?;
             for remark in &exported.remarks {
                 eprintln!("note: {remark}");
             }
@@ -75,11 +78,6 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
 /// Opens a store to look at it.
 fn view(path: &Path) -> Result<Store, Failure> {
     Store::view(path).map_err(|error| Failure::store(path, &error))
-}
-
-/// An identifier of a study or of a person.
-fn name(text: &str) -> Result<Name, Failure> {
-    Name::new(text).map_err(|error| Failure::usage(format!("{error}; {}", error.help())))
 }
 
 fn list(store: &Store) -> Result<String, StoreError> {
