@@ -1,0 +1,66 @@
+//! How far the numbers of one patient can be trusted: identifiability and landmark noise.
+
+use spineline::analysis::{Analysis, Case};
+use spineline::personalize::Identifiability;
+use spineline::uncertainty::Uncertainty;
+use spineline_files::{AnalysisFile, Request};
+use spineline_tables::Patient;
+
+use super::replicates::run_replicates;
+use crate::run::failure::Failure;
+use crate::run::threads::map_all;
+
+/// Confidence of the numbers of one patient, as far as it was asked for.
+pub struct Confidence {
+    /// Identifiability of every model's multipliers, in the order of the models.
+    pub identifiability: Option<Vec<Option<Identifiability>>>,
+    /// Effect of landmark noise on every number.
+    pub uncertainty: Option<Uncertainty>,
+}
+
+impl Confidence {
+    /// Computes what the request asks for, on this number of threads.
+    ///
+    /// # Errors
+    /// If the noise cannot be applied to this case, or threads cannot be started.
+    pub fn compute(
+        case: &Case,
+        analysis: &Analysis,
+        request: &Request,
+        threads: usize,
+    ) -> Result<Self, Failure> {
+        let identifiability = request.identifiability.then(|| identify(analysis, threads));
+        let uncertainty =
+            request.replicates.map(|asked| run_replicates(case, analysis, &asked, threads));
+        Ok(Self {
+            identifiability: identifiability.transpose()?,
+            uncertainty: uncertainty.transpose()?,
+        })
+    }
+
+    /// The patient as the tables take it.
+    pub fn patient<'a>(&'a self, analysis: &'a Analysis, case: &'a Case) -> Patient<'a> {
+        Patient {
+            analysis,
+            subject: &case.subject,
+            identified: self.identifiability.as_deref(),
+            spread: self.uncertainty.as_ref(),
+        }
+    }
+
+    /// Adds the results to the file of an analysis.
+    pub fn add_to(&self, analysis: &Analysis, mut file: AnalysisFile) -> AnalysisFile {
+        if let Some(found) = &self.identifiability {
+            file = file.with_identifiability(analysis, found);
+        }
+        if let Some(found) = &self.uncertainty {
+            file = file.with_uncertainty(analysis, found);
+        }
+        file
+    }
+}
+
+/// Profile likelihoods of the multipliers of every model.
+fn identify(analysis: &Analysis, threads: usize) -> Result<Vec<Option<Identifiability>>, Failure> {
+    map_all("profiles", &analysis.models, threads, |model| analysis.identifiability(model))
+}

@@ -1,0 +1,119 @@
+//! `spineline account`: user accounts of the browser app and their studies.
+
+mod args;
+
+pub use args::{AccountArgs, EXAMPLES};
+
+use std::io::{IsTerminal, Read, stdin};
+use std::path::Path;
+
+use chrono::Utc;
+use spineline_store::{Account, AccountChange, PasswordHash, Signature, Store, StoreError};
+
+use args::AccountCommand;
+
+use crate::options::values::store_name;
+use crate::run::failure::{Ending, Failure};
+use crate::run::outputs::print;
+use crate::terminal::table::Table;
+
+/// More than the longest password.
+const MAX_INPUT_BYTES: u64 = 4096;
+
+pub fn run(args: &AccountArgs) -> Result<Ending, Failure> {
+    let path = args.command.store();
+    let fail = |error: StoreError| Failure::store(path, &error);
+    if let AccountCommand::List { .. } = args.command {
+        return print(&list(&Store::view(path).map_err(fail)?).map_err(fail)?);
+    }
+    let mut store = Store::open(path).map_err(fail)?;
+    let by = Signature::new(store_name(&args.by)?, Utc::now().into());
+    match &args.command {
+        AccountCommand::Add { name: account, role, password_stdin, .. } => {
+            let account = Account { name: store_name(account)?, role: *role, enabled: true };
+            let password = password(path, *password_stdin)?;
+            store.add_account(&account, &password, &by).map_err(fail)?;
+            print(&format!("Account {} was added as {}.\n", account.name, role.key()))
+        }
+        AccountCommand::Edit { name: account, .. } => {
+            let account = store_name(account)?;
+            // An unknown account must fail before the password is entered.
+            store.account(&account).map_err(fail)?;
+            let change = change(&args.command)?;
+            let account = store.edit_account(&account, &change, &by).map_err(fail)?;
+            let state = if account.enabled { "may sign in" } else { "may not sign in" };
+            print(&format!("Account {} is {} and {state}.\n", account.name, account.role.key()))
+        }
+        AccountCommand::Grant { name: account, study, role, .. } => {
+            store.grant(&store_name(study)?, &store_name(account)?, *role, &by).map_err(fail)?;
+            print(&format!("Account {account} is {} of study {study}.\n", role.key()))
+        }
+        AccountCommand::Revoke { name: account, study, .. } => {
+            store.revoke(&store_name(study)?, &store_name(account)?, &by).map_err(fail)?;
+            print(&format!("Account {account} no longer sees study {study}.\n"))
+        }
+        AccountCommand::List { .. } => Ok(Ending::Done),
+    }
+}
+
+fn change(command: &AccountCommand) -> Result<AccountChange, Failure> {
+    let AccountCommand::Edit {
+        store, role, password: ask, password_stdin, enable, disable, ..
+    } = command
+    else {
+        return Ok(AccountChange::default());
+    };
+    let enabled = (*enable || *disable).then_some(*enable);
+    let password = (*ask || *password_stdin).then(|| password(store, *password_stdin));
+    let change = AccountChange { role: *role, password: password.transpose()?, enabled };
+    if change.role.is_none() && change.password.is_none() && change.enabled.is_none() {
+        let options = "--role, --password, --password-stdin, --enable or --disable";
+        return Err(Failure::usage(format!("nothing to change; give {options}")));
+    }
+    Ok(change)
+}
+
+fn password(store: &Path, from_stdin: bool) -> Result<PasswordHash, Failure> {
+    let text = if from_stdin { first_line()? } else { asked()? };
+    PasswordHash::new(&text).map_err(|error| Failure::store(store, &error))
+}
+
+fn first_line() -> Result<String, Failure> {
+    let mut text = String::new();
+    let read = stdin().lock().take(MAX_INPUT_BYTES).read_to_string(&mut text);
+    read.map_err(|error| {
+        Failure::input("standard input", &error, "write the password as one line of UTF-8 text")
+    })?;
+    Ok(text.lines().next().unwrap_or_default().to_owned())
+}
+
+fn asked() -> Result<String, Failure> {
+    if !stdin().is_terminal() {
+        return Err(Failure::usage("no terminal to enter the password; use --password-stdin"));
+    }
+    let asked = dialoguer::Password::new()
+        .with_prompt("Password (at least 12 characters)")
+        .with_confirmation("Repeat password", "The passwords differ.")
+        .interact();
+    let dialoguer::Error::IO(error) = match asked {
+        Ok(text) => return Ok(text),
+        Err(error) => error,
+    };
+    Err(Failure::input("terminal", &error, "give the password with --password-stdin"))
+}
+
+fn list(store: &Store) -> Result<String, StoreError> {
+    let mut table = Table::new(["Account", "role", "may sign in", "studies"]);
+    for account in store.accounts()? {
+        let grants = store.grants_of(&account.name)?;
+        let studies: Vec<String> =
+            grants.iter().map(|grant| format!("{} ({})", grant.study, grant.role.key())).collect();
+        table.row(vec![
+            account.name.to_string(),
+            account.role.key().to_owned(),
+            if account.enabled { "yes" } else { "no" }.to_owned(),
+            if studies.is_empty() { "-".to_owned() } else { studies.join(", ") },
+        ]);
+    }
+    Ok(table.text())
+}

@@ -1,0 +1,68 @@
+//! The command line of `analyze`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use spineline::action::LineKind;
+
+use super::tables::TablesArgs;
+use crate::options::method::MethodArgs;
+use crate::options::uncertainty::UncertaintyArgs;
+use crate::options::values::threads;
+
+#[derive(Args)]
+pub struct AnalyzeArgs {
+    /// Case files, analyses, or folders of them; more than one case is a cohort
+    #[arg(required = true, value_name = "CASE")]
+    pub cases: Vec<PathBuf>,
+    /// Write the analysis as JSON (`-`: standard output); a list for a cohort
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write one row per patient, posture, line and vertebra as CSV (`-`: standard output)
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Write the chain of every posture as a Denavit-Hartenberg table, one row per segment, as CSV (`-`: standard output)
+    #[arg(long, value_name = "FILE")]
+    pub chain: Option<PathBuf>,
+    /// Write the statistics of the cohort as JSON: lines of action, errors and tests; as CSV, one row per test, where the name
+    /// ends in .csv (`-`: JSON to the standard output)
+    #[arg(long, value_name = "FILE")]
+    pub cohort: Option<PathBuf>,
+    /// Write the personalised model of one case as JSON (`-`: standard output)
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Line of action of the model that `--model` writes
+    #[arg(long, value_enum, default_value_t = LineName::Inflection)]
+    pub model_line: LineName,
+    /// Draw figures as SVG into this folder
+    #[arg(long, value_name = "DIR")]
+    pub figures: Option<PathBuf>,
+    /// Threads for a cohort and for replicates; 0: all cores. The number does not change the results
+    #[arg(long, default_value = "0", value_parser = threads)]
+    pub threads: usize,
+    #[command(flatten)]
+    pub tables: TablesArgs,
+    #[command(flatten)]
+    pub uncertainty: UncertaintyArgs,
+    #[command(flatten)]
+    pub method: MethodArgs,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum LineName {
+    Inflection,
+    Iliac,
+    Estimated,
+    Given,
+}
+
+impl LineName {
+    pub fn kind(self) -> LineKind {
+        match self {
+            Self::Inflection => LineKind::Inflection,
+            Self::Iliac => LineKind::Iliac,
+            Self::Estimated => LineKind::Estimated,
+            Self::Given => LineKind::Given,
+        }
+    }
+}

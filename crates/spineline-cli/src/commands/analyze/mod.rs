@@ -1,0 +1,211 @@
+//! `spineline analyze`: one patient, or a cohort.
+
+mod args;
+mod cohort_csv;
+mod tables;
+
+pub use args::AnalyzeArgs;
+
+use std::path::{Path, PathBuf};
+
+use spineline::analysis::Analysis;
+use spineline::cohort::Cohort;
+use spineline_files::{AnalysisFile, ModelFile, to_text};
+use spineline_tables::Patient;
+
+use crate::analysis::case::analyze_case;
+use crate::analysis::cohort;
+use crate::analysis::confidence::Confidence;
+use crate::analysis::figures::draw_figures;
+use crate::analysis::record::RunRecord;
+use crate::analysis::tables::{chain_csv, vertebrae_csv};
+use crate::run::failure::{Ending, Failure};
+use crate::run::inputs::{CaseInput, case_files};
+use crate::run::outputs::{is_stdout, print, write_or_print, write_table};
+use crate::run::provenance::generator;
+use crate::run::threads::map_all;
+use crate::terminal;
+
+pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
+    let mut record = RunRecord::new(&args.method, &args.uncertainty)?;
+    let paths = case_files(&args.cases)?;
+    let to_stdout = check_outputs(args, &paths)?;
+    let is_one = paths.len() == 1;
+    let (analyses, confidences, mut ending) = analyze_all(args, &paths, &mut record)?;
+    eprint!("{}", record.warnings());
+    for analysis in &analyses {
+        eprint!("{}", terminal::patient::warnings(analysis));
+    }
+    let cohort = (!is_one || args.cohort.is_some()).then(|| cohort::of(&analyses));
+    let results = Results {
+        analyses: &analyses,
+        confidences: &confidences,
+        cohort: cohort.as_ref(),
+        record: &record,
+    };
+    results.write(args, !is_one)?;
+    if !to_stdout {
+        print(&results.text(is_one))?;
+    }
+    if ending == Ending::Done && !analyses.iter().all(Analysis::is_converged) {
+        ending = Ending::NotConverged;
+    }
+    Ok(ending)
+}
+
+/// Refuses outputs that exclude each other; says whether one goes to the standard output.
+fn check_outputs(args: &AnalyzeArgs, paths: &[PathBuf]) -> Result<bool, Failure> {
+    let outputs = [&args.json, &args.csv, &args.chain, &args.cohort].into_iter().flatten();
+    let to_stdout = outputs.filter(|path| is_stdout(path)).count();
+    if to_stdout > 1 {
+        return Err(Failure::usage(
+            "only one of --json, --csv, --chain and --cohort can go to the standard output",
+        ));
+    }
+    if args.model.is_some() && paths.len() != 1 {
+        return Err(Failure::usage("--model writes the model of one case; give one case file"));
+    }
+    Ok(to_stdout == 1)
+}
+
+/// Analyses all cases; in a cohort, a case that fails is reported and left out.
+fn analyze_all(
+    args: &AnalyzeArgs,
+    paths: &[PathBuf],
+    record: &mut RunRecord,
+) -> Result<(Vec<Analysis>, Vec<Confidence>, Ending), Failure> {
+    let options = &record.request.options;
+    let results = map_all("analysing", paths, args.threads, |path| {
+        let input = CaseInput::read(path)?;
+        Ok((analyze_case(path, &input.case, options)?, input))
+    })?;
+    let (mut analyses, mut confidences, mut ending) = (Vec::new(), Vec::new(), Ending::Done);
+    for result in results {
+        match result.and_then(|one| record.refuse_duplicate(one)) {
+            Ok((analysis, input)) => {
+                let request = &record.request;
+                confidences.push(Confidence::compute(
+                    &input.case,
+                    &analysis,
+                    request,
+                    args.threads,
+                )?);
+                record.cases.push(input);
+                analyses.push(analysis);
+            }
+            Err(failure) if paths.len() == 1 => return Err(failure),
+            Err(failure) => {
+                eprintln!("{failure}");
+                ending = Ending::BadInput;
+            }
+        }
+    }
+    Ok((analyses, confidences, ending))
+}
+
+/// What is shown and written.
+struct Results<'a> {
+    analyses: &'a [Analysis],
+    confidences: &'a [Confidence],
+    /// For several cases, or where `--cohort` asks for it.
+    cohort: Option<&'a Cohort>,
+    record: &'a RunRecord,
+}
+
+impl Results<'_> {
+    fn text(&self, is_one: bool) -> String {
+        let hypotheses = terminal::hypotheses::text(self.analyses);
+        match self.analyses {
+            [one] if is_one => {
+                let mut parts = vec![terminal::patient::text(one)];
+                parts.extend(Some(hypotheses).filter(|text| !text.is_empty()));
+                let confidences = self.confidences.iter();
+                parts.extend(confidences.flat_map(|found| terminal::confidence_texts(one, found)));
+                parts.join("\n")
+            }
+            all => {
+                let cohort = self.cohort.iter().map(|cohort| terminal::cohort::text(all, cohort));
+                cohort.chain([hypotheses]).collect()
+            }
+        }
+    }
+
+    fn write(&self, args: &AnalyzeArgs, is_list: bool) -> Result<(), Failure> {
+        if let Some(path) = &args.json {
+            write_or_print(path, &self.json(is_list))?;
+        }
+        if let Some(path) = &args.csv {
+            write_table(path, &vertebrae_csv(self.analyses)?, &self.record.provenance())?;
+        }
+        if let Some(path) = &args.chain {
+            write_table(path, &chain_csv(self.analyses)?, &self.record.provenance())?;
+        }
+        if let (Some(path), Some(cohort)) = (&args.cohort, self.cohort) {
+            self.write_cohort(path, cohort)?;
+        }
+        if let (Some(path), [analysis]) = (&args.model, self.analyses) {
+            self.write_model(path, args, analysis)?;
+        }
+        if let Some(folder) = &args.tables.folder {
+            let patients: Vec<Patient<'_>> = self
+                .patients()
+                .map(|((analysis, confidence), input)| confidence.patient(analysis, &input.case))
+                .collect();
+            tables::write(folder, &args.tables.formats, &patients, &self.record.provenance())?;
+        }
+        if let Some(folder) = &args.figures {
+            for ((analysis, _), input) in self.patients() {
+                let provenance = self.record.provenance_of(std::slice::from_ref(input));
+                draw_figures(analysis, &provenance, folder)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Every patient with what it was read from.
+    fn patients(&self) -> impl Iterator<Item = ((&Analysis, &Confidence), &CaseInput)> {
+        self.analyses.iter().zip(self.confidences).zip(&self.record.cases)
+    }
+
+    fn json(&self, is_list: bool) -> String {
+        let file = |((analysis, confidence), input): ((&Analysis, &Confidence), &CaseInput)| {
+            let provenance = self.record.provenance_of(std::slice::from_ref(input));
+            let file = AnalysisFile::new(analysis, input.file.clone(), provenance);
+            confidence.add_to(analysis, file)
+        };
+        let files: Vec<AnalysisFile> = self.patients().map(file).collect();
+        match &files[..] {
+            [one] if !is_list => to_text(one),
+            all => to_text(&all),
+        }
+    }
+
+    fn write_cohort(&self, path: &Path, cohort: &Cohort) -> Result<(), Failure> {
+        let provenance = self.record.provenance();
+        if path.extension().is_some_and(|end| end == "csv") {
+            return write_table(path, &cohort_csv::text(cohort)?, &provenance);
+        }
+        let file = cohort::file(self.analyses, cohort, &generator()).with_provenance(provenance);
+        write_or_print(path, &to_text(&file))
+    }
+
+    fn write_model(
+        &self,
+        path: &Path,
+        args: &AnalyzeArgs,
+        analysis: &Analysis,
+    ) -> Result<(), Failure> {
+        let kind = args.model_line.kind();
+        let Some(model) = analysis.models.iter().find(|model| model.kind == kind) else {
+            let text =
+                format!("there is no model with the {kind}, so --model has nothing to write");
+            return Err(Failure::input(
+                &analysis.case_id,
+                &text,
+                "the warnings say why; try --model-line iliac",
+            ));
+        };
+        let file = ModelFile::new(analysis, model, &generator());
+        write_or_print(path, &to_text(&file.with_provenance(self.record.provenance())))
+    }
+}

@@ -1,0 +1,85 @@
+//! `spineline check`: case files validated.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use spineline::analysis::{Analysis, AnalysisOptions};
+use spineline::warning::Step;
+
+use crate::analysis::case::analyze_file;
+use crate::run::failure::{Ending, Failure};
+use crate::run::inputs::case_files;
+use crate::run::outputs::print;
+use crate::terminal::table::{Table, wrap};
+
+#[derive(Args)]
+pub struct CheckArgs {
+    /// Case files, or folders of them
+    #[arg(required = true, value_name = "CASE")]
+    pub cases: Vec<PathBuf>,
+}
+
+pub fn run(args: &CheckArgs) -> Result<Ending, Failure> {
+    let mut ending = Ending::Done;
+    for path in case_files(&args.cases)? {
+        match analyze_file(&path, &AnalysisOptions::default()) {
+            Ok(analysis) => {
+                print(&text(&path, &analysis))?;
+            }
+            Err(failure) => {
+                eprintln!("{failure}");
+                ending = Ending::BadInput;
+            }
+        }
+    }
+    Ok(ending)
+}
+
+/// The films of a case, its warnings, and the models that it supports.
+fn text(path: &Path, analysis: &Analysis) -> String {
+    let synthetic = if analysis.synthetic { " · SYNTHETIC" } else { "" };
+    let mut text = format!("{}: {}{synthetic}\n", path.display(), analysis.case_id);
+    let mut table = Table::new([
+        "Film",
+        "readings",
+        "L4-T2",
+        "lateral tilt",
+        "location sd",
+        "tilt sd (°)",
+        "iliac crests",
+        "lengths",
+    ]);
+    for p in &analysis.postures {
+        let outline = &p.outline;
+        let assumed = if outline.noise.measured { "" } else { " assumed" };
+        table.row(vec![
+            outline.posture.to_string(),
+            outline.readings.to_string(),
+            outline.scale.text(outline.polygon_mm(), 0),
+            outline.amplitude().leaning(),
+            format!("{}{assumed}", outline.scale.residual_text(outline.noise.location_mm)),
+            format!("{:.2}{assumed}", outline.noise.tilt.deg()),
+            if outline.iliac_normal.is_some() { "marked" } else { "none" }.to_owned(),
+            outline.scale.to_string(),
+        ]);
+    }
+    text.push_str(&table.text());
+    // Warnings of the fit belong to `analyze`; here only the films count.
+    let of_films = |step: Step| step <= Step::Motion;
+    let warnings: Vec<_> = analysis.warnings.all().iter().filter(|w| of_films(w.step)).collect();
+    for warning in &warnings {
+        let place = warning.posture.map_or_else(String::new, |p| format!("{p} film: "));
+        let level = warning.level.map_or_else(String::new, |l| format!("{l}: "));
+        text.push_str(&wrap(&format!("! {place}{level}{}", warning.text()), 110, "  "));
+    }
+    if warnings.is_empty() {
+        text.push_str("  no warnings about these films\n");
+    }
+    let lines: Vec<String> = analysis.models.iter().map(|m| m.kind.to_string()).collect();
+    text.push_str(&if lines.is_empty() {
+        "  `analyze` gives the curve and the clinical angles\n\n".to_owned()
+    } else {
+        format!("  `analyze` can personalise with the {}\n\n", lines.join(", the "))
+    });
+    text
+}

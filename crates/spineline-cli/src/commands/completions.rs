@@ -1,0 +1,19 @@
+//! `spineline completions`: a completion script for a shell.
+
+use clap::{Args, Command};
+use clap_complete::{Shell, generate};
+
+use crate::run::failure::{Ending, Failure};
+use crate::run::outputs::print;
+
+#[derive(Args)]
+pub struct CompletionsArgs {
+    /// Your shell
+    shell: Shell,
+}
+
+pub fn run(args: &CompletionsArgs, command: &mut Command) -> Result<Ending, Failure> {
+    let mut script = Vec::new();
+    generate(args.shell, command, "spineline", &mut script);
+    print(&String::from_utf8_lossy(&script))
+}

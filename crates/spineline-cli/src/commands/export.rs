@@ -1,0 +1,205 @@
+//! `spineline export`: a personalised model for other multibody programs, or the landmarks of a case for image programs.
+
+use std::collections::BTreeMap;
+use std::path::{Component, Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use spineline::analysis::{AnalysisOptions, Case, analyze};
+use spineline::anatomy::{Posture, Region};
+use spineline::clinical::CobbEnds;
+use spineline_files::{CaseFile, ExportFormat, FileError, export, parse_case_file, read_text};
+use spineline_landmarks::{LandmarkTarget, SourceImage, export_landmarks, read_source};
+
+use crate::options::values::posture;
+use crate::run::failure::{Ending, Failure};
+use crate::run::inputs::read_model;
+use crate::run::outputs::{write_file, write_or_print};
+use crate::run::provenance::generator;
+
+/// How to make a model file, and how each program opens the result.
+pub const EXAMPLES: &str = "\
+Examples:
+  spineline analyze CASE.json --model model.json
+  spineline export model.json --to mjcf --out spine.xml
+      python -m mujoco.viewer --mjcf=spine.xml
+      mujoco.MjModel.from_xml_path('spine.xml')
+  spineline export model.json --to osim --out spine.osim
+      opensim.Model('spine.osim').initSystem(), or File > Open Model in OpenSim
+  spineline export model.json --to urdf --out spine.urdf
+      pinocchio.buildModelFromUrdf('spine.urdf')
+  spineline export CASE.json --to slicer --posture erect --out erect.mrk.json
+  spineline export CASE.json --to dicom-sr --out reports
+
+All models are in metres, newtons and radians. MJCF and URDF keep x anterior, y left, z cranial; OpenSim has x anterior, \
+y cranial, z right. MJCF and OpenSim contain the springs; URDF has no element for springs, so they are in its `gazebo` \
+elements. The comment at the top of each file lists the loads of the films. Masses and damping \
+are nominal.
+
+Landmarks are named by the patient's sides. CSV holds all films in one table; Slicer gets one file per film; DICOM SR one \
+per reading, for which the case has to name the DICOM file of each film. Reports contain the patient's name and ID from that \
+file. Several files are written into the folder that `--out` names.";
+
+#[derive(Args)]
+pub struct ExportArgs {
+    /// Model file, from `spineline analyze CASE --model FILE`; or a case file, for its landmarks
+    #[arg(value_name = "MODEL|CASE")]
+    file: PathBuf,
+    /// Format: `mjcf` for MuJoCo, `osim` for OpenSim 4, `urdf` for Pinocchio, Gazebo, Drake and others; of landmarks,
+    /// `csv`, `slicer` for 3D Slicer, `dicom-sr` for a DICOM report
+    #[arg(long, value_enum, value_name = "FORMAT")]
+    to: FormatName,
+    /// File to write (`-`: standard output), or a folder for several files
+    #[arg(long, value_name = "PATH", default_value = "-")]
+    out: PathBuf,
+    /// Export the landmarks of this posture's film only
+    #[arg(long, value_name = "POSTURE", value_parser = posture)]
+    posture: Option<Posture>,
+    /// Date and time of a DICOM report in UTC, as YYYYMMDDhhmmss [default: now]
+    #[arg(long, value_name = "TIME", value_parser = moment)]
+    written: Option<[String; 2]>,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum FormatName {
+    /// MuJoCo
+    Mjcf,
+    /// OpenSim 4
+    Osim,
+    /// Pinocchio, Gazebo, Drake and others
+    Urdf,
+    /// Landmarks as a table
+    Csv,
+    /// Landmarks as point lists of 3D Slicer
+    Slicer,
+    /// Landmarks, tilts and Cobb angles as DICOM reports
+    DicomSr,
+}
+
+impl FormatName {
+    /// The format of a model; `None` for those of landmarks.
+    fn of_model(self) -> Option<ExportFormat> {
+        match self {
+            Self::Mjcf => Some(ExportFormat::Mjcf),
+            Self::Osim => Some(ExportFormat::Osim),
+            Self::Urdf => Some(ExportFormat::Urdf),
+            Self::Csv | Self::Slicer | Self::DicomSr => None,
+        }
+    }
+}
+
+pub fn run(args: &ExportArgs) -> Result<Ending, Failure> {
+    let Some(format) = args.to.of_model() else { return landmarks(args) };
+    if args.posture.is_some() {
+        return Err(Failure::usage("--posture is for landmarks only"));
+    }
+    let model = read_model(&args.file)?;
+    let text = export(&model, format, &generator())
+        .map_err(|error| Failure::input(&args.file.display().to_string(), &error, error.help()))?;
+    write_or_print(&args.out, &text)?;
+    Ok(Ending::Done)
+}
+
+fn landmarks(args: &ExportArgs) -> Result<Ending, Failure> {
+    if args.written.is_some() && args.to != FormatName::DicomSr {
+        return Err(Failure::usage("--written is for DICOM reports only"));
+    }
+    let file = read_case_file(&args.file)?;
+    let case = file.clone().into_case().map_err(|error| Failure::file(&args.file, &error))?;
+    let place = args.file.display().to_string();
+    let (sources, curves, written);
+    let target = match args.to {
+        FormatName::Csv => LandmarkTarget::Csv,
+        FormatName::Slicer => LandmarkTarget::Slicer,
+        _ => {
+            sources = read_sources(&file, &case, args)?;
+            curves = curves_of(&case);
+            written = args.written.clone().unwrap_or_else(now);
+            let [date, time] = &written;
+            LandmarkTarget::DicomSr { sources: &sources, curves: &curves, written: [date, time] }
+        }
+    };
+    let files = export_landmarks(&case, args.posture, target)
+        .map_err(|error| Failure::input(&place, &error, error.help()))?;
+    if let [only] = &files[..] {
+        return match std::str::from_utf8(&only.bytes) {
+            Ok(text) if args.out.as_os_str() == "-" => {
+                write_or_print(&args.out, text).map(|()| Ending::Done)
+            }
+            _ if args.out.as_os_str() == "-" => {
+                Err(Failure::usage("a DICOM report is not text; give a file with --out"))
+            }
+            _ => write_file(&args.out, &only.bytes).map(|()| Ending::Done),
+        };
+    }
+    if args.out.as_os_str() == "-" {
+        return Err(Failure::usage(format!(
+            "there are {} files to write; give a folder with --out, or one film with --posture",
+            files.len()
+        )));
+    }
+    for exported in &files {
+        write_file(&args.out.join(&exported.name), &exported.bytes)?;
+    }
+    Ok(Ending::Done)
+}
+
+fn read_case_file(path: &Path) -> Result<CaseFile, Failure> {
+    read_text(path).and_then(|text| parse_case_file(&text)).map_err(|error| match &error {
+        FileError::Format { found, .. } if found == "spineline-model" => Failure::input(
+            &path.display().to_string(),
+            &error,
+            "landmarks belong to a case; export a model to mjcf, osim or urdf",
+        ),
+        _ => Failure::file(path, &error),
+    })
+}
+
+/// The DICOM files that the case names, beside it.
+fn read_sources(
+    file: &CaseFile,
+    case: &Case,
+    args: &ExportArgs,
+) -> Result<BTreeMap<Posture, SourceImage>, Failure> {
+    let folder = args.file.parent().unwrap_or(Path::new(""));
+    let mut sources = BTreeMap::new();
+    for film in case.films.iter().filter(|film| args.posture.is_none_or(|p| p == film.posture)) {
+        if let Some(name) = file.source(film.posture).and_then(|source| source.file) {
+            // A case names pictures that lie with it, and nothing else on this machine.
+            if !Path::new(&name).components().all(|part| matches!(part, Component::Normal(_))) {
+                let error =
+                    format!("{} film: its `file` is outside the folder of the case", film.posture);
+                let place = args.file.display().to_string();
+                return Err(Failure::input(&place, &error, "put the picture beside the case file"));
+            }
+            let source = read_source(&folder.join(name)).map_err(|error| {
+                Failure::input(&args.file.display().to_string(), &error, error.help())
+            })?;
+            sources.insert(film.posture, source);
+        }
+    }
+    Ok(sources)
+}
+
+/// The ends of the curves as `spineline analyze` finds them; none where the case cannot be analysed.
+fn curves_of(case: &Case) -> Vec<(Region, CobbEnds)> {
+    match analyze(case, &AnalysisOptions::default()) {
+        Ok(analysis) => analysis.clinical.iter().map(|curve| (curve.region, curve.ends)).collect(),
+        Err(error) => {
+            eprintln!("note: the reports have no Cobb angles: {error}");
+            Vec::new()
+        }
+    }
+}
+
+fn now() -> [String; 2] {
+    let now = chrono::Utc::now();
+    [now.format("%Y%m%d").to_string(), now.format("%H%M%S").to_string()]
+}
+
+fn moment(text: &str) -> Result<[String; 2], String> {
+    chrono::NaiveDateTime::parse_from_str(text, "%Y%m%d%H%M%S")
+        .ok()
+        .filter(|_| text.len() == 14)
+        .map(|_| [text[..8].to_owned(), text[8..].to_owned()])
+        .ok_or_else(|| "expected YYYYMMDDhhmmss, such as 20260131235959".to_owned())
+}

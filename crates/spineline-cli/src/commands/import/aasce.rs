@@ -1,0 +1,128 @@
+//! AASCE landmarks: a verdict on every row, and a case for every row without faults.
+
+use std::path::{Path, PathBuf};
+
+use spineline::analysis::{Case, Subject};
+use spineline::anatomy::{ImageSide, Posture};
+use spineline::measure::ImageGeometry;
+use spineline_files::CaseFile;
+use spineline_landmarks::{
+    AasceRow, AasceRows, AasceVerdict, LandmarkError, LandmarkHint, image_sizes, judge_aasce,
+};
+
+use super::args::ImportArgs;
+use crate::run::csv::rows_to_csv;
+use crate::run::failure::{Ending, Failure};
+use crate::run::outputs::{print, write_file};
+use crate::terminal::table::wrap;
+
+/// Columns of the verdicts.
+const HEADING: [&str; 5] = ["row", "case_id", "verdict", "main_angle_deg", "faults"];
+
+pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
+    let [side] = &args.patient_left[..] else {
+        return Err(Failure::usage(
+            "these landmarks name sides of the picture: give the side with the patient's left once for all films, with --patient-left image-right or image-left",
+        ));
+    };
+    if side.posture.is_some() {
+        return Err(Failure::usage(
+            "--patient-left is for all AASCE films: give it without a posture",
+        ));
+    }
+    for folder in &args.paths {
+        import(args, folder, side.value.side())?;
+    }
+    Ok(Ending::Done)
+}
+
+fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failure> {
+    let name = folder.file_name().map_or_else(|| "aasce".into(), |name| name.to_string_lossy());
+    let verdicts = args.out.as_ref().filter(|_| !args.list);
+    let verdicts = verdicts.map(|out| out.join(format!("{name}-verdicts.csv")));
+    if let Some(there) = verdicts.as_ref().filter(|path| path.exists()) {
+        let help = "choose another folder with --out, one for each set of this name";
+        let what = "a set of this name was imported here already";
+        return Err(Failure::input(&there.display().to_string(), &what, help));
+    }
+    let (mut table, mut clean, mut text) = (Vec::new(), 0, String::new());
+    for row in rows(args, folder, side)? {
+        let case_id = format!("{name}-{:04}", row.row);
+        let verdict = judge_aasce(&row.film, side).map_err(|error| fail(folder, &error))?;
+        let cells = match &verdict {
+            AasceVerdict::Clean { main_angle } => {
+                clean += 1;
+                if let Some(out) = args.out.as_ref().filter(|_| !args.list) {
+                    write_case(out, &case_id, &row, side)?;
+                }
+                ["clean".to_owned(), format!("{:.4}", main_angle.deg()), String::new()]
+            }
+            AasceVerdict::Faults(faults) => {
+                let words: Vec<String> = faults.iter().map(ToString::to_string).collect();
+                let words = words.join("; ");
+                text.push_str(&wrap(&format!("! row {}: {words}", row.row), 110, "  "));
+                ["faults".to_owned(), String::new(), words]
+            }
+        };
+        let [verdict, angle, faults] = cells;
+        table.push([row.row.to_string(), case_id, verdict, angle, faults]);
+    }
+    text.push_str(&format!(
+        "{}: {clean} of {} rows have no faults; cases are written for these only\n",
+        folder.display(),
+        table.len()
+    ));
+    if let Some(verdicts) = verdicts {
+        write_file(&verdicts, rows_to_csv(HEADING, &table)?)?;
+        text.push_str(&format!("Verdicts on every row: {}\n", verdicts.display()));
+    }
+    print(&text).map(|_| ())
+}
+
+/// The rows of a set.
+fn rows(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<Vec<AasceRow>, Failure> {
+    let read = |path: PathBuf| {
+        std::fs::read(&path).map_err(|error| {
+            let help =
+                "an AASCE folder has filenames.csv and landmarks.csv; --sizes gives the sizes of the pictures";
+            Failure::input(&path.display().to_string(), &error, help)
+        })
+    };
+    let sizes = args.sizes.clone().unwrap_or_else(|| folder.join("image_sizes.csv"));
+    let sizes = image_sizes(&read(sizes)?).map_err(|error| fail(folder, &error))?;
+    let (names, landmarks) =
+        (read(folder.join("filenames.csv"))?, read(folder.join("landmarks.csv"))?);
+    let hint = LandmarkHint { patient_left: Some(side), ..LandmarkHint::default() };
+    AasceRows::new(&names, &landmarks, &sizes, &hint)
+        .and_then(Iterator::collect)
+        .map_err(|error| fail(folder, &error))
+}
+
+fn fail(folder: &Path, error: &LandmarkError) -> Failure {
+    Failure::input(&folder.display().to_string(), error, error.help())
+}
+
+/// A case of one erect film in pixels: the set knows no spacing.
+fn write_case(
+    out: &Path,
+    id: &str,
+    row: &AasceRow,
+    patient_left: ImageSide,
+) -> Result<(), Failure> {
+    let (columns, rows) = row.film.size.unwrap_or_default();
+    let image = ImageGeometry { columns, rows, spacing: None, patient_left };
+    let film = row
+        .film
+        .clone()
+        .into_film(Some(Posture::Erect), Some(image))
+        .map_err(|error| fail(out, &error))?;
+    let case = Case {
+        id: id.to_owned(),
+        synthetic: false,
+        subject: Subject::default(),
+        films: vec![film],
+        lateral: None,
+    };
+    let text = spineline_files::to_text(&CaseFile::from_case(&case));
+    write_file(&out.join(format!("{id}.json")), text)
+}

@@ -1,0 +1,297 @@
+//! The command line of `import`.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::{Args, ValueEnum};
+use spineline::anatomy::{ImageSide, Posture};
+use spineline::measure::{Calibration, Calibrator, Spacing, SpacingPlane};
+use spineline::spatial::Pixel;
+
+use super::role::Role;
+use crate::options::values::{number, posture};
+use crate::run::failure::Failure;
+
+/// Shown below the options.
+pub const EXAMPLES: &str = "\
+Examples:
+  spineline import FOLDER --list
+      list the films there with their metadata, and all other files
+  spineline import FOLDER --case-id P07 --out p07
+      answer a few questions; writes p07/case.json with its films beside it
+  spineline import films.zip --case-id P07 --out p07 \\
+      --film erect=1 --film left-bending=4 --film right-bending=5 --patient-left image-left
+      the same without questions; the numbers are from --list
+  spineline import xray.png --case-id P07 --out p07 --film erect=1 --patient-left image-right \\
+      --ball erect=212,400,337,400,25
+      a picture with a 25 mm ball: two clicks and its diameter give the scale
+
+Place landmarks in the browser app or in another program: --landmarks reads CSV, 3D Slicer, AASCE, labelme, COCO and DICOM SR \
+files. Names, numbers and dates of the patient are removed from DICOM files unless you keep them; check the pictures for \
+burned-in text yourself.";
+
+#[derive(Args, Clone)]
+pub struct ImportArgs {
+    /// Films (DICOM, PNG, JPEG, TIFF), folders of them, and ZIP archives
+    #[arg(required = true, value_name = "PATH")]
+    pub paths: Vec<PathBuf>,
+    /// List what was found and write nothing
+    #[arg(long)]
+    pub list: bool,
+    /// Folder for the case; it must not hold a case
+    #[arg(long, value_name = "DIR", required_unless_present = "list")]
+    pub out: Option<PathBuf>,
+    /// Identifier of the patient in this study: letters, digits, `-`, `_`; not a name or a hospital number
+    #[arg(long, value_name = "ID", required_unless_present_any = ["list", "aasce"], value_parser = case_id)]
+    pub case_id: Option<String>,
+    /// Film of a posture: POSTURE=N with the number from `--list`, or POSTURE=FILE; may be repeated
+    #[arg(long, value_name = "POSTURE=FILM", value_parser = film_choice)]
+    pub film: Vec<(Posture, FilmChoice)>,
+    /// Lateral film, for the sagittal profile: its number from `--list`, or its file
+    #[arg(long, value_name = "FILM", value_parser = choice)]
+    pub lateral: Option<FilmChoice>,
+    /// Side of the picture with the patient's left, where the file does not state it or is wrong: for all films, or for one
+    /// as in erect=image-left; may be repeated
+    #[arg(long, value_name = "[POSTURE=]SIDE", value_parser = side_of_film)]
+    pub patient_left: Vec<OfFilm<SideName>>,
+    /// Side of the lateral picture with the patient's front
+    #[arg(long, value_enum, value_name = "SIDE")]
+    pub patient_anterior: Option<SideName>,
+    /// Pixel spacing of columns and rows in mm and its plane, where the file has none or is wrong, as in
+    /// 0.143,0.143,patient or erect=0.1,0.2,detector; may be repeated
+    #[arg(long, value_name = "[POSTURE=]COLUMN,ROW,PLANE", value_parser = spacing_of_film)]
+    pub spacing: Vec<OfFilm<Spacing>>,
+    /// Calibration ball in the picture: two pixels at opposite ends of a diameter, and the diameter in mm, optionally with its
+    /// standard deviation, as in erect=212,400,337,400,25 or erect=212,400,337,400,25+-0.1; may be repeated
+    #[arg(long, value_name = "POSTURE=COLUMN,ROW,COLUMN,ROW,MM", value_parser = clicks)]
+    pub ball: Vec<(Posture, Clicks)>,
+    /// Ruler in the picture: two pixels on it, and the length between them in mm; format as `--ball`
+    #[arg(long, value_name = "POSTURE=COLUMN,ROW,COLUMN,ROW,MM", value_parser = clicks)]
+    pub ruler: Vec<(Posture, Clicks)>,
+    /// File of landmarks from another program, for all films or for one as in erect=erect.mrk.json; may be repeated. `--help`
+    /// lists the formats
+    #[arg(long, value_name = "[POSTURE=]FILE", value_parser = landmarks)]
+    pub landmarks: Vec<OfFilm<PathBuf>>,
+    /// Read the paths as folders of AASCE landmarks (filenames.csv, landmarks.csv): check every row, and write a case for
+    /// each row without faults
+    #[arg(long, conflicts_with_all = ["film", "lateral", "landmarks", "case_id"])]
+    pub aasce: bool,
+    /// Sizes of the pictures of an AASCE folder, in pixels [default: image_sizes.csv in the folder]
+    #[arg(long, value_name = "FILE", requires = "aasce")]
+    pub sizes: Option<PathBuf>,
+    /// Invert black and white of this film; may be repeated
+    #[arg(long, value_name = "POSTURE", value_parser = posture)]
+    pub invert: Vec<Posture>,
+    /// Continue where a file contradicts your options
+    #[arg(long)]
+    pub accept: bool,
+    /// Keep names, numbers and dates in DICOM files
+    #[arg(long)]
+    pub keep_identity: bool,
+    /// Keep sex and age in DICOM files
+    #[arg(long, conflicts_with = "keep_identity")]
+    pub keep_characteristics: bool,
+    /// File with the secret that maps identifiers, created if it does not exist; the same secret gives the same new
+    /// identifiers. Do not pass it on [default: in your configuration folder]
+    #[arg(long, value_name = "FILE")]
+    pub secret: Option<PathBuf>,
+}
+
+/// A film by its number in the list, or by its file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FilmChoice {
+    Number(usize),
+    File(PathBuf),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub enum SideName {
+    /// Left side of the picture as viewed
+    ImageLeft,
+    /// Right side of the picture as viewed
+    ImageRight,
+}
+
+impl SideName {
+    pub const fn side(self) -> ImageSide {
+        match self {
+            Self::ImageLeft => ImageSide::Left,
+            Self::ImageRight => ImageSide::Right,
+        }
+    }
+}
+
+/// A value for one film, or for all.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OfFilm<T> {
+    pub posture: Option<Posture>,
+    pub value: T,
+}
+
+/// The value for a film: one that names the film goes before a general one.
+pub fn answer_for<T: Copy>(all: &[OfFilm<T>], role: Role) -> Option<T> {
+    let posture = role.posture();
+    let named = all.iter().find(|said| posture.is_some() && said.posture == posture);
+    let general = || all.iter().find(|said| said.posture.is_none());
+    named.or_else(general).map(|said| said.value)
+}
+
+/// Two clicks and a length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clicks {
+    pub clicks: [Pixel; 2],
+    pub length_mm: f64,
+    pub length_sd_mm: f64,
+}
+
+impl Clicks {
+    pub const fn calibration(self, calibrator: Calibrator, pixel_aspect: f64) -> Calibration {
+        Calibration {
+            calibrator,
+            clicks: self.clicks,
+            length_mm: self.length_mm,
+            length_sd_mm: self.length_sd_mm,
+            click_sd_px: Calibration::CLICK_SD_PX,
+            pixel_aspect,
+        }
+    }
+}
+
+impl ImportArgs {
+    /// Two clicks for a posture's film, with what was clicked.
+    pub fn calibrator(&self, posture: Posture) -> Option<(Calibrator, Clicks)> {
+        let of = |all: &[(Posture, Clicks)]| {
+            all.iter().find(|(of, _)| *of == posture).map(|(_, clicks)| *clicks)
+        };
+        let ball = of(&self.ball).map(|clicks| (Calibrator::Ball, clicks));
+        ball.or_else(|| of(&self.ruler).map(|clicks| (Calibrator::Ruler, clicks)))
+    }
+
+    /// Refuses two answers to one question.
+    pub fn check_answers(&self) -> Result<(), Failure> {
+        let twice = |option: &str, postures: &[Option<Posture>]| {
+            let repeated = postures.iter().enumerate().find(|(i, p)| postures[..*i].contains(p));
+            match repeated {
+                None => Ok(()),
+                Some((_, posture)) => {
+                    let film =
+                        posture.map_or_else(|| "all films".to_owned(), |p| format!("the {p} film"));
+                    Err(Failure::usage(format!("{option} is given twice for {film}")))
+                }
+            }
+        };
+        let of = |all: &[(Posture, Clicks)]| all.iter().map(|(p, _)| Some(*p)).collect::<Vec<_>>();
+        let calibrators = [of(&self.ball), of(&self.ruler)].concat();
+        twice("--patient-left", &self.patient_left.iter().map(|o| o.posture).collect::<Vec<_>>())?;
+        twice("--spacing", &self.spacing.iter().map(|o| o.posture).collect::<Vec<_>>())?;
+        twice("a scale by --ball or --ruler", &calibrators)?;
+        twice("--invert", &self.invert.iter().copied().map(Some).collect::<Vec<_>>())
+    }
+
+    /// Refuses answers about a film that was not chosen.
+    pub fn check_postures(&self, chosen: &[Posture]) -> Result<(), Failure> {
+        let sides = self.patient_left.iter().filter_map(|o| o.posture);
+        let spacings = self.spacing.iter().filter_map(|o| o.posture);
+        let scales = self.ball.iter().chain(&self.ruler).map(|(posture, _)| *posture);
+        let mut named = sides.chain(spacings).chain(scales).chain(self.invert.iter().copied());
+        match named.find(|posture| !chosen.contains(posture)) {
+            None => Ok(()),
+            Some(posture) => Err(Failure::usage(format!(
+                "an option names the {posture} film, but no such film was chosen: add --film {}=…",
+                posture.key().replace('_', "-")
+            ))),
+        }
+    }
+
+    /// The postures that were given a film.
+    pub fn films(&self) -> BTreeMap<Posture, &FilmChoice> {
+        self.film.iter().map(|(posture, choice)| (*posture, choice)).collect()
+    }
+}
+
+fn case_id(text: &str) -> Result<String, String> {
+    let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
+    if !text.is_empty() && text.len() <= 64 && text.chars().all(plain) {
+        Ok(text.to_owned())
+    } else {
+        Err("expected 1 to 64 letters, digits, `-` and `_`".to_owned())
+    }
+}
+
+fn choice(text: &str) -> Result<FilmChoice, String> {
+    match usize::from_str(text) {
+        Ok(0) => Err("films are numbered from 1".to_owned()),
+        Ok(number) => Ok(FilmChoice::Number(number)),
+        Err(_) if text.is_empty() => Err("expected the number of a film, or its file".to_owned()),
+        Err(_) => Ok(FilmChoice::File(PathBuf::from(text))),
+    }
+}
+
+fn film_choice(text: &str) -> Result<(Posture, FilmChoice), String> {
+    let (name, film) =
+        text.split_once('=').ok_or_else(|| "expected POSTURE=FILM, such as erect=1".to_owned())?;
+    Ok((posture(name)?, choice(film)?))
+}
+
+/// The value, and the posture before an equals sign if there is one.
+fn of_film<T>(text: &str, value: impl Fn(&str) -> Result<T, String>) -> Result<OfFilm<T>, String> {
+    Ok(match text.split_once('=') {
+        Some((name, rest)) => OfFilm { posture: Some(posture(name)?), value: value(rest)? },
+        None => OfFilm { posture: None, value: value(text)? },
+    })
+}
+
+fn landmarks(text: &str) -> Result<OfFilm<PathBuf>, String> {
+    // A file name may contain an equals sign, but a misspelt posture before it must not pass unnoticed.
+    of_film(text, |file| match file {
+        "" => Err("expected a file".to_owned()),
+        file => Ok(PathBuf::from(file)),
+    })
+}
+
+fn side_of_film(text: &str) -> Result<OfFilm<SideName>, String> {
+    of_film(text, |side| {
+        SideName::from_str(side, true)
+            .map_err(|_| format!("`{side}` is neither `image-left` nor `image-right`"))
+    })
+}
+
+fn spacing_of_film(text: &str) -> Result<OfFilm<Spacing>, String> {
+    of_film(text, |value| {
+        let expected = || "expected COLUMN,ROW,PLANE, such as 0.143,0.143,patient".to_owned();
+        let [column, row, plane] = value.split(',').collect::<Vec<_>>()[..] else {
+            return Err(expected());
+        };
+        let plane = match plane {
+            "patient" => SpacingPlane::Patient,
+            "detector" => SpacingPlane::Detector,
+            "unknown" => SpacingPlane::Unknown,
+            other => return Err(format!("`{other}` is not patient, detector or unknown")),
+        };
+        let spacing = Spacing::stated(number(column)?, number(row)?, plane);
+        if spacing.is_plausible() {
+            Ok(spacing)
+        } else {
+            Err(format!("spacing {column},{row} mm: both must be > 0.0001 mm"))
+        }
+    })
+}
+
+fn clicks(text: &str) -> Result<(Posture, Clicks), String> {
+    let expected =
+        || "expected POSTURE=COLUMN,ROW,COLUMN,ROW,MM, such as erect=212,400,337,400,25".to_owned();
+    let (name, rest) = text.split_once('=').ok_or_else(expected)?;
+    let [a, b, c, d, length] = rest.split(',').collect::<Vec<_>>()[..] else {
+        return Err(expected());
+    };
+    let (length, sd) = length.split_once("+-").unwrap_or((length, "0"));
+    Ok((
+        posture(name)?,
+        Clicks {
+            clicks: [Pixel::new(number(a)?, number(b)?), Pixel::new(number(c)?, number(d)?)],
+            length_mm: number(length)?,
+            length_sd_mm: number(sd)?,
+        },
+    ))
+}

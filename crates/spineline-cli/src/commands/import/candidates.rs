@@ -1,0 +1,117 @@
+//! The films that were found, each decoded once in a process of its own, and what each says of itself.
+
+use spineline::measure::{SpacingJudgement, ViewJudgement, judge_spacing, judge_view};
+use spineline_files::sha256_hex;
+use spineline_films::intake::{Found, IntakeLimits, Survey, read, survey};
+use spineline_films::{FilmRemark, FilmTags};
+
+use super::args::{FilmChoice, ImportArgs};
+use crate::run::failure::Failure;
+use crate::run::film_decoder::Decoder;
+use crate::run::progress::spinner;
+
+/// A film that was found.
+pub struct Candidate {
+    pub found: Found,
+    /// What was seen in it, or why it is no film for a case.
+    pub seen: Result<Seen, String>,
+}
+
+/// A film as far as an import needs to know it: its pixels are gone again.
+pub struct Seen {
+    pub columns: u32,
+    pub rows: u32,
+    pub tags: FilmTags,
+    pub remarks: Vec<FilmRemark>,
+    /// Of the file's bytes, to notice a file that changes while it is imported.
+    pub source: String,
+    /// Of the decoded pixels: the same film in two files has the same.
+    pub picture: String,
+}
+
+impl Seen {
+    pub fn spacing(&self) -> SpacingJudgement {
+        judge_spacing(&self.tags.spacing)
+    }
+
+    pub fn view(&self) -> ViewJudgement {
+        judge_view(&self.tags.view, None)
+    }
+}
+
+/// Everything that lies at the given paths.
+pub struct Candidates {
+    pub films: Vec<Candidate>,
+    pub survey: Survey,
+}
+
+impl Candidates {
+    /// Looks at the given paths and decodes every film there.
+    pub fn find(args: &ImportArgs) -> Result<Self, Failure> {
+        let limits = IntakeLimits::default();
+        let bar = spinner("looking for films");
+        let survey = survey(&args.paths, &limits, |count| bar.set_position(count as u64));
+        bar.finish_and_clear();
+        let survey = survey.map_err(|error| Failure::intake(&error))?;
+        let decoder = Decoder::new()?;
+        let bar = crate::run::progress::bar("decoding films", survey.films.len());
+        let films = survey
+            .films
+            .iter()
+            .map(|found| {
+                bar.inc(1);
+                let seen = see(found, &decoder, &limits);
+                Candidate { found: found.clone(), seen }
+            })
+            .collect();
+        bar.finish_and_clear();
+        Ok(Self { films, survey })
+    }
+
+    /// The place in the list of a film that was chosen.
+    pub fn index(&self, choice: &FilmChoice) -> Result<usize, Failure> {
+        let index = match choice {
+            FilmChoice::Number(number) => Some(number - 1).filter(|&i| i < self.films.len()),
+            FilmChoice::File(path) => self.films.iter().position(|film| {
+                matches!(&film.found.place, spineline_films::intake::Place::File(of) if of == path)
+            }),
+        };
+        index.ok_or_else(|| {
+            let what = match choice {
+                FilmChoice::Number(number) => format!("film {number}"),
+                FilmChoice::File(path) => path.display().to_string(),
+            };
+            Failure::usage(format!(
+                "{what} is not among the {} films that were found; `--list` prints them with their numbers",
+                self.films.len()
+            ))
+        })
+    }
+
+    /// What was seen in a film.
+    pub fn seen(&self, index: usize) -> Result<&Seen, Failure> {
+        let film = &self.films[index];
+        film.seen.as_ref().map_err(|why| {
+            Failure::input(
+                &format!("film {} ({})", index + 1, film.found.place),
+                why,
+                "choose another film; `--list` prints what can be used",
+            )
+        })
+    }
+}
+
+fn see(found: &Found, decoder: &Decoder, limits: &IntakeLimits) -> Result<Seen, String> {
+    let bytes = read(&found.place, limits).map_err(|error| error.to_string())?;
+    let source = sha256_hex(&bytes);
+    let film = decoder.decode(bytes).map_err(|error| error.to_string())?;
+    let picture: Vec<u8> = film.stored.iter().flat_map(i32::to_le_bytes).collect();
+    Ok(Seen {
+        columns: film.columns,
+        rows: film.rows,
+        tags: film.tags,
+        remarks: film.remarks,
+        source,
+        picture: sha256_hex(&picture),
+    })
+}

@@ -1,0 +1,82 @@
+//! Landmarks of other programs for the films of a case.
+
+use std::collections::BTreeMap;
+
+use spineline::anatomy::Posture;
+use spineline::measure::{FilmMarks, ImageGeometry};
+use spineline_landmarks::{LandmarkError, LandmarkHint, read_landmarks};
+
+use super::args::ImportArgs;
+use super::resolve::ResolvedFilm;
+use crate::run::failure::Failure;
+
+/// What was marked, by posture.
+pub type LandmarksByPosture = BTreeMap<Posture, FilmMarks>;
+
+impl ResolvedFilm {
+    /// How the picture of a frontal film lies.
+    pub const fn image(&self) -> ImageGeometry {
+        ImageGeometry {
+            columns: self.columns,
+            rows: self.rows,
+            spacing: self.spacing,
+            patient_left: self.side,
+        }
+    }
+}
+
+/// Reads every file of landmarks and lays it on its film; a posture that is marked twice is refused.
+pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksByPosture, Failure> {
+    let mut marks = LandmarksByPosture::new();
+    for of in &args.landmarks {
+        let fail = |error: &LandmarkError| {
+            Failure::input(&of.value.display().to_string(), error, error.help())
+        };
+        // A file that is for one film may need that film's picture to be read.
+        let only = match (of.posture, films) {
+            (Some(posture), films) => films.iter().find(|f| f.role.posture() == Some(posture)),
+            (None, [film]) => Some(film),
+            (None, _) => None,
+        };
+        let hint = LandmarkHint {
+            posture: of.posture.or(only.and_then(|film| film.role.posture())),
+            patient_left: only.map(|film| film.side),
+            image: only.map(ResolvedFilm::image),
+            ..LandmarkHint::default()
+        };
+        let file = read_landmarks(&of.value, &hint).map_err(|error| fail(&error))?;
+        for remark in &file.remarks {
+            eprintln!("note: {}: {remark}", of.value.display());
+        }
+        for marked in file.films {
+            let posture = marked.posture.or(hint.posture);
+            let film = films.iter().find(|f| posture.is_some() && f.role.posture() == posture);
+            let image = film.map(ResolvedFilm::image);
+            let film = marked.into_film(hint.posture, image).map_err(|error| fail(&error))?;
+            if matches!(film.marks, FilmMarks::Placements { .. }) {
+                let what = format!(
+                    "it has locations and tilts of the {} film, but no corners in its picture",
+                    film.posture
+                );
+                let help = "such a case needs no picture: write the locations into a case file";
+                return Err(Failure::input(&of.value.display().to_string(), &what, help));
+            }
+            if marks.insert(film.posture, film.marks).is_some() {
+                let what = format!(
+                    "it has landmarks of the {} film, which has landmarks already",
+                    film.posture
+                );
+                let help = "give one file of landmarks per film";
+                return Err(Failure::input(&of.value.display().to_string(), &what, help));
+            }
+        }
+    }
+    let unmatched = marks.keys().find(|&&p| !films.iter().any(|f| f.role.posture() == Some(p)));
+    match unmatched {
+        Some(posture) => Err(Failure::usage(format!(
+            "the landmarks are of the {posture} film, but no such film was chosen: add --film {}=…",
+            posture.key().replace('_', "-")
+        ))),
+        None => Ok(marks),
+    }
+}

@@ -1,0 +1,128 @@
+//! `spineline import`: films from folders and archives as a case.
+
+mod aasce;
+mod args;
+mod candidates;
+mod dialogue;
+mod landmarks;
+mod resolve;
+mod role;
+mod text;
+mod write;
+
+pub use args::{EXAMPLES, ImportArgs};
+
+use spineline::anatomy::ImageSide;
+
+use candidates::{Candidates, Seen};
+use resolve::{Question, ResolvedFilm, check_films, resolve, same_identifier};
+use role::Role;
+
+use crate::run::failure::{Ending, Failure};
+use crate::run::outputs::print;
+
+pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
+    if args.aasce {
+        return aasce::run(args);
+    }
+    let (Some(folder), Some(case_id), false) = (&args.out, &args.case_id, args.list) else {
+        return print(&text::list(&Candidates::find(args)?));
+    };
+    write::check_free(folder)?;
+    args.check_answers()?;
+    let candidates = Candidates::find(args)?;
+    let mut chosen = chosen(args, &candidates)?;
+    let ask = dialogue::possible();
+    if ask && chosen.is_empty() {
+        dialogue::choose_films(&candidates, &mut chosen)?;
+    }
+    if chosen.is_empty() {
+        eprint!("{}", text::list(&candidates));
+        return Err(Failure::usage(
+            "which film shows which posture? Give their numbers, as in --film erect=1 --film left-bending=2",
+        ));
+    }
+    chosen.sort_unstable();
+    let seen = chosen
+        .iter()
+        .map(|&(role, index)| Ok((role, index, candidates.seen(index)?)))
+        .collect::<Result<Vec<(Role, usize, &Seen)>, Failure>>()?;
+    check_films(&seen)?;
+    args.check_postures(&chosen.iter().filter_map(|(role, _)| role.posture()).collect::<Vec<_>>())?;
+    let mut films = resolve_all(args, &seen, ask)?;
+    if let Some(first) = films.first_mut() {
+        first.notes.extend(same_identifier(&seen));
+    }
+    let marks = landmarks::read_onto(args, &films)?;
+    write::write(args, folder, case_id, &candidates, &films, &marks)?;
+    print(&text::outcome(&films, folder, marks.len()))
+}
+
+/// The films that the command line chooses.
+fn chosen(args: &ImportArgs, candidates: &Candidates) -> Result<Vec<(Role, usize)>, Failure> {
+    let mut chosen = Vec::new();
+    if args.films().len() < args.film.len() {
+        return Err(Failure::usage("--film gives one posture two films; a case holds one of each"));
+    }
+    for (posture, choice) in args.films() {
+        chosen.push((Role::Frontal(posture), candidates.index(choice)?));
+    }
+    if let Some(choice) = &args.lateral {
+        chosen.push((Role::Lateral, candidates.index(choice)?));
+    }
+    Ok(chosen)
+}
+
+/// Resolves every film; open questions are asked at the terminal, or listed with the options that answer them.
+fn resolve_all(
+    args: &ImportArgs,
+    seen: &[(Role, usize, &Seen)],
+    ask: bool,
+) -> Result<Vec<ResolvedFilm>, Failure> {
+    let mut films = Vec::new();
+    let mut open: Vec<Question> = Vec::new();
+    for &(role, index, seen) in seen {
+        match resolve(args, role, index, seen, None)? {
+            Ok(film) => films.push(film),
+            Err(questions) if ask => {
+                films.push(resolve_by_asking(args, role, index, seen, &questions)?)
+            }
+            Err(questions) => open.extend(questions),
+        }
+    }
+    if open.is_empty() {
+        return Ok(films);
+    }
+    let mut text = format!("{} to answer before these films make a case", counted(open.len()));
+    for question in &open {
+        text.push_str(&format!("\n  {question}\n    {}", question.answer()));
+    }
+    Err(Failure::usage(text))
+}
+
+fn resolve_by_asking(
+    args: &ImportArgs,
+    role: Role,
+    index: usize,
+    seen: &Seen,
+    questions: &[Question],
+) -> Result<ResolvedFilm, Failure> {
+    let mut side: Option<ImageSide> = None;
+    for question in questions {
+        side = dialogue::ask(question)?.or(side);
+    }
+    // Every contradiction was looked at and confirmed.
+    let accepted = ImportArgs { accept: true, ..args.clone() };
+    resolve(&accepted, role, index, seen, side)?.map_err(|open| {
+        Failure::internal(format!("{} still open after asking", counted(open.len())))
+    })
+}
+
+fn counted(questions: usize) -> String {
+    if questions == 1 { "one question is".to_owned() } else { format!("{questions} questions are") }
+}
+
+/// Examples, and the formats of landmarks.
+pub fn long_help() -> String {
+    format!("{EXAMPLES}\n\n{}", spineline_landmarks::LANDMARK_FORMATS)
+}

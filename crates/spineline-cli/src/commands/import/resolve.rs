@@ -1,0 +1,249 @@
+//! Combines a film's metadata with the user's options; what is missing or contradictory becomes a question.
+
+use std::fmt;
+
+use spineline::anatomy::{ImageSide, Posture};
+use spineline::measure::{Spacing, SpacingJudgement, SpacingPlane, View, ViewQuestion, judge_view};
+
+use super::args::{ImportArgs, answer_for};
+use super::candidates::Seen;
+use super::role::Role;
+use crate::run::failure::Failure;
+
+/// A film of the case.
+pub struct ResolvedFilm {
+    pub role: Role,
+    /// Place in the list of films.
+    pub index: usize,
+    pub columns: u32,
+    pub rows: u32,
+    pub spacing: Option<Spacing>,
+    /// Patient's left of a frontal film, the patient's front of the lateral one.
+    pub side: ImageSide,
+    pub inverted: bool,
+    /// Whether its file says that it is a phantom's.
+    pub is_phantom: bool,
+    /// SHA-256 of the file that was looked at.
+    pub source: String,
+    /// Remarks on the film and what was done about them.
+    pub notes: Vec<String>,
+}
+
+/// Something that only a person can answer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Question {
+    pub role: Role,
+    pub about: About,
+}
+
+/// What a question is about.
+#[derive(Clone, Debug, PartialEq)]
+pub enum About {
+    /// The side of the picture on which the patient's left (or front) is.
+    Side,
+    /// The file contradicts what was said of it.
+    Contradiction(String),
+}
+
+impl fmt::Display for Question {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { role, about } = self;
+        match about {
+            About::Side if *role == Role::Lateral => {
+                write!(
+                    f,
+                    "{role}: the file does not state on which side of the picture the patient's front is"
+                )
+            }
+            About::Side => {
+                write!(
+                    f,
+                    "{role}: the file does not state on which side of the picture the patient's left is"
+                )
+            }
+            About::Contradiction(text) => write!(f, "{role}: {text}"),
+        }
+    }
+}
+
+impl Question {
+    /// How it is answered on the command line.
+    pub fn answer(&self) -> String {
+        match (&self.about, self.role) {
+            (About::Side, Role::Lateral) => {
+                "--patient-anterior image-left or image-right".to_owned()
+            }
+            (About::Side, role) => format!(
+                "--patient-left {0}=image-left or {0}=image-right (look for the lead marker, the heart, the stomach's bubble)",
+                role.word()
+            ),
+            (About::Contradiction(_), _) => {
+                "choose another film, or --accept if you are sure".to_owned()
+            }
+        }
+    }
+}
+
+/// Resolves one film, or returns the questions that are open.
+pub fn resolve(
+    args: &ImportArgs,
+    role: Role,
+    index: usize,
+    seen: &Seen,
+    side_by_dialogue: Option<ImageSide>,
+) -> Result<Result<ResolvedFilm, Vec<Question>>, Failure> {
+    let mut questions = Vec::new();
+    let mut notes: Vec<String> = seen.remarks.iter().map(ToString::to_string).collect();
+    let judged = judge_view(&seen.tags.view, role.posture());
+    let mut contradicted = contradictions(role, judged.view, &judged.questions);
+    let by_file = match role {
+        Role::Frontal(_) => judged.patient_left,
+        Role::Lateral => judged.patient_anterior,
+    };
+    let said = match role {
+        Role::Frontal(_) => answer_for(&args.patient_left, role),
+        Role::Lateral => args.patient_anterior,
+    };
+    let said = said.map(super::args::SideName::side).or(side_by_dialogue);
+    if let Some((by_file, _)) = by_file.zip(said).filter(|(file, said)| file != said) {
+        contradicted.push(orientation_contradiction(role, by_file));
+    }
+    for text in contradicted {
+        if args.accept {
+            notes.push(format!("{text}; accepted as said"));
+        } else {
+            questions.push(Question { role, about: About::Contradiction(text) });
+        }
+    }
+    let Some(side) = said.or(by_file) else {
+        questions.push(Question { role, about: About::Side });
+        return Ok(Err(questions));
+    };
+    if !questions.is_empty() {
+        return Ok(Err(questions));
+    }
+    let spacing = spacing(args, role, &seen.spacing(), &mut notes)?;
+    let inverted = role.posture().is_some_and(|posture| args.invert.contains(&posture));
+    let (columns, rows, is_phantom) = (seen.columns, seen.rows, seen.tags.is_phantom);
+    let source = seen.source.clone();
+    Ok(Ok(ResolvedFilm {
+        role,
+        index,
+        columns,
+        rows,
+        spacing,
+        side,
+        inverted,
+        is_phantom,
+        source,
+        notes,
+    }))
+}
+
+/// The file puts a side of the patient on the other side of the picture than the user does.
+fn orientation_contradiction(role: Role, by_file: ImageSide) -> String {
+    format!(
+        "Patient Orientation puts the patient's {} on the {} of the picture, your option on the other side",
+        if role == Role::Lateral { "front" } else { "left" },
+        if by_file == ImageSide::Left { "left" } else { "right" }
+    )
+}
+
+/// What a file says against its role. What it leaves out, the role answers.
+fn contradictions(role: Role, view: Option<View>, questions: &[ViewQuestion]) -> Vec<String> {
+    let wrong_view = match (role, view) {
+        (Role::Frontal(_), Some(View::Lateral)) => {
+            Some("the file says that this is a lateral view")
+        }
+        (Role::Lateral, Some(View::Frontal)) => Some("the file says that this is a frontal view"),
+        _ => None,
+    };
+    let others = questions.iter().filter(|question| {
+        matches!(
+            question,
+            ViewQuestion::ViewsDisagree
+                | ViewQuestion::NotUpright { .. }
+                | ViewQuestion::Stance { .. }
+        )
+    });
+    wrong_view.map(str::to_owned).into_iter().chain(others.map(ToString::to_string)).collect()
+}
+
+/// The spacing of a film: by a ball or a ruler, as said, or as its file supports it.
+fn spacing(
+    args: &ImportArgs,
+    role: Role,
+    judged: &SpacingJudgement,
+    notes: &mut Vec<String>,
+) -> Result<Option<Spacing>, Failure> {
+    if let Some((calibrator, clicks)) = role.posture().and_then(|posture| args.calibrator(posture))
+    {
+        // A ball does not give the aspect ratio of a pixel; the file's spacing does, in any plane.
+        let aspect = judged.spacing.map_or(1.0, |spacing| spacing.row_mm / spacing.column_mm);
+        let spacing = clicks
+            .calibration(calibrator, aspect)
+            .spacing()
+            .map_err(|error| Failure::usage(format!("the scale of the {role}: {error}")))?;
+        if let Some(file) = judged.spacing {
+            compare(role, &file, &spacing, notes);
+        }
+        return Ok(Some(spacing));
+    }
+    if let Some(said) = answer_for(&args.spacing, role) {
+        if let Some(file) = judged.spacing {
+            compare(role, &file, &said, notes);
+        }
+        return Ok(Some(said));
+    }
+    notes.extend(judged.remarks.iter().map(ToString::to_string));
+    Ok(judged.spacing)
+}
+
+/// Notes a scale that differs from the file's by more than a magnification can.
+fn compare(role: Role, file: &Spacing, used: &Spacing, notes: &mut Vec<String>) {
+    let ratio = used.column_mm / file.column_mm;
+    let usual = match file.plane {
+        SpacingPlane::Patient => 0.95..=1.05,
+        _ => 0.7..=1.02,
+    };
+    if !usual.contains(&ratio) {
+        notes.push(format!(
+            "the scale used for the {role} is {ratio:.3} times the file's ({}); the file's is not used",
+            file.source
+        ));
+    }
+}
+
+/// All films of the case, or everything that is open.
+pub fn check_films(films: &[(Role, usize, &Seen)]) -> Result<(), Failure> {
+    for (i, (role, _, seen)) in films.iter().enumerate() {
+        let twin = films[..i].iter().find(|(_, _, other)| other.picture == seen.picture);
+        if let Some((other, _, _)) = twin {
+            return Err(Failure::input(
+                &format!("{other} and {role}"),
+                &"both are the same picture",
+                "choose a different film for each posture",
+            ));
+        }
+    }
+    if films.iter().any(|(role, _, _)| *role == Role::Frontal(Posture::Erect)) {
+        return Ok(());
+    }
+    Err(Failure::usage("a case needs an erect film: choose it, as in --film erect=1"))
+}
+
+/// Films that carry the same identifier and different pixels.
+pub fn same_identifier(films: &[(Role, usize, &Seen)]) -> Vec<String> {
+    let mut notes = Vec::new();
+    for (i, (role, _, seen)) in films.iter().enumerate() {
+        let uid = &seen.tags.uids.sop_instance;
+        for (other, _, _) in
+            films[..i].iter().filter(|(_, _, o)| uid.is_some() && o.tags.uids.sop_instance == *uid)
+        {
+            notes.push(format!(
+                "the {other} and the {role} have the same SOP Instance UID but different pixels: one was changed without a new identifier"
+            ));
+        }
+    }
+    notes
+}

@@ -1,0 +1,191 @@
+//! The list of films, and the outcome of an import, as text.
+
+use std::fmt::Write;
+
+use spineline::anatomy::ImageSide;
+use spineline::measure::{LengthScale, Spacing, SpacingPlane, View};
+
+use super::candidates::{Candidate, Candidates, Seen};
+use super::resolve::ResolvedFilm;
+use crate::terminal::table::{Table, wrap};
+
+const WIDTH: usize = 110;
+
+/// Everything that was found, with numbers to choose by.
+pub fn list(candidates: &Candidates) -> String {
+    let mut text = String::new();
+    let mut table =
+        Table::new(["Film", "kind", "size", "view", "patient's left", "lengths", "file"]);
+    for (index, film) in candidates.films.iter().enumerate() {
+        let number = (index + 1).to_string();
+        let place = film.found.place.to_string();
+        match &film.seen {
+            Ok(seen) => table.row(vec![
+                number,
+                kind(film, seen),
+                format!("{} × {}", seen.columns, seen.rows),
+                view(seen).to_owned(),
+                side(seen.view().patient_left).to_owned(),
+                lengths(seen.spacing().spacing.as_ref()),
+                place,
+            ]),
+            Err(_) => {
+                let kind = film.found.kind.to_string();
+                let blank = || "-".to_owned();
+                table.row(vec![number, kind, blank(), blank(), blank(), blank(), place]);
+            }
+        }
+    }
+    if candidates.films.is_empty() {
+        text.push_str("No film was found.\n");
+    } else {
+        text.push_str(&table.text());
+    }
+    for (note, films) in shared_notes(candidates) {
+        text.push_str(&wrap(&format!("! {}: {note}", numbered(&films)), WIDTH, "  "));
+    }
+    text.push_str(&passed_over(candidates));
+    text
+}
+
+/// One film in one line, to choose from.
+pub fn line(candidates: &Candidates, index: usize) -> String {
+    let film = &candidates.films[index];
+    let what = film.seen.as_ref().map_or_else(
+        |_| String::new(),
+        |seen| {
+            format!("{}, {} × {}, {} view, ", kind(film, seen), seen.columns, seen.rows, view(seen))
+        },
+    );
+    format!("{}: {what}{}", index + 1, film.found.place)
+}
+
+fn kind(film: &Candidate, seen: &Seen) -> String {
+    let phantom = if seen.tags.is_phantom { " (phantom)" } else { "" };
+    match &seen.tags.modality {
+        Some(modality) => format!("{} {modality}{phantom}", film.found.kind),
+        None => format!("{}{phantom}", film.found.kind),
+    }
+}
+
+fn view(seen: &Seen) -> &'static str {
+    match seen.view().view {
+        Some(View::Frontal) => "frontal",
+        Some(View::Lateral) => "lateral",
+        None => "not stated",
+    }
+}
+
+const fn side(side: Option<ImageSide>) -> &'static str {
+    match side {
+        Some(ImageSide::Left) => "image left",
+        Some(ImageSide::Right) => "image right",
+        None => "not stated",
+    }
+}
+
+fn lengths(spacing: Option<&Spacing>) -> String {
+    spacing.map_or_else(
+        || SpacingPlane::Pixels.unit().to_owned(),
+        |s| format!("{} × {} {}", round(s.column_mm), round(s.row_mm), s.plane.unit()),
+    )
+}
+
+fn round(mm: f64) -> f64 {
+    (mm * 1e4).round() / 1e4
+}
+
+/// Every note once, with the numbers of the films that it is about, in the order of the first of them.
+fn shared_notes(candidates: &Candidates) -> Vec<(String, Vec<usize>)> {
+    let mut shared: Vec<(String, Vec<usize>)> = Vec::new();
+    for (index, film) in candidates.films.iter().enumerate() {
+        for note in notes(film) {
+            match shared.iter_mut().find(|(other, _)| *other == note) {
+                Some((_, films)) => films.push(index + 1),
+                None => shared.push((note, vec![index + 1])),
+            }
+        }
+    }
+    shared
+}
+
+/// Numbers of films in words: `film 3`, `films 1-4, 7`.
+fn numbered(films: &[usize]) -> String {
+    let mut runs: Vec<(usize, usize)> = Vec::new();
+    for &film in films {
+        match runs.last_mut() {
+            Some((_, last)) if *last + 1 == film => *last = film,
+            _ => runs.push((film, film)),
+        }
+    }
+    let run = |&(first, last): &(usize, usize)| match last - first {
+        0 => first.to_string(),
+        _ => format!("{first}-{last}"),
+    };
+    let word = if films.len() == 1 { "film" } else { "films" };
+    format!("{word} {}", runs.iter().map(run).collect::<Vec<_>>().join(", "))
+}
+
+/// Remarks on a film, or why it cannot be used.
+fn notes(film: &Candidate) -> Vec<String> {
+    match &film.seen {
+        Err(why) => vec![why.clone()],
+        Ok(seen) => {
+            let remarks = seen.remarks.iter().map(ToString::to_string);
+            let spacing = seen.spacing().remarks;
+            remarks.chain(spacing.iter().map(ToString::to_string)).collect()
+        }
+    }
+}
+
+/// What is no film: the first few by name, the rest by number.
+fn passed_over(candidates: &Candidates) -> String {
+    const SHOWN: usize = 8;
+    let all = &candidates.survey.passed_over;
+    let mut text = String::new();
+    for passed in all.iter().take(SHOWN) {
+        let _ = writeln!(text, "  skipped: {}: {}", passed.place, passed.reason);
+    }
+    if all.len() > SHOWN {
+        let _ = writeln!(text, "  skipped: {} more", all.len() - SHOWN);
+    }
+    text
+}
+
+/// What went into the case.
+pub fn outcome(films: &[ResolvedFilm], folder: &std::path::Path, marked: usize) -> String {
+    let mut text = String::new();
+    let mut table = Table::new(["Film", "size", "patient's left", "lengths"]);
+    for film in films {
+        let scale = film.spacing.as_ref().map_or_else(
+            || SpacingPlane::Pixels.unit().to_owned(),
+            |spacing| LengthScale::of(spacing).to_string(),
+        );
+        let left = match film.role.posture() {
+            Some(_) => side(Some(film.side)).to_owned(),
+            None => format!("front: {}", side(Some(film.side))),
+        };
+        let size = format!("{} × {}", film.columns, film.rows);
+        table.row(vec![film.role.key().replace('_', " "), size, left, scale]);
+    }
+    text.push_str(&table.text());
+    for film in films {
+        for note in &film.notes {
+            text.push_str(&wrap(&format!("! {}: {note}", film.role), WIDTH, "  "));
+        }
+    }
+    let case = folder.join("case.json");
+    let _ = writeln!(text, "\n{} and {} films were written.", case.display(), films.len());
+    if films.iter().all(|film| film.is_phantom) {
+        text.push_str("All films are phantoms: the case is marked SYNTHETIC.\n");
+    }
+    if marked == 0 {
+        let _ = writeln!(
+            text,
+            "No landmarks yet: place them in the browser app, or add them with --landmarks."
+        );
+    } else {
+        let _ = writeln!(text, "Try: spineline check {}", case.display());
+    }
+    text
+}

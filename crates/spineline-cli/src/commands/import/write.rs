@@ -1,0 +1,254 @@
+//! De-identified films, and the case beside them.
+
+use std::fs::{self, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use spineline::analysis::{Case, Subject};
+use spineline::anatomy::Posture;
+use spineline::measure::{Film, FilmMarks, LateralFilm};
+use spineline_files::{CaseFile, FilmSource, sha256_hex};
+use spineline_films::intake::{IntakeLimits, read};
+use spineline_films::{DeidAction, DeidOptions, DeidReport, FilmKind, FilmLimits, deidentify};
+
+use super::args::ImportArgs;
+use super::candidates::Candidates;
+use super::landmarks::LandmarksByPosture;
+use super::resolve::ResolvedFilm;
+use super::role::Role;
+use crate::run::failure::Failure;
+use crate::run::outputs::write_file;
+use crate::run::provenance::generator;
+
+/// What was removed from a film, and remarks on it.
+#[derive(Serialize)]
+struct FilmReport {
+    film: &'static str,
+    file: String,
+    sha256: String,
+    notes: Vec<String>,
+    /// Absent where the identity was kept.
+    deidentification: Option<DeidRecord>,
+}
+
+/// What was done with a film's attributes, by their tags; never a value.
+#[derive(Serialize)]
+struct DeidRecord {
+    removed: Vec<String>,
+    emptied: Vec<String>,
+    replaced: Vec<String>,
+    added: Vec<String>,
+    remarks: Vec<String>,
+}
+
+impl DeidRecord {
+    fn of(report: &DeidReport) -> Self {
+        let tags = |wanted: &[DeidAction]| -> Vec<String> {
+            let entries = report.entries.iter().filter(|entry| wanted.contains(&entry.action));
+            entries.map(|entry| entry.attribute.to_string()).collect()
+        };
+        Self {
+            removed: tags(&[DeidAction::Removed]),
+            emptied: tags(&[DeidAction::Emptied]),
+            replaced: tags(&[DeidAction::Replaced, DeidAction::UidReplaced]),
+            added: tags(&[DeidAction::Added]),
+            remarks: report.remarks.iter().map(ToString::to_string).collect(),
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct ImportReport<'a> {
+    format: &'static str,
+    version: u32,
+    generator: String,
+    case_id: &'a str,
+    identity_kept: bool,
+    films: Vec<FilmReport>,
+}
+
+/// Refuses a folder that holds anything that an import writes: films and landmarks are never overwritten.
+pub fn check_free(folder: &Path) -> Result<(), Failure> {
+    let roles = Posture::ALL.map(Role::Frontal).into_iter().chain([Role::Lateral]);
+    let kinds = [FilmKind::Dicom, FilmKind::Png, FilmKind::Jpeg, FilmKind::Tiff];
+    let films = roles.flat_map(|role| kinds.map(|kind| file_name(role, kind)));
+    let ours = ["case.json", "import.json"].map(str::to_owned).into_iter().chain(films);
+    match ours.map(|name| folder.join(name)).find(|path| path.exists()) {
+        None => Ok(()),
+        Some(there) => Err(Failure::input(
+            &there.display().to_string(),
+            &"it exists already, and an import overwrites nothing",
+            "choose another folder with --out",
+        )),
+    }
+}
+
+fn file_name(role: Role, kind: FilmKind) -> String {
+    format!("{}.{}", role.key(), extension(kind))
+}
+
+/// Writes the films, the case, and a report of what was done.
+pub fn write(
+    args: &ImportArgs,
+    folder: &Path,
+    case_id: &str,
+    candidates: &Candidates,
+    films: &[ResolvedFilm],
+    marks: &LandmarksByPosture,
+) -> Result<(), Failure> {
+    let secret = secret(args)?;
+    let mut reports = Vec::new();
+    let mut sources = Vec::new();
+    for film in films {
+        let (source, report) = write_film(args, folder, case_id, candidates, film, &secret)?;
+        sources.push((film.role, source));
+        reports.push(report);
+    }
+    let mut case = CaseFile::from_case(&case(case_id, films, marks));
+    for (role, source) in sources {
+        case = match role {
+            Role::Frontal(posture) => case.with_source(posture, source),
+            Role::Lateral => case.with_lateral_source(source),
+        };
+    }
+    let report = ImportReport {
+        format: "spineline-import",
+        version: 1,
+        generator: generator(),
+        case_id,
+        identity_kept: args.keep_identity,
+        films: reports,
+    };
+    write_file(&folder.join("import.json"), spineline_files::to_text(&report))?;
+    // The case comes last: where it is, everything that it names is.
+    write_file(&folder.join("case.json"), spineline_files::to_text(&case))
+}
+
+fn write_film(
+    args: &ImportArgs,
+    folder: &Path,
+    case_id: &str,
+    candidates: &Candidates,
+    film: &ResolvedFilm,
+    secret: &[u8; 32],
+) -> Result<(FilmSource, FilmReport), Failure> {
+    let found = &candidates.films[film.index].found;
+    let bytes =
+        read(&found.place, &IntakeLimits::default()).map_err(|error| Failure::intake(&error))?;
+    if sha256_hex(&bytes) != film.source {
+        return Err(Failure::input(
+            &found.place.to_string(),
+            &"it changed during the import",
+            "run the import again while no other program writes there",
+        ));
+    }
+    let (bytes, kind, deidentification) = if args.keep_identity {
+        (bytes, found.kind, None)
+    } else {
+        let options = DeidOptions {
+            case_id: case_id.to_owned(),
+            salt: *secret,
+            retain_sex_and_age: args.keep_characteristics,
+        };
+        let clean = deidentify(&bytes, &options, &FilmLimits::default())
+            .map_err(|error| Failure::input(&film.role.to_string(), &error, error.help()))?;
+        // Pictures without a DICOM header are encoded again.
+        let kind = if found.kind == FilmKind::Dicom { FilmKind::Dicom } else { FilmKind::Png };
+        (clean.bytes, kind, Some(DeidRecord::of(&clean.report)))
+    };
+    let file = file_name(film.role, kind);
+    write_file(&folder.join(&file), &bytes)?;
+    let sha256 = sha256_hex(&bytes);
+    let source = FilmSource {
+        file: Some(file.clone()),
+        sha256: Some(sha256.clone()),
+        inverted: film.inverted,
+    };
+    let notes = film.notes.clone();
+    Ok((source, FilmReport { film: film.role.key(), file, sha256, notes, deidentification }))
+}
+
+const fn extension(kind: FilmKind) -> &'static str {
+    match kind {
+        FilmKind::Dicom => "dcm",
+        FilmKind::Png => "png",
+        FilmKind::Jpeg => "jpg",
+        FilmKind::Tiff => "tif",
+    }
+}
+
+/// The case: pictures, sides and scales, with imported landmarks.
+fn case(case_id: &str, films: &[ResolvedFilm], marks: &LandmarksByPosture) -> Case {
+    let frontal = films.iter().filter_map(|film| {
+        let posture = film.role.posture()?;
+        let unmarked = || FilmMarks::Landmarks {
+            image: film.image(),
+            iliac_crests: None,
+            readings: Vec::new(),
+        };
+        Some(Film { posture, marks: marks.get(&posture).cloned().unwrap_or_else(unmarked) })
+    });
+    let lateral = films.iter().find(|film| film.role == Role::Lateral);
+    Case {
+        id: case_id.to_owned(),
+        // One film of a patient makes the case a patient's.
+        synthetic: films.iter().all(|film| film.is_phantom),
+        subject: Subject::default(),
+        films: frontal.collect(),
+        lateral: lateral.map(|film| LateralFilm {
+            columns: film.columns,
+            rows: film.rows,
+            spacing: film.spacing,
+            patient_anterior: film.side,
+            readings: Vec::new(),
+        }),
+    }
+}
+
+/// The secret that maps identifiers; made once, and readable by its owner alone.
+fn secret(args: &ImportArgs) -> Result<[u8; 32], Failure> {
+    if args.keep_identity {
+        return Ok([0; 32]);
+    }
+    let path = args.secret.clone().map_or_else(default_secret, Ok)?;
+    let failed = |error: &std::io::Error| Failure::write(&path.display().to_string(), error);
+    match fs::read(&path) {
+        Ok(bytes) => {
+            return <[u8; 32]>::try_from(bytes).map_err(|bytes| {
+                Failure::input(
+                    &path.display().to_string(),
+                    &format!("a secret has 32 bytes, and this file has {}", bytes.len()),
+                    "name another file, or a file that does not exist yet",
+                )
+            });
+        }
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
+        Err(error) => return Err(failed(&error)),
+    }
+    let mut secret = [0; 32];
+    getrandom::fill(&mut secret)
+        .map_err(|error| Failure::internal(format!("no random numbers: {error}")))?;
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(|error| failed(&error))?;
+    }
+    let mut options = OpenOptions::new();
+    options.write(true).create_new(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    let mut file = options.open(&path).map_err(|error| failed(&error))?;
+    file.write_all(&secret).and_then(|()| file.sync_all()).map_err(|error| failed(&error))?;
+    eprintln!("new secret for identifiers: {} (keep it, and do not pass it on)", path.display());
+    Ok(secret)
+}
+
+fn default_secret() -> Result<PathBuf, Failure> {
+    let variable = |name| std::env::var_os(name).filter(|value| !value.is_empty());
+    let folder = variable("XDG_CONFIG_HOME")
+        .or_else(|| variable("APPDATA"))
+        .map(PathBuf::from)
+        .or_else(|| variable("HOME").map(|home| PathBuf::from(home).join(".config")));
+    folder.map(|folder| folder.join("spineline").join("identifiers.secret")).ok_or_else(|| {
+        Failure::usage("no configuration folder was found: name a file with --secret")
+    })
+}

@@ -1,0 +1,118 @@
+//! The commands: one module each, with its command line beside it. No command uses another one.
+
+mod account;
+mod analyze;
+mod check;
+mod completions;
+mod decode_film;
+mod export;
+mod film;
+mod import;
+mod noise_study;
+mod phantom;
+mod reliability;
+mod report;
+mod reproduce;
+mod rerun;
+mod schema;
+mod serve;
+mod simulate;
+mod stiffness;
+mod study;
+
+use clap::{CommandFactory, Parser, Subcommand};
+
+use crate::run::failure::{Ending, Failure};
+
+/// Turns frontal radiographs of a scoliotic spine into a personalised multibody model.
+///
+/// Research software, not a medical device. Start with `spineline reproduce`, or make a synthetic patient with
+/// `spineline phantom` and analyse it with `spineline analyze`.
+#[derive(Parser)]
+#[command(name = "spineline", version, arg_required_else_help = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Repeat the paper on 54 synthetic patients and compare every number with the paper's
+    Reproduce(reproduce::ReproduceArgs),
+    /// Test how robust the paper's claims are to landmark noise, curve order and loading scenario
+    NoiseStudy(noise_study::NoiseStudyArgs),
+    /// Analyse the films of one patient or of a cohort
+    Analyze(Box<analyze::AnalyzeArgs>),
+    /// Write a report of one patient or of a cohort with every figure, as HTML, Markdown or PDF
+    #[command(after_help = report::EXAMPLES)]
+    Report(Box<report::ReportArgs>),
+    /// Validate case files and list warnings
+    Check(check::CheckArgs),
+    /// Measure the reliability of readings: SEM, limits of agreement, ICC and Pearson, within and between observers
+    #[command(after_help = reliability::EXAMPLES)]
+    Reliability(reliability::ReliabilityArgs),
+    /// Simulate a personalised model under forces, moments, weight, pads, straps and rods
+    #[command(after_help = simulate::EXAMPLES)]
+    Simulate(simulate::SimulateArgs),
+    /// Import films from folders and archives as a case
+    #[command(after_help = import::EXAMPLES, after_long_help = import::long_help())]
+    Import(Box<import::ImportArgs>),
+    /// Manage a study: films, blinded readings and a log of every change in one file
+    #[command(after_help = study::EXAMPLES)]
+    Study(study::StudyArgs),
+    /// Repeat analyses from their files or reports and list the differences
+    #[command(after_help = rerun::EXAMPLES)]
+    Rerun(rerun::RerunArgs),
+    /// Start the browser app on this machine
+    #[command(after_help = serve::EXAMPLES)]
+    Serve(serve::ServeArgs),
+    /// Manage user accounts and study permissions
+    #[command(after_help = account::EXAMPLES)]
+    Account(account::AccountArgs),
+    /// Make synthetic patients whose true values are known
+    Phantom(phantom::PhantomArgs),
+    /// Export a model for MuJoCo, OpenSim or URDF, or landmarks as CSV, for 3D Slicer or as DICOM SR
+    #[command(after_long_help = export::EXAMPLES)]
+    Export(export::ExportArgs),
+    /// Inspect radiographs: metadata, reliability of spacing and view, preview
+    Film(film::FilmArgs),
+    /// Decode the film on the standard input, with limits on memory and time
+    #[command(hide = true)]
+    DecodeFilm,
+    /// Print the JSON schema of a file format
+    Schema(schema::SchemaArgs),
+    /// Print the built-in stiffness table, to edit and pass to `analyze --stiffness`
+    Stiffness,
+    /// Print a completion script for your shell
+    ///
+    /// For bash: spineline completions bash > ~/.local/share/bash-completion/completions/spineline
+    Completions(completions::CompletionsArgs),
+}
+
+/// Runs a command.
+///
+/// # Errors
+/// What stops it.
+pub fn run(command: Command) -> Result<Ending, Failure> {
+    match command {
+        Command::Reproduce(args) => reproduce::run(&args),
+        Command::NoiseStudy(args) => noise_study::run(&args),
+        Command::Analyze(args) => analyze::run(&args),
+        Command::Report(args) => report::run(&args),
+        Command::Check(args) => check::run(&args),
+        Command::Import(args) => import::run(&args),
+        Command::Study(args) => study::run(&args),
+        Command::Serve(args) => serve::run(&args),
+        Command::Account(args) => account::run(&args),
+        Command::Rerun(args) => rerun::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
+        Command::Reliability(args) => reliability::run(&args),
+        Command::Phantom(args) => phantom::run(&args),
+        Command::Export(args) => export::run(&args),
+        Command::Film(args) => film::run(&args),
+        Command::DecodeFilm => decode_film::run(),
+        Command::Schema(args) => schema::run(&args),
+        Command::Stiffness => stiffness::run(),
+        Command::Completions(args) => completions::run(&args, &mut Cli::command()),
+    }
+}

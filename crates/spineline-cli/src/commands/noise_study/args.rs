@@ -1,0 +1,48 @@
+//! The command line of `noise-study`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use spineline_phantom::Truth;
+
+use crate::options::method::FitName;
+use crate::options::phantoms::ScenarioName;
+use crate::options::values::threads;
+
+/// The command line.
+#[derive(Args)]
+pub struct NoiseStudyArgs {
+    /// Folder for the table and the figure
+    #[arg(long, value_name = "DIR", default_value = "out/noise-study")]
+    pub out: PathBuf,
+    /// Seed of the phantoms, of their noise and of the bootstrap
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Phantoms per loading scenario; they take the rows of the paper's Table 1 in turn
+    #[arg(long, value_name = "N", default_value_t = 36, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    pub phantoms: u32,
+    /// Threads; 0: all cores. The number does not change the results
+    #[arg(long, default_value = "0", value_parser = threads)]
+    pub threads: usize,
+    /// Loading scenarios, separated by commas [default: all]
+    #[arg(
+        long,
+        visible_alias = "scenarios",
+        value_name = "SCENARIOS",
+        value_enum,
+        value_delimiter = ','
+    )]
+    pub truths: Vec<ScenarioName>,
+    /// Quantity that the stiffness is fitted to; the paper fitted Ferguson angles
+    #[arg(long, value_enum, default_value_t = FitName::Ferguson)]
+    pub fit: FitName,
+}
+
+impl NoiseStudyArgs {
+    /// What is studied, in the order of the figure.
+    pub fn truths(&self) -> Vec<Truth> {
+        let wanted: Vec<Truth> = self.truths.iter().map(|name| name.0).collect();
+        let every = Truth::EVERY.into_iter();
+        every.filter(|truth| wanted.is_empty() || wanted.contains(truth)).collect()
+    }
+}

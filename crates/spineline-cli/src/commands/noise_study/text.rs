@@ -1,0 +1,92 @@
+//! The study as text: the noise up to which every claim holds.
+
+use spineline::cohort::{ClaimVerdict, Claims, NEAR_SEGMENTS};
+use spineline_phantom::Truth;
+
+use super::args::NoiseStudyArgs;
+use super::study::{NOISE_MM, Point, WAYS, Way};
+use crate::terminal::table::{Table, wrap};
+
+pub fn report(points: &[Point], args: &NoiseStudyArgs) -> String {
+    let mut text = format!(
+        "The paper's claims over landmark noise: {} SYNTHETIC patients per loading scenario (seed {}), read once at each noise of {} to {} mm \
+         (standard deviation of a corner's coordinate)\n",
+        args.phantoms,
+        args.seed,
+        NOISE_MM[0],
+        NOISE_MM[NOISE_MM.len() - 1]
+    );
+    for truth in args.truths() {
+        text.push_str(&format!("  {:8} {}\n", truth.key(), truth.meaning()));
+    }
+    let lost: usize = points.iter().map(|point| point.lost).sum();
+    if lost > 0 {
+        text.push_str(&format!(
+            "{lost} analyses are missing, of phantoms that could not be made or analysed.\n"
+        ));
+    }
+    let percent = |limit: f64| 100.0 * limit;
+    let near = format!(
+        "Claim 1: more than {:.0} % of inflections within {NEAR_SEGMENTS} segments of the least-rotating one",
+        percent(Claims::NEAR_LIMIT)
+    );
+    let below = format!(
+        "Claim 2: inflections rotate by more than {:.0} % less than the mean",
+        percent(Claims::BELOW_LIMIT)
+    );
+    let movement = WAYS.into_iter().filter(|way| way.has_movement());
+    let movement: Vec<(String, Way)> = movement.map(|way| (way.rule_name(), way)).collect();
+    text.push_str(&table(points, args, 0, &movement, &near));
+    text.push_str(&table(points, args, 1, &movement, &below));
+    let modelled = WAYS.into_iter().filter(|way| way.support.is_some());
+    let name = |way: Way| format!("{}, {}", way.rule_name(), way.support_name());
+    let modelled: Vec<(String, Way)> = modelled.map(|way| (name(way), way)).collect();
+    let better = "Claim 3: the inflection line has a smaller location error than the iliac line in most patients";
+    text.push_str(&table(points, args, 2, &modelled, better));
+    text.push_str(&wrap(
+        "A claim holds where the whole 95 % interval over patients supports it, and fails where the whole interval contradicts it; \
+         otherwise it is open. `to x mm`: holds at every noise from 0 to x. `reversed`: the opposite holds at every noise.",
+        104,
+        "  ",
+    ));
+    text
+}
+
+fn table(
+    points: &[Point],
+    args: &NoiseStudyArgs,
+    claim: usize,
+    ways: &[(String, Way)],
+    title: &str,
+) -> String {
+    let mut heading = vec!["  scenario"];
+    heading.extend(ways.iter().map(|(name, _)| name.as_str()));
+    let mut table = Table::new(heading);
+    for truth in args.truths() {
+        let mut cells = vec![format!("  {}", truth.key())];
+        cells.extend(ways.iter().map(|(_, way)| verdict(points, claim, truth, *way)));
+        table.row(cells);
+    }
+    format!("\n{title}\n{}", table.text())
+}
+
+/// Where a claim holds, along the noise.
+fn verdict(points: &[Point], claim: usize, truth: Truth, way: Way) -> String {
+    let along: Vec<(f64, Option<ClaimVerdict>)> = points
+        .iter()
+        .filter(|p| (p.truth, p.way) == (truth, way))
+        .map(|p| (p.noise_mm, p.claims.verdicts()[claim]))
+        .collect();
+    let holds = |verdict: &Option<ClaimVerdict>| *verdict == Some(ClaimVerdict::Holds);
+    let fails = |verdict: &Option<ClaimVerdict>| *verdict == Some(ClaimVerdict::Fails);
+    let last = along.iter().take_while(|(_, verdict)| holds(verdict)).last();
+    match last {
+        Some((noise_mm, _)) if *noise_mm == 0.0 => "at 0 mm only".to_owned(),
+        Some((noise_mm, _)) => format!("to {noise_mm} mm"),
+        None if along.iter().any(|(_, verdict)| holds(verdict)) => "not at 0 mm".to_owned(),
+        None if along.iter().all(|(_, verdict)| fails(verdict)) => {
+            if claim == 2 { "reversed" } else { "never" }.to_owned()
+        }
+        None => "open".to_owned(),
+    }
+}

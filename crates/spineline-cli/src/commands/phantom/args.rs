@@ -1,0 +1,49 @@
+//! The command line of `phantom`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use spineline_phantom::Truth;
+
+use crate::options::phantoms::ScenarioName;
+use crate::options::values::threads;
+
+#[derive(Args)]
+pub struct PhantomArgs {
+    /// Loading scenario that moved the spine
+    #[arg(long, visible_alias = "scenario", value_enum, default_value_t = ScenarioName(Truth::Rod))]
+    pub truth: ScenarioName,
+    /// Subject of the paper's Table 1, from 1 to 18 [default: all]
+    #[arg(long, value_name = "N")]
+    pub subject: Option<usize>,
+    /// Folder for the case files
+    #[arg(long, value_name = "DIR", default_value = "out/phantoms")]
+    pub out: PathBuf,
+    /// Seed of the random numbers
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Factor on the noise of the virtual readers (two observers, three repeats), from 0 to 10; 0: one reader without error
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
+    pub noise: f64,
+    /// Draw radiographs too: one DICOM file per posture beside each case, about 10 MB each
+    #[arg(long)]
+    pub films: bool,
+    /// Lossless pixel encoding of the films
+    #[arg(long, value_enum, default_value_t = EncodingName::Mixed, requires = "films")]
+    pub film_encoding: EncodingName,
+    /// Threads for `--films`; 0: all cores. The number does not change the files
+    #[arg(long, default_value = "0", value_parser = threads, requires = "films")]
+    pub threads: usize,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum EncodingName {
+    /// JPEG-LS, and RLE for every fifth film, as in archives
+    Mixed,
+    /// JPEG-LS Lossless, the smallest
+    JpegLs,
+    /// RLE Lossless
+    Rle,
+    /// Uncompressed, about 30 MB per film
+    Plain,
+}

@@ -1,0 +1,110 @@
+//! `spineline phantom`: synthetic patients as case files, and their films as DICOM files.
+
+mod args;
+mod films;
+
+pub use args::PhantomArgs;
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use spineline::anatomy::Region;
+use spineline_files::CaseFile;
+use spineline_phantom::{Phantom, SUBJECTS, generate};
+
+use crate::options::phantoms::readers;
+use crate::run::failure::{Ending, Failure};
+use crate::run::outputs::{print, write_file};
+
+pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
+    let truth = args.truth.0;
+    let readers = readers(args.noise)?;
+    let subjects = match args.subject {
+        Some(number) if (1..=SUBJECTS.len()).contains(&number) => number..=number,
+        Some(number) => {
+            let text = format!(
+                "--subject {number}: the paper's Table 1 has subjects 1 to {}",
+                SUBJECTS.len()
+            );
+            return Err(Failure::usage(text));
+        }
+        None => 1..=SUBJECTS.len(),
+    };
+    let phantoms: Vec<Phantom> = subjects
+        .map(|number| generate(number - 1, truth, &readers, args.seed))
+        .collect::<Result<_, _>>()
+        .map_err(|error| Failure::internal(error.to_string()))?;
+    let films = if args.films { films::write(&phantoms, args)? } else { BTreeMap::new() };
+    let mut text = String::new();
+    for phantom in &phantoms {
+        let path = args.out.join(format!("{}.json", phantom.case.id));
+        let own = films.get(&phantom.case.id);
+        let case = CaseFile::from_case(&phantom.case);
+        let case = match own {
+            Some(own) => films::with_files(case, own),
+            None => case,
+        };
+        write_file(&path, spineline_files::to_text(&case))?;
+        let truth = TruthFile { films: own.cloned(), ..TruthFile::new(phantom) };
+        write_file(&path.with_extension("truth.json"), spineline_files::to_text(&truth))?;
+        text.push_str(&format!("{} (synthetic; its true values are beside it)\n", path.display()));
+    }
+    let all: Vec<_> = films.values().flat_map(BTreeMap::values).collect();
+    if !all.is_empty() {
+        let mb = all.iter().map(|film| film.bytes).sum::<usize>() as f64 / 1e6;
+        let films = all.len();
+        text.push_str(&format!("{films} synthetic films beside the cases, {mb:.0} MB in all\n"));
+    }
+    print(&text)
+}
+
+/// The true values of a phantom. Positive tilts are to the patient's right, as everywhere.
+#[derive(Serialize)]
+struct TruthFile {
+    format: &'static str,
+    case_id: String,
+    synthetic: bool,
+    truth: &'static str,
+    lateral_multipliers: BTreeMap<&'static str, f64>,
+    postures: BTreeMap<&'static str, TruePosture>,
+    /// Where `--films` drew them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    films: Option<films::Listing>,
+}
+
+#[derive(Serialize)]
+struct TruePosture {
+    locations_mm: Vec<[f64; 2]>,
+    tilts_deg: Vec<f64>,
+    inflections_mm: [[f64; 2]; 2],
+    line_point_mm: Option<[f64; 2]>,
+    line_direction: Option<[f64; 2]>,
+    force_n: f64,
+}
+
+impl TruthFile {
+    fn new(phantom: &Phantom) -> Self {
+        let point = |p: spineline::spatial::Frontal| [p.y_mm, p.z_mm];
+        let posture = |p: &spineline_phantom::TruePosture| TruePosture {
+            locations_mm: p.locations.iter().map(|&l| point(l)).collect(),
+            tilts_deg: p.tilts.iter().map(|t| t.deg()).collect(),
+            inflections_mm: p.inflections.map(point),
+            line_point_mm: p.line.map(|line| point(line.point)),
+            line_direction: p.line.map(|line| point(line.direction)),
+            force_n: p.force_n,
+        };
+        Self {
+            format: "spineline-phantom-truth",
+            case_id: phantom.case.id.clone(),
+            synthetic: true,
+            truth: phantom.truth.key(),
+            lateral_multipliers: Region::ALL
+                .iter()
+                .map(|r| r.key())
+                .zip(phantom.multipliers)
+                .collect(),
+            postures: phantom.postures.iter().map(|p| (p.posture.key(), posture(p))).collect(),
+            films: None,
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! `spineline reliability`: agreement within and between observers.
+
+mod rows;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use spineline::measure::FilmReadings;
+use spineline::reliability::{Quantity, QuantityReliability, assess, film_quantities};
+use spineline_files::{FilmOrigin, InputFile, Provenance, ReliabilityFile};
+use spineline_report::figures;
+
+use crate::run::failure::{Ending, Failure};
+use crate::run::inputs::{CaseInput, case_files, input_of};
+use crate::run::outputs::{is_stdout, print, write_file, write_or_print, write_table};
+use crate::run::provenance::{generator, in_svg, this_run};
+use crate::terminal;
+
+pub const EXAMPLES: &str = "\
+Cases are pooled: subjects are case × film × vertebra, and an observer of one name is one observer.
+
+A table has one reading per row and the columns
+  quantity   measured quantity, such as tilt_T6
+  unit       deg, mm, …
+  subject    code of the patient, or of the patient and film
+  observer   code of the reader
+  repeat     number of the reading, from 1
+  value      a number with a decimal point; leave the row out where it is missing
+  synthetic  true or false; this column may be absent
+
+Examples:
+  spineline reliability cases/ --figure out/agreement
+  spineline reliability readings.csv --json out/reliability.json";
+
+#[derive(Args)]
+pub struct ReliabilityArgs {
+    /// Case files or folders of them, or one table of readings that ends in .csv
+    #[arg(required = true, value_name = "CASE|TABLE.csv")]
+    inputs: Vec<PathBuf>,
+    /// Write all results as JSON (`-`: standard output)
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write one row per statistic as CSV (`-`: standard output)
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Draw Bland-Altman plots as SVG into this folder
+    #[arg(long, value_name = "DIR")]
+    figure: Option<PathBuf>,
+}
+
+pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
+    let outputs = [&args.json, &args.csv].into_iter().flatten();
+    let to_stdout = outputs.filter(|path| is_stdout(path)).count();
+    if to_stdout > 1 {
+        return Err(Failure::usage("only one of --json and --csv can go to the standard output"));
+    }
+    let Readings { quantities, synthetic, inputs } = read(&args.inputs)?;
+    let provenance = Provenance::new(this_run()?, FilmOrigin::of([synthetic]), inputs);
+    let found: Vec<QuantityReliability> = quantities.iter().map(assess).collect();
+    if let Some(path) = &args.json {
+        let file = ReliabilityFile::new(&found, synthetic, &generator())
+            .with_provenance(provenance.clone());
+        write_or_print(path, &spineline_files::to_text(&file))?;
+    }
+    if let Some(path) = &args.csv {
+        write_table(path, &rows::text(&found, synthetic)?, &provenance)?;
+    }
+    if let Some(folder) = &args.figure {
+        draw(&found, synthetic, &provenance, folder)?;
+    }
+    if to_stdout == 0 {
+        print(&terminal::reliability::text(&found, synthetic))?;
+    }
+    Ok(Ending::Done)
+}
+
+/// What was read.
+struct Readings {
+    quantities: Vec<Quantity>,
+    /// Whether any film is synthetic.
+    synthetic: bool,
+    inputs: Vec<InputFile>,
+}
+
+/// The quantities of a table or of cases.
+fn read(inputs: &[PathBuf]) -> Result<Readings, Failure> {
+    let is_table = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
+    if !inputs.iter().any(is_table) {
+        return read_cases(inputs);
+    }
+    let [path] = inputs else {
+        return Err(Failure::usage("give case files or one table of readings, not both"));
+    };
+    let failed = |error| Failure::file(path, &error);
+    let text = spineline_files::read_text(path).map_err(failed)?;
+    let table = spineline_files::parse_readings(&text).map_err(failed)?;
+    let (quantities, synthetic) = (table.quantities, table.synthetic);
+    Ok(Readings { quantities, synthetic, inputs: vec![input_of(path, &text)] })
+}
+
+fn read_cases(given: &[PathBuf]) -> Result<Readings, Failure> {
+    let mut cases: Vec<(String, Vec<FilmReadings>)> = Vec::new();
+    let (mut synthetic, mut inputs) = (false, Vec::new());
+    for path in case_files(given)? {
+        let CaseInput { case, input, .. } = CaseInput::read(&path)?;
+        inputs.push(input);
+        let place = path.display().to_string();
+        if cases.iter().any(|(id, _)| *id == case.id) {
+            let text = format!("the case {} was given already", case.id);
+            return Err(Failure::input(&place, &text, "give every case a `case_id` of its own"));
+        }
+        let films = case.films.iter().map(FilmReadings::measure).collect::<Result<_, _>>();
+        let films = films.map_err(|error| Failure::input(&place, &error, error.help()))?;
+        synthetic |= case.synthetic;
+        cases.push((case.id, films));
+    }
+    let borrowed: Vec<(&str, &[FilmReadings])> =
+        cases.iter().map(|(id, films)| (id.as_str(), films.as_slice())).collect();
+    Ok(Readings { quantities: film_quantities(&borrowed), synthetic, inputs })
+}
+
+/// One picture per quantity and design; observers' names stay out of the files' names.
+fn draw(
+    found: &[QuantityReliability],
+    synthetic: bool,
+    provenance: &Provenance,
+    folder: &Path,
+) -> Result<(), Failure> {
+    let plain = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
+    for (i, quantity) in found.iter().enumerate() {
+        for (j, design) in quantity.designs.iter().enumerate() {
+            let Some(svg) = figures::bland_altman(quantity, design, synthetic) else { continue };
+            let name: String = quantity.key.chars().map(plain).take(40).collect();
+            let file = format!("{:02}-{name}-{}-{}.svg", i + 1, j + 1, design.design.key());
+            write_file(&folder.join(file), in_svg(&svg, provenance))?;
+        }
+    }
+    Ok(())
+}

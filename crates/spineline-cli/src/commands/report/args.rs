@@ -1,0 +1,70 @@
+//! The command line of `report`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use crate::options::method::MethodArgs;
+use crate::options::uncertainty::UncertaintyArgs;
+use crate::options::values::threads;
+
+/// Shown below the options.
+pub const EXAMPLES: &str = "Examples:
+  spineline phantom --truth rod --subject 1 --films --out demo
+  spineline report demo                        one patient as phantom-rod-01.html, for a browser
+  spineline report demo --to md                Markdown, with figures in phantom-rod-01-figures
+  spineline report demo --to pdf               the same as PDF, to print and archive
+  spineline report demo --figures pictures     all figures as SVG and PNG too
+  spineline phantom --out patients && spineline report patients
+                                               a cohort: table 1, box charts, tests, exclusions
+
+A report contains its analysis as JSON: `spineline rerun` repeats it from the report alone.";
+
+/// The form of a report.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FormName {
+    /// One interactive file for a browser, without network access
+    Html,
+    /// Markdown, with figures as SVG in a folder beside it
+    Md,
+    /// One typeset file (PDF/A-3b) with the analysis attached
+    #[cfg(feature = "pdf")]
+    Pdf,
+}
+
+impl FormName {
+    /// The ending of its files.
+    pub const fn ending(self) -> &'static str {
+        match self {
+            Self::Html => "html",
+            Self::Md => "md",
+            #[cfg(feature = "pdf")]
+            Self::Pdf => "pdf",
+        }
+    }
+}
+
+/// `spineline report`.
+#[derive(Args)]
+pub struct ReportArgs {
+    /// Case files, or folders of them; more than one case makes the report of a cohort
+    #[arg(required = true, value_name = "CASE")]
+    pub cases: Vec<PathBuf>,
+    /// Format of the report
+    #[arg(long, value_enum, default_value_t = FormName::Html)]
+    pub to: FormName,
+    /// File to write [default: the case's identifier, or `cohort`, with the extension of the format]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Write every figure as SVG and PNG into this folder too
+    #[arg(long, value_name = "DIR")]
+    pub figures: Option<PathBuf>,
+    /// Threads; 0: all cores. The number does not change the report
+    #[arg(long, default_value = "0", value_parser = threads)]
+    pub threads: usize,
+    /// For the report of one patient.
+    #[command(flatten)]
+    pub uncertainty: UncertaintyArgs,
+    #[command(flatten)]
+    pub method: MethodArgs,
+}

@@ -1,0 +1,82 @@
+//! The report of many patients.
+
+use std::path::{Path, PathBuf};
+
+use spineline::analysis::{Analysis, AnalysisOptions};
+use spineline_files::AnalysisFile;
+use spineline_report::cohort::{Patients, Refusal, Refused, report};
+
+use super::args::ReportArgs;
+use super::write;
+use crate::analysis::case::analyze_case;
+use crate::analysis::cohort;
+use crate::analysis::record::RunRecord;
+use crate::run::failure::{Ending, Failure};
+use crate::run::inputs::CaseInput;
+use crate::run::provenance::generator;
+use crate::run::threads::map_all;
+
+pub fn run(paths: &[PathBuf], args: &ReportArgs) -> Result<Ending, Failure> {
+    if args.uncertainty.identifiability || args.uncertainty.replicates.is_some() {
+        return Err(Failure::usage(
+            "--identifiability and --replicates are for the report of one patient; give one case",
+        ));
+    }
+    let mut record = RunRecord::new(&args.method, &args.uncertainty)?;
+    let options = &record.request.options;
+    let results = map_all("analysing", paths, args.threads, |path| one(path, options))?;
+    let (mut analyses, mut subjects, mut refused) = (Vec::new(), Vec::new(), Vec::new());
+    for (path, result) in paths.iter().zip(results) {
+        let found = result.and_then(|found| {
+            record.refuse_duplicate(found).map_err(|failure| (Refusal::NotAnalysed, failure))
+        });
+        match found {
+            Ok((analysis, source)) => {
+                analyses.push(analysis);
+                subjects.push(source.case.subject.clone());
+                record.cases.push(source);
+            }
+            Err((refusal, failure)) => {
+                eprintln!("{failure}");
+                let name = path.file_name().unwrap_or(path.as_os_str());
+                let name = name.to_string_lossy().into_owned();
+                refused.push(Refused { name, refusal, why: failure.what().to_owned() });
+            }
+        }
+    }
+    if analyses.is_empty() {
+        return Err(Failure::usage("no case could be analysed: there is no cohort to report"));
+    }
+    eprint!("{}", record.warnings());
+    let pairs: Vec<(&Analysis, &CaseInput)> = analyses.iter().zip(&record.cases).collect();
+    let files = map_all("writing", &pairs, args.threads, |(analysis, source)| {
+        let provenance = record.provenance_of(std::slice::from_ref(*source));
+        let file = AnalysisFile::new(analysis, source.file.clone(), provenance);
+        serde_json::to_string(&file).expect("string keys only")
+    })?;
+    let document = report(&Patients {
+        analyses: &analyses,
+        subjects: &subjects,
+        together: &cohort::of(&analyses),
+        refused: &refused,
+        generator: &generator(),
+        json: &format!("[{}]", files.join(",")),
+    });
+    write::all(&document, "cohort", record.date_utc(), args)?;
+    Ok(match (refused.is_empty(), analyses.iter().all(Analysis::is_converged)) {
+        (false, _) => Ending::BadInput,
+        (true, false) => Ending::NotConverged,
+        (true, true) => Ending::Done,
+    })
+}
+
+/// One patient, or where it ended and why.
+fn one(
+    path: &Path,
+    options: &AnalysisOptions,
+) -> Result<(Analysis, CaseInput), (Refusal, Failure)> {
+    let source = CaseInput::read(path).map_err(|failure| (Refusal::Unread, failure))?;
+    let analysis = analyze_case(path, &source.case, options)
+        .map_err(|failure| (Refusal::NotAnalysed, failure))?;
+    Ok((analysis, source))
+}

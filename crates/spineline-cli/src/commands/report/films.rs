@@ -1,0 +1,83 @@
+//! Pictures of a case's films for its report.
+
+use std::path::{Component, Path};
+
+use spineline::analysis::Case;
+use spineline::anatomy::Posture;
+use spineline::measure::{FilmMarks, ImageGeometry};
+use spineline_files::{CaseFile, FilmSource, sha256_hex};
+use spineline_films::intake::{IntakeLimits, Place, read};
+use spineline_report::figures::FilmPicture;
+
+use crate::run::failure::Failure;
+use crate::run::film_decoder::Decoder;
+use crate::run::threads::map_all;
+
+/// Rows of a picture in a report.
+const ROWS: u32 = 800;
+
+/// A film whose case names a picture file.
+struct Named {
+    posture: Posture,
+    image: ImageGeometry,
+    source: FilmSource,
+}
+
+/// The pictures that can be shown, and in words why others cannot.
+///
+/// # Errors
+/// If threads or the decoder cannot be started.
+pub fn pictures(
+    path: &Path,
+    file: &CaseFile,
+    case: &Case,
+    threads: usize,
+) -> Result<(Vec<FilmPicture>, Vec<String>), Failure> {
+    let named: Vec<Named> = case
+        .films
+        .iter()
+        .filter_map(|film| {
+            let FilmMarks::Landmarks { image, .. } = &film.marks else { return None };
+            let source = file.source(film.posture).filter(|source| source.file.is_some())?;
+            Some(Named { posture: film.posture, image: *image, source })
+        })
+        .collect();
+    if named.is_empty() {
+        return Ok((Vec::new(), Vec::new()));
+    }
+    let decoder = Decoder::new()?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let read = map_all("films", &named, threads, |film| picture(&decoder, folder, film))?;
+    let (mut pictures, mut reasons) = (Vec::new(), Vec::new());
+    for (film, read) in named.iter().zip(read) {
+        match read {
+            Ok(png) => pictures.push(FilmPicture { posture: film.posture, png }),
+            Err(why) => reasons
+                .push(format!("the picture of the {} film is not shown: {why}", film.posture)),
+        }
+    }
+    Ok((pictures, reasons))
+}
+
+fn picture(decoder: &Decoder, folder: &Path, film: &Named) -> Result<Vec<u8>, String> {
+    let name = film.source.file.as_deref().unwrap_or_default();
+    let plain = |part: Component<'_>| matches!(part, Component::Normal(_));
+    if !Path::new(name).components().all(plain) {
+        return Err("its file is not beside the case".to_owned());
+    }
+    let place = Place::File(folder.join(name));
+    let bytes = read(&place, &IntakeLimits::default()).map_err(|error| error.to_string())?;
+    if film.source.sha256.as_ref().is_some_and(|sum| *sum != sha256_hex(&bytes)) {
+        return Err("its file is not the one with the landmarks (different SHA-256)".to_owned());
+    }
+    let picture = decoder.decode(bytes).map_err(|error| error.to_string())?;
+    let ImageGeometry { columns, rows, spacing, .. } = film.image;
+    if (picture.columns, picture.rows) != (columns, rows) {
+        return Err(format!(
+            "it has {} × {} pixels, but the film with the landmarks {columns} × {rows}",
+            picture.columns, picture.rows
+        ));
+    }
+    let aspect = spacing.map_or(1.0, |spacing| spacing.row_mm / spacing.column_mm);
+    Ok(picture.display(None, film.source.inverted).thumbnail(ROWS.min(rows), aspect).to_png())
+}

@@ -1,0 +1,48 @@
+//! The report of one patient.
+
+use std::path::Path;
+
+use spineline_files::AnalysisFile;
+use spineline_report::document::{Notice, NoticeKind};
+use spineline_report::file_stem;
+use spineline_report::patient::{Patient, report};
+
+use super::args::ReportArgs;
+use super::{films, write};
+use crate::analysis::case::analyze_case;
+use crate::analysis::confidence::Confidence;
+use crate::analysis::record::RunRecord;
+use crate::run::failure::{Ending, Failure};
+use crate::run::inputs::CaseInput;
+use crate::run::provenance::generator;
+
+pub fn run(path: &Path, args: &ReportArgs) -> Result<Ending, Failure> {
+    let mut record = RunRecord::new(&args.method, &args.uncertainty)?;
+    record.cases.push(CaseInput::read(path)?);
+    eprint!("{}", record.warnings());
+    let CaseInput { file, case, .. } = &record.cases[0];
+    let analysis = analyze_case(path, case, &record.request.options)?;
+    let confidence = Confidence::compute(case, &analysis, &record.request, args.threads)?;
+    let (pictures, hidden) = films::pictures(path, file, case, args.threads)?;
+    let json = AnalysisFile::new(&analysis, file.clone(), record.provenance_of(&record.cases));
+    let json = confidence.add_to(&analysis, json);
+    let mut document = report(&Patient {
+        case,
+        analysis: &analysis,
+        pictures: &pictures,
+        identifiability: confidence.identifiability.as_deref(),
+        uncertainty: confidence.uncertainty.as_ref(),
+        generator: &generator(),
+        json: &serde_json::to_string(&json).expect("string keys only"),
+    });
+    if let Some(films) = document.sections.iter_mut().find(|section| section.id == "films") {
+        for why in hidden {
+            let mut words = why.chars();
+            let first = words.next().into_iter().flat_map(char::to_uppercase);
+            let text = format!("{}.", first.chain(words).collect::<String>());
+            films.notice(Notice::new(NoticeKind::Note, text));
+        }
+    }
+    write::all(&document, &file_stem(&document.subject), record.date_utc(), args)?;
+    Ok(if analysis.is_converged() { Ending::Done } else { Ending::NotConverged })
+}

@@ -1,0 +1,129 @@
+//! Figures of a reproduction, named after the paper's.
+
+use std::path::Path;
+
+use spineline::action::LineKind;
+use spineline::anatomy::Posture;
+use spineline::cohort::EstimateStatistics;
+use spineline::multibody::Support;
+use spineline_files::Provenance;
+use spineline_report::figures::{
+    self, EstimateGroup, EstimateSample, InflectionSample, LocationErrorSample,
+};
+
+use super::runs::Run;
+use crate::options::method::support_key;
+use crate::run::failure::Failure;
+use crate::run::outputs::write_file;
+use crate::run::provenance::in_svg;
+
+/// The patient that stands for all in figures of one patient.
+pub const EXAMPLE: usize = 0;
+
+pub fn write(folder: &Path, runs: &[Run], provenance: &Provenance) -> Result<(), Failure> {
+    let save = |name: String, svg: &str| {
+        write_file(&folder.join(format!("{name}.svg")), in_svg(svg, provenance))
+    };
+    for run in runs.iter().filter(|run| run.support == Support::Free) {
+        let (truth, example) = (run.truth.key(), &run.analyses[EXAMPLE]);
+        save(format!("overview-{truth}"), &figures::case_overview(example))?;
+        if let Some(svg) = figures::rotations(example) {
+            save(format!("figure-05-rotations-{truth}"), &svg)?;
+        }
+        let group = |name: &str, films: usize| EstimateGroup {
+            name: name.to_owned(),
+            inflection: sample(&run.cohort.inflection[films + 1]),
+            mean_least: sample(&run.cohort.mean_least[films]),
+        };
+        let groups = [group("bends", 0), group("neutral and traction", 1)];
+        save(
+            format!("figure-10-estimates-{truth}"),
+            &figures::least_rotating_estimates(&groups, true),
+        )?;
+    }
+    let free: Vec<&Run> = runs.iter().filter(|run| run.support == Support::Free).collect();
+    let inflections: Vec<InflectionSample> = free
+        .iter()
+        .map(|run| InflectionSample {
+            name: run.truth.key().to_owned(),
+            distances_segments: run.cohort.inflection[0].distance_segments.values(),
+            rotations_deg: run.cohort.inflection[0].rotation_deg.values(),
+        })
+        .collect();
+    save("figure-06-inflections".to_owned(), &figures::inflection_distances(&inflections, true))?;
+    for support in [Support::Free, Support::Frontal] {
+        let runs: Vec<&Run> = runs.iter().filter(|run| run.support == support).collect();
+        error_figures(&runs, support_key(support), &save)?;
+        for run in runs {
+            example(run, support_key(support), &save)?;
+        }
+    }
+    Ok(())
+}
+
+/// Figure 8: location errors by line, on fitted and on held-out films.
+fn error_figures(
+    runs: &[&Run],
+    support: &str,
+    save: &impl Fn(String, &str) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let errors = |fitted: bool| -> Vec<LocationErrorSample> {
+        runs.iter()
+            .flat_map(|run| {
+                run.cohort.lines.iter().map(move |line| LocationErrorSample {
+                    group: run.truth.key().to_owned(),
+                    line: line.kind,
+                    errors_mm: if fitted { &line.fitted } else { &line.held_out }
+                        .location_mm
+                        .values(),
+                })
+            })
+            .collect()
+    };
+    let fitted = format!("bending films, fitted, support {support}");
+    let held_out = format!("neutral and traction films, held out, support {support}");
+    save(
+        format!("figure-08-errors-fitted-{support}"),
+        &figures::location_errors(&errors(true), &fitted, true),
+    )?;
+    save(
+        format!("figure-08-errors-held-out-{support}"),
+        &figures::location_errors(&errors(false), &held_out, true),
+    )
+}
+
+fn sample(estimates: &EstimateStatistics) -> EstimateSample {
+    EstimateSample {
+        distances_segments: estimates.distance_segments.values(),
+        rotations_deg: estimates.rotation_deg.values(),
+    }
+}
+
+/// Figures 9 and 11 of one patient.
+fn example(
+    run: &Run,
+    support: &str,
+    save: &impl Fn(String, &str) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let (truth, analysis) = (run.truth.key(), &run.analyses[EXAMPLE]);
+    for posture in [Posture::LeftBending, Posture::Traction] {
+        if let Some(svg) = figures::measured_and_simulated(analysis, posture) {
+            save(format!("figure-09-{}-{truth}-{support}", posture.key()), &svg)?;
+        }
+    }
+    let model = analysis.models.iter().find(|m| m.kind == LineKind::Inflection);
+    let parts = [0.0, 0.5, 1.0, 1.25];
+    let path = model.and_then(|m| analysis.force_path(m, Posture::RightBending, &parts));
+    if let Some(shapes) = path {
+        let unit = "of the force found";
+        let svg = figures::force_path(
+            analysis,
+            Posture::RightBending,
+            LineKind::Inflection,
+            &shapes,
+            unit,
+        );
+        save(format!("figure-11-force-{truth}-{support}"), &svg)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,112 @@
+//! Tables of a reproduction.
+
+use std::path::Path;
+
+use serde::Serialize;
+use spineline::analysis::{Analysis, Case};
+use spineline_files::{AnalysisFile, CaseFile, Provenance, Request};
+
+use super::args::ReproduceArgs;
+use super::row::Section;
+use super::runs::Run;
+use crate::analysis::tables::vertebrae_csv;
+use crate::options::method::support_key;
+use crate::run::csv::records_to_csv;
+use crate::run::failure::Failure;
+use crate::run::outputs::{write_file, write_table};
+use crate::run::provenance::generator;
+
+/// `summary.csv` and `summary.json` hold the table; `errors.csv` every vertebra; `analyses/` every patient.
+pub fn write(
+    out: &Path,
+    runs: &[Run],
+    sections: &[Section],
+    args: &ReproduceArgs,
+    provenance: &Provenance,
+) -> Result<(), Failure> {
+    write_table(
+        &out.join("summary.csv"),
+        &records_to_csv(sections.iter().flat_map(records))?,
+        provenance,
+    )?;
+    let summary = Summary {
+        format: "spineline-reproduction",
+        version: 1,
+        generator: generator(),
+        synthetic: true,
+        provenance: provenance.clone(),
+        seed: args.seed,
+        noise: args.noise,
+        rows: sections.iter().flat_map(records).collect(),
+    };
+    write_file(&out.join("summary.json"), spineline_files::to_text(&summary))?;
+    for run in runs {
+        let support = support_key(run.support);
+        let name = format!("errors-{}-{support}.csv", run.truth.key());
+        write_table(&out.join("errors").join(name), &vertebrae_csv(&run.analyses)?, provenance)?;
+        for (case, analysis) in run.cases.iter().zip(&run.analyses) {
+            let name = format!("{}-{support}.json", analysis.case_id);
+            let file = analysis_file(case, analysis, provenance);
+            write_file(&out.join("analyses").join(name), spineline_files::to_text(&file))?;
+        }
+    }
+    Ok(())
+}
+
+/// One patient's analysis as it is written.
+pub fn analysis_file(case: &Case, analysis: &Analysis, provenance: &Provenance) -> AnalysisFile {
+    let request = Request { options: analysis.options.clone(), ..Request::default() };
+    let provenance = provenance.clone().asking(&request);
+    AnalysisFile::new(analysis, CaseFile::from_case(case), provenance)
+}
+
+#[derive(Serialize)]
+struct Summary {
+    format: &'static str,
+    version: u32,
+    generator: String,
+    provenance: Provenance,
+    synthetic: bool,
+    seed: u64,
+    noise: f64,
+    rows: Vec<Record>,
+}
+
+/// One number of the paper beside that of one scenario.
+#[derive(Serialize)]
+struct Record {
+    section: String,
+    support: Option<&'static str>,
+    quantity: String,
+    unit: &'static str,
+    paper: String,
+    truth: &'static str,
+    /// Not a number where there is none.
+    mean: Option<f64>,
+    sd: Option<f64>,
+    n: usize,
+    text: String,
+    verdict: String,
+}
+
+fn records(section: &Section) -> Vec<Record> {
+    let mut records = Vec::new();
+    for row in &section.rows {
+        for (truth, cell) in ["rod", "bend", "pull"].into_iter().zip(&row.ours) {
+            records.push(Record {
+                section: section.title.clone(),
+                support: section.support.map(support_key),
+                quantity: row.quantity.trim().to_owned(),
+                unit: row.unit,
+                paper: row.paper.clone(),
+                truth,
+                mean: Some(cell.mean).filter(|v| v.is_finite()),
+                sd: Some(cell.sd).filter(|v| v.is_finite()),
+                n: cell.n,
+                text: cell.text.clone(),
+                verdict: row.verdict.clone(),
+            });
+        }
+    }
+    records
+}

@@ -1,0 +1,62 @@
+//! Reports of a reproduction: the cohort and one patient of every scenario, with the paper's support.
+
+use std::path::Path;
+
+use spineline::analysis::{Analysis, Case, Subject};
+use spineline::multibody::Support;
+use spineline_files::Provenance;
+use spineline_report::cohort::Patients;
+use spineline_report::patient::Patient;
+use spineline_report::{Document, cohort, html, patient};
+
+use super::drawings::EXAMPLE;
+use super::files::analysis_file;
+use super::runs::Run;
+use crate::run::failure::Failure;
+use crate::run::outputs::write_file;
+use crate::run::provenance::generator;
+
+/// `cohort-SCENARIO.html` for every scenario, and `patient-SCENARIO.html` and `.pdf` of the first subject.
+pub fn write(folder: &Path, runs: &[Run], provenance: &Provenance) -> Result<(), Failure> {
+    for run in runs.iter().filter(|run| run.support == Support::Free) {
+        let truth = run.truth.key();
+        let cohort = of_cohort(run, provenance);
+        write_file(&folder.join(format!("cohort-{truth}.html")), html(&cohort))?;
+        let (case, analysis) = (&run.cases[EXAMPLE], &run.analyses[EXAMPLE]);
+        let patient = of_patient(case, analysis, provenance);
+        write_file(&folder.join(format!("patient-{truth}.html")), html(&patient))?;
+        #[cfg(feature = "pdf")]
+        {
+            let pdf = crate::run::pdf::pdf(&patient, provenance.date_utc())?;
+            write_file(&folder.join(format!("patient-{truth}.pdf")), pdf)?;
+        }
+    }
+    Ok(())
+}
+
+fn of_cohort(run: &Run, provenance: &Provenance) -> Document {
+    let subjects: Vec<Subject> = run.cases.iter().map(|case| case.subject.clone()).collect();
+    let patients = run.cases.iter().zip(&run.analyses);
+    let files: Vec<_> = patients.map(|(case, one)| analysis_file(case, one, provenance)).collect();
+    cohort::report(&Patients {
+        analyses: &run.analyses,
+        subjects: &subjects,
+        together: &run.cohort,
+        refused: &[],
+        generator: &generator(),
+        json: &serde_json::to_string(&files).expect("string keys only"),
+    })
+}
+
+fn of_patient(case: &Case, analysis: &Analysis, provenance: &Provenance) -> Document {
+    let file = analysis_file(case, analysis, provenance);
+    patient::report(&Patient {
+        case,
+        analysis,
+        pictures: &[],
+        identifiability: None,
+        uncertainty: None,
+        generator: &generator(),
+        json: &serde_json::to_string(&file).expect("string keys only"),
+    })
+}

@@ -1,0 +1,214 @@
+//! `spineline rerun`: an analysis repeated from its file alone.
+
+mod difference;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::Value;
+use spineline::analysis::Analysis;
+use spineline_files::{
+    AnalysisFile, InputFile, Provenance, StoredAnalysis, parse_analysis, to_text,
+};
+use spineline_report::embedded;
+
+use crate::analysis::case::analyze_case;
+use crate::analysis::confidence::Confidence;
+use crate::analysis::figures::draw_figures;
+use crate::options::values::{number, threads};
+use crate::run::failure::{Ending, Failure};
+use crate::run::outputs::{print, write_or_print};
+use crate::run::provenance::this_run;
+use crate::terminal::table::{Table, wrap};
+use difference::{Difference, Found, differences};
+
+pub const EXAMPLES: &str = "\
+The case and the options come from FILE alone; films, case files and stiffness tables are not needed. Where these files still
+exist, their hashes are compared, and changes are reported.
+
+Exit codes: 0 no differences, 4 differences, 3 FILE cannot be repeated.
+
+Examples:
+  spineline rerun analysis.json
+  spineline rerun P07.html
+  spineline rerun P07.pdf
+  spineline rerun analysis.json --figures out/figures
+  spineline rerun analysis.json --tolerance 1e-6 --json again.json";
+
+#[derive(Args)]
+pub struct RerunArgs {
+    /// Analysis, or list of analyses, from `analyze --json`; or a report
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// Tolerance: relative; absolute below 1
+    #[arg(long, value_name = "NUMBER", default_value = "1e-9", value_parser = tolerance)]
+    tolerance: f64,
+    /// Write the new analysis as JSON (`-`: standard output); a list for a list
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Draw the figures of the new analysis as SVG into this folder
+    #[arg(long, value_name = "DIR")]
+    figures: Option<PathBuf>,
+    /// Threads for replicates; 0: all cores. The number does not change the results
+    #[arg(long, default_value = "0", value_parser = threads)]
+    threads: usize,
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        part @ 0.0..=1.0 => Ok(part),
+        _ => Err("expected 0 to 1".to_owned()),
+    }
+}
+
+pub fn run(args: &RerunArgs) -> Result<Ending, Failure> {
+    let stored = stored(&args.file)?;
+    let to_stdout = args.json.as_ref().is_some_and(|path| path.as_os_str() == "-");
+    let (mut same, mut texts, mut again) = (true, Vec::new(), Vec::new());
+    for old in &stored.analyses {
+        let repeated = Repeated::of(args, old)?;
+        same &= repeated.found.all.is_empty();
+        texts.push(repeated.text(args));
+        if let Some(folder) = &args.figures {
+            draw_figures(&repeated.analysis, &repeated.provenance, folder)?;
+        }
+        again.push(repeated.new);
+    }
+    if let Some(path) = &args.json {
+        let text = match &again[..] {
+            [one] if !stored.is_list => to_text(one),
+            all => to_text(&all),
+        };
+        write_or_print(path, &text)?;
+    }
+    if !to_stdout {
+        print(&texts.join("\n"))?;
+    }
+    Ok(if same { Ending::Done } else { Ending::Differs })
+}
+
+/// The analyses in a file.
+struct Stored {
+    analyses: Vec<Value>,
+    is_list: bool,
+}
+
+fn stored(path: &Path) -> Result<Stored, Failure> {
+    let bytes = std::fs::read(path)
+        .map_err(|source| spineline_files::FileError::Read { path: path.to_owned(), source })
+        .map_err(|error| Failure::file(path, &error))?;
+    let text = analysis_text(path, &bytes)?;
+    // Says where it is no analysis; a list has no header to say it.
+    let value = serde_json::from_str(&text);
+    Ok(match value {
+        Ok(Value::Array(analyses)) => Stored { analyses, is_list: true },
+        Ok(one) => Stored { analyses: vec![one], is_list: false },
+        Err(_) => {
+            let error = parse_analysis(&text).expect_err("it is not JSON");
+            return Err(Failure::file(path, &error));
+        }
+    })
+}
+
+/// The analysis JSON that a file is, or that a report holds.
+fn analysis_text(path: &Path, bytes: &[u8]) -> Result<String, Failure> {
+    let text = std::str::from_utf8(bytes).ok().map(|text| text.trim_start_matches('\u{feff}'));
+    let is_json = |text: &&str| text.trim_start().starts_with(['{', '[']);
+    let within = || embedded(bytes).or_else(|| attached(bytes));
+    match text.filter(is_json).map(str::to_owned).or_else(within) {
+        Some(text) => Ok(text),
+        None => Err(Failure::input(
+            &path.display().to_string(),
+            &"there is no analysis in this file",
+            "give a file from `spineline analyze CASE --json FILE` or from `spineline report CASE`",
+        )),
+    }
+}
+
+/// The analysis JSON that is attached to a typeset report.
+#[cfg(feature = "pdf")]
+fn attached(bytes: &[u8]) -> Option<String> {
+    spineline_pdf::embedded(bytes)
+}
+
+#[cfg(not(feature = "pdf"))]
+const fn attached(_: &[u8]) -> Option<String> {
+    None
+}
+
+/// One analysis again.
+struct Repeated {
+    stored: StoredAnalysis,
+    analysis: Analysis,
+    provenance: Provenance,
+    new: Value,
+    found: Found,
+}
+
+impl Repeated {
+    fn of(args: &RerunArgs, old: &Value) -> Result<Self, Failure> {
+        let stored = parse_analysis(&old.to_string()).map_err(|e| Failure::file(&args.file, &e))?;
+        let StoredAnalysis { case, request, .. } = &stored;
+        let analysis = analyze_case(&args.file, case, &request.options)?;
+        let confidence = Confidence::compute(case, &analysis, request, args.threads)?;
+        let inputs = stored.provenance.inputs().to_vec();
+        let provenance =
+            Provenance::new(this_run()?, stored.provenance.films(), inputs).asking(request);
+        let file = AnalysisFile::new(&analysis, stored.case_file.clone(), provenance.clone());
+        let file = to_text(&confidence.add_to(&analysis, file));
+        let new = serde_json::from_str(&file).expect("our own file");
+        let found = differences(old, &new, args.tolerance);
+        Ok(Self { stored, analysis, provenance, new, found })
+    }
+
+    fn text(&self, args: &RerunArgs) -> String {
+        let (then, now) = (&self.stored.provenance, &self.provenance);
+        let synthetic = if self.stored.case.synthetic { " · SYNTHETIC" } else { "" };
+        let mut text = format!(
+            "{}{synthetic} · analysed {} by {}\n",
+            self.stored.case.id,
+            then.date_utc(),
+            then.program()
+        );
+        text.push_str(&wrap(&format!("Then: {}", then.command().join(" ")), 110, "  "));
+        if then.program() == now.program() {
+            text.push_str(&format!("  Version: the same, {}\n", now.program()));
+        } else {
+            text.push_str(&format!("  Version: then {}, now {}\n", then.program(), now.program()));
+        }
+        for input in then.inputs() {
+            let said = format!("Input {}: {}", input.name, input_words(&args.file, input));
+            text.push_str(&wrap(&said, 110, "  "));
+        }
+        text + &found_text(&self.found, args.tolerance)
+    }
+}
+
+/// What has become of an input file.
+fn input_words(report: &Path, input: &InputFile) -> &'static str {
+    let named = PathBuf::from(&input.name);
+    let beside = report.with_file_name(named.file_name().unwrap_or_default());
+    let bytes = [named, beside].into_iter().find_map(|path| std::fs::read(path).ok());
+    match bytes.map(|bytes| spineline_files::sha256_hex(&bytes) == input.sha256) {
+        Some(true) => "unchanged",
+        Some(false) => "CHANGED since; the stored content is repeated",
+        None => "not here; not needed",
+    }
+}
+
+fn found_text(found: &Found, tolerance: f64) -> String {
+    let compared = format!("{} numbers and {} other values", found.numbers, found.others);
+    if found.all.is_empty() {
+        return format!("  Nothing differs: {compared} within {tolerance:e}\n");
+    }
+    let mut table = Table::new(["Where", "then", "now", "relative difference"]);
+    for Difference { path, then, now, relative } in &found.all {
+        let relative = relative.map_or_else(|| "-".to_owned(), |part| format!("{part:.1e}"));
+        table.row(vec![path.clone(), then.clone(), now.clone(), relative]);
+    }
+    format!(
+        "  {} of {compared} differ by more than {tolerance:e}\n\n{}",
+        found.all.len(),
+        table.text()
+    )
+}

@@ -1,0 +1,176 @@
+//! `spineline serve`: the browser app, on this machine by default.
+
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::path::PathBuf;
+
+use chrono::Utc;
+use clap::Args;
+use spineline_server::http::api::AccessName;
+use spineline_server::http::{ServeOptions, Server};
+use spineline_store::{Name, Role, Signature, Store};
+
+use crate::run::failure::{Ending, Failure};
+use crate::run::outputs::print;
+
+/// What a user types.
+pub const EXAMPLES: &str = "\
+Examples:
+  spineline serve                          the app on studies.spineline, for the user of this terminal
+  spineline serve clinic.spineline --port 9000
+  spineline serve clinic.spineline --accounts
+  spineline serve clinic.spineline --bind 192.168.1.20 --host spine.clinic.example --https
+
+Without accounts, the printed address signs in one browser; a new one is printed after each use. Addresses other than this
+machine's own require accounts (`spineline account add NAME --role admin STORE`). Ctrl-C stops the server.";
+
+/// Port, unless another program has it.
+const PORT: u16 = 8765;
+
+/// Start the browser app
+#[derive(Debug, Args)]
+pub struct ServeArgs {
+    /// Store of studies; created if it does not exist
+    #[arg(default_value = "studies.spineline", value_name = "STORE")]
+    store: PathBuf,
+
+    /// Port; 0: a free one [default: 8765, or a free one if it is in use]
+    #[arg(long)]
+    port: Option<u16>,
+
+    /// Address to listen on; other addresses than loopback require accounts, and their traffic is not encrypted
+    #[arg(long, value_name = "ADDRESS", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
+    bind: IpAddr,
+
+    /// Host name in the browser's address, beside the address itself and `localhost`; may be repeated
+    #[arg(long = "host", value_name = "NAME")]
+    hosts: Vec<String>,
+
+    /// Require accounts and passwords on this machine too
+    #[arg(long)]
+    accounts: bool,
+
+    /// Behind a TLS proxy: cookies are sent over https only, and browsers must use https
+    #[arg(long)]
+    https: bool,
+}
+
+pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
+    let store = open(args)?;
+    let access = if args.accounts || !args.bind.is_loopback() {
+        AccessName::Accounts
+    } else {
+        AccessName::Token
+    };
+    check(args, &store, access)?;
+    let decoder = std::env::current_exe()
+        .map_err(|error| Failure::internal(format!("this program cannot find itself: {error}")))?;
+    let options = ServeOptions {
+        decoder,
+        decoder_arguments: vec!["decode-film".to_owned()],
+        access,
+        hosts: args.hosts.clone(),
+        https: args.https,
+    };
+    report_panics_without_messages();
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .enable_all()
+        .build()
+        .map_err(|error| Failure::internal(error.to_string()))?;
+    let ending = runtime.block_on(serve(args, store, options));
+    // Requests under way are not waited for: what is not committed is not stored.
+    runtime.shutdown_background();
+    ending
+}
+
+fn open(args: &ServeArgs) -> Result<Store, Failure> {
+    let fail = |error| Failure::store(&args.store, &error);
+    if args.store.exists() {
+        return Store::open(&args.store).map_err(fail);
+    }
+    let by = Signature::new(Name::new("serve").map_err(fail)?, Utc::now().into());
+    Store::create(&args.store, &by).map_err(fail)
+}
+
+/// Refuses settings that give access to the wrong people or to no one.
+fn check(args: &ServeArgs, store: &Store, access: AccessName) -> Result<(), Failure> {
+    let name = args.store.display();
+    if access == AccessName::Accounts {
+        let accounts = store.accounts().map_err(|error| Failure::store(&args.store, &error))?;
+        if !accounts.iter().any(|account| account.enabled && account.role == Role::Admin) {
+            let why = if args.accounts { "--accounts" } else { "an address other than loopback" };
+            let what = format!("{why} requires an admin account, and the store has none");
+            let help = format!("run: spineline account add NAME --role admin {name}");
+            return Err(Failure::input(&name.to_string(), &what, &help));
+        }
+    }
+    if args.bind.is_unspecified() && args.hosts.is_empty() {
+        return Err(Failure::usage(format!(
+            "--bind {} listens on every address of this machine; give the host name that browsers use: --host NAME",
+            args.bind
+        )));
+    }
+    if !args.bind.is_loopback() && !args.https {
+        eprintln!(
+            "warning: films, names and passwords are not encrypted between {} and the browsers: others can read and\n  change them; use a TLS proxy, and start with --https",
+            args.bind
+        );
+    }
+    Ok(())
+}
+
+async fn serve(args: &ServeArgs, store: Store, options: ServeOptions) -> Result<Ending, Failure> {
+    let (access, https) = (options.access, options.https);
+    let address = SocketAddr::new(args.bind, args.port.unwrap_or(PORT));
+    let fail = |error: std::io::Error| {
+        Failure::input(&address.to_string(), &error, "try another --port, or --port 0")
+    };
+    let listener = match tokio::net::TcpListener::bind(address).await {
+        Err(error) if args.port.is_none() && error.kind() == std::io::ErrorKind::AddrInUse => {
+            eprintln!("note: port {PORT} is in use; a free port is used instead");
+            tokio::net::TcpListener::bind(SocketAddr::new(args.bind, 0)).await
+        }
+        other => other,
+    };
+    let server = Server::on(listener.map_err(fail)?, store, options).map_err(fail)?;
+    let base = base(args, server.address(), https);
+    if access == AccessName::Token {
+        let mut tokens = server.tokens();
+        let token = tokens.borrow_and_update().clone();
+        print(&format!("{base}#token={token}\n"))?;
+        print("Open this address in a browser; it works once. Press Ctrl-C to stop.\n")?;
+        tokio::spawn(async move {
+            while tokens.changed().await.is_ok() {
+                let token = tokens.borrow_and_update().clone();
+                // A closed terminal needs no further address.
+                let _ = print(&format!("Address for another browser: {base}#token={token}\n"));
+            }
+        });
+    } else {
+        print(&format!("{base}\n"))?;
+        print(
+            "Open this address in a browser and sign in with an account. Press Ctrl-C to stop.\n",
+        )?;
+    }
+    let end = async { tokio::signal::ctrl_c().await.unwrap_or_default() };
+    server.run(end).await.map_err(|error| Failure::internal(error.to_string()))?;
+    Ok(Ending::Done)
+}
+
+/// The address without a token.
+fn base(args: &ServeArgs, address: SocketAddr, https: bool) -> String {
+    match args.hosts.first() {
+        Some(host) if https => format!("https://{host}/"),
+        Some(host) if args.bind.is_unspecified() && !host.contains(':') => {
+            format!("http://{host}:{}/", address.port())
+        }
+        _ => format!("http://{address}/"),
+    }
+}
+
+/// Reports panics by their place only: the message may quote a request.
+fn report_panics_without_messages() {
+    std::panic::set_hook(Box::new(|panic| {
+        let place = panic.location().map_or_else(String::new, ToString::to_string);
+        eprintln!("error: a bug at {place}; please report it");
+    }));
+}

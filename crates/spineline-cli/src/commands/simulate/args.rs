@@ -1,0 +1,145 @@
+//! The command line of `simulate`.
+
+use std::path::PathBuf;
+
+use clap::{ArgGroup, Args, ValueEnum};
+use spineline::anatomy::{Level, Posture, Side};
+
+use crate::options::method::SupportName;
+use crate::options::values::{number, posture};
+
+/// Shown below the options.
+pub const EXAMPLES: &str = "\
+Examples:
+  spineline analyze CASE.json --model model.json
+      make a model to simulate
+  spineline simulate model.json --push left --force 50
+      apply 50 N to the patient's left at T2
+  spineline simulate model.json --push caudal --force 300 --level T6 --follow
+      apply a force that follows the rotation of its vertebra
+  spineline simulate model.json --posture left_bending
+      apply the force that the analysis found for this film
+  spineline simulate model.json --push left --amplitude 20 --towards left
+      find the force for a lateral tilt of L4-T2 of 20 degrees; all solutions are listed
+  spineline simulate model.json --load load.json --json out.json --csv path.csv --svg shape.svg
+      apply weight, pads, straps, rods and any forces together
+
+A load file; `spineline schema load` explains every kind:
+  { \"format\": \"spineline-load\", \"version\": 1, \"loads\": [
+    { \"kind\": \"gravity\", \"body_weight_n\": 20 },
+    { \"kind\": \"pad\", \"level\": \"T9\", \"direction\": [0, 1, 0], \"n_per_mm\": 2, \"advance_mm\": 20 } ] }
+x is anterior, y to the patient's left, z cranial. Constant loads (`\"timing\": \"held\"`, the default of \
+gravity) are applied first and stay; proportional loads (`\"growing\"`) are then multiplied by one factor from 0 to 1, or up to \
+the wanted lateral tilt.
+
+Exit codes: 0 a result; 2 wrong usage; 3 bad input; 4 no result: a limit or branch point came first, the goal is out of \
+reach, the path was lost, or Ctrl-C (the files then hold the path so far; a second Ctrl-C ends the program at once).
+
+Films identify only ratios of stiffness: forces are relative, not newtons, unless the model was made with a known force.";
+
+/// The command line.
+#[derive(Args)]
+#[command(group = ArgGroup::new("what").required(true).args(["load", "push", "posture"]))]
+pub struct SimulateArgs {
+    /// Model file, from `spineline analyze CASE --model FILE`
+    #[arg(value_name = "MODEL")]
+    pub model: PathBuf,
+    /// Load file
+    #[arg(long, value_name = "FILE")]
+    pub load: Option<PathBuf>,
+    /// Direction of one force on one vertebra, in the patient's terms
+    #[arg(long, value_enum, value_name = "DIRECTION", help_heading = "One force")]
+    pub push: Option<PushName>,
+    /// Apply the force that the analysis found for this film: left_bending, right_bending, neutral or traction
+    #[arg(long, value_name = "FILM", value_parser = posture, help_heading = "One force")]
+    pub posture: Option<Posture>,
+    /// Magnitude of the force in N; with --posture, it replaces the magnitude that was found
+    #[arg(long, value_name = "N", value_parser = positive, allow_negative_numbers = true, conflicts_with = "load", help_heading = "One force")]
+    pub force: Option<f64>,
+    /// Vertebra that the force acts on, at its midpoint [default: T2]
+    #[arg(long, value_name = "LEVEL", value_parser = level, conflicts_with_all = ["load", "posture"], help_heading = "One force")]
+    pub level: Option<Level>,
+    /// Let the force follow the rotation of its vertebra
+    #[arg(long, conflicts_with_all = ["load", "posture"], help_heading = "One force")]
+    pub follow: bool,
+    /// Solve for the load factor, of either sign, that gives this lateral tilt of L4-T2, in degrees from 0 to 90
+    #[arg(long, value_name = "DEG", value_parser = degrees, allow_negative_numbers = true, requires = "towards", help_heading = "Goal")]
+    pub amplitude: Option<f64>,
+    /// Side of the lateral tilt
+    #[arg(long, value_enum, value_name = "SIDE", requires = "amplitude", help_heading = "Goal")]
+    pub towards: Option<SideName>,
+    /// Largest factor of the proportional loads [default: 2, or about 1500 N with --amplitude]
+    #[arg(long, value_name = "FACTOR", value_parser = positive, allow_negative_numbers = true, help_heading = "Goal")]
+    pub largest_factor: Option<f64>,
+    /// Support of the patient [default: as in the model file]
+    #[arg(long, value_enum)]
+    pub support: Option<SupportName>,
+    /// Write all results as JSON (`-`: standard output)
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub json: Option<PathBuf>,
+    /// Write the path of equilibria as CSV, one row per shape (`-`: standard output)
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub csv: Option<PathBuf>,
+    /// Draw the spine from behind and from the right, erect and loaded, as SVG (`-`: standard output)
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub svg: Option<PathBuf>,
+}
+
+/// Direction of a force.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum PushName {
+    Left,
+    Right,
+    Cranial,
+    Caudal,
+    Anterior,
+    Posterior,
+}
+
+impl PushName {
+    /// Unit vector in `G`.
+    pub const fn direction(self) -> [f64; 3] {
+        match self {
+            Self::Left => [0.0, 1.0, 0.0],
+            Self::Right => [0.0, -1.0, 0.0],
+            Self::Cranial => [0.0, 0.0, 1.0],
+            Self::Caudal => [0.0, 0.0, -1.0],
+            Self::Anterior => [1.0, 0.0, 0.0],
+            Self::Posterior => [-1.0, 0.0, 0.0],
+        }
+    }
+}
+
+/// A side of the patient.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum SideName {
+    Left,
+    Right,
+}
+
+impl SideName {
+    pub const fn side(self) -> Side {
+        match self {
+            Self::Left => Side::Left,
+            Self::Right => Side::Right,
+        }
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        value if value > 0.0 => Ok(value),
+        value => Err(format!("{value} is not above zero; give the side or direction by name")),
+    }
+}
+
+fn degrees(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        value @ 0.0..=90.0 => Ok(value),
+        _ => Err("expected 0 to 90 degrees; the side is --towards".to_owned()),
+    }
+}
+
+fn level(text: &str) -> Result<Level, String> {
+    text.parse().map_err(|error: spineline::anatomy::UnknownLevel| error.to_string())
+}

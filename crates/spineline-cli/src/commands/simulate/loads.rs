@@ -1,0 +1,99 @@
+//! From the command line to loads.
+
+use spineline::anatomy::{Level, Posture};
+use spineline::spatial::Vec3;
+use spineline_files::{
+    ApplicationKey, AppliedLoad, LevelKey, LoadFile, SimulationWarning, StoredModel, TimingKey,
+    parse_load, read_text,
+};
+
+use super::args::SimulateArgs;
+use super::warnings::warning;
+use crate::run::failure::Failure;
+
+/// Reference force of a search for a factor; its size only sets the steps of the path.
+const REFERENCE_FORCE_N: f64 = 100.0;
+
+/// The loads that are asked for, and warnings about them.
+pub fn of(
+    args: &SimulateArgs,
+    model: &StoredModel,
+) -> Result<(LoadFile, Vec<SimulationWarning>), Failure> {
+    if let Some(path) = &args.load {
+        let file = read_text(path).and_then(|text| parse_load(&text));
+        return file.map(|file| (file, Vec::new())).map_err(|error| Failure::file(path, &error));
+    }
+    if let Some(posture) = args.posture {
+        return of_posture(args, model, posture);
+    }
+    let Some(push) = args.push else {
+        return Err(Failure::usage("give --load, --push or --posture"));
+    };
+    let size_n = match (args.force, args.amplitude) {
+        (Some(force), _) => force,
+        (None, Some(_)) => REFERENCE_FORCE_N,
+        (None, None) => {
+            return Err(Failure::usage(
+                "--push needs --force N, or --amplitude DEG to find the force for a lateral tilt",
+            ));
+        }
+    };
+    let level = args.level.unwrap_or(Level::T2);
+    let force = Vec3::from(push.direction()) * size_n;
+    let load = if args.follow {
+        let Some(vertebra) = model.levels.iter().position(|other| *other == level) else {
+            return Err(Failure::usage(format!("--level {level} is not in the model")));
+        };
+        let in_vertebra = model.spine.axes[vertebra].transpose() * force;
+        AppliedLoad::FollowerForce {
+            level: LevelKey(level),
+            force_in_vertebra_n: in_vertebra.into(),
+            point_in_vertebra_mm: [0.0; 3],
+            timing: TimingKey::Growing,
+        }
+    } else {
+        AppliedLoad::ForceAtPoint {
+            level: LevelKey(level),
+            force_n: force.into(),
+            point_in_vertebra_mm: [0.0; 3],
+            timing: TimingKey::Growing,
+        }
+    };
+    Ok((LoadFile::new(vec![load]), Vec::new()))
+}
+
+/// The load of a film in the model file.
+fn of_posture(
+    args: &SimulateArgs,
+    model: &StoredModel,
+    posture: Posture,
+) -> Result<(LoadFile, Vec<SimulationWarning>), Failure> {
+    let Some(record) = model.loads.iter().find(|r| Posture::from(r.posture) == posture) else {
+        let known: Vec<&str> = model.loads.iter().map(|r| Posture::from(r.posture).key()).collect();
+        let text =
+            format!("the model has no load for {}; it has {}", posture.key(), known.join(", "));
+        let place = args.model.display().to_string();
+        return Err(Failure::input(&place, &text, "choose one of these, or use --push"));
+    };
+    let mut notes = Vec::new();
+    if record.status != "converged" {
+        let text = format!(
+            "the analysis found no force for the {posture} film ({}); this is the one whose shape came nearest",
+            record.status
+        );
+        notes.push(warning("load_not_found", text));
+    }
+    let size_n = args.force.map_or(record.force_n, |force| force.copysign(record.force_n));
+    let force_n = (Vec3::from(record.direction) * size_n).into();
+    let level = LevelKey(Level::T2);
+    let timing = TimingKey::Growing;
+    let load = match record.application {
+        ApplicationKey::Fixed => {
+            AppliedLoad::ForceOnLine { level, force_n, point_mm: record.point_mm, timing }
+        }
+        ApplicationKey::AtT2 => {
+            AppliedLoad::ForceAtPoint { level, force_n, point_in_vertebra_mm: [0.0; 3], timing }
+        }
+    };
+    Ok((LoadFile::new(vec![load]), notes))
+}

@@ -1,0 +1,152 @@
+//! `spineline simulate`: a personalised model under loads.
+
+mod args;
+mod loads;
+mod outcome;
+mod path_rows;
+mod text;
+mod warnings;
+mod words;
+
+pub use args::{EXAMPLES, SimulateArgs};
+
+use std::ops::ControlFlow;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use spineline::multibody::{ForceSign, PathPoint};
+use spineline_files::{FilmOrigin, Provenance, to_text};
+
+use crate::run::failure::{Ending, Failure};
+use crate::run::inputs::{read_input, read_model};
+use crate::run::interrupt;
+use crate::run::outputs::{print, write_or_print, write_table};
+use crate::run::provenance::{in_svg, this_run};
+use outcome::Outcome;
+
+pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
+    let to_stdout = |path: &Option<std::path::PathBuf>| {
+        path.as_ref().is_some_and(|path| path.as_os_str() == "-")
+    };
+    let outputs = [&args.json, &args.csv, &args.svg];
+    let streams = outputs.into_iter().filter(|path| to_stdout(path)).count();
+    if streams > 1 {
+        return Err(Failure::usage(
+            "only one of --json, --csv and --svg can go to the standard output",
+        ));
+    }
+    let mut model = read_model(&args.model)?;
+    if let Some(name) = args.support {
+        model.support = name.support();
+    }
+    let (loads, notes) = loads::of(args, &model)?;
+    let outcome = with_progress(|on_point| Outcome::of(args, model, loads, notes, on_point))?;
+    outcome.write(args)?;
+    if streams == 0 {
+        print(&text::report(&outcome))?;
+    } else {
+        eprint!("{}", text::warnings(&outcome));
+    }
+    Ok(if outcome.response.ending.is_usable() { Ending::Done } else { Ending::NotConverged })
+}
+
+/// Shows the progress of a search, and interrupts it at Ctrl-C; a second Ctrl-C ends the program.
+fn with_progress<T>(
+    search: impl FnOnce(&mut dyn FnMut(ForceSign, &PathPoint) -> ControlFlow<()>) -> Result<T, Failure>,
+) -> Result<T, Failure> {
+    interrupt::catch()?;
+    let spinner = ProgressBar::new_spinner();
+    let style = ProgressStyle::with_template("{spinner} {msg}");
+    spinner.set_style(style.expect("the template is well-formed"));
+    let mut points = 0_usize;
+    let result = search(&mut |_, point| {
+        points += 1;
+        spinner.set_message(format!("following: {points} shapes, factor {:.3}", point.factor));
+        spinner.tick();
+        if interrupt::is_requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    spinner.finish_and_clear();
+    result
+}
+
+impl Outcome {
+    fn write(&self, args: &SimulateArgs) -> Result<(), Failure> {
+        let inputs = std::iter::once(&args.model).chain(&args.load);
+        let inputs = inputs.map(|path| read_input(path)).collect::<Result<_, _>>()?;
+        let films = FilmOrigin::of([self.model.synthetic]);
+        let provenance = Provenance::new(this_run()?, films, inputs);
+        if let Some(path) = &args.json {
+            write_or_print(path, &to_text(&self.file().with_provenance(provenance.clone())))?;
+        }
+        if let Some(path) = &args.csv {
+            write_table(path, &path_rows::csv_text(self)?, &provenance)?;
+        }
+        if let Some(path) = &args.svg {
+            write_or_print(path, &in_svg(&self.svg(), &provenance))?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+    use spineline::analysis::{AnalysisOptions, analyze};
+    use spineline::multibody::PathEnding;
+    use spineline_files::{ModelFile, parse_model};
+    use spineline_phantom::{Readers, Truth, generate};
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        args: SimulateArgs,
+    }
+
+    /// A search that is interrupted at the shape of this number.
+    fn interrupted(arguments: &[&str], at: usize) -> Outcome {
+        let phantom = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists");
+        let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a phantom");
+        let text = to_text(&ModelFile::new(&analysis, &analysis.models[0], "test"));
+        let model = parse_model(&text).expect("our own file");
+        let line = ["simulate", "model.json"].iter().chain(arguments);
+        let args = Line::parse_from(line).args;
+        let (loads, notes) = loads::of(&args, &model).expect("sound loads");
+        let mut seen = 0;
+        Outcome::of(&args, model, loads, notes, &mut |_, _| {
+            seen += 1;
+            if seen == at { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })
+        .expect("sound")
+    }
+
+    #[test]
+    fn an_interrupted_search_leaves_whole_files_that_are_no_result() {
+        for arguments in [
+            &["--push", "left", "--force", "50"][..],
+            &["--push", "left", "--amplitude", "20", "--towards", "left"],
+        ] {
+            let outcome = interrupted(arguments, 3);
+            assert_eq!(outcome.response.ending, PathEnding::Interrupted);
+            let json: serde_json::Value =
+                serde_json::from_str(&to_text(&outcome.file())).expect("whole");
+            assert_eq!(json["status"], "interrupted");
+            assert_eq!(json["path"].as_array().expect("a list").len(), 3);
+            assert!(outcome.svg().contains("not a result (interrupted)"));
+            let rows = path_rows::csv_text(&outcome).expect("a table");
+            assert_eq!(rows.lines().count(), 1 + 3);
+            let text = text::report(&outcome);
+            assert!(text.contains("INTERRUPTED · NO RESULT") && !text.contains("Cobb"), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_search_interrupted_after_its_goal_is_no_result_either() {
+        // Whether a smaller factor of the other sign exists is not known then.
+        let whole = interrupted(&["--push", "left", "--amplitude", "5", "--towards", "left"], 0);
+        let first = whole.response.paths[0].path.points.len();
+        let cut =
+            interrupted(&["--push", "left", "--amplitude", "5", "--towards", "left"], first + 1);
+        assert!(whole.response.result().is_some());
+        assert!(!cut.response.met.is_empty() && cut.response.result().is_none());
+    }
+}

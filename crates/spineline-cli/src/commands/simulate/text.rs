@@ -1,0 +1,268 @@
+//! One simulation as text.
+
+use std::fmt::Write;
+
+use spineline::clinical::convex_side;
+use spineline::multibody::{Equilibrium, ForceSign, Goal, PathEnding, Support};
+use spineline::response::{
+    ActingKind, Met, SpineAngles, Verdict, acting_loads, erect_shape, largest_displacement_mm,
+    largest_hinge, measure_angles,
+};
+use spineline::spatial::{Angle, moment_words, vector_words};
+
+use super::outcome::Outcome;
+use super::words::{load_words, timing_words};
+use crate::terminal::table::{Table, wrap};
+
+const WIDTH: usize = 110;
+
+/// The whole report of one simulation.
+pub fn report(outcome: &Outcome) -> String {
+    let mut text = head(outcome);
+    text.push_str(&ending_text(outcome));
+    text.push('\n');
+    if let Some(result) = outcome.response.result() {
+        text.push_str(&result_text(outcome, result));
+        text.push_str(&angles_text(outcome, result));
+    }
+    text.push_str(&solutions_text(outcome));
+    text.push_str(&events_text(outcome));
+    text.push_str(&warnings(outcome));
+    text
+}
+
+/// The warnings.
+pub fn warnings(outcome: &Outcome) -> String {
+    let lines = outcome.warnings.iter().map(|w| format!("warning: {} [{}]", w.message, w.code));
+    lines.map(|line| wrap(&line, WIDTH, "")).collect()
+}
+
+fn head(outcome: &Outcome) -> String {
+    let model = &outcome.model;
+    let synthetic = if model.synthetic { " · SYNTHETIC" } else { "" };
+    let support = match model.support {
+        Support::Free => "free",
+        Support::Frontal => "frontal",
+    };
+    let mut text = format!(
+        "{}{synthetic} · model with the {} · {support} support · forces in {}\n",
+        model.case_id,
+        model.line.replace('_', " "),
+        model.force_unit()
+    );
+    for (number, load) in outcome.loads.loads.iter().enumerate() {
+        let _ = writeln!(text, "  load {}: {}", number + 1, load_words(load));
+    }
+    let _ = match outcome.response.goal {
+        Goal::FullLoad => writeln!(text, "  goal: the shape under these loads"),
+        Goal::Lean(tilt) => writeln!(
+            text,
+            "  goal: the factor of the proportional loads for a lateral tilt of L4-T2 of {}, up to {:.4} in either direction",
+            tilt.leaning(),
+            outcome.response.largest_factor
+        ),
+    };
+    text
+}
+
+/// The status first, then what it means and what to do.
+fn ending_text(outcome: &Outcome) -> String {
+    let ending = outcome.response.ending;
+    let meaning = match ending {
+        PathEnding::Converged if !outcome.response.is_complete() => {
+            "a shape that meets the goal, reached from the erect spine; the path was lost beyond it, where there may be more".to_owned()
+        }
+        PathEnding::Converged => {
+            "the only shape that meets the goal within the limits, reached from the erect spine".to_owned()
+        }
+        PathEnding::SeveralEquilibria => {
+            "several shapes meet the goal; the first one that the erect spine reaches is the result".to_owned()
+        }
+        PathEnding::Interrupted => {
+            "NO RESULT: interrupted; the files hold the path so far".to_owned()
+        }
+        other => format!("NO RESULT: {}", other.meaning()),
+    };
+    let name = ending.key().replace('_', " ");
+    let mut text = wrap(&format!("{} · {meaning}", name.to_uppercase()), WIDTH, "");
+    if let (None, Some(point)) = (outcome.response.result(), outcome.response.nearest()) {
+        let _ = writeln!(
+            text,
+            "  nearest shape on the path: factor {:.4} of the {} loads, lateral tilt {}, largest joint rotation {:.1}°",
+            point.factor,
+            timing_words(point.timing),
+            point.deformed.lean().leaning(),
+            largest_hinge(&point.deformed).2.abs().deg()
+        );
+    }
+    text
+}
+
+fn result_text(outcome: &Outcome, result: &Equilibrium) -> String {
+    let mut text = String::new();
+    let levels = &outcome.model.levels;
+    let shape = &result.deformed;
+    let (vertebra, moved_mm) = largest_displacement_mm(&outcome.model.spine, shape);
+    let (joint, axis, turn) = largest_hinge(shape);
+    let axis = ["lateral", "flexion", "axial"][axis];
+    let _ = writeln!(text, "factor of proportional loads {:.6}", result.factor);
+    let _ =
+        writeln!(text, "largest displacement         {moved_mm:.1} mm, at {}", levels[vertebra]);
+    let _ = writeln!(
+        text,
+        "largest joint rotation       {:.1}° ({axis}, {}/{})",
+        turn.abs().deg(),
+        levels[joint],
+        levels[joint + 1]
+    );
+    let _ = writeln!(
+        text,
+        "residual                     {:.0e} rad; smallest singular value {:.3} (1 unloaded, 0 at a limit or branch point)",
+        result.residual_rad, result.smallest_singular_value
+    );
+    text.push_str(&forces_text(outcome, result));
+    text.push('\n');
+    text
+}
+
+/// The force or moment of each load in the final shape; slices of gravity are left out.
+fn forces_text(outcome: &Outcome, result: &Equilibrium) -> String {
+    let (model, placed) = (&outcome.model, &outcome.placed);
+    let mut text = String::new();
+    let acting =
+        acting_loads(&placed.loading, &result.deformed, result.factor, &result.spring_forces_n);
+    for load in acting {
+        let number = placed.load_of_item[load.item];
+        if placed.load_of_item.iter().filter(|other| **other == number).count() > 1 {
+            continue;
+        }
+        let level = model.levels[load.vertebra];
+        let words = match load.kind {
+            ActingKind::Force(force) => vector_words(force.into()),
+            ActingKind::Moment(moment) => format!("{} (force × mm)", moment_words(moment.into())),
+        };
+        let _ = writeln!(
+            text,
+            "load {:<3} acts on {level:<4}        {words} · {}",
+            number + 1,
+            model.force_unit()
+        );
+    }
+    for ((force, moment), (number, rod)) in
+        result.rod_reactions.iter().zip(placed.load_of_rod.iter().zip(&placed.loading.rods))
+    {
+        let level = model.levels[rod.superior];
+        let _ = writeln!(
+            text,
+            "load {:<3} rod holds {level:<4}      {}; moment (force × mm) {} · {}",
+            number + 1,
+            vector_words((*force).into()),
+            moment_words((*moment).into()),
+            model.force_unit()
+        );
+    }
+    text
+}
+
+fn angles_text(outcome: &Outcome, result: &Equilibrium) -> String {
+    let before = measure_angles(&erect_shape(&outcome.model.spine), &outcome.places);
+    let after = measure_angles(&result.deformed, &outcome.places);
+    let mut table = Table::new(["", "erect", "under load", "change"]);
+    for (name, pick) in [("Cobb", 0), ("Ferguson", 1)] {
+        for (now, then) in after.curves.iter().zip(&before.curves) {
+            let of = |curve: &spineline::response::CurveAngles| [curve.cobb, curve.ferguson][pick];
+            table.row(vec![
+                format!("{name}, {}", now.region),
+                convex_words(of(then)),
+                convex_words(of(now)),
+                change_words(of(then), of(now)),
+            ]);
+        }
+    }
+    let SpineAngles { lean, .. } = after;
+    table.row(vec![
+        "lateral tilt of L4-T2".to_owned(),
+        before.lean.leaning(),
+        lean.leaning(),
+        (lean - before.lean).wrapped().leaning(),
+    ]);
+    format!("{}\n", table.text())
+}
+
+fn convex_words(angle: Angle) -> String {
+    let side = convex_side(angle).map_or_else(String::new, |side| format!(" convex {side}"));
+    format!("{}{side}", angle.abs())
+}
+
+fn change_words(before: Angle, after: Angle) -> String {
+    if before.side() != after.side() {
+        return "reversed".to_owned();
+    }
+    let more = after.abs() - before.abs();
+    let word = if more.rad() < 0.0 { "less" } else { "more" };
+    format!("{} {word}", more.abs())
+}
+
+/// Every shape that meets the goal, where there is a choice or no result.
+fn solutions_text(outcome: &Outcome) -> String {
+    let response = &outcome.response;
+    let is_plain = response.goal == Goal::FullLoad && response.ending == PathEnding::Converged;
+    if response.met.is_empty() || is_plain {
+        return String::new();
+    }
+    let mut table = Table::new([
+        "Shapes that meet the goal",
+        "factor",
+        "limit points",
+        "branch points",
+        "largest joint rotation",
+        "lateral tilt of L4-T2",
+        "verdict",
+    ]);
+    for met in &response.met {
+        let equilibrium = &met.equilibrium;
+        let way = match met.sign {
+            ForceSign::Positive => "loads along their direction",
+            ForceSign::Negative => "loads against their direction",
+        };
+        table.row(vec![
+            way.to_owned(),
+            format!("{:.6}", equilibrium.factor),
+            equilibrium.limit_points.to_string(),
+            equilibrium.branch_points.to_string(),
+            format!("{:.1}°", largest_hinge(&equilibrium.deformed).2.abs().deg()),
+            equilibrium.deformed.lean().leaning(),
+            verdict_words(met).to_owned(),
+        ]);
+    }
+    format!("{}\n", table.text())
+}
+
+fn verdict_words(met: &Met) -> &'static str {
+    match met.verdict {
+        Verdict::Reached => "chosen: smallest factor on the erect branch",
+        Verdict::Later => "not chosen: larger factor, or later on the path",
+        Verdict::BeyondLimitPoint => "not chosen: beyond a limit point (snapped)",
+        Verdict::BeyondBranchPoint => "not chosen: beyond a branch point (buckled)",
+    }
+}
+
+fn events_text(outcome: &Outcome) -> String {
+    let mut text = String::new();
+    for signed in &outcome.response.paths {
+        let way = match signed.sign {
+            ForceSign::Positive => "",
+            ForceSign::Negative => " (loads against their direction)",
+        };
+        for event in &signed.path.events {
+            let _ = writeln!(
+                text,
+                "{} at a factor of {:.4} of the {} loads{way}",
+                event.kind.key().replace('_', " "),
+                event.factor,
+                timing_words(event.timing)
+            );
+        }
+    }
+    text
+}

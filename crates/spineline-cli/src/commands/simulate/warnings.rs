@@ -1,0 +1,96 @@
+//! Warnings about a simulation.
+
+use spineline::multibody::{BodyLoad, PathEnding};
+use spineline::response::{Response, UNUSUAL_HINGE, largest_hinge};
+use spineline_files::{AppliedLoad, LoadFile, PlacedLoads, SimulationWarning, StoredModel};
+
+/// A warning with its stable code.
+pub fn warning(code: &str, message: impl Into<String>) -> SimulationWarning {
+    SimulationWarning { code: code.to_owned(), message: message.into() }
+}
+
+/// All warnings about a simulation.
+pub fn warnings(
+    model: &StoredModel,
+    loads: &LoadFile,
+    placed: &PlacedLoads,
+    response: &Response,
+) -> Vec<SimulationWarning> {
+    let mut all = about_loads(model, loads);
+    if response.ending == PathEnding::Interrupted {
+        let text = "interrupted; the path so far is kept, but it is not a result";
+        all.push(warning("interrupted", text));
+    }
+    if response.ending != PathEnding::Interrupted && !response.is_complete() {
+        let text = "a path of equilibria was lost: there may be more shapes that meet the goal";
+        all.push(warning("path_lost", text));
+    }
+    if response.ending == PathEnding::SeveralEquilibria {
+        let text = format!(
+            "{} shapes meet the goal; the result is the least loaded one that the erect spine reaches without snapping or buckling",
+            response.met.len()
+        );
+        all.push(warning("several_equilibria", text));
+    }
+    all.extend(about_springs(model, placed, response));
+    if let Some(result) = response.result() {
+        let (joint, axis, turn) = largest_hinge(&result.deformed);
+        if turn.abs() > UNUSUAL_HINGE {
+            let axis = ["lateral", "flexion", "axial"][axis];
+            let (below, above) = (model.levels[joint], model.levels[joint + 1]);
+            let text = format!(
+                "the {axis} rotation of joint {below}/{above} is {:.0}°, more than a spine allows (limit of this warning: {UNUSUAL_HINGE:.0}); \
+                 linear springs do not limit it as ligaments and facets do",
+                turn.abs().deg()
+            );
+            all.push(warning("large_hinge", text));
+        }
+    }
+    all
+}
+
+fn about_loads(model: &StoredModel, loads: &LoadFile) -> Vec<SimulationWarning> {
+    let mut all = Vec::new();
+    let weighs = loads.loads.iter().any(|load| matches!(load, AppliedLoad::Gravity { .. }));
+    let springs =
+        |load: &AppliedLoad| matches!(load, AppliedLoad::Pad { .. } | AppliedLoad::Strap { .. });
+    if !model.absolute {
+        let text = "only ratios of this model's stiffness are known: forces, weights and springs of loads are in its relative units, not newtons; \
+                    `analyze --gauge known-force:POSTURE=NEWTON` makes them absolute";
+        all.push(warning("relative_forces", text));
+    }
+    if weighs {
+        let text = "the erect shape is taken as unloaded, although the patient's weight already acted on the erect film: this weight is added to it, and no muscles carry it; a spine without muscles bears only a small part of the body";
+        all.push(warning("weight_on_top", text));
+    }
+    if loads.loads.iter().any(springs) {
+        let text = "pads and straps are springs without loss of contact: they touch the erect spine with zero force";
+        all.push(warning("springs_stick", text));
+    }
+    all
+}
+
+fn about_springs(
+    model: &StoredModel,
+    placed: &PlacedLoads,
+    response: &Response,
+) -> Vec<SimulationWarning> {
+    let Some(result) = response.result() else { return Vec::new() };
+    let wrong = result.spring_forces_n.iter().filter(|(_, force)| *force < 0.0);
+    let warn = wrong.map(|&(number, force_n)| {
+        let item = &placed.loading.items[number];
+        let (load, level) = (placed.load_of_item[number] + 1, model.levels[item.vertebra]);
+        let size = force_n.abs();
+        match item.load {
+            BodyLoad::Pad { .. } => warning(
+                "pad_pulls",
+                format!("load {load}: the pad on {level} pulls with {size:.1} ({}); a real pad would lose contact: remove it", model.force_unit()),
+            ),
+            _ => warning(
+                "strap_pushes",
+                format!("load {load}: the strap on {level} pushes with {size:.1} ({}); a real strap would be slack: remove it", model.force_unit()),
+            ),
+        }
+    });
+    warn.collect()
+}

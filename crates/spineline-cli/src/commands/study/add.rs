@@ -1,0 +1,39 @@
+//! A case into a store: its films by their bytes, its readings click by click.
+
+use std::fs;
+use std::path::Path;
+
+use spineline_store::{CaseError, NewCase, Signature, Store};
+
+use crate::run::failure::Failure;
+
+/// Adds one case; returns what was added as text.
+pub fn add(store: &mut Store, at: &Path, path: &Path, by: &Signature) -> Result<String, Failure> {
+    let text = spineline_files::read_text(path).map_err(|error| Failure::file(path, &error))?;
+    let bytes_of = |file: &str| {
+        let file = path.with_file_name(file);
+        fs::read(&file).map_err(|error| {
+            Failure::input(&file.display().to_string(), &error, "put the film beside its case")
+        })
+    };
+    let case = NewCase::read(&text, bytes_of).map_err(|error| refusal(path, error))?;
+    let added = store.add_case(&case, by).map_err(|error| Failure::store(at, &error))?;
+    let (films, readings) = (added.films.len(), added.readings);
+    let mut text = format!("{}: {films} films and {readings} readings were added.\n", added.study);
+    for remark in &added.remarks {
+        text.push_str(&format!("  ! {remark}\n"));
+    }
+    Ok(text)
+}
+
+fn refusal(path: &Path, error: CaseError<Failure>) -> Failure {
+    match error {
+        CaseError::File(error) => Failure::file(path, &error),
+        CaseError::Picture(failure) => failure,
+        CaseError::Name(error) => Failure::usage(format!("{error}; {}", error.help())),
+        other => {
+            let help = other.help();
+            Failure::input(&path.display().to_string(), &other, help)
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! The command line of `study`.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand};
+use spineline_store::Head;
+
+/// Shown below the options.
+pub const EXAMPLES: &str = "\
+Examples:
+  spineline study create clinic.spineline
+  spineline study add clinic.spineline p07/case.json
+  spineline study plan clinic.spineline P07 --observers A,B --repeats 3 --washout-days 14
+  spineline study next clinic.spineline P07 --observer A
+  spineline study export clinic.spineline P07 --out p07-read.json
+  spineline study verify clinic.spineline
+  spineline study backup clinic.spineline clinic-2026-11-21.spineline";
+
+#[derive(Args)]
+pub struct StudyArgs {
+    #[command(subcommand)]
+    pub command: StudyCommand,
+    /// Your code for the log; not a patient's name
+    #[arg(long, global = true, value_name = "NAME", default_value = "cli")]
+    pub by: String,
+}
+
+#[derive(Subcommand)]
+pub enum StudyCommand {
+    /// Create an empty store
+    Create {
+        /// File of the store
+        store: PathBuf,
+    },
+    /// Add cases with their films and readings to a store
+    Add {
+        /// File of the store
+        store: PathBuf,
+        /// Case files, as `import` writes them
+        #[arg(required = true, value_name = "CASE")]
+        cases: Vec<PathBuf>,
+    },
+    /// List the films and readings of a store
+    List {
+        /// File of the store
+        store: PathBuf,
+    },
+    /// Plan blinded readings: every observer reads every film repeatedly, in random order, with a washout period
+    Plan {
+        /// File of the store
+        store: PathBuf,
+        /// Identifier of the study, which is the case's
+        #[arg(value_name = "CASE_ID")]
+        study: String,
+        /// Codes of the observers
+        #[arg(long, required = true, value_delimiter = ',', value_name = "NAME,NAME")]
+        observers: Vec<String>,
+        /// Readings of every film by every observer
+        #[arg(long, default_value_t = 3)]
+        repeats: u32,
+        /// Washout period: days between two readings of one film by one observer
+        #[arg(long, default_value_t = 14)]
+        washout_days: u32,
+        /// Seed of the random order
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+    },
+    /// Print the code of the film that an observer reads next
+    Next {
+        /// File of the store
+        store: PathBuf,
+        /// Identifier of the study
+        #[arg(value_name = "CASE_ID")]
+        study: String,
+        /// Code of the observer
+        #[arg(long, value_name = "NAME")]
+        observer: String,
+    },
+    /// Write a study with its finished readings as a case file
+    Export {
+        /// File of the store
+        store: PathBuf,
+        /// Identifier of the study
+        #[arg(value_name = "CASE_ID")]
+        study: String,
+        /// File to write (`-`: standard output)
+        #[arg(long, value_name = "FILE", default_value = "-")]
+        out: PathBuf,
+    },
+    /// Print the log of all changes
+    Log {
+        /// File of the store
+        store: PathBuf,
+    },
+    /// Verify a store: find damage, and log entries that were edited, removed or replaced
+    Verify {
+        /// File of the store
+        store: PathBuf,
+        /// End of the log from an earlier `verify`, kept elsewhere
+        #[arg(long, value_name = "N:HASH", value_parser = head)]
+        head: Option<Head>,
+    },
+    /// Copy a store, even while it is in use, and verify the copy
+    Backup {
+        /// File of the store
+        store: PathBuf,
+        /// File to write; it must not exist yet
+        #[arg(value_name = "FILE")]
+        out: PathBuf,
+    },
+}
+
+impl StudyCommand {
+    pub fn store(&self) -> &Path {
+        match self {
+            Self::Create { store }
+            | Self::Add { store, .. }
+            | Self::List { store }
+            | Self::Plan { store, .. }
+            | Self::Next { store, .. }
+            | Self::Export { store, .. }
+            | Self::Log { store }
+            | Self::Verify { store, .. }
+            | Self::Backup { store, .. } => store,
+        }
+    }
+}
+
+fn head(text: &str) -> Result<Head, String> {
+    let expected = || "expected N:HASH as `verify` prints it".to_owned();
+    let (entries, hash) = text.split_once(':').ok_or_else(expected)?;
+    Head::parse(entries, hash).ok_or_else(expected)
+}

@@ -1,0 +1,163 @@
+//! `spineline study`: the store of films, readings and clicks, from the command line.
+
+mod add;
+mod args;
+
+pub use args::{EXAMPLES, StudyArgs};
+
+use std::path::Path;
+
+use chrono::Utc;
+use spineline_store::{
+    FilmRecord, Head, Next, PlanDesign, ReadingRecord, Signature, Store, StoreError, Timestamp,
+    Verification,
+};
+
+use args::StudyCommand;
+
+use crate::options::values::store_name;
+use crate::run::failure::{Ending, Failure};
+use crate::run::outputs::{print, write_or_print};
+use crate::terminal::table::Table;
+
+pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
+    let path = args.command.store();
+    let fail = |error: StoreError| Failure::store(path, &error);
+    let by = || Ok(Signature::new(store_name(&args.by)?, Utc::now().into()));
+    match &args.command {
+        StudyCommand::Create { .. } => {
+            Store::create(path, &by()?).map_err(fail)?;
+            print(&format!("{} was created as an empty store.\n", path.display()))
+        }
+        StudyCommand::Add { cases, .. } => {
+            let mut store = Store::open(path).map_err(fail)?;
+            for case in cases {
+                print(&add::add(&mut store, path, case, &by()?)?)?;
+            }
+            Ok(Ending::Done)
+        }
+        StudyCommand::List { .. } => print(&list(&view(path)?).map_err(fail)?),
+        StudyCommand::Plan { study, observers, repeats, washout_days, seed, .. } => {
+            let mut store = Store::open(path).map_err(fail)?;
+            let observers =
+                observers.iter().map(|o| store_name(o)).collect::<Result<Vec<_>, _>>()?;
+            let design = PlanDesign { repeats: *repeats, washout_days: *washout_days, seed: *seed };
+            let slots = store
+                .reading_plan(&store_name(study)?, &observers, design, &by()?)
+                .map_err(fail)?;
+            print(&format!(
+                "{slots} readings are planned: every observer reads every film {repeats} times, {washout_days} days apart, in a random order each.\n"
+            ))
+        }
+        StudyCommand::Next { study, observer, .. } => {
+            let store = view(path)?;
+            let observer = store_name(observer)?;
+            let next = store
+                .observer(&observer)
+                .next_film_for(&store_name(study)?, Utc::now().into())
+                .map_err(fail)?;
+            print(&next_text(&next))
+        }
+        StudyCommand::Export { study, out, .. } => {
+            let exported = view(path)?.export_case(&store_name(study)?).map_err(fail)?;
+            for remark in &exported.remarks {
+                eprintln!("note: {remark}");
+            }
+            write_or_print(out, &exported.text)?;
+            Ok(Ending::Done)
+        }
+        StudyCommand::Log { .. } => print(&log(&view(path)?).map_err(fail)?),
+        StudyCommand::Verify { head, .. } => verify(path, head.as_ref()),
+        StudyCommand::Backup { out, .. } => {
+            let verification = view(path)?.backup_to(out).map_err(fail)?;
+            report(out, &verification)
+        }
+    }
+}
+
+/// Opens a store to look at it.
+fn view(path: &Path) -> Result<Store, Failure> {
+    Store::view(path).map_err(|error| Failure::store(path, &error))
+}
+
+fn list(store: &Store) -> Result<String, StoreError> {
+    let mut table = Table::new(["Study", "film", "readings", "finished", "observers"]);
+    for study in store.studies()? {
+        let films = store.films(&study.id)?;
+        let readings = store.readings(&study.id)?;
+        let synthetic = if study.synthetic { " (synthetic)" } else { "" };
+        for film in &films {
+            table.row(row(&format!("{}{synthetic}", study.id), film, &readings));
+        }
+        if films.is_empty() {
+            let nothing = || "-".to_owned();
+            table.row(vec![study.id.to_string(), nothing(), nothing(), nothing(), nothing()]);
+        }
+    }
+    Ok(table.text())
+}
+
+fn row(study: &str, film: &FilmRecord, readings: &[ReadingRecord]) -> Vec<String> {
+    let of_film: Vec<&ReadingRecord> = readings.iter().filter(|r| r.film == film.id).collect();
+    let finished = of_film.iter().filter(|r| r.finished_at.is_some()).count();
+    let mut observers: Vec<&str> = of_film.iter().map(|r| r.observer.as_str()).collect();
+    observers.sort_unstable();
+    observers.dedup();
+    vec![
+        study.to_owned(),
+        film.posture.to_string(),
+        of_film.len().to_string(),
+        finished.to_string(),
+        observers.join(", "),
+    ]
+}
+
+fn next_text(next: &Next) -> String {
+    match next {
+        Next::Begin(film) => format!("Next: film {}.\n", film.code),
+        Next::Continue(film, _) => format!("Continue with film {}.\n", film.code),
+        Next::Wait(until) => format!("Washout: no film before {until}.\n"),
+        Next::Done => "All films are read.\n".to_owned(),
+    }
+}
+
+fn log(store: &Store) -> Result<String, StoreError> {
+    let mut table = Table::new(["Entry", "when", "who", "what", "object"]);
+    for entry in store.audit_log()? {
+        table.row(vec![
+            entry.sequence.to_string(),
+            Timestamp::from_unix_ms(entry.time_ms).map_or_else(String::new, |at| at.to_string()),
+            entry.actor,
+            entry.action,
+            entry.object,
+        ]);
+    }
+    Ok(table.text())
+}
+
+fn verify(path: &Path, head: Option<&Head>) -> Result<Ending, Failure> {
+    let verification = view(path)?.verify(head).map_err(|error| Failure::store(path, &error))?;
+    report(path, &verification)
+}
+
+fn report(path: &Path, verification: &Verification) -> Result<Ending, Failure> {
+    let mut text = String::new();
+    if let Some(head) = &verification.head {
+        text.push_str(&format!(
+            "{}: {} log entries; end of the log {head}\n",
+            path.display(),
+            head.entries
+        ));
+    }
+    for finding in &verification.findings {
+        text.push_str(&format!("  ! {finding}\n"));
+    }
+    if verification.is_clean() {
+        text.push_str(
+            "  no damage found. Keep the end of the log elsewhere: with `--head`, `verify` also detects a store that was rewritten as a whole.\n",
+        );
+        return print(&text);
+    }
+    print(&text)?;
+    Ok(Ending::BadInput)
+}

@@ -1,0 +1,37 @@
+//! Options of synthetic patients.
+
+use std::sync::LazyLock;
+
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
+use spineline_phantom::{Readers, Truth};
+
+use crate::run::failure::Failure;
+
+/// A loading scenario: what moved the synthetic spine.
+#[derive(Clone, Copy)]
+pub struct ScenarioName(pub Truth);
+
+impl ValueEnum for ScenarioName {
+    fn value_variants<'a>() -> &'a [Self] {
+        static NAMES: LazyLock<Vec<ScenarioName>> = LazyLock::new(|| {
+            Truth::EVERY.into_iter().chain(Truth::OTHERS).map(ScenarioName).collect()
+        });
+        &NAMES
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.0.key()).help(self.0.meaning()))
+    }
+}
+
+/// The default virtual readers with their noise multiplied; zero is one reader without error.
+///
+/// # Errors
+/// If the factor is out of range.
+pub fn readers(noise: f64) -> Result<Readers, Failure> {
+    if !(0.0..=10.0).contains(&noise) {
+        return Err(Failure::usage(format!("--noise {noise}: the factor must be from 0 to 10")));
+    }
+    Ok(if noise == 0.0 { Readers::exact() } else { Readers::scaled(noise) })
+}

@@ -1,0 +1,45 @@
+//! Options for identifiability and landmark noise.
+
+use clap::Args;
+use spineline::uncertainty::LandmarkNoise;
+use spineline_files::Replicates;
+
+use super::values::number;
+
+/// Questions about the confidence of the results.
+#[derive(Args)]
+#[command(next_help_heading = "Uncertainty")]
+pub struct UncertaintyArgs {
+    /// Compute which multipliers the bending films identify: profile likelihood, 95 % intervals, weakest direction
+    #[arg(long)]
+    pub identifiability: bool,
+    /// Run N Monte Carlo replicates with perturbed landmarks: every number gets a standard deviation and a 95 % interval, in
+    /// the report and under `uncertainty` in the JSON. Use 1000 for intervals, 10000 for stable ends of intervals
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=10_000_000))]
+    pub replicates: Option<u64>,
+    /// Standard deviation of the landmark noise of one reading: `measured` (between the case's readings; an assumed value
+    /// where there is one reading), or a number of film pixels, such as 3
+    #[arg(long, value_name = "measured|PX", default_value = "measured", value_parser = noise, requires = "replicates")]
+    pub noise: LandmarkNoise,
+    /// Seed of the replicates
+    #[arg(long, default_value_t = 1, requires = "replicates")]
+    pub seed: u64,
+}
+
+fn noise(text: &str) -> Result<LandmarkNoise, String> {
+    if text == "measured" {
+        return Ok(LandmarkNoise::Measured);
+    }
+    match number(text) {
+        Ok(sd_px @ 0.0..=1000.0) => Ok(LandmarkNoise::Pixels(sd_px)),
+        _ => Err("expected `measured`, or a noise standard deviation from 0 to 1000 px".to_owned()),
+    }
+}
+
+impl UncertaintyArgs {
+    /// The replicates that were asked for.
+    pub fn replicates(&self) -> Option<Replicates> {
+        let count = self.replicates?;
+        Some(Replicates { count, noise: self.noise, seed: self.seed })
+    }
+}

@@ -1,0 +1,25 @@
+//! Radiographs are decoded in a child process with limits, because a hostile file may attack the decoder.
+
+use std::path::PathBuf;
+
+use spineline_films::{ChildLimits, FilmError, FilmFile, decode_in_child};
+
+use super::failure::Failure;
+
+/// Decodes films by calling this program again as `spineline decode-film`.
+pub struct Decoder {
+    program: PathBuf,
+}
+
+impl Decoder {
+    pub fn new() -> Result<Self, Failure> {
+        let program = std::env::current_exe().map_err(|error| {
+            Failure::internal(format!("this program cannot find itself: {error}"))
+        })?;
+        Ok(Self { program })
+    }
+
+    pub fn decode(&self, bytes: Vec<u8>) -> Result<FilmFile, FilmError> {
+        decode_in_child(&self.program, &["decode-film"], bytes, &ChildLimits::default())
+    }
+}

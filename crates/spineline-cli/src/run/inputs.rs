@@ -1,0 +1,112 @@
+//! Reading cases, models and folders of them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use spineline::analysis::Case;
+use spineline_files::{
+    CaseFile, FileError, InputFile, Request, StoredModel, parse_model, read_text,
+};
+
+use super::failure::Failure;
+
+/// The case files that the given paths name, in order; a folder stands for the `.json` files in it.
+///
+/// # Errors
+/// If a folder cannot be read or has no `.json` file.
+pub fn case_files(given: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+    let mut files = Vec::new();
+    for path in given {
+        if !path.is_dir() {
+            files.push(path.clone());
+            continue;
+        }
+        let entries = fs::read_dir(path).and_then(Iterator::collect::<Result<Vec<_>, _>>).map_err(
+            |error| Failure::input(&path.display().to_string(), &error, "check the folder"),
+        )?;
+        let mut inside: Vec<PathBuf> = entries
+            .into_iter()
+            .map(|entry| entry.path())
+            .filter(|file| file.extension().is_some_and(|e| e == "json") && !is_truth(file))
+            .collect();
+        if inside.is_empty() {
+            let place = path.display().to_string();
+            return Err(Failure::input(
+                &place,
+                &"no .json file in this folder",
+                "give a folder of case files",
+            ));
+        }
+        inside.sort();
+        files.append(&mut inside);
+    }
+    Ok(files)
+}
+
+/// Whether a file holds the true values of a phantom, which lie beside its case.
+fn is_truth(path: &Path) -> bool {
+    path.to_string_lossy().ends_with(".truth.json")
+}
+
+/// A case with the file that it was read from.
+#[derive(Clone)]
+pub struct CaseInput {
+    pub file: CaseFile,
+    pub case: Case,
+    /// The options of the analysis that holds the case, if it was read from one.
+    pub request: Option<Request>,
+    pub input: InputFile,
+}
+
+impl CaseInput {
+    /// Reads a case, or the case within an analysis.
+    ///
+    /// # Errors
+    /// As the library's readers.
+    pub fn read(path: &Path) -> Result<Self, Failure> {
+        let failed = |error| Failure::file(path, &error);
+        let text = read_text(path).map_err(failed)?;
+        let (file, request) = spineline_files::parse_case_within(&text).map_err(failed)?;
+        let case = file.clone().into_case().map_err(failed)?;
+        Ok(Self { file, case, request, input: input_of(path, &text) })
+    }
+}
+
+/// A text file that was read, by the name that the user gave it.
+pub fn input_of(path: &Path, text: &str) -> InputFile {
+    InputFile::of(path.to_string_lossy(), text.as_bytes())
+}
+
+/// As [`input_of`], of a file that something else reads.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn read_input(path: &Path) -> Result<InputFile, Failure> {
+    let text = read_text(path).map_err(|error| Failure::file(path, &error))?;
+    Ok(input_of(path, &text))
+}
+
+/// Reads a personalised model with at least one joint.
+///
+/// # Errors
+/// If the file is no model, or the model has no joint.
+pub fn read_model(path: &Path) -> Result<StoredModel, Failure> {
+    let model = read_text(path).and_then(|text| parse_model(&text));
+    let model = model.map_err(|error| match &error {
+        FileError::Format { .. } => Failure::input(
+            &path.display().to_string(),
+            &error,
+            "this command takes a model; `spineline analyze CASE --model FILE` writes one",
+        ),
+        _ => Failure::file(path, &error),
+    })?;
+    if model.spine.joints.is_empty() {
+        let place = path.display().to_string();
+        return Err(Failure::input(
+            &place,
+            &"the model has no joint",
+            "give a model from L4 to T2",
+        ));
+    }
+    Ok(model)
+}

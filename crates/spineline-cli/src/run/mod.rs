@@ -1,0 +1,13 @@
+//! What every command does the same way: inputs, outputs, threads, progress and failures.
+
+pub mod csv;
+pub mod failure;
+pub mod film_decoder;
+pub mod inputs;
+pub mod interrupt;
+pub mod outputs;
+#[cfg(feature = "pdf")]
+pub mod pdf;
+pub mod progress;
+pub mod provenance;
+pub mod threads;

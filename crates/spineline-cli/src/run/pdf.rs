@@ -1,0 +1,50 @@
+//! A report as PDF, dated by its run.
+
+use chrono::{DateTime, Datelike, Timelike, Utc};
+use spineline_pdf::{Made, PdfError};
+use spineline_report::Document;
+
+use super::failure::Failure;
+
+/// The bytes of the PDF.
+///
+/// # Errors
+/// If the date has no four digits for its year, or the report cannot be typeset.
+pub fn pdf(document: &Document, date_utc: &str) -> Result<Vec<u8>, Failure> {
+    spineline_pdf::pdf(document, made(date_utc)?).map_err(|error| match error {
+        PdfError::Date(_) => Failure::usage(error.to_string()),
+        _ => Failure::internal(format!("{}: {error}", document.subject)),
+    })
+}
+
+/// The date of a run, as RFC 3339 has it.
+fn made(date_utc: &str) -> Result<Made, Failure> {
+    let date = date_utc.parse::<DateTime<Utc>>().ok();
+    let date = date.and_then(|date| Some((u16::try_from(date.year()).ok()?, date)));
+    let Some((year, date)) = date else {
+        return Err(Failure::usage(format!(
+            "{date_utc} is no date for a PDF; expected a year of our time"
+        )));
+    };
+    let small = |number: u32| u8::try_from(number).expect("below 60");
+    Ok(Made {
+        year,
+        month: small(date.month()),
+        day: small(date.day()),
+        hour: small(date.hour()),
+        minute: small(date.minute()),
+        second: small(date.second()),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_date_is_that_of_the_run() {
+        let date = made("2026-01-02T03:04:05Z").expect("a date");
+        assert_eq!(date.to_string(), "2026-01-02T03:04:05Z");
+        assert!(made("-0044-03-15T12:00:00Z").is_err() && made("soon").is_err());
+    }
+}

@@ -1,0 +1,20 @@
+//! Progress bars for long work; silent where the error stream is no terminal.
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// A bar with a known number of steps.
+pub fn bar(what: &str, steps: usize) -> ProgressBar {
+    styled(ProgressBar::new(steps as u64), "{msg} {wide_bar} {pos}/{len} ({eta})", what)
+}
+
+/// A counter for work of unknown length.
+pub fn spinner(what: &str) -> ProgressBar {
+    styled(ProgressBar::no_length(), "{msg} {spinner} {pos}", what)
+}
+
+fn styled(bar: ProgressBar, template: &str, what: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template(template);
+    bar.set_style(style.expect("the template is well-formed"));
+    bar.set_message(what.to_owned());
+    bar
+}

@@ -1,0 +1,43 @@
+//! Work on several threads.
+
+use rayon::prelude::*;
+
+use super::failure::Failure;
+use super::progress::bar;
+
+/// A pool of threads; 0 uses all cores.
+///
+/// # Errors
+/// If they cannot be started.
+pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| Failure::internal(format!("threads could not be started: {error}")))
+}
+
+/// Runs a function on all items in parallel and keeps their order; 0 threads uses all cores.
+///
+/// # Errors
+/// If the threads cannot be started.
+pub fn map_all<T: Sync, R: Send>(
+    what: &str,
+    items: &[T],
+    threads: usize,
+    run: impl Fn(&T) -> R + Sync,
+) -> Result<Vec<R>, Failure> {
+    let pool = pool(threads)?;
+    let bar = bar(what, items.len());
+    let results = pool.install(|| {
+        items
+            .par_iter()
+            .map(|item| {
+                let result = run(item);
+                bar.inc(1);
+                result
+            })
+            .collect()
+    });
+    bar.finish_and_clear();
+    Ok(results)
+}

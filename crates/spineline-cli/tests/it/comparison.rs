@@ -1,0 +1,102 @@
+//! Lines of action compared: what `analyze` prints and writes of one patient and of a cohort.
+
+use std::fs;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::program::run;
+use crate::results::results;
+
+fn with_phantoms(truth: &str, subjects: &[&str]) -> TempDir {
+    let here = tempfile::tempdir().expect("a place for files");
+    for subject in subjects {
+        let arguments = ["phantom", "--truth", truth, "--subject", subject, "--out", "cases"];
+        assert_eq!(run(here.path(), &arguments).2, 0);
+    }
+    here
+}
+
+#[test]
+fn one_patient_has_every_line_by_kind_of_film_and_a_verdict() {
+    let here = with_phantoms("bend", &["1"]);
+    let (text, error, _) = run(here.path(), &["analyze", "cases/phantom-bend-01.json"]);
+    for word in [
+        "Lines on the same films",
+        "inflection line fitted bends",
+        "iliac line      bends left out",
+        "2 + 2 + 0 = 4 fitted",
+        "2 + 2 + 4 = 8 fitted",
+        "1 per film",
+        "3 per film",
+        "A small error there is no evidence for a line.",
+    ] {
+        assert!(text.contains(word), "{word} is missing in\n{text}\n{error}");
+    }
+    let text = text.replace("Line of best fit to the rotations", "");
+    assert!(!text.contains("best"), "one patient's films prove no line the best\n{text}");
+    let (text, _, _) = run(here.path(), &["analyze", "cases/phantom-bend-01.json", "--json", "-"]);
+    let json: Value = serde_json::from_str(&text).expect("JSON and nothing else");
+    for pointer in [
+        "/comparison/same_data",
+        "/comparison/lines/iliac_line/numbers/fitted",
+        "/comparison/lines/inflection_line/errors/fitted/location_mm",
+        "/comparison/compatibility/inflection_line/bends/0/weight",
+        "/comparison/compatibility/inflection_line/bends/0/joints_p_holm",
+        "/comparison/left_out_bends/left_bending/iliac_line/multipliers/main_thoracic",
+        "/comparison/verdict/0",
+    ] {
+        assert!(json.pointer(pointer).is_some_and(|value| !value.is_null()), "{pointer}");
+    }
+    let left_out = &json["comparison"]["left_out_bends"]["left_bending"]["iliac_line"]["postures"];
+    assert_eq!(left_out["left_bending"]["fitted"], false);
+    assert_eq!(left_out["right_bending"]["fitted"], true);
+    let films = json["comparison"]["films"].as_array().expect("films");
+    let roles = |role: &str| films.iter().filter(|film| film["role"] == role).count();
+    assert_eq!([roles("fitted"), roles("left_out_bend"), roles("held_out")], [2, 2, 2]);
+}
+
+#[test]
+fn a_cohort_is_tested_by_patient_with_its_family_stated() {
+    let here = with_phantoms("pull", &["1", "2", "3", "4"]);
+    let arguments = ["analyze", "cases", "--cohort", "all.json", "--threads", "2"];
+    let (text, error, code) = run(here.path(), &arguments);
+    assert!(code == 0 || code == 4, "{error}");
+    for word in [
+        "First minus second line",
+        "inflection - iliac",
+        "sign-flip p",
+        "Holm p",
+        "pooled p",
+        "Believe the interval over patients",
+        "Holm's correction is over",
+    ] {
+        assert!(text.contains(word), "{word} is missing in\n{text}");
+    }
+    let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("it was written");
+    let json: Value = serde_json::from_str(&read("all.json")).expect("JSON");
+    assert_eq!(json["format"], "spineline-cohort");
+    assert_eq!(
+        (&json["synthetic"], json["case_ids"].as_array().map(Vec::len)),
+        (&Value::Bool(true), Some(4))
+    );
+    let tests = json["tests"].as_array().expect("tests");
+    assert_eq!(tests.len(), 18, "three pairs, three kinds of films, two errors");
+    for test in tests.iter().filter(|test| !test["holm_p"].is_null()) {
+        // Four patients cannot reach 0.05, and nobody may claim a line from them.
+        assert!(test["sign_flip_p"].as_f64().is_some_and(|p| p >= 0.125), "{test}");
+        assert!(test["predicts_better"].is_null(), "{test}");
+        assert!(test["holm_p"].as_f64() >= test["sign_flip_p"].as_f64(), "{test}");
+    }
+    assert!(text.contains("no line is better") && text.contains("Too few patients"), "{text}");
+    run(here.path(), &["analyze", "cases", "--cohort", "all.csv", "--threads", "1"]);
+    let csv = read("all.csv");
+    assert_eq!(csv.lines().count(), 19, "{csv}");
+    assert!(csv.starts_with("first_line,second_line,synthetic,films,error,unit,patients"));
+    run(here.path(), &["analyze", "cases", "--cohort", "again.json", "--threads", "1"]);
+    assert_eq!(
+        results(&read("again.json")),
+        results(&read("all.json")),
+        "the bytes depend on the threads"
+    );
+}

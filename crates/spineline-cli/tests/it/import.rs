@@ -1,0 +1,457 @@
+//! `spineline import`: from films to a case, with nothing guessed, nothing lost and nobody named.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value as Json;
+use spineline_films::{FilmLimits, read_film};
+
+use crate::maker::{EXPLICIT, Maker, Value, ramp, text};
+use crate::program::{finish, spineline};
+
+/// A name that must never be seen again.
+const CANARY: &str = "Kanarienvogel";
+
+struct Here(tempfile::TempDir);
+
+impl Here {
+    fn new() -> Self {
+        Self(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// Runs `spineline import`; standard output, standard error and exit code.
+    fn import(&self, arguments: &[&str]) -> (String, String, i32) {
+        let mut command = spineline(self.0.path());
+        command.env("XDG_CONFIG_HOME", self.path("configuration"));
+        finish(command.arg("import").args(arguments))
+    }
+
+    fn json(&self, name: &str) -> Json {
+        serde_json::from_str(&fs::read_to_string(self.path(name)).expect("it was written"))
+            .expect("JSON")
+    }
+}
+
+/// A film of a patient with a name, frontal, its columns running to the patient's left.
+fn film(number: u16) -> Maker {
+    let mut maker = Maker::new(60, 40 + number, &ramp(60, 40 + number));
+    maker.text((0x10, 0x10), "PN", CANARY).text((0x10, 0x20), "LO", CANARY);
+    maker.text((0x08, 0x103E), "LO", CANARY).text((0x20, 0x20), "CS", "L\\F");
+    maker.text((0x28, 0x30), "DS", "0.2\\0.1").text((0x28, 0xA02), "CS", "FIDUCIAL");
+    maker.text((0x08, 0x18), "UI", &format!("1.2.3.{number}"));
+    maker
+}
+
+fn put(here: &Here, name: &str, maker: &Maker) {
+    fs::write(here.path(name), maker.file(EXPLICIT)).expect("a file");
+}
+
+/// All bytes below a folder.
+fn everything(folder: &Path) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for entry in walkdir::WalkDir::new(folder).sort_by_file_name() {
+        let entry = entry.expect("readable");
+        bytes.extend(entry.file_name().as_encoded_bytes());
+        if entry.file_type().is_file() {
+            bytes.extend(fs::read(entry.path()).expect("readable"));
+        }
+    }
+    bytes
+}
+
+fn holds(bytes: &[u8], word: &str) -> bool {
+    bytes.windows(word.len()).any(|window| window.eq_ignore_ascii_case(word.as_bytes()))
+}
+
+#[test]
+fn films_become_a_case_without_their_patient() {
+    let here = Here::new();
+    put(&here, "a.dcm", &film(1));
+    put(&here, "b.dcm", &film(2));
+    let (out, error, code) = here.import(&[
+        ".",
+        "--case-id",
+        "P07",
+        "--out",
+        "p07",
+        "--film",
+        "erect=1",
+        "--film",
+        "left-bending=2",
+        "--invert",
+        "left-bending",
+    ]);
+    assert_eq!(code, 0, "{error}");
+    assert!(out.contains("p07/case.json and 2 films were written"), "{out}");
+    let case = here.json("p07/case.json");
+    let image = &case["films"][0]["image"];
+    assert_eq!(case["films"][0]["posture"], "erect");
+    // DICOM writes the distance of rows first.
+    assert_eq!((&image["row_spacing_mm"], &image["column_spacing_mm"]), (&0.2.into(), &0.1.into()));
+    assert_eq!(image["spacing_plane"], "patient");
+    assert_eq!(image["spacing_source"], "fiducial");
+    assert_eq!(image["patient_left"], "image_right");
+    assert_eq!(image.get("inverted"), None);
+    assert_eq!(case["films"][1]["image"]["inverted"], true);
+    let written = fs::read(here.path("p07/erect.dcm")).expect("the film");
+    assert_eq!(image["sha256"], spineline_files::sha256_hex(&written));
+    let limits = FilmLimits::default();
+    let (new, old) = (read_film(&written, &limits), read_film(&film(1).file(EXPLICIT), &limits));
+    assert_eq!(new.expect("a film").stored, old.expect("a film").stored);
+    assert!(!holds(&everything(&here.path("p07")), CANARY));
+    assert!(!holds(out.as_bytes(), CANARY) && !holds(error.as_bytes(), CANARY));
+    spineline_files::parse_case(&fs::read_to_string(here.path("p07/case.json")).expect("text"))
+        .expect("a case file");
+}
+
+#[test]
+fn films_of_phantoms_make_a_synthetic_case_and_one_of_a_patient_does_not() {
+    let here = Here::new();
+    let mut phantom = film(1);
+    phantom.text((0x28, 0x300), "CS", "YES");
+    put(&here, "a.dcm", &phantom);
+    put(&here, "b.dcm", &film(2));
+    let arguments = ["a.dcm", "b.dcm", "--case-id", "A", "--film", "erect=1", "--out"];
+    let (out, error, code) = here.import(&[&arguments[..], &["a"]].concat());
+    assert_eq!(code, 0, "{error}{out}");
+    assert_eq!(here.json("a/case.json")["synthetic"], true);
+    assert!(out.contains("SYNTHETIC"), "{out}");
+    let both = [&arguments[..], &["b", "--film", "left-bending=2"]].concat();
+    assert_eq!(here.import(&both).2, 0);
+    assert_eq!(here.json("b/case.json")["synthetic"], false);
+    // De-identification keeps the mark.
+    let again = ["a", "--case-id", "A", "--film", "erect=1", "--out", "c"];
+    assert_eq!(here.import(&again).2, 0);
+    assert_eq!(here.json("c/case.json")["synthetic"], true);
+}
+
+#[test]
+fn landmarks_of_another_program_lie_on_their_films() {
+    let here = Here::new();
+    let program = || assert_cmd::Command::cargo_bin("spineline").expect("the program");
+    let make = ["phantom", "--subject", "1", "--out", "p", "--noise", "0"];
+    program().current_dir(here.path("")).args(make).assert().success();
+    let case = fs::read_to_string(here.path("p/phantom-rod-01.json")).expect("written");
+    let case: Json = serde_json::from_str(&case).expect("JSON");
+    let image = &case["films"][0]["image"];
+    let side = |key: &str| image[key].as_u64().expect("a number") as u16;
+    let (columns, rows) = (side("columns"), side("rows"));
+    // As large as the phantom's film, and as empty as a film can be.
+    let pixels = vec![7; usize::from(columns) * usize::from(rows)];
+    let mut blank = Maker::new(columns, rows, &pixels);
+    let left = if image["patient_left"] == "image_left" { "R\\F" } else { "L\\F" };
+    blank.text((0x20, 0x20), "CS", left).text((0x28, 0x30), "DS", "0.1\\0.1");
+    put(&here, "erect.dcm", &blank);
+    for (to, file) in [("csv", "marks.csv"), ("slicer", "marks.mrk.json")] {
+        let export =
+            ["export", "p/phantom-rod-01.json", "--to", to, "--posture", "erect", "--out", file];
+        program().current_dir(here.path("")).args(export).assert().success();
+        let (_, error, code) = here.import(&[
+            "erect.dcm",
+            "--case-id",
+            "A",
+            "--out",
+            to,
+            "--film",
+            "erect=1",
+            "--landmarks",
+            file,
+        ]);
+        assert_eq!(code, 0, "{error}");
+        let found = here.json(&format!("{to}/case.json"));
+        let marks = |case: &Json| {
+            case["films"][0]["readings"][0]["vertebrae"]["T12"]["superior_left"].clone()
+        };
+        let (found, truth) = (marks(&found), marks(&case));
+        for i in 0..2 {
+            let apart = found[i].as_f64().expect("a number") - truth[i].as_f64().expect("a number");
+            assert!(apart.abs() < 1e-9, "{to}: {found} against {truth}");
+        }
+    }
+}
+
+#[test]
+fn the_same_secret_maps_the_same_identifiers_to_the_same_new_ones() {
+    let here = Here::new();
+    put(&here, "a.dcm", &film(1));
+    let uid = |folder: &str, secret: &str| {
+        let (_, error, code) = here.import(&[
+            "a.dcm",
+            "--case-id",
+            "A",
+            "--out",
+            folder,
+            "--film",
+            "erect=1",
+            "--secret",
+            secret,
+        ]);
+        assert_eq!(code, 0, "{error}");
+        let bytes = fs::read(here.path(folder).join("erect.dcm")).expect("the film");
+        read_film(&bytes, &FilmLimits::default()).expect("a film").tags.uids.sop_instance
+    };
+    let (one, two, other) = (uid("1", "secret"), uid("2", "secret"), uid("3", "other"));
+    assert_eq!(one, two);
+    assert_ne!(one, other);
+    assert_ne!(one.as_deref(), Some("1.2.3.1"));
+    assert_eq!(fs::read(here.path("secret")).expect("made").len(), 32);
+}
+
+#[test]
+fn what_no_file_says_is_asked_for_by_film_and_with_its_answer() {
+    let here = Here::new();
+    let mut silent = film(1);
+    silent.remove((0x20, 0x20));
+    put(&here, "a.dcm", &silent);
+    let arguments = ["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"];
+    let (_, error, code) = here.import(&arguments);
+    assert_eq!(code, 2);
+    assert!(error.contains("erect film") && error.contains("the patient's left"), "{error}");
+    assert!(error.contains("--patient-left erect=image-left"), "{error}");
+    assert!(!here.path("a").exists(), "nothing was written");
+    let (_, error, code) =
+        here.import(&[&arguments[..], &["--patient-left", "erect=image-left"]].concat());
+    assert_eq!(code, 0, "{error}");
+    assert_eq!(here.json("a/case.json")["films"][0]["image"]["patient_left"], "image_left");
+}
+
+#[test]
+fn an_answer_that_the_file_contradicts_must_be_meant() {
+    let here = Here::new();
+    put(&here, "a.dcm", &film(1));
+    let arguments = [
+        "a.dcm",
+        "--case-id",
+        "A",
+        "--out",
+        "a",
+        "--film",
+        "erect=1",
+        "--patient-left",
+        "image-left",
+    ];
+    let (_, error, code) = here.import(&arguments);
+    assert_eq!(code, 2);
+    assert!(error.contains("Patient Orientation") && error.contains("--accept"), "{error}");
+    let (out, error, code) = here.import(&[&arguments[..], &["--accept"]].concat());
+    assert_eq!(code, 0, "{error}");
+    assert!(out.contains("accepted as said"), "{out}");
+    assert_eq!(here.json("a/case.json")["films"][0]["image"]["patient_left"], "image_left");
+}
+
+#[test]
+fn lateral_views_are_recognised_and_offered_for_the_profile() {
+    let here = Here::new();
+    put(&here, "a.dcm", &film(1));
+    let mut lateral = film(2);
+    lateral.text((0x20, 0x20), "CS", "A\\F");
+    put(&here, "b.dcm", &lateral);
+    let (out, _, _) = here.import(&[".", "--list"]);
+    assert!(out.contains("lateral"), "{out}");
+    // Not as a frontal film, unless someone insists.
+    let (_, error, code) = here.import(&[
+        ".",
+        "--case-id",
+        "A",
+        "--out",
+        "a",
+        "--film",
+        "erect=2",
+        "--patient-left",
+        "image-left",
+    ]);
+    assert_eq!(code, 2);
+    assert!(error.contains("lateral view"), "{error}");
+    let (_, error, code) =
+        here.import(&[".", "--case-id", "A", "--out", "a", "--film", "erect=1", "--lateral", "2"]);
+    assert_eq!(code, 0, "{error}");
+    let case = here.json("a/case.json");
+    assert_eq!(case["lateral"]["image"]["patient_anterior"], "image_right");
+    assert_eq!(case["lateral"]["image"]["file"], "lateral.dcm");
+}
+
+#[test]
+fn a_recumbent_film_called_erect_is_questioned() {
+    let here = Here::new();
+    let mut lying = film(1);
+    let code = [((0x08, 0x100), ("SH", text("102538003"))), ((0x08, 0x102), ("SH", text("SCT")))];
+    lying.set((0x54, 0x410), "SQ", Value::Items(vec![code.into()]));
+    put(&here, "a.dcm", &lying);
+    let (_, error, code) =
+        here.import(&["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"]);
+    assert_eq!(code, 2);
+    assert!(error.contains("recumbent") && error.contains("erect"), "{error}");
+}
+
+#[test]
+fn one_picture_cannot_show_two_postures_and_one_identifier_two_pictures() {
+    let here = Here::new();
+    put(&here, "a.dcm", &film(1));
+    let mut copy = film(1);
+    copy.text((0x08, 0x18), "UI", "1.2.3.99");
+    put(&here, "b.dcm", &copy);
+    let arguments = |folder: &'static str| {
+        [
+            "a.dcm",
+            "b.dcm",
+            "--case-id",
+            "A",
+            "--out",
+            folder,
+            "--film",
+            "erect=1",
+            "--film",
+            "left-bending=2",
+        ]
+    };
+    let (_, error, code) = here.import(&arguments("a"));
+    assert_eq!(code, 3);
+    assert!(error.contains("the same picture"), "{error}");
+    let mut changed = film(2);
+    changed.text((0x08, 0x18), "UI", "1.2.3.1");
+    put(&here, "b.dcm", &changed);
+    let (out, error, code) = here.import(&arguments("a"));
+    assert_eq!(code, 0, "{error}");
+    assert!(out.contains("the same SOP Instance UID"), "{out}");
+}
+
+#[test]
+fn a_ball_gives_the_scale_with_its_error_whatever_the_file_says() {
+    let here = Here::new();
+    let mut bare = film(1);
+    bare.remove((0x28, 0x30)).remove((0x28, 0xA02));
+    put(&here, "a.dcm", &bare);
+    let ball = "erect=10,20,50,20,25+-0.1";
+    let (out, error, code) = here.import(&[
+        "a.dcm",
+        "--case-id",
+        "A",
+        "--out",
+        "a",
+        "--film",
+        "erect=1",
+        "--ball",
+        ball,
+    ]);
+    assert_eq!(code, 0, "{error}");
+    assert!(out.contains("a ball in the picture"), "{out}");
+    let image = &here.json("a/case.json")["films"][0]["image"];
+    // 25 mm over 40 pixels; each click scatters by half a pixel, the diameter by 0.4 %.
+    assert_eq!(image["column_spacing_mm"], 0.625);
+    let sd = image["spacing_relative_sd"].as_f64().expect("a number");
+    let by_hand = (0.5 / 40f64.powi(2) + (0.1f64 / 25.0).powi(2)).sqrt();
+    assert!((sd - by_hand).abs() < 1e-12, "{sd}");
+    let (_, error, code) = here.import(&[
+        "a.dcm",
+        "--case-id",
+        "A",
+        "--out",
+        "b",
+        "--film",
+        "erect=1",
+        "--ball",
+        "erect=10,20,11,20,25",
+    ]);
+    assert_eq!(code, 2);
+    assert!(error.contains("1.0 pixels apart"), "{error}");
+}
+
+#[test]
+fn a_film_without_spacing_says_pixels() {
+    let here = Here::new();
+    let mut bare = film(1);
+    bare.remove((0x28, 0x30));
+    put(&here, "a.dcm", &bare);
+    let (out, error, code) =
+        here.import(&["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"]);
+    assert_eq!(code, 0, "{error}");
+    assert!(out.contains("pixels (taken as square)"), "{out}");
+    let image = &here.json("a/case.json")["films"][0]["image"];
+    assert_eq!(image["spacing_plane"], "pixels");
+    assert_eq!(image.get("column_spacing_mm"), None);
+}
+
+#[test]
+fn a_case_is_never_overwritten() {
+    let here = Here::new();
+    put(&here, "a.dcm", &film(1));
+    let arguments = ["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"];
+    assert_eq!(here.import(&arguments).2, 0);
+    let before = everything(&here.path("a"));
+    let (_, error, code) = here.import(&arguments);
+    assert_eq!(code, 3);
+    assert!(error.contains("overwrites nothing"), "{error}");
+    assert_eq!(before, everything(&here.path("a")));
+    // Nor are the patient's own films, where they have the names that a case would give them.
+    fs::create_dir(here.path("own")).expect("a folder");
+    put(&here, "own/left_bending.dcm", &film(3));
+    let into = ["own", "--case-id", "A", "--out", "own", "--film", "erect=1"];
+    let (_, error, code) = here.import(&into);
+    assert_eq!(code, 3);
+    assert!(error.contains("own/left_bending.dcm"), "{error}");
+    assert_eq!(fs::read(here.path("own/left_bending.dcm")).expect("there"), film(3).file(EXPLICIT));
+}
+
+#[test]
+fn two_answers_to_one_question_and_answers_about_no_film_are_refused() {
+    let here = Here::new();
+    put(&here, "a.dcm", &film(1));
+    let refused = |more: &[&str]| {
+        let base = ["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"];
+        let (_, error, code) = here.import(&[&base[..], more].concat());
+        assert_eq!(code, 2, "{error}");
+        error
+    };
+    let twice = ["--patient-left", "image-right", "--patient-left", "image-left"];
+    assert!(refused(&twice).contains("--patient-left is given twice"));
+    let both = ["--ball", "erect=1,1,40,1,25", "--ruler", "erect=1,1,40,1,100"];
+    assert!(refused(&both).contains("the erect film"));
+    assert!(refused(&["--invert", "traction"]).contains("--film traction="));
+}
+
+#[test]
+fn without_a_choice_the_films_are_listed_and_nothing_is_written() {
+    let here = Here::new();
+    put(&here, "a.dcm", &film(1));
+    fs::write(here.path("notes.txt"), "<notes>").expect("a file");
+    let (_, error, code) = here.import(&[".", "--case-id", "A", "--out", "a"]);
+    assert_eq!(code, 2);
+    assert!(error.contains("--film erect=1") && error.contains("notes.txt"), "{error}");
+    let (_, error, code) = here.import(&[".", "--case-id", "A", "--out", "a", "--film", "erect=7"]);
+    assert_eq!(code, 2);
+    assert!(error.contains("film 7 is not among the 1 films"), "{error}");
+    assert!(!here.path("a").exists());
+}
+
+#[test]
+fn pictures_lose_what_is_not_picture() {
+    let here = Here::new();
+    let mut png = Vec::new();
+    let mut encoder = png::Encoder::new(&mut png, 30, 20);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.add_text_chunk("Patient".to_owned(), CANARY.to_owned()).expect("a text");
+    let pixels: Vec<u8> = (0..600u32).map(|i| (i * 7 % 251) as u8).collect();
+    encoder.write_header().expect("a header").write_image_data(&pixels).expect("pixels");
+    assert!(holds(&png, CANARY));
+    fs::write(here.path("a.png"), &png).expect("a file");
+    let (_, error, code) = here.import(&[
+        "a.png",
+        "--case-id",
+        "A",
+        "--out",
+        "a",
+        "--film",
+        "erect=1",
+        "--patient-left",
+        "image-left",
+    ]);
+    assert_eq!(code, 0, "{error}");
+    let written = fs::read(here.path("a/erect.png")).expect("the film");
+    assert!(!holds(&written, CANARY));
+    let film = read_film(&written, &FilmLimits::default()).expect("a film");
+    assert!(film.stored.iter().eq(pixels.iter().map(|&p| i32::from(p))));
+}

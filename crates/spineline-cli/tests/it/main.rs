@@ -1,0 +1,19 @@
+//! The program as its users call it: what it prints, what it writes, and how it ends.
+
+mod commands;
+mod comparison;
+mod film;
+mod guide;
+mod import;
+#[path = "../../../spineline-films/tests/it/maker.rs"]
+mod maker;
+mod noise_study;
+mod program;
+mod reliability;
+mod report;
+mod rerun;
+mod results;
+mod serve;
+mod simulate;
+mod study;
+mod tables;

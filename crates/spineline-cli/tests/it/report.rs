@@ -1,0 +1,145 @@
+//! `spineline report`: files of every form, for one patient and for a cohort.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use spineline_report::embedded;
+use tempfile::TempDir;
+
+use crate::program::run;
+
+fn phantoms(subjects: &[&str]) -> TempDir {
+    let here = tempfile::tempdir().expect("a place for files");
+    for subject in subjects {
+        let arguments = ["phantom", "--truth", "rod", "--subject", subject, "--out", "demo"];
+        assert_eq!(run(here.path(), &arguments).2, 0);
+    }
+    here
+}
+
+fn analysis_in(report: &Path) -> Value {
+    let bytes = fs::read(report).expect("the report is written");
+    serde_json::from_str(&embedded(&bytes).expect("an analysis is within")).expect("it is JSON")
+}
+
+#[test]
+fn a_folder_with_one_case_makes_a_patients_report_under_its_name() {
+    let here = phantoms(&["1"]);
+    let (said, error, code) = run(here.path(), &["report", "demo"]);
+    assert!(code == 0 && said.contains("phantom-rod-01.html"), "{code} {said} {error}");
+    let report = here.path().join("phantom-rod-01.html");
+    let analysis = analysis_in(&report);
+    assert_eq!(analysis["case_id"], "phantom-rod-01");
+    assert_eq!(analysis["format"], "spineline-analysis");
+    let text = fs::read_to_string(report).expect("it is text");
+    assert!(text.contains("Synthetic data") && !text.contains("src=\"http"));
+}
+
+#[test]
+fn markdown_has_its_figures_beside_it() {
+    let here = phantoms(&["1"]);
+    let arguments = ["report", "demo", "--to", "md", "--out", "out/a.md", "--figures", "pictures"];
+    let (_, error, code) = run(here.path(), &arguments);
+    assert_eq!(code, 0, "{error}");
+    let report = here.path().join("out/a.md");
+    assert_eq!(analysis_in(&report)["case_id"], "phantom-rod-01");
+    let text = fs::read_to_string(&report).expect("it is text");
+    let mut figures = 0;
+    for (_, rest) in text.match_indices("](").map(|(at, _)| text.split_at(at + 2)) {
+        let (name, _) = rest.split_once(')').expect("a link ends");
+        let svg =
+            fs::read_to_string(here.path().join("out").join(name)).expect("the figure is there");
+        assert!(svg.starts_with("<svg "), "{name}");
+        figures += 1;
+    }
+    assert!(figures > 10, "{figures} figures");
+    let count = |ending: &str| {
+        let files = fs::read_dir(here.path().join("pictures")).expect("the folder is there");
+        let names = files.map(|file| file.expect("it can be read").file_name());
+        names.filter(|name| name.to_string_lossy().ends_with(ending)).count()
+    };
+    assert_eq!((count(".svg"), count(".png")), (figures, figures));
+}
+
+#[cfg(feature = "pdf")]
+#[test]
+fn a_typeset_report_holds_its_analysis_and_is_repeated_from_itself_alone() {
+    let here = phantoms(&["1"]);
+    let (said, error, code) = run(here.path(), &["report", "demo", "--to", "pdf"]);
+    assert!(code == 0 && said.contains("phantom-rod-01.pdf"), "{code} {said} {error}");
+    let bytes = fs::read(here.path().join("phantom-rod-01.pdf")).expect("the report is written");
+    assert!(bytes.starts_with(b"%PDF-"));
+    let text = spineline_pdf::embedded(&bytes).expect("an analysis is within");
+    let analysis: Value = serde_json::from_str(&text).expect("it is JSON");
+    assert_eq!(analysis["case_id"], "phantom-rod-01");
+    fs::remove_dir_all(here.path().join("demo")).expect("the case goes");
+    let (said, error, code) = run(here.path(), &["rerun", "phantom-rod-01.pdf"]);
+    assert!(code == 0 && said.contains("Nothing differs"), "{code} {said} {error}");
+}
+
+#[test]
+fn a_hostile_identifier_is_no_path_and_no_markup() {
+    let here = phantoms(&["1"]);
+    let path = here.path().join("demo/phantom-rod-01.json");
+    let text = fs::read_to_string(&path).expect("the case is there");
+    let name = "../<script>病例";
+    let mut case: Value = serde_json::from_str(&text).expect("it is JSON");
+    case["case_id"] = name.into();
+    fs::write(&path, case.to_string()).expect("it can be written");
+    let (said, error, code) = run(here.path(), &["report", "demo"]);
+    assert_eq!(code, 0, "{error}");
+    let file = said.trim_start_matches("Report").trim();
+    assert!(file.ends_with(".html") && !file.contains('/') && file.is_ascii(), "{file}");
+    let report = here.path().join(file);
+    assert_eq!(analysis_in(&report)["case_id"], name);
+    let text = fs::read_to_string(report).expect("it is text");
+    assert!(text.contains("<bdi>../&lt;script&gt;病例</bdi>"));
+}
+
+#[test]
+fn a_cohort_counts_who_was_refused_and_does_not_depend_on_threads() {
+    let here = phantoms(&["1", "2"]);
+    fs::write(here.path().join("demo/odd.json"), "{\"format\": \"spineline-case\"}")
+        .expect("a file");
+    let mut reports = Vec::new();
+    for threads in ["1", "3"] {
+        let arguments = ["report", "demo", "--threads", threads];
+        let (_, error, code) = run(here.path(), &arguments);
+        assert_eq!(code, 3, "a case was refused\n{error}");
+        assert!(error.contains("odd.json"), "{error}");
+        let report = here.path().join("cohort.html");
+        let mut analyses = analysis_in(&report);
+        // Names the command, which is another one.
+        for analysis in analyses.as_array_mut().expect("a list") {
+            assert!(analysis["provenance"].take().is_object());
+        }
+        let text = fs::read_to_string(report).expect("it is text");
+        let (page, rest) = text.split_once("<script type=\"application/json\"").expect("within");
+        let (_, end) = rest.split_once("</script>").expect("it ends");
+        reports.push((page.to_owned(), end.to_owned(), analyses));
+    }
+    assert!(reports[0] == reports[1], "threads change the report");
+    let (text, _, analyses) = reports.swap_remove(0);
+    assert_eq!(analyses.as_array().map(Vec::len), Some(2));
+    for words in ["odd.json", "the file could not be read", "2 patients", "case files read"] {
+        assert!(text.contains(words), "{words}");
+    }
+    let arguments = ["report", "demo", "--replicates", "10"];
+    let (_, error, code) = run(here.path(), &arguments);
+    assert!(code == 2 && error.contains("one patient"), "{code} {error}");
+}
+
+#[test]
+fn a_report_is_repeated_from_itself_alone() {
+    let here = phantoms(&["1"]);
+    for (form, name) in [("html", "a.html"), ("md", "a.md")] {
+        let written = run(here.path(), &["report", "demo", "--to", form, "--out", name]);
+        assert_eq!(written.2, 0, "{}", written.1);
+    }
+    fs::remove_dir_all(here.path().join("demo")).expect("the case goes");
+    for name in ["a.html", "a.md"] {
+        let (said, error, code) = run(here.path(), &["rerun", name]);
+        assert!(code == 0 && said.contains("Nothing differs"), "{code} {said} {error}");
+    }
+}

@@ -1,0 +1,204 @@
+//! An analysis again from nothing but its file, and where outputs say that they come from.
+
+use std::fs;
+use std::path::Path;
+
+use assert_cmd::Command;
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::program::{finish, spineline};
+
+/// Standard output, standard error and exit code, at a fixed date.
+fn run(folder: &Path, arguments: &[&str]) -> (String, String, i32) {
+    finish(spineline(folder).env("SOURCE_DATE_EPOCH", "1767323045").args(arguments))
+}
+
+fn folder_with_phantom() -> TempDir {
+    let here = tempfile::tempdir().expect("a place for files");
+    let (_, error, code) = run(here.path(), &["phantom", "--subject", "1", "--out", "cases"]);
+    assert_eq!(code, 0, "{error}");
+    here
+}
+
+fn json(path: &Path) -> Value {
+    serde_json::from_str(&fs::read_to_string(path).expect("a file")).expect("JSON")
+}
+
+const CASE: &str = "cases/phantom-rod-01.json";
+
+#[test]
+fn an_analysis_is_repeated_from_its_file_alone() {
+    let here = folder_with_phantom();
+    let at = |name: &str| here.path().join(name);
+    let stiffness = run(here.path(), &["stiffness"]).0.replace("132.0", "131.9");
+    fs::write(at("springs.json"), stiffness).expect("written");
+    let asked = [
+        "analyze",
+        CASE,
+        "--json",
+        "a.json",
+        "--fit",
+        "ferguson",
+        "--stiffness",
+        "springs.json",
+        "--compare-models",
+        "couple",
+        "--replicates",
+        "3",
+        "--noise",
+        "2.5",
+        "--seed",
+        "7",
+        "--identifiability",
+        "--min-lobe",
+        "4.1",
+    ];
+    assert_eq!(run(here.path(), &asked).2, 0);
+    fs::create_dir(at("elsewhere")).expect("a folder");
+    fs::rename(at("a.json"), at("elsewhere/a.json")).expect("moved");
+    let (text, error, code) =
+        run(&at("elsewhere"), &["rerun", "a.json", "--json", "b.json", "--tolerance", "0"]);
+    assert_eq!(code, 0, "{text}{error}");
+    for word in ["SYNTHETIC", "Nothing differs", "2026-01-02T03:04:05Z", "not here", "--min-lobe"] {
+        assert!(text.contains(word), "{word} is missing in\n{text}");
+    }
+    let (mut a, mut b) = (json(&at("elsewhere/a.json")), json(&at("elsewhere/b.json")));
+    assert_eq!(a["provenance"]["inputs"].as_array().map(Vec::len), Some(2), "case and springs");
+    for file in [&mut a, &mut b] {
+        file["provenance"].as_object_mut().expect("an object").remove("command");
+    }
+    assert_eq!(a, b);
+}
+
+#[test]
+fn what_has_changed_is_named_with_its_place_and_the_exit_code_says_so() {
+    let here = folder_with_phantom();
+    let path = here.path().join("a.json");
+    assert_eq!(run(here.path(), &["analyze", CASE, "--json", "a.json"]).2, 0);
+    let mut file = json(&path);
+    let length = file["chain"]["segment_mm"].as_f64().expect("a number");
+    file["chain"]["segment_mm"] = (length * (1.0 + 1e-6)).into();
+    file["sagittal_profile"] = "measured".into();
+    file["provenance"]["program"] = "spineline 0.0.1".into();
+    fs::write(&path, file.to_string()).expect("written");
+    fs::write(here.path().join(CASE), "{}").expect("the case is changed");
+    let (text, _, code) = run(here.path(), &["rerun", "a.json"]);
+    assert_eq!(code, 4, "{text}");
+    for word in [
+        "chain.segment_mm",
+        "1.0e-6",
+        "sagittal_profile",
+        "\"measured\"",
+        "CHANGED",
+        "then spineline 0.0.1",
+    ] {
+        assert!(text.contains(word), "{word} is missing in\n{text}");
+    }
+    let (text, _, code) = run(here.path(), &["rerun", "a.json", "--tolerance", "1e-5"]);
+    assert!(code == 4 && !text.contains("chain.segment_mm"), "a text has no tolerance: {text}");
+    fs::write(&path, "%PDF-1.7 and no analysis").expect("written");
+    let (_, error, code) = run(here.path(), &["rerun", "a.json"]);
+    assert!(code == 3 && error.contains("there is no analysis in this file"), "{error}");
+    fs::write(&path, "{\"format\": \"spineline-analysis\", ").expect("written");
+    let (_, error, code) = run(here.path(), &["rerun", "a.json"]);
+    assert!(code == 3 && error.contains("not JSON"), "{error}");
+}
+
+#[test]
+fn figures_come_from_the_analysis_alone_and_a_cohort_is_a_list() {
+    let here = folder_with_phantom();
+    let (_, error, code) = run(here.path(), &["phantom", "--subject", "2", "--out", "cases"]);
+    assert_eq!(code, 0, "{error}");
+    let asked =
+        ["analyze", "cases", "--json", "all.json", "--figures", "first", "--support", "frontal"];
+    assert_eq!(run(here.path(), &asked).2, 0);
+    fs::remove_dir_all(here.path().join("cases")).expect("gone");
+    let (text, error, code) = run(here.path(), &["rerun", "all.json", "--figures", "second"]);
+    assert_eq!(code, 0, "{error}");
+    assert!(text.contains("phantom-rod-01") && text.contains("phantom-rod-02"), "{text}");
+    let picture = |folder: &str, name: &str| {
+        let svg = fs::read_to_string(here.path().join(folder).join(name)).expect("a figure");
+        let (before, rest) = svg.split_once("<metadata>").expect("where it comes from");
+        let (metadata, after) = rest.split_once("</metadata>").expect("an end");
+        let provenance: Value = serde_json::from_str(metadata).expect("JSON");
+        assert_eq!(provenance["options"]["support"], "frontal");
+        format!("{before}{after}")
+    };
+    for entry in fs::read_dir(here.path().join("first")).expect("figures") {
+        let name = entry.expect("a figure").file_name().into_string().expect("a name");
+        assert_eq!(picture("first", &name), picture("second", &name), "{name}");
+    }
+}
+
+#[test]
+fn a_case_is_taken_from_an_analysis_and_other_options_are_said() {
+    let here = folder_with_phantom();
+    let analyse = |asked: &[&str]| run(here.path(), &[&["analyze"], asked].concat());
+    assert_eq!(analyse(&[CASE, "--json", "a.json", "--fit", "ferguson"]).2, 0);
+    let (of_case, _, _) = analyse(&[CASE]);
+    let (of_analysis, error, code) = analyse(&["a.json"]);
+    assert_eq!((code, &of_analysis), (0, &of_case));
+    assert!(error.contains("[other_options]"), "{error}");
+    let (_, error, _) = analyse(&["a.json", "--fit", "ferguson"]);
+    assert!(!error.contains("[other_options]"), "{error}");
+    let (_, error, code) = analyse(&["a.json", CASE]);
+    assert!(code == 3 && error.contains("was given already"), "{error}");
+    assert_eq!(run(here.path(), &["check", "a.json"]).2, 0);
+}
+
+#[test]
+fn every_file_of_an_analysis_says_where_it_comes_from() {
+    let here = folder_with_phantom();
+    let outputs = [
+        "analyze",
+        CASE,
+        "--json",
+        "a.json",
+        "--csv",
+        "errors.csv",
+        "--chain",
+        "chain.csv",
+        "--cohort",
+        "cohort.json",
+        "--model",
+        "model.json",
+    ];
+    assert_eq!(run(here.path(), &outputs).2, 0);
+    let simulate =
+        ["simulate", "model.json", "--push", "left", "--force", "20", "--json", "s.json"];
+    assert_eq!(run(here.path(), &simulate).2, 0);
+    assert_eq!(run(here.path(), &["reliability", CASE, "--json", "r.json"]).2, 0);
+    let hash = spineline_files::sha256_hex(&fs::read(here.path().join(CASE)).expect("the case"));
+    for name in [
+        "a.json",
+        "errors.csv.provenance.json",
+        "chain.csv.provenance.json",
+        "cohort.json",
+        "model.json",
+        "s.json",
+        "r.json",
+    ] {
+        let provenance = &json(&here.path().join(name))["provenance"];
+        assert_eq!(provenance["date_utc"], "2026-01-02T03:04:05Z", "{name}");
+        assert_eq!(provenance["films"], "synthetic", "{name}");
+        assert_eq!(provenance["command"][0], "spineline", "{name}");
+        assert!(provenance["program"].as_str().is_some_and(|text| text.contains('.')), "{name}");
+        if name != "s.json" {
+            assert_eq!(provenance["inputs"][0]["name"], CASE, "{name}");
+            assert_eq!(provenance["inputs"][0]["sha256"], hash.as_str(), "{name}");
+        }
+    }
+    let model = fs::read(here.path().join("model.json")).expect("the model");
+    let input = &json(&here.path().join("s.json"))["provenance"]["inputs"][0];
+    assert_eq!(input["sha256"], spineline_files::sha256_hex(&model).as_str());
+    let table = fs::read(here.path().join("errors.csv")).expect("the table");
+    let of = &json(&here.path().join("errors.csv.provenance.json"))["of"][0];
+    assert_eq!(of["sha256"], spineline_files::sha256_hex(&table).as_str());
+    let mut wrong = Command::cargo_bin("spineline").expect("the program");
+    wrong
+        .current_dir(here.path())
+        .env("SOURCE_DATE_EPOCH", "soon")
+        .args(["analyze", CASE, "--json", "-"]);
+    assert_eq!(wrong.output().expect("it starts").status.code(), Some(2));
+}

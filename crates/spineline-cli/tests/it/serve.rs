@@ -1,0 +1,112 @@
+//! Who is let in: `account`, and what `serve` demands before it listens.
+
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Command as Program, Stdio};
+
+use assert_cmd::assert::Assert;
+
+use crate::program::spineline;
+
+const PASSWORD: &str = "a long enough sentence";
+
+fn run(folder: &Path, arguments: &[&str], input: &str) -> Assert {
+    spineline(folder).args(arguments).write_stdin(input).assert()
+}
+
+fn output_of(assert: &Assert) -> String {
+    let output = assert.get_output();
+    let [out, err] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+    format!("{out}{err}")
+}
+
+fn store_with_admin(folder: &Path) {
+    run(folder, &["study", "create", "s.spineline"], "").success();
+    add_admin(folder);
+}
+
+#[test]
+fn accounts_are_made_changed_and_listed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    store_with_admin(folder.path());
+    let run = |arguments: &[&str], input: &str| run(folder.path(), arguments, input);
+    let add = ["account", "add", "r2", "--role", "reader", "--password-stdin", "s.spineline"];
+    let weak = run(&add, "short\n").failure().code(3);
+    assert!(output_of(&weak).contains("12 characters") && !output_of(&weak).contains("short"));
+    run(&add, PASSWORD).success();
+    run(&add, PASSWORD).failure().code(3);
+    run(&["account", "edit", "r2", "--role", "editor", "s.spineline"], "").success();
+    run(&["account", "edit", "r2", "s.spineline"], "").failure().code(2);
+    run(&["account", "edit", "lead", "--disable", "s.spineline"], "").failure().code(3);
+    run(&["account", "grant", "r2", "none", "--role", "editor", "s.spineline"], "")
+        .failure()
+        .code(3);
+    let list = run(&["account", "list", "s.spineline"], "").success();
+    assert!(
+        output_of(&list).contains("r2") && output_of(&list).contains("editor"),
+        "{}",
+        output_of(&list)
+    );
+    assert!(!output_of(&list).contains("argon2"));
+    run(&["study", "verify", "s.spineline"], "").success();
+}
+
+#[test]
+fn a_password_is_never_an_argument() {
+    let folder = tempfile::tempdir().expect("a folder");
+    store_with_admin(folder.path());
+    let add = ["account", "add", "r2", "--role", "reader", "s.spineline"];
+    let refused = run(folder.path(), &add, PASSWORD).failure().code(2);
+    assert!(output_of(&refused).contains("--password-stdin"), "{}", output_of(&refused));
+}
+
+#[test]
+fn f70_an_address_that_others_reach_demands_accounts() {
+    let folder = tempfile::tempdir().expect("a folder");
+    run(folder.path(), &["study", "create", "s.spineline"], "").success();
+    for demanding in
+        [&["--bind", "0.0.0.0", "--host", "h"][..], &["--bind", "192.0.2.1"], &["--accounts"]]
+    {
+        let arguments = [&["serve", "s.spineline"], demanding].concat();
+        let refused = run(folder.path(), &arguments, "").failure().code(3);
+        let expected = "spineline account add NAME --role admin s.spineline";
+        assert!(output_of(&refused).contains(expected), "{}", output_of(&refused));
+    }
+    add_admin(folder.path());
+    let nameless = run(folder.path(), &["serve", "s.spineline", "--bind", "0.0.0.0"], "");
+    assert!(output_of(&nameless.failure().code(2)).contains("--host NAME"));
+}
+
+fn add_admin(folder: &Path) {
+    let add = ["account", "add", "lead", "--role", "admin", "--password-stdin", "s.spineline"];
+    run(folder, &add, PASSWORD).success();
+}
+
+/// The first line of a server that is then ended.
+fn first_line(folder: &Path, arguments: &[&str]) -> String {
+    let mut server = Program::new(assert_cmd::cargo::cargo_bin("spineline"))
+        .current_dir(folder)
+        .args(arguments)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("a server");
+    let mut line = String::new();
+    let output = server.stdout.take().expect("its output");
+    BufReader::new(output).read_line(&mut line).expect("a line");
+    server.kill().expect("killed");
+    server.wait().expect("an end");
+    line
+}
+
+#[test]
+fn f70_this_machine_alone_is_the_default() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let line = first_line(folder.path(), &["serve", "new.spineline", "--port", "0"]);
+    assert!(line.starts_with("http://127.0.0.1:") && line.contains("/#token="), "{line}");
+    assert!(!line.contains('?'), "{line}");
+    store_with_admin(folder.path());
+    let arguments = ["serve", "s.spineline", "--port", "0", "--accounts"];
+    let line = first_line(folder.path(), &arguments);
+    assert!(line.starts_with("http://127.0.0.1:") && !line.contains("token"), "{line}");
+}

@@ -1,0 +1,296 @@
+//! `spineline simulate` as its users call it.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use crate::program::run;
+
+/// A folder with the model of a phantom, `model.json`.
+fn folder() -> TempDir {
+    let here = tempfile::tempdir().expect("a place for files");
+    run(here.path(), &["phantom", "--truth", "rod", "--subject", "1", "--out", "."]);
+    let analyze = ["analyze", "phantom-rod-01.json", "--model", "model.json"];
+    let (_, error, code) = run(here.path(), &analyze);
+    assert_eq!(code, 0, "{error}");
+    here
+}
+
+/// The JSON of a simulation, and the exit code.
+fn simulate(folder: &Path, arguments: &[&str]) -> (Value, i32) {
+    let line = ["simulate", "model.json", "--json", "-"].iter().chain(arguments);
+    let (text, error, code) = run(folder, &line.copied().collect::<Vec<_>>());
+    (serde_json::from_str(&text).unwrap_or_else(|_| panic!("no JSON: {error}")), code)
+}
+
+fn number(json: &Value, pointer: &str) -> f64 {
+    json.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}"))
+}
+
+#[test]
+fn a_force_makes_a_report_and_whole_files() {
+    let here = folder();
+    let line = ["simulate", "model.json", "--push", "left", "--force", "20"];
+    let files = ["--json", "out/s.json", "--csv", "out/s.csv", "--svg", "out/s.svg"];
+    let all: Vec<&str> = line.iter().chain(&files).copied().collect();
+    let (text, error, code) = run(here.path(), &all);
+    assert_eq!(code, 0, "{error}");
+    for words in [
+        "SYNTHETIC",
+        "relative units, not newtons",
+        "CONVERGED",
+        "Cobb, main thoracic",
+        "convex right",
+        "left",
+    ] {
+        assert!(text.contains(words), "{words} is missing in\n{text}");
+    }
+    let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("it was written");
+    let json: Value = serde_json::from_str(&read("out/s.json")).expect("JSON");
+    for pointer in [
+        "/generator",
+        "/case_id",
+        "/equilibria/0/factor",
+        "/equilibria/0/on_erect_branch",
+        "/equilibria/0/limit_points",
+        "/equilibria/0/branch_points",
+        "/equilibria/0/residual_rad",
+        "/equilibria/0/smallest_singular_value",
+        "/equilibria/0/midpoints_mm/T2/2",
+        "/equilibria/0/axes/T2/2/2",
+        "/equilibria/0/hinges_rad/T3~1T2/0",
+        "/equilibria/0/spring_forces",
+        "/equilibria/0/rod_reactions",
+        "/equilibria/0/cobb_deg/main_thoracic",
+        "/equilibria/0/ferguson_deg/main_thoracic",
+        "/events",
+        "/path/0/timing",
+        "/path/0/factor",
+        "/path/0/arc_rad",
+        "/path/0/lean_right_deg",
+        "/path/0/residual_rad",
+        "/path/0/iterations",
+        "/warnings/0/code",
+        "/erect/cobb_deg/main_thoracic",
+    ] {
+        assert!(json.pointer(pointer).is_some_and(|value| !value.is_null()), "{pointer}");
+    }
+    assert_eq!((&json["format"], &json["version"]), (&json!("spineline-simulation"), &json!(1)));
+    assert_eq!(
+        (&json["synthetic"], &json["absolute"], &json["status"]),
+        (&json!(true), &json!(false), &json!("converged"))
+    );
+    let rows = read("out/s.csv");
+    let columns: Vec<usize> = rows.lines().map(|row| row.split(',').count()).collect();
+    assert!(columns.len() > 3 && columns.iter().all(|n| *n == columns[0]), "{columns:?}");
+    assert_eq!(columns.len(), 1 + json["path"].as_array().expect("a list").len());
+    assert!(rows.contains("lean_right_deg") && rows.contains("cobb_main_thoracic_convex_left_deg"));
+    let svg = read("out/s.svg");
+    assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
+    for words in ["synthetic data", "relative units, not newtons", "Seen from behind", "LEFT"] {
+        assert!(svg.contains(words), "{words}");
+    }
+}
+
+#[test]
+fn the_load_of_a_film_gives_the_shape_of_the_analysis() {
+    // Oracle: the march inside of the analysis.
+    let here = folder();
+    let (text, _, _) = run(here.path(), &["analyze", "phantom-rod-01.json", "--json", "-"]);
+    let analysis: Value = serde_json::from_str(&text).expect("JSON");
+    for film in ["left_bending", "traction"] {
+        let (json, code) = simulate(here.path(), &["--posture", film]);
+        assert_eq!(code, 0);
+        let there = &analysis["models"]["inflection_line"]["postures"][film];
+        let force = there["force_n"].as_f64().expect("a force");
+        let sent = json["loads"][0]["force_n"].as_array().expect("a vector");
+        let size: f64 = sent.iter().map(|part| part.as_f64().expect("a part").powi(2)).sum();
+        assert!((size.sqrt() - force.abs()).abs() < 1e-9 * force.abs());
+        let main = |json: &Value, pointer: &str| number(json, pointer);
+        let error = main(there, "/ferguson_error_deg/main_thoracic");
+        let film_deg =
+            number(&analysis, &format!("/clinical/curves/main_thoracic/ferguson_deg/{film}"));
+        let simulated = main(&json, "/equilibria/0/ferguson_deg/main_thoracic");
+        assert!(
+            ((simulated - film_deg).abs() - error.abs()).abs() < 1e-9,
+            "{simulated} {film_deg} {error}"
+        );
+    }
+    let (json, _) = simulate(here.path(), &["--posture", "right_bending", "--force", "10"]);
+    let along = number(&json, "/loads/0/force_n/2");
+    assert!(along < 0.0, "the right bend's force is caudal, and 10 of it too");
+}
+
+#[test]
+fn an_amplitude_is_found_whichever_way_the_loads_point() {
+    let here = folder();
+    let lean = ["--amplitude", "20", "--towards"];
+    let with = |push: &str, side: &str| {
+        let line: Vec<&str> =
+            ["--push", push].iter().chain(&lean).chain(&[side]).copied().collect();
+        simulate(here.path(), &line)
+    };
+    let ((left, code), (against, _), (right, _)) =
+        (with("left", "left"), with("right", "left"), with("left", "right"));
+    assert_eq!(code, 0);
+    let factor = |json: &Value| number(json, "/equilibria/0/factor");
+    assert!(factor(&left) > 0.0 && (factor(&left) + factor(&against)).abs() < 1e-9 * factor(&left));
+    assert_eq!(against["equilibria"][0]["direction"], "against");
+    assert!(factor(&right) < 0.0);
+    assert!((number(&left, "/equilibria/0/lean_right_deg") + 20.0).abs() < 1e-7);
+    assert!((number(&right, "/equilibria/0/lean_right_deg") - 20.0).abs() < 1e-7);
+    assert_eq!(left["equilibria"][0]["verdict"], "reached");
+    // Where several shapes lean alike, all are told, and why.
+    let line = [
+        "simulate",
+        "model.json",
+        "--posture",
+        "traction",
+        "--amplitude",
+        "3",
+        "--towards",
+        "left",
+    ];
+    let (text, _, code) = run(here.path(), &line);
+    assert_eq!(code, 0);
+    for words in
+        ["SEVERAL EQUILIBRIA", "chosen: smallest factor", "not chosen", "against their direction"]
+    {
+        assert!(text.contains(words), "{words} is missing in\n{text}");
+    }
+}
+
+/// The mirror image of a model: what was left is right.
+fn mirrored(model: &str) -> String {
+    let mut json: Value = serde_json::from_str(model).expect("JSON");
+    let flip = |value: &mut Value| *value = json!(-value.as_f64().expect("a number"));
+    for vertebra in json["vertebrae"].as_array_mut().expect("a list") {
+        flip(&mut vertebra["midpoint_mm"][1]);
+        // The mirror turns right-handed axes: S R S with S = diag(1, -1, 1).
+        for (axis, part) in [(0, 1), (1, 0), (1, 2), (2, 1)] {
+            flip(&mut vertebra["axes"][axis][part]);
+        }
+    }
+    for joint in json["joints"].as_array_mut().expect("a list") {
+        flip(&mut joint["centre_mm"][1]);
+    }
+    json.to_string()
+}
+
+#[test]
+fn the_mirror_image_answers_as_a_mirror_image() {
+    let here = folder();
+    let (left, _) =
+        simulate(here.path(), &["--push", "left", "--force", "30", "--level", "T8", "--follow"]);
+    let model = fs::read_to_string(here.path().join("model.json")).expect("the model");
+    fs::write(here.path().join("model.json"), mirrored(&model)).expect("written");
+    let (right, _) =
+        simulate(here.path(), &["--push", "right", "--force", "30", "--level", "T8", "--follow"]);
+    for pointer in [
+        "lean_right_deg",
+        "cobb_deg/main_thoracic",
+        "ferguson_deg/proximal_thoracic",
+        "midpoints_mm/T2/1",
+    ] {
+        let of = |json: &Value| number(json, &format!("/equilibria/0/{pointer}"));
+        assert!((of(&left) + of(&right)).abs() < 1e-8, "{pointer}");
+    }
+}
+
+#[test]
+fn weight_and_a_pad_come_from_a_file() {
+    let here = folder();
+    let load = json!({ "format": "spineline-load", "version": 1, "loads": [
+        { "kind": "gravity", "body_weight_n": 20 },
+        { "kind": "pad", "level": "T9", "direction": [0, 1, 0], "n_per_mm": 2, "advance_mm": 20 },
+        { "kind": "strap", "level": "T4", "anchor_mm": [0, 200, 320], "n_per_mm": 1, "shortening_mm": -30 } ] });
+    fs::write(here.path().join("load.json"), load.to_string()).expect("written");
+    let (json, code) = simulate(here.path(), &["--load", "load.json"]);
+    assert_eq!(code, 0);
+    assert!(number(&json, "/equilibria/0/spring_forces/0/force_n") > 0.0);
+    assert_eq!(json["equilibria"][0]["spring_forces"][0]["load"], 2);
+    let codes: Vec<&str> = json["warnings"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter_map(|w| w["code"].as_str())
+        .collect();
+    for code in ["relative_forces", "weight_on_top", "springs_stick", "strap_pushes"] {
+        assert!(codes.contains(&code), "{code} is missing in {codes:?}");
+    }
+    assert_eq!(json["path"][0]["timing"], "held");
+}
+
+#[test]
+fn what_is_no_result_ends_with_4_and_says_so_everywhere() {
+    let here = folder();
+    let line = [
+        "simulate",
+        "model.json",
+        "--push",
+        "caudal",
+        "--force",
+        "1500",
+        "--svg",
+        "s.svg",
+        "--json",
+        "s.json",
+    ];
+    let (text, _, code) = run(here.path(), &line);
+    assert_eq!(code, 4);
+    assert!(text.contains("NO RESULT") && !text.contains("Cobb"), "{text}");
+    let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("it was written");
+    assert!(read("s.svg").contains("not a result (unreachable)"));
+    assert!(read("s.json").contains("\"status\": \"unreachable\""));
+    let line = ["--push", "left", "--amplitude", "80", "--towards", "left"];
+    assert_eq!(simulate(here.path(), &line).1, 4);
+}
+
+#[test]
+fn bad_loads_and_models_end_with_3_and_wrong_calls_with_2() {
+    let here = folder();
+    let bad = r#"{"format":"spineline-load","version":1,"loads":[{"kind":"moment","level":"T1","moment_nmm":[1,0,0]}]}"#;
+    fs::write(here.path().join("bad.json"), bad).expect("written");
+    for (arguments, expected, words) in [
+        (
+            &["model.json", "--load", "bad.json"][..],
+            3,
+            "load 1 (moment, T1): T1 is not in the model",
+        ),
+        (&["model.json", "--load", "model.json"], 3, "should be `spineline-load`"),
+        (&["phantom-rod-01.json", "--posture", "neutral"], 3, "should be `spineline-model`"),
+        (&["model.json", "--posture", "erect"], 3, "left_bending"),
+        (&["model.json"], 2, "--push"),
+        (&["model.json", "--push", "left"], 2, "--force"),
+        (&["model.json", "--push", "left", "--posture", "neutral"], 2, "cannot be used"),
+        (&["model.json", "--push", "left", "--force=-3"], 2, "above zero"),
+        (&["model.json", "--push", "left", "--force", "3", "--amplitude", "5"], 2, "--towards"),
+        (&["model.json", "--load", "bad.json", "--force", "3"], 2, "cannot be used"),
+        (
+            &["model.json", "--push", "left", "--force", "3", "--json", "-", "--csv", "-"],
+            2,
+            "only one",
+        ),
+    ] {
+        let line: Vec<&str> = ["simulate"].iter().chain(arguments).copied().collect();
+        let (_, error, code) = run(here.path(), &line);
+        assert_eq!(code, expected, "{arguments:?}: {error}");
+        assert!(error.contains(words), "{words} is missing in {error}");
+    }
+}
+
+#[test]
+fn a_model_without_regions_is_measured_at_the_usual_places_and_says_so() {
+    let here = folder();
+    let path = here.path().join("model.json");
+    let mut model: Value =
+        serde_json::from_str(&fs::read_to_string(&path).expect("the model")).expect("JSON");
+    model.as_object_mut().expect("an object").remove("regions");
+    fs::write(&path, model.to_string()).expect("written");
+    let (json, code) = simulate(here.path(), &["--push", "left", "--force", "5"]);
+    assert_eq!(code, 0);
+    assert_eq!(json["warnings"][0]["code"], "usual_regions");
+    assert!(json["equilibria"][0]["cobb_deg"]["main_thoracic"].is_number());
+}

@@ -1,0 +1,118 @@
+//! `spineline study`: the store from the command line.
+
+use std::fs;
+use std::path::Path;
+
+use crate::program::run;
+
+/// A store with one synthetic case of one reading, whose films are small files of any bytes.
+fn store(folder: &Path) {
+    let (_, error, code) =
+        run(folder, &["phantom", "--subject", "1", "--out", "p", "--noise", "0"]);
+    assert_eq!(code, 0, "{error}");
+    let path = folder.join("p/phantom-rod-01.json");
+    let mut case: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(&path).expect("written")).expect("JSON");
+    for film in case["films"].as_array_mut().expect("films") {
+        let posture = film["posture"].as_str().expect("a posture").to_owned();
+        let file = format!("{posture}.bin");
+        fs::write(folder.join("p").join(&file), &posture).expect("a film");
+        film["image"]["file"] = file.into();
+        film["image"]["sha256"] = spineline_files::sha256_hex(posture.as_bytes()).into();
+    }
+    fs::write(&path, spineline_files::to_text(&case)).expect("written");
+    assert_eq!(run(folder, &["study", "create", "s.db"]).2, 0);
+    let (out, error, code) = run(folder, &["study", "add", "s.db", "p/phantom-rod-01.json"]);
+    assert_eq!(code, 0, "{error}");
+    assert!(out.contains("5 films and 5 readings"), "{out}");
+}
+
+#[test]
+fn a_case_goes_through_the_store_and_comes_back_with_the_same_marks() {
+    let here = tempfile::tempdir().expect("a temporary folder");
+    store(here.path());
+    let (out, error, code) = run(here.path(), &["study", "export", "s.db", "phantom-rod-01"]);
+    assert_eq!(code, 0, "{error}");
+    let before = fs::read_to_string(here.path().join("p/phantom-rod-01.json")).expect("written");
+    let before = spineline_files::parse_case(&before).expect("a case");
+    let after = spineline_files::parse_case(&out).expect("a case");
+    assert!(after.synthetic);
+    assert_eq!(before.films, after.films);
+    let (out, _, _) = run(here.path(), &["study", "list", "s.db"]);
+    assert!(out.contains("phantom-rod-01 (synthetic)") && out.contains("right bending"), "{out}");
+}
+
+#[test]
+fn a_store_verifies_itself_and_tells_when_it_was_edited() {
+    let here = tempfile::tempdir().expect("a temporary folder");
+    store(here.path());
+    let (out, _, code) = run(here.path(), &["study", "verify", "s.db"]);
+    assert_eq!(code, 0, "{out}");
+    let head = out.split_whitespace().find(|word| word.contains(':') && word.len() > 64);
+    let head = head.expect("the end of the log").to_owned();
+    let (out, error, code) = run(here.path(), &["study", "backup", "s.db", "copy.db"]);
+    assert_eq!((code, error.as_str()), (0, ""), "{out}");
+    assert_eq!(run(here.path(), &["study", "verify", "copy.db", "--head", &head]).2, 0);
+    let connection = rusqlite::Connection::open(here.path().join("copy.db")).expect("SQLite");
+    connection
+        .execute_batch("UPDATE studies SET synthetic = 0")
+        .expect("an edit behind the program's back");
+    drop(connection);
+    let (out, _, code) = run(here.path(), &["study", "verify", "copy.db"]);
+    assert_eq!(code, 3);
+    assert!(out.contains("study/phantom-rod-01 is not what the log says"), "{out}");
+}
+
+#[test]
+fn an_observer_is_told_a_code_and_nothing_else() {
+    let here = tempfile::tempdir().expect("a temporary folder");
+    store(here.path());
+    // A study that was read has no plan any more; one without readings gets one.
+    let path = here.path().join("p/phantom-rod-01.json");
+    let text = fs::read_to_string(&path).expect("written");
+    let mut case: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    case["case_id"] = "blind".into();
+    for film in case["films"].as_array_mut().expect("films") {
+        film["readings"] = serde_json::Value::Array(Vec::new());
+    }
+    fs::write(here.path().join("p/blind.json"), case.to_string()).expect("written");
+    assert_eq!(run(here.path(), &["study", "add", "s.db", "p/blind.json"]).2, 0);
+    let plan = ["study", "plan", "s.db", "blind", "--observers", "A,B", "--repeats", "2"];
+    let (out, error, code) = run(here.path(), &plan);
+    assert_eq!(code, 0, "{error}");
+    assert!(out.contains("20 readings are planned"), "{out}");
+    let (out, _, _) = run(here.path(), &["study", "next", "s.db", "blind", "--observer", "A"]);
+    assert!(out.starts_with("Next: film "), "{out}");
+    for word in ["erect", "bending", "neutral", "traction", "repeat"] {
+        assert!(!out.contains(word), "{out}");
+    }
+}
+
+#[test]
+fn what_is_no_store_is_not_touched() {
+    let here = tempfile::tempdir().expect("a temporary folder");
+    fs::write(here.path().join("notes.txt"), "notes").expect("a file");
+    for command in ["create", "list", "verify", "log"] {
+        let (_, error, code) = run(here.path(), &["study", command, "notes.txt"]);
+        assert_eq!(code, 3, "{command}: {error}");
+        assert!(error.contains("notes.txt") && error.contains("help:"), "{error}");
+    }
+    assert_eq!(fs::read(here.path().join("notes.txt")).expect("still there"), b"notes");
+    let (_, error, code) = run(here.path(), &["study", "list", "missing.db"]);
+    assert_eq!(code, 3);
+    assert!(error.contains("missing.db"), "{error}");
+}
+
+#[test]
+fn a_film_that_is_not_the_cases_own_is_refused_before_anything_is_written() {
+    let here = tempfile::tempdir().expect("a temporary folder");
+    store(here.path());
+    let path = here.path().join("p/phantom-rod-01.json");
+    let text = fs::read_to_string(&path).expect("written").replace("phantom-rod-01", "other");
+    fs::write(&path, text).expect("written");
+    fs::write(here.path().join("p/neutral.bin"), "changed").expect("a film");
+    let (_, error, code) = run(here.path(), &["study", "add", "s.db", "p/phantom-rod-01.json"]);
+    assert_eq!(code, 3);
+    assert!(error.contains("neutral film") && error.contains("SHA-256"), "{error}");
+    assert!(!run(here.path(), &["study", "list", "s.db"]).0.contains("other"));
+}
