@@ -1,5 +1,4 @@
 //! Chains of vertebrae under any loads, for tests of the general solver.
-#![allow(dead_code, reason = "every test binary uses a part of it")]
 
 use spineline::multibody::{
     BodyLoad, BranchEventKind, Equilibrium, EquilibriumPath, GeneralStatics, Goal, LoadItem,

@@ -1,8 +1,6 @@
 //! The force that brings T2 nearest to a place, beside a march in very small steps that looks everywhere.
 
-mod common;
-
-use common::{Draw, spine};
+use crate::common::{Draw, spine};
 use spineline::action::{Application, LineOfAction};
 use spineline::multibody::{
     ForceSign, Load, MatchStatus, Parameter, Solution, SpineModel, Statics, Support, match_t2,

@@ -1,8 +1,6 @@
 //! Curves, chains and clinical angles against shapes whose answers are known.
 
-mod common;
-
-use common::{assert_near, graph_film, measured, outline, usual_regions};
+use crate::common::{self, assert_near, graph_film, measured, outline, usual_regions};
 use proptest::prelude::*;
 use spineline::anatomy::{Posture, Side};
 use spineline::chain::{Chain, SEGMENT_WINDOW};

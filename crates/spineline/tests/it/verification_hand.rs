@@ -1,11 +1,9 @@
 //! The general solver on one and two joints and on rods, where the answer can be written down.
 
-#[path = "common/chain.rs"]
-mod chain;
-mod common;
-
-use chain::{dead, equilibrium, follow, growing, held, loads, pendulum, root, springs, with_rods};
-use common::{Draw, assert_near};
+use crate::common::chain::{
+    self, dead, equilibrium, follow, growing, held, loads, pendulum, root, springs, with_rods,
+};
+use crate::common::{Draw, assert_near};
 use spineline::multibody::{
     BodyLoad, Loading, PathEnding, PathOptions, Rod, Solution, SpineModel, Statics, Support,
     Timing, Wrench,

@@ -1,11 +1,7 @@
 //! Loads that are sought by the lean that they must give, for the general solver.
 
-#[path = "common/chain.rs"]
-mod chain;
-mod common;
-
-use chain::{root, springs, straight};
-use common::{Draw, assert_near, spine};
+use crate::common::chain::{root, springs, straight};
+use crate::common::{Draw, assert_near, spine};
 use spineline::action::LineOfAction;
 use spineline::multibody::{
     BodyLoad, Equilibrium, EquilibriumPath, ForceSign, GeneralStatics, Goal, Load, Loading,

@@ -1,5 +1,10 @@
 //! Helpers that the tests of this crate share.
-#![allow(dead_code, reason = "every test binary uses a part of them")]
+#![allow(dead_code, reason = "`allocations.rs` uses a part of them")]
+
+pub mod chain;
+pub mod elastica;
+pub mod everything;
+pub mod independent;
 
 use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 use spineline::analysis::{Analysis, AnalysisOptions, Case, Subject, analyze};

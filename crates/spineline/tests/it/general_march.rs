@@ -1,8 +1,6 @@
 //! The general solver against the march, where both apply.
 
-mod common;
-
-use common::{Draw, spine};
+use crate::common::{Draw, spine};
 use spineline::multibody::{
     BodyLoad, GeneralStatics, Goal, LoadItem, Loading, PathEnding, PathOptions, Solution,
     SpineModel, Statics, Support, Timing, Wrench,

@@ -3,17 +3,13 @@
 //! A column of length `L` and bending stiffness `EI` is cut into `N` elements of length `h`, with a spring `EI/h` in the
 //! middle of each. The vertebrae are the nodes between the elements: half an element below and above every joint.
 
-#[path = "common/chain.rs"]
-mod chain;
-mod common;
-#[path = "common/elastica.rs"]
-mod elastica;
-
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use chain::{Plane, dead, equilibrium, events, far, follow, orders, root, springs, straight};
-use common::assert_near;
-use elastica::elastica;
+use crate::common::assert_near;
+use crate::common::chain::{
+    Plane, dead, equilibrium, events, far, follow, orders, root, springs, straight,
+};
+use crate::common::elastica::elastica;
 use spineline::multibody::{
     BodyLoad, BranchEventKind, Loading, PathEnding, PathOptions, SpineModel, Support,
 };

@@ -1,10 +1,9 @@
 //! A crooked chain under every kind of load at once, as it is, mirrored or moved.
-#![allow(dead_code, reason = "every test binary uses a part of it")]
 
 use spineline::multibody::{BodyLoad, LoadItem, Loading, Rod, SpineModel, Timing};
 use spineline::spatial::{Mat3, Vec3};
 
-use crate::common::Draw;
+use super::Draw;
 
 /// A spine, its springs and its loads.
 #[derive(Debug, Clone)]

@@ -1,8 +1,6 @@
 //! Points of the global frame on their film: there and back, and where the marks are.
 
-mod common;
-
-use common::{landmarks, measured, phantom};
+use crate::common::{landmarks, measured, phantom};
 use proptest::prelude::*;
 use spineline::analysis::{AnalysisOptions, Identification, analyze};
 use spineline::anatomy::{ImageSide, Level, Posture};

@@ -1,8 +1,6 @@
 //! Bad and extreme loads: every one ends in a named status or a named error.
 
-mod common;
-
-use common::{Draw, spine};
+use crate::common::{Draw, spine};
 use spineline::multibody::{
     BodyLoad, EquilibriumPath, ForceSign, GeneralStatics, Goal, LoadItem, Loading, PathEnding,
     PathOptions, Rod, SpineModel, Support, Timing,

@@ -1,14 +1,10 @@
 //! Singular points of the general solver's path: where the load turns back, and where other branches cross.
 
-#[path = "common/chain.rs"]
-mod chain;
-mod common;
-
-use chain::{
+use crate::common::assert_near;
+use crate::common::chain::{
     Plane, dead, events, far, follow, growing, held, loads, pendulum, root, springs, straight,
     with_rods,
 };
-use common::assert_near;
 use spineline::multibody::{
     BodyLoad, BranchEventKind, EquilibriumPath, Loading, PathEnding, PathOptions, Rod, SpineModel,
     Support, Timing,

@@ -1,10 +1,8 @@
 //! Which shape a spine takes for a wanted lean, and where its angles are measured.
 
-mod common;
-
 use std::ops::ControlFlow;
 
-use common::spine;
+use crate::common::spine;
 use spineline::clinical::CurvePlaces;
 use spineline::multibody::{
     BodyLoad, ForceSign, GeneralStatics, Goal, Loading, PathEnding, Rod, SpineModel, Support,

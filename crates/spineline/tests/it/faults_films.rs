@@ -1,10 +1,10 @@
 //! Films marked wrongly: each fault ends with an error that names film, vertebra and value, and says what to do.
 
-mod common;
-
 use std::mem::swap;
 
-use common::{case_of, exact_case, film_mut, graph_film, landmarks, mark_mut, refused, spacing};
+use crate::common::{
+    case_of, exact_case, film_mut, graph_film, landmarks, mark_mut, refused, spacing,
+};
 use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::error::Error;

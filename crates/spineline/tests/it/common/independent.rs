@@ -1,7 +1,6 @@
 //! The march of the design once more, written on plain arrays and for any kind of number.
 //!
 //! It shares no code with the library: arrays instead of nalgebra, rotation matrices instead of turned axes.
-#![allow(dead_code, reason = "every test binary uses a part of it")]
 
 use num_dual::{Dual64, DualNum};
 use spineline::multibody::SpineModel;

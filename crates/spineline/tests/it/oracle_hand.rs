@@ -1,11 +1,7 @@
 //! Statics that can be checked by hand, and equilibrium as virtual work.
 
-mod common;
-#[path = "common/independent.rs"]
-mod independent;
-
-use common::{Draw, assert_near, spine};
-use independent::{Body, add, apply, product, stack, subtract, transposed};
+use crate::common::independent::{Body, add, apply, product, stack, subtract, transposed};
+use crate::common::{Draw, assert_near, spine};
 use spineline::action::LineOfAction;
 use spineline::multibody::{
     JointGroups, Load, Parameter, Solution, SpineModel, Statics, StiffnessLibrary, Support, Wrench,

@@ -1,17 +1,9 @@
 //! Small loads, and virtual work of all loads at once, for the general solver.
 
-#[path = "common/chain.rs"]
-mod chain;
-mod common;
-#[path = "common/everything.rs"]
-mod everything;
-#[path = "common/independent.rs"]
-mod independent;
-
-use chain::{equilibrium, growing, loads};
-use common::{Draw, assert_near};
-use everything::{Problem, draw_spine, draw_springs, draw_vector};
-use independent::{Body, Matrix, product, stack, transposed};
+use crate::common::chain::{self, equilibrium, growing, loads};
+use crate::common::everything::{Problem, draw_spine, draw_springs, draw_vector};
+use crate::common::independent::{Body, Matrix, product, stack, transposed};
+use crate::common::{Draw, assert_near};
 use nalgebra::UnitQuaternion;
 use spineline::multibody::{BodyLoad, Equilibrium, Support, Timing};
 use spineline::spatial::{Mat3, Vec3};

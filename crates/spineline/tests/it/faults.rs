@@ -1,10 +1,8 @@
 //! Cases whose films do not fit together, spines without two inflections, and films that are missing.
 
-mod common;
-
 use std::mem::swap;
 
-use common::{
+use crate::common::{
     analyzed, case_of, exact_case, film_mut, graph_film, landmarks, on_a_table, refused, spacing,
 };
 use spineline::action::LineKind;

@@ -1,8 +1,6 @@
 //! Springs that are no springs, amplitudes out of reach, and endings that are no results.
 
-mod common;
-
-use common::{assert_near, outline, spine, usual_regions};
+use crate::common::{assert_near, outline, spine, usual_regions};
 use spineline::action::{LineError, LineOfAction};
 use spineline::anatomy::{Level, Posture};
 use spineline::error::Error;

@@ -1,14 +1,8 @@
 //! What the general solver must not change, or change in a known way: mirrored and moved problems.
 
-#[path = "common/chain.rs"]
-mod chain;
-mod common;
-#[path = "common/everything.rs"]
-mod everything;
-
-use chain::{equilibrium, follow, growing};
-use common::{Draw, assert_near};
-use everything::{Problem, draw_loads, draw_spine, draw_springs, draw_vector};
+use crate::common::chain::{self, equilibrium, follow, growing};
+use crate::common::everything::{Problem, draw_loads, draw_spine, draw_springs, draw_vector};
+use crate::common::{Draw, assert_near};
 use spineline::multibody::{Equilibrium, Loading, PathOptions, Support, Timing};
 use spineline::spatial::{Mat3, Vec3};
 

@@ -1,11 +1,7 @@
 //! The march and its derivatives against automatic differentiation of an independent march.
 
-mod common;
-#[path = "common/independent.rs"]
-mod independent;
-
-use common::{Draw, assert_near, spine, usual_regions};
-use independent::{Rates, add, cross, march, rates, vector};
+use crate::common::independent::{self, Rates, add, cross, march, rates, vector};
+use crate::common::{Draw, assert_near, spine, usual_regions};
 use num_dual::Dual64;
 use spineline::action::{Application, LineOfAction};
 use spineline::multibody::{

@@ -1,9 +1,7 @@
 //! What must not change, or change in a known way, when films are mirrored, moved, scaled, or read in another order.
 
-mod common;
-
-use common::{
-    analyzed, assert_near, case_of, landmarks, measured, move_landmarks, on_a_table, phantom,
+use crate::common::{
+    self, analyzed, assert_near, case_of, landmarks, measured, move_landmarks, on_a_table, phantom,
     placement_film, spacing,
 };
 use proptest::prelude::*;

@@ -1,9 +1,7 @@
 //! Films in pixels give angles and no lengths; lateral films give the sagittal profile; films that do not fit their names
 //! or were not stitched well are told.
 
-mod common;
-
-use common::{
+use crate::common::{
     analyzed, assert_near, exact_case, film_mut, landmarks, on_a_table, phantom, spacing,
 };
 use spineline::analysis::{Analysis, Case};
