@@ -1,6 +1,6 @@
 use nalgebra::{Matrix2, Matrix2x3, Matrix3x2};
 
-use super::carried::Carried;
+use super::transfer::WrenchTransfer;
 use super::{JointGroups, Load, SpineModel, StiffnessLibrary, Support, Wrench};
 use crate::action::{Application, LineOfAction};
 use crate::spatial::{Angle, Frontal, Mat3, Vec3, is_small};
@@ -299,20 +299,20 @@ impl<'a> Statics<'a> {
         parameters: &[Parameter],
         solution: &mut Solution,
     ) -> bool {
-        let mut carried = Carried::new(self.model, wrench);
+        let mut transfer = WrenchTransfer::new(self.model, wrench);
         let mut midpoint = self.model.midpoints_mm[0];
         for (j, (joint, hinges)) in self.model.joints.iter().zip(&self.hinges).enumerate() {
-            let arm = carried.in_g(&joint.centre_in_inferior_mm);
+            let arm = transfer.in_g(&joint.centre_in_inferior_mm);
             let centre = midpoint + arm;
-            let (turns, directions) = carried.turn::<SMALL>(&hinges.compliance);
+            let (turns, directions) = transfer.turn::<SMALL>(&hinges.compliance);
             if SMALL && !turns.iter().all(|turn| is_small(*turn)) {
                 return false;
             }
-            let rise = carried.in_g(&joint.rise_in_inferior_mm);
-            carried.pass_on(&hinges.to_next_mm, &joint.inferior_from_superior);
+            let rise = transfer.in_g(&joint.rise_in_inferior_mm);
+            transfer.pass_on(&hinges.to_next_mm, &joint.inferior_from_superior);
             midpoint = centre + rise;
             let deformed = &mut solution.deformed;
-            deformed.axes[j + 1] = carried.axes();
+            deformed.axes[j + 1] = transfer.axes();
             deformed.midpoints_mm[j + 1] = midpoint;
             deformed.hinges_rad[j] = turns;
             if DERIVATIVES {

@@ -129,10 +129,10 @@ fn tell(zero: Result<Option<Sample>, Lost>, path: &mut impl Along) -> bool {
 mod tests {
     use super::*;
 
-    /// A function with its derivative, and the zeros that are told of it.
-    struct Told<F>(F, bool, Vec<f64>);
+    /// A function with its derivative, and the zeros that were found.
+    struct Recorded<F>(F, bool, Vec<f64>);
 
-    impl<F: Fn(f64) -> (f64, f64)> Along for Told<F> {
+    impl<F: Fn(f64) -> (f64, f64)> Along for Recorded<F> {
         fn sample(&mut self, at: f64) -> Option<Sample> {
             let (value, rate) = (self.0)(at);
             Some(Sample { at, value, rate, exact: self.1, met: value.abs() < 1e-12 })
@@ -149,10 +149,11 @@ mod tests {
     }
 
     fn zeros_of(from: f64, to: f64, exact: bool, function: impl Fn(f64) -> (f64, f64)) -> Vec<f64> {
-        let mut told = Told(function, exact, Vec::new());
-        let (from, to) = (told.sample(from).expect("a value"), told.sample(to).expect("a value"));
-        zeros_between(&from, &to, &mut told);
-        told.2
+        let mut recorded = Recorded(function, exact, Vec::new());
+        let (from, to) =
+            (recorded.sample(from).expect("a value"), recorded.sample(to).expect("a value"));
+        zeros_between(&from, &to, &mut recorded);
+        recorded.2
     }
 
     #[test]

@@ -38,6 +38,23 @@ impl System {
     pub fn cost(&self) -> f64 {
         self.residuals.norm_squared()
     }
+
+    /// Fills the last row with the gauge: the mean of the `ln α`, which are the first unknowns, is held at zero. Without
+    /// any the row is zero.
+    pub fn hold_mean(&mut self, log_multipliers: &[f64]) {
+        /// The gauge is linear, and is held a thousand times tighter than any data.
+        const GAUGE_WEIGHT: f64 = 1e3;
+        let last = self.residuals.len() - 1;
+        self.residuals[last] = 0.0;
+        if log_multipliers.is_empty() {
+            return;
+        }
+        let weight = GAUGE_WEIGHT / log_multipliers.len() as f64;
+        self.residuals[last] = weight * log_multipliers.iter().sum::<f64>();
+        for i in 0..log_multipliers.len() {
+            self.jacobian[(last, i)] = weight;
+        }
+    }
 }
 
 /// The end of a minimisation.
@@ -63,7 +80,7 @@ pub(crate) fn minimize(
     rows: usize,
     mut evaluate: impl FnMut(&DVector<f64>, &mut System) -> bool,
 ) -> Minimum {
-    const MOST_ITERATIONS: u32 = 100;
+    const MAX_ITERATIONS: u32 = 100;
     let n = x.len();
     for i in 0..n {
         x[i] = x[i].clamp(lower[i], upper[i]);
@@ -75,7 +92,7 @@ pub(crate) fn minimize(
     let (mut damping, mut growth) = (1e-4, 2.0);
     let mut iterations = 0;
     let mut status = FitStatus::IterationLimit;
-    'outer: while iterations < MOST_ITERATIONS {
+    'outer: while iterations < MAX_ITERATIONS {
         iterations += 1;
         let mut normal = system.jacobian.tr_mul(&system.jacobian);
         let mut gradient = system.jacobian.tr_mul(&system.residuals);

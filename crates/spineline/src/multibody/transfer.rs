@@ -1,4 +1,4 @@
-//! What the march carries from joint to joint.
+//! Transfer of axes and wrench from one joint to the next, in the march.
 
 use super::{SpineModel, Wrench};
 use crate::spatial::{Mat3, Vec3, sin_cos, small_sin_cos};
@@ -10,12 +10,12 @@ type Axis = nalgebra::Vector4<f64>;
 ///
 /// A hinge's angle follows from the moment along its axis. Turned with the axes, the moment need not be taken anew at every
 /// hinge's place, so that one angle waits for the angle before it and for nothing else.
-pub(super) struct Carried {
+pub(super) struct WrenchTransfer {
     axes: [Axis; 3],
     moment_nmm: [f64; 3],
 }
 
-impl Carried {
+impl WrenchTransfer {
     #[inline]
     pub fn new(model: &SpineModel, wrench: &Wrench) -> Self {
         let axes = &model.axes[0];

@@ -1,4 +1,4 @@
-//! What is sought along a force that grows: a lean of the line L4→T2, or T2 as near to a place as it gets.
+//! Targets of a search along a growing force: a lean of the line L4→T2, or the smallest distance of T2 from a place.
 
 use super::Solution;
 use super::roots::Sample;
@@ -6,57 +6,69 @@ use crate::spatial::{Angle, Frontal, Vec3};
 
 /// A hinge turns by at most so much from one step to the next.
 const STEP_RAD: f64 = 0.25;
-/// T2 may move by so much from one look at its distance to the next, and where it is far off by such a part of its distance.
+/// T2 may move by so much from one state to the next, and where it is far away by such a part of its distance.
 const T2_STEP_MM: f64 = 4.0;
 const T2_STEP_OF_GAP: f64 = 0.25;
 /// Further away a step might end on another path.
-const LONGEST_T2_STEP_MM: f64 = 60.0;
+const MAX_T2_STEP_MM: f64 = 60.0;
 /// Distances of T2 that differ by less are equally good: about what a location's reading and the model's joints leave.
-pub(super) const T2_TOLERANCE_MM: f64 = 1.0;
+pub(crate) const T2_TOLERANCE_MM: f64 = 1.0;
 
-/// What is sought along the force.
-pub(super) trait Sought {
-    /// How the shape under a force stands to it, where another shape of the path left that residual.
-    fn look(&self, force_n: f64, solution: &Solution, nearest: f64) -> Look;
+/// Of several minima of T2's distance from a place, the one with the smallest load whose distance is within
+/// [`T2_TOLERANCE_MM`] of the least one (decision 0008); the first of equals.
+pub(crate) fn smallest_near_t2<T>(
+    minima: Vec<T>,
+    least_mm: f64,
+    distance_mm: impl Fn(&T) -> f64,
+    load_size: impl Fn(&T) -> f64,
+) -> Option<T> {
+    let near = |found: &T| distance_mm(found) <= least_mm + T2_TOLERANCE_MM;
+    minima.into_iter().filter(near).min_by(|a, b| load_size(a).total_cmp(&load_size(b)))
+}
 
-    /// Whether a step was short enough to tell what it passed over.
-    fn is_fine(&self, _from: &Look, _to: &Look) -> bool {
+/// A condition on the shape that a search along the force looks for.
+pub(super) trait SearchTarget {
+    /// The state of the path under a force; `nearest` is the least residual so far.
+    fn state(&self, force_n: f64, solution: &Solution, nearest: f64) -> PathState;
+
+    /// Whether a step was short enough that no zero was passed unnoticed.
+    fn is_fine(&self, _from: &PathState, _to: &PathState) -> bool {
         true
     }
 
-    /// Whether a zero that lies between two looks may be what is sought, where another shape left that residual.
-    fn counts_between(&self, _from: &Look, _to: &Look, _nearest: f64) -> bool {
+    /// Whether a zero between two states may be a result; `nearest` is the least residual so far.
+    fn counts_between(&self, _from: &PathState, _to: &PathState, _nearest: f64) -> bool {
         true
     }
 }
 
 /// A lean of the line L4→T2.
-pub(super) struct Lean(pub Angle);
+pub(super) struct LeanTarget(pub Angle);
 
-impl Sought for Lean {
-    fn look(&self, force_n: f64, solution: &Solution, _nearest: f64) -> Look {
+impl SearchTarget for LeanTarget {
+    fn state(&self, force_n: f64, solution: &Solution, _nearest: f64) -> PathState {
         let value = (solution.deformed.lean() - self.0).wrapped().rad();
         let (rate, met) = (solution.lean_rate(0), value.abs() < 1e-9);
-        Look {
+        PathState {
             value,
             rate,
             exact: true,
             residual: value,
             met,
             step_n: turn_step(solution),
-            ..Look::of_t2(force_n, solution)
+            ..PathState::of_t2(force_n, solution)
         }
     }
 }
 
-/// T2 as near to a place as it gets.
-pub(super) struct NearestT2(pub Frontal);
+/// The smallest distance of T2 from a place.
+pub(super) struct NearestT2Target(pub Frontal);
 
-impl Sought for NearestT2 {
-    fn look(&self, force_n: f64, solution: &Solution, nearest: f64) -> Look {
-        let look = Look::of_t2(force_n, solution);
-        let gap = Frontal::new(look.t2.y, look.t2.z) - self.0;
-        let rate = Frontal::new(look.t2_rate.y, look.t2_rate.z);
+impl SearchTarget for NearestT2Target {
+    fn state(&self, force_n: f64, solution: &Solution, nearest: f64) -> PathState {
+        let state = PathState::of_t2(force_n, solution);
+        let gap = Frontal::new(state.t2.y, state.t2.z) - self.0;
+        let rate = Frontal::new(state.t2_rate.y, state.t2_rate.z);
         // Half the derivative of the squared distance; its own derivative without the curvature of the path.
         let (value, slope) = (gap.dot(rate), rate.dot(rate).max(f64::MIN_POSITIVE));
         let met = value.abs() < 1e-10 * slope.sqrt().max(1e-6);
@@ -65,21 +77,21 @@ impl Sought for NearestT2 {
         // back before its distance can count.
         let travel_mm = (T2_STEP_OF_GAP * gap_mm)
             .max(gap_mm - nearest - T2_TOLERANCE_MM)
-            .clamp(T2_STEP_MM, LONGEST_T2_STEP_MM);
+            .clamp(T2_STEP_MM, MAX_T2_STEP_MM);
         let step_n = turn_step(solution).min(travel_mm / slope.sqrt());
-        Look { value, rate: slope, residual: gap_mm, met, step_n, ..look }
+        PathState { value, rate: slope, residual: gap_mm, met, step_n, ..state }
     }
 
     /// Whether T2 moved about as far as its rate said.
-    fn is_fine(&self, from: &Look, to: &Look) -> bool {
+    fn is_fine(&self, from: &PathState, to: &PathState) -> bool {
         let step_n = (to.force_n - from.force_n).abs();
-        let [foreseen_mm, moved_mm] = [from, to].map(|look| step_n * look.rate.sqrt());
+        let [foreseen_mm, moved_mm] = [from, to].map(|state| step_n * state.rate.sqrt());
         let moved_mm = moved_mm.max((to.t2 - from.t2).norm());
         moved_mm <= 2.0 * foreseen_mm.max(T2_STEP_MM)
     }
 
     /// Where the distance is least between them, not greatest, and may be as small as that.
-    fn counts_between(&self, from: &Look, to: &Look, nearest: f64) -> bool {
+    fn counts_between(&self, from: &PathState, to: &PathState, nearest: f64) -> bool {
         let step_n = to.force_n - from.force_n;
         let travel_mm = step_n.abs() * from.rate.max(to.rate).sqrt();
         let least_mm = 0.5 * (from.residual + to.residual) - travel_mm;
@@ -87,9 +99,9 @@ impl Sought for NearestT2 {
     }
 }
 
-/// What one shape of the path shows: a value whose zeros count, its derivative, and the residual to report.
+/// One point of the path: a value whose zeros are looked for, its derivative, and the residual to report.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Look {
+pub(super) struct PathState {
     pub force_n: f64,
     value: f64,
     rate: f64,
@@ -97,14 +109,14 @@ pub(super) struct Look {
     exact: bool,
     pub residual: f64,
     pub met: bool,
-    /// How far the force may grow before the next look.
+    /// How far the force may grow before the next state is computed.
     pub step_n: f64,
     /// Where T2 is, and its derivative.
     pub t2: Vec3,
     pub t2_rate: Vec3,
 }
 
-impl Look {
+impl PathState {
     /// T2 alone.
     fn of_t2(force_n: f64, solution: &Solution) -> Self {
         let top = solution.deformed.midpoints_mm.len() - 1;
@@ -126,7 +138,7 @@ impl Look {
         Sample { at: force_n, value, rate, exact, met }
     }
 
-    /// How far a zero is off: by Newton, or where the derivative is not whole, by the look before.
+    /// How far a zero is off: by Newton, or where the derivative is not whole, by the state before.
     pub fn newton_step_n(&self, before: Option<&Self>) -> f64 {
         let secant = before
             .map(|before| (self.value - before.value) / (self.force_n - before.force_n))
