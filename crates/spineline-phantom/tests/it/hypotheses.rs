@@ -4,7 +4,8 @@
 
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
 use spineline::hypothesis::{
-    Base, Comparison, Hypothesis, HypothesisFit, HypothesisSummary, LoadShape, Role, compare,
+    Base, Hypothesis, HypothesisComparison, HypothesisFit, HypothesisSummary, LoadShape, Role,
+    compare,
 };
 use spineline::multibody::Support;
 use spineline_phantom::{Readers, Truth, generate};
@@ -21,7 +22,7 @@ const LOADS: [LoadShape; 6] = [
     LoadShape::Couple,
 ];
 
-fn comparison(truth: Truth, hypotheses: &[Hypothesis]) -> Comparison {
+fn comparison(truth: Truth, hypotheses: &[Hypothesis]) -> HypothesisComparison {
     let options = AnalysisOptions {
         support: Support::Frontal,
         hypotheses: hypotheses.to_vec(),

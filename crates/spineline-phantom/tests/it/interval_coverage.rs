@@ -5,15 +5,15 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
-use spineline::uncertainty::{LandmarkNoise, MonteCarlo, Quantity, Uncertainty};
+use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo, Uncertainty};
 use spineline_phantom::{Readers, SUBJECTS, Truth, generate};
 
 /// Of each kind of number: how often it is held, and of how many.
 type Counts = BTreeMap<&'static str, [usize; 2]>;
 
 /// Kinds of numbers. A line's offset is measured from the case's own inflections, which another reading does not share.
-fn kind(quantity: Quantity) -> Option<&'static str> {
-    use Quantity as Q;
+fn kind(quantity: AnalysisQuantity) -> Option<&'static str> {
+    use AnalysisQuantity as Q;
     Some(match quantity {
         Q::LocationY(..) | Q::LocationZ(..) => "location",
         Q::Tilt(..) => "tilt",

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use spineline::action::LineOfAction;
 use spineline::analysis::{Analysis, AnalysisOptions, PostureAnalysis, analyze};
 use spineline::anatomy::Posture;
-use spineline::personalize::{Crossing, Proposal};
+use spineline::personalize::{Crossing, ProposedLine};
 use spineline::spatial::Frontal;
 use spineline_phantom::{Readers, SUBJECTS, TruePosture, Truth, generate_varied};
 
@@ -58,7 +58,7 @@ fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut
         let truth = phantom.posture(name).expect("a film");
         let line = as_read(&truth.line.expect("a known line"), truth, posture);
         let points = [line.point, line.point + line.direction * 100.0];
-        let proposal = Proposal::Through { points, covariance: Matrix4::zeros() };
+        let proposal = ProposedLine::Through { points, covariance: Matrix4::zeros() };
         let test = loads.test(film, &proposal).expect("a load");
         add(REGION, !test.rejects());
         let own = posture.preferred_line.as_ref().expect("a line");

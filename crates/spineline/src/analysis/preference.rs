@@ -8,7 +8,7 @@ use crate::action::LineOfAction;
 use crate::clinical::JointShares;
 use crate::curve::CurveSpread;
 use crate::personalize::evidence::FilmEvidence;
-use crate::personalize::{Crossing, LineTest, PreferredLoads, Proposal};
+use crate::personalize::{Crossing, LineTest, PreferredLoads, ProposedLine};
 use crate::spatial::Angle;
 use crate::warning::{Step, Warnings};
 
@@ -173,7 +173,7 @@ fn against_inflections(
     Some(LineComparison {
         angle: line.angle_to(&proposed),
         distance_mm: line.lever_arm_mm((points[0] + points[1]) * 0.5).abs(),
-        test: loads.test(film, &Proposal::Through { points, covariance })?,
+        test: loads.test(film, &ProposedLine::Through { points, covariance })?,
     })
 }
 
@@ -219,5 +219,5 @@ fn against_iliac(
     // Crests are marked once, and like a corner; a location is the mean of four corners and of all readings.
     let crest_mm = 2.0 * outline.noise.location_mm * (outline.readings as f64).sqrt();
     let sd = Angle::from_rad(f64::sqrt(2.0) * crest_mm / CRESTS_MM);
-    loads.test(film, &Proposal::Along { direction, sd })
+    loads.test(film, &ProposedLine::Along { direction, sd })
 }

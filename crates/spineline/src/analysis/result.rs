@@ -7,7 +7,7 @@ use crate::clinical::{ClinicalCurve, LenkeType, Regions};
 use crate::curve::{CurveFit, Inflections};
 use crate::hypothesis::HypothesisFit;
 use crate::measure::{FilmReadings, LengthScale, Outline};
-use crate::motion::{Estimate, Motion};
+use crate::motion::{Motion, SegmentEstimate};
 use crate::multibody::SpineModel;
 use crate::personalize::evidence::FilmEvidence;
 use crate::reliability::{QuantityReliability, assess, film_quantities};
@@ -26,9 +26,9 @@ pub struct PostureAnalysis {
     /// Movement from the erect posture; `None` for the erect one.
     pub motion: Option<Motion>,
     /// The inflection segments against the least-rotating ones.
-    pub inflection_estimates: Option<[Estimate; 2]>,
+    pub inflection_estimates: Option<[SegmentEstimate; 2]>,
     /// MMS_Mean against the least-rotating ones.
-    pub mean_least_estimates: Option<[Estimate; 2]>,
+    pub mean_least_estimates: Option<[SegmentEstimate; 2]>,
     /// Where the two inflection segments lie in this posture.
     pub inflection_points: Option<[Frontal; 2]>,
     /// Rotations and joint centres; `None` for the erect posture.

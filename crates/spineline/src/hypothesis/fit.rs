@@ -151,20 +151,20 @@ pub fn fit_hypothesis(
         predictions: Vec::new(),
         lost: Vec::new(),
     };
-    let mut told =
+    let mut record =
         |film: &HypothesisFilm<'_>, role, prediction: Option<ShapePrediction>| match prediction {
             Some(prediction) => fit.predictions.push(prediction),
             None => fit.lost.push((film.outline.posture, role)),
         };
     for (i, film) in bends.iter().enumerate() {
-        told(film, Role::Fitted, found.prediction(i, film, spine, Role::Fitted));
+        record(film, Role::Fitted, found.prediction(i, film, spine, Role::Fitted));
     }
     let usable = found.status != FitStatus::NotEvaluable;
     let logs = found.log_multipliers(spine);
     for film in &others {
         let near =
             if usable { predict(hypothesis, spine, film, &logs, Role::HeldOut) } else { None };
-        told(film, Role::HeldOut, near);
+        record(film, Role::HeldOut, near);
     }
     if let [a, b] = bends[..] {
         for (known, left) in [(b, a), (a, b)] {
@@ -175,12 +175,12 @@ pub fn fit_hypothesis(
             let near = logs
                 .as_ref()
                 .and_then(|logs| predict(hypothesis, spine, &left, logs, Role::LeftOut));
-            told(&left, Role::LeftOut, near);
+            record(&left, Role::LeftOut, near);
             let role = Role::LeftOutLoadFitted;
             let own = logs.and_then(|logs| {
                 fit_to(hypothesis, spine, &[left], Some(logs))?.prediction(0, &left, spine, role)
             });
-            told(&left, role, own);
+            record(&left, role, own);
         }
     }
     Some(fit)

@@ -29,7 +29,7 @@ mod near_t2;
 mod problem;
 mod start;
 
-pub use comparison::{Comparison, HypothesisSummary, compare};
+pub use comparison::{HypothesisComparison, HypothesisSummary, compare};
 pub use criteria::Criteria;
 pub use fit::{Against, HypothesisFit, Role, ShapePrediction, fit_hypothesis};
 

@@ -1,4 +1,4 @@
-use super::spacing::{LEAST_SPACING_MM, is_spacing};
+use super::spacing::{MIN_SPACING_MM, is_spacing};
 use super::{Spacing, SpacingPlane, SpacingSource};
 use crate::spatial::Pixel;
 
@@ -122,7 +122,7 @@ impl Calibration {
 
     fn check(&self) -> Result<(), CalibrationError> {
         let positive = |what, value: f64| {
-            let good = value.is_finite() && value > LEAST_SPACING_MM;
+            let good = value.is_finite() && value > MIN_SPACING_MM;
             if good {
                 Ok(())
             } else {

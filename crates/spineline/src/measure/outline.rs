@@ -1,6 +1,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::order::{LEAST_SHARE, steps, typical_distance_mm};
+use super::order::{MIN_SPACING_SHARE, steps, typical_distance_mm};
 use super::spacing::is_spacing;
 use super::{
     CornerFault, Film, FilmMarks, IliacCrests, ImageGeometry, LengthScale, Mark, MeasureError,
@@ -317,12 +317,12 @@ fn check_crests(
     image: &ImageGeometry,
     crests: &IliacCrests,
 ) -> Result<(), MeasureError> {
-    const LEAST_MM: f64 = 50.0;
+    const MIN_DISTANCE_MM: f64 = 50.0;
     let outside = [crests.left, crests.right].into_iter().any(|crest| !image.contains(crest));
     let apart_mm = image.frontal(crests.left).distance_mm(image.frontal(crests.right));
     // Without a spacing, how far apart they are says nothing.
-    if outside || (image.spacing.is_some() && apart_mm < LEAST_MM) || apart_mm == 0.0 {
-        return Err(MeasureError::Crests { posture, outside, apart_mm, limit_mm: LEAST_MM });
+    if outside || (image.spacing.is_some() && apart_mm < MIN_DISTANCE_MM) || apart_mm == 0.0 {
+        return Err(MeasureError::Crests { posture, outside, apart_mm, limit_mm: MIN_DISTANCE_MM });
     }
     Ok(())
 }
@@ -377,7 +377,7 @@ fn check_order(
     for step in steps(&placed) {
         let (inferior, superior, share) = (step.inferior, step.superior, step.share);
         if step.is_out_of_order() {
-            let limit = LEAST_SHARE;
+            let limit = MIN_SPACING_SHARE;
             return Err(MeasureError::OutOfOrder { posture, inferior, superior, share, limit });
         }
         if step.is_unusual() {

@@ -26,7 +26,7 @@ pub struct Motion {
 
 /// How well a segment stands for the least-rotating one of its window.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimate {
+pub struct SegmentEstimate {
     /// The segment.
     pub segment: usize,
     /// The least-rotating one.
@@ -69,10 +69,14 @@ impl Motion {
     ///
     /// `None` where the moved curve is too short to have such a segment.
     #[must_use]
-    pub fn estimates(&self, erect: &ChainPose, segments: [usize; 2]) -> Option<[Estimate; 2]> {
+    pub fn estimates(
+        &self,
+        erect: &ChainPose,
+        segments: [usize; 2],
+    ) -> Option<[SegmentEstimate; 2]> {
         let estimate = |window: usize| {
             let (segment, least) = (segments[window], self.least[window]);
-            Some(Estimate {
+            Some(SegmentEstimate {
                 segment,
                 least,
                 distance_segments: segment.abs_diff(least),

@@ -23,14 +23,14 @@ pub struct Identifiability {
     /// Measured numbers minus fitted ones.
     pub freedom: usize,
     /// Directions among the `ln α`, the least identified first, from the films alone: no gauge, no prior.
-    pub directions: Vec<Direction>,
+    pub directions: Vec<StiffnessDirection>,
     /// Per group.
     pub multipliers: Vec<MultiplierInformation>,
 }
 
 /// A way in which all `ln α` may change together, and how well the films fix it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Direction {
+pub struct StiffnessDirection {
     /// Its part in every group's `ln α`; of length 1.
     pub log_multipliers: Vec<f64>,
     /// Standard deviation along it, with the loads free; infinite where the films say nothing.
@@ -156,8 +156,8 @@ const LIMIT: f64 = 3.841_458_820_694_124;
 /// A rise that is lower than this is a better fit, and no rounding.
 const IMPROVEMENT: f64 = 1e-3;
 /// Most points on one side, before and while its end is narrowed down.
-const MOST_STEPS: usize = 24;
-const MOST_NARROWINGS: usize = 12;
+const MAX_STEPS: usize = 24;
+const MAX_BISECTIONS: usize = 12;
 
 /// Asks what the films of a fit say of its multipliers; `None` where the fit did not converge.
 #[must_use]
@@ -288,7 +288,7 @@ impl<'p, 'a> Asked<'p, 'a> {
         let bounds = MULTIPLIER_BOUNDS.map(f64::ln);
         let mut known = self.minimum.x.clone();
         let (mut inside, mut step) = ((known[group], 0.0), step);
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             let value = (inside.0 + step).clamp(bounds[0], bounds[1]);
             if value == inside.0 {
                 return ProfileEnd::Open;
@@ -321,7 +321,7 @@ impl<'p, 'a> Asked<'p, 'a> {
     ) -> ProfileEnd {
         const NARROW: f64 = 1e-3;
         let root = |rise: f64| rise.max(0.0).sqrt();
-        for _ in 0..MOST_NARROWINGS {
+        for _ in 0..MAX_BISECTIONS {
             let width = outside.0 - inside.0;
             if width.abs() < NARROW || (outside.1 - LIMIT).abs() < 0.01 {
                 break;
@@ -359,18 +359,18 @@ impl<'p, 'a> Asked<'p, 'a> {
     }
 }
 
-fn directions(across: &DMatrix<f64>, factor: f64) -> Vec<Direction> {
+fn directions(across: &DMatrix<f64>, factor: f64) -> Vec<StiffnessDirection> {
     let g = across.ncols();
     let found = across.clone().svd(false, true);
     let ways = found.v_t.expect("it was asked for");
-    let mut directions: Vec<Direction> = (0..found.singular_values.len())
+    let mut directions: Vec<StiffnessDirection> = (0..found.singular_values.len())
         .map(|i| {
             let way: Vec<f64> = ways.row(i).iter().copied().collect();
             let sum: f64 = way.iter().sum();
             // One way of the two that a line has.
             let sign = if sum < 0.0 { -1.0 } else { 1.0 };
             let value = found.singular_values[i];
-            Direction {
+            StiffnessDirection {
                 log_multipliers: way.into_iter().map(|part| sign * part).collect(),
                 log_sd: if value > 0.0 { factor.sqrt() / value } else { f64::INFINITY },
                 gauge_share: sum * sum / g as f64,

@@ -48,11 +48,11 @@ pub struct PreferredLoads {
 }
 
 /// Variances beyond these are none of springs (of `ln`) and of centres (in discs).
-const MOST_VARIANCES: Vector2<f64> = Vector2::new(1.0, 4.0);
+const MAX_VARIANCES: Vector2<f64> = Vector2::new(1.0, 4.0);
 /// Centres of rotation lie between the middles of the vertebrae.
-const MOST_HIGHER_DISCS: f64 = 3.0;
+const MAX_HIGHER_DISCS: f64 = 3.0;
 /// Variances below this part of the most are none.
-const LEAST_OF_MOST: f64 = 1e-9;
+const MIN_OF_MAX_VARIANCE: f64 = 1e-9;
 /// How evenly joints turn is not known: anywhere between a hinge, 0, and a rod, 1. Mean and deviation of that.
 const EVENNESS: f64 = 0.5;
 const EVENNESS_SD: f64 = 0.289;
@@ -61,7 +61,7 @@ const EVENNESS_SD: f64 = 0.289;
 const PRIORS: Vector2<f64> = Vector2::new(0.5, 0.25);
 const ROUNDS: usize = 100;
 /// A longer step of multipliers leaves what the linear theory knows.
-const LONGEST: f64 = 0.5;
+const MAX_LOG_STEP: f64 = 0.5;
 /// A step that moves nothing any more.
 const SETTLED: f64 = 1e-4;
 
@@ -81,7 +81,7 @@ impl PreferredLoads {
             return None;
         }
         let mut fit = Fit::new(films, depth_mm, shares)?;
-        let mut variances = MOST_VARIANCES * 1e-2;
+        let mut variances = MAX_VARIANCES * 1e-2;
         if let Some(near) = near.filter(|near| near.log_multipliers.len() == shares.0.ncols()) {
             fit.logs.clone_from(&near.log_multipliers);
             (fit.centres_higher_discs, fit.evenness) = (near.centres_higher_discs, near.evenness);
@@ -267,12 +267,13 @@ impl<'a> Fit<'a> {
         let covariance = found.matrix.cholesky()?.inverse();
         let slope = found.right.column(0).into_owned();
         // What joints have of their own as the rotations tell it, and how unsure that is: by rotations and unknowns.
-        let told = &found.own_by_residual - &found.own_by_columns * (&covariance * &found.right);
+        let expected =
+            &found.own_by_residual - &found.own_by_columns * (&covariance * &found.right);
         let unsure = &own.covariance
             + &found.own_by_columns * &covariance * found.own_by_columns.transpose();
         let joints = self.joints;
         let score = Vector2::from_fn(|i, _| {
-            let squares = told.rows(i * joints, joints).norm_squared() / variances[i];
+            let squares = expected.rows(i * joints, joints).norm_squared() / variances[i];
             let known =
                 unsure.view((i * joints, i * joints), (joints, joints)).trace() / variances[i];
             0.5 * (squares - (joints as f64 - known)) / variances[i]
@@ -293,14 +294,14 @@ impl<'a> Fit<'a> {
         let step = (&at.covariance * &at.slope).component_div(&at.scales);
         let mut change = &at.ways * step.rows(3 * self.films, at.ways.ncols());
         let longest = change.amax();
-        let part = if longest > LONGEST { LONGEST / longest } else { 1.0 };
+        let part = if longest > MAX_LOG_STEP { MAX_LOG_STEP / longest } else { 1.0 };
         change *= part;
         let shifts = step.rows(3 * self.films + at.ways.ncols(), 2) * part;
         let from = self.place(variances);
         let mut to = from.clone();
         to.rows_mut(0, 2).copy_from(&at.better(variances).map(f64::ln));
         to.rows_range_mut(2..2 + self.logs.len()).add_assign(&change);
-        to[2 + self.logs.len()] += shifts[0] / MOST_HIGHER_DISCS;
+        to[2 + self.logs.len()] += shifts[0] / MAX_HIGHER_DISCS;
         to[3 + self.logs.len()] += shifts[1];
         self.keep_within(&mut to);
         Stride { from, to }
@@ -311,13 +312,13 @@ impl<'a> Fit<'a> {
     fn place(&self, variances: Vector2<f64>) -> DVector<f64> {
         let variances = variances.map(f64::ln);
         let all = variances.iter().chain(&self.logs).copied();
-        let higher = self.centres_higher_discs / MOST_HIGHER_DISCS;
+        let higher = self.centres_higher_discs / MAX_HIGHER_DISCS;
         DVector::from_iterator(4 + self.logs.len(), all.chain([higher, self.evenness]))
     }
 
     fn keep_within(&self, place: &mut DVector<f64>) {
-        for (i, most) in MOST_VARIANCES.map(f64::ln).iter().enumerate() {
-            place[i] = place[i].clamp(most + LEAST_OF_MOST.ln(), *most);
+        for (i, most) in MAX_VARIANCES.map(f64::ln).iter().enumerate() {
+            place[i] = place[i].clamp(most + MIN_OF_MAX_VARIANCE.ln(), *most);
         }
         let limit = MULTIPLIER_BOUNDS[1].ln();
         for log in place.rows_range_mut(2..2 + self.logs.len()).iter_mut() {
@@ -331,7 +332,7 @@ impl<'a> Fit<'a> {
     fn go_to(&mut self, place: &DVector<f64>) -> Vector2<f64> {
         let groups = self.logs.len();
         self.logs.copy_from_slice(&place.as_slice()[2..2 + groups]);
-        self.centres_higher_discs = place[2 + groups] * MOST_HIGHER_DISCS;
+        self.centres_higher_discs = place[2 + groups] * MAX_HIGHER_DISCS;
         self.evenness = place[3 + groups];
         Vector2::new(place[0].exp(), place[1].exp())
     }
@@ -406,9 +407,9 @@ mod tests {
         let before = film(joint).responses(&load)[0];
         let centre_mm = joint.centre_mm + Vec3::new(0.0, shift.y_mm, shift.z_mm);
         let after = film(JointEvidence { centre_mm, ..joint }).responses(&load)[0];
-        let told = shifted(&[&film(joint)], |joint| joint.disc_mm)[0][0];
+        let predicted = shifted(&[&film(joint)], |joint| joint.disc_mm)[0][0];
         for part in 0..3 {
-            assert!((after[part] - before[part] - told[part]).abs() < 1e-15, "{part}");
+            assert!((after[part] - before[part] - predicted[part]).abs() < 1e-15, "{part}");
         }
     }
 }

@@ -5,7 +5,7 @@
 //! a constant difference between readers, and it and every ICC grow with the spread of the subjects. The errors do not:
 //! they are the headline.
 //!
-//! A [`Quantity`] is a table of subjects × observers × repeats; [`assess`] asks of it, for every [`Design`], every
+//! A [`RatedQuantity`] is a table of subjects × observers × repeats; [`assess`] asks of it, for every [`Design`], every
 //! [`StatisticKind`]. What has no value says why ([`Undefined`]); nothing here is ever NaN. [`film_quantities`] makes the
 //! tables of marked films.
 //!
@@ -29,7 +29,7 @@ mod words;
 pub use agreement::{BlandAltman, SemKind};
 pub use films::film_quantities;
 pub use icc::Icc;
-pub use ratings::Quantity;
+pub use ratings::RatedQuantity;
 pub use study::{Design, DesignReliability, QuantityReliability, Remark, assess};
 pub use words::{shown_coefficient, shown_measure};
 
@@ -174,7 +174,7 @@ impl StatisticKind {
 
 /// A statistic that could be estimated.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimate {
+pub struct StatisticEstimate {
     /// Its value.
     pub value: f64,
     /// Standard deviation over the pairs of raters, where it is a mean over more than one.
@@ -189,5 +189,5 @@ pub struct Statistic {
     /// Which.
     pub kind: StatisticKind,
     /// Its value, or why there is none.
-    pub outcome: Result<Estimate, Undefined>,
+    pub outcome: Result<StatisticEstimate, Undefined>,
 }

@@ -39,7 +39,7 @@ mod tally;
 mod words;
 
 pub use landmarks::{FilmNoise, LandmarkNoise, MarkNoise, NoiseSource};
-pub use quantities::{Absent, Quantity, QuantityUnit};
+pub use quantities::{Absent, AnalysisQuantity, QuantityUnit};
 pub use tally::{FailureCount, QuantitySpread, Spread, Tally, Uncertainty};
 
 use crate::action::LineKind;
@@ -84,7 +84,7 @@ pub struct MonteCarlo<'a> {
     noisy: NoisyCase,
     /// What is known from the case's own readings.
     known: OtherReadings<'a>,
-    quantities: Vec<Quantity>,
+    quantities: Vec<AnalysisQuantity>,
     seed: u64,
 }
 

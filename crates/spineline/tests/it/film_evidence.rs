@@ -2,7 +2,7 @@
 
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{
-    Calibration, CalibrationError, CalibrationType, Calibrator, Direction, SpacingEvidence,
+    Calibration, CalibrationError, CalibrationType, Calibrator, PatientDirection, SpacingEvidence,
     SpacingPlane, SpacingRemark, SpacingSource, Stance, View, ViewEvidence, ViewPosition,
     ViewQuestion, judge_spacing, judge_view,
 };
@@ -204,7 +204,7 @@ fn clicks_and_lengths_that_cannot_be_meant_are_refused() {
 }
 
 fn orientation(columns: &str, rows: &str) -> ViewEvidence {
-    let direction = |text| Direction::from_dicom(text).expect("a direction");
+    let direction = |text| PatientDirection::from_dicom(text).expect("a direction");
     ViewEvidence { orientation: Some([direction(columns), direction(rows)]), ..Default::default() }
 }
 
@@ -245,7 +245,7 @@ fn what_is_absent_or_contradicts_itself_is_asked_and_never_guessed() {
     // A film that hangs upside down says nothing of an upright one.
     let judged = judge_view(&orientation("L", "H"), None);
     assert_eq!(judged.patient_left, None);
-    assert!(judged.questions.contains(&ViewQuestion::NotUpright { rows: Direction::Head }));
+    assert!(judged.questions.contains(&ViewQuestion::NotUpright { rows: PatientDirection::Head }));
 }
 
 #[test]

@@ -11,7 +11,7 @@ use spineline::spatial::{Angle, Frontal};
 const STEP_MM: f64 = 0.1;
 /// Distances that differ by less are equally good.
 const TOLERANCE_MM: f64 = 1.0;
-const LARGEST_HINGE_RAD: f64 = 0.8;
+const MAX_HINGE_RAD: f64 = 0.8;
 
 /// Every least distance of T2 along the path of one sign, with its force, and the least of all shapes; nothing where the
 /// path is lost or leaps.
@@ -32,7 +32,7 @@ fn scan(
             return None;
         }
         last = Some(t2);
-        if solution.deformed.largest_hinge_rad() > LARGEST_HINGE_RAD {
+        if solution.deformed.largest_hinge_rad() > MAX_HINGE_RAD {
             break;
         }
         least_mm = least_mm.min(t2.distance_mm(place));

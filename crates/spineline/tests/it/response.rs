@@ -48,7 +48,7 @@ fn turning_the_force_round_turns_the_factor_round() {
     let factor = |response: &Response| response.result().expect("a result").factor;
     assert!(factor(&along) > 0.0 && (factor(&along) + factor(&against)).abs() < 1e-9);
     assert_eq!(
-        (along.met[0].sign, against.met[0].sign),
+        (along.equilibria[0].sign, against.equilibria[0].sign),
         (ForceSign::Positive, ForceSign::Negative)
     );
     // Twice the force needs half the factor: the same shape.
@@ -66,15 +66,16 @@ fn the_chosen_shape_is_the_least_loaded_one_on_the_erect_branch() {
         let (force_n, point_mm) = (Vec3::new(0.0, 64.5, 290.5), Vec3::new(-16.0, -8.0, 115.6));
         let load = BodyLoad::ForceOnLine { force_n, point_mm };
         let (_, response) = load_top(&model, &springs, load, Goal::Lean(Angle::from_deg(lean)));
-        several += usize::from(response.met.len() > 1);
+        several += usize::from(response.equilibria.len() > 1);
         if let Some(result) = response.result() {
-            assert_eq!(response.met[0].verdict, Verdict::Reached);
+            assert_eq!(response.equilibria[0].verdict, Verdict::Reached);
             assert!(result.is_on_erect_branch());
-            for met in response.met.iter().filter(|met| met.equilibrium.is_on_erect_branch()) {
+            for met in response.equilibria.iter().filter(|met| met.equilibrium.is_on_erect_branch())
+            {
                 assert!(met.equilibrium.factor.abs() >= result.factor.abs());
             }
         }
-        for met in &response.met {
+        for met in &response.equilibria {
             let found = met.equilibrium.deformed.lean();
             assert!((found.deg() - lean).abs() < 1e-7, "every shape that is told leans as asked");
         }
@@ -87,7 +88,7 @@ fn a_lean_that_is_there_already_needs_no_load_and_is_met_once() {
     let model = spine(0).1;
     let lean = erect_shape(&model).lean();
     let (_, response) = push(&model, &springs(&model), Vec3::new(0.0, 50.0, 0.0), Goal::Lean(lean));
-    assert_eq!(response.met.iter().filter(|met| met.equilibrium.factor == 0.0).count(), 1);
+    assert_eq!(response.equilibria.iter().filter(|met| met.equilibrium.factor == 0.0).count(), 1);
     assert!(response.result().is_some_and(|result| result.factor == 0.0));
 }
 
@@ -170,7 +171,7 @@ fn the_lean_of_the_unloaded_spine_is_met_once() {
     let top = model.midpoints_mm[14];
     let goal = Goal::Lean(Angle::from_sin_cos(-top.y, top.z));
     let response = push(&model, &springs, Vec3::new(0.0, 50.0, 0.0), goal).1;
-    let unloaded = response.met.iter().filter(|met| met.equilibrium.factor.abs() < 1e-6);
+    let unloaded = response.equilibria.iter().filter(|met| met.equilibrium.factor.abs() < 1e-6);
     assert_eq!(unloaded.count(), 1, "{:?}", response.ending);
 }
 
@@ -210,7 +211,7 @@ fn a_path_that_is_lost_beyond_its_result_claims_no_completeness() {
     let points = &full.paths[0].path.points;
     let lean = points[points.len() / 3].deformed.lean();
     let found = answer(Goal::Lean(lean));
-    assert!(!found.met.is_empty());
+    assert!(!found.equilibria.is_empty());
     // The same path is lost at the same place, result or not.
     assert!(!full.is_complete() && !found.is_complete());
 }

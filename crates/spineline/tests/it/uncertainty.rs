@@ -5,8 +5,8 @@ use spineline::anatomy::{Level, Posture, Region};
 use spineline::measure::{Corners, FilmMarks, Placement, Reading, SpacingPlane};
 use spineline::spatial::{Angle, Frontal};
 use spineline::uncertainty::{
-    Absent, LandmarkNoise, MarkNoise, MonteCarlo, NoiseSource, Quantity, Replicate, Uncertainty,
-    UncertaintyError,
+    Absent, AnalysisQuantity, LandmarkNoise, MarkNoise, MonteCarlo, NoiseSource, Replicate,
+    Uncertainty, UncertaintyError,
 };
 use spineline_phantom::{Readers, Truth, generate};
 
@@ -176,7 +176,8 @@ fn a_single_reading_scatters_as_the_noise_of_its_corners_says() {
     // Monte Carlo's own error of a deviation is one part in √(2n); four of these.
     let limit = 4.0 / (2.0 * count as f64).sqrt();
     for level in [Level::L3, Level::T12, Level::T7, Level::T2] {
-        let quantities = [Quantity::LocationY, Quantity::LocationZ, Quantity::Tilt];
+        let quantities =
+            [AnalysisQuantity::LocationY, AnalysisQuantity::LocationZ, AnalysisQuantity::Tilt];
         let right = propagated(&body(Level::L4), &body(level), sd_mm);
         for (quantity, right) in quantities.into_iter().zip(right) {
             let sd = found.spread(quantity(Posture::Erect, level)).expect("measured").sd;
@@ -199,7 +200,7 @@ fn the_mean_of_n_readings_scatters_less_by_the_root_of_n() {
     }
     let sd = |case: &Case| {
         let found = run(case, LandmarkNoise::Pixels(2.0), 11, 1000);
-        found.spread(Quantity::Tilt(Posture::Erect, Level::T8)).expect("measured").sd
+        found.spread(AnalysisQuantity::Tilt(Posture::Erect, Level::T8)).expect("measured").sd
     };
     let ratio = sd(&one) / sd(&four);
     assert!((ratio / 2.0 - 1.0).abs() < 0.12, "{ratio}");
@@ -251,7 +252,7 @@ fn locations_of_other_programs_are_moved_by_their_stated_noise_and_have_no_pixel
     let case = placed(&erect(case(4, Truth::Rod, &Readers::exact())));
     let found = run(&case, LandmarkNoise::Measured, 2, 1500);
     assert_eq!(found.noise[0].source, NoiseSource::Assumed);
-    let sd = found.spread(Quantity::Tilt(Posture::Erect, Level::T5)).expect("measured").sd;
+    let sd = found.spread(AnalysisQuantity::Tilt(Posture::Erect, Level::T5)).expect("measured").sd;
     assert!((sd / (0.7 * 2.0_f64.sqrt()) - 1.0).abs() < 0.08, "{sd}");
     let nominal = analyzed(&case);
     let refused = MonteCarlo::new(&case, &nominal, LandmarkNoise::Pixels(2.0), 1).err();
@@ -301,9 +302,9 @@ fn inflections_that_vanish_in_a_part_of_the_replicates_show_their_share() {
     let mut tally = monte_carlo.tally();
     (0..200).for_each(|index| tally.add(&monte_carlo.replicate(index)));
     let found = tally.finish(200);
-    let share = found.spread(Quantity::InflectionPair).expect("always told").mean;
+    let share = found.spread(AnalysisQuantity::InflectionPair).expect("always told").mean;
     assert!((0.1..0.9).contains(&share), "{share}");
-    let caudal = found.of(Quantity::InflectionY(0)).expect("asked for");
+    let caudal = found.of(AnalysisQuantity::InflectionY(0)).expect("asked for");
     assert_eq!(caudal.absent, [(Absent::NoInflections, 200 - caudal.count)]);
     assert!((caudal.count as f64 / 200.0 - share).abs() < 1e-12);
 }
@@ -325,14 +326,15 @@ fn intervals_cover_the_truth_of_phantoms_where_nothing_is_chosen() {
         let found = run(&case, LandmarkNoise::Pixels(4.0), 1, 300);
         let truth = phantom.posture(Posture::Erect).expect("every phantom stands");
         for (i, &level) in Level::MODEL.iter().enumerate().skip(1) {
-            let spread = found.spread(Quantity::Tilt(Posture::Erect, level)).expect("measured");
+            let spread =
+                found.spread(AnalysisQuantity::Tilt(Posture::Erect, level)).expect("measured");
             let [low, high] = spread.interval_95();
             let right = (truth.tilts[i] - truth.tilts[0]).deg();
             covered += f64::from(u8::from((low..=high).contains(&right)));
             asked += 1.0;
         }
         // The ends of a Cobb angle are a choice of the noisy tilts: it is never far from the true one.
-        let main = found.spread(Quantity::Cobb(Posture::Erect, Region::MainThoracic));
+        let main = found.spread(AnalysisQuantity::Cobb(Posture::Erect, Region::MainThoracic));
         cobb += main.expect("measured").sd / 16.0;
     }
     let rate = covered / asked;

@@ -14,7 +14,7 @@ const UNIT_N: f64 = 100.0;
 /// Both searches end within 1e-9 rad of a lean.
 const LEAN_RAD: f64 = 1e-9;
 /// The largest hinge angle that either solver follows.
-const LARGEST_HINGE_RAD: f64 = 0.8;
+const MAX_HINGE_RAD: f64 = 0.8;
 
 /// All that meets a lean under a force along a line fixed in space, of one sign.
 fn path_to_lean(
@@ -47,7 +47,7 @@ fn forces_n(
         // What points the other way is left to a test of its own.
         assert!(off < LEAN_RAD || std::f64::consts::PI - off < LEAN_RAD, "off by {off} rad");
         off < LEAN_RAD
-            && found.deformed.largest_hinge_rad() <= LARGEST_HINGE_RAD
+            && found.deformed.largest_hinge_rad() <= MAX_HINGE_RAD
             && force_n <= largest_n
     };
     let mut forces = Vec::new();
@@ -81,7 +81,7 @@ fn the_forces_of_a_lean_are_those_that_the_march_finds() {
             .iter()
             .filter(|found| found.status == MatchStatus::Matched)
             .filter(|found| found.residual.abs() < LEAN_RAD)
-            .filter(|found| found.solution.deformed.largest_hinge_rad() <= LARGEST_HINGE_RAD)
+            .filter(|found| found.solution.deformed.largest_hinge_rad() <= MAX_HINGE_RAD)
             .map(|found| found.force_n)
             .collect();
         let found = forces_n((&model, &rows, support), &line, lean, largest_n);
@@ -133,7 +133,7 @@ impl TwoBars {
                 let (low, high) = (at(i).min(at(i + 1)), at(i).max(at(i + 1)));
                 root(low, high, |force| Self::lean(force) - lean)
             })
-            .filter(|&force| Self::hinges(force).iter().all(|turn| turn.abs() <= LARGEST_HINGE_RAD))
+            .filter(|&force| Self::hinges(force).iter().all(|turn| turn.abs() <= MAX_HINGE_RAD))
             .collect()
     }
 }
