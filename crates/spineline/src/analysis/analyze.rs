@@ -24,15 +24,32 @@ use crate::warning::{Step, Warnings};
 /// Runs all steps on one case, as far as its films reach.
 ///
 /// An erect film alone gives the curve, its inflections and the clinical angles; every further film adds what it can.
-/// What is missing says why in the warnings.
+/// What is missing says why in the warnings. Lengths are in mm, forces in N, moments in N·mm; locations are in the global
+/// frame `G` of each film ([`crate::measure`]), whose origin is L4's midpoint.
 ///
 /// # Errors
-/// [`Error`]: bad input only.
+/// [`Error`]: bad input only. A fit or a search without result is a status beside its numbers.
+///
+/// ```
+/// use spineline::analysis::{AnalysisOptions, analyze};
+/// use spineline::anatomy::Posture;
+/// use spineline_phantom::{Readers, Truth, generate};
+///
+/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let analysis = analyze(&case, &AnalysisOptions::default())?;
+/// assert_eq!(analysis.erect().outline.posture, Posture::Erect);
+/// // One personalised model per line of action.
+/// for model in &analysis.models {
+///     println!("{}: {:?} mm", model.kind, model.mean_location_error_mm(false));
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error> {
     analyze_known(case, options, None)
 }
 
-/// As [`analyze`], without lines of action and personalised models: steps 1 to 4, in a small part of the time.
+/// As [`analyze`], without lines of action and personalised models: steps 1 to 4 and the unloaded spine, in a small part of
+/// the time.
 ///
 /// # Errors
 /// [`Error`]: bad input only.

@@ -37,7 +37,7 @@ pub struct PostureAnalysis {
     pub preferred_line: Option<PreferredLine>,
 }
 
-/// Everything that was found out about one patient.
+/// The results of all steps for one patient; what a film or an option does not allow is `None` or empty, with a warning.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Analysis {
     /// Identifier of the case.
@@ -60,7 +60,7 @@ pub struct Analysis {
     pub regions: Regions,
     /// Clinical curves.
     pub clinical: Vec<ClinicalCurve>,
-    /// Lenke's type as far as the films tell it.
+    /// Lenke's type as far as the films show it.
     pub lenke: Option<LenkeType>,
     /// The unloaded spine.
     pub spine: SpineModel,

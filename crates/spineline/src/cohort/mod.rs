@@ -171,7 +171,24 @@ impl Films {
 }
 
 impl Cohort {
-    /// Statistics of some patients; the seed is that of the bootstrap.
+    /// Statistics of some patients; the seed is that of the bootstrap and of the permutation tests.
+    ///
+    /// ```
+    /// use spineline::analysis::{AnalysisOptions, analyze_movement};
+    /// use spineline::cohort::Cohort;
+    /// use spineline_phantom::{Readers, Truth, generate};
+    ///
+    /// let mut analyses = Vec::new();
+    /// for subject in 0..2 {
+    ///     let case = generate(subject, Truth::Bend, &Readers::exact(), 1)?.case;
+    ///     analyses.push(analyze_movement(&case, &AnalysisOptions::default())?);
+    /// }
+    /// let cohort = Cohort::of(&analyses.iter().collect::<Vec<_>>(), 1);
+    /// assert_eq!(cohort.patients, 2);
+    /// // Two patients are made up, and so is the cohort.
+    /// assert!(cohort.synthetic);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn of(analyses: &[&Analysis], seed: u64) -> Self {
         let clustered = |value: &dyn Fn(&Analysis) -> Vec<f64>| {

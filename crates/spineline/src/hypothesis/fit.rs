@@ -42,7 +42,7 @@ impl Role {
 
 /// Joints that turn against the moment of a load, where the film shows both.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Against {
+pub struct CounterRotatingJoints {
     /// How many.
     pub joints: usize,
     /// How many of them by more than two deviations of their measurement.
@@ -72,7 +72,7 @@ pub struct ShapePrediction {
     /// joint is wrong by that.
     pub rotation_rms: Angle,
     /// Joints that turn against this load.
-    pub against: Against,
+    pub against: CounterRotatingJoints,
 }
 
 impl ShapePrediction {
@@ -400,7 +400,7 @@ fn prediction(
 }
 
 /// Joints that turn against the moment of a load of given components.
-fn against(film: &JointResponses, components: &[f64]) -> Against {
+fn against(film: &JointResponses, components: &[f64]) -> CounterRotatingJoints {
     let moments = film.compliances.iter().enumerate().map(|(j, c)| film.turn(j, components) / c);
     let works: Vec<(f64, f64)> =
         moments.zip(&film.rotations).map(|(moment, &turn)| (moment * turn, turn)).collect();
@@ -408,7 +408,7 @@ fn against(film: &JointResponses, components: &[f64]) -> Against {
     // A joint that does not turn but for rounding contradicts nothing.
     let contrary: Vec<&(f64, f64)> =
         works.iter().filter(|(work, _)| *work < -1e-9 * total).collect();
-    Against {
+    CounterRotatingJoints {
         joints: contrary.len(),
         beyond_noise: contrary
             .iter()

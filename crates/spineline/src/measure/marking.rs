@@ -112,7 +112,7 @@ pub enum MarkingFault {
         /// The corner.
         place: Pixel,
     },
-    /// The corners make no body; with three of them, as far as they tell.
+    /// The corners make no body; with three of them, as far as they determine it.
     Corners {
         /// Vertebra.
         level: Level,
@@ -234,7 +234,7 @@ impl fmt::Display for MarkingFault {
 impl PartialReading {
     /// Everything wrong with the marks so far: vertebrae caudal first, then the crests.
     ///
-    /// Three corners tell already whether sides or endplates are exchanged. Where cranial is, the steps between the
+    /// Three corners already show whether sides or endplates are exchanged. Where cranial is, the steps between the
     /// bodies say; for a single one, up the picture.
     #[must_use]
     pub fn faults(&self, image: &ImageGeometry) -> Vec<MarkingFault> {
@@ -350,7 +350,7 @@ fn is_concave(corners: &Corners<Frontal>) -> bool {
     matches!(turns.filter(|&turn| turn).count(), 1 | 3)
 }
 
-/// As far as three corners tell: they always hold one endplate and one wall.
+/// As far as three corners determine it: they always hold one endplate and one wall.
 fn three_corners(corners: &Corners<Option<Frontal>>, cranial: Frontal) -> Option<CornerFault> {
     let &Corners { superior_left, superior_right, inferior_left, inferior_right } = corners;
     let way = |from: Option<Frontal>, to: Option<Frontal>| Some(to? - from?);

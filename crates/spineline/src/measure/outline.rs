@@ -76,8 +76,25 @@ impl Outline {
 
 /// Measures one film: every reading, their mean, and the global frame.
 ///
+/// Locations are in mm in the global frame `G`: origin at L4's midpoint, +Z cranial along L4's axis, +Y to the patient's
+/// left. Tilts are against L4, right-handed about +X (anterior).
+///
 /// # Errors
 /// [`MeasureError`], which names film, reading, vertebra, value and limit. Nothing is repaired.
+///
+/// ```
+/// use spineline::anatomy::Level;
+/// use spineline::measure::measure_film;
+/// use spineline::warning::Warnings;
+/// use spineline_phantom::{Readers, Truth, generate};
+///
+/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let outline = measure_film(&case.films[0], &mut Warnings::default())?;
+/// assert_eq!(outline.vertebrae.len(), Level::MODEL.len());
+/// // L4 is the origin.
+/// assert!(outline.vertebrae[0].location.norm_mm() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, MeasureError> {
     outline_of(film, &measure_readings(film)?, warnings)
 }

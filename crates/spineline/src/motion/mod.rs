@@ -40,7 +40,26 @@ pub struct SegmentEstimate {
 }
 
 impl Motion {
-    /// Compares two postures of one chain.
+    /// Compares two postures of one chain; `windows` are those of [`least_windows`], as segments of the erect chain.
+    ///
+    /// ```
+    /// use spineline::analysis::{AnalysisOptions, analyze_movement};
+    /// use spineline::anatomy::Posture;
+    /// use spineline::motion::{Motion, least_windows};
+    /// use spineline_phantom::{Readers, Truth, generate};
+    ///
+    /// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+    /// let analysis = analyze_movement(&case, &AnalysisOptions::default())?;
+    /// let erect = analysis.erect();
+    /// let bend = analysis.posture(Posture::LeftBending).ok_or("no left bend")?;
+    /// let windows = least_windows(&erect.fit, &erect.pose);
+    /// let motion = Motion::between(&erect.pose, &bend.pose, &windows);
+    /// // The segment of the caudal window that rotates least.
+    /// let least = motion.least[0];
+    /// assert!((windows[0].0..=windows[0].1).contains(&least));
+    /// assert!(motion.rotations[least].rad() <= motion.rotations[windows[0].0].rad());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn between(erect: &ChainPose, moved: &ChainPose, windows: &[(usize, usize); 2]) -> Self {
         let rotations: Vec<Angle> = erect

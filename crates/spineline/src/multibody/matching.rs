@@ -101,7 +101,7 @@ const MAX_EVALUATIONS: u32 = 2000;
 /// Finds the first force of a sign at which the line L4→T2 has a given lean.
 ///
 /// The lean is not monotone in the force, so the path is followed from zero in small steps, and a turn within a step is
-/// looked at too. The first crossing counts; [`amplitude_matches`] tells all.
+/// looked at too. The first crossing counts; [`amplitude_matches`] gives all.
 #[must_use]
 pub fn match_amplitude(
     statics: &Statics<'_>,

@@ -100,7 +100,7 @@ pub(super) fn zeros_between(from: &Sample, to: &Sample, path: &mut impl Along) {
     if from.value * to.value < 0.0 {
         let guess = to.at - to.value / to.rate;
         let zero = bracketed_root(*from, *to, guess, |at| path.sample(at));
-        tell(zero, path);
+        report(zero, path);
     } else if turns_within(from, to) {
         let turn = match turning_point(from, to, |at| path.sample(at)) {
             Ok(turn) if turn.value * from.value < 0.0 => turn,
@@ -112,16 +112,16 @@ pub(super) fn zeros_between(from: &Sample, to: &Sample, path: &mut impl Along) {
         };
         let middle = f64::midpoint(from.at, turn.at);
         let zero = bracketed_root(*from, turn, middle, |at| path.sample(at));
-        if tell(zero, path) {
+        if report(zero, path) {
             let middle = f64::midpoint(to.at, turn.at);
             let zero = bracketed_root(turn, *to, middle, |at| path.sample(at));
-            tell(zero, path);
+            report(zero, path);
         }
     }
 }
 
-/// Tells of a zero that was looked for; whether more are wanted.
-fn tell(zero: Result<Option<Sample>, Lost>, path: &mut impl Along) -> bool {
+/// Reports the outcome of a search for a zero; whether more are wanted.
+fn report(zero: Result<Option<Sample>, Lost>, path: &mut impl Along) -> bool {
     zero.transpose().is_none_or(|zero| path.found(zero))
 }
 

@@ -14,12 +14,12 @@ impl Stride {
     }
 }
 
-/// Where steps lead to, the last one first, as far as they tell it: the combination of them that leaves the shortest one.
+/// The limit of steps, the last one first, extrapolated: the combination of them that leaves the shortest one.
 ///
 /// # References
 /// [anderson-1965].
 pub(super) fn further(strides: &[Stride]) -> DVector<f64> {
-    /// Beyond this they tell nothing.
+    /// Beyond this the extrapolation means nothing.
     const FURTHEST: f64 = 1.0;
     let last = &strides[0];
     let changes: Vec<DVector<f64>> =
@@ -28,7 +28,7 @@ pub(super) fn further(strides: &[Stride]) -> DVector<f64> {
         return last.to.clone();
     }
     let changes = DMatrix::from_columns(&changes);
-    // Changes that are alike tell no more than one of them.
+    // Changes that are alike carry no more information than one of them.
     let least = 1e-6 * changes.amax();
     let Ok(parts) = changes.svd(true, true).solve(&last.step(), least) else {
         return last.to.clone();

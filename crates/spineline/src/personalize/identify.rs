@@ -1,4 +1,32 @@
 //! What the data of a fit say of every multiplier: information, profile likelihood, and what a prior adds.
+//!
+//! # Equations
+//! Let `J_a` and `J_f` be the derivatives of the data's residuals, in standard deviations, by `ln alpha` and by the free
+//! loads, `Q` an orthonormal basis of the columns of `J_f`, and `phi` the variance factor. What the films say of stiffness,
+//! with the loads free, is
+//!
+//! ```text
+//! A = (I - Q Q') J_a,    information = A' A / phi
+//! ```
+//!
+//! The right singular vectors of `A` are the directions, each with the deviation `sqrt(phi) / singular value`. Under the gauge
+//! only changes `W` count that keep the mean of `ln alpha`, so that the covariance is
+//!
+//! ```text
+//! C = W (W' (A' A / phi + P) W)^-1 W',    P = (I - 1 1' / g) / sd^2 with a prior, else 0
+//! ```
+//!
+//! The profile likelihood of multiplier `i` is the rise of the least sum of squares, with the prior where there is one, when
+//! `ln alpha_i` is held:
+//!
+//! ```text
+//! rise_i(v) = (min over x with ln alpha_i = v of chi^2(x) - min over x of chi^2(x)) / phi
+//! ```
+//!
+//! Its 95 % interval is where `rise_i(v) < 3.84`, the quantile of chi-squared on one degree of freedom.
+//!
+//! # References
+//! [raue-2009], [gutenkunst-2007].
 
 use nalgebra::{DMatrix, DVector};
 
@@ -172,27 +200,27 @@ pub fn identify(
     }
     let weighed = settings.weighed(fit.variance_factor);
     let mut problem = Problem::new(springs.model, springs.library, springs.groups, films, &weighed);
-    let mut asked = Asked::begin(&mut problem, fit)?;
+    let mut converged = ConvergedFit::begin(&mut problem, fit)?;
     let g = springs.groups.len();
-    let across = asked.information();
-    let (alone, with_prior) = asked.deviations(&across, settings);
+    let across = converged.information();
+    let (alone, with_prior) = converged.deviations(&across, settings);
     let multipliers = (0..g)
         .map(|group| MultiplierInformation {
             log_sd: alone[group],
             log_sd_with_prior: with_prior.as_ref().map(|sds| sds[group]),
-            profile: asked.profile(group, with_prior.as_ref().unwrap_or(&alone)[group]),
+            profile: converged.profile(group, with_prior.as_ref().unwrap_or(&alone)[group]),
         })
         .collect();
     Some(Identifiability {
-        variance_factor: asked.factor,
-        freedom: asked.freedom,
-        directions: directions(&across, asked.factor),
+        variance_factor: converged.factor,
+        freedom: converged.freedom,
+        directions: directions(&across, converged.factor),
         multipliers,
     })
 }
 
-/// A fit that is asked.
-struct Asked<'p, 'a> {
+/// A fit that converged, and the problem that it solves.
+struct ConvergedFit<'p, 'a> {
     problem: &'p mut Problem<'a>,
     minimum: Minimum,
     bounds: [DVector<f64>; 2],
@@ -201,7 +229,7 @@ struct Asked<'p, 'a> {
     freedom: usize,
 }
 
-impl<'p, 'a> Asked<'p, 'a> {
+impl<'p, 'a> ConvergedFit<'p, 'a> {
     fn begin(problem: &'p mut Problem<'a>, fit: &Personalization) -> Option<Self> {
         let x = problem.begin(&fit.as_start());
         let bounds = problem.bounds(&x);

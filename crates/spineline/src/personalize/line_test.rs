@@ -42,7 +42,7 @@ pub struct LineTest {
 pub enum Crossing {
     /// Between these places, in mm to the patient's left.
     Between([f64; 2]),
-    /// Anywhere, or nearly so: the films do not tell.
+    /// Anywhere, or nearly so: the films do not determine it.
     Open,
 }
 
@@ -102,7 +102,7 @@ impl PreferredLoads {
     /// Where the film's line may cross a height, with 95 % confidence for this height alone.
     ///
     /// # Definition
-    /// All places about which the moment vanishes as far as its test tells (Fieller's set).
+    /// All places about which a moment of zero is not rejected (Fieller's set).
     #[must_use]
     pub fn crossing(&self, film: usize, z_mm: f64) -> Option<Crossing> {
         let load = self.components.get(film)?;

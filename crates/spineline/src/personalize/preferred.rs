@@ -10,8 +10,36 @@
 //! have one covariance.
 //!
 //! Loads, multipliers, the shared part of the centres and the evenness are fitted by generalised least squares; the deviations of what
-//! joints have of their own by restricted maximum likelihood (scoring), with priors by which none is zero. So the films tell
-//! themselves how far joints of one group differ, and a load is as unsure as they do.
+//! joints have of their own by restricted maximum likelihood (scoring), with priors by which none is zero. So the films
+//! themselves give how far joints of one group differ, and the uncertainty of a load follows from it.
+//!
+//! # Equations
+//! With the rotations of all films in one vector `y`, the fitted numbers `b` (loads `w`, multipliers `ln alpha`, shared shift
+//! of the centres, evenness), what joints have of their own `u = (delta, centres)` and the noise `e`:
+//!
+//! ```text
+//! y = f(b) + Z u + e,    u ~ N(0, D),  D = diag(s_1 I, s_2 I),    e ~ N(0, S),  S = S_films (x) S_joints
+//! S_films[a,b]  = delta_ab sd_a^2 + sd_erect^2            tilts of a film, and of the erect film that all share
+//! S_joints[i,j] = 2 on the diagonal, -1 beside it         neighbouring joints share a vertebra
+//! ```
+//!
+//! With `X = df/db`, `r = y - f(b)` and `V = S + Z D Z'`, generalised least squares solve `X' V^-1 X db = X' V^-1 r`, and the
+//! covariance of `b` is `(X' V^-1 X)^-1`; `V^-1` is applied by Woodbury's identity. The variances `s_1` (of `ln` stiffness)
+//! and `s_2` (of centres, in discs) maximise the restricted likelihood
+//!
+//! ```text
+//! l_R(s) = -1/2 (ln|V| + ln|X' V^-1 X| + r' V^-1 r) + sum_i p_i ln s_i
+//! ```
+//!
+//! where the last term is the prior. With the prediction `u_i` of the own part `i` for `q` joints, and `C` the covariance of
+//! `u - predicted u` with `b` unknown, Fisher scoring on `ln s_i` uses
+//!
+//! ```text
+//! dl_R/ds_i = 1/2 (|u_i|^2 / s_i - (q - tr C_ii / s_i)) / s_i
+//! I_ij      = 1/2 |delta_ij I / s_i - C_ij / (s_i s_j)|_F^2
+//! ```
+//!
+//! One scoring step of the variances and one Gauss-Newton step of `b` alternate until nothing moves.
 //!
 //! # References
 //! [harville-1977] for the restricted likelihood, [chung-2013] for the priors.
@@ -23,7 +51,7 @@ use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use super::MULTIPLIER_BOUNDS;
 use super::acceleration::{Stride, further};
 use super::evidence::{FilmEvidence, JointEvidence};
-use super::weights::{Normal, Own, Precision, scale_columns};
+use super::weights::{Normal, Precision, RandomEffects, scale_columns};
 use crate::clinical::JointShares;
 use crate::multibody::Load;
 use crate::spatial::Frontal;
@@ -141,7 +169,7 @@ struct Weighed {
     slope: DVector<f64>,
     /// Their covariance.
     covariance: DMatrix<f64>,
-    own: Own,
+    own: RandomEffects,
     /// Of the restricted likelihood by the variances.
     score: Vector2<f64>,
     information: Matrix2<f64>,
@@ -259,18 +287,22 @@ impl<'a> Fit<'a> {
         let by_films = |rotations: &DVector<f64>| {
             DMatrix::from_column_slice(self.joints, self.films, rotations.as_slice())
         };
-        let own = Own::new([by_films(&predicted), by_films(&higher)], &self.precision, variances)?;
+        let own = RandomEffects::new(
+            [by_films(&predicted), by_films(&higher)],
+            &self.precision,
+            variances,
+        )?;
         let mut found = Normal::new(&jacobian, &residual, &self.precision, Some(&own));
         let (last, scale) = (jacobian.ncols() - 1, scales[jacobian.ncols() - 1]);
         found.matrix[(last, last)] += 1.0 / (EVENNESS_SD.powi(2) * scale * scale);
         found.right[last] += (EVENNESS - self.evenness) / (EVENNESS_SD.powi(2) * scale);
         let covariance = found.matrix.cholesky()?.inverse();
         let slope = found.right.column(0).into_owned();
-        // What joints have of their own as the rotations tell it, and how unsure that is: by rotations and unknowns.
+        // The predicted random effects of the joints, and their covariance given the rotations, with the unknowns free.
         let expected =
-            &found.own_by_residual - &found.own_by_columns * (&covariance * &found.right);
+            &found.effects_by_residual - &found.effects_by_columns * (&covariance * &found.right);
         let unsure = &own.covariance
-            + &found.own_by_columns * &covariance * found.own_by_columns.transpose();
+            + &found.effects_by_columns * &covariance * found.effects_by_columns.transpose();
         let joints = self.joints;
         let score = Vector2::from_fn(|i, _| {
             let squares = expected.rows(i * joints, joints).norm_squared() / variances[i];
@@ -338,7 +370,7 @@ impl<'a> Fit<'a> {
     }
 
     /// The best loads at the multipliers of now, which is linear.
-    fn solve_loads(&mut self, own: Option<&Own>) -> Option<()> {
+    fn solve_loads(&mut self, own: Option<&RandomEffects>) -> Option<()> {
         let mut by_loads = self.by_loads();
         let scales = scale_columns(&mut by_loads);
         let rotations = DMatrix::from_column_slice(by_loads.nrows(), 1, self.rotations.as_slice());

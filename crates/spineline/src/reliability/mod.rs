@@ -9,6 +9,26 @@
 //! [`StatisticKind`]. What has no value says why ([`Undefined`]); nothing here is ever NaN. [`film_quantities`] makes the
 //! tables of marked films.
 //!
+//! # Equations
+//! For ratings `x_ij` of `n` subjects by `k` raters, with the means `x_i.` of a subject, `x_.j` of a rater and `x_..` of all:
+//!
+//! ```text
+//! MSR = k sum_i (x_i. - x_..)^2 / (n - 1)                                   between subjects
+//! MSC = n sum_j (x_.j - x_..)^2 / (k - 1)                                   between raters
+//! MSE = sum_ij (x_ij - x_i. - x_.j + x_..)^2 / ((n - 1) (k - 1))            rest
+//!
+//! ICC(2,1) = (MSR - MSE) / (MSR + (k - 1) MSE + k (MSC - MSE) / n)          agreement, one rater
+//! ICC(3,1) = (MSR - MSE) / (MSR + (k - 1) MSE)                              consistency, one rater
+//! ICC(2,k) = (MSR - MSE) / (MSR + (MSC - MSE) / n)                          agreement, mean of k raters
+//!
+//! SEM_agreement   = sqrt(MSE + (MSC - MSE) / n)
+//! SEM_consistency = sqrt(MSE)
+//! MDC95           = 1.96 sqrt(2) SEM
+//! ```
+//!
+//! Intervals of ICC(2,1) and ICC(3,1) are by F quantiles [shrout-fleiss-1979], that of ICC(2,1) with Satterthwaite's degrees
+//! of freedom; that of ICC(2,k) follows by Spearman and Brown's formula.
+//!
 //! # Departures from the paper
 //! Subjects are pooled over films and vertebrae, as the paper did, though vertebrae of one film are not independent:
 //! intervals are narrower than those of so many independent subjects would be.

@@ -291,7 +291,7 @@ impl AnalysisQuantity {
             return Err(Absent::ForceNotFound);
         }
         let line = &simulation.line;
-        // A line that is nearly horizontal may be told the other way round.
+        // A line that is nearly horizontal may be given in the opposite direction.
         let own = nominal.models.iter().find(|model| model.kind == kind);
         let own = own.and_then(|model| model.posture(posture));
         let sense = own.map_or(1.0, |own| own.line.direction.dot(line.direction).signum());

@@ -109,7 +109,7 @@ impl<'a> Tally<'a> {
         Self { of, done: 0, failed: 0, failures: BTreeMap::new(), quantities }
     }
 
-    /// Takes in one replicate. Told in the order of their indices, they give the same bytes however they were computed.
+    /// Adds one replicate. Added in the order of their indices, they give the same bytes however they were computed.
     pub fn add(&mut self, replicate: &Replicate) {
         self.done += 1;
         for &(code, line, posture) in &replicate.endings {

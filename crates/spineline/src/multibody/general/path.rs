@@ -62,7 +62,7 @@ const MIN_COSINE: f64 = 0.9;
 /// Newton moves a point sideways by at most this part of the step, for the same reason.
 const MAX_DEPARTURE: f64 = 0.5;
 /// A place of the goal that is nearer to a point that meets it is that point.
-const TOLD_RAD: f64 = 1e-7;
+const SAME_POINT_RAD: f64 = 1e-7;
 /// A lean so near to the wanted one meets it; a factor is met exactly.
 const LEAN_MET_RAD: f64 = 1e-10;
 
@@ -166,7 +166,7 @@ impl<'w, 'b> Walk<'w, 'b> {
                 }
                 continue;
             };
-            if let Some(stop) = self.tell(&base, events, met) {
+            if let Some(stop) = self.report(&base, events, met) {
                 return stop;
             }
             self.arc_rad += step_rad;
@@ -283,8 +283,8 @@ impl<'w, 'b> Walk<'w, 'b> {
         zeros_between(&base.goal, &next.goal, &mut within);
         let Within { mut met, lost, .. } = within;
         if base.goal.met {
-            // The same place, told already.
-            met.retain(|sample| sample.at > TOLD_RAD);
+            // The same place, reported already.
+            met.retain(|sample| sample.at > SAME_POINT_RAD);
         }
         // The end of the step itself may meet the goal.
         if next.goal.met && !base.goal.met && met.is_empty() {
@@ -293,8 +293,8 @@ impl<'w, 'b> Walk<'w, 'b> {
         (!lost).then_some(met)
     }
 
-    /// Tells of singular points and equilibria within a step, in the order in which they come.
-    fn tell(&mut self, base: &Base, events: Vec<Located>, met: Vec<Sample>) -> Option<Stop> {
+    /// Reports singular points and equilibria within a step, in the order along the path.
+    fn report(&mut self, base: &Base, events: Vec<Located>, met: Vec<Sample>) -> Option<Stop> {
         let mut events = events.into_iter().peekable();
         for sample in met {
             while let Some(event) = events.next_if(|event| event.at < sample.at) {
