@@ -185,7 +185,7 @@ impl Cohort {
     /// }
     /// let cohort = Cohort::of(&analyses.iter().collect::<Vec<_>>(), 1);
     /// assert_eq!(cohort.patients, 2);
-    /// // Two patients are made up, and so is the cohort.
+    /// // Synthetic patients make a synthetic cohort.
     /// assert!(cohort.synthetic);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

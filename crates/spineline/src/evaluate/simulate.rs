@@ -177,22 +177,7 @@ pub fn simulate(
         Target::NearestT2(None) => vec![match_t2(statics, &load, &ForceSign::BOTH, top)],
         Target::NearestT2(Some(sign)) => vec![match_t2(statics, &load, &[sign], top)],
     };
-    let mut tries: Vec<(ForceMatch, [Angle; 3])> = found
-        .into_iter()
-        .map(|found| {
-            let simulated: Vec<Frontal> =
-                (0..measured.len()).map(|i| found.solution.deformed.location(i)).collect();
-            let difference = regions
-                .bounds
-                .each_ref()
-                .map(|b| (ferguson_angle(&simulated, b) - ferguson_angle(&measured, b)).wrapped());
-            (found, difference)
-        })
-        .collect();
-    // A shape that met its target always comes before one that did not.
-    tries.sort_by(|(a, da), (b, db)| {
-        b.is_usable().cmp(&a.is_usable()).then(rms(da).rad().total_cmp(&rms(db).rad()))
-    });
+    let tries = ranked(found, &measured, regions);
     let lost = |other: &(ForceMatch, _)| other.0.status == MatchStatus::NotConverged;
     let lost_forces = tries.iter().skip(1).filter(|other| lost(other)).count();
     let mut tries = tries.into_iter();
@@ -228,6 +213,31 @@ pub fn simulate(
         locations,
         contradicted: Vec::new(),
     }
+}
+
+/// Forces that were found with the errors of their Ferguson angles, the best first: a shape that met its target always comes
+/// before one that did not.
+fn ranked(
+    found: Vec<ForceMatch>,
+    measured: &[Frontal],
+    regions: &Regions,
+) -> Vec<(ForceMatch, [Angle; 3])> {
+    let mut tries: Vec<(ForceMatch, [Angle; 3])> = found
+        .into_iter()
+        .map(|found| {
+            let simulated: Vec<Frontal> =
+                (0..measured.len()).map(|i| found.solution.deformed.location(i)).collect();
+            let difference = regions
+                .bounds
+                .each_ref()
+                .map(|b| (ferguson_angle(&simulated, b) - ferguson_angle(measured, b)).wrapped());
+            (found, difference)
+        })
+        .collect();
+    tries.sort_by(|(a, da), (b, db)| {
+        b.is_usable().cmp(&a.is_usable()).then(rms(da).rad().total_cmp(&rms(db).rad()))
+    });
+    tries
 }
 
 fn rms(angles: &[Angle; 3]) -> Angle {

@@ -69,7 +69,7 @@ impl Calibration {
     /// 0.5 %, which nobody can see in the picture, and which is not part of the result.
     ///
     /// # Errors
-    /// [`CalibrationError`].
+    /// [`CalibrationError`]: a number that cannot be meant, or clicks that are too near.
     ///
     /// ```
     /// use spineline::measure::{Calibration, Calibrator};

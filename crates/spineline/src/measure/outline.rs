@@ -3,8 +3,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::order::{MIN_SPACING_SHARE, steps, typical_distance_mm};
 use super::spacing::is_spacing;
 use super::{
-    CornerFault, Film, FilmMarks, IliacCrests, ImageGeometry, LengthScale, Mark, MeasureError,
-    Noise, Placement, Reading, ReadingId, SpacingPlane, measure_readings,
+    CornerFault, Corners, Film, FilmMarks, IliacCrests, ImageGeometry, LengthScale, Mark,
+    MeasureError, Noise, Placement, Reading, ReadingId, SpacingPlane, measure_readings,
 };
 use crate::anatomy::{Level, Posture};
 use crate::spatial::{Angle, Frontal};
@@ -229,12 +229,12 @@ pub(super) fn check_placements(
     Ok(())
 }
 
-/// One reading in millimetres of the film: midpoints and tilts.
-pub(super) fn place(
+/// The vertebral bodies of one reading, in millimetres of the film; every corner lies on the picture.
+fn bodies_of(
     posture: Posture,
     image: &ImageGeometry,
     reading: &Reading<Mark>,
-) -> Result<BTreeMap<Level, Placement>, MeasureError> {
+) -> Result<BTreeMap<Level, Corners<Frontal>>, MeasureError> {
     let id = || reading.id.clone();
     let mut bodies = BTreeMap::new();
     for (&level, mark) in &reading.vertebrae {
@@ -259,6 +259,17 @@ pub(super) fn place(
         }
         bodies.insert(level, mark.corners.map(|corner| image.frontal(corner)));
     }
+    Ok(bodies)
+}
+
+/// One reading in millimetres of the film: midpoints and tilts.
+pub(super) fn place(
+    posture: Posture,
+    image: &ImageGeometry,
+    reading: &Reading<Mark>,
+) -> Result<BTreeMap<Level, Placement>, MeasureError> {
+    let id = || reading.id.clone();
+    let bodies = bodies_of(posture, image, reading)?;
     let fault = |level, fault| MeasureError::Corners { posture, id: id(), level, fault };
 
     let mut centres = BTreeMap::new();

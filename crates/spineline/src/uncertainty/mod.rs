@@ -101,7 +101,7 @@ impl<'a> MonteCarlo<'a> {
     /// Prepares replicates of a case that was analysed already, with the options of that analysis.
     ///
     /// # Errors
-    /// [`UncertaintyError`].
+    /// [`UncertaintyError`]: a deviation below zero, or one in pixels for a film that has no corners.
     pub fn new(
         case: &Case,
         nominal: &'a Analysis,

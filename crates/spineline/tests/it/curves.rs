@@ -19,7 +19,7 @@ const CHAIN_MM: f64 = 1e-6;
 const CHORD_MM: f64 = 1e-10;
 const ROUNDING: f64 = 1e-12;
 /// A lobe counts from 5° on; those made here are far larger.
-const LEAST_TURN: Angle = Angle::from_deg(5.0);
+const MIN_TURN: Angle = Angle::from_deg(5.0);
 
 /// A polynomial by its coefficients from `z²` upwards, with `u = z / height`.
 #[derive(Debug, Clone)]
@@ -102,7 +102,7 @@ proptest! {
                 let z = curve.height_mm * f64::from(k) / 50.0;
                 assert_near(fit.curve.point(z).y_mm, curve.at(z).0, 1e3 * RESIDUAL_MM, "curve");
             }
-            let inflections = find_inflections(&fit, LEAST_TURN);
+            let inflections = find_inflections(&fit, MIN_TURN);
             prop_assert_eq!(inflections.all.len(), 2);
             for (found, z) in inflections.all.iter().zip([p, q]) {
                 assert_near(found.erect.z_mm, z, INFLECTION_MM, "inflection");
@@ -204,7 +204,7 @@ fn the_paper_rule_takes_an_order_with_two_inflections() {
         vertebra.tilt = vertebra.tilt + Angle::from_deg(draw.between(-2.0, 2.0));
     }
     let paper = fit(&outline, OrderRule::Paper);
-    assert_eq!(find_inflections(&paper, LEAST_TURN).all.len(), 2);
+    assert_eq!(find_inflections(&paper, MIN_TURN).all.len(), 2);
     // The default leaves the noise alone: its order is not above the paper's, which has the least residual.
     assert!(fit(&outline, OrderRule::LeaveOneOut).order <= paper.order);
 }

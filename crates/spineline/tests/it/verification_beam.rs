@@ -19,7 +19,7 @@ const LENGTH_MM: f64 = 400.0;
 /// Bending stiffness, N·mm²: about that of fourteen joints of 130 N·m/rad.
 const EI: f64 = 4e6;
 /// Second order, with what the next term leaves at eight elements.
-const LEAST_ORDER: f64 = 1.9;
+const MIN_ORDER: f64 = 1.9;
 
 /// The column: nodes at whole elements, joints between.
 fn column(elements: usize) -> SpineModel {
@@ -69,7 +69,7 @@ fn elastica_orders(plane: Plane, force_angle: f64, end_turn: f64, follower: bool
 }
 
 fn assert_second_order(orders: &[f64]) {
-    assert!(orders.iter().all(|order| (LEAST_ORDER..2.2).contains(order)), "orders {orders:?}");
+    assert!(orders.iter().all(|order| (MIN_ORDER..2.2).contains(order)), "orders {orders:?}");
 }
 
 #[test]

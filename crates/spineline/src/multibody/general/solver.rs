@@ -81,7 +81,7 @@ impl<'a> GeneralStatics<'a> {
     /// Springs of every joint about its hinges x, y and z, in N·mm/rad; off the diagonal they couple the hinges.
     ///
     /// # Errors
-    /// [`SpringError`].
+    /// [`SpringError`]: a stiffness that is not symmetric and positive definite, or not one per joint.
     pub fn new(
         model: &'a SpineModel,
         nmm_per_rad: impl IntoIterator<Item = Mat3>,
