@@ -49,7 +49,7 @@ use std::ops::AddAssign;
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
 use super::MULTIPLIER_BOUNDS;
-use super::acceleration::{Stride, further};
+use super::acceleration::{IterationStep, anderson_step};
 use super::evidence::{FilmEvidence, JointEvidence};
 use super::weights::{Normal, Precision, RandomEffects, scale_columns};
 use crate::clinical::JointShares;
@@ -90,11 +90,11 @@ const PRIORS: Vector2<f64> = Vector2::new(0.5, 0.25);
 const ROUNDS: usize = 100;
 /// A longer step of multipliers leaves what the linear theory knows.
 const MAX_LOG_STEP: f64 = 0.5;
-/// A step that moves nothing any more.
-const SETTLED: f64 = 1e-4;
+/// The iteration has converged when no unknown moves by more than this.
+const CONVERGED_STEP: f64 = 1e-4;
 
 impl PreferredLoads {
-    /// Fits them; `None` without films, where the films' joints do not determine the loads, or where the fit does not settle.
+    /// Fits them; `None` without films, where the films' joints do not determine the loads, or where the fit does not converge.
     ///
     /// `depth_mm` is the sagittal place of the forces. `near` is a fit that is thought to end nearby, such as that of other
     /// readings of the same films.
@@ -116,24 +116,24 @@ impl PreferredLoads {
             variances = Vector2::new(near.joint_log_sd.powi(2), near.centre_sd_discs.powi(2));
         }
         fit.solve_loads(None)?;
-        let mut state = fit.weigh(variances)?;
-        let mut strides: Vec<Stride> = Vec::new();
+        let mut state = fit.linearize(variances)?;
+        let mut steps: Vec<IterationStep> = Vec::new();
         for _ in 0..ROUNDS {
-            let stride = fit.stride(&state, variances);
-            let settled = (&stride.to - &stride.from).amax() < SETTLED;
-            strides.insert(0, stride);
-            strides.truncate(3);
-            // At the end, and where steps together would put a multiplier on its bound, the last one counts alone.
-            let together = further(&strides);
-            let mut within = together.clone();
-            fit.keep_within(&mut within);
+            let step = fit.iterate(&state, variances);
+            let converged = (&step.to - &step.from).amax() < CONVERGED_STEP;
+            steps.insert(0, step);
+            steps.truncate(3);
+            // At the end, and where the extrapolation would put a multiplier on its bound, the last step counts alone.
+            let extrapolated = anderson_step(&steps);
+            let mut within = extrapolated.clone();
+            fit.clamp(&mut within);
             let logs = 2..2 + fit.logs.len();
-            let alone =
-                settled || within.rows_range(logs.clone()) != together.rows_range(logs.clone());
-            variances = fit.go_to(if alone { &strides[0].to } else { &within });
+            let alone = converged
+                || within.rows_range(logs.clone()) != extrapolated.rows_range(logs.clone());
+            variances = fit.set_unknowns(if alone { &steps[0].to } else { &within });
             fit.solve_loads(Some(&state.own))?;
-            state = fit.weigh(variances)?;
-            if settled {
+            state = fit.linearize(variances)?;
+            if converged {
                 return Some(fit.finish(variances, &state));
             }
         }
@@ -161,8 +161,8 @@ struct Fit<'a> {
     logs: Vec<f64>,
 }
 
-/// The fit at some variances of what joints have of their own.
-struct Weighed {
+/// The linearised fit at given variances of the random effects.
+struct Linearized {
     /// By the loads, the free multipliers and the centres, in scaled columns.
     scales: DVector<f64>,
     /// Derivative of the likelihood by these.
@@ -176,16 +176,18 @@ struct Weighed {
     ways: DMatrix<f64>,
 }
 
-impl Weighed {
+impl Linearized {
     /// One scoring step of the variances' logarithms. Their priors keep them off zero, where nothing would be known of them.
-    fn better(&self, variances: Vector2<f64>) -> Vector2<f64> {
-        const STRIDE: f64 = 2.0;
+    fn scoring_step(&self, variances: Vector2<f64>) -> Vector2<f64> {
+        const MAX_LOG_SCORING_STEP: f64 = 2.0;
         let score = variances.component_mul(&self.score) + PRIORS;
         let scaled = Matrix2::from_diagonal(&variances);
         // The priors have no curvature in logarithms; this much keeps a step finite where films say nothing.
         let information = scaled * self.information * scaled + Matrix2::identity() * 0.25;
         let step = information.try_inverse().map_or(score, |inverse| inverse * score);
-        variances.zip_map(&step, |v, step| v * step.clamp(-STRIDE, STRIDE).exp())
+        variances.zip_map(&step, |v, step| {
+            v * step.clamp(-MAX_LOG_SCORING_STEP, MAX_LOG_SCORING_STEP).exp()
+        })
     }
 }
 
@@ -248,7 +250,7 @@ impl<'a> Fit<'a> {
     }
 
     /// Directions among the `ln α` that keep their mean and leave those at a bound where they are.
-    fn ways(&self) -> DMatrix<f64> {
+    fn free_directions(&self) -> DMatrix<f64> {
         let g = self.logs.len();
         let limit = MULTIPLIER_BOUNDS[1].ln();
         let free: Vec<usize> = (0..g).filter(|&i| self.logs[i].abs() < limit).collect();
@@ -260,10 +262,10 @@ impl<'a> Fit<'a> {
         ways
     }
 
-    fn weigh(&self, variances: Vector2<f64>) -> Option<Weighed> {
+    fn linearize(&self, variances: Vector2<f64>) -> Option<Linearized> {
         let by_loads = self.by_loads();
         let predicted = &by_loads * &self.loads;
-        let ways = self.ways();
+        let ways = self.free_directions();
         let (rows, loads) = (self.rotations.len(), 3 * self.films);
         let higher =
             self.matrix_of(|film, joint, part| self.higher[film][joint][part]) * &self.loads;
@@ -317,12 +319,12 @@ impl<'a> Fit<'a> {
                 DMatrix::identity(joints, joints) * known - unsure / (variances[i] * variances[j]);
             0.5 * part.norm_squared()
         });
-        Some(Weighed { score, information, slope, scales, covariance, own, ways })
+        Some(Linearized { score, information, slope, scales, covariance, own, ways })
     }
 
-    /// One scoring step of the variances, and one of Gauss and Newton of multipliers and centres. Alone they shorten slowly:
-    /// residuals are large, and the variances know the expected curvature only.
-    fn stride(&self, at: &Weighed, variances: Vector2<f64>) -> Stride {
+    /// One scoring step of the variances, and one Gauss-Newton step of multipliers and centres. Alone they converge slowly:
+    /// residuals are large, and scoring knows the expected curvature only.
+    fn iterate(&self, at: &Linearized, variances: Vector2<f64>) -> IterationStep {
         let step = (&at.covariance * &at.slope).component_div(&at.scales);
         let mut change = &at.ways * step.rows(3 * self.films, at.ways.ncols());
         let longest = change.amax();
@@ -331,12 +333,12 @@ impl<'a> Fit<'a> {
         let shifts = step.rows(3 * self.films + at.ways.ncols(), 2) * part;
         let from = self.place(variances);
         let mut to = from.clone();
-        to.rows_mut(0, 2).copy_from(&at.better(variances).map(f64::ln));
+        to.rows_mut(0, 2).copy_from(&at.scoring_step(variances).map(f64::ln));
         to.rows_range_mut(2..2 + self.logs.len()).add_assign(&change);
         to[2 + self.logs.len()] += shifts[0] / MAX_HIGHER_DISCS;
         to[3 + self.logs.len()] += shifts[1];
-        self.keep_within(&mut to);
-        Stride { from, to }
+        self.clamp(&mut to);
+        IterationStep { from, to }
     }
 
     /// All that is not linear: `ln` of both variances, `ln α`, and of centres how much higher they lie, as a part of the most, and
@@ -348,7 +350,7 @@ impl<'a> Fit<'a> {
         DVector::from_iterator(4 + self.logs.len(), all.chain([higher, self.evenness]))
     }
 
-    fn keep_within(&self, place: &mut DVector<f64>) {
+    fn clamp(&self, place: &mut DVector<f64>) {
         for (i, most) in MAX_VARIANCES.map(f64::ln).iter().enumerate() {
             place[i] = place[i].clamp(most + MIN_OF_MAX_VARIANCE.ln(), *most);
         }
@@ -361,7 +363,7 @@ impl<'a> Fit<'a> {
     }
 
     /// Takes multipliers, centres and evenness of a place, and answers with its variances.
-    fn go_to(&mut self, place: &DVector<f64>) -> Vector2<f64> {
+    fn set_unknowns(&mut self, place: &DVector<f64>) -> Vector2<f64> {
         let groups = self.logs.len();
         self.logs.copy_from_slice(&place.as_slice()[2..2 + groups]);
         self.centres_higher_discs = place[2 + groups] * MAX_HIGHER_DISCS;
@@ -380,7 +382,7 @@ impl<'a> Fit<'a> {
         Some(())
     }
 
-    fn finish(&self, variances: Vector2<f64>, at: &Weighed) -> PreferredLoads {
+    fn finish(&self, variances: Vector2<f64>, at: &Linearized) -> PreferredLoads {
         let loads = 3 * self.films;
         let covariance = DMatrix::from_fn(loads, loads, |i, j| {
             at.covariance[(i, j)] / (at.scales[i] * at.scales[j])
