@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 const MODULES: [&str; 19] = [
     "anatomy",
     "spatial",
-    "action",
     "warning",
     "measure",
     "reliability",
@@ -15,6 +14,7 @@ const MODULES: [&str; 19] = [
     "clinical",
     "chain",
     "motion",
+    "action",
     "multibody",
     "response",
     "personalize",

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use csv::{ReaderBuilder, StringRecord};
-use spineline::reliability::Quantity;
+use spineline::reliability::RatedQuantity;
 
 use crate::FileError;
 use crate::json::nearest;
@@ -20,7 +20,7 @@ const LONGEST_NAME: usize = 200;
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadingsTable {
     /// One per name in the column `quantity`, in the order of names.
-    pub quantities: Vec<Quantity>,
+    pub quantities: Vec<RatedQuantity>,
     /// Whether the column `synthetic` says `true` anywhere.
     pub synthetic: bool,
 }
@@ -45,7 +45,7 @@ pub fn parse_readings(text: &str) -> Result<ReadingsTable, FileError> {
     let mut reader = ReaderBuilder::new().from_reader(text.as_bytes());
     let heading = reader.headers().map_err(|error| row_error(&error, 1))?.clone();
     let places = places(&heading)?;
-    let mut quantities: BTreeMap<String, Quantity> = BTreeMap::new();
+    let mut quantities: BTreeMap<String, RatedQuantity> = BTreeMap::new();
     let mut synthetic = false;
     for (count, record) in reader.records().enumerate() {
         let record = record.map_err(|error| row_error(&error, count as u64 + 2))?;
@@ -91,7 +91,7 @@ fn places(heading: &StringRecord) -> Result<BTreeMap<&'static str, usize>, FileE
 fn insert(
     record: &StringRecord,
     places: &BTreeMap<&'static str, usize>,
-    quantities: &mut BTreeMap<String, Quantity>,
+    quantities: &mut BTreeMap<String, RatedQuantity>,
 ) -> Result<bool, String> {
     let cell = |column: &str| {
         places.get(column).and_then(|&place| record.get(place)).unwrap_or_default().trim()
@@ -138,7 +138,7 @@ fn insert(
     };
     let quantity = quantities
         .entry(key.to_owned())
-        .or_insert_with(|| Quantity::new(key, unit, "as in the table of readings"));
+        .or_insert_with(|| RatedQuantity::new(key, unit, "as in the table of readings"));
     if quantity.unit != unit {
         return Err(format!("`{key}` is in {unit}, and in {} above", quantity.unit));
     }

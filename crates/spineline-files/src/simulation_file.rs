@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use spineline::clinical::CurvePlaces;
 use spineline::multibody::{Deformed, Goal, PathPoint};
 use spineline::response::{
-    Met, Response, SignedPath, SpineAngles, direction_word, erect_shape, measure_angles,
+    GoalEquilibrium, Response, SignedPath, SpineAngles, direction_word, erect_shape, measure_angles,
 };
 use spineline::spatial::{Mat3, Vec3};
 
@@ -184,7 +184,7 @@ impl SimulationFile {
             largest_factor: response.largest_factor,
             loads: load_file.loads.clone(),
             erect: writer.angles(&erect_shape(&model.spine)),
-            equilibria: response.met.iter().map(|met| writer.equilibrium(met)).collect(),
+            equilibria: response.equilibria.iter().map(|met| writer.equilibrium(met)).collect(),
             events: response.paths.iter().flat_map(events).collect(),
             path: response.paths.iter().flat_map(|signed| writer.path(signed)).collect(),
             warnings,
@@ -227,7 +227,7 @@ impl Writer<'_> {
         }
     }
 
-    fn equilibrium(&self, met: &Met) -> EquilibriumRecord {
+    fn equilibrium(&self, met: &GoalEquilibrium) -> EquilibriumRecord {
         let equilibrium = &met.equilibrium;
         let shape = &equilibrium.deformed;
         let levels = self.model.levels.iter().copied().map(LevelKey);

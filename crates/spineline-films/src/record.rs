@@ -51,7 +51,7 @@ pub(super) mod spacing {
 
 pub(super) mod view {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
-    use spineline::measure::{Direction, Stance, ViewEvidence, ViewPosition};
+    use spineline::measure::{PatientDirection, Stance, ViewEvidence, ViewPosition};
 
     #[derive(Serialize, Deserialize)]
     #[serde(deny_unknown_fields)]
@@ -68,14 +68,14 @@ pub(super) mod view {
         Other,
     }
 
-    const fn letter(direction: Direction) -> char {
+    const fn letter(direction: PatientDirection) -> char {
         match direction {
-            Direction::Left => 'L',
-            Direction::Right => 'R',
-            Direction::Anterior => 'A',
-            Direction::Posterior => 'P',
-            Direction::Head => 'H',
-            Direction::Foot => 'F',
+            PatientDirection::Left => 'L',
+            PatientDirection::Right => 'R',
+            PatientDirection::Anterior => 'A',
+            PatientDirection::Posterior => 'P',
+            PatientDirection::Head => 'H',
+            PatientDirection::Foot => 'F',
         }
     }
 
@@ -98,7 +98,7 @@ pub(super) mod view {
         let record = Record::deserialize(from)?;
         let direction = |letter: char| {
             let no_direction = || serde::de::Error::custom("no direction");
-            Direction::from_dicom(letter.encode_utf8(&mut [0; 4])).ok_or_else(no_direction)
+            PatientDirection::from_dicom(letter.encode_utf8(&mut [0; 4])).ok_or_else(no_direction)
         };
         let orientation = match record.orientation {
             Some([columns, rows]) => Some([direction(columns)?, direction(rows)?]),

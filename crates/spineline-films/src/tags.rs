@@ -3,7 +3,8 @@
 use dicom_core::value::Value;
 use dicom_object::InMemDicomObject;
 use spineline::measure::{
-    CalibrationType, Direction, SpacingEvidence, Stance, ViewEvidence, ViewPosition, judge_spacing,
+    CalibrationType, PatientDirection, SpacingEvidence, Stance, ViewEvidence, ViewPosition,
+    judge_spacing,
 };
 
 use super::element::{Attributes, DataSet, number, numbers};
@@ -203,7 +204,7 @@ fn view(data: &InMemDicomObject, remarks: &mut Vec<FilmRemark>) -> ViewEvidence 
         let known = |part: &str| {
             let part = part.trim();
             let letters = part.len() <= 3 && part.bytes().all(|b| b"LRAPHF".contains(&b));
-            Direction::from_dicom(part).filter(|_| letters)
+            PatientDirection::from_dicom(part).filter(|_| letters)
         };
         let pair = text.split_once('\\').and_then(|(a, b)| known(a).zip(known(b)));
         if pair.is_none() {

@@ -1,7 +1,9 @@
 //! Loads and bases other than the lines of action, fitted and left out, over one patient or several.
 
 use spineline::analysis::Analysis;
-use spineline::hypothesis::{Comparison, HypothesisFit, HypothesisSummary, Role, compare};
+use spineline::hypothesis::{
+    HypothesisComparison, HypothesisFit, HypothesisSummary, Role, compare,
+};
 
 use crate::document::{Column, Section, Table};
 use crate::patient::none;
@@ -28,7 +30,7 @@ pub fn section(analyses: &[Analysis]) -> Option<Section> {
     Some(section)
 }
 
-fn table(block: &Comparison, caption: String) -> Table {
+fn table(block: &HypothesisComparison, caption: String) -> Table {
     let columns = vec![
         Column::words("Load and base"),
         Column::numbers("Free"),

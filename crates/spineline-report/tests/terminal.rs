@@ -8,7 +8,7 @@ use spineline::hypothesis::{Hypothesis, Role, compare};
 use spineline::measure::FilmReadings;
 use spineline::personalize::{FitStatus, Identifiability, LogNormalPrior, StiffnessBound};
 use spineline::reliability::{QuantityReliability, assess, film_quantities};
-use spineline::uncertainty::{LandmarkNoise, MonteCarlo, Quantity, Uncertainty};
+use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo, Uncertainty};
 use spineline_phantom::{Readers, Truth, generate};
 use spineline_report::document::{Block, NoticeKind, Table};
 use spineline_report::patient::{self, Patient, warnings};
@@ -293,7 +293,7 @@ fn every_number_of_the_replicates_is_there_where_they_were_requested() {
         assert!(rows.any(|row| row.contains(&sd)), "{label}: {sd} is missing in\n{text}");
     }
     for posture in analysis.postures.iter().map(|p| p.outline.posture) {
-        let of = |level: Level| found.spread(Quantity::Tilt(posture, level)).map(|s| s.sd);
+        let of = |level: Level| found.spread(AnalysisQuantity::Tilt(posture, level)).map(|s| s.sd);
         let sds = || Level::MODEL[1..].iter().filter_map(|&level| of(level));
         let largest = format!("{:.2} (", sds().fold(0.0, f64::max));
         let mean = format!("{:.2} ", sds().sum::<f64>() / sds().count() as f64);

@@ -1,7 +1,6 @@
 //! Soft problems: they stop nothing, but everyone who reads a result sees them, and each says what was done about it.
 
-use crate::action::LineKind;
-use crate::anatomy::{Level, Posture};
+use crate::anatomy::{Level, LineKind, Posture};
 
 /// A step of the pipeline, in its order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

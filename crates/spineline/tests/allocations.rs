@@ -1,5 +1,9 @@
 //! The march and Newton's inner loop do not allocate.
+//!
+//! An executable of its own: `allocation_counter` replaces the allocator of the whole program with one that counts, which
+//! would slow all other tests.
 
+#[path = "it/common/mod.rs"]
 mod common;
 
 use allocation_counter::measure;

@@ -3,7 +3,9 @@
 use std::fmt::Write;
 
 use spineline::analysis::Analysis;
-use spineline::hypothesis::{Comparison, HypothesisFit, HypothesisSummary, Role, compare};
+use spineline::hypothesis::{
+    HypothesisComparison, HypothesisFit, HypothesisSummary, Role, compare,
+};
 
 use super::table::{Table, wrap};
 
@@ -34,7 +36,7 @@ pub fn text(analyses: &[Analysis]) -> String {
     text
 }
 
-fn table(block: &Comparison) -> String {
+fn table(block: &HypothesisComparison) -> String {
     let mut table = Table::new([
         "Load and base",
         "free",

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use spineline::analysis::Analysis;
 use spineline::anatomy::Level;
-use spineline::uncertainty::{Quantity, QuantitySpread, QuantityUnit, Uncertainty};
+use spineline::uncertainty::{AnalysisQuantity, QuantitySpread, QuantityUnit, Uncertainty};
 
 use super::table::{Table, wrap};
 
@@ -42,7 +42,9 @@ fn places_text(analysis: &Analysis, found: &Uncertainty) -> String {
     ]);
     for posture in analysis.postures.iter().map(|p| p.outline.posture) {
         let mut row = vec![posture.to_string()];
-        for quantity in [Quantity::LocationY, Quantity::LocationZ, Quantity::Tilt] {
+        for quantity in
+            [AnalysisQuantity::LocationY, AnalysisQuantity::LocationZ, AnalysisQuantity::Tilt]
+        {
             row.extend(mean_and_largest(found, |level| quantity(posture, level), analysis));
         }
         table.row(row);
@@ -52,7 +54,7 @@ fn places_text(analysis: &Analysis, found: &Uncertainty) -> String {
 
 fn mean_and_largest(
     found: &Uncertainty,
-    quantity: impl Fn(Level) -> Quantity,
+    quantity: impl Fn(Level) -> AnalysisQuantity,
     analysis: &Analysis,
 ) -> [String; 2] {
     let sds: Vec<(f64, Level)> = Level::MODEL[1..]

@@ -3,7 +3,9 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::multibody::JointGroups;
-use spineline::personalize::{Direction, Identifiability, MultiplierInformation, ProfileEnd};
+use spineline::personalize::{
+    Identifiability, MultiplierInformation, ProfileEnd, StiffnessDirection,
+};
 
 /// What the bending films say of a model's multipliers, in natural logarithms.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -58,10 +60,12 @@ impl IdentifiabilityRecord {
             directions: found
                 .directions
                 .iter()
-                .map(|Direction { log_multipliers, log_sd, gauge_share }| DirectionRecord {
-                    log_multipliers: names().zip(log_multipliers.iter().copied()).collect(),
-                    log_sd: finite(*log_sd),
-                    gauge_share: *gauge_share,
+                .map(|StiffnessDirection { log_multipliers, log_sd, gauge_share }| {
+                    DirectionRecord {
+                        log_multipliers: names().zip(log_multipliers.iter().copied()).collect(),
+                        log_sd: finite(*log_sd),
+                        gauge_share: *gauge_share,
+                    }
                 })
                 .collect(),
             variance_factor: found.variance_factor,

@@ -6,7 +6,7 @@ use spineline::analysis::{PostureAnalysis, PreferredLine};
 use spineline::anatomy::Level;
 use spineline::curve::CurveForm;
 use spineline::measure::LengthScale;
-use spineline::motion::Estimate;
+use spineline::motion::SegmentEstimate;
 use spineline::personalize::{Crossing, LineTest};
 use spineline::spatial::{Angle, Frontal};
 
@@ -179,7 +179,7 @@ impl PostureRecord {
             Some([convert(scale, caudal)?, convert(scale, cranial)?])
         };
         let vertebrae = &p.outline.vertebrae;
-        let estimates = |all: Option<[Estimate; 2]>| {
+        let estimates = |all: Option<[SegmentEstimate; 2]>| {
             all.map(|pair| {
                 pair.map(|e| EstimateRecord {
                     segment: e.segment,

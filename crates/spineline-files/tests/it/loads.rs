@@ -183,7 +183,7 @@ fn a_simulation_file_is_read_by_its_own_type() {
     let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     // Full precision: the number in the file is the number of the solver.
     let top = json["equilibria"][0]["midpoints_mm"]["T2"][1].as_f64().expect("a number");
-    assert!((top - response.met[0].equilibrium.deformed.midpoints_mm[14].y).abs() == 0.0);
+    assert!((top - response.equilibria[0].equilibrium.deformed.midpoints_mm[14].y).abs() == 0.0);
     let names: Vec<&String> =
         json["equilibria"][0]["hinges_rad"].as_object().expect("joints").keys().collect();
     assert_eq!((names[0].as_str(), names[13].as_str()), ("L4/L3", "T3/T2"));

@@ -1,7 +1,7 @@
 //! Every encoding of one film gives the same pixels.
 
 use spineline::measure::{
-    Direction, SpacingPlane, Stance, View, ViewPosition, judge_spacing, judge_view,
+    PatientDirection, SpacingPlane, Stance, View, ViewPosition, judge_spacing, judge_view,
 };
 use spineline_films::{
     Attribute, Codec, CodecFault, FilmError, FilmFile, FilmKind, FilmLimits, FilmRemark,
@@ -171,7 +171,7 @@ fn the_evidence_for_spacing_and_view_is_what_the_tags_say() {
     let spacing = judge_spacing(&film.tags.spacing).spacing.unwrap();
     assert_eq!((spacing.row_mm, spacing.column_mm), (0.16, 0.08));
     assert_eq!(spacing.plane, SpacingPlane::Patient);
-    assert_eq!(film.tags.view.orientation, Some([Direction::Left, Direction::Foot]));
+    assert_eq!(film.tags.view.orientation, Some([PatientDirection::Left, PatientDirection::Foot]));
     assert_eq!(film.tags.view.view_position, Some(ViewPosition::Frontal));
     assert_eq!(film.tags.view.stance, Some(Stance::Erect));
     assert_eq!(judge_view(&film.tags.view, None).view, Some(View::Frontal));

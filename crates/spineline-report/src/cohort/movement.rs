@@ -1,6 +1,6 @@
 //! Rotations of segments over a cohort, with table 2 of the paper.
 
-use spineline::cohort::{Clustered, Cohort, Comparison, EstimateStatistics};
+use spineline::cohort::{Clustered, Cohort, EstimateStatistics, PairedComparison};
 
 use super::with_interval;
 use crate::document::{Column, Figure, Section, Table};
@@ -90,6 +90,6 @@ fn table_2(cohort: &Cohort) -> Table {
 }
 
 /// A comparison as the paper tests it and as patients do.
-pub fn tested(name: &str, test: &Comparison, unit: &str) -> Vec<String> {
+pub fn tested(name: &str, test: &PairedComparison, unit: &str) -> Vec<String> {
     vec![name.to_owned(), test.pooled_words(unit), test.patient_words(unit)]
 }

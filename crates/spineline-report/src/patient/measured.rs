@@ -1,7 +1,7 @@
 //! What the films show: landmarks, curve, movement, and where the line of action runs.
 
 use spineline::analysis::{Analysis, probability};
-use spineline::motion::Estimate;
+use spineline::motion::SegmentEstimate;
 use spineline::personalize::LineTest;
 
 use super::Patient;
@@ -107,7 +107,7 @@ pub fn movement(analysis: &Analysis) -> Section {
     };
     let caption = "Rotation of every segment of the chain from the erect to every other posture (figure 5 of the paper).";
     section.figure(Figure::new("rotations", caption, svg));
-    let estimates: Vec<(String, usize, &Estimate)> = analysis
+    let estimates: Vec<(String, usize, &SegmentEstimate)> = analysis
         .postures
         .iter()
         .filter_map(|p| Some((p, p.inflection_estimates.as_ref()?)))

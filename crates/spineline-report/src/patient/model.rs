@@ -4,7 +4,7 @@ use spineline::analysis::{Analysis, FilmRole, FreeNumbers, LineModel, LinesCompa
 use spineline::anatomy::Posture;
 use spineline::multibody::StiffnessLibrary;
 use spineline::personalize::{FitStatus, StiffnessBound};
-use spineline::uncertainty::{Quantity, Uncertainty};
+use spineline::uncertainty::{AnalysisQuantity, Uncertainty};
 
 use super::Patient;
 use super::measured::none;
@@ -161,7 +161,7 @@ fn noise_interval(
     group: usize,
     scale: f64,
 ) -> Option<String> {
-    let spread = found.spread(Quantity::LogMultiplier(model.kind, group))?;
+    let spread = found.spread(AnalysisQuantity::LogMultiplier(model.kind, group))?;
     let [low, high] = spread.interval_95().map(|log| scale * log.exp());
     Some(format!("{low:.2} to {high:.2}"))
 }

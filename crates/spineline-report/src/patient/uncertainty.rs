@@ -3,7 +3,7 @@
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::Level;
 use spineline::personalize::{Identifiability, MultiplierInformation, ProfileEnd};
-use spineline::uncertainty::{Quantity, QuantityUnit, Uncertainty};
+use spineline::uncertainty::{AnalysisQuantity, QuantityUnit, Uncertainty};
 
 use super::measured::none;
 use crate::document::{Column, Notice, NoticeKind, Section, Table};
@@ -134,7 +134,9 @@ fn places(analysis: &Analysis, found: &Uncertainty) -> Table {
     let mut table = Table::new("Standard deviation of the vertebrae", columns);
     for posture in analysis.postures.iter().map(|p| p.outline.posture) {
         let mut row = vec![posture.to_string()];
-        for quantity in [Quantity::LocationY, Quantity::LocationZ, Quantity::Tilt] {
+        for quantity in
+            [AnalysisQuantity::LocationY, AnalysisQuantity::LocationZ, AnalysisQuantity::Tilt]
+        {
             row.extend(mean_and_largest(found, |level| quantity(posture, level), analysis));
         }
         table.row(row);
@@ -144,7 +146,7 @@ fn places(analysis: &Analysis, found: &Uncertainty) -> Table {
 
 fn mean_and_largest(
     found: &Uncertainty,
-    quantity: impl Fn(Level) -> Quantity,
+    quantity: impl Fn(Level) -> AnalysisQuantity,
     analysis: &Analysis,
 ) -> [String; 2] {
     let sds: Vec<(f64, Level)> = Level::MODEL[1..]

@@ -7,44 +7,8 @@
 //! # References
 //! [jalalian-loa], section 3.1 and figure 7; [petit-2004].
 
+pub use crate::anatomy::LineKind;
 use crate::spatial::{Angle, Frontal};
-
-/// A candidate for the line of action.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum LineKind {
-    /// Through the two inflections as they lie in the posture.
-    Inflection,
-    /// Parallel to the iliac line, through T2's midpoint and moving with it.
-    Iliac,
-    /// The one that measured rotations and positions prefer.
-    Estimated,
-    /// The user's.
-    Given,
-}
-
-impl LineKind {
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Inflection => "inflection_line",
-            Self::Iliac => "iliac_line",
-            Self::Estimated => "estimated_line",
-            Self::Given => "given_line",
-        }
-    }
-}
-
-impl std::fmt::Display for LineKind {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(match self {
-            Self::Inflection => "inflection line",
-            Self::Iliac => "iliac line",
-            Self::Estimated => "estimated line",
-            Self::Given => "given line",
-        })
-    }
-}
 
 /// Where the force is applied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

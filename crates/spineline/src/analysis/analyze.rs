@@ -1,158 +1,72 @@
+//! The steps of one patient in their order. Each returns what it found; the analysis is put together once, at the end.
+
 use super::checks::{check_outlines, check_postures, warn_of_shifted_levels};
+use super::findings::Findings;
 use super::hypotheses::fit_hypotheses;
 use super::models::fit_models;
 use super::preference::{PreferredLine, prefer_lines};
-use super::{AnalysisOptions, Case, Grouping, LineModel};
-use crate::anatomy::{Level, Posture};
+use super::result::{Analysis, PostureAnalysis, is_read_once};
+use super::{AnalysisOptions, Case, LineModel};
+use crate::anatomy::Posture;
 use crate::chain::{Chain, ChainPose};
 use crate::clinical::{ClinicalCurve, LenkeType, Regions, lenke_type, measure_curves};
 use crate::curve::{CurveFit, InflectionChoice, Inflections, find_inflections, fit_curve};
 use crate::error::Error;
 use crate::hypothesis::HypothesisFit;
-use crate::measure::{Film, FilmReadings, LengthScale, Noise, Outline, SpacingPlane, outline_of};
-use crate::motion::{Estimate, Motion, least_windows, mean_least};
-use crate::multibody::{JointGroups, SpineModel};
+use crate::measure::{Film, FilmReadings, Noise, Outline, outline_of};
+use crate::motion::{Motion, least_windows, mean_least};
+use crate::multibody::SpineModel;
 use crate::personalize::PreferredLoads;
 use crate::personalize::evidence::FilmEvidence;
-use crate::reliability::{QuantityReliability, assess, film_quantities};
-use crate::spatial::{Angle, Frontal};
+use crate::spatial::Frontal;
 use crate::warning::{Step, Warnings};
-
-/// One posture of an analysis.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PostureAnalysis {
-    /// Measured vertebrae.
-    pub outline: Outline,
-    /// Fitted curve.
-    pub fit: CurveFit,
-    /// Chain laid on it.
-    pub pose: ChainPose,
-    /// Movement from the erect posture; `None` for the erect one.
-    pub motion: Option<Motion>,
-    /// The inflection segments against the least-rotating ones.
-    pub inflection_estimates: Option<[Estimate; 2]>,
-    /// MMS_Mean against the least-rotating ones.
-    pub mean_least_estimates: Option<[Estimate; 2]>,
-    /// Where the two inflection segments lie in this posture.
-    pub inflection_points: Option<[Frontal; 2]>,
-    /// Rotations and joint centres; `None` for the erect posture.
-    pub evidence: Option<FilmEvidence>,
-    /// The line that the film's rotations prefer.
-    pub preferred_line: Option<PreferredLine>,
-}
-
-/// Everything that was found out about one patient.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Analysis {
-    /// Identifier of the case.
-    pub case_id: String,
-    /// Whether the films are made up.
-    pub synthetic: bool,
-    /// Every reading of every film by itself, the erect one first.
-    pub readings: Vec<FilmReadings>,
-    /// Postures that have a film, the erect one first.
-    pub postures: Vec<PostureAnalysis>,
-    /// Inflections and lobes of the erect curve.
-    pub inflections: Inflections,
-    /// The inflections as segments of the chain.
-    pub inflection_segments: Option<[usize; 2]>,
-    /// MMS_Mean per window, where both bends were filmed.
-    pub mean_least_segments: Option<[usize; 2]>,
-    /// Segment number and length.
-    pub chain: Chain,
-    /// Regions of the spine.
-    pub regions: Regions,
-    /// Clinical curves.
-    pub clinical: Vec<ClinicalCurve>,
-    /// Lenke's type as far as the films tell it.
-    pub lenke: Option<LenkeType>,
-    /// The unloaded spine.
-    pub spine: SpineModel,
-    /// Whether its sagittal profile was measured on a lateral film; else it is a population's.
-    pub lateral_measured: bool,
-    /// One personalised model per line of action.
-    pub models: Vec<LineModel>,
-    /// Other loads and bases that were asked for.
-    pub hypotheses: Vec<HypothesisFit>,
-    /// Choices.
-    pub options: AnalysisOptions,
-    /// Soft problems.
-    pub warnings: Warnings,
-}
-
-impl Analysis {
-    /// One posture, where it has a film.
-    #[must_use]
-    pub fn posture(&self, posture: Posture) -> Option<&PostureAnalysis> {
-        self.postures.iter().find(|p| p.outline.posture == posture)
-    }
-
-    /// How well the readings repeat, by quantity; empty where every film was read once.
-    ///
-    /// Computed when it is asked for, since no other result depends on it.
-    #[must_use]
-    pub fn reliability(&self) -> Vec<QuantityReliability> {
-        if is_read_once(&self.readings) {
-            return Vec::new();
-        }
-        film_quantities(&[(&self.case_id, &self.readings)]).iter().map(assess).collect()
-    }
-
-    /// The erect posture.
-    #[must_use]
-    pub fn erect(&self) -> &PostureAnalysis {
-        &self.postures[0]
-    }
-
-    /// A film without spacing, if there is one: then there are angles, but no lengths to put a line or a model on.
-    #[must_use]
-    pub fn film_without_scale(&self) -> Option<Posture> {
-        let without = |p: &&PostureAnalysis| p.outline.scale.plane == SpacingPlane::Pixels;
-        self.postures.iter().find(without).map(|p| p.outline.posture)
-    }
-
-    /// Which joints share a multiplier.
-    pub(super) fn joint_groups(&self) -> JointGroups {
-        match self.options.grouping {
-            Grouping::Regional => JointGroups::regional(&self.regions),
-            Grouping::PerJoint => JointGroups::per_joint(),
-        }
-    }
-
-    /// What the lengths of the chain, its inflections and the clinical curves are measured in: they are the erect film's.
-    #[must_use]
-    pub fn scale(&self) -> &LengthScale {
-        &self.erect().outline.scale
-    }
-}
 
 /// Runs all steps on one case, as far as its films reach.
 ///
 /// An erect film alone gives the curve, its inflections and the clinical angles; every further film adds what it can.
-/// What is missing says why in the warnings.
+/// What is missing says why in the warnings. Lengths are in mm, forces in N, moments in N·mm; locations are in the global
+/// frame `G` of each film ([`crate::measure`]), whose origin is L4's midpoint.
 ///
 /// # Errors
-/// [`Error`]: bad input only.
+/// [`Error`]: bad input only. A fit or a search without result is a status beside its numbers.
+///
+/// ```
+/// use spineline::analysis::{AnalysisOptions, analyze};
+/// use spineline::anatomy::Posture;
+/// use spineline_phantom::{Readers, Truth, generate};
+///
+/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let analysis = analyze(&case, &AnalysisOptions::default())?;
+/// assert_eq!(analysis.erect().outline.posture, Posture::Erect);
+/// // One personalised model per line of action.
+/// for model in &analysis.models {
+///     println!("{}: {:?} mm", model.kind, model.mean_location_error_mm(false));
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error> {
     analyze_known(case, options, None)
 }
 
-/// As [`analyze`], without lines of action and personalised models: steps 1 to 4, in a small part of the time.
+/// As [`analyze`], without lines of action and personalised models: steps 1 to 4 and the unloaded spine, in a small part of
+/// the time.
 ///
 /// # Errors
 /// [`Error`]: bad input only.
 pub fn analyze_movement(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error> {
-    movement(case, options, None)
+    let mut warnings = Warnings::default();
+    let movement = Movement::of(case, options, None, &mut warnings)?;
+    Ok(movement.into_analysis(case, options, Mechanics::default(), warnings))
 }
 
-/// What other readings of the same films have told.
+/// What is known from other readings of the same films.
 #[derive(Debug, Clone)]
 pub(crate) struct OtherReadings<'a> {
     /// Deviations of the films' measured values, in the order of the postures.
     pub noise: Vec<Noise>,
-    /// Loads near which those of these readings are thought to be.
+    /// Loads near which those of these readings are expected.
     pub loads: Option<PreferredLoads>,
-    /// Models near which those of these readings are thought to be.
+    /// Models near which those of these readings are expected.
     pub models: &'a [LineModel],
 }
 
@@ -162,90 +76,265 @@ pub(crate) fn analyze_known(
     options: &AnalysisOptions,
     known: Option<&OtherReadings<'_>>,
 ) -> Result<Analysis, Error> {
-    let mut analysis = movement(case, options, known.map(|known| &known.noise[..]))?;
-    // 5, 7 and 8: lines of action, personalisation, evaluation
-    prefer_lines(&mut analysis, known.and_then(|known| known.loads.as_ref()));
-    fit_models(&mut analysis, known.map_or(&[][..], |known| known.models));
-    fit_hypotheses(&mut analysis);
-    Ok(analysis)
+    let mut warnings = Warnings::default();
+    let noise = known.map(|known| &known.noise[..]);
+    let movement = Movement::of(case, options, noise, &mut warnings)?;
+    let mechanics = Mechanics::of(movement.findings(options), known, &mut warnings);
+    Ok(movement.into_analysis(case, options, mechanics, warnings))
 }
 
 /// Steps 1 to 4, and the unloaded spine.
-fn movement(
+struct Movement {
+    readings: Vec<FilmReadings>,
+    curves: Curves,
+    chain: Chain,
+    inflection_segments: Option<[usize; 2]>,
+    mean_least_segments: Option<[usize; 2]>,
+    spine: SpineModel,
+    lateral_measured: bool,
+    postures: Vec<PostureAnalysis>,
+}
+
+impl Movement {
+    fn of(
+        case: &Case,
+        options: &AnalysisOptions,
+        noise: Option<&[Noise]>,
+        warnings: &mut Warnings,
+    ) -> Result<Self, Error> {
+        let (readings, outlines) = measure(case, noise, warnings)?;
+        let (curves, fits) = fit_curves(&outlines, options, warnings)?;
+        let (chain, poses) = lay_chain(&fits, options)?;
+        let inflection_segments = curves
+            .inflections
+            .pair
+            .map(|pair| pair.map(|inflection| poses[0].nearest_segment(inflection.erect)));
+        // Step 6 comes before step 4: the rotations of joints on the films need the unloaded spine.
+        let (spine, lateral_measured) = unloaded_spine(case, &outlines[0], options, warnings)?;
+        let motions = motions(&outlines, &fits[0], &poses);
+        let mean_least_segments = mean_least_segments(&outlines, &motions);
+        let segments = [inflection_segments, mean_least_segments];
+        let evidence = outlines
+            .iter()
+            .map(|outline| {
+                let moved = outline.posture != Posture::Erect;
+                let measure =
+                    || FilmEvidence::measure(&spine, &options.library, &outlines[0], outline);
+                moved.then(measure)
+            })
+            .collect();
+        let postures = postures((outlines, fits, poses), motions, evidence, segments);
+        Ok(Self {
+            readings,
+            curves,
+            chain,
+            inflection_segments,
+            mean_least_segments,
+            spine,
+            lateral_measured,
+            postures,
+        })
+    }
+
+    fn findings<'a>(&'a self, options: &'a AnalysisOptions) -> Findings<'a> {
+        Findings {
+            postures: &self.postures,
+            inflections: &self.curves.inflections,
+            inflection_segments: self.inflection_segments,
+            chain: &self.chain,
+            regions: &self.curves.regions,
+            spine: &self.spine,
+            options,
+        }
+    }
+
+    fn into_analysis(
+        self,
+        case: &Case,
+        options: &AnalysisOptions,
+        mechanics: Mechanics,
+        warnings: Warnings,
+    ) -> Analysis {
+        let lines = mechanics.preferred_lines.into_iter().chain(std::iter::repeat(None));
+        let postures = self
+            .postures
+            .into_iter()
+            .zip(lines)
+            .map(|(posture, preferred_line)| PostureAnalysis { preferred_line, ..posture });
+        Analysis {
+            case_id: case.id.clone(),
+            synthetic: case.synthetic,
+            readings: self.readings,
+            postures: postures.collect(),
+            inflections: self.curves.inflections,
+            inflection_segments: self.inflection_segments,
+            mean_least_segments: self.mean_least_segments,
+            chain: self.chain,
+            regions: self.curves.regions,
+            clinical: self.curves.clinical,
+            lenke: self.curves.lenke,
+            spine: self.spine,
+            lateral_measured: self.lateral_measured,
+            models: mechanics.models,
+            hypotheses: mechanics.hypotheses,
+            options: options.clone(),
+            warnings,
+        }
+    }
+}
+
+/// Steps 5, 7 and 8: lines of action, personalisation and evaluation; empty where they were not asked for.
+#[derive(Default)]
+struct Mechanics {
+    /// By posture; empty where no line was sought.
+    preferred_lines: Vec<Option<PreferredLine>>,
+    models: Vec<LineModel>,
+    hypotheses: Vec<HypothesisFit>,
+}
+
+impl Mechanics {
+    fn of(
+        findings: Findings<'_>,
+        known: Option<&OtherReadings<'_>>,
+        warnings: &mut Warnings,
+    ) -> Self {
+        let near = known.and_then(|known| known.loads.as_ref());
+        let preferred_lines = prefer_lines(findings, near, warnings);
+        let models = fit_models(findings, known.map_or(&[][..], |known| known.models), warnings);
+        let hypotheses = fit_hypotheses(findings, warnings);
+        Self { preferred_lines, models, hypotheses }
+    }
+}
+
+/// Step 1: the readings and the outline of every film, the erect one first.
+fn measure(
     case: &Case,
-    options: &AnalysisOptions,
     noise: Option<&[Noise]>,
-) -> Result<Analysis, Error> {
-    let mut warnings = Warnings::default();
-    // 1 measure
+    warnings: &mut Warnings,
+) -> Result<(Vec<FilmReadings>, Vec<Outline>), Error> {
     check_postures(&case.films)?;
     let mut films: Vec<&Film> = case.films.iter().collect();
     films.sort_by_key(|film| film.posture);
     let (mut readings, mut outlines) = (Vec::new(), Vec::new());
     for film in &films {
         let measured = FilmReadings::measure(film)?;
-        outlines.push(outline_of(film, &measured.readings, &mut warnings)?);
+        outlines.push(outline_of(film, &measured.readings, warnings)?);
         readings.push(measured);
     }
     for (outline, noise) in outlines.iter_mut().zip(noise.into_iter().flatten()) {
         outline.noise = *noise;
     }
     for film in &films[1..] {
-        warn_of_shifted_levels(films[0], film, &mut warnings);
+        warn_of_shifted_levels(films[0], film, warnings);
     }
     if is_read_once(&readings) {
         let text = "every film was read once, so how well readings repeat is not known: let a second observer read, or read again";
         warnings.push(Step::Measure, "reliability_one_reading", text);
     }
-    check_outlines(&outlines, &mut warnings)?;
-    // 2 curve
+    check_outlines(&outlines, warnings)?;
+    Ok((readings, outlines))
+}
+
+/// What step 2 and the clinical readings found on the erect curve.
+struct Curves {
+    inflections: Inflections,
+    regions: Regions,
+    clinical: Vec<ClinicalCurve>,
+    lenke: Option<LenkeType>,
+}
+
+/// Step 2: the curve of every film, and what the erect one shows.
+fn fit_curves(
+    outlines: &[Outline],
+    options: &AnalysisOptions,
+    warnings: &mut Warnings,
+) -> Result<(Curves, Vec<CurveFit>), Error> {
     let fits = outlines
         .iter()
-        .map(|outline| fit_curve(outline, options.order_rule, &mut warnings))
+        .map(|outline| fit_curve(outline, options.order_rule, warnings))
         .collect::<Result<Vec<CurveFit>, _>>()?;
-    let inflections = inflections_of(&fits[0], options, &mut warnings);
+    let inflections = inflections_of(&fits[0], options, warnings);
     let locations: Vec<Frontal> = outlines[0].locations().collect();
-    let regions = Regions::from_inflections(&fits[0], &inflections, &locations, &mut warnings);
+    let regions = Regions::from_inflections(&fits[0], &inflections, &locations, warnings);
     let clinical = measure_curves(&regions, &outlines.iter().collect::<Vec<_>>());
     // Regions that end at usual vertebrae are no curves, and give no type.
     let lenke = inflections.pair.and_then(|_| lenke_type(&clinical));
-    // 3 chain
+    Ok((Curves { inflections, regions, clinical, lenke }, fits))
+}
+
+/// Step 3: one segment length for all films, and the chain laid on every curve.
+fn lay_chain(
+    fits: &[CurveFit],
+    options: &AnalysisOptions,
+) -> Result<(Chain, Vec<ChainPose>), Error> {
     let lengths: Vec<f64> =
         fits.iter().map(|fit| fit.curve.length_mm(fit.curve.end_mm())).collect();
     let chain = Chain::fit(lengths[0], &lengths[1..], options.segment_window.clone())?;
-    let poses: Vec<ChainPose> = fits.iter().map(|fit| chain.lay(&fit.curve)).collect();
-    let inflection_segments = inflections
-        .pair
-        .map(|pair| pair.map(|inflection| poses[0].nearest_segment(inflection.erect)));
-    // 6 the unloaded spine: rotations of joints on the films need it
+    let poses = fits.iter().map(|fit| chain.lay(&fit.curve)).collect();
+    Ok((chain, poses))
+}
+
+/// The unloaded spine, and whether its sagittal profile was measured on a lateral film.
+fn unloaded_spine(
+    case: &Case,
+    erect: &Outline,
+    options: &AnalysisOptions,
+    warnings: &mut Warnings,
+) -> Result<(SpineModel, bool), Error> {
     let profile = match &case.lateral {
-        Some(film) => film.measure_profile(&options.profile, &mut warnings)?,
+        Some(film) => film.measure_profile(&options.profile, warnings)?,
         None => None,
     };
-    let lateral_measured = profile.is_some();
+    let measured = profile.is_some();
     let profile = profile.unwrap_or_else(|| options.profile.clone());
-    let spine = SpineModel::from_outline(&outlines[0], &profile);
-    // 4 motion
-    let windows = least_windows(&fits[0], &poses[0]);
-    let erect = (outlines[0].clone(), poses[0].clone());
-    let mut postures: Vec<PostureAnalysis> = outlines
-        .into_iter()
-        .zip(fits)
-        .zip(poses)
-        .map(|((outline, fit), pose)| {
-            let moved = outline.posture != Posture::Erect;
-            let motion = moved.then(|| Motion::between(&erect.1, &pose, &windows));
-            let measure = || FilmEvidence::measure(&spine, &options.library, &erect.0, &outline);
-            PostureAnalysis {
-                inflection_estimates: motion
+    Ok((SpineModel::from_outline(erect, &profile), measured))
+}
+
+/// Step 4: the movement of every posture from the erect one, which has none.
+fn motions(outlines: &[Outline], erect: &CurveFit, poses: &[ChainPose]) -> Vec<Option<Motion>> {
+    let windows = least_windows(erect, &poses[0]);
+    let motion = |(outline, pose): (&Outline, &ChainPose)| {
+        (outline.posture != Posture::Erect).then(|| Motion::between(&poses[0], pose, &windows))
+    };
+    outlines.iter().zip(poses).map(motion).collect()
+}
+
+/// MMS_Mean per window, where both bends were filmed.
+fn mean_least_segments(outlines: &[Outline], motions: &[Option<Motion>]) -> Option<[usize; 2]> {
+    let motion = |posture: Posture| {
+        let mut films = outlines.iter().zip(motions);
+        films
+            .find(|(outline, _)| outline.posture == posture)
+            .and_then(|(_, motion)| motion.as_ref())
+    };
+    Some(mean_least(motion(Posture::LeftBending)?, motion(Posture::RightBending)?))
+}
+
+/// What steps 1 to 4 found, by posture; `segments` are those at the inflections and MMS_Mean.
+fn postures(
+    (outlines, fits, poses): (Vec<Outline>, Vec<CurveFit>, Vec<ChainPose>),
+    motions: Vec<Option<Motion>>,
+    evidence: Vec<Option<FilmEvidence>>,
+    segments: [Option<[usize; 2]>; 2],
+) -> Vec<PostureAnalysis> {
+    let erect = poses[0].clone();
+    let films = outlines.into_iter().zip(fits).zip(poses);
+    films
+        .zip(motions.into_iter().zip(evidence))
+        .map(|(((outline, fit), pose), (motion, evidence))| {
+            let [inflection_estimates, mean_least_estimates] = segments.map(|segments| {
+                motion
                     .as_ref()
-                    .zip(inflection_segments)
-                    .and_then(|(motion, segments)| motion.estimates(&erect.1, segments)),
-                mean_least_estimates: None,
-                inflection_points: inflection_segments.and_then(|[caudal, cranial]| {
+                    .zip(segments)
+                    .and_then(|(m, segments)| m.estimates(&erect, segments))
+            });
+            PostureAnalysis {
+                inflection_estimates,
+                mean_least_estimates,
+                inflection_points: segments[0].and_then(|[caudal, cranial]| {
                     Some([*pose.joints.get(caudal)?, *pose.joints.get(cranial)?])
                 }),
-                evidence: moved.then(measure),
+                evidence,
                 preferred_line: None,
                 motion,
                 outline,
@@ -253,32 +342,7 @@ fn movement(
                 pose,
             }
         })
-        .collect();
-    let mean_least_segments = add_mean_least(&mut postures, &erect.1);
-    Ok(Analysis {
-        case_id: case.id.clone(),
-        synthetic: case.synthetic,
-        readings,
-        postures,
-        inflections,
-        inflection_segments,
-        mean_least_segments,
-        chain,
-        regions,
-        clinical,
-        lenke,
-        spine,
-        lateral_measured,
-        models: Vec::new(),
-        hypotheses: Vec::new(),
-        options: options.clone(),
-        warnings,
-    })
-}
-
-/// Whether no film has a second reading.
-fn is_read_once(films: &[FilmReadings]) -> bool {
-    films.iter().all(|film| film.readings.len() < 2)
+        .collect()
 }
 
 fn inflections_of(
@@ -298,26 +362,27 @@ fn inflections_of(
         }
         InflectionChoice::Automatic => {
             if found.all.len() != 2 {
-                let lobes: Vec<String> = found
-                    .lobes
-                    .iter()
-                    .map(|lobe| format!("{:.0}°", lobe.turn.abs().deg()))
-                    .collect();
-                let then = if found.pair.is_some() {
-                    "the pair around the largest curve is used"
-                } else {
-                    "there is no inflection line; the other lines still are compared"
-                };
-                let text = format!(
-                    "the erect curve has {} (lobes of {}), not two: {then}",
-                    counted(found.all.len()),
-                    lobes.join(", ")
-                );
-                warnings.film(Step::Motion, "inflections_not_two", Posture::Erect, text);
+                warn_of_inflections(&found, warnings);
             }
             found
         }
     }
+}
+
+fn warn_of_inflections(found: &Inflections, warnings: &mut Warnings) {
+    let lobes: Vec<String> =
+        found.lobes.iter().map(|lobe| format!("{:.0}°", lobe.turn.abs().deg())).collect();
+    let then = if found.pair.is_some() {
+        "the pair around the largest curve is used"
+    } else {
+        "there is no inflection line; the other lines still are compared"
+    };
+    let text = format!(
+        "the erect curve has {} (lobes of {}), not two: {then}",
+        counted(found.all.len()),
+        lobes.join(", ")
+    );
+    warnings.film(Step::Motion, "inflections_not_two", Posture::Erect, text);
 }
 
 /// A number of inflections in words.
@@ -326,35 +391,5 @@ pub(super) fn counted(inflections: usize) -> String {
         0 => "no inflection".to_owned(),
         1 => "one inflection".to_owned(),
         n => format!("{n} inflections"),
-    }
-}
-
-/// Adds MMS_Mean to every posture where both bends were filmed.
-fn add_mean_least(postures: &mut [PostureAnalysis], erect: &ChainPose) -> Option<[usize; 2]> {
-    let motion = |posture: Posture| {
-        postures.iter().find(|p| p.outline.posture == posture).and_then(|p| p.motion.as_ref())
-    };
-    let segments = mean_least(motion(Posture::LeftBending)?, motion(Posture::RightBending)?);
-    for posture in postures {
-        posture.mean_least_estimates =
-            posture.motion.as_ref().and_then(|motion| motion.estimates(erect, segments));
-    }
-    Some(segments)
-}
-
-impl PostureAnalysis {
-    /// The middle between the inflections of a posture, or of its spine: where a line is described from.
-    #[must_use]
-    pub fn middle(&self) -> Frontal {
-        match self.inflection_points {
-            Some([caudal, cranial]) => (caudal + cranial) * 0.5,
-            None => self.outline.vertebrae[Level::MODEL.len() / 2].location,
-        }
-    }
-
-    /// Mean rotation of the segments from the erect posture.
-    #[must_use]
-    pub fn mean_rotation(&self) -> Option<Angle> {
-        self.motion.as_ref().map(Motion::mean_rotation)
     }
 }

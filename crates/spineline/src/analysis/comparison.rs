@@ -1,6 +1,6 @@
 //! Lines of action on the same films, with their free numbers counted and every bend left out once.
 
-use super::models::{FitTask, bending_loads, depth_mm, fit_model, settings_of};
+use super::models::{FitTask, bending_loads, fit_model, settings_of};
 use super::{Analysis, LineModel};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
@@ -181,7 +181,7 @@ impl Analysis {
     /// Computed when it is asked for, since no other result depends on it: it takes one more fit per line and bend.
     #[must_use]
     pub fn compare_lines(&self) -> LinesCompared {
-        let settings = settings_of(self, &[]);
+        let settings = settings_of(self.findings(), &[]);
         let lines = self.models.iter().map(|model| {
             let numbers = FreeNumbers::of(model, self.options.gauge);
             let free = numbers.per_predicted_film > 1;
@@ -217,7 +217,6 @@ impl Analysis {
     /// Fits every line to one bend and predicts the other by the rule of all films that are not fitted: its force alone is
     /// free, and brings T2 where it was.
     fn leave_bends_out(&self) -> Vec<LeftOutBend> {
-        let depth_mm = depth_mm(self);
         let bends: Vec<Posture> = self
             .postures
             .iter()
@@ -228,11 +227,12 @@ impl Analysis {
             return Vec::new();
         }
         let without = |posture: Posture| {
-            // The fits to all bends have told what is wrong with the lines.
-            let mut told = Warnings::default();
+            // The fits to all bends gave the warnings about the lines already.
+            let mut repeated = Warnings::default();
             let mut models = Vec::new();
             for line in &self.models {
-                let mut seen: Vec<(_, Load)> = bending_loads(self, line.kind, depth_mm, &mut told);
+                let mut seen: Vec<(_, Load)> =
+                    bending_loads(self.findings(), line.kind, &mut repeated);
                 seen.retain(|(bend, _)| bend.outline.posture != posture);
                 let task = FitTask {
                     bends: &seen,
@@ -241,7 +241,7 @@ impl Analysis {
                     estimate: None,
                     other: None,
                 };
-                let model = fit_model(self, line.kind, task, &mut told);
+                let model = fit_model(self.findings(), line.kind, task, &mut repeated);
                 models.extend(model);
             }
             LeftOutBend { posture, models }

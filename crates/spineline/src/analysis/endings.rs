@@ -2,7 +2,7 @@ use super::LineModel;
 use crate::personalize::{FitStatus, StiffnessBound};
 use crate::warning::{Step, Warnings};
 
-/// Tells what of a fitted model is no result, and what speaks against its line.
+/// Warns of fits and simulations without result, and of joints that contradict the line.
 pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
     let mut warn = |step, code, posture, text| warnings.line(step, code, model.kind, posture, text);
     if model.fit.status != FitStatus::Converged {

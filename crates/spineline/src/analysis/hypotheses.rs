@@ -1,7 +1,6 @@
 //! Other loads and bases than the lines, where they were asked for.
 
-use super::Analysis;
-use super::models::depth_mm;
+use super::findings::Findings;
 use crate::clinical::{RegionBounds, ferguson_angle};
 use crate::hypothesis::{HypothesisFilm, HypothesisFit, Spine, fit_hypothesis};
 use crate::personalize::FitStatus;
@@ -9,34 +8,35 @@ use crate::spatial::Frontal;
 use crate::warning::{Step, Warnings};
 
 /// Fits every hypothesis of the options.
-pub(super) fn fit_hypotheses(analysis: &mut Analysis) {
-    let has_bend = analysis.postures.iter().any(|p| p.outline.posture.bend().is_some());
+pub(super) fn fit_hypotheses(
+    findings: Findings<'_>,
+    warnings: &mut Warnings,
+) -> Vec<HypothesisFit> {
     // The lines have warned of both.
-    if analysis.film_without_scale().is_some() || !has_bend {
-        return;
+    if findings.film_without_scale().is_some() || findings.bends().next().is_none() {
+        return Vec::new();
     }
-    let mut warnings = std::mem::take(&mut analysis.warnings);
-    let groups = analysis.joint_groups();
+    let groups = findings.joint_groups();
     let spine = Spine {
-        model: &analysis.spine,
-        library: &analysis.options.library,
+        model: findings.spine,
+        library: &findings.options.library,
         groups: &groups,
-        erect: &analysis.erect().outline,
-        support: analysis.options.support,
-        depth_mm: depth_mm(analysis),
-        apex: largest_apex(analysis),
+        erect: &findings.erect().outline,
+        support: findings.options.support,
+        depth_mm: findings.depth_mm(),
+        apex: largest_apex(findings),
     };
-    let films: Vec<HypothesisFilm<'_>> = analysis
+    let films: Vec<HypothesisFilm<'_>> = findings
         .postures
         .iter()
         .filter(|p| p.motion.is_some())
         .map(|p| HypothesisFilm { outline: &p.outline, inflections: p.inflection_points })
         .collect();
     let mut fits: Vec<HypothesisFit> = Vec::new();
-    for &hypothesis in &analysis.options.hypotheses {
+    for &hypothesis in &findings.options.hypotheses {
         match fit_hypothesis(hypothesis, &spine, &films) {
             Some(fit) => {
-                warn_of_endings(&fit, &mut warnings);
+                warn_of_endings(&fit, warnings);
                 fits.push(fit);
             }
             None => {
@@ -45,15 +45,14 @@ pub(super) fn fit_hypotheses(analysis: &mut Analysis) {
             }
         }
     }
-    analysis.hypotheses = fits;
-    analysis.warnings = warnings;
+    fits
 }
 
 /// The apex of the erect curve with the largest Ferguson angle.
-fn largest_apex(analysis: &Analysis) -> usize {
-    let locations: Vec<Frontal> = analysis.erect().outline.locations().collect();
+fn largest_apex(findings: Findings<'_>) -> usize {
+    let locations: Vec<Frontal> = findings.erect().outline.locations().collect();
     let size = |bounds: &&RegionBounds| ferguson_angle(&locations, bounds).abs();
-    let bounds = analysis.regions.bounds.iter();
+    let bounds = findings.regions.bounds.iter();
     let largest = bounds.max_by(|a, b| size(a).rad().total_cmp(&size(b).rad()));
     largest.expect("there are three regions").apex
 }

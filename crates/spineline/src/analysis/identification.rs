@@ -1,6 +1,6 @@
 //! What the films say of every stiffness multiplier.
 
-use super::models::{bending_loads, depth_mm, settings_of};
+use super::models::{bending_loads, settings_of};
 use super::{Analysis, LineModel};
 use crate::personalize::{
     FitFilm, FitStatus, FittedSprings, Identifiability, StiffnessBound, identify,
@@ -78,9 +78,9 @@ impl Analysis {
     /// Computed when it is asked for, since no other result depends on it: it takes tens of fits.
     #[must_use]
     pub fn identifiability(&self, model: &LineModel) -> Option<Identifiability> {
-        // What is wrong with its lines, the fit has told.
-        let mut told = Warnings::default();
-        let bends = bending_loads(self, model.kind, depth_mm(self), &mut told);
+        // The analysis holds the warnings about these lines already.
+        let mut repeated = Warnings::default();
+        let bends = bending_loads(self.findings(), model.kind, &mut repeated);
         let films: Vec<FitFilm<'_>> =
             bends.iter().map(|(p, load)| FitFilm { outline: &p.outline, load: *load }).collect();
         let springs = FittedSprings {
@@ -88,7 +88,7 @@ impl Analysis {
             library: &self.options.library,
             groups: &model.groups,
         };
-        identify(&springs, &films, &settings_of(self, &[]), &model.fit)
+        identify(&springs, &films, &settings_of(self.findings(), &[]), &model.fit)
     }
 
     /// Lateral springs of every model's joints on one logarithmic scale: 0 for the softest of all models, 1 for the

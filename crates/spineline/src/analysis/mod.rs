@@ -1,20 +1,24 @@
 //! One patient through all steps: [`analyze`].
+//!
+//! `analyze` runs the steps; `findings` is what the first four found; `result` is the whole of it.
 
 mod analyze;
 mod checks;
 mod comparison;
 mod compatibility;
 mod endings;
+mod findings;
 mod hypotheses;
 mod identification;
 mod models;
 mod options;
 mod preference;
+mod result;
 mod verdict;
 mod words;
 
-pub use analyze::{Analysis, PostureAnalysis, analyze, analyze_movement};
 pub(crate) use analyze::{OtherReadings, analyze_known};
+pub use analyze::{analyze, analyze_movement};
 pub(crate) use comparison::ferguson_errors_deg;
 pub use comparison::{
     ComparedFilm, ComparedLine, FilmRole, FreeNumbers, LeftOutBend, LinesCompared, MeanErrors,
@@ -24,6 +28,7 @@ pub use identification::{Identification, MultiplierVerdict};
 pub use models::LineModel;
 pub use options::{AnalysisOptions, Grouping};
 pub use preference::{LineComparison, LineCrossing, PreferredLine};
+pub use result::{Analysis, PostureAnalysis};
 pub(crate) use verdict::listed;
 pub use verdict::probability;
 

@@ -1,7 +1,8 @@
 //! Lines of action, personalisation and evaluation of one patient.
 
 use super::endings::warn_of_endings;
-use super::{Analysis, Grouping, PostureAnalysis};
+use super::findings::Findings;
+use super::{Analysis, AnalysisOptions, Grouping, PostureAnalysis};
 use crate::action::{Application, LineKind, LineOfAction};
 use crate::anatomy::{Level, Posture};
 use crate::evaluate::{Simulation, Target, simulate};
@@ -11,7 +12,7 @@ use crate::multibody::{
 use crate::personalize::estimate::{
     EstimatedLoads, components_of, estimate_load, estimate_loads, line_of,
 };
-use crate::personalize::evidence::FilmEvidence;
+use crate::personalize::evidence::{ContradictedJoint, FilmEvidence};
 use crate::personalize::{
     FitFilm, FitSettings, FitStatus, FitTarget, Gauge, Known, Personalization, Start,
     personalize_with,
@@ -135,64 +136,50 @@ impl Analysis {
 /// Fits one model per line of action and evaluates it on every film.
 ///
 /// `others` are models of other readings of the same films.
-pub(super) fn fit_models(analysis: &mut Analysis, others: &[LineModel]) {
-    let mut warnings = std::mem::take(&mut analysis.warnings);
-    if let Some(film) = analysis.film_without_scale() {
+pub(super) fn fit_models(
+    findings: Findings<'_>,
+    others: &[LineModel],
+    warnings: &mut Warnings,
+) -> Vec<LineModel> {
+    let mut models = Vec::new();
+    if let Some(film) = findings.film_without_scale() {
         let text =
             "a film without a spacing has no lengths to put a model on: angles are all it gives";
         warnings.film(Step::Multibody, "no_scale", film, text);
-        analysis.warnings = warnings;
-        return;
+        return models;
     }
-    let bends = analysis.postures.iter().filter(|p| p.outline.posture.bend().is_some()).count();
-    if bends == 0 {
+    if findings.bends().next().is_none() {
         let text = "no bending film: stiffness cannot be personalised";
         warnings.push(Step::Personalize, "no_bending_film", text);
-    } else {
-        // What was found for other readings is nearer.
-        let estimate = if others.is_empty() { estimate_bends(analysis) } else { None };
-        for kind in analysis.options.line_kinds() {
-            let bends = bending_loads(analysis, kind, depth_mm(analysis), &mut warnings);
-            let task = FitTask {
-                bends: &bends,
-                films: &Posture::MOVED,
-                models: &analysis.models,
-                estimate: estimate.as_ref(),
-                other: others.iter().find(|model| model.kind == kind).map(|model| &model.fit),
-            };
-            let model = fit_model(analysis, kind, task, &mut warnings);
-            analysis.models.extend(model);
-        }
+        return models;
     }
-    analysis.warnings = warnings;
-}
-
-/// Sagittal place of the lines: the mean depth of the vertebrae at the inflections; without inflections that of L4 and
-/// T2, which is zero.
-pub(super) fn depth_mm(analysis: &Analysis) -> f64 {
-    let Some(pair) = analysis.inflections.pair else { return 0.0 };
-    let at = |level: Level| level.model_index().map_or(0.0, |i| analysis.spine.midpoints_mm[i].x);
-    pair.iter()
-        .map(|inflection| 0.5 * (at(inflection.between.0) + at(inflection.between.1)))
-        .sum::<f64>()
-        / 2.0
+    // What was found for other readings is nearer.
+    let estimate = if others.is_empty() { estimate_bends(findings) } else { None };
+    for kind in findings.options.line_kinds() {
+        let bends = bending_loads(findings, kind, warnings);
+        let task = FitTask {
+            bends: &bends,
+            films: &Posture::MOVED,
+            models: &models,
+            estimate: estimate.as_ref(),
+            other: others.iter().find(|model| model.kind == kind).map(|model| &model.fit),
+        };
+        let model = fit_model(findings, kind, task, warnings);
+        models.extend(model);
+    }
+    models
 }
 
 /// The loads of the bends that fits of the estimated line start from.
-fn estimate_bends(analysis: &Analysis) -> Option<EstimatedLoads> {
-    let bends: Vec<&FilmEvidence> = analysis
-        .postures
-        .iter()
-        .filter(|p| p.outline.posture.bend().is_some())
-        .filter_map(|p| p.evidence.as_ref())
-        .collect();
-    let groups = JointGroups::regional(&analysis.regions);
-    (!bends.is_empty()).then(|| estimate_loads(&bends, depth_mm(analysis), &groups))
+fn estimate_bends(findings: Findings<'_>) -> Option<EstimatedLoads> {
+    let bends: Vec<&FilmEvidence> = findings.bends().filter_map(|p| p.evidence.as_ref()).collect();
+    let groups = JointGroups::regional(findings.regions);
+    (!bends.is_empty()).then(|| estimate_loads(&bends, findings.depth_mm(), &groups))
 }
 
 /// The line of a posture where geometry alone gives it; `None` for a line that must be estimated.
 fn geometric_line(
-    analysis: &Analysis,
+    options: &AnalysisOptions,
     kind: LineKind,
     posture: &PostureAnalysis,
     warnings: &mut Warnings,
@@ -218,7 +205,7 @@ fn geometric_line(
             }
         }
         LineKind::Given => {
-            analysis.options.given_lines.iter().find(|(p, _)| *p == name).map(|(_, line)| *line)
+            options.given_lines.iter().find(|(p, _)| *p == name).map(|(_, line)| *line)
         }
         LineKind::Estimated => None,
     }
@@ -226,17 +213,17 @@ fn geometric_line(
 
 /// The bending films that have such a line, with the load along it.
 pub(super) fn bending_loads<'a>(
-    analysis: &'a Analysis,
+    findings: Findings<'a>,
     kind: LineKind,
-    depth_mm: f64,
     warnings: &mut Warnings,
 ) -> Vec<(&'a PostureAnalysis, Load)> {
-    let bends = analysis.postures.iter().filter(|p| p.outline.posture.bend().is_some());
-    bends
+    let depth_mm = findings.depth_mm();
+    findings
+        .bends()
         .filter_map(|p| {
             let load = match kind {
                 LineKind::Estimated => Load::Frontal { depth_mm },
-                _ => Load::along(geometric_line(analysis, kind, p, warnings)?, depth_mm),
+                _ => Load::along(geometric_line(findings.options, kind, p, warnings)?, depth_mm),
             };
             Some((p, load))
         })
@@ -244,10 +231,10 @@ pub(super) fn bending_loads<'a>(
 }
 
 /// What every fit of an analysis needs beside its films.
-pub(super) fn settings_of<'a>(analysis: &'a Analysis, hints: &'a [Start]) -> FitSettings<'a> {
-    let options = &analysis.options;
+pub(super) fn settings_of<'a>(findings: Findings<'a>, hints: &'a [Start]) -> FitSettings<'a> {
+    let options = findings.options;
     FitSettings {
-        regions: &analysis.regions,
+        regions: findings.regions,
         target: match options.grouping {
             Grouping::Regional => options.target,
             Grouping::PerJoint => FitTarget::Shape,
@@ -276,15 +263,14 @@ pub(super) struct FitTask<'a> {
 
 /// Fits one line's model to some bends, and predicts films with it.
 pub(super) fn fit_model(
-    analysis: &Analysis,
+    findings: Findings<'_>,
     kind: LineKind,
     task: FitTask<'_>,
     warnings: &mut Warnings,
 ) -> Option<LineModel> {
     let FitTask { bends, .. } = task;
-    let options = &analysis.options;
-    let depth_mm = depth_mm(analysis);
-    let groups = analysis.joint_groups();
+    let options = findings.options;
+    let groups = findings.joint_groups();
     if bends.is_empty() {
         warnings.line(Step::Action, "no_line", kind, None, "no bending film has such a line");
         return None;
@@ -295,47 +281,60 @@ pub(super) fn fit_model(
         LineKind::Estimated => hints(task.models, bends),
         _ => Vec::new(),
     };
-    let settings = settings_of(analysis, &hints);
+    let settings = settings_of(findings, &hints);
     let evidence: Vec<(&FilmEvidence, Load)> =
         bends.iter().filter_map(|(p, load)| Some((p.evidence.as_ref()?, *load))).collect();
     // It was made for regional groups.
     let estimate = task.estimate.filter(|_| options.grouping == Grouping::Regional);
     let known = Known { evidence: &evidence, settings: &settings, estimate, other: task.other };
-    let fit = personalize_with(&analysis.spine, &options.library, &groups, &films, &known);
-    let mut model = LineModel { kind, groups, fit, postures: Vec::new() };
-    let logs = &model.fit.log_multipliers;
-    let statics =
-        Statics::new(&analysis.spine, &options.library, &model.groups, logs, options.support);
-    let evaluation =
-        Evaluation { analysis, model: &model, statics, target: settings.target, depth_mm };
-    let mut simulations = Vec::new();
-    for posture in analysis.postures.iter().filter(|p| task.films.contains(&p.outline.posture)) {
-        let name = posture.outline.posture;
-        let fitted = bends.iter().position(|(p, _)| p.outline.posture == name);
-        match evaluation.simulate(posture, fitted, warnings) {
-            Some(simulation) => simulations.push(simulation),
-            None => {
-                let text = "this film has no such line, so it is not simulated";
-                warnings.line(Step::Action, "no_line", kind, Some(name), text);
-            }
-        }
-    }
-    model.postures = simulations;
-    scale_to_known_force(&mut model, options.gauge, warnings);
+    let fit = personalize_with(findings.spine, &options.library, &groups, &films, &known);
+    let logs = &fit.log_multipliers;
+    let evaluation = Evaluation {
+        findings,
+        kind,
+        groups: &groups,
+        fit: &fit,
+        statics: Statics::new(findings.spine, &options.library, &groups, logs, options.support),
+        target: settings.target,
+        depth_mm: findings.depth_mm(),
+    };
+    let postures = evaluation.simulate_all(task, warnings);
+    let model = LineModel { kind, groups, fit, postures };
+    let model = scaled_to_known_force(model, options.gauge, warnings);
     warn_of_endings(&model, warnings);
     Some(model)
 }
 
-/// A fitted model that is to predict films.
+/// A fit that is to predict films.
 struct Evaluation<'a> {
-    analysis: &'a Analysis,
-    model: &'a LineModel,
+    findings: Findings<'a>,
+    kind: LineKind,
+    groups: &'a JointGroups,
+    fit: &'a Personalization,
     statics: Statics<'a>,
     target: FitTarget,
     depth_mm: f64,
 }
 
 impl Evaluation<'_> {
+    /// Predicts every film of a task that has such a line.
+    fn simulate_all(&self, task: FitTask<'_>, warnings: &mut Warnings) -> Vec<Simulation> {
+        let mut simulations = Vec::new();
+        let films = self.findings.postures.iter();
+        for posture in films.filter(|p| task.films.contains(&p.outline.posture)) {
+            let name = posture.outline.posture;
+            let fitted = task.bends.iter().position(|(p, _)| p.outline.posture == name);
+            match self.simulate(posture, fitted, warnings) {
+                Some(simulation) => simulations.push(simulation),
+                None => {
+                    let text = "this film has no such line, so it is not simulated";
+                    warnings.line(Step::Action, "no_line", self.kind, Some(name), text);
+                }
+            }
+        }
+        simulations
+    }
+
     /// Predicts one film; `fitted` is its place among the fitted ones. `None` where the film has no such line.
     fn simulate(
         &self,
@@ -343,39 +342,58 @@ impl Evaluation<'_> {
         fitted: Option<usize>,
         warnings: &mut Warnings,
     ) -> Option<Simulation> {
-        let kind = self.model.kind;
-        let estimated = kind == LineKind::Estimated;
+        let options = self.findings.options;
+        let estimated = self.kind == LineKind::Estimated;
         let (line, estimated_n) = if estimated {
-            estimated_line(self.model, posture, fitted, self.depth_mm)?
+            self.estimated_line(posture, fitted)?
         } else {
-            (geometric_line(self.analysis, kind, posture, warnings)?, 0.0)
+            (geometric_line(options, self.kind, posture, warnings)?, 0.0)
         };
         // With the whole shape as data the force was fitted, or frozen; with Ferguson angles the amplitude determines it.
-        let options = &self.analysis.options;
         let known = self.target == FitTarget::Shape || options.gauge == Gauge::FrozenForce;
         let target = match (posture.outline.posture.bend(), fitted) {
             (_, Some(_)) if estimated => Target::Fitted(estimated_n),
-            (_, Some(film)) if known => Target::Fitted(self.model.fit.loads[film][0]),
+            (_, Some(film)) if known => Target::Fitted(self.fit.loads[film][0]),
             (Some(_), Some(_)) => Target::Amplitude,
             // T2's place alone may fit either sign; the rotations that gave the line gave the sign too. A bend that was left
             // out is predicted as any other film that was not fitted.
             _ if estimated => Target::NearestT2(Some(ForceSign::of(estimated_n))),
             _ => Target::NearestT2(None),
         };
-        let mut simulation = simulate(
+        let simulation = simulate(
             &self.statics,
             (line, self.depth_mm),
             &posture.outline,
-            &self.analysis.regions,
+            self.findings.regions,
             target,
             fitted.is_some(),
         );
-        if self.model.fit.status == FitStatus::NotEvaluable {
-            // Nominal springs predict nothing of this patient.
-            simulation.status = MatchStatus::NotConverged;
-        }
-        simulation.contradicted = contradicted(posture, &simulation);
-        Some(simulation)
+        // Nominal springs predict nothing of this patient.
+        let status = match self.fit.status {
+            FitStatus::NotEvaluable => MatchStatus::NotConverged,
+            _ => simulation.status,
+        };
+        let contradicted = contradicted(posture, &simulation);
+        Some(Simulation { status, contradicted, ..simulation })
+    }
+
+    /// The fitted load's line and force on a fitted film; elsewhere the line that the film's rotations prefer at the fitted
+    /// stiffness.
+    fn estimated_line(
+        &self,
+        posture: &PostureAnalysis,
+        fitted: Option<usize>,
+    ) -> Option<(LineOfAction, f64)> {
+        let components: [f64; 3] = match fitted {
+            Some(film) => self.fit.loads[film].as_slice().try_into().ok()?,
+            None => {
+                let evidence = posture.evidence.as_ref()?;
+                let responses = evidence.responses(&Load::Frontal { depth_mm: self.depth_mm });
+                let logs = &self.fit.log_multipliers;
+                estimate_load(evidence, &responses, self.groups, logs).components.into()
+            }
+        };
+        line_of(&components, posture.middle()).map(|estimated| (estimated.line, estimated.force_n))
     }
 }
 
@@ -401,30 +419,7 @@ fn hints(models: &[LineModel], bends: &[(&PostureAnalysis, Load)]) -> Vec<Start>
         .collect()
 }
 
-/// The fitted load's line and force on a fitted film; elsewhere the line that the film's rotations prefer at the fitted stiffness.
-fn estimated_line(
-    model: &LineModel,
-    posture: &PostureAnalysis,
-    fitted: Option<usize>,
-    depth_mm: f64,
-) -> Option<(LineOfAction, f64)> {
-    let components: [f64; 3] = match fitted {
-        Some(film) => model.fit.loads[film].as_slice().try_into().ok()?,
-        None => {
-            let evidence = posture.evidence.as_ref()?;
-            let responses = evidence.responses(&Load::Frontal { depth_mm });
-            let load =
-                estimate_load(evidence, &responses, &model.groups, &model.fit.log_multipliers);
-            load.components.into()
-        }
-    };
-    line_of(&components, posture.middle()).map(|estimated| (estimated.line, estimated.force_n))
-}
-
-fn contradicted(
-    posture: &PostureAnalysis,
-    simulation: &Simulation,
-) -> Vec<crate::personalize::evidence::ContradictedJoint> {
+fn contradicted(posture: &PostureAnalysis, simulation: &Simulation) -> Vec<ContradictedJoint> {
     let Some(evidence) = &posture.evidence else { return Vec::new() };
     let mut line = simulation.line;
     // On the film the force that follows T2 is where T2 was seen.
@@ -435,15 +430,15 @@ fn contradicted(
 
 /// A known force scales springs about all axes and all forces alike, which changes no shape. Only its size counts: its
 /// sign is the fit's.
-fn scale_to_known_force(model: &mut LineModel, gauge: Gauge, warnings: &mut Warnings) {
-    let Gauge::KnownForce { posture, force_n } = gauge else { return };
+fn scaled_to_known_force(mut model: LineModel, gauge: Gauge, warnings: &mut Warnings) -> LineModel {
+    let Gauge::KnownForce { posture, force_n } = gauge else { return model };
     let simulated =
         model.posture(posture).filter(|s| s.is_usable() && s.force_n != 0.0).map(|s| s.force_n);
     let Some(simulated) = simulated else {
         let text = "no usable force in this posture, so the known force fixes nothing";
         let code = "known_force_unused";
         warnings.line(Step::Personalize, code, model.kind, Some(posture), text);
-        return;
+        return model;
     };
     let scale = force_n.abs() / simulated.abs();
     model.fit.absolute_scale = scale;
@@ -456,4 +451,5 @@ fn scale_to_known_force(model: &mut LineModel, gauge: Gauge, warnings: &mut Warn
             other.force_n *= scale;
         }
     }
+    model
 }

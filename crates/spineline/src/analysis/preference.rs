@@ -2,15 +2,15 @@
 
 use nalgebra::{Matrix2, Matrix4, Vector2};
 
-use super::models::depth_mm;
+use super::findings::Findings;
 use super::{Analysis, PostureAnalysis};
 use crate::action::LineOfAction;
 use crate::clinical::JointShares;
 use crate::curve::CurveSpread;
 use crate::personalize::evidence::FilmEvidence;
-use crate::personalize::{Crossing, LineTest, PreferredLoads, Proposal};
+use crate::personalize::{Crossing, LineTest, PreferredLoads, ProposedLine};
 use crate::spatial::Angle;
-use crate::warning::Step;
+use crate::warning::{Step, Warnings};
 
 /// The line of the load that one film's rotations prefer.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,65 +73,69 @@ impl Analysis {
     /// The loads that all films but the erect one prefer, with regional multipliers; films in the order of the postures.
     #[must_use]
     pub fn preferred_loads(&self) -> Option<PreferredLoads> {
-        self.preferred_loads_near(None)
-    }
-
-    fn preferred_loads_near(&self, near: Option<&PreferredLoads>) -> Option<PreferredLoads> {
-        if self.film_without_scale().is_some() {
-            return None;
-        }
-        let films: Vec<&FilmEvidence> =
-            self.postures.iter().filter_map(|p| p.evidence.as_ref()).collect();
-        PreferredLoads::estimate(&films, depth_mm(self), &self.joint_shares(), near)
-    }
-
-    /// Which part of every joint lies in which region: regions end at the inflections, unless these give no three regions.
-    fn joint_shares(&self) -> JointShares {
-        let vertebrae_mm = &self.erect().fit.vertebra_t_mm;
-        let ends = [0, 1].map(|i| self.regions.bounds[i].superior);
-        let lie_near = |ends_mm: &[f64; 2]| {
-            ends.iter()
-                .zip(ends_mm)
-                .all(|(&end, mm)| (vertebrae_mm[end - 1]..vertebrae_mm[end + 1]).contains(mm))
-        };
-        let ends_mm = self.inflections.pair.map(|pair| pair.map(|inflection| inflection.t_mm));
-        match ends_mm.filter(lie_near) {
-            Some(ends_mm) => JointShares::between(vertebrae_mm, ends_mm),
-            None => JointShares::whole(&self.regions),
-        }
+        preferred_loads_near(self.findings(), None)
     }
 }
 
-/// Finds every film's own line, from loads that are thought to be near.
-pub(super) fn prefer_lines(analysis: &mut Analysis, near: Option<&PreferredLoads>) {
-    // Without lengths there are no lines.
-    if analysis.film_without_scale().is_some() || analysis.postures.len() < 2 {
-        return;
+fn preferred_loads_near(
+    findings: Findings<'_>,
+    near: Option<&PreferredLoads>,
+) -> Option<PreferredLoads> {
+    if findings.film_without_scale().is_some() {
+        return None;
     }
-    let Some(loads) = analysis.preferred_loads_near(near) else {
-        let text = "the fit of the loads that the rotations prefer came to no end, so that no film has a line of its own and no line is tested";
-        analysis.warnings.push(Step::Action, "own_lines_not_found", text);
-        return;
+    let films: Vec<&FilmEvidence> =
+        findings.postures.iter().filter_map(|p| p.evidence.as_ref()).collect();
+    PreferredLoads::estimate(&films, findings.depth_mm(), &joint_shares(findings), near)
+}
+
+/// Which part of every joint lies in which region: regions end at the inflections, unless these give no three regions.
+fn joint_shares(findings: Findings<'_>) -> JointShares {
+    let vertebrae_mm = &findings.erect().fit.vertebra_t_mm;
+    let ends = [0, 1].map(|i| findings.regions.bounds[i].superior);
+    let lie_near = |ends_mm: &[f64; 2]| {
+        ends.iter()
+            .zip(ends_mm)
+            .all(|(&end, mm)| (vertebrae_mm[end - 1]..vertebrae_mm[end + 1]).contains(mm))
     };
-    let inflections_mm2 = inflections_along_mm2(analysis);
-    let lines: Vec<Option<PreferredLine>> = analysis
-        .postures
-        .iter()
-        .filter(|posture| posture.evidence.is_some())
-        .enumerate()
-        .map(|(film, posture)| {
-            let line = loads.line(film, posture.middle())?.line;
-            let places = analysis.inflection_segments.zip(inflections_mm2);
-            let inflection = places.and_then(|(segments, along_mm2)| {
-                against_inflections(&loads, film, (posture, segments), along_mm2, &line)
-            });
-            preferred_line(&loads, film, posture, (line, inflection))
-        })
-        .collect();
-    let moved = analysis.postures.iter_mut().filter(|posture| posture.evidence.is_some());
-    for (posture, line) in moved.zip(lines) {
-        posture.preferred_line = line;
+    let ends_mm = findings.inflections.pair.map(|pair| pair.map(|inflection| inflection.t_mm));
+    match ends_mm.filter(lie_near) {
+        Some(ends_mm) => JointShares::between(vertebrae_mm, ends_mm),
+        None => JointShares::whole(findings.regions),
     }
+}
+
+/// Every film's own line, by posture, from loads that are expected near; empty where there are no lines.
+pub(super) fn prefer_lines(
+    findings: Findings<'_>,
+    near: Option<&PreferredLoads>,
+    warnings: &mut Warnings,
+) -> Vec<Option<PreferredLine>> {
+    // Without lengths there are no lines.
+    if findings.film_without_scale().is_some() || findings.postures.len() < 2 {
+        return Vec::new();
+    }
+    let Some(loads) = preferred_loads_near(findings, near) else {
+        let text = "the fit of the loads that the rotations prefer came to no end, so that no film has a line of its own and no line is tested";
+        warnings.push(Step::Action, "own_lines_not_found", text);
+        return Vec::new();
+    };
+    let inflections_mm2 = inflections_along_mm2(findings);
+    let line_of = |film: usize, posture: &PostureAnalysis| {
+        let line = loads.line(film, posture.middle())?.line;
+        let places = findings.inflection_segments.zip(inflections_mm2);
+        let inflection = places.and_then(|(segments, along_mm2)| {
+            against_inflections(&loads, film, (posture, segments), along_mm2, &line)
+        });
+        preferred_line(&loads, film, posture, (line, inflection))
+    };
+    // Loads are counted over the films that have evidence.
+    let mut films = 0..;
+    let line_of_posture = |posture: &PostureAnalysis| {
+        posture.evidence.as_ref()?;
+        line_of(films.next()?, posture)
+    };
+    findings.postures.iter().map(line_of_posture).collect()
 }
 
 fn preferred_line(
@@ -169,15 +173,15 @@ fn against_inflections(
     Some(LineComparison {
         angle: line.angle_to(&proposed),
         distance_mm: line.lever_arm_mm((points[0] + points[1]) * 0.5).abs(),
-        test: loads.test(film, &Proposal::Through { points, covariance })?,
+        test: loads.test(film, &ProposedLine::Through { points, covariance })?,
     })
 }
 
 /// Covariance of the two inflections along the spine: what the erect curve and the length of a segment leave open.
-fn inflections_along_mm2(analysis: &Analysis) -> Option<Matrix2<f64>> {
-    let erect = analysis.erect();
-    let pair = analysis.inflections.pair?;
-    let segment_mm2 = analysis.chain.segment_mm.powi(2) / 12.0;
+fn inflections_along_mm2(findings: Findings<'_>) -> Option<Matrix2<f64>> {
+    let erect = findings.erect();
+    let pair = findings.inflections.pair?;
+    let segment_mm2 = findings.chain.segment_mm.powi(2) / 12.0;
     let on_curve = erect.fit.spread(&erect.outline)?.inflections_mm2(pair.map(|i| i.t_mm));
     Some(on_curve + Matrix2::identity() * segment_mm2)
 }
@@ -215,5 +219,5 @@ fn against_iliac(
     // Crests are marked once, and like a corner; a location is the mean of four corners and of all readings.
     let crest_mm = 2.0 * outline.noise.location_mm * (outline.readings as f64).sqrt();
     let sd = Angle::from_rad(f64::sqrt(2.0) * crest_mm / CRESTS_MM);
-    loads.test(film, &Proposal::Along { direction, sd })
+    loads.test(film, &ProposedLine::Along { direction, sd })
 }

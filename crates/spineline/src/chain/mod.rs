@@ -84,8 +84,18 @@ pub enum ChainError {
 impl Chain {
     /// Solves (1): the link length with which all curves take the most nearly equal number of segments.
     ///
+    /// Lengths are arc lengths of the curves in mm, from L4 to T2; `window` holds the number of segments of the erect one.
+    ///
     /// # Errors
-    /// [`ChainError`].
+    /// [`ChainError`]: an empty window, or a curve that is far shorter than the erect one.
+    ///
+    /// ```
+    /// use spineline::chain::{Chain, SEGMENT_WINDOW};
+    /// let chain = Chain::fit(400.0, &[398.0, 401.0], SEGMENT_WINDOW)?;
+    /// assert!(SEGMENT_WINDOW.contains(&(chain.segments as u32)));
+    /// assert!((400.0 - chain.segments as f64 * chain.segment_mm).abs() < chain.segment_mm);
+    /// # Ok::<(), spineline::chain::ChainError>(())
+    /// ```
     pub fn fit(
         erect_mm: f64,
         others_mm: &[f64],
@@ -135,7 +145,7 @@ impl Chain {
         let mut stride_mm = [self.segment_mm / last.tangent.norm_mm(); 3];
         let (mut t_mm, mut joints) = (vec![last.t_mm], vec![last.point]);
         loop {
-            // Strides change slowly from link to link, so that the last three tell the next.
+            // Strides change slowly from link to link, so that the next is extrapolated from the last three.
             let guess_mm = last.t_mm + 3.0 * (stride_mm[2] - stride_mm[1]) + stride_mm[0];
             let next = last.next(curve, guess_mm, self.segment_mm);
             if next.t_mm > curve.end_mm() {

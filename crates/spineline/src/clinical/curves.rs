@@ -92,7 +92,7 @@ pub fn measure_curves(regions: &Regions, outlines: &[&Outline]) -> Vec<ClinicalC
         .collect()
 }
 
-/// The Lenke curve type, as far as frontal films tell it.
+/// The Lenke curve type, as far as frontal films show it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LenkeType {
     /// 1 to 6.

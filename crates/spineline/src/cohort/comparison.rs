@@ -11,7 +11,7 @@ const RESAMPLES: u32 = 2000;
 /// [`Self::bootstrap`] for how large the difference is, in its own unit; [`Self::effect`] beside it. The t-test on
 /// patients is there because readers know it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Comparison {
+pub struct PairedComparison {
     /// Over all pairs, as the paper did.
     pub pooled: Option<PairedT>,
     /// Over one mean difference per patient.
@@ -26,7 +26,7 @@ pub struct Comparison {
     pub mean_difference: f64,
 }
 
-impl Comparison {
+impl PairedComparison {
     /// By patient: values of both, in the same order; patients without any are left out.
     #[must_use]
     pub fn new(a: &[Vec<f64>], b: &[Vec<f64>], seed: u64) -> Self {

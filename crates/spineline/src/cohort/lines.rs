@@ -1,6 +1,6 @@
 //! The lines of action of many patients on the same films.
 
-use super::{Clustered, Comparison};
+use super::{Clustered, PairedComparison};
 use crate::action::LineKind;
 use crate::analysis::{
     Analysis, ComparedFilm, FilmRole, FreeNumbers, LinesCompared, ferguson_errors_deg,
@@ -79,7 +79,7 @@ pub struct LinePairTest {
     /// Films that are not, since one of the two has no result on them.
     pub left_out: usize,
     /// The tests.
-    pub comparison: Comparison,
+    pub comparison: PairedComparison,
     /// The sign-flip probability, corrected by Holm over all tests of the cohort's lines.
     pub holm_p: Option<f64>,
     /// Numbers that each line takes from a film before it predicts it.
@@ -225,7 +225,7 @@ fn tests(
                         error,
                         films: common.films,
                         left_out: common.left_out,
-                        comparison: Comparison::new(&a, &b, seed),
+                        comparison: PairedComparison::new(&a, &b, seed),
                         holm_p: None,
                         per_predicted_film: [first, second].map(|i| of(i).1.per_predicted_film),
                     });

@@ -13,14 +13,14 @@ mod lines;
 mod words;
 
 pub use claims::{ClaimVerdict, Claims, NEAR_SEGMENTS, PatientClaims};
-pub use comparison::Comparison;
+pub use comparison::PairedComparison;
 pub use lines::{ErrorKind, LinePairTest, LinesOverPatients, RoleErrors};
 
 use crate::action::LineKind;
 use crate::analysis::{Analysis, PostureAnalysis, ferguson_errors_deg};
 use crate::evaluate::Simulation;
 use crate::evaluate::statistics::{Summary, cluster_bootstrap};
-use crate::motion::Estimate;
+use crate::motion::SegmentEstimate;
 
 /// Resamples of a cluster bootstrap.
 const RESAMPLES: u32 = 2000;
@@ -132,7 +132,7 @@ pub struct Cohort {
     /// MMS_Mean over bends, and over neutral and traction films.
     pub mean_least: [EstimateStatistics; 2],
     /// Inflections against MMS_Mean: distance on bends and on the others, rotation on bends and on the others.
-    pub table_2: [Comparison; 4],
+    pub table_2: [PairedComparison; 4],
     /// Patients whose erect curve has exactly two inflections.
     pub two_inflections: usize,
     /// Lines of action that were modelled.
@@ -140,9 +140,9 @@ pub struct Cohort {
     /// The lines on the same films, bends left out among them, with every test between them.
     pub compared: LinesOverPatients,
     /// Ferguson errors of the inflection line against the iliac line on fitted films: the paper's test.
-    pub ferguson_test: Comparison,
+    pub ferguson_test: PairedComparison,
     /// Location errors of the inflection line against the iliac line on fitted films: the paper's test.
-    pub location_test: Comparison,
+    pub location_test: PairedComparison,
     /// Patients whose bends speak against a single force through the inflections, and all whose bends were asked.
     pub incompatible: (usize, usize),
     /// Bending films whose own load runs elsewhere than through the inflections, beyond chance and by what matters, and
@@ -171,7 +171,24 @@ impl Films {
 }
 
 impl Cohort {
-    /// Statistics of some patients; the seed is that of the bootstrap.
+    /// Statistics of some patients; the seed is that of the bootstrap and of the permutation tests.
+    ///
+    /// ```
+    /// use spineline::analysis::{AnalysisOptions, analyze_movement};
+    /// use spineline::cohort::Cohort;
+    /// use spineline_phantom::{Readers, Truth, generate};
+    ///
+    /// let mut analyses = Vec::new();
+    /// for subject in 0..2 {
+    ///     let case = generate(subject, Truth::Bend, &Readers::exact(), 1)?.case;
+    ///     analyses.push(analyze_movement(&case, &AnalysisOptions::default())?);
+    /// }
+    /// let cohort = Cohort::of(&analyses.iter().collect::<Vec<_>>(), 1);
+    /// assert_eq!(cohort.patients, 2);
+    /// // Synthetic patients make a synthetic cohort.
+    /// assert!(cohort.synthetic);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn of(analyses: &[&Analysis], seed: u64) -> Self {
         let clustered = |value: &dyn Fn(&Analysis) -> Vec<f64>| {
@@ -241,9 +258,9 @@ fn estimates(
     analyses: &[&Analysis],
     which: Films,
     seed: u64,
-    of: impl Fn(&PostureAnalysis) -> Option<&[Estimate]>,
+    of: impl Fn(&PostureAnalysis) -> Option<&[SegmentEstimate]>,
 ) -> EstimateStatistics {
-    let clustered = |value: &dyn Fn(&Estimate) -> f64| {
+    let clustered = |value: &dyn Fn(&SegmentEstimate) -> f64| {
         let patient = |a: &&Analysis| {
             let films = a.postures.iter().filter(|p| which.has(p));
             films.filter_map(&of).flatten().map(value).collect()
@@ -258,8 +275,8 @@ fn estimates(
 }
 
 /// Inflections against MMS_Mean where both are known.
-fn table_2(analyses: &[&Analysis], seed: u64) -> [Comparison; 4] {
-    let pairs = |which: Films, value: &dyn Fn(&Estimate) -> f64| {
+fn table_2(analyses: &[&Analysis], seed: u64) -> [PairedComparison; 4] {
+    let pairs = |which: Films, value: &dyn Fn(&SegmentEstimate) -> f64| {
         let (mut a, mut b) = (Vec::new(), Vec::new());
         for analysis in analyses {
             let both = analysis.postures.iter().filter(|p| which.has(p)).filter_map(|p| {
@@ -273,10 +290,10 @@ fn table_2(analyses: &[&Analysis], seed: u64) -> [Comparison; 4] {
             a.push(of_a);
             b.push(of_b);
         }
-        Comparison::new(&a, &b, seed)
+        PairedComparison::new(&a, &b, seed)
     };
-    let distance = |e: &Estimate| e.distance_segments as f64;
-    let rotation = |e: &Estimate| e.rotation.deg();
+    let distance = |e: &SegmentEstimate| e.distance_segments as f64;
+    let rotation = |e: &SegmentEstimate| e.rotation.deg();
     [
         pairs(Films::Bends, &distance),
         pairs(Films::Others, &distance),
@@ -327,7 +344,7 @@ fn paper_test(
     analyses: &[&Analysis],
     seed: u64,
     errors: impl Fn(&Simulation) -> Vec<f64>,
-) -> Comparison {
+) -> PairedComparison {
     let (mut a, mut b) = (Vec::new(), Vec::new());
     for analysis in analyses {
         let (mut of_a, mut of_b) = (Vec::new(), Vec::new());
@@ -342,5 +359,5 @@ fn paper_test(
         a.push(of_a);
         b.push(of_b);
     }
-    Comparison::new(&a, &b, seed)
+    PairedComparison::new(&a, &b, seed)
 }

@@ -1,6 +1,6 @@
 //! A cohort in plain sentences, which all front ends share.
 
-use super::{Cohort, Comparison, ErrorKind, LinePairTest, LinesOverPatients};
+use super::{Cohort, ErrorKind, LinePairTest, LinesOverPatients, PairedComparison};
 use crate::analysis::{FilmRole, listed, probability};
 use crate::evaluate::statistics::PairedT;
 use crate::personalize::SIGNIFICANCE;
@@ -194,7 +194,7 @@ fn better_sentence(test: &LinePairTest) -> Option<String> {
     ))
 }
 
-impl Comparison {
+impl PairedComparison {
     /// The paper's pooled test in words; values are in `unit`.
     #[must_use]
     pub fn pooled_words(&self, unit: &str) -> String {

@@ -62,10 +62,27 @@ pub struct CurveFit {
     pub vertebra_t_mm: Vec<f64>,
 }
 
-/// Fits a curve to the measured vertebrae of one film.
+/// Fits a curve to the measured vertebrae of one film: weighted least squares on locations and tilts, from L4 to T2, in `G`.
 ///
 /// # Errors
-/// [`CurveError`].
+/// [`CurveError`]: an order out of range, or vertebrae that do not determine a polynomial of the order.
+///
+/// ```
+/// use spineline::curve::{OrderRule, fit_curve};
+/// use spineline::measure::measure_film;
+/// use spineline::warning::Warnings;
+/// use spineline_phantom::{Readers, Truth, generate};
+///
+/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let mut warnings = Warnings::default();
+/// let outline = measure_film(&case.films[0], &mut warnings)?;
+/// let fit = fit_curve(&outline, OrderRule::LeaveOneOut, &mut warnings)?;
+/// assert!(fit.rmse_mm < 5.0);
+/// // The parameter runs from L4 to T2.
+/// let length_mm = fit.curve.length_mm(fit.curve.end_mm());
+/// assert!(length_mm > outline.polygon_mm() - 5.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn fit_curve(
     outline: &Outline,
     rule: OrderRule,

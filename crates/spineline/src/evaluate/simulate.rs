@@ -128,11 +128,36 @@ impl Simulation {
     }
 }
 
-/// Simulates one posture.
+/// Simulates one posture: the shape of a personalised spine under a force along a line, against the film.
 ///
-/// A fitted force is taken as it is, and what it leaves of the amplitude is told. Several forces, of either sign, may meet
-/// a bend's amplitude; the one whose shape has the lowest sum of squared Ferguson errors is chosen, and the others are
-/// told. Towards T2 the nearest shape counts.
+/// `load` is the line of action in `G` and its sagittal place in mm; `fitted` says whether the stiffness was fitted to this
+/// film. A fitted force is taken as it is, and what it leaves of the amplitude is reported. Several forces, of either sign,
+/// may meet a bend's amplitude; the one whose shape has the lowest sum of squared Ferguson errors is chosen, and the others
+/// are reported. For [`Target::NearestT2`] the smallest force counts that brings T2 to within 1 mm of the nearest it gets
+/// (decision 0008). A search without result is a [`MatchStatus`] and no error.
+///
+/// ```
+/// use spineline::action::LineOfAction;
+/// use spineline::analysis::{AnalysisOptions, analyze_movement};
+/// use spineline::anatomy::Posture;
+/// use spineline::evaluate::{Target, simulate};
+/// use spineline::multibody::{JointGroups, Statics, StiffnessLibrary, Support};
+/// use spineline_phantom::{Readers, Truth, generate};
+///
+/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let analysis = analyze_movement(&case, &AnalysisOptions::default())?;
+/// let bend = analysis.posture(Posture::LeftBending).ok_or("no left bend")?;
+/// let [caudal, cranial] = bend.inflection_points.ok_or("no two inflections")?;
+/// let line = LineOfAction::through(caudal, cranial)?;
+/// let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint());
+/// let statics = Statics::new(&analysis.spine, &library, &groups, &[0.0; 14], Support::Free);
+/// let target = Target::NearestT2(None);
+/// let found =
+///     simulate(&statics, (line, 0.0), &bend.outline, &analysis.regions, target, false);
+/// // L3 to T2; L4 is fixed.
+/// assert_eq!(found.location_errors_mm.len(), 14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[must_use]
 pub fn simulate(
     statics: &Statics<'_>,
@@ -152,22 +177,7 @@ pub fn simulate(
         Target::NearestT2(None) => vec![match_t2(statics, &load, &ForceSign::BOTH, top)],
         Target::NearestT2(Some(sign)) => vec![match_t2(statics, &load, &[sign], top)],
     };
-    let mut tries: Vec<(ForceMatch, [Angle; 3])> = found
-        .into_iter()
-        .map(|found| {
-            let simulated: Vec<Frontal> =
-                (0..measured.len()).map(|i| found.solution.deformed.location(i)).collect();
-            let difference = regions
-                .bounds
-                .each_ref()
-                .map(|b| (ferguson_angle(&simulated, b) - ferguson_angle(&measured, b)).wrapped());
-            (found, difference)
-        })
-        .collect();
-    // A shape that met its target always comes before one that did not.
-    tries.sort_by(|(a, da), (b, db)| {
-        b.is_usable().cmp(&a.is_usable()).then(rms(da).rad().total_cmp(&rms(db).rad()))
-    });
+    let tries = ranked(found, &measured, regions);
     let lost = |other: &(ForceMatch, _)| other.0.status == MatchStatus::NotConverged;
     let lost_forces = tries.iter().skip(1).filter(|other| lost(other)).count();
     let mut tries = tries.into_iter();
@@ -203,6 +213,31 @@ pub fn simulate(
         locations,
         contradicted: Vec::new(),
     }
+}
+
+/// Forces that were found with the errors of their Ferguson angles, the best first: a shape that met its target always comes
+/// before one that did not.
+fn ranked(
+    found: Vec<ForceMatch>,
+    measured: &[Frontal],
+    regions: &Regions,
+) -> Vec<(ForceMatch, [Angle; 3])> {
+    let mut tries: Vec<(ForceMatch, [Angle; 3])> = found
+        .into_iter()
+        .map(|found| {
+            let simulated: Vec<Frontal> =
+                (0..measured.len()).map(|i| found.solution.deformed.location(i)).collect();
+            let difference = regions
+                .bounds
+                .each_ref()
+                .map(|b| (ferguson_angle(&simulated, b) - ferguson_angle(measured, b)).wrapped());
+            (found, difference)
+        })
+        .collect();
+    tries.sort_by(|(a, da), (b, db)| {
+        b.is_usable().cmp(&a.is_usable()).then(rms(da).rad().total_cmp(&rms(db).rad()))
+    });
+    tries
 }
 
 fn rms(angles: &[Angle; 3]) -> Angle {

@@ -29,7 +29,7 @@ pub struct HypothesisSummary {
 
 /// Patients and hypotheses that may be compared: every one of these patients has every one of these hypotheses.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Comparison {
+pub struct HypothesisComparison {
     /// How many patients.
     pub patients: usize,
     /// In the order in which they were asked for.
@@ -39,7 +39,7 @@ pub struct Comparison {
 /// Compares on equal terms: all hypotheses on the patients that have all of them, and, where that is not everyone, the
 /// hypotheses that everyone has on all patients. One item per patient.
 #[must_use]
-pub fn compare(patients: &[&[HypothesisFit]]) -> Vec<Comparison> {
+pub fn compare(patients: &[&[HypothesisFit]]) -> Vec<HypothesisComparison> {
     let mut all: Vec<Hypothesis> = Vec::new();
     for fit in patients.iter().copied().flatten() {
         if !all.contains(&fit.hypothesis) {
@@ -63,7 +63,7 @@ pub fn compare(patients: &[&[HypothesisFit]]) -> Vec<Comparison> {
     blocks
 }
 
-fn block(patients: &[&[HypothesisFit]], hypotheses: &[Hypothesis]) -> Comparison {
+fn block(patients: &[&[HypothesisFit]], hypotheses: &[Hypothesis]) -> HypothesisComparison {
     let of = |h: Hypothesis| -> Vec<&HypothesisFit> {
         patients.iter().filter_map(|fits| fits.iter().find(|fit| fit.hypothesis == h)).collect()
     };
@@ -91,7 +91,7 @@ fn block(patients: &[&[HypothesisFit]], hypotheses: &[Hypothesis]) -> Comparison
             lost: fits.iter().map(|fit| fit.lost.len() + usize::from(!fit.is_converged())).sum(),
         }
     });
-    Comparison { patients: patients.len(), hypotheses: summaries.collect() }
+    HypothesisComparison { patients: patients.len(), hypotheses: summaries.collect() }
 }
 
 /// In how many patients no other hypothesis has a lower value.

@@ -42,7 +42,7 @@ impl Role {
 
 /// Joints that turn against the moment of a load, where the film shows both.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Against {
+pub struct CounterRotatingJoints {
     /// How many.
     pub joints: usize,
     /// How many of them by more than two deviations of their measurement.
@@ -72,7 +72,7 @@ pub struct ShapePrediction {
     /// joint is wrong by that.
     pub rotation_rms: Angle,
     /// Joints that turn against this load.
-    pub against: Against,
+    pub against: CounterRotatingJoints,
 }
 
 impl ShapePrediction {
@@ -151,20 +151,20 @@ pub fn fit_hypothesis(
         predictions: Vec::new(),
         lost: Vec::new(),
     };
-    let mut told =
+    let mut record =
         |film: &HypothesisFilm<'_>, role, prediction: Option<ShapePrediction>| match prediction {
             Some(prediction) => fit.predictions.push(prediction),
             None => fit.lost.push((film.outline.posture, role)),
         };
     for (i, film) in bends.iter().enumerate() {
-        told(film, Role::Fitted, found.prediction(i, film, spine, Role::Fitted));
+        record(film, Role::Fitted, found.prediction(i, film, spine, Role::Fitted));
     }
     let usable = found.status != FitStatus::NotEvaluable;
     let logs = found.log_multipliers(spine);
     for film in &others {
         let near =
             if usable { predict(hypothesis, spine, film, &logs, Role::HeldOut) } else { None };
-        told(film, Role::HeldOut, near);
+        record(film, Role::HeldOut, near);
     }
     if let [a, b] = bends[..] {
         for (known, left) in [(b, a), (a, b)] {
@@ -175,12 +175,12 @@ pub fn fit_hypothesis(
             let near = logs
                 .as_ref()
                 .and_then(|logs| predict(hypothesis, spine, &left, logs, Role::LeftOut));
-            told(&left, Role::LeftOut, near);
+            record(&left, Role::LeftOut, near);
             let role = Role::LeftOutLoadFitted;
             let own = logs.and_then(|logs| {
                 fit_to(hypothesis, spine, &[left], Some(logs))?.prediction(0, &left, spine, role)
             });
-            told(&left, role, own);
+            record(&left, role, own);
         }
     }
     Some(fit)
@@ -400,7 +400,7 @@ fn prediction(
 }
 
 /// Joints that turn against the moment of a load of given components.
-fn against(film: &JointResponses, components: &[f64]) -> Against {
+fn against(film: &JointResponses, components: &[f64]) -> CounterRotatingJoints {
     let moments = film.compliances.iter().enumerate().map(|(j, c)| film.turn(j, components) / c);
     let works: Vec<(f64, f64)> =
         moments.zip(&film.rotations).map(|(moment, &turn)| (moment * turn, turn)).collect();
@@ -408,7 +408,7 @@ fn against(film: &JointResponses, components: &[f64]) -> Against {
     // A joint that does not turn but for rounding contradicts nothing.
     let contrary: Vec<&(f64, f64)> =
         works.iter().filter(|(work, _)| *work < -1e-9 * total).collect();
-    Against {
+    CounterRotatingJoints {
         joints: contrary.len(),
         beyond_noise: contrary
             .iter()

@@ -29,9 +29,9 @@ mod near_t2;
 mod problem;
 mod start;
 
-pub use comparison::{Comparison, HypothesisSummary, compare};
+pub use comparison::{HypothesisComparison, HypothesisSummary, compare};
 pub use criteria::Criteria;
-pub use fit::{Against, HypothesisFit, Role, ShapePrediction, fit_hypothesis};
+pub use fit::{CounterRotatingJoints, HypothesisFit, Role, ShapePrediction, fit_hypothesis};
 
 use crate::measure::Outline;
 use crate::multibody::{JointGroups, SpineModel, StiffnessLibrary, Support};

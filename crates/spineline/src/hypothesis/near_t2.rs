@@ -4,14 +4,13 @@ use nalgebra::{DMatrix, DVector};
 
 use super::problem::{LoadedFilm, statics};
 use super::{Base, Hypothesis, Spine};
+use crate::multibody::{GeneralStatics, T2_TOLERANCE_MM, smallest_near_t2};
 use crate::personalize::{FitStatus, System, minimize};
 use crate::spatial::{Angle, Frontal};
 
-/// T2's places that differ by less are equally good (decision 0008).
-const TOLERANCE_MM: f64 = 1.0;
 /// Weights of a load's size against T2's distance: where T2 hardly moves, and where only its distance counts.
-const MOST_WEIGHT: f64 = 1e8;
-const LEAST_WEIGHT: f64 = 1e-2;
+const MAX_WEIGHT: f64 = 1e8;
+const MIN_WEIGHT: f64 = 1e-2;
 const WEIGHT_STEP: f64 = 10.0;
 const BISECTIONS: u32 = 12;
 /// T2's distance may have several minima: sizes of load, in rad, from which they are sought.
@@ -42,22 +41,20 @@ pub(super) fn nearest_t2(
         .starts()
         .into_iter()
         .filter_map(|start| {
-            let x = search.at(LEAST_WEIGHT, &start)?;
+            let x = search.at(MIN_WEIGHT, &start)?;
             Some((search.gap_mm(&x)?, (&search.size * &x).norm(), x))
         })
         .collect();
     let nearest_mm = minima.iter().map(|(gap, ..)| *gap).fold(f64::INFINITY, f64::min);
-    let enough_mm = nearest_mm + TOLERANCE_MM;
-    let near = minima.into_iter().filter(|(gap, ..)| *gap <= enough_mm);
-    let (.., x) = near.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let x = search.lighten(x, enough_mm);
+    let (.., x) = smallest_near_t2(minima, nearest_mm, |(gap, ..)| *gap, |(_, size, _)| *size)?;
+    let x = search.lighten(x, nearest_mm + T2_TOLERANCE_MM);
     let (components, base) = search.split(&x);
     Some(NearT2 { components: components.to_vec(), base })
 }
 
 struct Search<'s, 'a> {
     loaded: &'s mut LoadedFilm,
-    statics: crate::multibody::GeneralStatics<'a>,
+    statics: GeneralStatics<'a>,
     measured: Frontal,
     /// `size² = |factor · x|²`.
     size: DMatrix<f64>,
@@ -131,12 +128,12 @@ impl<'s, 'a> Search<'s, 'a> {
 
     /// The least load on the way from a minimum to no load that leaves T2 near enough.
     fn lighten(&mut self, minimum: DVector<f64>, enough_mm: f64) -> DVector<f64> {
-        let (mut x, mut light, mut heavy) = (minimum, LEAST_WEIGHT, LEAST_WEIGHT);
+        let (mut x, mut light, mut heavy) = (minimum, MIN_WEIGHT, MIN_WEIGHT);
         let mut step = |weight: f64, x: &DVector<f64>| {
             let next = self.at(weight, x)?;
             (self.gap_mm(&next)? <= enough_mm).then_some(next)
         };
-        while heavy < MOST_WEIGHT {
+        while heavy < MAX_WEIGHT {
             heavy = light * WEIGHT_STEP;
             let Some(next) = step(heavy, &x) else { break };
             (x, light) = (next, heavy);

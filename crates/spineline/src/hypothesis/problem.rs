@@ -6,13 +6,11 @@ use super::loads::{UnitLoad, unit_loads};
 use super::{Base, Hypothesis, HypothesisFilm, Spine};
 use crate::measure::Outline;
 use crate::multibody::{
-    GeneralStatics, LARGEST_HINGE_RAD, LoadItem, Loading, NewtonWork, ShapeParameter, Solution,
+    GeneralStatics, LoadItem, Loading, MAX_HINGE_RAD, NewtonWork, ShapeParameter, Solution,
 };
 use crate::personalize::{MULTIPLIER_BOUNDS, System};
 use crate::spatial::{Angle, Frontal, Mat3, Vec3};
 
-/// The gauge, which is linear, is held a thousand times tighter than any data.
-const HELD: f64 = 1e3;
 /// Steps in which loads grow from zero where Newton does not get to them at once.
 const GROWTH_STEPS: u32 = 12;
 
@@ -104,8 +102,7 @@ impl LoadedFilm {
     fn solves(&mut self, statics: &GeneralStatics<'_>, loading: &Loading, part: f64) -> bool {
         let converged = statics.solve_near(loading, part, &mut self.work).converged;
         let hinges = self.work.hinges_mut().iter();
-        converged
-            && hinges.fold(0.0, |most: f64, turns| most.max(turns.amax())) <= LARGEST_HINGE_RAD
+        converged && hinges.fold(0.0, |most: f64, turns| most.max(turns.amax())) <= MAX_HINGE_RAD
     }
 
     /// Lets the loads grow from zero.
@@ -274,16 +271,8 @@ impl<'a> ShapeProblem<'a> {
                 system.jacobian[(first + i, column)] = 1.0 / film.tilt_sd_rad;
             }
         }
-        // The mean of ln α is held at zero.
-        let last = system.residuals.len() - 1;
-        system.residuals[last] = 0.0;
-        if self.held.is_none() {
-            let weight = HELD / g as f64;
-            system.residuals[last] = weight * x.as_slice()[..g].iter().sum::<f64>();
-            for i in 0..g {
-                system.jacobian[(last, i)] = weight;
-            }
-        }
+        // Multipliers that are known already need no gauge.
+        system.hold_mean(if self.held.is_none() { &x.as_slice()[..g] } else { &[] });
         system.residuals.iter().all(|r| r.is_finite())
     }
 

@@ -1,4 +1,4 @@
-use super::spacing::{LEAST_SPACING_MM, is_spacing};
+use super::spacing::{MIN_SPACING_MM, is_spacing};
 use super::{Spacing, SpacingPlane, SpacingSource};
 use crate::spatial::Pixel;
 
@@ -69,7 +69,7 @@ impl Calibration {
     /// 0.5 %, which nobody can see in the picture, and which is not part of the result.
     ///
     /// # Errors
-    /// [`CalibrationError`].
+    /// [`CalibrationError`]: a number that cannot be meant, or clicks that are too near.
     ///
     /// ```
     /// use spineline::measure::{Calibration, Calibrator};
@@ -122,7 +122,7 @@ impl Calibration {
 
     fn check(&self) -> Result<(), CalibrationError> {
         let positive = |what, value: f64| {
-            let good = value.is_finite() && value > LEAST_SPACING_MM;
+            let good = value.is_finite() && value > MIN_SPACING_MM;
             if good {
                 Ok(())
             } else {

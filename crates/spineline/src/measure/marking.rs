@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use super::order::{LEAST_SHARE, steps};
+use super::order::{MIN_SPACING_SHARE, steps};
 use super::{CornerFault, Corners, ImageGeometry, Placement};
 use crate::anatomy::{Level, Side};
 use crate::spatial::{Angle, Frontal, Pixel};
@@ -47,7 +47,7 @@ pub struct MarkedBody {
 /// Half the drawn axis over the distance between the endplates' centres.
 const AXIS_REACH: f64 = 0.9;
 /// A crossing of three corners flatter than this is one line.
-const LEAST_CROSSING: Angle = Angle::from_deg(3.0);
+const MIN_CROSSING_ANGLE: Angle = Angle::from_deg(3.0);
 
 impl PartialMark {
     /// All four corners, once they are placed.
@@ -112,7 +112,7 @@ pub enum MarkingFault {
         /// The corner.
         place: Pixel,
     },
-    /// The corners make no body; with three of them, as far as they tell.
+    /// The corners make no body; with three of them, as far as they determine it.
     Corners {
         /// Vertebra.
         level: Level,
@@ -215,7 +215,7 @@ impl fmt::Display for MarkingFault {
                 f,
                 "{superior} lies {:.0} % of the usual distance above {inferior}, and the least is {:.0} %: one is doubled, skipped or exchanged",
                 100.0 * share,
-                100.0 * LEAST_SHARE
+                100.0 * MIN_SPACING_SHARE
             ),
             Self::Distance { inferior, superior, ratio } => write!(
                 f,
@@ -234,7 +234,7 @@ impl fmt::Display for MarkingFault {
 impl PartialReading {
     /// Everything wrong with the marks so far: vertebrae caudal first, then the crests.
     ///
-    /// Three corners tell already whether sides or endplates are exchanged. Where cranial is, the steps between the
+    /// Three corners already show whether sides or endplates are exchanged. Where cranial is, the steps between the
     /// bodies say; for a single one, up the picture.
     #[must_use]
     pub fn faults(&self, image: &ImageGeometry) -> Vec<MarkingFault> {
@@ -350,7 +350,7 @@ fn is_concave(corners: &Corners<Frontal>) -> bool {
     matches!(turns.filter(|&turn| turn).count(), 1 | 3)
 }
 
-/// As far as three corners tell: they always hold one endplate and one wall.
+/// As far as three corners determine it: they always hold one endplate and one wall.
 fn three_corners(corners: &Corners<Option<Frontal>>, cranial: Frontal) -> Option<CornerFault> {
     let &Corners { superior_left, superior_right, inferior_left, inferior_right } = corners;
     let way = |from: Option<Frontal>, to: Option<Frontal>| Some(to? - from?);
@@ -358,7 +358,7 @@ fn three_corners(corners: &Corners<Option<Frontal>>, cranial: Frontal) -> Option
         way(superior_right, superior_left).or_else(|| way(inferior_right, inferior_left))?;
     let up = way(inferior_left, superior_left).or_else(|| way(inferior_right, superior_right))?;
     let crossing = to_left.cross(up);
-    if crossing.abs() <= LEAST_CROSSING.rad().sin() * to_left.norm_mm() * up.norm_mm() {
+    if crossing.abs() <= MIN_CROSSING_ANGLE.rad().sin() * to_left.norm_mm() * up.norm_mm() {
         return Some(CornerFault::Flat);
     }
     if up.dot(cranial) < 0.0 {

@@ -46,7 +46,7 @@ pub enum NextLandmark {
 
 /// A vertebra where it is to be expected.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Proposal {
+pub struct ProposedVertebra {
     /// Which one.
     pub level: Level,
     /// Its corners, all on the picture.
@@ -98,7 +98,7 @@ impl PartialReading {
     /// # References
     /// Typical sizes and distances: [`Morphometry`].
     #[must_use]
-    pub fn propose_next(&self, image: &ImageGeometry) -> Option<Proposal> {
+    pub fn propose_next(&self, image: &ImageGeometry) -> Option<ProposedVertebra> {
         let NextLandmark::Corner(level, _) = self.next()? else { return None };
         if self
             .vertebrae
@@ -123,7 +123,7 @@ impl PartialReading {
             return None;
         }
         let corners = expected.corners(level).map(|corner| on_picture(image, image.pixel(corner)));
-        Some(Proposal { level, corners })
+        Some(ProposedVertebra { level, corners })
     }
 }
 

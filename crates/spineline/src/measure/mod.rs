@@ -35,7 +35,7 @@ pub use film::{Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Rea
 pub use frame::{FilmFrame, body_widths, endplate_centres};
 pub use lateral::{LateralCorners, LateralFilm};
 pub use marking::{MarkedBody, MarkingFault, PartialMark, PartialReading, turn_axis_towards};
-pub use marking_proposal::{CornerName, NextLandmark, Proposal};
+pub use marking_proposal::{CornerName, NextLandmark, ProposedVertebra};
 pub use noise::Noise;
 pub(crate) use noise::ReadingSquares;
 pub(crate) use outline::outline_of;
@@ -43,7 +43,8 @@ pub use outline::{MeasuredVertebra, Outline, check_marks, measure_film};
 pub use readings::{FilmReadings, measure_readings};
 pub use spacing::{LengthScale, Spacing, SpacingPlane, SpacingSource};
 pub use view::{
-    Direction, Stance, View, ViewEvidence, ViewJudgement, ViewPosition, ViewQuestion, judge_view,
+    PatientDirection, Stance, View, ViewEvidence, ViewJudgement, ViewPosition, ViewQuestion,
+    judge_view,
 };
 
 use crate::anatomy::{Level, Posture};

@@ -5,7 +5,7 @@ use crate::anatomy::{Level, Morphometry};
 use crate::spatial::Frontal;
 
 /// A fifth of the usual distance is what an exchanged or doubled vertebra shows at most.
-pub(super) const LEAST_SHARE: f64 = 0.2;
+pub(super) const MIN_SPACING_SHARE: f64 = 0.2;
 
 /// From one marked vertebra to the next one marked above it.
 #[derive(Debug, Clone, Copy)]
@@ -21,7 +21,7 @@ pub(super) struct LevelStep {
 
 impl LevelStep {
     pub fn is_out_of_order(&self) -> bool {
-        self.share <= LEAST_SHARE
+        self.share <= MIN_SPACING_SHARE
     }
 
     /// Twice or half the usual distance is what a skipped or doubled vertebra looks like.

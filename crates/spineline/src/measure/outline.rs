@@ -1,10 +1,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::order::{LEAST_SHARE, steps, typical_distance_mm};
+use super::order::{MIN_SPACING_SHARE, steps, typical_distance_mm};
 use super::spacing::is_spacing;
 use super::{
-    CornerFault, Film, FilmMarks, IliacCrests, ImageGeometry, LengthScale, Mark, MeasureError,
-    Noise, Placement, Reading, ReadingId, SpacingPlane, measure_readings,
+    CornerFault, Corners, Film, FilmMarks, IliacCrests, ImageGeometry, LengthScale, Mark,
+    MeasureError, Noise, Placement, Reading, ReadingId, SpacingPlane, measure_readings,
 };
 use crate::anatomy::{Level, Posture};
 use crate::spatial::{Angle, Frontal};
@@ -76,8 +76,25 @@ impl Outline {
 
 /// Measures one film: every reading, their mean, and the global frame.
 ///
+/// Locations are in mm in the global frame `G`: origin at L4's midpoint, +Z cranial along L4's axis, +Y to the patient's
+/// left. Tilts are against L4, right-handed about +X (anterior).
+///
 /// # Errors
 /// [`MeasureError`], which names film, reading, vertebra, value and limit. Nothing is repaired.
+///
+/// ```
+/// use spineline::anatomy::Level;
+/// use spineline::measure::measure_film;
+/// use spineline::warning::Warnings;
+/// use spineline_phantom::{Readers, Truth, generate};
+///
+/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let outline = measure_film(&case.films[0], &mut Warnings::default())?;
+/// assert_eq!(outline.vertebrae.len(), Level::MODEL.len());
+/// // L4 is the origin.
+/// assert!(outline.vertebrae[0].location.norm_mm() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, MeasureError> {
     outline_of(film, &measure_readings(film)?, warnings)
 }
@@ -212,12 +229,12 @@ pub(super) fn check_placements(
     Ok(())
 }
 
-/// One reading in millimetres of the film: midpoints and tilts.
-pub(super) fn place(
+/// The vertebral bodies of one reading, in millimetres of the film; every corner lies on the picture.
+fn bodies_of(
     posture: Posture,
     image: &ImageGeometry,
     reading: &Reading<Mark>,
-) -> Result<BTreeMap<Level, Placement>, MeasureError> {
+) -> Result<BTreeMap<Level, Corners<Frontal>>, MeasureError> {
     let id = || reading.id.clone();
     let mut bodies = BTreeMap::new();
     for (&level, mark) in &reading.vertebrae {
@@ -242,6 +259,17 @@ pub(super) fn place(
         }
         bodies.insert(level, mark.corners.map(|corner| image.frontal(corner)));
     }
+    Ok(bodies)
+}
+
+/// One reading in millimetres of the film: midpoints and tilts.
+pub(super) fn place(
+    posture: Posture,
+    image: &ImageGeometry,
+    reading: &Reading<Mark>,
+) -> Result<BTreeMap<Level, Placement>, MeasureError> {
+    let id = || reading.id.clone();
+    let bodies = bodies_of(posture, image, reading)?;
     let fault = |level, fault| MeasureError::Corners { posture, id: id(), level, fault };
 
     let mut centres = BTreeMap::new();
@@ -317,12 +345,12 @@ fn check_crests(
     image: &ImageGeometry,
     crests: &IliacCrests,
 ) -> Result<(), MeasureError> {
-    const LEAST_MM: f64 = 50.0;
+    const MIN_DISTANCE_MM: f64 = 50.0;
     let outside = [crests.left, crests.right].into_iter().any(|crest| !image.contains(crest));
     let apart_mm = image.frontal(crests.left).distance_mm(image.frontal(crests.right));
     // Without a spacing, how far apart they are says nothing.
-    if outside || (image.spacing.is_some() && apart_mm < LEAST_MM) || apart_mm == 0.0 {
-        return Err(MeasureError::Crests { posture, outside, apart_mm, limit_mm: LEAST_MM });
+    if outside || (image.spacing.is_some() && apart_mm < MIN_DISTANCE_MM) || apart_mm == 0.0 {
+        return Err(MeasureError::Crests { posture, outside, apart_mm, limit_mm: MIN_DISTANCE_MM });
     }
     Ok(())
 }
@@ -377,7 +405,7 @@ fn check_order(
     for step in steps(&placed) {
         let (inferior, superior, share) = (step.inferior, step.superior, step.share);
         if step.is_out_of_order() {
-            let limit = LEAST_SHARE;
+            let limit = MIN_SPACING_SHARE;
             return Err(MeasureError::OutOfOrder { posture, inferior, superior, share, limit });
         }
         if step.is_unusual() {

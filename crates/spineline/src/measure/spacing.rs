@@ -161,11 +161,11 @@ impl Spacing {
 
 /// A distance between pixels that can be meant: positive, finite, and not the `0.000` that some devices write.
 pub(crate) fn is_spacing(mm: f64) -> bool {
-    mm.is_finite() && mm > LEAST_SPACING_MM
+    mm.is_finite() && mm > MIN_SPACING_MM
 }
 
 /// No detector has finer pixels.
-pub(crate) const LEAST_SPACING_MM: f64 = 1e-4;
+pub(crate) const MIN_SPACING_MM: f64 = 1e-4;
 
 /// The unit of a measured film: what its millimetres are, and how sure their size is.
 #[derive(Debug, Clone, Copy, PartialEq)]

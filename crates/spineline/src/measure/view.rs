@@ -7,7 +7,7 @@ use crate::anatomy::{ImageSide, Posture};
 /// A direction in the patient, as Patient Orientation (0020,0020) names it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)]
-pub enum Direction {
+pub enum PatientDirection {
     Left,
     Right,
     Anterior,
@@ -16,7 +16,7 @@ pub enum Direction {
     Foot,
 }
 
-impl Direction {
+impl PatientDirection {
     /// The direction of a value of Patient Orientation: its first letter leads, as in `L`, `LF` or `PR`.
     #[must_use]
     pub fn from_dicom(value: &str) -> Option<Self> {
@@ -74,7 +74,7 @@ pub enum Stance {
 pub struct ViewEvidence {
     /// Patient Orientation: where the columns and the rows run to. The first value is the direction of increasing
     /// columns, the second that of increasing rows.
-    pub orientation: Option<[Direction; 2]>,
+    pub orientation: Option<[PatientDirection; 2]>,
     /// View Position.
     pub view_position: Option<ViewPosition>,
     /// Patient Orientation Code.
@@ -105,7 +105,7 @@ pub enum ViewQuestion {
     /// Rows do not run to the feet: the film hangs upside down, or on its side.
     NotUpright {
         /// Where they run to.
-        rows: Direction,
+        rows: PatientDirection,
     },
     /// The stance of the file does not fit the posture that the film was given.
     Stance {
@@ -170,9 +170,9 @@ pub struct ViewJudgement {
 ///
 /// ```
 /// use spineline::anatomy::ImageSide;
-/// use spineline::measure::{Direction, View, ViewEvidence, judge_view};
+/// use spineline::measure::{PatientDirection, View, ViewEvidence, judge_view};
 /// let evidence = ViewEvidence {
-///     orientation: Some([Direction::Left, Direction::Foot]), ..Default::default()
+///     orientation: Some([PatientDirection::Left, PatientDirection::Foot]), ..Default::default()
 /// };
 /// let judgement = judge_view(&evidence, None);
 /// assert_eq!(judgement.view, Some(View::Frontal));
@@ -184,9 +184,9 @@ pub fn judge_view(evidence: &ViewEvidence, posture: Option<Posture>) -> ViewJudg
     let mut questions = Vec::new();
     let columns = evidence.orientation.map(|[columns, _]| columns);
     let by_orientation = columns.and_then(|columns| match columns {
-        Direction::Left | Direction::Right => Some(View::Frontal),
-        Direction::Anterior | Direction::Posterior => Some(View::Lateral),
-        Direction::Head | Direction::Foot => None,
+        PatientDirection::Left | PatientDirection::Right => Some(View::Frontal),
+        PatientDirection::Anterior | PatientDirection::Posterior => Some(View::Lateral),
+        PatientDirection::Head | PatientDirection::Foot => None,
     });
     let by_position = evidence.view_position.and_then(|position| match position {
         ViewPosition::Frontal => Some(View::Frontal),
@@ -200,11 +200,12 @@ pub fn judge_view(evidence: &ViewEvidence, posture: Option<Posture>) -> ViewJudg
         }
         (a, b) => a.or(b),
     };
-    let rows = evidence.orientation.map(|[_, rows]| rows).filter(|&rows| rows != Direction::Foot);
+    let rows =
+        evidence.orientation.map(|[_, rows]| rows).filter(|&rows| rows != PatientDirection::Foot);
     if let Some(rows) = rows {
         questions.push(ViewQuestion::NotUpright { rows });
     }
-    let side = |far: Direction, near: Direction| match columns {
+    let side = |far: PatientDirection, near: PatientDirection| match columns {
         // A film that does not hang upright says nothing for an upright one.
         _ if rows.is_some() => None,
         Some(direction) if direction == far => Some(ImageSide::Right),
@@ -213,8 +214,9 @@ pub fn judge_view(evidence: &ViewEvidence, posture: Option<Posture>) -> ViewJudg
     };
     let frontal = view == Some(View::Frontal);
     let lateral = view == Some(View::Lateral);
-    let patient_left = side(Direction::Left, Direction::Right).filter(|_| frontal);
-    let patient_anterior = side(Direction::Anterior, Direction::Posterior).filter(|_| lateral);
+    let patient_left = side(PatientDirection::Left, PatientDirection::Right).filter(|_| frontal);
+    let patient_anterior =
+        side(PatientDirection::Anterior, PatientDirection::Posterior).filter(|_| lateral);
     if view.is_none() && !questions.contains(&ViewQuestion::ViewsDisagree) {
         questions.push(ViewQuestion::View);
     }

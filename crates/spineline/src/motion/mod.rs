@@ -26,7 +26,7 @@ pub struct Motion {
 
 /// How well a segment stands for the least-rotating one of its window.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimate {
+pub struct SegmentEstimate {
     /// The segment.
     pub segment: usize,
     /// The least-rotating one.
@@ -40,7 +40,26 @@ pub struct Estimate {
 }
 
 impl Motion {
-    /// Compares two postures of one chain.
+    /// Compares two postures of one chain; `windows` are those of [`least_windows`], as segments of the erect chain.
+    ///
+    /// ```
+    /// use spineline::analysis::{AnalysisOptions, analyze_movement};
+    /// use spineline::anatomy::Posture;
+    /// use spineline::motion::{Motion, least_windows};
+    /// use spineline_phantom::{Readers, Truth, generate};
+    ///
+    /// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+    /// let analysis = analyze_movement(&case, &AnalysisOptions::default())?;
+    /// let erect = analysis.erect();
+    /// let bend = analysis.posture(Posture::LeftBending).ok_or("no left bend")?;
+    /// let windows = least_windows(&erect.fit, &erect.pose);
+    /// let motion = Motion::between(&erect.pose, &bend.pose, &windows);
+    /// // The segment of the caudal window that rotates least.
+    /// let least = motion.least[0];
+    /// assert!((windows[0].0..=windows[0].1).contains(&least));
+    /// assert!(motion.rotations[least].rad() <= motion.rotations[windows[0].0].rad());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn between(erect: &ChainPose, moved: &ChainPose, windows: &[(usize, usize); 2]) -> Self {
         let rotations: Vec<Angle> = erect
@@ -69,10 +88,14 @@ impl Motion {
     ///
     /// `None` where the moved curve is too short to have such a segment.
     #[must_use]
-    pub fn estimates(&self, erect: &ChainPose, segments: [usize; 2]) -> Option<[Estimate; 2]> {
+    pub fn estimates(
+        &self,
+        erect: &ChainPose,
+        segments: [usize; 2],
+    ) -> Option<[SegmentEstimate; 2]> {
         let estimate = |window: usize| {
             let (segment, least) = (segments[window], self.least[window]);
-            Some(Estimate {
+            Some(SegmentEstimate {
                 segment,
                 least,
                 distance_segments: segment.abs_diff(least),

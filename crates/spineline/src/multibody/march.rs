@@ -1,6 +1,6 @@
 use nalgebra::{Matrix2, Matrix2x3, Matrix3x2};
 
-use super::carried::Carried;
+use super::transfer::WrenchTransfer;
 use super::{JointGroups, Load, SpineModel, StiffnessLibrary, Support, Wrench};
 use crate::action::{Application, LineOfAction};
 use crate::spatial::{Angle, Frontal, Mat3, Vec3, is_small};
@@ -269,7 +269,45 @@ impl<'a> Statics<'a> {
 
     /// Equilibrium under a wrench fixed in space: one pass from L4 to T2, with its derivatives.
     ///
-    /// `units[i]` is the derivative of the wrench by [`Parameter::Load`]`(i)`.
+    /// `units[i]` is the derivative of the wrench by [`Parameter::Load`]`(i)`. Forces are in N, places in mm and moments in
+    /// N·mm, all in `G`. The shape and its derivatives by `parameters` are written to `solution`, whose memory is used again.
+    ///
+    /// # Equations
+    /// From the caudal joint upwards, with the moment `m = M - c x F` of the wrench `(F, M)` about the joint's centre `c` and
+    /// the hinge axes `e_x`, `e_y`, `e_z` of the inferior vertebra:
+    ///
+    /// ```text
+    /// theta_x = m . e_x           / k_x
+    /// theta_y = m . (R_x e_y)     / k_y
+    /// theta_z = m . (R_x R_y e_z) / k_z
+    /// ```
+    ///
+    /// where `R_x` and `R_y` turn by `theta_x` and `theta_y`. Each angle depends on those before it alone, so that one pass
+    /// gives the equilibrium, and its derivatives by the chain rule.
+    ///
+    /// ```
+    /// use spineline::anatomy::SagittalProfile;
+    /// use spineline::measure::measure_film;
+    /// use spineline::multibody::{
+    ///     JointGroups, Solution, SpineModel, Statics, StiffnessLibrary, Support, Wrench,
+    /// };
+    /// use spineline::spatial::Vec3;
+    /// use spineline::warning::Warnings;
+    /// use spineline_phantom::{Readers, Truth, generate};
+    ///
+    /// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+    /// let erect = measure_film(&case.films[0], &mut Warnings::default())?;
+    /// let spine = SpineModel::from_outline(&erect, &SagittalProfile::default());
+    /// let groups = JointGroups::per_joint();
+    /// let library = StiffnessLibrary::default();
+    /// let statics = Statics::new(&spine, &library, &groups, &[0.0; 14], Support::Free);
+    /// // 10 N on T2, to the patient's left.
+    /// let wrench = Wrench::at(spine.midpoints_mm[14], Vec3::new(0.0, 10.0, 0.0));
+    /// let mut solution = Solution::default();
+    /// statics.march(&wrench, &[], &[], &mut solution);
+    /// assert!(solution.deformed.location(14).y_mm > spine.midpoints_mm[14].y);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn march(
         &self,
         wrench: &Wrench,
@@ -299,20 +337,20 @@ impl<'a> Statics<'a> {
         parameters: &[Parameter],
         solution: &mut Solution,
     ) -> bool {
-        let mut carried = Carried::new(self.model, wrench);
+        let mut transfer = WrenchTransfer::new(self.model, wrench);
         let mut midpoint = self.model.midpoints_mm[0];
         for (j, (joint, hinges)) in self.model.joints.iter().zip(&self.hinges).enumerate() {
-            let arm = carried.in_g(&joint.centre_in_inferior_mm);
+            let arm = transfer.in_g(&joint.centre_in_inferior_mm);
             let centre = midpoint + arm;
-            let (turns, directions) = carried.turn::<SMALL>(&hinges.compliance);
+            let (turns, directions) = transfer.turn::<SMALL>(&hinges.compliance);
             if SMALL && !turns.iter().all(|turn| is_small(*turn)) {
                 return false;
             }
-            let rise = carried.in_g(&joint.rise_in_inferior_mm);
-            carried.pass_on(&hinges.to_next_mm, &joint.inferior_from_superior);
+            let rise = transfer.in_g(&joint.rise_in_inferior_mm);
+            transfer.pass_on(&hinges.to_next_mm, &joint.inferior_from_superior);
             midpoint = centre + rise;
             let deformed = &mut solution.deformed;
-            deformed.axes[j + 1] = carried.axes();
+            deformed.axes[j + 1] = transfer.axes();
             deformed.midpoints_mm[j + 1] = midpoint;
             deformed.hinges_rad[j] = turns;
             if DERIVATIVES {

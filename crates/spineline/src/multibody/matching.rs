@@ -1,5 +1,5 @@
 use super::roots::{Along, Lost, Sample, zeros_between};
-use super::sought::{Lean, Look, NearestT2, Sought, T2_TOLERANCE_MM};
+use super::target::{LeanTarget, NearestT2Target, PathState, SearchTarget, smallest_near_t2};
 use super::{Load, Parameter, Solution, Statics};
 use crate::spatial::{Angle, Frontal, Vec3};
 
@@ -88,20 +88,20 @@ impl ForceMatch {
 }
 
 /// No hinge is followed beyond this angle: ligaments and facets would have stopped it long before.
-pub(crate) const LARGEST_HINGE_RAD: f64 = 0.8;
+pub(crate) const MAX_HINGE_RAD: f64 = 0.8;
 /// 1500 N for springs of the library's mean lateral stiffness; scales with the springs.
-pub(crate) const LARGEST_FORCE_PER_STIFFNESS: f64 = 1500.0 / 144_000.0;
+pub(crate) const MAX_FORCE_PER_STIFFNESS: f64 = 1500.0 / 144_000.0;
 /// T2's next place is guessed along the path no further than this.
-const LONGEST_GUESS_MM: f64 = 20.0;
+const MAX_GUESS_MM: f64 = 20.0;
 /// A path that cannot be followed by so small a part of a step breaks off.
-const SHORTEST_OF_STEP: f64 = 1.0 / 20.0;
+const MIN_STEP_FRACTION: f64 = 1.0 / 20.0;
 /// A path that needs more equilibria than this goes nowhere.
-const MOST_EVALUATIONS: u32 = 2000;
+const MAX_EVALUATIONS: u32 = 2000;
 
 /// Finds the first force of a sign at which the line L4→T2 has a given lean.
 ///
 /// The lean is not monotone in the force, so the path is followed from zero in small steps, and a turn within a step is
-/// looked at too. The first crossing counts; [`amplitude_matches`] tells all.
+/// looked at too. The first crossing counts; [`amplitude_matches`] gives all.
 #[must_use]
 pub fn match_amplitude(
     statics: &Statics<'_>,
@@ -109,7 +109,7 @@ pub fn match_amplitude(
     sign: ForceSign,
     target: Angle,
 ) -> ForceMatch {
-    let mut path = Path::new(statics, load, Lean(target));
+    let mut path = Path::new(statics, load, LeanTarget(target));
     path.follow(sign, 1);
     path.first_or_nearest()
 }
@@ -120,7 +120,7 @@ pub fn match_amplitude(
 /// path was lost on its way, the last entry is [`MatchStatus::NotConverged`].
 #[must_use]
 pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> Vec<ForceMatch> {
-    let mut path = Path::new(statics, load, Lean(target));
+    let mut path = Path::new(statics, load, LeanTarget(target));
     for sign in ForceSign::BOTH {
         path.follow(sign, usize::MAX);
     }
@@ -146,49 +146,44 @@ pub fn match_t2(
     signs: &[ForceSign],
     place: Frontal,
 ) -> ForceMatch {
-    let mut path = Path::new(statics, load, NearestT2(place));
+    let mut path = Path::new(statics, load, NearestT2Target(place));
     for &sign in signs {
         path.follow(sign, usize::MAX);
     }
-    let enough_mm = path.least_residual() + T2_TOLERANCE_MM;
     path.found.retain(ForceMatch::is_usable);
-    path.found.sort_by(|a, b| a.force_n.abs().total_cmp(&b.force_n.abs()));
-    match path.found.iter().position(|found| found.residual <= enough_mm) {
-        Some(index) => path.found.swap_remove(index),
-        None => {
-            path.found.clear();
-            path.first_or_nearest()
-        }
-    }
+    let minima = std::mem::take(&mut path.found);
+    let least_mm = path.least_residual();
+    smallest_near_t2(minima, least_mm, |found| found.residual, |found| found.force_n.abs())
+        .unwrap_or_else(|| path.first_or_nearest())
 }
 
 /// The path of equilibria as a force grows from zero, and the zeros of a goal along it.
 struct Path<'a, S> {
     statics: &'a Statics<'a>,
     load: &'a Load,
-    sought: S,
-    /// The last shape, and the look at it, converged or not.
+    target: S,
+    /// The last shape and its state, converged or not.
     solution: Solution,
-    last: Option<Look>,
-    /// What was seen of the path, the last look first.
-    seen: [Option<Look>; 2],
+    last: Option<PathState>,
+    /// The last two states that converged, the later one first.
+    seen: [Option<PathState>; 2],
     evaluations: u32,
     found: Vec<ForceMatch>,
-    /// So many zeros are looked for.
+    /// The search stops after so many zeros.
     enough: usize,
-    /// The look with the least residual of all.
-    nearest: Option<Look>,
+    /// The state with the least residual of all.
+    nearest: Option<PathState>,
     /// No step is longer, since one was too long.
     longest_n: f64,
     converged: bool,
 }
 
-impl<'a, S: Sought> Path<'a, S> {
-    fn new(statics: &'a Statics<'a>, load: &'a Load, sought: S) -> Self {
+impl<'a, S: SearchTarget> Path<'a, S> {
+    fn new(statics: &'a Statics<'a>, load: &'a Load, target: S) -> Self {
         Self {
             statics,
             load,
-            sought,
+            target,
             solution: Solution::default(),
             last: None,
             seen: [None; 2],
@@ -201,31 +196,31 @@ impl<'a, S: Sought> Path<'a, S> {
         }
     }
 
-    fn at(&mut self, force_n: f64) -> Look {
+    fn at(&mut self, force_n: f64) -> PathState {
         self.evaluations += 1;
         if let Some(t2) = self.t2_at(force_n) {
             // The start for a load that moves with it.
             *self.solution.deformed.midpoints_mm.last_mut().expect("a vertebra") = t2;
         }
         self.statics.solve(self.load, &[force_n], &[Parameter::Load(0)], &mut self.solution);
-        let look = self.sought.look(force_n, &self.solution, self.least_residual());
-        self.last = Some(look);
+        let state = self.target.state(force_n, &self.solution, self.least_residual());
+        self.last = Some(state);
         if self.solution.converged {
             self.seen = [self.last, self.seen[0]];
         }
-        look
+        state
     }
 
-    /// Counts the last shape among those that may be the nearest, unless a hinge turns too far.
-    fn keep(&mut self, look: Look) -> Look {
-        let nearer = look.residual.abs() < self.least_residual();
+    /// Keeps the last shape as the nearest one if it is, unless a hinge turns too far.
+    fn keep(&mut self, state: PathState) -> PathState {
+        let nearer = state.residual.abs() < self.least_residual();
         if self.solution.converged && nearer && self.is_plausible() {
-            self.nearest = Some(look);
+            self.nearest = Some(state);
         }
-        look
+        state
     }
 
-    /// Where T2 goes on to, as far as the last looks tell it.
+    /// T2's next place, extrapolated from the last states.
     fn t2_at(&self, force_n: f64) -> Option<Vec3> {
         let [last, before] = self.seen;
         let last = last?;
@@ -234,22 +229,22 @@ impl<'a, S: Sought> Path<'a, S> {
             .filter(|before| before.force_n != last.force_n)
             .map(|before| (last.t2_rate - before.t2_rate) / (last.force_n - before.force_n));
         let step_mm = (last.t2_rate + bend.unwrap_or_default() * (0.5 * step_n)) * step_n;
-        Some(if step_mm.norm() < LONGEST_GUESS_MM { last.t2 + step_mm } else { last.t2 })
+        Some(if step_mm.norm() < MAX_GUESS_MM { last.t2 + step_mm } else { last.t2 })
     }
 
     /// The least residual of all shapes that were seen.
     fn least_residual(&self) -> f64 {
-        self.nearest.map_or(f64::INFINITY, |look| look.residual.abs())
+        self.nearest.map_or(f64::INFINITY, |state| state.residual.abs())
     }
 
     /// Its force.
     fn nearest_n(&self) -> f64 {
-        self.nearest.map_or(0.0, |look| look.force_n)
+        self.nearest.map_or(0.0, |state| state.force_n)
     }
 
     /// Whether no hinge of the last shape turns too far.
     fn is_plausible(&self) -> bool {
-        self.solution.deformed.largest_hinge_rad() <= LARGEST_HINGE_RAD
+        self.solution.deformed.largest_hinge_rad() <= MAX_HINGE_RAD
     }
 
     fn record(&mut self, status: MatchStatus, force_n: f64, residual: f64) {
@@ -260,13 +255,13 @@ impl<'a, S: Sought> Path<'a, S> {
     /// Follows the path of one sign until so many zeros were found, or to its end.
     fn follow(&mut self, sign: ForceSign, most: usize) {
         let sign = sign.factor();
-        let cap_n = LARGEST_FORCE_PER_STIFFNESS * self.statics.mean_lateral_nmm_per_rad();
+        let cap_n = MAX_FORCE_PER_STIFFNESS * self.statics.mean_lateral_nmm_per_rad();
         self.enough = self.found.len().saturating_add(most);
         (self.solution, self.seen) = (Solution::default(), [None; 2]);
         self.longest_n = f64::INFINITY;
         let mut now = self.at(0.0);
         self.keep(now);
-        let last = self.evaluations + MOST_EVALUATIONS;
+        let last = self.evaluations + MAX_EVALUATIONS;
         while self.evaluations < last {
             if now.met {
                 self.record(MatchStatus::Matched, now.force_n, now.residual);
@@ -290,7 +285,7 @@ impl<'a, S: Sought> Path<'a, S> {
                 if stops && plausible {
                     self.record(MatchStatus::Matched, next.force_n, next.residual);
                 }
-            } else if self.sought.counts_between(&now, &next, self.least_residual()) {
+            } else if self.target.counts_between(&now, &next, self.least_residual()) {
                 let evaluations = self.evaluations;
                 zeros_between(&now.sample(), &next.sample(), self);
                 if self.found.len() >= self.enough {
@@ -309,20 +304,20 @@ impl<'a, S: Sought> Path<'a, S> {
         self.converged = false;
     }
 
-    /// The next look from the last one, which was `now`; `None` where the path is lost.
-    fn step(&mut self, now: &Look, sign: f64, cap_n: f64) -> Option<Look> {
+    /// The next state from the last one, which was `now`; `None` where the path is lost.
+    fn step(&mut self, now: &PathState, sign: f64, cap_n: f64) -> Option<PathState> {
         let newton_n = sign * now.newton_step_n(self.seen[1].as_ref());
         let mut step_n = now.step_n.min(self.longest_n);
         if newton_n > 0.0 {
             step_n = step_n.min(newton_n);
         }
-        let shortest_n = SHORTEST_OF_STEP * step_n;
+        let shortest_n = MIN_STEP_FRACTION * step_n;
         while step_n > shortest_n {
             let next = self.at((now.force_n + sign * step_n).clamp(-cap_n, cap_n));
             if !self.solution.converged {
                 return None;
             }
-            if self.sought.is_fine(now, &next) {
+            if self.target.is_fine(now, &next) {
                 self.longest_n *= 2.0;
                 return Some(self.keep(next));
             }
@@ -347,10 +342,10 @@ impl<'a, S: Sought> Path<'a, S> {
     }
 }
 
-impl<S: Sought> Along for Path<'_, S> {
+impl<S: SearchTarget> Along for Path<'_, S> {
     fn sample(&mut self, force_n: f64) -> Option<Sample> {
-        let look = self.at(force_n);
-        self.solution.converged.then(|| self.keep(look).sample())
+        let state = self.at(force_n);
+        self.solution.converged.then(|| self.keep(state).sample())
     }
 
     fn found(&mut self, zero: Result<Sample, Lost>) -> bool {
@@ -358,7 +353,8 @@ impl<S: Sought> Along for Path<'_, S> {
             return true;
         }
         let status = if zero.is_ok() { MatchStatus::Matched } else { MatchStatus::NotConverged };
-        let Look { force_n, residual, .. } = self.last.expect("a zero is looked for by looks");
+        let PathState { force_n, residual, .. } =
+            self.last.expect("a zero is found by computing states");
         self.record(status, force_n, residual);
         self.found.len() < self.enough
     }

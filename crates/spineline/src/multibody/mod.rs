@@ -15,15 +15,15 @@
 //! [petit-2004], [panjabi-1976], [jalalian-loa] section 2.
 
 mod bodies;
-mod carried;
 mod general;
 mod geometry;
 mod load;
 mod march;
 mod matching;
 mod roots;
-mod sought;
 mod stiffness;
+mod target;
+mod transfer;
 
 pub use bodies::BodySize;
 pub use general::{
@@ -38,5 +38,6 @@ pub use march::{Deformed, Parameter, Solution, Statics};
 pub use matching::{
     ForceMatch, ForceSign, MatchStatus, amplitude_matches, match_amplitude, match_t2,
 };
-pub(crate) use matching::{LARGEST_FORCE_PER_STIFFNESS, LARGEST_HINGE_RAD};
+pub(crate) use matching::{MAX_FORCE_PER_STIFFNESS, MAX_HINGE_RAD};
 pub use stiffness::{JointGroups, JointStiffness, StiffnessError, StiffnessLibrary, Support};
+pub(crate) use target::{T2_TOLERANCE_MM, smallest_near_t2};

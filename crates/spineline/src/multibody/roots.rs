@@ -100,7 +100,7 @@ pub(super) fn zeros_between(from: &Sample, to: &Sample, path: &mut impl Along) {
     if from.value * to.value < 0.0 {
         let guess = to.at - to.value / to.rate;
         let zero = bracketed_root(*from, *to, guess, |at| path.sample(at));
-        tell(zero, path);
+        report(zero, path);
     } else if turns_within(from, to) {
         let turn = match turning_point(from, to, |at| path.sample(at)) {
             Ok(turn) if turn.value * from.value < 0.0 => turn,
@@ -112,16 +112,16 @@ pub(super) fn zeros_between(from: &Sample, to: &Sample, path: &mut impl Along) {
         };
         let middle = f64::midpoint(from.at, turn.at);
         let zero = bracketed_root(*from, turn, middle, |at| path.sample(at));
-        if tell(zero, path) {
+        if report(zero, path) {
             let middle = f64::midpoint(to.at, turn.at);
             let zero = bracketed_root(turn, *to, middle, |at| path.sample(at));
-            tell(zero, path);
+            report(zero, path);
         }
     }
 }
 
-/// Tells of a zero that was looked for; whether more are wanted.
-fn tell(zero: Result<Option<Sample>, Lost>, path: &mut impl Along) -> bool {
+/// Reports the outcome of a search for a zero; whether more are wanted.
+fn report(zero: Result<Option<Sample>, Lost>, path: &mut impl Along) -> bool {
     zero.transpose().is_none_or(|zero| path.found(zero))
 }
 
@@ -129,10 +129,10 @@ fn tell(zero: Result<Option<Sample>, Lost>, path: &mut impl Along) -> bool {
 mod tests {
     use super::*;
 
-    /// A function with its derivative, and the zeros that are told of it.
-    struct Told<F>(F, bool, Vec<f64>);
+    /// A function with its derivative, and the zeros that were found.
+    struct Recorded<F>(F, bool, Vec<f64>);
 
-    impl<F: Fn(f64) -> (f64, f64)> Along for Told<F> {
+    impl<F: Fn(f64) -> (f64, f64)> Along for Recorded<F> {
         fn sample(&mut self, at: f64) -> Option<Sample> {
             let (value, rate) = (self.0)(at);
             Some(Sample { at, value, rate, exact: self.1, met: value.abs() < 1e-12 })
@@ -149,10 +149,11 @@ mod tests {
     }
 
     fn zeros_of(from: f64, to: f64, exact: bool, function: impl Fn(f64) -> (f64, f64)) -> Vec<f64> {
-        let mut told = Told(function, exact, Vec::new());
-        let (from, to) = (told.sample(from).expect("a value"), told.sample(to).expect("a value"));
-        zeros_between(&from, &to, &mut told);
-        told.2
+        let mut recorded = Recorded(function, exact, Vec::new());
+        let (from, to) =
+            (recorded.sample(from).expect("a value"), recorded.sample(to).expect("a value"));
+        zeros_between(&from, &to, &mut recorded);
+        recorded.2
     }
 
     #[test]

@@ -1,41 +1,42 @@
-//! Steps of a slow iteration, taken together.
+//! Anderson's acceleration of a slow fixed-point iteration.
 
 use nalgebra::{DMatrix, DVector};
 
 /// One step of an iteration.
-pub(super) struct Stride {
+pub(super) struct IterationStep {
     pub from: DVector<f64>,
     pub to: DVector<f64>,
 }
 
-impl Stride {
+impl IterationStep {
     fn step(&self) -> DVector<f64> {
         &self.to - &self.from
     }
 }
 
-/// Where steps lead to, the last one first, as far as they tell it: the combination of them that leaves the shortest one.
+/// The limit of an iteration, extrapolated from its last steps, the latest one first: the combination of their ends whose
+/// combined step is the shortest.
 ///
 /// # References
 /// [anderson-1965].
-pub(super) fn further(strides: &[Stride]) -> DVector<f64> {
-    /// Beyond this they tell nothing.
-    const FURTHEST: f64 = 1.0;
-    let last = &strides[0];
+pub(super) fn anderson_step(steps: &[IterationStep]) -> DVector<f64> {
+    /// Beyond this the extrapolation means nothing.
+    const MAX_EXTRAPOLATION: f64 = 1.0;
+    let last = &steps[0];
     let changes: Vec<DVector<f64>> =
-        strides.windows(2).map(|pair| pair[0].step() - pair[1].step()).collect();
+        steps.windows(2).map(|pair| pair[0].step() - pair[1].step()).collect();
     if changes.is_empty() {
         return last.to.clone();
     }
     let changes = DMatrix::from_columns(&changes);
-    // Changes that are alike tell no more than one of them.
+    // Changes that are alike carry no more information than one of them.
     let least = 1e-6 * changes.amax();
     let Ok(parts) = changes.svd(true, true).solve(&last.step(), least) else {
         return last.to.clone();
     };
-    let ends = strides.windows(2).map(|pair| &pair[0].to - &pair[1].to);
+    let ends = steps.windows(2).map(|pair| &pair[0].to - &pair[1].to);
     let beyond: DVector<f64> = ends.zip(parts.iter()).map(|(end, part)| end * *part).sum();
-    if beyond.amax() < FURTHEST { &last.to - beyond } else { last.to.clone() }
+    if beyond.amax() < MAX_EXTRAPOLATION { &last.to - beyond } else { last.to.clone() }
 }
 
 #[cfg(test)]
@@ -47,10 +48,10 @@ mod tests {
         // Oracle: the fixed point is 0; the map shortens one direction to 0.9 and turns the other about, by -0.8.
         let map = |x: &DVector<f64>| DVector::from_vec(vec![0.9 * x[0], -0.8 * x[1]]);
         let mut x = DVector::from_vec(vec![0.5, 0.3]);
-        let mut strides: Vec<Stride> = Vec::new();
+        let mut steps: Vec<IterationStep> = Vec::new();
         for _ in 0..3 {
-            strides.insert(0, Stride { to: map(&x), from: x });
-            x = further(&strides);
+            steps.insert(0, IterationStep { to: map(&x), from: x });
+            x = anderson_step(&steps);
         }
         assert!(x.amax() < 1e-12, "{x}");
     }

@@ -123,7 +123,7 @@ pub fn estimate_load(
 
 /// Inverse of a symmetric matrix with a diagonal of ones; of what it determines, where it does not determine all.
 fn inverse_of(scaled: Matrix3<f64>) -> Matrix3<f64> {
-    /// Below this pivot, digits are lost; a pseudo-inverse tells what is left.
+    /// Below this pivot, digits are lost; a pseudo-inverse keeps what is left.
     const SAFE_PIVOT: f64 = 1e-3;
     match scaled.cholesky() {
         Some(factor) if factor.l_dirty().diagonal().iter().all(|pivot| *pivot > SAFE_PIVOT) => {

@@ -81,8 +81,42 @@ const fn satisfied_rms(target: FitTarget) -> f64 {
 
 /// Fits multipliers and loads to bending films.
 ///
+/// `erect` is the film on which `model` was built. The loads that come back are in N and N·mm in `G`, up to the level that
+/// the gauge fixes.
+///
 /// # Errors
 /// None: an ending without result is a status. With no film, the nominal stiffness comes back as not evaluable.
+///
+/// ```
+/// use spineline::action::LineOfAction;
+/// use spineline::analysis::{AnalysisOptions, analyze_movement};
+/// use spineline::multibody::{JointGroups, Load, StiffnessLibrary, Support};
+/// use spineline::personalize::{FitFilm, FitSettings, FitTarget, Gauge, personalize};
+/// use spineline_phantom::{Readers, Truth, generate};
+///
+/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let analysis = analyze_movement(&case, &AnalysisOptions::default())?;
+/// let mut films = Vec::new();
+/// for posture in analysis.postures.iter().filter(|p| p.outline.posture.bend().is_some()) {
+///     let [caudal, cranial] = posture.inflection_points.ok_or("no two inflections")?;
+///     let line = LineOfAction::through(caudal, cranial)?;
+///     films.push(FitFilm { outline: &posture.outline, load: Load::along(line, 0.0) });
+/// }
+/// let settings = FitSettings {
+///     regions: &analysis.regions,
+///     target: FitTarget::Shape,
+///     gauge: Gauge::GeometricMean,
+///     support: Support::Free,
+///     prior: None,
+///     hints: &[],
+/// };
+/// let groups = JointGroups::regional(&analysis.regions);
+/// let (library, erect) = (StiffnessLibrary::default(), &analysis.erect().outline);
+/// let fit = personalize(&analysis.spine, &library, &groups, erect, &films, &settings);
+/// // Only ratios are identified: the mean of ln α is held at zero.
+/// assert!(fit.log_multipliers.iter().sum::<f64>().abs() < 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[must_use]
 pub fn personalize(
     model: &SpineModel,

@@ -1,4 +1,32 @@
 //! What the data of a fit say of every multiplier: information, profile likelihood, and what a prior adds.
+//!
+//! # Equations
+//! Let `J_a` and `J_f` be the derivatives of the data's residuals, in standard deviations, by `ln alpha` and by the free
+//! loads, `Q` an orthonormal basis of the columns of `J_f`, and `phi` the variance factor. What the films say of stiffness,
+//! with the loads free, is
+//!
+//! ```text
+//! A = (I - Q Q') J_a,    information = A' A / phi
+//! ```
+//!
+//! The right singular vectors of `A` are the directions, each with the deviation `sqrt(phi) / singular value`. Under the gauge
+//! only changes `W` count that keep the mean of `ln alpha`, so that the covariance is
+//!
+//! ```text
+//! C = W (W' (A' A / phi + P) W)^-1 W',    P = (I - 1 1' / g) / sd^2 with a prior, else 0
+//! ```
+//!
+//! The profile likelihood of multiplier `i` is the rise of the least sum of squares, with the prior where there is one, when
+//! `ln alpha_i` is held:
+//!
+//! ```text
+//! rise_i(v) = (min over x with ln alpha_i = v of chi^2(x) - min over x of chi^2(x)) / phi
+//! ```
+//!
+//! Its 95 % interval is where `rise_i(v) < 3.84`, the quantile of chi-squared on one degree of freedom.
+//!
+//! # References
+//! [raue-2009], [gutenkunst-2007].
 
 use nalgebra::{DMatrix, DVector};
 
@@ -23,14 +51,14 @@ pub struct Identifiability {
     /// Measured numbers minus fitted ones.
     pub freedom: usize,
     /// Directions among the `ln α`, the least identified first, from the films alone: no gauge, no prior.
-    pub directions: Vec<Direction>,
+    pub directions: Vec<StiffnessDirection>,
     /// Per group.
     pub multipliers: Vec<MultiplierInformation>,
 }
 
 /// A way in which all `ln α` may change together, and how well the films fix it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Direction {
+pub struct StiffnessDirection {
     /// Its part in every group's `ln α`; of length 1.
     pub log_multipliers: Vec<f64>,
     /// Standard deviation along it, with the loads free; infinite where the films say nothing.
@@ -156,8 +184,8 @@ const LIMIT: f64 = 3.841_458_820_694_124;
 /// A rise that is lower than this is a better fit, and no rounding.
 const IMPROVEMENT: f64 = 1e-3;
 /// Most points on one side, before and while its end is narrowed down.
-const MOST_STEPS: usize = 24;
-const MOST_NARROWINGS: usize = 12;
+const MAX_STEPS: usize = 24;
+const MAX_BISECTIONS: usize = 12;
 
 /// Asks what the films of a fit say of its multipliers; `None` where the fit did not converge.
 #[must_use]
@@ -172,27 +200,27 @@ pub fn identify(
     }
     let weighed = settings.weighed(fit.variance_factor);
     let mut problem = Problem::new(springs.model, springs.library, springs.groups, films, &weighed);
-    let mut asked = Asked::begin(&mut problem, fit)?;
+    let mut converged = ConvergedFit::begin(&mut problem, fit)?;
     let g = springs.groups.len();
-    let across = asked.information();
-    let (alone, with_prior) = asked.deviations(&across, settings);
+    let across = converged.information();
+    let (alone, with_prior) = converged.deviations(&across, settings);
     let multipliers = (0..g)
         .map(|group| MultiplierInformation {
             log_sd: alone[group],
             log_sd_with_prior: with_prior.as_ref().map(|sds| sds[group]),
-            profile: asked.profile(group, with_prior.as_ref().unwrap_or(&alone)[group]),
+            profile: converged.profile(group, with_prior.as_ref().unwrap_or(&alone)[group]),
         })
         .collect();
     Some(Identifiability {
-        variance_factor: asked.factor,
-        freedom: asked.freedom,
-        directions: directions(&across, asked.factor),
+        variance_factor: converged.factor,
+        freedom: converged.freedom,
+        directions: directions(&across, converged.factor),
         multipliers,
     })
 }
 
-/// A fit that is asked.
-struct Asked<'p, 'a> {
+/// A fit that converged, and the problem that it solves.
+struct ConvergedFit<'p, 'a> {
     problem: &'p mut Problem<'a>,
     minimum: Minimum,
     bounds: [DVector<f64>; 2],
@@ -201,7 +229,7 @@ struct Asked<'p, 'a> {
     freedom: usize,
 }
 
-impl<'p, 'a> Asked<'p, 'a> {
+impl<'p, 'a> ConvergedFit<'p, 'a> {
     fn begin(problem: &'p mut Problem<'a>, fit: &Personalization) -> Option<Self> {
         let x = problem.begin(&fit.as_start());
         let bounds = problem.bounds(&x);
@@ -288,7 +316,7 @@ impl<'p, 'a> Asked<'p, 'a> {
         let bounds = MULTIPLIER_BOUNDS.map(f64::ln);
         let mut known = self.minimum.x.clone();
         let (mut inside, mut step) = ((known[group], 0.0), step);
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             let value = (inside.0 + step).clamp(bounds[0], bounds[1]);
             if value == inside.0 {
                 return ProfileEnd::Open;
@@ -321,7 +349,7 @@ impl<'p, 'a> Asked<'p, 'a> {
     ) -> ProfileEnd {
         const NARROW: f64 = 1e-3;
         let root = |rise: f64| rise.max(0.0).sqrt();
-        for _ in 0..MOST_NARROWINGS {
+        for _ in 0..MAX_BISECTIONS {
             let width = outside.0 - inside.0;
             if width.abs() < NARROW || (outside.1 - LIMIT).abs() < 0.01 {
                 break;
@@ -359,18 +387,18 @@ impl<'p, 'a> Asked<'p, 'a> {
     }
 }
 
-fn directions(across: &DMatrix<f64>, factor: f64) -> Vec<Direction> {
+fn directions(across: &DMatrix<f64>, factor: f64) -> Vec<StiffnessDirection> {
     let g = across.ncols();
     let found = across.clone().svd(false, true);
     let ways = found.v_t.expect("it was asked for");
-    let mut directions: Vec<Direction> = (0..found.singular_values.len())
+    let mut directions: Vec<StiffnessDirection> = (0..found.singular_values.len())
         .map(|i| {
             let way: Vec<f64> = ways.row(i).iter().copied().collect();
             let sum: f64 = way.iter().sum();
             // One way of the two that a line has.
             let sign = if sum < 0.0 { -1.0 } else { 1.0 };
             let value = found.singular_values[i];
-            Direction {
+            StiffnessDirection {
                 log_multipliers: way.into_iter().map(|part| sign * part).collect(),
                 log_sd: if value > 0.0 { factor.sqrt() / value } else { f64::INFINITY },
                 gauge_share: sum * sum / g as f64,

@@ -38,6 +38,23 @@ impl System {
     pub fn cost(&self) -> f64 {
         self.residuals.norm_squared()
     }
+
+    /// Fills the last row with the gauge: the mean of the `ln α`, which are the first unknowns, is held at zero. Without
+    /// any the row is zero.
+    pub fn hold_mean(&mut self, log_multipliers: &[f64]) {
+        /// The gauge is linear, and is held a thousand times tighter than any data.
+        const GAUGE_WEIGHT: f64 = 1e3;
+        let last = self.residuals.len() - 1;
+        self.residuals[last] = 0.0;
+        if log_multipliers.is_empty() {
+            return;
+        }
+        let weight = GAUGE_WEIGHT / log_multipliers.len() as f64;
+        self.residuals[last] = weight * log_multipliers.iter().sum::<f64>();
+        for i in 0..log_multipliers.len() {
+            self.jacobian[(last, i)] = weight;
+        }
+    }
 }
 
 /// The end of a minimisation.
@@ -54,6 +71,10 @@ pub(crate) struct Minimum {
 /// Levenberg-Marquardt with Marquardt's scaling. Unknowns at a bound that the gradient pushes outwards take no part in
 /// a step; the others are clamped to their bounds. `evaluate` fills the system and answers whether it could.
 ///
+/// # Equations
+/// A step solves `(J'J + d diag(J'J)) step = -J'r`. With `ratio` the actual over the predicted decrease of `|r|^2`, the damping
+/// `d` becomes `d max(1/10, 1 - (2 ratio - 1)^3)` after a decrease; else it is multiplied by 2, 4, 8 and so on.
+///
 /// # References
 /// [more-1978], [nielsen-1999].
 pub(crate) fn minimize(
@@ -63,11 +84,9 @@ pub(crate) fn minimize(
     rows: usize,
     mut evaluate: impl FnMut(&DVector<f64>, &mut System) -> bool,
 ) -> Minimum {
-    const MOST_ITERATIONS: u32 = 100;
+    const MAX_ITERATIONS: u32 = 100;
     let n = x.len();
-    for i in 0..n {
-        x[i] = x[i].clamp(lower[i], upper[i]);
-    }
+    clamp(&mut x, lower, upper);
     let (mut system, mut trial) = (System::new(rows, n), System::new(rows, n));
     if !evaluate(&x, &mut system) {
         return Minimum { status: FitStatus::NotEvaluable, iterations: 0, x, system };
@@ -75,20 +94,9 @@ pub(crate) fn minimize(
     let (mut damping, mut growth) = (1e-4, 2.0);
     let mut iterations = 0;
     let mut status = FitStatus::IterationLimit;
-    'outer: while iterations < MOST_ITERATIONS {
+    'outer: while iterations < MAX_ITERATIONS {
         iterations += 1;
-        let mut normal = system.jacobian.tr_mul(&system.jacobian);
-        let mut gradient = system.jacobian.tr_mul(&system.residuals);
-        for i in 0..n {
-            let outwards =
-                (x[i] <= lower[i] && gradient[i] > 0.0) || (x[i] >= upper[i] && gradient[i] < 0.0);
-            if outwards || lower[i] == upper[i] {
-                normal.row_mut(i).fill(0.0);
-                normal.column_mut(i).fill(0.0);
-                normal[(i, i)] = 1.0;
-                gradient[i] = 0.0;
-            }
-        }
+        let (normal, gradient) = normal_equations(&system, &x, lower, upper);
         let cost = system.cost();
         loop {
             let mut damped = normal.clone();
@@ -103,9 +111,7 @@ pub(crate) fn minimize(
                 continue;
             };
             let mut next = &x - cholesky.solve(&gradient);
-            for i in 0..n {
-                next[i] = next[i].clamp(lower[i], upper[i]);
-            }
+            clamp(&mut next, lower, upper);
             let step = &next - &x;
             let small = (0..n).all(|i| step[i].abs() <= 1e-12 * (x[i].abs() + 1e-3));
             // What the linear model promises to take away.
@@ -137,6 +143,35 @@ pub(crate) fn minimize(
         }
     }
     Minimum { status, iterations, x, system }
+}
+
+fn clamp(x: &mut DVector<f64>, lower: &DVector<f64>, upper: &DVector<f64>) {
+    for i in 0..x.len() {
+        x[i] = x[i].clamp(lower[i], upper[i]);
+    }
+}
+
+/// `JᵀJ` and `Jᵀr`, without the unknowns that take no part in a step: those held by equal bounds, and those at a bound that
+/// the gradient pushes outwards.
+fn normal_equations(
+    system: &System,
+    x: &DVector<f64>,
+    lower: &DVector<f64>,
+    upper: &DVector<f64>,
+) -> (DMatrix<f64>, DVector<f64>) {
+    let mut normal = system.jacobian.tr_mul(&system.jacobian);
+    let mut gradient = system.jacobian.tr_mul(&system.residuals);
+    for i in 0..x.len() {
+        let outwards =
+            (x[i] <= lower[i] && gradient[i] > 0.0) || (x[i] >= upper[i] && gradient[i] < 0.0);
+        if outwards || lower[i] == upper[i] {
+            normal.row_mut(i).fill(0.0);
+            normal.column_mut(i).fill(0.0);
+            normal[(i, i)] = 1.0;
+            gradient[i] = 0.0;
+        }
+    }
+    (normal, gradient)
 }
 
 /// `stepᵀ normal step`.

@@ -9,7 +9,7 @@ use crate::spatial::{Angle, Frontal};
 
 /// What is proposed of the line on one film.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Proposal {
+pub enum ProposedLine {
     /// It runs through two points, which are known up to a covariance of `(y, z)` of the first and of the second, in mm².
     Through {
         /// The points.
@@ -42,7 +42,7 @@ pub struct LineTest {
 pub enum Crossing {
     /// Between these places, in mm to the patient's left.
     Between([f64; 2]),
-    /// Anywhere, or nearly so: the films do not tell.
+    /// Anywhere, or nearly so: the films do not determine it.
     Open,
 }
 
@@ -72,16 +72,16 @@ impl PreferredLoads {
     /// A force along a line has no moment about points of it, and no part across its direction: these numbers are linear in
     /// the load. Their covariance is that of the load and, by the load's force, that of the points or the direction.
     #[must_use]
-    pub fn test(&self, film: usize, proposal: &Proposal) -> Option<LineTest> {
+    pub fn test(&self, film: usize, proposal: &ProposedLine) -> Option<LineTest> {
         let [fy, fz, mx] = *self.components.get(film)?;
         let (rows, known) = match proposal {
-            Proposal::Through { points, covariance } => {
+            ProposedLine::Through { points, covariance } => {
                 // The moment about a point falls with fz to the left and grows with fy upwards.
                 let slope = [Vector4::new(-fz, fy, 0.0, 0.0), Vector4::new(0.0, 0.0, -fz, fy)];
                 let known = DMatrix::from_fn(2, 2, |i, j| (covariance * slope[j]).dot(&slope[i]));
                 (points.map(moment_about).to_vec(), known)
             }
-            Proposal::Along { direction, sd } => {
+            ProposedLine::Along { direction, sd } => {
                 let row = RowVector3::new(direction.z_mm, -direction.y_mm, 0.0);
                 let along = fy * direction.y_mm + fz * direction.z_mm;
                 let known = (along * sd.rad()).powi(2);
@@ -102,7 +102,7 @@ impl PreferredLoads {
     /// Where the film's line may cross a height, with 95 % confidence for this height alone.
     ///
     /// # Definition
-    /// All places about which the moment vanishes as far as its test tells (Fieller's set).
+    /// All places about which a moment of zero is not rejected (Fieller's set).
     #[must_use]
     pub fn crossing(&self, film: usize, z_mm: f64) -> Option<Crossing> {
         let load = self.components.get(film)?;
@@ -173,7 +173,7 @@ mod tests {
     fn a_direction_is_tested_by_the_force_across_it() {
         // Across a line that leans by a, 100 sin a; its deviation is cos a for 1 N of fy.
         let lean = Angle::from_deg(1.0);
-        let along = |sd| Proposal::Along { direction: Frontal::leaning(lean), sd };
+        let along = |sd| ProposedLine::Along { direction: Frontal::leaning(lean), sd };
         let loads = upwards([1.0, 0.0, 1.0]);
         let test = loads.test(0, &along(Angle::ZERO)).expect("a load");
         let (sin, cos) = lean.rad().sin_cos();
@@ -193,7 +193,8 @@ mod tests {
         let points = [Frontal::new(12.0, 50.0), Frontal::new(12.0, 200.0)];
         let through = |mm2: f64| {
             let covariance = Matrix4::identity() * mm2;
-            let test = upwards([0.0, 0.0, 0.0]).test(0, &Proposal::Through { points, covariance });
+            let test =
+                upwards([0.0, 0.0, 0.0]).test(0, &ProposedLine::Through { points, covariance });
             test.expect("a load")
         };
         let test = through(0.25);

@@ -32,12 +32,12 @@ mod weights;
 pub use fit::{FittedSprings, Personalization, StiffnessBound, personalize};
 pub(crate) use fit::{Known, personalize_with};
 pub use identify::{
-    Direction, Identifiability, MultiplierInformation, Profile, ProfileEnd, ProfilePoint,
-    ProfileVerdict, identify,
+    Identifiability, MultiplierInformation, Profile, ProfileEnd, ProfilePoint, ProfileVerdict,
+    StiffnessDirection, identify,
 };
 pub use levenberg_marquardt::FitStatus;
 pub(crate) use levenberg_marquardt::{System, minimize};
-pub use line_test::{Crossing, LineTest, Proposal, SIGNIFICANCE};
+pub use line_test::{Crossing, LineTest, ProposedLine, SIGNIFICANCE};
 pub use preferred::PreferredLoads;
 pub use start::Start;
 

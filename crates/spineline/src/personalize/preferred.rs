@@ -10,8 +10,36 @@
 //! have one covariance.
 //!
 //! Loads, multipliers, the shared part of the centres and the evenness are fitted by generalised least squares; the deviations of what
-//! joints have of their own by restricted maximum likelihood (scoring), with priors by which none is zero. So the films tell
-//! themselves how far joints of one group differ, and a load is as unsure as they do.
+//! joints have of their own by restricted maximum likelihood (scoring), with priors by which none is zero. So the films
+//! themselves give how far joints of one group differ, and the uncertainty of a load follows from it.
+//!
+//! # Equations
+//! With the rotations of all films in one vector `y`, the fitted numbers `b` (loads `w`, multipliers `ln alpha`, shared shift
+//! of the centres, evenness), what joints have of their own `u = (delta, centres)` and the noise `e`:
+//!
+//! ```text
+//! y = f(b) + Z u + e,    u ~ N(0, D),  D = diag(s_1 I, s_2 I),    e ~ N(0, S),  S = S_films (x) S_joints
+//! S_films[a,b]  = delta_ab sd_a^2 + sd_erect^2            tilts of a film, and of the erect film that all share
+//! S_joints[i,j] = 2 on the diagonal, -1 beside it         neighbouring joints share a vertebra
+//! ```
+//!
+//! With `X = df/db`, `r = y - f(b)` and `V = S + Z D Z'`, generalised least squares solve `X' V^-1 X db = X' V^-1 r`, and the
+//! covariance of `b` is `(X' V^-1 X)^-1`; `V^-1` is applied by Woodbury's identity. The variances `s_1` (of `ln` stiffness)
+//! and `s_2` (of centres, in discs) maximise the restricted likelihood
+//!
+//! ```text
+//! l_R(s) = -1/2 (ln|V| + ln|X' V^-1 X| + r' V^-1 r) + sum_i p_i ln s_i
+//! ```
+//!
+//! where the last term is the prior. With the prediction `u_i` of the own part `i` for `q` joints, and `C` the covariance of
+//! `u - predicted u` with `b` unknown, Fisher scoring on `ln s_i` uses
+//!
+//! ```text
+//! dl_R/ds_i = 1/2 (|u_i|^2 / s_i - (q - tr C_ii / s_i)) / s_i
+//! I_ij      = 1/2 |delta_ij I / s_i - C_ij / (s_i s_j)|_F^2
+//! ```
+//!
+//! One scoring step of the variances and one Gauss-Newton step of `b` alternate until nothing moves.
 //!
 //! # References
 //! [harville-1977] for the restricted likelihood, [chung-2013] for the priors.
@@ -21,9 +49,9 @@ use std::ops::AddAssign;
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
 use super::MULTIPLIER_BOUNDS;
-use super::acceleration::{Stride, further};
+use super::acceleration::{IterationStep, anderson_step};
 use super::evidence::{FilmEvidence, JointEvidence};
-use super::weights::{Normal, Own, Precision, scale_columns};
+use super::weights::{Normal, Precision, RandomEffects, scale_columns};
 use crate::clinical::JointShares;
 use crate::multibody::Load;
 use crate::spatial::Frontal;
@@ -48,11 +76,11 @@ pub struct PreferredLoads {
 }
 
 /// Variances beyond these are none of springs (of `ln`) and of centres (in discs).
-const MOST_VARIANCES: Vector2<f64> = Vector2::new(1.0, 4.0);
+const MAX_VARIANCES: Vector2<f64> = Vector2::new(1.0, 4.0);
 /// Centres of rotation lie between the middles of the vertebrae.
-const MOST_HIGHER_DISCS: f64 = 3.0;
+const MAX_HIGHER_DISCS: f64 = 3.0;
 /// Variances below this part of the most are none.
-const LEAST_OF_MOST: f64 = 1e-9;
+const MIN_OF_MAX_VARIANCE: f64 = 1e-9;
 /// How evenly joints turn is not known: anywhere between a hinge, 0, and a rod, 1. Mean and deviation of that.
 const EVENNESS: f64 = 0.5;
 const EVENNESS_SD: f64 = 0.289;
@@ -61,12 +89,12 @@ const EVENNESS_SD: f64 = 0.289;
 const PRIORS: Vector2<f64> = Vector2::new(0.5, 0.25);
 const ROUNDS: usize = 100;
 /// A longer step of multipliers leaves what the linear theory knows.
-const LONGEST: f64 = 0.5;
-/// A step that moves nothing any more.
-const SETTLED: f64 = 1e-4;
+const MAX_LOG_STEP: f64 = 0.5;
+/// The iteration has converged when no unknown moves by more than this.
+const CONVERGED_STEP: f64 = 1e-4;
 
 impl PreferredLoads {
-    /// Fits them; `None` without films, where the films' joints do not determine the loads, or where the fit does not settle.
+    /// Fits them; `None` without films, where the films' joints do not determine the loads, or where the fit does not converge.
     ///
     /// `depth_mm` is the sagittal place of the forces. `near` is a fit that is thought to end nearby, such as that of other
     /// readings of the same films.
@@ -81,31 +109,31 @@ impl PreferredLoads {
             return None;
         }
         let mut fit = Fit::new(films, depth_mm, shares)?;
-        let mut variances = MOST_VARIANCES * 1e-2;
+        let mut variances = MAX_VARIANCES * 1e-2;
         if let Some(near) = near.filter(|near| near.log_multipliers.len() == shares.0.ncols()) {
             fit.logs.clone_from(&near.log_multipliers);
             (fit.centres_higher_discs, fit.evenness) = (near.centres_higher_discs, near.evenness);
             variances = Vector2::new(near.joint_log_sd.powi(2), near.centre_sd_discs.powi(2));
         }
         fit.solve_loads(None)?;
-        let mut state = fit.weigh(variances)?;
-        let mut strides: Vec<Stride> = Vec::new();
+        let mut state = fit.linearize(variances)?;
+        let mut steps: Vec<IterationStep> = Vec::new();
         for _ in 0..ROUNDS {
-            let stride = fit.stride(&state, variances);
-            let settled = (&stride.to - &stride.from).amax() < SETTLED;
-            strides.insert(0, stride);
-            strides.truncate(3);
-            // At the end, and where steps together would put a multiplier on its bound, the last one counts alone.
-            let together = further(&strides);
-            let mut within = together.clone();
-            fit.keep_within(&mut within);
+            let step = fit.iterate(&state, variances);
+            let converged = (&step.to - &step.from).amax() < CONVERGED_STEP;
+            steps.insert(0, step);
+            steps.truncate(3);
+            // At the end, and where the extrapolation would put a multiplier on its bound, the last step counts alone.
+            let extrapolated = anderson_step(&steps);
+            let mut within = extrapolated.clone();
+            fit.clamp(&mut within);
             let logs = 2..2 + fit.logs.len();
-            let alone =
-                settled || within.rows_range(logs.clone()) != together.rows_range(logs.clone());
-            variances = fit.go_to(if alone { &strides[0].to } else { &within });
+            let alone = converged
+                || within.rows_range(logs.clone()) != extrapolated.rows_range(logs.clone());
+            variances = fit.set_unknowns(if alone { &steps[0].to } else { &within });
             fit.solve_loads(Some(&state.own))?;
-            state = fit.weigh(variances)?;
-            if settled {
+            state = fit.linearize(variances)?;
+            if converged {
                 return Some(fit.finish(variances, &state));
             }
         }
@@ -133,31 +161,33 @@ struct Fit<'a> {
     logs: Vec<f64>,
 }
 
-/// The fit at some variances of what joints have of their own.
-struct Weighed {
+/// The linearised fit at given variances of the random effects.
+struct Linearized {
     /// By the loads, the free multipliers and the centres, in scaled columns.
     scales: DVector<f64>,
     /// Derivative of the likelihood by these.
     slope: DVector<f64>,
     /// Their covariance.
     covariance: DMatrix<f64>,
-    own: Own,
+    own: RandomEffects,
     /// Of the restricted likelihood by the variances.
     score: Vector2<f64>,
     information: Matrix2<f64>,
     ways: DMatrix<f64>,
 }
 
-impl Weighed {
+impl Linearized {
     /// One scoring step of the variances' logarithms. Their priors keep them off zero, where nothing would be known of them.
-    fn better(&self, variances: Vector2<f64>) -> Vector2<f64> {
-        const STRIDE: f64 = 2.0;
+    fn scoring_step(&self, variances: Vector2<f64>) -> Vector2<f64> {
+        const MAX_LOG_SCORING_STEP: f64 = 2.0;
         let score = variances.component_mul(&self.score) + PRIORS;
         let scaled = Matrix2::from_diagonal(&variances);
         // The priors have no curvature in logarithms; this much keeps a step finite where films say nothing.
         let information = scaled * self.information * scaled + Matrix2::identity() * 0.25;
         let step = information.try_inverse().map_or(score, |inverse| inverse * score);
-        variances.zip_map(&step, |v, step| v * step.clamp(-STRIDE, STRIDE).exp())
+        variances.zip_map(&step, |v, step| {
+            v * step.clamp(-MAX_LOG_SCORING_STEP, MAX_LOG_SCORING_STEP).exp()
+        })
     }
 }
 
@@ -220,7 +250,7 @@ impl<'a> Fit<'a> {
     }
 
     /// Directions among the `ln α` that keep their mean and leave those at a bound where they are.
-    fn ways(&self) -> DMatrix<f64> {
+    fn free_directions(&self) -> DMatrix<f64> {
         let g = self.logs.len();
         let limit = MULTIPLIER_BOUNDS[1].ln();
         let free: Vec<usize> = (0..g).filter(|&i| self.logs[i].abs() < limit).collect();
@@ -232,10 +262,10 @@ impl<'a> Fit<'a> {
         ways
     }
 
-    fn weigh(&self, variances: Vector2<f64>) -> Option<Weighed> {
+    fn linearize(&self, variances: Vector2<f64>) -> Option<Linearized> {
         let by_loads = self.by_loads();
         let predicted = &by_loads * &self.loads;
-        let ways = self.ways();
+        let ways = self.free_directions();
         let (rows, loads) = (self.rotations.len(), 3 * self.films);
         let higher =
             self.matrix_of(|film, joint, part| self.higher[film][joint][part]) * &self.loads;
@@ -259,20 +289,25 @@ impl<'a> Fit<'a> {
         let by_films = |rotations: &DVector<f64>| {
             DMatrix::from_column_slice(self.joints, self.films, rotations.as_slice())
         };
-        let own = Own::new([by_films(&predicted), by_films(&higher)], &self.precision, variances)?;
+        let own = RandomEffects::new(
+            [by_films(&predicted), by_films(&higher)],
+            &self.precision,
+            variances,
+        )?;
         let mut found = Normal::new(&jacobian, &residual, &self.precision, Some(&own));
         let (last, scale) = (jacobian.ncols() - 1, scales[jacobian.ncols() - 1]);
         found.matrix[(last, last)] += 1.0 / (EVENNESS_SD.powi(2) * scale * scale);
         found.right[last] += (EVENNESS - self.evenness) / (EVENNESS_SD.powi(2) * scale);
         let covariance = found.matrix.cholesky()?.inverse();
         let slope = found.right.column(0).into_owned();
-        // What joints have of their own as the rotations tell it, and how unsure that is: by rotations and unknowns.
-        let told = &found.own_by_residual - &found.own_by_columns * (&covariance * &found.right);
+        // The predicted random effects of the joints, and their covariance given the rotations, with the unknowns free.
+        let expected =
+            &found.effects_by_residual - &found.effects_by_columns * (&covariance * &found.right);
         let unsure = &own.covariance
-            + &found.own_by_columns * &covariance * found.own_by_columns.transpose();
+            + &found.effects_by_columns * &covariance * found.effects_by_columns.transpose();
         let joints = self.joints;
         let score = Vector2::from_fn(|i, _| {
-            let squares = told.rows(i * joints, joints).norm_squared() / variances[i];
+            let squares = expected.rows(i * joints, joints).norm_squared() / variances[i];
             let known =
                 unsure.view((i * joints, i * joints), (joints, joints)).trace() / variances[i];
             0.5 * (squares - (joints as f64 - known)) / variances[i]
@@ -284,26 +319,26 @@ impl<'a> Fit<'a> {
                 DMatrix::identity(joints, joints) * known - unsure / (variances[i] * variances[j]);
             0.5 * part.norm_squared()
         });
-        Some(Weighed { score, information, slope, scales, covariance, own, ways })
+        Some(Linearized { score, information, slope, scales, covariance, own, ways })
     }
 
-    /// One scoring step of the variances, and one of Gauss and Newton of multipliers and centres. Alone they shorten slowly:
-    /// residuals are large, and the variances know the expected curvature only.
-    fn stride(&self, at: &Weighed, variances: Vector2<f64>) -> Stride {
+    /// One scoring step of the variances, and one Gauss-Newton step of multipliers and centres. Alone they converge slowly:
+    /// residuals are large, and scoring knows the expected curvature only.
+    fn iterate(&self, at: &Linearized, variances: Vector2<f64>) -> IterationStep {
         let step = (&at.covariance * &at.slope).component_div(&at.scales);
         let mut change = &at.ways * step.rows(3 * self.films, at.ways.ncols());
         let longest = change.amax();
-        let part = if longest > LONGEST { LONGEST / longest } else { 1.0 };
+        let part = if longest > MAX_LOG_STEP { MAX_LOG_STEP / longest } else { 1.0 };
         change *= part;
         let shifts = step.rows(3 * self.films + at.ways.ncols(), 2) * part;
         let from = self.place(variances);
         let mut to = from.clone();
-        to.rows_mut(0, 2).copy_from(&at.better(variances).map(f64::ln));
+        to.rows_mut(0, 2).copy_from(&at.scoring_step(variances).map(f64::ln));
         to.rows_range_mut(2..2 + self.logs.len()).add_assign(&change);
-        to[2 + self.logs.len()] += shifts[0] / MOST_HIGHER_DISCS;
+        to[2 + self.logs.len()] += shifts[0] / MAX_HIGHER_DISCS;
         to[3 + self.logs.len()] += shifts[1];
-        self.keep_within(&mut to);
-        Stride { from, to }
+        self.clamp(&mut to);
+        IterationStep { from, to }
     }
 
     /// All that is not linear: `ln` of both variances, `ln α`, and of centres how much higher they lie, as a part of the most, and
@@ -311,13 +346,13 @@ impl<'a> Fit<'a> {
     fn place(&self, variances: Vector2<f64>) -> DVector<f64> {
         let variances = variances.map(f64::ln);
         let all = variances.iter().chain(&self.logs).copied();
-        let higher = self.centres_higher_discs / MOST_HIGHER_DISCS;
+        let higher = self.centres_higher_discs / MAX_HIGHER_DISCS;
         DVector::from_iterator(4 + self.logs.len(), all.chain([higher, self.evenness]))
     }
 
-    fn keep_within(&self, place: &mut DVector<f64>) {
-        for (i, most) in MOST_VARIANCES.map(f64::ln).iter().enumerate() {
-            place[i] = place[i].clamp(most + LEAST_OF_MOST.ln(), *most);
+    fn clamp(&self, place: &mut DVector<f64>) {
+        for (i, most) in MAX_VARIANCES.map(f64::ln).iter().enumerate() {
+            place[i] = place[i].clamp(most + MIN_OF_MAX_VARIANCE.ln(), *most);
         }
         let limit = MULTIPLIER_BOUNDS[1].ln();
         for log in place.rows_range_mut(2..2 + self.logs.len()).iter_mut() {
@@ -328,16 +363,16 @@ impl<'a> Fit<'a> {
     }
 
     /// Takes multipliers, centres and evenness of a place, and answers with its variances.
-    fn go_to(&mut self, place: &DVector<f64>) -> Vector2<f64> {
+    fn set_unknowns(&mut self, place: &DVector<f64>) -> Vector2<f64> {
         let groups = self.logs.len();
         self.logs.copy_from_slice(&place.as_slice()[2..2 + groups]);
-        self.centres_higher_discs = place[2 + groups] * MOST_HIGHER_DISCS;
+        self.centres_higher_discs = place[2 + groups] * MAX_HIGHER_DISCS;
         self.evenness = place[3 + groups];
         Vector2::new(place[0].exp(), place[1].exp())
     }
 
     /// The best loads at the multipliers of now, which is linear.
-    fn solve_loads(&mut self, own: Option<&Own>) -> Option<()> {
+    fn solve_loads(&mut self, own: Option<&RandomEffects>) -> Option<()> {
         let mut by_loads = self.by_loads();
         let scales = scale_columns(&mut by_loads);
         let rotations = DMatrix::from_column_slice(by_loads.nrows(), 1, self.rotations.as_slice());
@@ -347,7 +382,7 @@ impl<'a> Fit<'a> {
         Some(())
     }
 
-    fn finish(&self, variances: Vector2<f64>, at: &Weighed) -> PreferredLoads {
+    fn finish(&self, variances: Vector2<f64>, at: &Linearized) -> PreferredLoads {
         let loads = 3 * self.films;
         let covariance = DMatrix::from_fn(loads, loads, |i, j| {
             at.covariance[(i, j)] / (at.scales[i] * at.scales[j])
@@ -406,9 +441,9 @@ mod tests {
         let before = film(joint).responses(&load)[0];
         let centre_mm = joint.centre_mm + Vec3::new(0.0, shift.y_mm, shift.z_mm);
         let after = film(JointEvidence { centre_mm, ..joint }).responses(&load)[0];
-        let told = shifted(&[&film(joint)], |joint| joint.disc_mm)[0][0];
+        let predicted = shifted(&[&film(joint)], |joint| joint.disc_mm)[0][0];
         for part in 0..3 {
-            assert!((after[part] - before[part] - told[part]).abs() < 1e-15, "{part}");
+            assert!((after[part] - before[part] - predicted[part]).abs() < 1e-15, "{part}");
         }
     }
 }

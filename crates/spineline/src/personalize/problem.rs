@@ -11,13 +11,10 @@ use super::start::{Start, closed_form, majority_signs};
 use super::{FitFilm, FitSettings, FitTarget, Gauge, MULTIPLIER_BOUNDS};
 use crate::clinical::ferguson_angle;
 use crate::multibody::{
-    ForceSign, JointGroups, LARGEST_HINGE_RAD, Load, Parameter, Solution, SpineModel, Statics,
+    ForceSign, JointGroups, Load, MAX_HINGE_RAD, Parameter, Solution, SpineModel, Statics,
     StiffnessLibrary, match_amplitude,
 };
 use crate::spatial::{Angle, Frontal};
-
-/// The gauge, which is linear, is held a thousand times tighter than any data.
-const HELD: f64 = 1e3;
 
 /// What an evaluation fills.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,7 +44,7 @@ pub(super) struct FilmData {
 impl FilmData {
     /// Equilibrium with derivatives at the film's amplitude: Newton on the force from its last value.
     fn solve_at_amplitude(&mut self, statics: &Statics<'_>, wanted: Wanted) -> bool {
-        const LONGEST_STEP_RAD: f64 = 0.15;
+        const MAX_STEP_RAD: f64 = 0.15;
         for _ in 0..15 {
             statics.solve(&self.load, &self.magnitude, &[Parameter::Load(0)], &mut self.solution);
             let miss = (self.solution.deformed.lean() - self.lean).wrapped().rad();
@@ -55,7 +52,7 @@ impl FilmData {
             if !(self.solution.converged && step.is_finite()) {
                 return false;
             }
-            let longest = LONGEST_STEP_RAD / self.solution.fastest_turn(0);
+            let longest = MAX_STEP_RAD / self.solution.fastest_turn(0);
             self.magnitude[0] -= step.clamp(-longest, longest);
             // What Newton leaves after such a step is its square.
             if miss.abs() < 1e-7 {
@@ -332,7 +329,7 @@ impl<'a> Problem<'a> {
                     film.solve_at_magnitude(&statics, wanted)
                 }
             };
-            if !solved || film.solution.deformed.largest_hinge_rad() > LARGEST_HINGE_RAD {
+            if !solved || film.solution.deformed.largest_hinge_rad() > MAX_HINGE_RAD {
                 return false;
             }
             match settings.target {
@@ -344,15 +341,7 @@ impl<'a> Problem<'a> {
         }
         self.prior_rows(x, system);
         // The gauge: the mean of ln α is held at zero, unless frozen forces fix the level.
-        let last = system.residuals.len() - 1;
-        system.residuals[last] = 0.0;
-        if self.holds_mean() {
-            let weight = HELD / g as f64;
-            system.residuals[last] = weight * x.as_slice()[..g].iter().sum::<f64>();
-            for i in 0..g {
-                system.jacobian[(last, i)] = weight;
-            }
-        }
+        system.hold_mean(if self.holds_mean() { &x.as_slice()[..g] } else { &[] });
         system.residuals.iter().all(|r| r.is_finite())
     }
 

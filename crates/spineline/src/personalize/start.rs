@@ -18,7 +18,7 @@ pub struct Start {
 ///
 /// In film P and group g the least-squares slope of rotation over nominal response is `x = F_P / α_g`, so
 /// `ln |F_P| - ln α_g = ln |x|` is linear: one small weighted least-squares solve. Where the sign of `x` disagrees with
-/// the force, the group's rotations contradict the line there and tell nothing about its stiffness.
+/// the force, the group's rotations contradict the line there and say nothing about its stiffness.
 ///
 /// `signs` are the signs of the forces; see [`majority_signs`].
 pub(super) fn closed_form(

@@ -1,4 +1,4 @@
-//! How much rotations weigh: by their noise, and by what joints have of their own.
+//! Weights of rotations: by their noise, and by the joints' random effects.
 
 use nalgebra::{DMatrix, DVector, Dyn, Vector2};
 
@@ -38,15 +38,15 @@ impl Precision {
     }
 }
 
-/// What joints have of their own, beside the noise.
-pub(super) struct Own {
+/// The joints' random effects: what each has of its own on all films, beside the noise.
+pub(super) struct RandomEffects {
     /// Rotations per unit of every joint's own stiffness, and of its own centre: joints by films.
     pub rotations: [DMatrix<f64>; 2],
     /// Its covariance once the rotations are known.
     pub covariance: DMatrix<f64>,
 }
 
-impl Own {
+impl RandomEffects {
     pub fn new(
         rotations: [DMatrix<f64>; 2],
         precision: &Precision,
@@ -67,7 +67,7 @@ impl Own {
         Some(Self { covariance: known.cholesky()?.inverse(), rotations })
     }
 
-    /// What weighed columns of rotations say of it.
+    /// Weighted columns of rotations projected on the effects.
     fn gather(&self, weighed: &DMatrix<f64>) -> DMatrix<f64> {
         let (joints, films) = self.rotations[0].shape();
         DMatrix::from_fn(2 * joints, weighed.ncols(), |own, column| {
@@ -77,13 +77,13 @@ impl Own {
     }
 }
 
-/// The normal equations of columns and a residual, weighed by noise and by what joints have of their own.
+/// The normal equations of columns and a residual, weighted by noise and by the random effects.
 pub(super) struct Normal {
     pub matrix: DMatrix<f64>,
     pub right: DMatrix<f64>,
-    /// What joints have of their own, as the columns and the residual alone would tell it.
-    pub own_by_columns: DMatrix<f64>,
-    pub own_by_residual: DMatrix<f64>,
+    /// Predicted random effects, per column and for the residual.
+    pub effects_by_columns: DMatrix<f64>,
+    pub effects_by_residual: DMatrix<f64>,
 }
 
 impl Normal {
@@ -91,20 +91,20 @@ impl Normal {
         columns: &DMatrix<f64>,
         residual: &DMatrix<f64>,
         precision: &Precision,
-        own: Option<&Own>,
+        own: Option<&RandomEffects>,
     ) -> Self {
         let (by_columns, by_residual) = (precision.times(columns), precision.times(residual));
         let (mut matrix, mut right) = (columns.tr_mul(&by_columns), columns.tr_mul(&by_residual));
-        let (mut own_by_columns, mut own_by_residual) = Default::default();
+        let (mut effects_by_columns, mut effects_by_residual) = Default::default();
         if let Some(own) = own {
             // Woodbury's identity.
             let (columns, residual) = (own.gather(&by_columns), own.gather(&by_residual));
-            own_by_columns = &own.covariance * &columns;
-            own_by_residual = &own.covariance * &residual;
-            matrix -= columns.tr_mul(&own_by_columns);
-            right -= columns.tr_mul(&own_by_residual);
+            effects_by_columns = &own.covariance * &columns;
+            effects_by_residual = &own.covariance * &residual;
+            matrix -= columns.tr_mul(&effects_by_columns);
+            right -= columns.tr_mul(&effects_by_residual);
         }
-        Self { matrix, right, own_by_columns, own_by_residual }
+        Self { matrix, right, effects_by_columns, effects_by_residual }
     }
 }
 

@@ -1,7 +1,7 @@
 use super::icc::MeanSquares;
 use super::quantile::{NORMAL_975, chi_squared_interval, t_975};
 use super::ratings::Ratings;
-use super::{Estimate, Undefined};
+use super::{StatisticEstimate, Undefined};
 
 /// Which part of the error is meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,7 +13,7 @@ pub enum SemKind {
 }
 
 /// Standard error of measurement: the deviation of one rating from its subject's true value.
-pub(super) fn sem(squares: &MeanSquares, kind: SemKind) -> Estimate {
+pub(super) fn sem(squares: &MeanSquares, kind: SemKind) -> StatisticEstimate {
     let (variance, freedom) = match kind {
         SemKind::Agreement => squares.agreement_variance(),
         SemKind::Consistency => squares.consistency_variance(),
@@ -27,18 +27,18 @@ pub(super) fn sem(squares: &MeanSquares, kind: SemKind) -> Estimate {
         // No error was seen at all: nothing says how large it may be.
         Err(Undefined::ZeroVariance)
     };
-    Estimate { value: variance.max(0.0).sqrt(), sd: None, interval }
+    StatisticEstimate { value: variance.max(0.0).sqrt(), sd: None, interval }
 }
 
 /// Two readings that differ by more than this differ for another reason than error, with 95 % confidence.
-pub(super) fn mdc95(sem: Estimate) -> Estimate {
+pub(super) fn mdc95(sem: StatisticEstimate) -> StatisticEstimate {
     let factor = NORMAL_975 * std::f64::consts::SQRT_2;
     let interval = sem.interval.map(|bounds| bounds.map(|bound| factor * bound));
-    Estimate { value: factor * sem.value, sd: None, interval }
+    StatisticEstimate { value: factor * sem.value, sd: None, interval }
 }
 
 /// Pearson's correlation over all pairs of raters: mean, and standard deviation where there are several.
-pub(super) fn pearson(ratings: &Ratings) -> Result<Estimate, Undefined> {
+pub(super) fn pearson(ratings: &Ratings) -> Result<StatisticEstimate, Undefined> {
     let columns: Vec<Vec<f64>> = (0..ratings.raters()).map(|j| ratings.column(j)).collect();
     let all = pairs(columns.len())
         .map(|(i, j)| correlation(&columns[i], &columns[j]))
@@ -48,9 +48,13 @@ pub(super) fn pearson(ratings: &Ratings) -> Result<Estimate, Undefined> {
     if all.len() > 1 {
         let squares: f64 = all.iter().map(|r| (r - mean).powi(2)).sum();
         let sd = Some((squares / (count - 1.0)).sqrt());
-        return Ok(Estimate { value: mean, sd, interval: Err(Undefined::DependentPairs) });
+        return Ok(StatisticEstimate { value: mean, sd, interval: Err(Undefined::DependentPairs) });
     }
-    Ok(Estimate { value: mean, sd: None, interval: fisher_interval(mean, ratings.subjects()) })
+    Ok(StatisticEstimate {
+        value: mean,
+        sd: None,
+        interval: fisher_interval(mean, ratings.subjects()),
+    })
 }
 
 /// Fisher's transformation.

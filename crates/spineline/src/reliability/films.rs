@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::Quantity;
+use super::RatedQuantity;
 use crate::anatomy::Level;
 use crate::measure::{FilmReadings, Placement, Reading};
 use crate::spatial::Angle;
@@ -43,7 +43,7 @@ const ANGLES: [(&str, &str); 2] = [
 /// Subjects are nested: vertebrae in films, films in cases. An observer of the same name is one observer in all cases.
 /// Readings of one case that are given twice are left as they were first.
 #[must_use]
-pub fn film_quantities(cases: &[(&str, &[FilmReadings])]) -> Vec<Quantity> {
+pub fn film_quantities(cases: &[(&str, &[FilmReadings])]) -> Vec<RatedQuantity> {
     let units: BTreeSet<&str> = cases
         .iter()
         .flat_map(|(_, films)| films.iter())
@@ -53,9 +53,9 @@ pub fn film_quantities(cases: &[(&str, &[FilmReadings])]) -> Vec<Quantity> {
         [one] => one.to_owned(),
         _ => "mm (planes differ)".to_owned(),
     };
-    let lengths = LENGTHS.map(|(key, meaning)| Quantity::new(key, unit.clone(), meaning));
-    let angles = ANGLES.map(|(key, meaning)| Quantity::new(key, "deg", meaning));
-    let mut all: Vec<Quantity> = lengths.into_iter().chain(angles).collect();
+    let lengths = LENGTHS.map(|(key, meaning)| RatedQuantity::new(key, unit.clone(), meaning));
+    let angles = ANGLES.map(|(key, meaning)| RatedQuantity::new(key, "deg", meaning));
+    let mut all: Vec<RatedQuantity> = lengths.into_iter().chain(angles).collect();
     for (case, films) in cases {
         for film in *films {
             let place = format!("{case}/{}", film.posture.key());
@@ -77,7 +77,7 @@ fn references(readings: &[Reading<Placement>]) -> BTreeMap<Level, Angle> {
 
 /// One reading's values of all quantities.
 fn insert(
-    all: &mut [Quantity],
+    all: &mut [RatedQuantity],
     place: &str,
     reading: &Reading<Placement>,
     references: &BTreeMap<Level, Angle>,

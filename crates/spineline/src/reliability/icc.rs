@@ -1,6 +1,6 @@
 use super::quantile::f_975;
 use super::ratings::Ratings;
-use super::{Estimate, Undefined};
+use super::{StatisticEstimate, Undefined};
 
 /// Forms of the intraclass correlation for raters who all rate all subjects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -108,7 +108,7 @@ impl MeanSquares {
         (self.error, (self.n - 1.0) * (self.k - 1.0))
     }
 
-    pub(super) fn icc(&self, icc: Icc) -> Result<Estimate, Undefined> {
+    pub(super) fn icc(&self, icc: Icc) -> Result<StatisticEstimate, Undefined> {
         let Self { n, k, rows, columns, error } = *self;
         if rows <= 0.0 && error <= 0.0 {
             return Err(Undefined::ZeroVariance);
@@ -130,7 +130,7 @@ impl MeanSquares {
         let interval = interval
             .filter(|[low, high]| low.is_finite() && high.is_finite())
             .ok_or(Undefined::NoInterval);
-        Ok(Estimate { value: (rows - error) / total, sd: None, interval })
+        Ok(StatisticEstimate { value: (rows - error) / total, sd: None, interval })
     }
 
     /// [shrout-fleiss-1979]: case 3, multiplied out so that no error at all gives the point 1.

@@ -5,9 +5,29 @@
 //! a constant difference between readers, and it and every ICC grow with the spread of the subjects. The errors do not:
 //! they are the headline.
 //!
-//! A [`Quantity`] is a table of subjects × observers × repeats; [`assess`] asks of it, for every [`Design`], every
+//! A [`RatedQuantity`] is a table of subjects × observers × repeats; [`assess`] asks of it, for every [`Design`], every
 //! [`StatisticKind`]. What has no value says why ([`Undefined`]); nothing here is ever NaN. [`film_quantities`] makes the
 //! tables of marked films.
+//!
+//! # Equations
+//! For ratings `x_ij` of `n` subjects by `k` raters, with the means `x_i.` of a subject, `x_.j` of a rater and `x_..` of all:
+//!
+//! ```text
+//! MSR = k sum_i (x_i. - x_..)^2 / (n - 1)                                   between subjects
+//! MSC = n sum_j (x_.j - x_..)^2 / (k - 1)                                   between raters
+//! MSE = sum_ij (x_ij - x_i. - x_.j + x_..)^2 / ((n - 1) (k - 1))            rest
+//!
+//! ICC(2,1) = (MSR - MSE) / (MSR + (k - 1) MSE + k (MSC - MSE) / n)          agreement, one rater
+//! ICC(3,1) = (MSR - MSE) / (MSR + (k - 1) MSE)                              consistency, one rater
+//! ICC(2,k) = (MSR - MSE) / (MSR + (MSC - MSE) / n)                          agreement, mean of k raters
+//!
+//! SEM_agreement   = sqrt(MSE + (MSC - MSE) / n)
+//! SEM_consistency = sqrt(MSE)
+//! MDC95           = 1.96 sqrt(2) SEM
+//! ```
+//!
+//! Intervals of ICC(2,1) and ICC(3,1) are by F quantiles [shrout-fleiss-1979], that of ICC(2,1) with Satterthwaite's degrees
+//! of freedom; that of ICC(2,k) follows by Spearman and Brown's formula.
 //!
 //! # Departures from the paper
 //! Subjects are pooled over films and vertebrae, as the paper did, though vertebrae of one film are not independent:
@@ -29,7 +49,7 @@ mod words;
 pub use agreement::{BlandAltman, SemKind};
 pub use films::film_quantities;
 pub use icc::Icc;
-pub use ratings::Quantity;
+pub use ratings::RatedQuantity;
 pub use study::{Design, DesignReliability, QuantityReliability, Remark, assess};
 pub use words::{shown_coefficient, shown_measure};
 
@@ -174,7 +194,7 @@ impl StatisticKind {
 
 /// A statistic that could be estimated.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimate {
+pub struct StatisticEstimate {
     /// Its value.
     pub value: f64,
     /// Standard deviation over the pairs of raters, where it is a mean over more than one.
@@ -189,5 +209,5 @@ pub struct Statistic {
     /// Which.
     pub kind: StatisticKind,
     /// Its value, or why there is none.
-    pub outcome: Result<Estimate, Undefined>,
+    pub outcome: Result<StatisticEstimate, Undefined>,
 }

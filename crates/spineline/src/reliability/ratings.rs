@@ -7,7 +7,7 @@ pub(super) type Reader = (String, u32);
 
 /// Readings of one quantity: subjects × observers × repeats, with or without gaps.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Quantity {
+pub struct RatedQuantity {
     /// Stable name, such as `spacing`.
     pub key: String,
     /// Unit of the readings, such as `mm (patient)`.
@@ -17,7 +17,7 @@ pub struct Quantity {
     cells: BTreeMap<String, BTreeMap<Reader, f64>>,
 }
 
-impl Quantity {
+impl RatedQuantity {
     /// A quantity without any reading.
     pub fn new(
         key: impl Into<String>,

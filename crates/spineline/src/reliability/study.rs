@@ -3,7 +3,7 @@ use std::fmt;
 use super::agreement::{bland_altman, mdc95, pairs, pearson, sem};
 use super::icc::MeanSquares;
 use super::ratings::{Ratings, Reader};
-use super::{BlandAltman, Estimate, Quantity, Statistic, StatisticKind, Undefined};
+use super::{BlandAltman, RatedQuantity, Statistic, StatisticEstimate, StatisticKind, Undefined};
 
 /// Who is compared with whom.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -142,7 +142,7 @@ impl DesignReliability {
     ///
     /// # Errors
     /// Why it has no value.
-    pub fn statistic(&self, kind: StatisticKind) -> Result<Estimate, Undefined> {
+    pub fn statistic(&self, kind: StatisticKind) -> Result<StatisticEstimate, Undefined> {
         let found = self.statistics.iter().find(|statistic| statistic.kind == kind);
         found.expect("every design has every statistic").outcome
     }
@@ -163,7 +163,7 @@ pub struct QuantityReliability {
 
 /// Asks every statistic of every design of a table of readings.
 #[must_use]
-pub fn assess(quantity: &Quantity) -> QuantityReliability {
+pub fn assess(quantity: &RatedQuantity) -> QuantityReliability {
     let readers = quantity.readers();
     let all = |observer: &str, repeats: &[u32]| -> Vec<Reader> {
         repeats.iter().map(|&repeat| (observer.to_owned(), repeat)).collect()
@@ -195,7 +195,7 @@ pub fn assess(quantity: &Quantity) -> QuantityReliability {
 }
 
 fn assess_design(
-    quantity: &Quantity,
+    quantity: &RatedQuantity,
     design: Design,
     names: Vec<String>,
     raters: Vec<Vec<Reader>>,
@@ -237,7 +237,7 @@ fn outcome(
     kind: StatisticKind,
     table: &Result<Ratings, Undefined>,
     squares: Result<MeanSquares, Undefined>,
-) -> Result<Estimate, Undefined> {
+) -> Result<StatisticEstimate, Undefined> {
     let squares = squares?;
     match kind {
         StatisticKind::Sem(part) => Ok(sem(&squares, part)),

@@ -13,8 +13,8 @@ const SHROUT_FLEISS: [[f64; 4]; 6] = [
 ];
 
 /// One reading by each observer, who are A, B, C….
-fn table<const K: usize>(rows: &[[f64; K]]) -> Quantity {
-    let mut quantity = Quantity::new("score", "points", "a table of a test");
+fn table<const K: usize>(rows: &[[f64; K]]) -> RatedQuantity {
+    let mut quantity = RatedQuantity::new("score", "points", "a table of a test");
     for (i, row) in rows.iter().enumerate() {
         for (j, value) in row.iter().enumerate() {
             let observer = char::from(b'A' + j as u8).to_string();
@@ -126,7 +126,7 @@ fn subjects_with_a_gap_are_left_out_and_counted() {
     let whole = between(&SHROUT_FLEISS);
     assert_eq!(found.statistics, whole.statistics);
     // Nothing that all have read.
-    let mut apart = Quantity::new("score", "points", "");
+    let mut apart = RatedQuantity::new("score", "points", "");
     assert!(apart.insert("1", "A", 1, 1.0) && apart.insert("2", "B", 1, 2.0));
     let reason = Undefined::MissingCells { complete: 0, subjects: 2 };
     assert!(assess(&apart).designs[0].statistics.iter().all(|s| s.outcome == Err(reason)));
@@ -217,7 +217,7 @@ fn numbers_that_cannot_be_squared_are_refused() {
 
 #[test]
 fn observers_are_compared_by_their_means_and_by_their_first_reading() {
-    let mut quantity = Quantity::new("score", "points", "");
+    let mut quantity = RatedQuantity::new("score", "points", "");
     let values = [[1.0, 3.0, 2.0, 4.0], [5.0, 5.0, 6.0, 8.0], [9.0, 7.0, 8.0, 8.0]];
     for (i, [a1, a2, b1, b2]) in values.into_iter().enumerate() {
         for (observer, repeat, value) in [("A", 1, a1), ("A", 2, a2), ("B", 1, b1), ("B", 2, b2)] {
@@ -242,7 +242,7 @@ fn observers_are_compared_by_their_means_and_by_their_first_reading() {
 #[test]
 fn an_observer_with_fewer_repeats_is_compared_and_remarked() {
     // F50, unbalanced.
-    let mut quantity = Quantity::new("score", "points", "");
+    let mut quantity = RatedQuantity::new("score", "points", "");
     for i in 0..5 {
         let x = f64::from(i);
         let subject = i.to_string();

@@ -15,5 +15,6 @@ pub use measures::{
     measure_angles,
 };
 pub use search::{
-    Met, OnSignedPoint, Response, SignedPath, Verdict, direction_word, largest_factor, respond,
+    GoalEquilibrium, OnSignedPoint, Response, SignedPath, Verdict, direction_word, largest_factor,
+    respond,
 };

@@ -1,16 +1,15 @@
 use std::ops::ControlFlow;
 
 use crate::multibody::{
-    BodyLoad, Deformed, Equilibrium, EquilibriumPath, ForceSign, GeneralStatics, Goal,
-    LARGEST_FORCE_PER_STIFFNESS, Loading, LoadingError, PathEnding, PathOptions, PathPoint,
-    SpineModel, Timing,
+    BodyLoad, Deformed, Equilibrium, EquilibriumPath, ForceSign, GeneralStatics, Goal, Loading,
+    LoadingError, MAX_FORCE_PER_STIFFNESS, PathEnding, PathOptions, PathPoint, SpineModel, Timing,
 };
 use crate::spatial::Mat3;
 
 /// A goal that is met at a smaller factor is met by the unloaded spine.
 const NO_LOAD: f64 = 1e-9;
 /// Loads given in small units take many points; more than these lead nowhere.
-const MOST_POINTS: usize = 20_000;
+const MAX_POINTS: usize = 20_000;
 
 /// A path whose growing loads grow along or against themselves.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,7 +48,7 @@ impl Verdict {
 
 /// A shape that meets the goal.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Met {
+pub struct GoalEquilibrium {
     /// On which path.
     pub sign: ForceSign,
     /// The shape.
@@ -70,14 +69,14 @@ pub struct Response {
     /// One path for a given load; for a given lean one along and one against the loads.
     pub paths: Vec<SignedPath>,
     /// Every shape that meets the goal: those on the erect branch first, and the smaller factor first.
-    pub met: Vec<Met>,
+    pub equilibria: Vec<GoalEquilibrium>,
 }
 
 impl Response {
     /// The shape that may be shown as the result.
     #[must_use]
     pub fn result(&self) -> Option<&Equilibrium> {
-        self.met.first().filter(|_| self.ending.is_usable()).map(|met| &met.equilibrium)
+        self.equilibria.first().filter(|_| self.ending.is_usable()).map(|found| &found.equilibrium)
     }
 
     /// Whether every path was followed to its end; else there may be more shapes that meet the goal.
@@ -156,7 +155,7 @@ pub fn largest_factor(model: &SpineModel, stiffness: &[Mat3], loading: &Loading)
         .sum();
     let lateral: f64 = stiffness.iter().map(|matrix| matrix[(0, 0)]).sum();
     let mean_lateral = lateral / stiffness.len() as f64;
-    let factor = LARGEST_FORCE_PER_STIFFNESS * mean_lateral / total_n;
+    let factor = MAX_FORCE_PER_STIFFNESS * mean_lateral / total_n;
     if factor.is_finite() { factor } else { PathOptions::default().largest_factor }
 }
 
@@ -178,11 +177,11 @@ pub fn respond(
         Goal::FullLoad => &[ForceSign::Positive],
         Goal::Lean(_) => &ForceSign::BOTH,
     };
-    let (mut paths, mut met) = (Vec::new(), Vec::new());
+    let (mut paths, mut equilibria) = (Vec::new(), Vec::new());
     let mut interrupted = false;
     for &sign in signs {
         let options =
-            PathOptions { sign, largest_factor, most_points: MOST_POINTS, ..Default::default() };
+            PathOptions { sign, largest_factor, most_points: MAX_POINTS, ..Default::default() };
         let path = statics.follow_with(loading, goal, &options, &mut |point| {
             let flow = on_point(sign, point);
             interrupted |= flow.is_break();
@@ -192,7 +191,7 @@ pub fn respond(
         // What balances while the held loads come does not meet the goal; a goal met at no load is met once.
         let counts =
             |e: &&Equilibrium| grew && !(sign == ForceSign::Negative && e.factor.abs() < NO_LOAD);
-        met.extend(path.equilibria.iter().filter(counts).map(|equilibrium| {
+        equilibria.extend(path.equilibria.iter().filter(counts).map(|equilibrium| {
             let verdict = if equilibrium.limit_points > 0 {
                 Verdict::BeyondLimitPoint
             } else if equilibrium.branch_points > 0 {
@@ -200,33 +199,34 @@ pub fn respond(
             } else {
                 Verdict::Later
             };
-            Met { sign, equilibrium: equilibrium.clone(), verdict }
+            GoalEquilibrium { sign, equilibrium: equilibrium.clone(), verdict }
         }));
         paths.push(SignedPath { sign, path });
         if interrupted || !grew {
             break;
         }
     }
-    met.sort_by(|a, b| {
-        let order =
-            |met: &Met| (!met.equilibrium.is_on_erect_branch(), met.equilibrium.factor.abs());
+    equilibria.sort_by(|a, b| {
+        let order = |found: &GoalEquilibrium| {
+            (!found.equilibrium.is_on_erect_branch(), found.equilibrium.factor.abs())
+        };
         let ((a, near), (b, far)) = (order(a), order(b));
         a.cmp(&b).then(near.total_cmp(&far))
     });
-    if let Some(first) = met.first_mut().filter(|met| met.verdict == Verdict::Later) {
+    if let Some(first) = equilibria.first_mut().filter(|found| found.verdict == Verdict::Later) {
         first.verdict = Verdict::Reached;
     }
-    let ending = if interrupted { PathEnding::Interrupted } else { ending(&met, &paths) };
-    Ok(Response { goal, largest_factor, ending, paths, met })
+    let ending = if interrupted { PathEnding::Interrupted } else { ending(&equilibria, &paths) };
+    Ok(Response { goal, largest_factor, ending, paths, equilibria })
 }
 
-fn ending(met: &[Met], paths: &[SignedPath]) -> PathEnding {
+fn ending(equilibria: &[GoalEquilibrium], paths: &[SignedPath]) -> PathEnding {
     // A path that was lost at smaller loads may hide a shape that is reached first.
     let lost_before = |factor: f64| {
         let lost = paths.iter().filter(|signed| !signed.path.is_complete);
         lost.filter_map(|signed| signed.path.points.last()).any(|last| last.factor.abs() < factor)
     };
-    match met {
+    match equilibria {
         [first, ..] if lost_before(first.equilibrium.factor.abs()) => PathEnding::NotConverged,
         [first, ..] if first.verdict == Verdict::BeyondLimitPoint => PathEnding::LimitPoint,
         [first, ..] if first.verdict == Verdict::BeyondBranchPoint => PathEnding::BranchPoint,

@@ -1,7 +1,7 @@
 //! Vectors of `G` in words: sides, never signs.
 
 /// Parts of a vector below this part of the largest are not worth a word.
-const SMALLEST_PART: f64 = 0.005;
+const MIN_PART: f64 = 0.005;
 
 /// A force or place by its parts, such as `49.2 left, 8.0 caudal`.
 ///
@@ -27,7 +27,7 @@ pub fn moment_words(moment: [f64; 3]) -> String {
 /// Each part with the word for its sign.
 fn parts(vector: [f64; 3], words: [[&str; 2]; 3]) -> String {
     let largest = vector.iter().fold(0.0, |most: f64, part| most.max(part.abs()));
-    let said = vector.iter().zip(words).filter(|(part, _)| part.abs() > SMALLEST_PART * largest);
+    let said = vector.iter().zip(words).filter(|(part, _)| part.abs() > MIN_PART * largest);
     let said: Vec<String> = said
         .map(|(part, [positive, negative])| {
             let word = if *part > 0.0 { positive } else { negative };

@@ -6,7 +6,7 @@
 //! default deviation ([`LandmarkNoise::Measured`]). The spread of a number over replicates is what that noise does to it.
 //!
 //! Three things are held at what the case itself gives: the deviations by which films are weighted ([`crate::measure::Noise`]:
-//! moved readings scatter twice, and would tell too large ones), the options, and a lateral film.
+//! moved readings scatter twice, and would give too large ones), the options, and a lateral film.
 //!
 //! # What it does not say
 //! Noise that all readers share, the scale of a film, the choice of levels and the model's own faults are not in it. Where a
@@ -21,7 +21,7 @@
 //! let monte_carlo = MonteCarlo::new(&case, &nominal, LandmarkNoise::Measured, 1)?;
 //! let mut tally = monte_carlo.tally();
 //! for index in 0..3 {
-//!     // On any thread, in any order; but told in the order of the indices.
+//!     // Compute on any thread, in any order; add in the order of the indices.
 //!     tally.add(&monte_carlo.replicate(index));
 //! }
 //! assert_eq!(tally.finish(3).done, 3);
@@ -39,7 +39,7 @@ mod tally;
 mod words;
 
 pub use landmarks::{FilmNoise, LandmarkNoise, MarkNoise, NoiseSource};
-pub use quantities::{Absent, Quantity, QuantityUnit};
+pub use quantities::{Absent, AnalysisQuantity, QuantityUnit};
 pub use tally::{FailureCount, QuantitySpread, Spread, Tally, Uncertainty};
 
 use crate::action::LineKind;
@@ -84,7 +84,7 @@ pub struct MonteCarlo<'a> {
     noisy: NoisyCase,
     /// What is known from the case's own readings.
     known: OtherReadings<'a>,
-    quantities: Vec<Quantity>,
+    quantities: Vec<AnalysisQuantity>,
     seed: u64,
 }
 
@@ -101,7 +101,7 @@ impl<'a> MonteCarlo<'a> {
     /// Prepares replicates of a case that was analysed already, with the options of that analysis.
     ///
     /// # Errors
-    /// [`UncertaintyError`].
+    /// [`UncertaintyError`]: a deviation below zero, or one in pixels for a film that has no corners.
     pub fn new(
         case: &Case,
         nominal: &'a Analysis,

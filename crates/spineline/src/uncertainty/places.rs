@@ -1,6 +1,6 @@
 //! Which film, vertebra, line and so on a quantity is of.
 
-use super::Quantity;
+use super::AnalysisQuantity;
 use crate::action::LineKind;
 use crate::analysis::Analysis;
 use crate::anatomy::{Level, Posture, Region};
@@ -32,7 +32,7 @@ impl Place {
     }
 }
 
-impl Quantity {
+impl AnalysisQuantity {
     const fn place(self) -> Place {
         match self {
             Self::ChainLength

@@ -9,7 +9,7 @@ use crate::spatial::Angle;
 
 /// One number of an analysis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Quantity {
+pub enum AnalysisQuantity {
     /// Length of the erect chain.
     ChainLength,
     /// Length of a segment.
@@ -121,8 +121,8 @@ impl QuantityUnit {
 }
 
 /// Everything that is asked of an analysis of these films with these lines.
-pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<Quantity> {
-    use Quantity as Q;
+pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<AnalysisQuantity> {
+    use AnalysisQuantity as Q;
     let postures: Vec<Posture> = nominal.postures.iter().map(|p| p.outline.posture).collect();
     let moved = || postures.iter().copied().filter(|posture| *posture != Posture::Erect);
     let mut all = vec![Q::ChainLength, Q::SegmentLength, Q::InflectionCount, Q::InflectionPair];
@@ -160,7 +160,7 @@ pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<Quantity> {
     all
 }
 
-impl Quantity {
+impl AnalysisQuantity {
     /// Its value in an analysis, in its unit as people see it; `nominal` is the analysis of the case itself.
     pub(super) fn value(self, analysis: &Analysis, nominal: &Analysis) -> Result<f64, Absent> {
         match self {
@@ -291,7 +291,7 @@ impl Quantity {
             return Err(Absent::ForceNotFound);
         }
         let line = &simulation.line;
-        // A line that is nearly horizontal may be told the other way round.
+        // A line that is nearly horizontal may be given in the opposite direction.
         let own = nominal.models.iter().find(|model| model.kind == kind);
         let own = own.and_then(|model| model.posture(posture));
         let sense = own.map_or(1.0, |own| own.line.direction.dot(line.direction).signum());

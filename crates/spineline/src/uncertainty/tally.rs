@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use super::distribution::Distribution;
 use super::quantities::wrapped_deg;
-use super::{Absent, FilmNoise, MarkNoise, MonteCarlo, NoiseSource, Quantity, Replicate};
+use super::{Absent, AnalysisQuantity, FilmNoise, MarkNoise, MonteCarlo, NoiseSource, Replicate};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
 
@@ -29,7 +29,7 @@ struct Counted {
 #[derive(Debug, Clone, PartialEq)]
 pub struct QuantitySpread {
     /// Which number.
-    pub quantity: Quantity,
+    pub quantity: AnalysisQuantity,
     /// Its value in the case itself, or why it has none.
     pub nominal: Result<f64, Absent>,
     /// Replicates that have it.
@@ -96,7 +96,7 @@ pub struct Uncertainty {
 
 impl<'a> Tally<'a> {
     pub(super) fn new(of: &'a MonteCarlo<'a>) -> Self {
-        let counted = |quantity: &Quantity| {
+        let counted = |quantity: &AnalysisQuantity| {
             let nominal = quantity.value(of.nominal, of.nominal);
             Counted {
                 nominal,
@@ -109,7 +109,7 @@ impl<'a> Tally<'a> {
         Self { of, done: 0, failed: 0, failures: BTreeMap::new(), quantities }
     }
 
-    /// Takes in one replicate. Told in the order of their indices, they give the same bytes however they were computed.
+    /// Adds one replicate. Added in the order of their indices, they give the same bytes however they were computed.
     pub fn add(&mut self, replicate: &Replicate) {
         self.done += 1;
         for &(code, line, posture) in &replicate.endings {
@@ -141,7 +141,7 @@ impl<'a> Tally<'a> {
     /// What it comes to, of so many replicates asked for.
     #[must_use]
     pub fn finish(self, asked: u64) -> Uncertainty {
-        let spread = |(counted, &quantity): (Counted, &Quantity)| {
+        let spread = |(counted, &quantity): (Counted, &AnalysisQuantity)| {
             let differences = counted.differences;
             let reference = counted.reference.unwrap_or_default();
             let (count, mean, sd) = (differences.count(), differences.mean(), differences.sd());
@@ -169,28 +169,31 @@ impl<'a> Tally<'a> {
 impl Uncertainty {
     /// How a number scatters; `None` where this analysis has no such number, or no replicate had it.
     #[must_use]
-    pub fn spread(&self, quantity: Quantity) -> Option<&Spread> {
+    pub fn spread(&self, quantity: AnalysisQuantity) -> Option<&Spread> {
         self.of(quantity)?.spread.as_ref()
     }
 
     /// All that is known of a number.
     #[must_use]
-    pub fn of(&self, quantity: Quantity) -> Option<&QuantitySpread> {
+    pub fn of(&self, quantity: AnalysisQuantity) -> Option<&QuantitySpread> {
         self.quantities.iter().find(|spread| spread.quantity == quantity)
     }
 
     /// Which noise was laid on the marks, and where it comes from: a sentence for all films that have the same.
     #[must_use]
     pub fn noise_words(&self) -> Vec<String> {
-        let mut told: Vec<(String, Vec<String>)> = Vec::new();
+        let mut sentences: Vec<(String, Vec<String>)> = Vec::new();
         for film in &self.noise {
             let (words, posture) = (words_of(film), film.posture.to_string());
-            match told.iter_mut().find(|(other, _)| *other == words) {
+            match sentences.iter_mut().find(|(other, _)| *other == words) {
                 Some((_, postures)) => postures.push(posture),
-                None => told.push((words, vec![posture])),
+                None => sentences.push((words, vec![posture])),
             }
         }
-        told.iter().map(|(words, postures)| format!("{}: {words}", postures.join(", "))).collect()
+        sentences
+            .iter()
+            .map(|(words, postures)| format!("{}: {words}", postures.join(", ")))
+            .collect()
     }
 
     /// What ended without result, a sentence each.

@@ -1,6 +1,6 @@
 //! What every quantity is called.
 
-use super::{Quantity, QuantityUnit, Uncertainty};
+use super::{AnalysisQuantity, QuantityUnit, Uncertainty};
 use crate::analysis::Analysis;
 use crate::anatomy::Posture;
 
@@ -10,7 +10,7 @@ impl Uncertainty {
                                       their means and intervals lie above what marks without noise would give.";
 }
 
-impl Quantity {
+impl AnalysisQuantity {
     /// Whether a report shows it; what it leaves to files are numbers of single vertebrae and regions.
     #[must_use]
     pub const fn is_reported(self) -> bool {

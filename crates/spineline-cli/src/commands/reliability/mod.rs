@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use spineline::measure::FilmReadings;
-use spineline::reliability::{Quantity, QuantityReliability, assess, film_quantities};
+use spineline::reliability::{QuantityReliability, RatedQuantity, assess, film_quantities};
 use spineline_files::{FilmOrigin, InputFile, Provenance, ReliabilityFile};
 use spineline_report::figures;
 
@@ -76,7 +76,7 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
 
 /// What was read.
 struct Readings {
-    quantities: Vec<Quantity>,
+    quantities: Vec<RatedQuantity>,
     /// Whether any film is synthetic.
     synthetic: bool,
     inputs: Vec<InputFile>,

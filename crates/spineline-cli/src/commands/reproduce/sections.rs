@@ -1,7 +1,7 @@
 //! Every number of the paper beside ours, in sections.
 
 use spineline::action::LineKind;
-use spineline::cohort::{Clustered, Cohort, Comparison, ErrorStatistics, LineStatistics};
+use spineline::cohort::{Clustered, Cohort, ErrorStatistics, LineStatistics, PairedComparison};
 use spineline::multibody::Support;
 
 use super::fair;
@@ -246,7 +246,7 @@ fn models(cohorts: [&Cohort; 3], support: Support) -> Section {
 /// The paper's one-sided tests on pooled values, and the same on one mean per patient.
 fn test_rows(cohorts: [&Cohort; 3]) -> Vec<Row> {
     let mut rows = Vec::new();
-    type Test = fn(&Cohort) -> Comparison;
+    type Test = fn(&Cohort) -> PairedComparison;
     let tests: [(&str, &str, Test); 2] = [
         ("Ferguson: Model-1 below Model-2", "p = 0.0005", |c| c.ferguson_test),
         ("location: Model-1 below Model-2", "p = 0.0000", |c| c.location_test),

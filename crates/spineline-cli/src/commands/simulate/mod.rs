@@ -147,6 +147,6 @@ mod tests {
         let cut =
             interrupted(&["--push", "left", "--amplitude", "5", "--towards", "left"], first + 1);
         assert!(whole.response.result().is_some());
-        assert!(!cut.response.met.is_empty() && cut.response.result().is_none());
+        assert!(!cut.response.equilibria.is_empty() && cut.response.result().is_none());
     }
 }

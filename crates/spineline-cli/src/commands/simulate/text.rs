@@ -5,8 +5,8 @@ use std::fmt::Write;
 use spineline::clinical::convex_side;
 use spineline::multibody::{Equilibrium, ForceSign, Goal, PathEnding, Support};
 use spineline::response::{
-    ActingKind, Met, SpineAngles, Verdict, acting_loads, erect_shape, largest_displacement_mm,
-    largest_hinge, measure_angles,
+    ActingKind, GoalEquilibrium, SpineAngles, Verdict, acting_loads, erect_shape,
+    largest_displacement_mm, largest_hinge, measure_angles,
 };
 use spineline::spatial::{Angle, moment_words, vector_words};
 
@@ -207,7 +207,7 @@ fn change_words(before: Angle, after: Angle) -> String {
 fn solutions_text(outcome: &Outcome) -> String {
     let response = &outcome.response;
     let is_plain = response.goal == Goal::FullLoad && response.ending == PathEnding::Converged;
-    if response.met.is_empty() || is_plain {
+    if response.equilibria.is_empty() || is_plain {
         return String::new();
     }
     let mut table = Table::new([
@@ -219,7 +219,7 @@ fn solutions_text(outcome: &Outcome) -> String {
         "lateral tilt of L4-T2",
         "verdict",
     ]);
-    for met in &response.met {
+    for met in &response.equilibria {
         let equilibrium = &met.equilibrium;
         let way = match met.sign {
             ForceSign::Positive => "loads along their direction",
@@ -238,7 +238,7 @@ fn solutions_text(outcome: &Outcome) -> String {
     format!("{}\n", table.text())
 }
 
-fn verdict_words(met: &Met) -> &'static str {
+fn verdict_words(met: &GoalEquilibrium) -> &'static str {
     match met.verdict {
         Verdict::Reached => "chosen: smallest factor on the erect branch",
         Verdict::Later => "not chosen: larger factor, or later on the path",

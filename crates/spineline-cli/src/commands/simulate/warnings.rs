@@ -28,7 +28,7 @@ pub fn warnings(
     if response.ending == PathEnding::SeveralEquilibria {
         let text = format!(
             "{} shapes meet the goal; the result is the least loaded one that the erect spine reaches without snapping or buckling",
-            response.met.len()
+            response.equilibria.len()
         );
         all.push(warning("several_equilibria", text));
     }

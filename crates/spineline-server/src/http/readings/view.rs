@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use spineline::anatomy::{Level, Side};
 use spineline::measure::{
-    CornerName, Corners, ImageGeometry, NextLandmark, PartialMark, PartialReading, Proposal,
+    CornerName, Corners, ImageGeometry, NextLandmark, PartialMark, PartialReading, ProposedVertebra,
 };
 use spineline::spatial::{Angle, Pixel};
 use spineline_store::{
@@ -150,7 +150,7 @@ fn next_mark(next: NextLandmark) -> NextMark {
     }
 }
 
-fn proposal_view(proposal: &Proposal) -> ProposalView {
+fn proposal_view(proposal: &ProposedVertebra) -> ProposalView {
     let corners = CornerName::ORDER.into_iter().map(|name| {
         let place = name.of(&proposal.corners);
         // Nobody places a corner to more than a hundredth of a pixel.

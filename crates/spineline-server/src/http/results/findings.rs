@@ -3,7 +3,7 @@
 use spineline::analysis::{Analysis, PostureAnalysis};
 use spineline::anatomy::Side;
 use spineline::clinical::ClinicalCurve;
-use spineline::motion::{Estimate, Motion};
+use spineline::motion::{Motion, SegmentEstimate};
 use spineline::spatial::Angle;
 
 use super::curves::cobb_of;
@@ -69,13 +69,13 @@ fn rotation(analysis: &Analysis, posture: &PostureAnalysis) -> Option<RotationFi
     })
 }
 
-fn texts(motion: &Motion, inflections: Option<&[Estimate; 2]>) -> Vec<String> {
+fn texts(motion: &Motion, inflections: Option<&[SegmentEstimate; 2]>) -> Vec<String> {
     let places = ["L2–T9", "T7–T4"];
     let windows = places.iter().zip(motion.least).enumerate();
     let text = |(window, (name, least)): (usize, (&&str, usize))| {
         let turns = motion.rotations.get(least).map_or(0.0, |angle| 1000.0 * angle.deg());
         let beside = inflections.map_or_else(String::new, |pair| {
-            let Estimate { segment, distance_segments, rotation, .. } = pair[window];
+            let SegmentEstimate { segment, distance_segments, rotation, .. } = pair[window];
             format!(
                 "; the inflection is segment {segment}, {distance_segments} segments away, and rotates {:.1} m°",
                 1000.0 * rotation.deg()

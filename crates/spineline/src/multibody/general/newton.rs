@@ -8,8 +8,8 @@ use crate::spatial::Vec3;
 /// A step of Newton that is smaller leaves an error of its square.
 const SMALL_STEP_RAD: f64 = 1e-9;
 /// A step that is larger has left the branch.
-const LARGEST_STEP_RAD: f64 = 1.5;
-const MOST_ITERATIONS: u32 = 25;
+const MAX_STEP_RAD: f64 = 1.5;
+const MAX_ITERATIONS: u32 = 25;
 /// What counts as balanced: hinges (rad), and rods (mm and rad).
 pub(super) const BALANCED_RAD: f64 = 1e-9;
 const ROD_FITS: (f64, f64) = (1e-6, 1e-8);
@@ -106,14 +106,14 @@ impl Newton {
             residual_rad,
         };
         let mut residual_rad = f64::NAN;
-        for iterations in 1..=MOST_ITERATIONS {
+        for iterations in 1..=MAX_ITERATIONS {
             balance.evaluate(factors, &mut self.state);
             residual_rad = balance.residual_rad(&self.state);
             if !residual_rad.is_finite() || !self.elimination.factor(balance, &self.state) {
                 return failed(iterations, residual_rad);
             }
             let step = self.step(balance, factors, closing);
-            if step.is_nan() || step > LARGEST_STEP_RAD {
+            if step.is_nan() || step > MAX_STEP_RAD {
                 return failed(iterations, residual_rad);
             }
             if step <= SMALL_STEP_RAD {
@@ -130,7 +130,7 @@ impl Newton {
                 return NewtonReport { ending, iterations, residual_rad };
             }
         }
-        failed(MOST_ITERATIONS, residual_rad)
+        failed(MAX_ITERATIONS, residual_rad)
     }
 
     /// Eliminates the tangent of the state; `false` where a pivot is no number.

@@ -7,7 +7,7 @@ use super::singular::Located;
 use super::stability::Signs;
 use super::wrench::Spatial;
 use crate::multibody::roots::{Along, Lost, Sample, zeros_between};
-use crate::multibody::{ForceSign, LARGEST_HINGE_RAD};
+use crate::multibody::{ForceSign, MAX_HINGE_RAD};
 use crate::spatial::{Angle, Frontal, Vec3};
 
 /// What is sought along the path.
@@ -40,7 +40,7 @@ impl Default for PathOptions {
         Self {
             sign: ForceSign::Positive,
             largest_factor: 2.0,
-            largest_hinge_rad: LARGEST_HINGE_RAD,
+            largest_hinge_rad: MAX_HINGE_RAD,
             most_points: 2000,
             look_beyond: true,
         }
@@ -49,20 +49,20 @@ impl Default for PathOptions {
 
 /// Length of the first step, of the longest and of the shortest, in rad over all hinges together.
 const FIRST_STEP_RAD: f64 = 0.05;
-const LONGEST_STEP_RAD: f64 = 0.25;
-const SHORTEST_STEP_RAD: f64 = 1e-7;
+const MAX_STEP_RAD: f64 = 0.25;
+const MIN_STEP_RAD: f64 = 1e-7;
 /// In the length of a path, a factor of one counts as what it turns the unloaded hinges, within these limits: a straight
 /// column does not turn at all.
-const LEAST_FACTOR_RAD: f64 = 0.1;
-const MOST_FACTOR_RAD: f64 = 0.5;
+const MIN_FACTOR_RAD: f64 = 0.1;
+const MAX_FACTOR_RAD: f64 = 0.5;
 /// The path to the largest factor is looked at in at least so many steps.
-const LEAST_STEPS: f64 = 20.0;
+const MIN_STEPS: f64 = 20.0;
 /// From one point to the next, the branch turns by less than this cosine says: else it may be another branch.
-const LEAST_COSINE: f64 = 0.9;
+const MIN_COSINE: f64 = 0.9;
 /// Newton moves a point sideways by at most this part of the step, for the same reason.
-const MOST_DEPARTURE: f64 = 0.5;
+const MAX_DEPARTURE: f64 = 0.5;
 /// A place of the goal that is nearer to a point that meets it is that point.
-const TOLD_RAD: f64 = 1e-7;
+const SAME_POINT_RAD: f64 = 1e-7;
 /// A lean so near to the wanted one meets it; a factor is met exactly.
 const LEAN_MET_RAD: f64 = 1e-10;
 
@@ -161,12 +161,12 @@ impl<'w, 'b> Walk<'w, 'b> {
             });
             let Some((next, iterations, events, met)) = step else {
                 step_rad *= 0.5;
-                if step_rad < SHORTEST_STEP_RAD {
+                if step_rad < MIN_STEP_RAD {
                     return if self.rod_failed { Stop::RodOutOfReach } else { Stop::Stuck };
                 }
                 continue;
             };
-            if let Some(stop) = self.tell(&base, events, met) {
+            if let Some(stop) = self.report(&base, events, met) {
                 return stop;
             }
             self.arc_rad += step_rad;
@@ -180,7 +180,7 @@ impl<'w, 'b> Walk<'w, 'b> {
             base = next;
             base.goal.at = 0.0;
             self.rod_failed = false;
-            step_rad = (step_rad * if iterations <= 4 { 1.6 } else { 0.8 }).min(LONGEST_STEP_RAD);
+            step_rad = (step_rad * if iterations <= 4 { 1.6 } else { 0.8 }).min(MAX_STEP_RAD);
         }
         Stop::Stuck
     }
@@ -193,13 +193,12 @@ impl<'w, 'b> Walk<'w, 'b> {
     /// The first place, with a factor that counts as much as what it turns at first.
     fn start(&mut self, sign: f64) -> Option<Base> {
         // Loads in small units have a large factor to go, and must not take more steps for that.
-        let least =
-            LEAST_FACTOR_RAD.min(LEAST_STEPS * LONGEST_STEP_RAD / self.options.largest_factor);
+        let least = MIN_FACTOR_RAD.min(MIN_STEPS * MAX_STEP_RAD / self.options.largest_factor);
         let least = least.max(f64::MIN_POSITIVE.sqrt());
         let mut outwards = Direction::of_factor(&self.balance, sign, least);
         let Direction { turns, factor, .. } = self.base(&outwards, 0.0)?.tangent;
         let turns: f64 = turns.iter().map(|turn| turn.norm_squared()).sum();
-        outwards.factor_rad = (turns.sqrt() / factor.abs()).clamp(least, MOST_FACTOR_RAD);
+        outwards.factor_rad = (turns.sqrt() / factor.abs()).clamp(least, MAX_FACTOR_RAD);
         self.base(&outwards, 0.0)
     }
 
@@ -208,7 +207,7 @@ impl<'w, 'b> Walk<'w, 'b> {
         let iterations = self.advance(base, step_rad)?;
         let mut next = self.base(&base.tangent, step_rad)?;
         let cosine = next.tangent.dot(&base.tangent.turns, base.tangent.factor);
-        if cosine < LEAST_COSINE {
+        if cosine < MIN_COSINE {
             return None;
         }
         next.goal.rate /= cosine;
@@ -233,8 +232,7 @@ impl<'w, 'b> Walk<'w, 'b> {
         let report = self.newton.correct(&self.balance, &mut self.factors, &closing);
         self.path.iterations += u64::from(report.iterations);
         self.rod_failed |= report.ending == NewtonEnding::RodOutOfReach;
-        let near =
-            self.departure_rad(base, step_rad) <= MOST_DEPARTURE * step_rad.max(SHORTEST_STEP_RAD);
+        let near = self.departure_rad(base, step_rad) <= MAX_DEPARTURE * step_rad.max(MIN_STEP_RAD);
         (report.ending == NewtonEnding::Balanced && near).then_some(report.iterations)
     }
 
@@ -285,8 +283,8 @@ impl<'w, 'b> Walk<'w, 'b> {
         zeros_between(&base.goal, &next.goal, &mut within);
         let Within { mut met, lost, .. } = within;
         if base.goal.met {
-            // The same place, told already.
-            met.retain(|sample| sample.at > TOLD_RAD);
+            // The same place, reported already.
+            met.retain(|sample| sample.at > SAME_POINT_RAD);
         }
         // The end of the step itself may meet the goal.
         if next.goal.met && !base.goal.met && met.is_empty() {
@@ -295,8 +293,8 @@ impl<'w, 'b> Walk<'w, 'b> {
         (!lost).then_some(met)
     }
 
-    /// Tells of singular points and equilibria within a step, in the order in which they come.
-    fn tell(&mut self, base: &Base, events: Vec<Located>, met: Vec<Sample>) -> Option<Stop> {
+    /// Reports singular points and equilibria within a step, in the order along the path.
+    fn report(&mut self, base: &Base, events: Vec<Located>, met: Vec<Sample>) -> Option<Stop> {
         let mut events = events.into_iter().peekable();
         for sample in met {
             while let Some(event) = events.next_if(|event| event.at < sample.at) {

@@ -27,7 +27,7 @@ const SINGULAR: f64 = 1e-3;
 impl Walk<'_, '_> {
     /// Singular points between two points, in order; `None` where the two are not on one branch.
     ///
-    /// A step over a sharp bend may land on the branch beyond it. The signs tell: where they change, the branch must be
+    /// A step over a sharp bend may land on the branch beyond it. The signs show it: where they change, the branch must be
     /// singular, or the shapes on both sides of the change are not neighbours.
     pub(super) fn events_between(&mut self, base: &Base, next: &Base) -> Option<Vec<Located>> {
         let mut events = Vec::new();

@@ -81,7 +81,7 @@ impl<'a> GeneralStatics<'a> {
     /// Springs of every joint about its hinges x, y and z, in N·mm/rad; off the diagonal they couple the hinges.
     ///
     /// # Errors
-    /// [`SpringError`].
+    /// [`SpringError`]: a stiffness that is not symmetric and positive definite, or not one per joint.
     pub fn new(
         model: &'a SpineModel,
         nmm_per_rad: impl IntoIterator<Item = Mat3>,
@@ -122,7 +122,7 @@ impl<'a> GeneralStatics<'a> {
     /// Equilibrium under a loading whose growing loads are multiplied by a factor, by Newton from the hinge angles in
     /// `work`. No allocation.
     ///
-    /// The start must be near: nothing tells which branch was found. `work` must have been made for this loading.
+    /// The start must be near: nothing shows which branch was found. `work` must have been made for this loading.
     ///
     /// # Accuracy
     /// Newton stops once a step is below 1e-9 rad, so what is left is of the order of its square, and rounding.

@@ -1,0 +1,105 @@
+//! How often intervals under the noise of landmarks hold what a reader without noise would have found.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use spineline::action::LineKind;
+use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
+use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo, Uncertainty};
+use spineline_phantom::{Readers, SUBJECTS, Truth, generate};
+
+/// Of each kind of number: how often it is held, and of how many.
+type Counts = BTreeMap<&'static str, [usize; 2]>;
+
+/// Kinds of numbers. A line's offset is measured from the case's own inflections, which another reading does not share.
+fn kind(quantity: AnalysisQuantity) -> Option<&'static str> {
+    use AnalysisQuantity as Q;
+    Some(match quantity {
+        Q::LocationY(..) | Q::LocationZ(..) => "location",
+        Q::Tilt(..) => "tilt",
+        Q::Ferguson(..) => "Ferguson angle",
+        Q::Cobb(..) => "Cobb angle",
+        Q::InflectionY(_) | Q::InflectionZ(_) => "place of an inflection",
+        Q::LeastSegment(..) => "least-rotating segment",
+        Q::LineLean(LineKind::Inflection, _) => "lean of the inflection line",
+        Q::LineLean(LineKind::Iliac, _) => "lean of the iliac line",
+        Q::LineLean(LineKind::Estimated, _) => "lean of the estimated line",
+        Q::LogMultiplier(..) => "ln of a multiplier",
+        Q::Force(..) => "force",
+        Q::LocationError(..) | Q::MeanLocationError(..) => "location error",
+        _ => return None,
+    })
+}
+
+/// Replicates of marks about an analysis: its weights, its options.
+fn told(case: &Case, analysis: &Analysis, noise: LandmarkNoise, replicates: u64) -> Uncertainty {
+    let monte_carlo = MonteCarlo::new(case, analysis, noise, 1).expect("readings");
+    let mut tally = monte_carlo.tally();
+    (0..replicates).for_each(|index| tally.add(&monte_carlo.replicate(index)));
+    tally.finish(replicates)
+}
+
+/// One patient, read with noise; and what marks without noise give with the same weights.
+fn patient(index: usize, truth: Truth, seed: u64, replicates: u64) -> Counts {
+    let read = |readers| generate(index, truth, &readers, seed).expect("a subject").case;
+    let (noisy, exact) = (read(Readers::default()), read(Readers::exact()));
+    let analysis = analyze(&noisy, &AnalysisOptions::default()).expect("a sound case");
+    let found = told(&noisy, &analysis, LandmarkNoise::Measured, replicates);
+    let right = told(&exact, &analysis, LandmarkNoise::Pixels(0.0), 1);
+    let mut counts = Counts::new();
+    for spread in found.quantities.iter().filter(|spread| 20 * spread.count >= 19 * replicates) {
+        let both = spread.spread.as_ref().zip(right.spread(spread.quantity));
+        let Some((kind, (noisy, right))) = kind(spread.quantity).zip(both) else { continue };
+        let [low, high] = noisy.interval_95();
+        let [held, all] = counts.entry(kind).or_default();
+        *held += usize::from((low..=high).contains(&right.mean));
+        *all += 1;
+    }
+    counts
+}
+
+fn study(truth: Truth, patients: &[(usize, u64)], replicates: u64) -> Counts {
+    let counts: Vec<Counts> =
+        patients.par_iter().map(|&(index, seed)| patient(index, truth, seed, replicates)).collect();
+    let mut sum = Counts::new();
+    for (kind, [held, all]) in counts.into_iter().flatten() {
+        let total = sum.entry(kind).or_default();
+        *total = [total[0] + held, total[1] + all];
+    }
+    sum
+}
+
+fn share(counts: &Counts, kind: &str) -> f64 {
+    let [held, all] = counts[kind];
+    held as f64 / all as f64
+}
+
+#[test]
+fn intervals_of_a_few_patients_hold_what_marks_without_noise_give() {
+    // Oracle: the same analysis of marks without noise. The numbers of a film share its noise; ends of 80 replicates are rough.
+    let patients: Vec<(usize, u64)> = (0..6).map(|index| (index, 1)).collect();
+    let counts = study(Truth::Rod, &patients, 80);
+    for kind in ["location", "tilt", "Ferguson angle", "ln of a multiplier", "force"] {
+        let share = share(&counts, kind);
+        assert!(share > 0.8, "{kind}: {share}");
+    }
+}
+
+/// The study behind the rows in `validation/README.md`.
+#[test]
+#[ignore = "minutes: cargo test --release -p spineline-phantom --test interval_coverage -- --ignored --nocapture"]
+fn over_hundreds_of_patients() {
+    let patients: Vec<(usize, u64)> =
+        (1..=10).flat_map(|seed| (0..SUBJECTS.len()).map(move |index| (index, seed))).collect();
+    for truth in [Truth::Rod, Truth::Pull] {
+        let counts = study(truth, &patients, 400);
+        println!("synthetic, {} ({})", truth.key(), truth.meaning());
+        for (kind, [held, all]) in &counts {
+            println!("  {kind}: {held} of {all}, {:.1} %", 100.0 * *held as f64 / *all as f64);
+        }
+        for kind in ["location", "tilt", "Cobb angle", "Ferguson angle", "force"] {
+            let share = share(&counts, kind);
+            assert!((0.93..=0.975).contains(&share), "{kind}: {share}");
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! The tests of this crate that see it from outside, in one executable so that they are linked once.
+
+mod counter_examples;
+mod hypotheses;
+mod identifiability;
+mod interval_coverage;
+mod joint_truth;
+mod line_regions;
+mod lines_compared;
+mod marking;
+mod phantoms;
+mod radiographs;
+mod recovery;

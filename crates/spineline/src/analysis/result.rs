@@ -1,0 +1,149 @@
+use super::findings::Findings;
+use super::preference::PreferredLine;
+use super::{AnalysisOptions, LineModel};
+use crate::anatomy::{Level, Posture};
+use crate::chain::{Chain, ChainPose};
+use crate::clinical::{ClinicalCurve, LenkeType, Regions};
+use crate::curve::{CurveFit, Inflections};
+use crate::hypothesis::HypothesisFit;
+use crate::measure::{FilmReadings, LengthScale, Outline};
+use crate::motion::{Motion, SegmentEstimate};
+use crate::multibody::SpineModel;
+use crate::personalize::evidence::FilmEvidence;
+use crate::reliability::{QuantityReliability, assess, film_quantities};
+use crate::spatial::{Angle, Frontal};
+use crate::warning::Warnings;
+
+/// One posture of an analysis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PostureAnalysis {
+    /// Measured vertebrae.
+    pub outline: Outline,
+    /// Fitted curve.
+    pub fit: CurveFit,
+    /// Chain laid on it.
+    pub pose: ChainPose,
+    /// Movement from the erect posture; `None` for the erect one.
+    pub motion: Option<Motion>,
+    /// The inflection segments against the least-rotating ones.
+    pub inflection_estimates: Option<[SegmentEstimate; 2]>,
+    /// MMS_Mean against the least-rotating ones.
+    pub mean_least_estimates: Option<[SegmentEstimate; 2]>,
+    /// Where the two inflection segments lie in this posture.
+    pub inflection_points: Option<[Frontal; 2]>,
+    /// Rotations and joint centres; `None` for the erect posture.
+    pub evidence: Option<FilmEvidence>,
+    /// The line that the film's rotations prefer.
+    pub preferred_line: Option<PreferredLine>,
+}
+
+/// The results of all steps for one patient; what a film or an option does not allow is `None` or empty, with a warning.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Analysis {
+    /// Identifier of the case.
+    pub case_id: String,
+    /// Whether the films are made up.
+    pub synthetic: bool,
+    /// Every reading of every film by itself, the erect one first.
+    pub readings: Vec<FilmReadings>,
+    /// Postures that have a film, the erect one first.
+    pub postures: Vec<PostureAnalysis>,
+    /// Inflections and lobes of the erect curve.
+    pub inflections: Inflections,
+    /// The inflections as segments of the chain.
+    pub inflection_segments: Option<[usize; 2]>,
+    /// MMS_Mean per window, where both bends were filmed.
+    pub mean_least_segments: Option<[usize; 2]>,
+    /// Segment number and length.
+    pub chain: Chain,
+    /// Regions of the spine.
+    pub regions: Regions,
+    /// Clinical curves.
+    pub clinical: Vec<ClinicalCurve>,
+    /// Lenke's type as far as the films show it.
+    pub lenke: Option<LenkeType>,
+    /// The unloaded spine.
+    pub spine: SpineModel,
+    /// Whether its sagittal profile was measured on a lateral film; else it is a population's.
+    pub lateral_measured: bool,
+    /// One personalised model per line of action.
+    pub models: Vec<LineModel>,
+    /// Other loads and bases that were asked for.
+    pub hypotheses: Vec<HypothesisFit>,
+    /// Choices.
+    pub options: AnalysisOptions,
+    /// Soft problems.
+    pub warnings: Warnings,
+}
+
+impl Analysis {
+    /// One posture, where it has a film.
+    #[must_use]
+    pub fn posture(&self, posture: Posture) -> Option<&PostureAnalysis> {
+        self.postures.iter().find(|p| p.outline.posture == posture)
+    }
+
+    /// How well the readings repeat, by quantity; empty where every film was read once.
+    ///
+    /// Computed when it is asked for, since no other result depends on it.
+    #[must_use]
+    pub fn reliability(&self) -> Vec<QuantityReliability> {
+        if is_read_once(&self.readings) {
+            return Vec::new();
+        }
+        film_quantities(&[(&self.case_id, &self.readings)]).iter().map(assess).collect()
+    }
+
+    /// The erect posture.
+    #[must_use]
+    pub fn erect(&self) -> &PostureAnalysis {
+        &self.postures[0]
+    }
+
+    /// A film without spacing, if there is one: then there are angles, but no lengths to put a line or a model on.
+    #[must_use]
+    pub fn film_without_scale(&self) -> Option<Posture> {
+        self.findings().film_without_scale()
+    }
+
+    /// What steps 1 to 4 found, as the later steps take it.
+    pub(super) fn findings(&self) -> Findings<'_> {
+        Findings {
+            postures: &self.postures,
+            inflections: &self.inflections,
+            inflection_segments: self.inflection_segments,
+            chain: &self.chain,
+            regions: &self.regions,
+            spine: &self.spine,
+            options: &self.options,
+        }
+    }
+
+    /// What the lengths of the chain, its inflections and the clinical curves are measured in: they are the erect film's.
+    #[must_use]
+    pub fn scale(&self) -> &LengthScale {
+        &self.erect().outline.scale
+    }
+}
+
+impl PostureAnalysis {
+    /// The middle between the inflections of a posture, or of its spine: where a line is described from.
+    #[must_use]
+    pub fn middle(&self) -> Frontal {
+        match self.inflection_points {
+            Some([caudal, cranial]) => (caudal + cranial) * 0.5,
+            None => self.outline.vertebrae[Level::MODEL.len() / 2].location,
+        }
+    }
+
+    /// Mean rotation of the segments from the erect posture.
+    #[must_use]
+    pub fn mean_rotation(&self) -> Option<Angle> {
+        self.motion.as_ref().map(Motion::mean_rotation)
+    }
+}
+
+/// Whether no film has a second reading.
+pub(super) fn is_read_once(films: &[FilmReadings]) -> bool {
+    films.iter().all(|film| film.readings.len() < 2)
+}

@@ -1,0 +1,153 @@
+//! Targets of a search along a growing force: a lean of the line L4→T2, or the smallest distance of T2 from a place.
+
+use super::Solution;
+use super::roots::Sample;
+use crate::spatial::{Angle, Frontal, Vec3};
+
+/// A hinge turns by at most so much from one step to the next.
+const STEP_RAD: f64 = 0.25;
+/// T2 may move by so much from one state to the next, and where it is far away by such a part of its distance.
+const T2_STEP_MM: f64 = 4.0;
+const T2_STEP_OF_GAP: f64 = 0.25;
+/// Further away a step might end on another path.
+const MAX_T2_STEP_MM: f64 = 60.0;
+/// Distances of T2 that differ by less are equally good: about what a location's reading and the model's joints leave.
+pub(crate) const T2_TOLERANCE_MM: f64 = 1.0;
+
+/// Of several minima of T2's distance from a place, the one with the smallest load whose distance is within
+/// [`T2_TOLERANCE_MM`] of the least one (decision 0008); the first of equals.
+pub(crate) fn smallest_near_t2<T>(
+    minima: Vec<T>,
+    least_mm: f64,
+    distance_mm: impl Fn(&T) -> f64,
+    load_size: impl Fn(&T) -> f64,
+) -> Option<T> {
+    let near = |found: &T| distance_mm(found) <= least_mm + T2_TOLERANCE_MM;
+    minima.into_iter().filter(near).min_by(|a, b| load_size(a).total_cmp(&load_size(b)))
+}
+
+/// A condition on the shape that a search along the force looks for.
+pub(super) trait SearchTarget {
+    /// The state of the path under a force; `nearest` is the least residual so far.
+    fn state(&self, force_n: f64, solution: &Solution, nearest: f64) -> PathState;
+
+    /// Whether a step was short enough that no zero was passed unnoticed.
+    fn is_fine(&self, _from: &PathState, _to: &PathState) -> bool {
+        true
+    }
+
+    /// Whether a zero between two states may be a result; `nearest` is the least residual so far.
+    fn counts_between(&self, _from: &PathState, _to: &PathState, _nearest: f64) -> bool {
+        true
+    }
+}
+
+/// A lean of the line L4→T2.
+pub(super) struct LeanTarget(pub Angle);
+
+impl SearchTarget for LeanTarget {
+    fn state(&self, force_n: f64, solution: &Solution, _nearest: f64) -> PathState {
+        let value = (solution.deformed.lean() - self.0).wrapped().rad();
+        let (rate, met) = (solution.lean_rate(0), value.abs() < 1e-9);
+        PathState {
+            value,
+            rate,
+            exact: true,
+            residual: value,
+            met,
+            step_n: turn_step(solution),
+            ..PathState::of_t2(force_n, solution)
+        }
+    }
+}
+
+/// The smallest distance of T2 from a place.
+pub(super) struct NearestT2Target(pub Frontal);
+
+impl SearchTarget for NearestT2Target {
+    fn state(&self, force_n: f64, solution: &Solution, nearest: f64) -> PathState {
+        let state = PathState::of_t2(force_n, solution);
+        let gap = Frontal::new(state.t2.y, state.t2.z) - self.0;
+        let rate = Frontal::new(state.t2_rate.y, state.t2_rate.z);
+        // Half the derivative of the squared distance; its own derivative without the curvature of the path.
+        let (value, slope) = (gap.dot(rate), rate.dot(rate).max(f64::MIN_POSITIVE));
+        let met = value.abs() < 1e-10 * slope.sqrt().max(1e-6);
+        let gap_mm = gap.norm_mm();
+        // What a step jumps over lies hardly nearer than a part of the distance now; and once T2 went away, it must come
+        // back before its distance can count.
+        let travel_mm = (T2_STEP_OF_GAP * gap_mm)
+            .max(gap_mm - nearest - T2_TOLERANCE_MM)
+            .clamp(T2_STEP_MM, MAX_T2_STEP_MM);
+        let step_n = turn_step(solution).min(travel_mm / slope.sqrt());
+        PathState { value, rate: slope, residual: gap_mm, met, step_n, ..state }
+    }
+
+    /// Whether T2 moved about as far as its rate said.
+    fn is_fine(&self, from: &PathState, to: &PathState) -> bool {
+        let step_n = (to.force_n - from.force_n).abs();
+        let [foreseen_mm, moved_mm] = [from, to].map(|state| step_n * state.rate.sqrt());
+        let moved_mm = moved_mm.max((to.t2 - from.t2).norm());
+        moved_mm <= 2.0 * foreseen_mm.max(T2_STEP_MM)
+    }
+
+    /// Where the distance is least between them, not greatest, and may be as small as that.
+    fn counts_between(&self, from: &PathState, to: &PathState, nearest: f64) -> bool {
+        let step_n = to.force_n - from.force_n;
+        let travel_mm = step_n.abs() * from.rate.max(to.rate).sqrt();
+        let least_mm = 0.5 * (from.residual + to.residual) - travel_mm;
+        from.value * step_n < 0.0 && least_mm <= nearest + T2_TOLERANCE_MM
+    }
+}
+
+/// One point of the path: a value whose zeros are looked for, its derivative, and the residual to report.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PathState {
+    pub force_n: f64,
+    value: f64,
+    rate: f64,
+    /// Whether the derivative is complete.
+    exact: bool,
+    pub residual: f64,
+    pub met: bool,
+    /// How far the force may grow before the next state is computed.
+    pub step_n: f64,
+    /// Where T2 is, and its derivative.
+    pub t2: Vec3,
+    pub t2_rate: Vec3,
+}
+
+impl PathState {
+    /// T2 alone.
+    fn of_t2(force_n: f64, solution: &Solution) -> Self {
+        let top = solution.deformed.midpoints_mm.len() - 1;
+        Self {
+            force_n,
+            value: 0.0,
+            rate: 0.0,
+            exact: false,
+            residual: 0.0,
+            met: false,
+            step_n: 0.0,
+            t2: solution.deformed.midpoints_mm[top],
+            t2_rate: solution.midpoint_rates[0][top],
+        }
+    }
+
+    pub fn sample(&self) -> Sample {
+        let Self { force_n, value, rate, exact, met, .. } = *self;
+        Sample { at: force_n, value, rate, exact, met }
+    }
+
+    /// How far a zero is off: by Newton, or where the derivative is not whole, by the state before.
+    pub fn newton_step_n(&self, before: Option<&Self>) -> f64 {
+        let secant = before
+            .map(|before| (self.value - before.value) / (self.force_n - before.force_n))
+            .filter(|secant| !self.exact && *secant > 0.0);
+        -self.value / secant.unwrap_or(self.rate)
+    }
+}
+
+/// The force that turns the fastest hinge by a step.
+fn turn_step(solution: &Solution) -> f64 {
+    STEP_RAD / solution.fastest_turn(0).max(f64::MIN_POSITIVE)
+}

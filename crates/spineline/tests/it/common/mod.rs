@@ -1,0 +1,219 @@
+//! Helpers that the tests of this crate share.
+#![allow(dead_code, reason = "`allocations.rs` uses a part of them")]
+
+pub mod chain;
+pub mod elastica;
+pub mod everything;
+pub mod independent;
+
+use proptest::test_runner::{Config as ProptestConfig, RngSeed};
+use spineline::analysis::{Analysis, AnalysisOptions, Case, Subject, analyze};
+use spineline::anatomy::{Level, Posture, Region, SagittalProfile};
+use spineline::clinical::{RegionBounds, Regions};
+use spineline::error::Error;
+use spineline::measure::{
+    Film, FilmMarks, IliacCrests, ImageGeometry, LengthScale, Mark, MeasuredVertebra, Noise,
+    Outline, Placement, Reading, ReadingId, Spacing, SpacingPlane, measure_film,
+};
+use spineline::multibody::{SpineModel, Support};
+use spineline::spatial::{Angle, Frontal, Pixel};
+use spineline::warning::Warnings;
+use spineline_phantom::{Phantom, Readers, Truth, generate};
+
+/// A small generator of numbers, so that "random" inputs are the same on every machine (xorshift64*).
+pub struct Draw(u64);
+
+impl Draw {
+    pub fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
+    }
+
+    /// Uniform in a range.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        let bits = self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11;
+        low + (high - low) * bits as f64 / (1_u64 << 53) as f64
+    }
+
+    /// A whole number below a limit.
+    pub fn below(&mut self, limit: usize) -> usize {
+        (self.between(0.0, limit as f64) as usize).min(limit - 1)
+    }
+}
+
+/// Twenty-four cases from a fixed seed; `PROPTEST_CASES` and `PROPTEST_RNG_SEED` ask for others.
+pub fn deterministic(seed: u64) -> ProptestConfig {
+    let asked = |name: &str| std::env::var(name).ok().and_then(|number| number.parse().ok());
+    ProptestConfig {
+        cases: asked("PROPTEST_CASES").map_or(24, |cases: u64| cases as u32),
+        rng_seed: RngSeed::Fixed(asked("PROPTEST_RNG_SEED").unwrap_or(seed)),
+        failure_persistence: None,
+        max_shrink_iters: 20,
+        ..ProptestConfig::default()
+    }
+}
+
+/// Panics unless two numbers agree within a tolerance relative to a scale.
+#[track_caller]
+pub fn assert_near(actual: f64, expected: f64, tolerance: f64, what: &str) {
+    assert!(
+        (actual - expected).abs() <= tolerance,
+        "{what}: {actual:e} instead of {expected:e}, off by {:e} and not by at most {tolerance:e}",
+        actual - expected
+    );
+}
+
+/// Phantom of a subject (from 0), seed 1.
+pub fn phantom(subject: usize, truth: Truth, readers: &Readers) -> Phantom {
+    generate(subject, truth, readers, 1).expect("all 18 subjects have phantoms of every truth")
+}
+
+/// A patient whose landmarks are exact, moved by prescribed rotations: the quickest phantom to make.
+pub fn exact_case(subject: usize) -> Case {
+    phantom(subject, Truth::Bend, &Readers::exact()).case
+}
+
+/// A patient on a table.
+pub fn on_a_table() -> AnalysisOptions {
+    AnalysisOptions { support: Support::Frontal, ..Default::default() }
+}
+
+#[track_caller]
+pub fn analyzed(case: &Case, options: &AnalysisOptions) -> Analysis {
+    analyze(case, options).expect("a sound case")
+}
+
+/// The error that a case must end with.
+#[track_caller]
+pub fn refused(case: &Case) -> Error {
+    let error = analyze(case, &on_a_table()).expect_err("a faulty case");
+    assert!(!error.help().is_empty(), "no help for {error}");
+    error
+}
+
+/// A film of a case.
+pub fn film_mut(case: &mut Case, posture: Posture) -> &mut Film {
+    case.films.iter_mut().find(|film| film.posture == posture).expect("the case has this film")
+}
+
+/// The parts of a film with landmarks.
+pub fn landmarks(
+    film: &mut Film,
+) -> (&mut ImageGeometry, &mut Option<IliacCrests>, &mut Vec<Reading<Mark>>) {
+    match &mut film.marks {
+        FilmMarks::Landmarks { image, iliac_crests, readings } => (image, iliac_crests, readings),
+        FilmMarks::Placements { .. } => panic!("phantoms have landmarks"),
+    }
+}
+
+/// The spacing of a picture that has one.
+pub fn spacing(image: &mut ImageGeometry) -> &mut Spacing {
+    image.spacing.as_mut().expect("phantoms have a spacing")
+}
+
+/// One mark of the first reading.
+pub fn mark_mut(case: &mut Case, posture: Posture, level: Level) -> &mut Mark {
+    let (_, _, readings) = landmarks(film_mut(case, posture));
+    readings[0].vertebrae.get_mut(&level).expect("phantoms mark every vertebra")
+}
+
+/// Moves every landmark of a film in the plane of the film; axes turned by hand turn with them.
+///
+/// The picture is made large enough, and the landmarks are shifted into its middle.
+pub fn move_landmarks(film: &mut Film, turn: Angle, shift: Frontal) {
+    let (image, crests, readings) = landmarks(film);
+    let old = *image;
+    image.columns += 40_000;
+    image.rows += 40_000;
+    let middle = Frontal::new(
+        old.frontal(Pixel::new(20_000.0, 0.0)).y_mm,
+        old.frontal(Pixel::new(0.0, 20_000.0)).z_mm,
+    );
+    let moved = |place: Pixel| old.pixel(old.frontal(place).rotated(turn) + shift + middle);
+    for mark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+        mark.corners = mark.corners.map(moved);
+        mark.axis_clockwise = mark
+            .axis_clockwise
+            .map(|axis| old.tilt_from_clockwise(old.tilt_from_clockwise(axis) + turn));
+    }
+    if let Some(crests) = crests {
+        *crests = IliacCrests { left: moved(crests.left), right: moved(crests.right) };
+    }
+}
+
+/// A film from another program: locations and tilts.
+pub fn placement_film(
+    posture: Posture,
+    vertebrae: impl IntoIterator<Item = (Level, Frontal, Angle)>,
+) -> Film {
+    let vertebrae = vertebrae
+        .into_iter()
+        .map(|(level, location, tilt)| (level, Placement { location, tilt }))
+        .collect();
+    let reading = Reading { id: ReadingId::new("A", 1), vertebrae };
+    let marks =
+        FilmMarks::Placements { spacing_plane: SpacingPlane::Patient, readings: vec![reading] };
+    Film { posture, marks }
+}
+
+/// A film of vertebrae that stand on the graph `y(z)` at equal heights; `shape` gives `y` and `dy/dz`.
+pub fn graph_film(posture: Posture, height_mm: f64, shape: impl Fn(f64) -> (f64, f64)) -> Film {
+    let vertebrae = Level::MODEL.into_iter().enumerate().map(|(i, level)| {
+        let z = height_mm * i as f64 / 14.0;
+        let (y, slope) = shape(z);
+        (level, Frontal::new(y, z), Angle::from_sin_cos(-slope, 1.0))
+    });
+    placement_film(posture, vertebrae)
+}
+
+pub fn case_of(films: Vec<Film>) -> Case {
+    Case { id: "test".into(), synthetic: true, subject: Subject::default(), films, lateral: None }
+}
+
+pub fn measured(film: &Film) -> Outline {
+    measure_film(film, &mut Warnings::default()).expect("a sound film")
+}
+
+/// The erect outline of a subject and the unloaded spine that it gives.
+pub fn spine(subject: usize) -> (Outline, SpineModel) {
+    let case = exact_case(subject);
+    let erect = measured(&case.films[0]);
+    assert_eq!(erect.posture, Posture::Erect);
+    let model = SpineModel::from_outline(&erect, &SagittalProfile::default());
+    (erect, model)
+}
+
+/// Regions that end at the usual vertebrae T12 and T6.
+pub fn usual_regions() -> Regions {
+    let bounds =
+        |region, inferior, apex, superior| RegionBounds { region, inferior, apex, superior };
+    Regions {
+        bounds: [
+            bounds(Region::ThoracolumbarLumbar, 0, 2, 4),
+            bounds(Region::MainThoracic, 4, 7, 10),
+            bounds(Region::ProximalThoracic, 10, 12, 14),
+        ],
+    }
+}
+
+/// An outline made of given locations and tilts, already in the global frame.
+pub fn outline(posture: Posture, vertebrae: &[(Frontal, Angle)]) -> Outline {
+    let vertebrae = Level::MODEL
+        .into_iter()
+        .zip(vertebrae)
+        .map(|(level, &(location, tilt))| MeasuredVertebra { level, location, tilt, readings: 1 })
+        .collect();
+    Outline {
+        posture,
+        vertebrae,
+        others: Vec::new(),
+        iliac_normal: None,
+        l4_on_film: Angle::ZERO,
+        l4_midpoint_on_film: Frontal::default(),
+        noise: Noise::ONE_READING,
+        scale: LengthScale::stated(SpacingPlane::Patient),
+        readings: 1,
+    }
+}

@@ -1,0 +1,378 @@
+//! Cases whose films do not fit together, spines without two inflections, and films that are missing.
+
+use std::mem::swap;
+
+use crate::common::{
+    analyzed, case_of, exact_case, film_mut, graph_film, landmarks, on_a_table, refused, spacing,
+};
+use spineline::action::LineKind;
+use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
+use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::chain::ChainError;
+use spineline::curve::{CurveError, InflectionChoice, OrderRule, Site};
+use spineline::error::{CaseError, Error};
+use spineline::measure::{Film, IliacCrests};
+use spineline::spatial::{Angle, Frontal};
+use spineline::warning::{Step, Warning};
+
+fn kinds(analysis: &Analysis) -> Vec<LineKind> {
+    analysis.models.iter().map(|model| model.kind).collect()
+}
+
+/// The warning of a code, about a film where one is given.
+#[track_caller]
+fn warned<'a>(analysis: &'a Analysis, code: &str, posture: Option<Posture>) -> &'a Warning {
+    let mut all = analysis.warnings.all().iter();
+    let found = all.find(|w| w.code == code && (posture.is_none() || w.posture == posture));
+    let warning = found.unwrap_or_else(|| panic!("no `{code}` in {:?}", analysis.warnings.all()));
+    assert!(!warning.message.is_empty());
+    warning
+}
+
+/// The film as someone sees it who takes the picture for its mirror image, corners and all.
+fn mistake_sides(film: &mut Film) {
+    let (image, crests, readings) = landmarks(film);
+    image.patient_left = match image.patient_left {
+        ImageSide::Left => ImageSide::Right,
+        ImageSide::Right => ImageSide::Left,
+    };
+    for mark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+        let corners = &mut mark.corners;
+        swap(&mut corners.superior_left, &mut corners.superior_right);
+        swap(&mut corners.inferior_left, &mut corners.inferior_right);
+    }
+    *crests = crests.map(|crests| IliacCrests { left: crests.right, right: crests.left });
+}
+
+/// A spine of `lobes` equal lobes that turn by about `turn` each, with or without its two bends.
+fn wavy(lobes: u32, turn: Angle, bends: bool) -> Case {
+    const HEIGHT_MM: f64 = 390.0;
+    let waves = f64::from(lobes) * std::f64::consts::PI / HEIGHT_MM;
+    let size = 0.5 * turn.rad().tan();
+    // y'' = a sin(waves z): inflections at equal distances, none at the ends.
+    let wave =
+        move |z: f64| (size * (z - (waves * z).sin() / waves), size * (1.0 - (waves * z).cos()));
+    let bent = move |sign: f64| {
+        move |z: f64| (wave(z).0 + sign * 7e-4 * z * z, wave(z).1 + sign * 14e-4 * z)
+    };
+    let mut films = vec![graph_film(Posture::Erect, HEIGHT_MM, wave)];
+    if bends {
+        films.push(graph_film(Posture::LeftBending, HEIGHT_MM, bent(1.0)));
+        films.push(graph_film(Posture::RightBending, HEIGHT_MM, bent(-1.0)));
+    }
+    case_of(films)
+}
+
+#[test]
+fn exchanged_bends_are_refused_with_both_leans() {
+    // Oracle: a left bend leans to the left of a right bend.
+    let mut case = exact_case(0);
+    for film in &mut case.films {
+        film.posture = match film.posture {
+            Posture::LeftBending => Posture::RightBending,
+            Posture::RightBending => Posture::LeftBending,
+            same => same,
+        };
+    }
+    let error = refused(&case);
+    assert_eq!(error.step(), Step::Measure);
+    let text = error.to_string();
+    assert!(text.contains("left bending") && text.contains("right bending") && text.contains('°'));
+    match error {
+        Error::Case(CaseError::BendsExchanged { left, right }) => assert!(left > right),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn two_films_of_one_posture_are_refused() {
+    // Oracle: a posture has one film.
+    for posture in Posture::ALL {
+        let mut case = exact_case(0);
+        let film = film_mut(&mut case, posture).clone();
+        case.films.push(film);
+        let error = refused(&case);
+        assert_eq!(error, CaseError::PostureTwice { posture }.into());
+        assert!(error.to_string().contains(&posture.to_string()));
+    }
+}
+
+#[test]
+fn a_case_without_an_erect_film_is_refused() {
+    // Oracle: everything is measured against the erect posture.
+    let mut case = exact_case(0);
+    case.films.retain(|film| film.posture != Posture::Erect);
+    assert_eq!(refused(&case), CaseError::NoErectFilm.into());
+    assert!(refused(&case).to_string().contains("erect"));
+    assert_eq!(refused(&case_of(Vec::new())), CaseError::NoErectFilm.into());
+}
+
+#[test]
+fn a_neutral_film_seen_from_the_wrong_side_looks_mirrored() {
+    // Oracle: lying down does not turn a curve into its mirror image.
+    for posture in [Posture::Neutral, Posture::Traction] {
+        let mut case = exact_case(0);
+        mistake_sides(film_mut(&mut case, posture));
+        let analysis = analyzed(&case, &on_a_table());
+        assert_eq!(warned(&analysis, "film_looks_mirrored", Some(posture)).step, Step::Measure);
+        assert!(!analyzed(&exact_case(0), &on_a_table()).warnings.has("film_looks_mirrored"));
+    }
+}
+
+#[test]
+fn a_bending_film_seen_from_the_wrong_side_leans_away() {
+    // Oracle: a left bend leans to the left of the erect spine.
+    for posture in [Posture::LeftBending, Posture::RightBending] {
+        let mut case = exact_case(0);
+        mistake_sides(film_mut(&mut case, posture));
+        match analyze(&case, &on_a_table()) {
+            Ok(analysis) => {
+                let warning = warned(&analysis, "bend_leans_away", Some(posture));
+                assert!(warning.message.contains('°'));
+            }
+            Err(error) => {
+                assert!(
+                    matches!(error, Error::Case(CaseError::BendsExchanged { .. })),
+                    "{error:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_film_of_doubled_spacing_is_told_by_its_length() {
+    // Oracle: a spine does not grow by 100 %.
+    let mut case = exact_case(0);
+    let (image, _, _) = landmarks(film_mut(&mut case, Posture::Traction));
+    spacing(image).column_mm *= 2.0;
+    spacing(image).row_mm *= 2.0;
+    let analysis = analyzed(&case, &on_a_table());
+    let warning = warned(&analysis, "lengths_differ", Some(Posture::Traction));
+    assert!(
+        warning.message.contains("+100 %") || warning.message.contains("+101 %"),
+        "{warning:?}"
+    );
+    assert!(!analyzed(&exact_case(0), &on_a_table()).warnings.has("lengths_differ"));
+}
+
+#[test]
+fn a_film_a_twentieth_as_long_cannot_share_a_chain() {
+    // Oracle: equal segments need curves of about equal length.
+    let mut case = exact_case(0);
+    let (image, crests, _) = landmarks(film_mut(&mut case, Posture::Neutral));
+    spacing(image).column_mm *= 0.05;
+    spacing(image).row_mm *= 0.05;
+    // Crests so near would be refused before.
+    *crests = None;
+    let error = refused(&case);
+    assert_eq!(error.step(), Step::Chain);
+    assert!(error.to_string().contains("mm"));
+    assert!(matches!(error, Error::Chain(ChainError::TooShort { .. })), "{error:?}");
+}
+
+#[test]
+fn iliac_crests_off_the_picture_or_in_one_place_are_refused_and_exchanged_ones_are_told() {
+    // Oracle: two crests make a line only where they lie apart, and it runs about across L4.
+    let with = |change: fn(&mut IliacCrests)| {
+        let mut case = exact_case(0);
+        let (_, crests, _) = landmarks(film_mut(&mut case, Posture::LeftBending));
+        change(crests.as_mut().expect("phantoms have crests"));
+        case
+    };
+    for case in [
+        with(|c| c.left = c.right),
+        with(|c| c.left.row_px = 9e9),
+        with(|c| c.right.row_px = f64::NAN),
+    ] {
+        let error = refused(&case);
+        assert!(error.to_string().contains("iliac crests"), "{error}");
+    }
+    let exchanged = analyzed(&with(|c| swap(&mut c.left, &mut c.right)), &on_a_table());
+    warned(&exchanged, "iliac_line_unusual", Some(Posture::LeftBending));
+}
+
+#[test]
+fn a_film_held_upside_down_is_measured_as_any_other() {
+    // Oracle: the same film turned by half a turn; angles near 180° must not average to 0°.
+    let case = exact_case(0);
+    let mut turned = case.clone();
+    let (image, crests, readings) = landmarks(film_mut(&mut turned, Posture::Erect));
+    let (columns, rows) = (f64::from(image.columns) - 1.0, f64::from(image.rows) - 1.0);
+    let turn = |p: spineline::spatial::Pixel| {
+        spineline::spatial::Pixel::new(columns - p.column_px, rows - p.row_px)
+    };
+    for mark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+        mark.corners = mark.corners.map(turn);
+        mark.axis_clockwise =
+            mark.axis_clockwise.map(|axis| (axis + Angle::from_deg(180.0)).wrapped());
+    }
+    *crests = crests.map(|c| IliacCrests { left: turn(c.left), right: turn(c.right) });
+    // Half a turn carries the patient's left to the other side of the picture and back: corners keep their names.
+    let (a, b) = (analyzed(&case, &on_a_table()), analyzed(&turned, &on_a_table()));
+    for (x, y) in a.erect().outline.vertebrae.iter().zip(&b.erect().outline.vertebrae) {
+        assert!(x.location.distance_mm(y.location) < 1e-9 && (x.tilt - y.tilt).rad().abs() < 1e-12);
+    }
+}
+
+#[test]
+fn tilts_of_the_wrong_sign_are_told_by_the_curve() {
+    // Oracle: locations and tilts of one spine belong to one curve.
+    let mut case = wavy(2, Angle::from_deg(25.0), true);
+    for film in &mut case.films {
+        if let spineline::measure::FilmMarks::Placements { readings, .. } = &mut film.marks {
+            for placement in readings.iter_mut().flat_map(|r| r.vertebrae.values_mut()) {
+                placement.tilt = -placement.tilt;
+            }
+        }
+    }
+    warned(&analyzed(&case, &on_a_table()), "tilts_disagree_with_locations", Some(Posture::Erect));
+}
+
+#[test]
+fn a_straight_spine_still_has_an_iliac_and_an_estimated_line() {
+    // Oracle: a line without curvature has no inflection.
+    let analysis = analyzed(&wavy(2, Angle::ZERO, true), &on_a_table());
+    assert_eq!((analysis.inflections.all.len(), analysis.inflections.pair), (0, None));
+    assert_eq!(kinds(&analysis), [LineKind::Iliac, LineKind::Estimated]);
+    warned(&analysis, "inflections_not_two", Some(Posture::Erect));
+    warned(&analysis, "no_line", None);
+    warned(&analysis, "usual_regions", None);
+    assert_eq!(analysis.inflection_segments, None);
+    for curve in &analysis.clinical {
+        assert!(curve.cobb[0].1.abs() < Angle::from_deg(0.01));
+        assert_eq!(curve.flexibility, None);
+    }
+}
+
+#[test]
+fn one_inflection_gives_no_inflection_line_but_everything_else() {
+    // Oracle: two lobes meet in one inflection, half way up.
+    let analysis = analyzed(&wavy(2, Angle::from_deg(30.0), true), &on_a_table());
+    assert_eq!((analysis.inflections.all.len(), analysis.inflections.lobes.len()), (1, 2));
+    assert_eq!(analysis.inflections.pair, None);
+    // The curve is a sine fitted by a polynomial: a percent of its length.
+    assert!((analysis.inflections.all[0].t_mm - 195.0).abs() < 4.0);
+    assert_eq!(kinds(&analysis), [LineKind::Iliac, LineKind::Estimated]);
+    let warning = warned(&analysis, "inflections_not_two", Some(Posture::Erect));
+    assert!(warning.message.contains("one inflection "), "{}", warning.message);
+}
+
+#[test]
+fn of_three_inflections_two_carry_the_line() {
+    // Oracle: four lobes meet in three inflections, at quarters of the height.
+    let analysis = analyzed(&wavy(4, Angle::from_deg(30.0), true), &on_a_table());
+    let found: Vec<f64> = analysis.inflections.all.iter().map(|i| i.t_mm / 390.0).collect();
+    assert_eq!(found.len(), 3, "{found:?}");
+    for (found, expected) in found.iter().zip([0.25, 0.5, 0.75]) {
+        assert!((found - expected).abs() < 0.02, "{found}");
+    }
+    let pair = analysis.inflections.pair.expect("a pair around the largest lobe between two");
+    assert!(analysis.inflections.all.windows(2).any(|neighbours| neighbours == pair));
+    assert_eq!(kinds(&analysis), [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated]);
+    warned(&analysis, "inflections_not_two", Some(Posture::Erect));
+}
+
+#[test]
+fn inflections_picked_in_one_place_give_no_line() {
+    // Oracle: one point gives no direction.
+    let site = Site { inferior: Level::T9, superior: Level::T8 };
+    let inflections = InflectionChoice::ByHand([site, site]);
+    let analysis = analyzed(&exact_case(0), &AnalysisOptions { inflections, ..on_a_table() });
+    assert_eq!(kinds(&analysis), [LineKind::Iliac, LineKind::Estimated]);
+    warned(&analysis, "inflections_by_hand", None);
+    let warning = warned(&analysis, "no_line", Some(Posture::LeftBending));
+    assert!(warning.message.contains("0.0 mm") && warning.message.contains("20 mm"));
+    assert!(analysis.inflections.pair.is_some());
+}
+
+#[test]
+fn inflections_picked_by_hand_carry_the_line() {
+    // Oracle: the line runs through the two sites, in whichever order they were given.
+    let sites = [Level::T12, Level::T6].map(|level| Site { inferior: level, superior: level });
+    for sites in [sites, [sites[1], sites[0]]] {
+        let inflections = InflectionChoice::ByHand(sites);
+        let analysis = analyzed(&exact_case(0), &AnalysisOptions { inflections, ..on_a_table() });
+        let erect = &analysis.erect().outline;
+        let picked = [Level::T12, Level::T6].map(|level| {
+            let vertebra = erect.vertebra(level).expect("a level of the model");
+            vertebra.location
+        });
+        let pair = analysis.inflections.pair.expect("picked");
+        for (found, place) in pair.iter().zip(picked) {
+            // The exact readers' curve meets the vertebrae to a hundredth of a millimetre.
+            assert!(found.erect.distance_mm(place) < 0.01);
+        }
+        assert!(kinds(&analysis).contains(&LineKind::Inflection));
+    }
+}
+
+#[test]
+fn an_erect_film_alone_gives_curve_inflections_and_cobb_angles() {
+    // Oracle: Table 1 says 49° for the main curve of subject 1.
+    let mut case = exact_case(0);
+    case.films.retain(|film| film.posture == Posture::Erect);
+    let analysis = analyzed(&case, &on_a_table());
+    assert!(analysis.models.is_empty());
+    assert_eq!(analysis.inflections.all.len(), 2);
+    // Vertebral tilts miss the largest tilt of the curve between them by up to a degree.
+    assert!((analysis.clinical[1].cobb[0].1.abs().deg() - 49.0).abs() < 1.0);
+    assert_eq!((analysis.lenke, analysis.mean_least_segments), (None, None));
+    assert_eq!(warned(&analysis, "no_bending_film", None).step, Step::Personalize);
+    assert!(analysis.erect().fit.rmse_mm < 0.01);
+}
+
+#[test]
+fn one_bend_alone_gives_models_fitted_to_it() {
+    // Oracle: only films that are there can be fitted.
+    let mut case = exact_case(0);
+    case.films.retain(|film| [Posture::Erect, Posture::RightBending].contains(&film.posture));
+    let analysis = analyzed(&case, &on_a_table());
+    assert_eq!(kinds(&analysis), [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated]);
+    for model in &analysis.models {
+        let postures: Vec<(Posture, bool)> =
+            model.postures.iter().map(|s| (s.posture, s.fitted)).collect();
+        assert_eq!(postures, [(Posture::RightBending, true)]);
+    }
+    assert_eq!((analysis.lenke, analysis.mean_least_segments), (None, None));
+}
+
+#[test]
+fn an_order_beyond_four_to_twelve_is_refused() {
+    // Oracle: the documented range.
+    for order in [0, 3, 13] {
+        let options = AnalysisOptions { order_rule: OrderRule::Fixed(order), ..on_a_table() };
+        let error = analyze(&exact_case(0), &options).expect_err("an order out of range");
+        assert_eq!(error, CurveError::Order { order }.into());
+        assert_eq!(error.step(), Step::Curve);
+        let text = error.to_string();
+        assert!(text.contains(&order.to_string()) && text.contains("4 to 12"), "{text}");
+        assert!(!error.help().is_empty());
+    }
+}
+
+#[test]
+fn a_window_without_segments_is_refused() {
+    // Oracle: no whole number lies in it, or a chain without segments would.
+    #[allow(clippy::reversed_empty_ranges, reason = "this is the fault")]
+    let windows = [10..=9, 0..=5];
+    for segment_window in windows {
+        let (from, to) = (*segment_window.start(), *segment_window.end());
+        let options = AnalysisOptions { segment_window, ..on_a_table() };
+        let error = analyze(&exact_case(0), &options).expect_err("an empty window");
+        assert_eq!(error, ChainError::Window { from, to }.into());
+        assert_eq!(error.step(), Step::Chain);
+        assert!(error.to_string().contains(&from.to_string()) && !error.help().is_empty());
+    }
+}
+
+#[test]
+fn a_line_given_for_one_bend_is_fitted_to_that_bend() {
+    // Oracle: the user gave no line for the other films, which is said.
+    let line = spineline::action::LineOfAction::leaning(Frontal::new(30.0, 150.0), Angle::ZERO);
+    let given_lines = vec![(Posture::LeftBending, line)];
+    let analysis = analyzed(&exact_case(0), &AnalysisOptions { given_lines, ..on_a_table() });
+    let model = analysis.models.iter().find(|m| m.kind == LineKind::Given).expect("a given line");
+    assert_eq!(model.postures.len(), 1);
+    warned(&analysis, "no_line", Some(Posture::RightBending));
+}

@@ -1,0 +1,263 @@
+//! Films marked wrongly: each fault ends with an error that names film, vertebra and value, and says what to do.
+
+use std::mem::swap;
+
+use crate::common::{
+    case_of, exact_case, film_mut, graph_film, landmarks, mark_mut, refused, spacing,
+};
+use spineline::analysis::Case;
+use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::error::Error;
+use spineline::measure::{CornerFault, Corners, FilmMarks, MeasureError};
+use spineline::spatial::{Angle, Pixel};
+use spineline::warning::Step;
+
+/// The error of a case in step 1; its words must name what the user has to look at.
+#[track_caller]
+fn refused_in_measure(case: &Case, named: &[&str]) -> MeasureError {
+    let error = refused(case);
+    assert_eq!(error.step(), Step::Measure);
+    let text = error.to_string();
+    for part in named {
+        assert!(text.contains(part), "`{text}` does not name {part}");
+    }
+    match error {
+        Error::Measure(error) => error,
+        other => panic!("not an error of step 1: {other:?}"),
+    }
+}
+
+#[track_caller]
+fn refused_corners(case: &Case, level: Level, expected: CornerFault) {
+    let named = ["left bending", "A (repeat 1)", level.name()];
+    match refused_in_measure(case, &named) {
+        MeasureError::Corners { posture, level: found, fault, .. } => {
+            assert_eq!((posture, found, fault), (Posture::LeftBending, level, expected));
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+/// A sound case with the corners of one vertebra of the left bend changed.
+fn with_corners(level: Level, change: impl FnOnce(&mut Corners<Pixel>)) -> Case {
+    let mut case = exact_case(0);
+    change(&mut mark_mut(&mut case, Posture::LeftBending, level).corners);
+    case
+}
+
+#[test]
+fn neighbouring_corners_exchanged_are_crossed() {
+    // Oracle: the diagonals of a bow tie do not meet.
+    for level in [Level::L4, Level::T8, Level::T2] {
+        let case = with_corners(level, |c| swap(&mut c.superior_left, &mut c.superior_right));
+        refused_corners(&case, level, CornerFault::Crossed);
+    }
+}
+
+#[test]
+fn sides_exchanged_on_one_vertebra_are_named() {
+    // Oracle: the patient's left cannot change from one vertebra to the next.
+    for level in [Level::L4, Level::T8, Level::T2] {
+        let case = with_corners(level, |c| {
+            swap(&mut c.superior_left, &mut c.superior_right);
+            swap(&mut c.inferior_left, &mut c.inferior_right);
+        });
+        refused_corners(&case, level, CornerFault::SidesExchanged);
+    }
+}
+
+#[test]
+fn a_vertebra_upside_down_is_named() {
+    // Oracle: the next vertebra lies on the cranial side.
+    for level in [Level::L4, Level::T8, Level::T2] {
+        let case = with_corners(level, |c| {
+            swap(&mut c.superior_left, &mut c.inferior_left);
+            swap(&mut c.superior_right, &mut c.inferior_right);
+        });
+        refused_corners(&case, level, CornerFault::UpsideDown);
+    }
+}
+
+#[test]
+fn a_vertebra_turned_by_half_a_turn_is_upside_down() {
+    // Oracle: superior and inferior are exchanged, whatever the sides say.
+    let case = with_corners(Level::T8, |c| {
+        swap(&mut c.superior_left, &mut c.inferior_right);
+        swap(&mut c.superior_right, &mut c.inferior_left);
+    });
+    refused_corners(&case, Level::T8, CornerFault::UpsideDown);
+}
+
+#[test]
+fn corners_in_one_place_or_on_one_line_make_no_body() {
+    // Oracle: a body has an area.
+    let point = with_corners(Level::T8, |c| *c = c.map(|_| Pixel::new(900.0, 900.0)));
+    refused_corners(&point, Level::T8, CornerFault::Flat);
+    let line = with_corners(Level::T8, |c| *c = c.map(|p| Pixel::new(p.column_px, 900.0)));
+    refused_corners(&line, Level::T8, CornerFault::Flat);
+    let doubled = with_corners(Level::T8, |c| c.superior_left = c.superior_right);
+    refused_corners(&doubled, Level::T8, CornerFault::Flat);
+    let doubled = with_corners(Level::T8, |c| c.inferior_left = c.superior_left);
+    refused_corners(&doubled, Level::T8, CornerFault::Flat);
+}
+
+#[test]
+fn a_coordinate_that_is_no_number_is_refused() {
+    // Oracle: nothing can be measured from NaN or infinity.
+    for value in [f64::NAN, f64::INFINITY] {
+        let case = with_corners(Level::T5, |c| c.inferior_right.row_px = value);
+        let error = refused_in_measure(&case, &["left bending", "T5", "A (repeat 1)"]);
+        assert!(matches!(error, MeasureError::NotFinite { level: Level::T5, .. }), "{error:?}");
+    }
+    let mut case = exact_case(0);
+    mark_mut(&mut case, Posture::Erect, Level::L1).axis_clockwise = Some(Angle::from_rad(f64::NAN));
+    let error = refused_in_measure(&case, &["erect", "L1"]);
+    assert!(matches!(error, MeasureError::NotFinite { level: Level::L1, .. }), "{error:?}");
+}
+
+#[test]
+fn a_placement_that_is_no_number_is_refused() {
+    // Oracle: nothing can be measured from NaN.
+    let film =
+        graph_film(Posture::Erect, 390.0, |z| if z > 380.0 { (f64::NAN, 0.0) } else { (0.0, 0.0) });
+    let error = refused_in_measure(&case_of(vec![film]), &["erect", "T2"]);
+    assert!(matches!(error, MeasureError::NotFinite { level: Level::T2, .. }), "{error:?}");
+}
+
+#[test]
+fn a_level_that_is_not_marked_is_named() {
+    // Oracle: all 15 vertebrae from L4 to T2 are needed.
+    for level in [Level::T7, Level::L4, Level::T2] {
+        let mut case = exact_case(0);
+        let (_, _, readings) = landmarks(film_mut(&mut case, Posture::Neutral));
+        readings[0].vertebrae.remove(&level);
+        let error = refused_in_measure(&case, &["neutral", level.name()]);
+        assert_eq!(error, MeasureError::LevelMissing { posture: Posture::Neutral, level });
+    }
+}
+
+#[test]
+fn a_corner_off_the_picture_is_refused_with_its_place() {
+    // Oracle: the picture ends half a pixel before its first and after its last pixel centre.
+    let (columns, rows) = {
+        let mut case = exact_case(0);
+        let (image, _, _) = landmarks(film_mut(&mut case, Posture::LeftBending));
+        (image.columns, image.rows)
+    };
+    let (last_column, last_row) = (f64::from(columns) - 1.0, f64::from(rows) - 1.0);
+    for place in [
+        Pixel::new(-0.6, 100.0),
+        Pixel::new(100.0, -0.6),
+        Pixel::new(last_column + 0.6, 100.0),
+        Pixel::new(100.0, last_row + 0.6),
+    ] {
+        let case = with_corners(Level::T5, |c| c.superior_left = place);
+        let named = [place.column_px.to_string(), place.row_px.to_string(), columns.to_string()];
+        let named: Vec<&str> = named.iter().map(String::as_str).collect();
+        let error = refused_in_measure(&case, &named);
+        assert!(matches!(error, MeasureError::OffImage { level: Level::T5, .. }), "{error:?}");
+    }
+}
+
+#[test]
+fn a_spacing_that_is_no_positive_number_is_refused() {
+    // Oracle: pixels have a distance; some real files say "0.000".
+    for value in [0.0, -0.1, f64::NAN, f64::INFINITY, 1e-5] {
+        let mut case = exact_case(0);
+        spacing(landmarks(film_mut(&mut case, Posture::Traction)).0).row_mm = value;
+        let error = refused_in_measure(&case, &["traction", "row", &value.to_string()]);
+        assert!(matches!(error, MeasureError::Spacing { direction: "row", .. }), "{error:?}");
+        let mut case = exact_case(0);
+        spacing(landmarks(film_mut(&mut case, Posture::Erect)).0).column_mm = value;
+        let error = refused_in_measure(&case, &["erect", "column", &value.to_string()]);
+        assert!(matches!(error, MeasureError::Spacing { direction: "column", .. }), "{error:?}");
+    }
+}
+
+#[test]
+fn a_reading_given_twice_is_refused() {
+    // Oracle: a mean over readings counts every reading once.
+    let mut case = exact_case(0);
+    let (_, _, readings) = landmarks(film_mut(&mut case, Posture::RightBending));
+    readings.push(readings[0].clone());
+    let error = refused_in_measure(&case, &["right bending", "A (repeat 1)"]);
+    assert!(matches!(error, MeasureError::DuplicateReading { .. }), "{error:?}");
+}
+
+#[test]
+fn a_film_without_a_reading_is_refused() {
+    // Oracle: there is nothing to measure.
+    let mut case = exact_case(0);
+    landmarks(film_mut(&mut case, Posture::Neutral)).2.clear();
+    let error = refused_in_measure(&case, &["neutral"]);
+    assert_eq!(error, MeasureError::NoReading { posture: Posture::Neutral });
+    let mut case = case_of(vec![graph_film(Posture::Erect, 390.0, |_| (0.0, 0.0))]);
+    let FilmMarks::Placements { readings, .. } = &mut case.films[0].marks else {
+        unreachable!("a graph film has placements")
+    };
+    readings.clear();
+    assert_eq!(
+        refused_in_measure(&case, &["erect"]),
+        MeasureError::NoReading { posture: Posture::Erect }
+    );
+}
+
+#[test]
+fn two_vertebrae_with_exchanged_names_are_out_of_order() {
+    // Oracle: T6 stands on T7.
+    let mut case = exact_case(0);
+    let (_, _, readings) = landmarks(film_mut(&mut case, Posture::Erect));
+    let vertebrae = &mut readings[0].vertebrae;
+    let (t7, t6) = (vertebrae[&Level::T7], vertebrae[&Level::T6]);
+    vertebrae.insert(Level::T7, t6);
+    vertebrae.insert(Level::T6, t7);
+    let error = refused_in_measure(&case, &["erect", "T7", "T6", "%"]);
+    match error {
+        MeasureError::OutOfOrder { inferior, superior, share, .. } => {
+            assert_eq!((inferior, superior), (Level::T7, Level::T6));
+            assert!(share < 0.0, "T6 is marked below T7: {share}");
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_vertebra_marked_twice_under_two_names_is_out_of_order() {
+    // Oracle: two vertebrae are not in one place.
+    let mut case = exact_case(0);
+    let (_, _, readings) = landmarks(film_mut(&mut case, Posture::Erect));
+    let t7 = readings[0].vertebrae[&Level::T7];
+    readings[0].vertebrae.insert(Level::T6, t7);
+    let error = refused_in_measure(&case, &["erect", "T7", "T6"]);
+    assert!(matches!(error, MeasureError::OutOfOrder { .. }), "{error:?}");
+}
+
+#[test]
+fn an_axis_that_lies_far_over_is_refused_with_its_angle() {
+    // Oracle: no spine tilts a vertebra by 130° against L4.
+    let mut case = exact_case(0);
+    mark_mut(&mut case, Posture::Erect, Level::T9).axis_clockwise = Some(Angle::from_deg(130.0));
+    let error = refused_in_measure(&case, &["erect", "T9", "120°"]);
+    assert!(matches!(error, MeasureError::TiltTooLarge { level: Level::T9, .. }), "{error:?}");
+}
+
+#[test]
+fn a_film_whose_side_is_wrong_is_mirrored() {
+    // Oracle: all corners are then on the wrong side, so it is the film and not the vertebrae.
+    for posture in Posture::ALL {
+        let mut case = exact_case(0);
+        let (image, _, readings) = landmarks(film_mut(&mut case, posture));
+        image.patient_left = match image.patient_left {
+            ImageSide::Left => ImageSide::Right,
+            ImageSide::Right => ImageSide::Left,
+        };
+        let count = readings[0].vertebrae.len();
+        let error = refused_in_measure(&case, &[&posture.to_string(), "15", "patient_left"]);
+        match error {
+            MeasureError::FilmMirrored { posture: found, count: all, .. } => {
+                assert_eq!((found, all), (posture, count));
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! Springs that are no springs, amplitudes out of reach, and endings that are no results.
+
+use crate::common::{assert_near, outline, spine, usual_regions};
+use spineline::action::{LineError, LineOfAction};
+use spineline::anatomy::{Level, Posture};
+use spineline::error::Error;
+use spineline::evaluate::{ForceChoice, Target, simulate};
+use spineline::multibody::{
+    ForceSign, JointGroups, JointStiffness, Load, MatchStatus, Statics, StiffnessError,
+    StiffnessLibrary, Support, amplitude_matches, match_amplitude,
+};
+use spineline::personalize::{FitSettings, FitStatus, FitTarget, Gauge, personalize};
+use spineline::spatial::{Angle, Frontal};
+use spineline::warning::Step;
+
+fn rows() -> Vec<JointStiffness> {
+    StiffnessLibrary::default().rows().to_vec()
+}
+
+#[track_caller]
+fn refused(rows: Vec<JointStiffness>, named: &[&str]) -> StiffnessError {
+    let error = StiffnessLibrary::from_rows(rows).expect_err("a table that cannot be used");
+    let text = error.to_string();
+    for part in named {
+        assert!(text.contains(part), "`{text}` does not name {part}");
+    }
+    let wrapped = Error::from(error.clone());
+    assert!(!wrapped.help().is_empty());
+    assert_eq!((wrapped.step(), wrapped.to_string()), (Step::Multibody, text));
+    error
+}
+
+#[test]
+fn rows_in_any_order_make_the_same_library() {
+    // Oracle: a joint is known by its vertebrae.
+    let mut shuffled = rows();
+    shuffled.reverse();
+    shuffled.swap(2, 9);
+    assert_eq!(StiffnessLibrary::from_rows(shuffled), Ok(StiffnessLibrary::default()));
+}
+
+#[test]
+fn a_joint_without_stiffness_is_named() {
+    // Oracle: 14 joints need 14 rows.
+    let mut rows = rows();
+    let gone = rows.remove(4);
+    let (inferior, superior) = (gone.inferior, gone.superior);
+    let error = refused(rows, &[inferior.name(), superior.name()]);
+    assert_eq!(error, StiffnessError::Missing { inferior, superior });
+}
+
+#[test]
+fn a_joint_with_two_rows_is_named() {
+    // Oracle: which of the two would count?
+    let mut rows = rows();
+    rows.push(JointStiffness { source: "another".into(), ..rows[6].clone() });
+    let (inferior, superior) = (rows[6].inferior, rows[6].superior);
+    let error = refused(rows, &[inferior.name(), superior.name()]);
+    assert_eq!(error, StiffnessError::Twice { inferior, superior });
+}
+
+#[test]
+fn a_stiffness_that_is_not_positive_is_named_with_axis_and_value() {
+    // Oracle: a spring pushes back.
+    for (axis, name) in ["lateral", "flexion", "axial"].into_iter().enumerate() {
+        for value in [-132.0, 0.0, f64::NAN, f64::INFINITY] {
+            let mut rows = rows();
+            rows[0].nmm_per_rad[axis] = value;
+            let error = refused(rows, &["L4", "L3", name, &value.to_string()]);
+            assert!(matches!(error, StiffnessError::Value { inferior: Level::L4, .. }));
+        }
+    }
+}
+
+#[test]
+fn two_points_too_near_for_a_line_are_told_with_their_distance() {
+    // Oracle: 19 mm is below the stated least gap of 20 mm.
+    let error = LineOfAction::through(Frontal::new(0.0, 100.0), Frontal::new(0.0, 119.0));
+    let error = error.expect_err("too near");
+    assert_eq!(error, LineError::TooShort { gap_mm: 19.0, limit_mm: 20.0 });
+    assert!(error.to_string().contains("19.0 mm") && error.to_string().contains("20 mm"));
+    let nowhere = LineOfAction::through(Frontal::new(f64::NAN, 100.0), Frontal::new(0.0, 300.0));
+    assert!(nowhere.is_err());
+}
+
+fn load() -> Load {
+    Load::along(LineOfAction::leaning(Frontal::new(-15.0, 150.0), Angle::ZERO), 0.0)
+}
+
+/// Springs of which only the lateral one above L4 gives way, so that the spine leans by what that hinge turns.
+fn one_soft_joint() -> Vec<[f64; 3]> {
+    (0..14).map(|joint| [if joint == 0 { 1e5 } else { 1e9 }, 1e9, 1e9]).collect()
+}
+
+/// A hinge is followed to 0.8 rad and at most one step of 0.15 rad beyond: 54°.
+const OUT_OF_REACH: Angle = Angle::from_deg(100.0);
+
+#[test]
+fn an_amplitude_out_of_reach_says_what_is_left() {
+    // Oracle: one hinge that turns by less than a radian does not lean the spine by 100°.
+    let (_, model) = spine(0);
+    for support in [Support::Free, Support::Frontal] {
+        let statics = Statics::from_stiffness(&model, one_soft_joint(), &[0; 14], support);
+        for sign in ForceSign::BOTH {
+            let end = match_amplitude(&statics, &load(), sign, OUT_OF_REACH);
+            assert_eq!(end.status, MatchStatus::Unreachable);
+            assert!(!end.is_usable() && end.evaluations > 1);
+            // The residual is that of the shape which comes back.
+            let left = (end.solution.deformed.lean() - OUT_OF_REACH).wrapped();
+            assert_near(end.residual, left.rad(), 1e-12, "residual");
+            assert!(left.abs() > Angle::from_deg(30.0));
+        }
+        let all = amplitude_matches(&statics, &load(), OUT_OF_REACH);
+        assert_eq!((all.len(), all[0].is_usable()), (1, false));
+        assert_eq!(all[0].status, MatchStatus::Unreachable);
+    }
+}
+
+#[test]
+fn a_pull_along_the_spine_cannot_bend_it_far() {
+    // Oracle: tension turns a chain towards its line, and no further.
+    let (_, model) = spine(0);
+    let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint());
+    let statics = Statics::new(&model, &library, &groups, &[0.0; 14], Support::Frontal);
+    let target = Angle::from_deg(60.0);
+    let end = match_amplitude(&statics, &load(), ForceSign::Positive, target);
+    assert_eq!(end.status, MatchStatus::Unreachable);
+    assert!(end.residual.abs() > Angle::from_deg(20.0).rad());
+}
+
+#[test]
+fn every_force_that_is_found_meets_the_amplitude() {
+    // Oracle: solving at the found force gives the target lean.
+    let (erect, model) = spine(0);
+    let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint());
+    let statics = Statics::new(&model, &library, &groups, &[0.0; 14], Support::Frontal);
+    let lean = erect.vertebrae[14].location.lean();
+    for change_deg in [-12.0, -4.0, 4.0, 12.0] {
+        let target = lean + Angle::from_deg(change_deg);
+        for found in amplitude_matches(&statics, &load(), target) {
+            if found.is_usable() {
+                // An amplitude counts as met at 1e-9 rad.
+                assert_near(found.solution.deformed.lean().rad(), target.rad(), 1e-9, "lean");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_simulation_of_an_amplitude_out_of_reach_is_no_result() {
+    // Oracle: one hinge that turns by less than a radian does not lean the spine by 100°.
+    let (erect, model) = spine(0);
+    let statics = Statics::from_stiffness(&model, one_soft_joint(), &[0; 14], Support::Frontal);
+    let mut vertebrae: Vec<(Frontal, Angle)> =
+        erect.vertebrae.iter().map(|v| (v.location, v.tilt)).collect();
+    vertebrae[14].0 = Frontal::leaning(OUT_OF_REACH) * 200.0;
+    let film = outline(Posture::RightBending, &vertebrae);
+    let Load::Line { line, depth_mm } = load() else { unreachable!("a line") };
+    let regions = usual_regions();
+    let end = simulate(&statics, (line, depth_mm), &film, &regions, Target::Amplitude, true);
+    assert_eq!(end.status, MatchStatus::Unreachable);
+    assert!(!end.is_usable() && end.alternatives.is_empty() && end.residual.abs() > 0.01);
+    assert_eq!(end.choice, ForceChoice::NearestMiss);
+}
+
+#[test]
+fn of_several_forces_the_one_with_the_least_ferguson_error_is_chosen_and_says_so() {
+    // Oracle: a film made with one of the forces that meet a lean has no Ferguson error under that force.
+    let (erect, model) = spine(0);
+    let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint());
+    let statics = Statics::new(&model, &library, &groups, &[0.0; 14], Support::Frontal);
+    let Load::Line { line, depth_mm } = load() else { unreachable!("a line") };
+    let lean = erect.vertebrae[14].location.lean();
+    let mut several = 0;
+    for change_deg in [-12.0, -4.0, 4.0, 12.0] {
+        let all = amplitude_matches(&statics, &load(), lean + Angle::from_deg(change_deg));
+        for made in all.iter().filter(|made| made.is_usable()) {
+            let shape = &made.solution.deformed;
+            let vertebrae: Vec<_> = (0..15).map(|i| (shape.location(i), shape.tilt(i))).collect();
+            let film = outline(Posture::LeftBending, &vertebrae);
+            let loaded = (line, depth_mm);
+            let end = simulate(&statics, loaded, &film, &usual_regions(), Target::Amplitude, true);
+            assert_near(end.force_n, made.force_n, 1e-6 * made.force_n.abs().max(1.0), "force");
+            assert_eq!((end.alternatives.len(), end.lost_forces), (all.len() - 1, 0));
+            let alone = all.len() == 1;
+            let choice = if alone { ForceChoice::OnlyOne } else { ForceChoice::LeastFergusonError };
+            assert_eq!(end.choice, choice);
+            several += usize::from(!alone);
+        }
+    }
+    assert!(several > 0, "no lean is met by several forces");
+}
+
+#[test]
+fn without_a_film_nothing_is_fitted_and_nothing_panics() {
+    // Oracle: no data, no minimum.
+    let (erect, model) = spine(0);
+    let library = StiffnessLibrary::default();
+    let regions = usual_regions();
+    let groups = JointGroups::regional(&regions);
+    let settings = FitSettings {
+        regions: &regions,
+        target: FitTarget::Shape,
+        gauge: Gauge::GeometricMean,
+        support: Support::Frontal,
+        prior: None,
+        hints: &[],
+    };
+    let fit = personalize(&model, &library, &groups, &erect, &[], &settings);
+    assert_eq!(fit.status, FitStatus::NotEvaluable);
+    assert_eq!((fit.log_multipliers, fit.loads.len()), (vec![0.0; 3], 0));
+    assert!(fit.residual_rms.is_nan());
+}

@@ -1,0 +1,236 @@
+//! Films in pixels give angles and no lengths; lateral films give the sagittal profile; films that do not fit their names
+//! or were not stitched well are told.
+
+use crate::common::{
+    analyzed, assert_near, exact_case, film_mut, landmarks, on_a_table, phantom, spacing,
+};
+use spineline::analysis::{Analysis, Case};
+use spineline::anatomy::{ImageSide, Level, Posture, SagittalProfile};
+use spineline::measure::{
+    CornerFault, LateralCorners, LateralFilm, MeasureError, Reading, ReadingId, Spacing,
+    SpacingPlane,
+};
+use spineline::spatial::Pixel;
+use spineline::warning::Warnings;
+use spineline_phantom::{Readers, Truth};
+
+/// A case whose films have square pixels, and the same one without any spacing.
+fn with_and_without() -> (Case, Case) {
+    let mut with = exact_case(0);
+    let mut without = with.clone();
+    for film in &mut with.films {
+        let spacing = spacing(landmarks(film).0);
+        assert_eq!(spacing.column_mm, spacing.row_mm, "subject 1 has square pixels");
+    }
+    for film in &mut without.films {
+        landmarks(film).0.spacing = None;
+    }
+    (with, without)
+}
+
+#[test]
+fn a_film_without_spacing_gives_the_same_angles_and_no_model() {
+    let (with, without) = with_and_without();
+    let (with, without) = (analyzed(&with, &on_a_table()), analyzed(&without, &on_a_table()));
+    assert!(!with.models.is_empty() && without.models.is_empty());
+    assert!(without.warnings.has("no_spacing") && without.warnings.has("no_scale"));
+    for (a, b) in with.clinical.iter().zip(&without.clinical) {
+        assert_eq!((a.ends, a.apex, a.convex), (b.ends, b.apex, b.convex));
+        for ((_, a), (_, b)) in a.cobb.iter().zip(&b.cobb).chain(a.ferguson.iter().zip(&b.ferguson))
+        {
+            assert_near(a.rad(), b.rad(), 1e-9, "Cobb or Ferguson angle");
+        }
+    }
+    for (a, b) in with.postures.iter().zip(&without.postures) {
+        assert_eq!(b.outline.scale.plane, SpacingPlane::Pixels);
+        assert_near(a.outline.amplitude().rad(), b.outline.amplitude().rad(), 1e-9, "amplitude");
+    }
+}
+
+#[test]
+fn lengths_of_a_film_without_spacing_are_its_pixels() {
+    let (with, without) = with_and_without();
+    let (with, without) = (analyzed(&with, &on_a_table()), analyzed(&without, &on_a_table()));
+    let spine = |analysis: &Analysis| analysis.erect().outline.polygon_mm();
+    let scale = without.scale();
+    assert_eq!(scale.mm(spine(&without)), None);
+    // Pixels of 0.1 mm.
+    let px = scale.px(spine(&without)).expect("a film in pixels");
+    assert_near(px, spine(&with) / 0.1, 1e-6, "length of the spine in pixels");
+    assert!(scale.text(spine(&without), 1).ends_with(" px"));
+}
+
+#[test]
+fn one_film_without_spacing_leaves_the_others_their_millimetres() {
+    let mut case = exact_case(0);
+    landmarks(film_mut(&mut case, Posture::Traction)).0.spacing = None;
+    let analysis = analyzed(&case, &on_a_table());
+    assert_eq!(analysis.scale().plane, SpacingPlane::Patient);
+    assert!(analysis.models.is_empty());
+    let warning = analysis.warnings.all().iter().find(|w| w.code == "no_scale");
+    assert_eq!(warning.and_then(|w| w.posture), Some(Posture::Traction));
+}
+
+/// A lateral film of a spine with a given profile, by turning boxes: independent of what measures it.
+fn lateral(
+    profile: &SagittalProfile,
+    anterior: ImageSide,
+    column_mm: f64,
+    row_mm: f64,
+) -> LateralFilm {
+    let (mut pitch, mut x, mut z) = (-10f64.to_radians(), 0.0, 0.0);
+    let mut vertebrae = std::collections::BTreeMap::new();
+    let place = |x: f64, z: f64| {
+        let column = if anterior == ImageSide::Right { x } else { -x };
+        Pixel::new(1000.0 + column / column_mm, 5000.0 - z / row_mm)
+    };
+    for (i, level) in Level::MODEL.into_iter().enumerate() {
+        let corner = |ahead: f64, up: f64| {
+            let (s, c) = pitch.sin_cos();
+            place(x + ahead * c + up * s, z - ahead * s + up * c)
+        };
+        vertebrae.insert(
+            level,
+            LateralCorners {
+                superior_anterior: corner(17.0, 11.0),
+                superior_posterior: corner(-17.0, 11.0),
+                inferior_anterior: corner(17.0, -11.0),
+                inferior_posterior: corner(-17.0, -11.0),
+            },
+        );
+        if let Some(turn) = profile.turns_deg.get(i) {
+            pitch += turn.to_radians();
+            x += 28.0 * pitch.sin();
+            z += 28.0 * pitch.cos();
+        }
+    }
+    LateralFilm {
+        columns: 2000,
+        rows: 6000,
+        spacing: Some(Spacing::stated(column_mm, row_mm, SpacingPlane::Unknown)),
+        patient_anterior: anterior,
+        readings: vec![Reading { id: ReadingId::new("A", 1), vertebrae }],
+    }
+}
+
+#[test]
+fn a_lateral_film_gives_its_profile_whichever_way_the_patient_looks() {
+    let truth = SagittalProfile::template(40.0, 55.0);
+    for anterior in [ImageSide::Left, ImageSide::Right] {
+        for row_mm in [0.1, 0.2] {
+            let film = lateral(&truth, anterior, 0.1, row_mm);
+            let mut warnings = Warnings::default();
+            let found = film.measure_profile(&SagittalProfile::default(), &mut warnings);
+            let found = found.expect("a good film").expect("marked");
+            for (found, truth) in found.turns_deg.iter().zip(truth.turns_deg) {
+                assert_near(*found, truth, 1e-9, "turn of a joint in degrees");
+            }
+            assert!(warnings.all().is_empty());
+        }
+    }
+}
+
+#[test]
+fn vertebrae_hidden_by_the_shoulders_keep_the_populations_turns() {
+    let truth = SagittalProfile::template(40.0, 55.0);
+    let template = SagittalProfile::default();
+    let mut film = lateral(&truth, ImageSide::Left, 0.1, 0.1);
+    film.readings[0].vertebrae.retain(|&level, _| level <= Level::T5);
+    let mut warnings = Warnings::default();
+    let found = film.measure_profile(&template, &mut warnings).expect("good").expect("marked");
+    // T5/T4, T4/T3 and T3/T2.
+    assert_eq!(found.turns_deg[11..], template.turns_deg[11..]);
+    assert_near(found.turns_deg[10], truth.turns_deg[10], 1e-9, "T6/T5");
+    assert!(warnings.has("lateral_incomplete"));
+    film.readings.clear();
+    assert_eq!(film.measure_profile(&template, &mut warnings), Ok(None));
+    assert!(warnings.has("lateral_not_marked"));
+}
+
+#[test]
+fn the_models_spine_takes_the_profile_of_the_lateral_film() {
+    let mut case = exact_case(0);
+    let flat = analyzed(&case, &on_a_table());
+    let curved = SagittalProfile::template(60.0, 70.0);
+    case.lateral = Some(lateral(&curved, ImageSide::Left, 0.1, 0.1));
+    let analysis = analyzed(&case, &on_a_table());
+    assert!(analysis.lateral_measured && !flat.lateral_measured);
+    // More kyphosis and lordosis put the mid-spine farther from the line L4-T2.
+    let depth = |a: &Analysis| a.spine.midpoints_mm.iter().fold(0.0f64, |m, p| m.max(p.x.abs()));
+    assert!(depth(&analysis) > depth(&flat) + 1.0, "{} {}", depth(&analysis), depth(&flat));
+}
+
+#[test]
+fn exchanged_corners_on_a_lateral_film_are_named() {
+    let mut film = lateral(&SagittalProfile::default(), ImageSide::Left, 0.1, 0.1);
+    film.patient_anterior = ImageSide::Right;
+    let error = film.measure_profile(&SagittalProfile::default(), &mut Warnings::default());
+    let error = error.expect_err("the patient looks the other way");
+    assert!(
+        matches!(
+            error,
+            MeasureError::Lateral { level: Level::L4, fault: CornerFault::SidesExchanged, .. }
+        ),
+        "{error:?}"
+    );
+    let mut film = lateral(&SagittalProfile::default(), ImageSide::Left, 0.1, 0.1);
+    let t7 = film.readings[0].vertebrae.get_mut(&Level::T7).expect("marked");
+    std::mem::swap(&mut t7.superior_anterior, &mut t7.inferior_anterior);
+    let error = film.measure_profile(&SagittalProfile::default(), &mut Warnings::default());
+    let text = error.expect_err("crossed").to_string();
+    assert!(
+        text.contains("lateral") && text.contains("T7") && text.contains("A (repeat 1)"),
+        "{text}"
+    );
+}
+
+/// The true corners of a phantom's film under the names of other vertebrae, so many levels lower.
+fn renamed(phantom: &spineline_phantom::Phantom, posture: Posture, down: usize) -> Case {
+    let mut case = phantom.case.clone();
+    let truth = phantom.film(posture).expect("every posture has a film");
+    let (_, _, readings) = landmarks(film_mut(&mut case, posture));
+    readings.truncate(1);
+    for (place, level) in Level::ALL.into_iter().enumerate() {
+        let Some(mark) = readings[0].vertebrae.get_mut(&level) else { continue };
+        mark.corners = truth.vertebrae[&Level::ALL[place + down]];
+        mark.axis_clockwise = None;
+    }
+    case
+}
+
+#[test]
+fn a_film_whose_vertebrae_are_all_called_by_their_neighbours_names_is_told() {
+    for (subject, truth) in [(0, Truth::Rod), (4, Truth::Bend), (8, Truth::Pull)] {
+        let phantom = phantom(subject, truth, &Readers::default());
+        for posture in Posture::MOVED {
+            let found = |down: usize| {
+                let analysis = analyzed(&renamed(&phantom, posture, down), &on_a_table());
+                let warnings = analysis.warnings.all().iter();
+                let shifted: Vec<_> = warnings
+                    .filter(|w| w.code == "levels_may_be_shifted")
+                    .filter_map(|w| w.posture)
+                    .collect();
+                shifted
+            };
+            assert_eq!(found(0), [], "{subject} {posture}: named rightly");
+            assert_eq!(found(1), [posture], "{subject} {posture}: T1 is called T2");
+        }
+    }
+}
+
+#[test]
+fn a_seam_that_leaves_a_gap_shows_between_two_vertebrae() {
+    // Films of the whole spine are put together from two or three; here the upper one lies 25 mm too high.
+    let mut case = exact_case(0);
+    let (image, _, readings) = landmarks(film_mut(&mut case, Posture::Erect));
+    let rows = 25.0 / spacing(image).row_mm;
+    image.rows += rows as u32;
+    for (level, mark) in &mut readings[0].vertebrae {
+        let lower = if *level <= Level::T10 { rows } else { 0.0 };
+        mark.corners = mark.corners.map(|p| Pixel::new(p.column_px, p.row_px + lower));
+    }
+    let analysis = analyzed(&case, &on_a_table());
+    let warning = analysis.warnings.all().iter().find(|w| w.code == "spacing_unusual");
+    let warning = warning.expect("the gap is twice the usual distance");
+    assert_eq!((warning.posture, warning.level), (Some(Posture::Erect), Some(Level::T9)));
+}

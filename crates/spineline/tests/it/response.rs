@@ -1,0 +1,217 @@
+//! Which shape a spine takes for a wanted lean, and where its angles are measured.
+
+use std::ops::ControlFlow;
+
+use crate::common::spine;
+use spineline::clinical::CurvePlaces;
+use spineline::multibody::{
+    BodyLoad, ForceSign, GeneralStatics, Goal, Loading, PathEnding, Rod, SpineModel, Support,
+    Timing,
+};
+use spineline::response::{
+    ActingKind, Response, Verdict, acting_loads, erect_shape, largest_factor, measure_angles,
+    respond,
+};
+use spineline::spatial::{Angle, Mat3, Vec3};
+
+fn load_top(
+    model: &SpineModel,
+    springs: &[Mat3],
+    load: BodyLoad,
+    goal: Goal,
+) -> (Loading, Response) {
+    let statics =
+        GeneralStatics::new(model, springs.to_vec(), Support::Free).expect("sound springs");
+    let loading = Loading::single(model.joints.len(), load);
+    let most = largest_factor(model, springs, &loading);
+    let mut go_on = |_, _: &_| ControlFlow::Continue(());
+    let response = respond(&statics, &loading, goal, most, &mut go_on).expect("sound loads");
+    (loading, response)
+}
+
+fn push(model: &SpineModel, springs: &[Mat3], force_n: Vec3, goal: Goal) -> (Loading, Response) {
+    let load = BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };
+    load_top(model, springs, load, goal)
+}
+
+fn springs(model: &SpineModel) -> Vec<Mat3> {
+    vec![Mat3::from_diagonal(&Vec3::new(1.44e5, 1.4e5, 3e5)); model.joints.len()]
+}
+
+#[test]
+fn turning_the_force_round_turns_the_factor_round() {
+    let model = spine(0).1;
+    let springs = springs(&model);
+    let goal = Goal::Lean(Angle::from_deg(-20.0));
+    let along = push(&model, &springs, Vec3::new(0.0, 100.0, 0.0), goal).1;
+    let against = push(&model, &springs, Vec3::new(0.0, -100.0, 0.0), goal).1;
+    let factor = |response: &Response| response.result().expect("a result").factor;
+    assert!(factor(&along) > 0.0 && (factor(&along) + factor(&against)).abs() < 1e-9);
+    assert_eq!(
+        (along.equilibria[0].sign, against.equilibria[0].sign),
+        (ForceSign::Positive, ForceSign::Negative)
+    );
+    // Twice the force needs half the factor: the same shape.
+    let twice = push(&model, &springs, Vec3::new(0.0, 200.0, 0.0), goal).1;
+    assert!((2.0 * factor(&twice) - factor(&along)).abs() < 1e-9);
+}
+
+#[test]
+fn the_chosen_shape_is_the_least_loaded_one_on_the_erect_branch() {
+    let model = spine(0).1;
+    let springs = springs(&model);
+    let mut several = 0;
+    for lean in [-12.0, -6.0, -3.0, -2.0, 1.0, 4.0, 9.0, 15.0] {
+        // A pull along a line fixed in space beside the joints bends first one way, then the other.
+        let (force_n, point_mm) = (Vec3::new(0.0, 64.5, 290.5), Vec3::new(-16.0, -8.0, 115.6));
+        let load = BodyLoad::ForceOnLine { force_n, point_mm };
+        let (_, response) = load_top(&model, &springs, load, Goal::Lean(Angle::from_deg(lean)));
+        several += usize::from(response.equilibria.len() > 1);
+        if let Some(result) = response.result() {
+            assert_eq!(response.equilibria[0].verdict, Verdict::Reached);
+            assert!(result.is_on_erect_branch());
+            for met in response.equilibria.iter().filter(|met| met.equilibrium.is_on_erect_branch())
+            {
+                assert!(met.equilibrium.factor.abs() >= result.factor.abs());
+            }
+        }
+        for met in &response.equilibria {
+            let found = met.equilibrium.deformed.lean();
+            assert!((found.deg() - lean).abs() < 1e-7, "every shape that is told leans as asked");
+        }
+    }
+    assert!(several > 0, "the test means something");
+}
+
+#[test]
+fn a_lean_that_is_there_already_needs_no_load_and_is_met_once() {
+    let model = spine(0).1;
+    let lean = erect_shape(&model).lean();
+    let (_, response) = push(&model, &springs(&model), Vec3::new(0.0, 50.0, 0.0), Goal::Lean(lean));
+    assert_eq!(response.equilibria.iter().filter(|met| met.equilibrium.factor == 0.0).count(), 1);
+    assert!(response.result().is_some_and(|result| result.factor == 0.0));
+}
+
+#[test]
+fn the_largest_factor_scales_with_springs_and_against_loads() {
+    let model = spine(0).1;
+    let loading = |n: f64| {
+        Loading::single(
+            14,
+            BodyLoad::ForceAtPoint {
+                force_n: Vec3::new(0.0, n, 0.0),
+                point_in_vertebra_mm: Vec3::zeros(),
+            },
+        )
+    };
+    let springs = springs(&model);
+    let soft: Vec<Mat3> = springs.iter().map(|k| k * 0.5).collect();
+    // 1500 N for this mean lateral stiffness.
+    assert!((largest_factor(&model, &springs, &loading(100.0)) - 15.0).abs() < 1e-9);
+    assert!((largest_factor(&model, &soft, &loading(300.0)) - 2.5).abs() < 1e-9);
+    assert!((largest_factor(&model, &springs, &Loading::default()) - 2.0).abs() < 1e-12);
+}
+
+#[test]
+fn an_interrupted_or_unreachable_search_has_no_result() {
+    let model = spine(0).1;
+    let goal = Goal::Lean(Angle::from_deg(-89.0));
+    let (_, response) = push(&model, &springs(&model), Vec3::new(0.0, 100.0, 0.0), goal);
+    assert_eq!(response.ending, PathEnding::Unreachable);
+    assert!(response.result().is_none() && response.nearest().is_some());
+}
+
+#[test]
+fn angles_and_acting_loads_are_those_of_the_shape() {
+    let model = spine(0).1;
+    let (loading, response) =
+        push(&model, &springs(&model), Vec3::new(0.0, 30.0, 0.0), Goal::FullLoad);
+    let result = response.result().expect("a small force");
+    let [load] = acting_loads(&loading, &result.deformed, result.factor, &[])[..] else {
+        panic!("one")
+    };
+    assert_eq!(load.kind, ActingKind::Force(Vec3::new(0.0, 30.0, 0.0)));
+    assert!((load.point_mm - result.deformed.midpoints_mm[14]).norm() < 1e-12);
+    let erect = erect_shape(&model);
+    let locations: Vec<_> = (0..15).map(|i| erect.location(i)).collect();
+    let tilts: Vec<_> = (0..15).map(|i| erect.tilt(i)).collect();
+    let places = CurvePlaces::usual(&locations, &tilts).expect("L4 to T2");
+    assert!(CurvePlaces::usual(&locations[1..], &tilts[1..]).is_none());
+    // A force to the left at the top turns the spine to the left all along: every curve gains the same way.
+    let (before, after) =
+        (measure_angles(&erect, &places), measure_angles(&result.deformed, &places));
+    for (now, then) in after.curves.iter().zip(&before.curves) {
+        assert!(now.cobb < then.cobb, "{}", now.region);
+    }
+    assert!(after.lean < before.lean);
+}
+
+#[test]
+fn loads_in_small_units_lean_a_spine_like_large_ones() {
+    // Oracle: a force is a force, in newtons or in units of ten micronewtons.
+    let model = spine(0).1;
+    let springs = springs(&model);
+    let goal = Goal::Lean(Angle::from_deg(-20.0));
+    let shape = |size: f64| {
+        let response = push(&model, &springs, Vec3::new(0.0, size, 0.0), goal).1;
+        let factor = response.result().expect("a result").factor;
+        let points: usize = response.paths.iter().map(|signed| signed.path.points.len()).sum();
+        (factor * size, points)
+    };
+    let ((force_n, _), (small_n, points)) = (shape(100.0), shape(1e-5));
+    assert!((force_n - small_n).abs() < 1e-6 * force_n, "{force_n} and {small_n}");
+    assert!(points < 500, "{points} points");
+}
+
+#[test]
+fn the_lean_of_the_unloaded_spine_is_met_once() {
+    // Oracle: no load at all meets it; along and against a force that is the same shape.
+    let model = spine(0).1;
+    let springs = springs(&model);
+    let top = model.midpoints_mm[14];
+    let goal = Goal::Lean(Angle::from_sin_cos(-top.y, top.z));
+    let response = push(&model, &springs, Vec3::new(0.0, 50.0, 0.0), goal).1;
+    let unloaded = response.equilibria.iter().filter(|met| met.equilibrium.factor.abs() < 1e-6);
+    assert_eq!(unloaded.count(), 1, "{:?}", response.ending);
+}
+
+#[test]
+fn a_straight_column_that_must_buckle_to_lean_says_so() {
+    // Oracle: pressed along its axis it stays straight up to the first branch point, and only that branch leans.
+    let midpoints = (0..15).map(|i| Vec3::new(0.0, 0.0, 28.0 * f64::from(i))).collect();
+    let centres = [Vec3::new(0.0, 0.0, 14.0); 14];
+    let model = SpineModel::from_poses(midpoints, vec![Mat3::identity(); 15], &centres);
+    let springs = springs(&model);
+    let goal = Goal::Lean(Angle::from_deg(-10.0));
+    let response = push(&model, &springs, Vec3::new(0.0, 0.0, -300.0), goal).1;
+    assert_eq!(response.ending, PathEnding::BranchPoint);
+    assert!(response.result().is_none());
+}
+
+#[test]
+fn a_path_that_is_lost_beyond_its_result_claims_no_completeness() {
+    // Oracle: joints do not stretch, so a rod cannot push its vertebrae 20 mm apart; the lean half-way there is met before.
+    let model = spine(0).1;
+    let springs = springs(&model);
+    let statics = GeneralStatics::new(&model, springs, Support::Free).expect("sound springs");
+    let shift_mm = Vec3::new(0.0, 0.0, 20.0);
+    let stretched = Rod {
+        inferior: 4,
+        superior: 10,
+        shift_mm,
+        turn_rad: Vec3::zeros(),
+        timing: Timing::Growing,
+    };
+    let loading = Loading { items: Vec::new(), rods: vec![stretched] };
+    let mut go_on = |_, _: &_| ControlFlow::Continue(());
+    let mut answer = |goal| respond(&statics, &loading, goal, 1.0, &mut go_on).expect("sound");
+    let full = answer(Goal::FullLoad);
+    assert!(full.result().is_none(), "{:?}", full.ending);
+    assert!(matches!(full.ending, PathEnding::NotConverged | PathEnding::Unreachable));
+    let points = &full.paths[0].path.points;
+    let lean = points[points.len() / 3].deformed.lean();
+    let found = answer(Goal::Lean(lean));
+    assert!(!found.equilibria.is_empty());
+    // The same path is lost at the same place, result or not.
+    assert!(!full.is_complete() && !found.is_complete());
+}

@@ -1,0 +1,344 @@
+//! Noise of landmarks through the whole pipeline.
+
+use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
+use spineline::anatomy::{Level, Posture, Region};
+use spineline::measure::{Corners, FilmMarks, Placement, Reading, SpacingPlane};
+use spineline::spatial::{Angle, Frontal};
+use spineline::uncertainty::{
+    Absent, AnalysisQuantity, LandmarkNoise, MarkNoise, MonteCarlo, NoiseSource, Replicate,
+    Uncertainty, UncertaintyError,
+};
+use spineline_phantom::{Readers, Truth, generate};
+
+fn case(subject: usize, truth: Truth, readers: &Readers) -> Case {
+    generate(subject, truth, readers, 1).expect("a subject of Table 1").case
+}
+
+/// The erect film alone: fast, and enough for what is measured on it.
+fn erect(mut case: Case) -> Case {
+    case.films.retain(|film| film.posture == Posture::Erect);
+    case
+}
+
+fn analyzed(case: &Case) -> Analysis {
+    analyze(case, &AnalysisOptions::default()).expect("a sound case")
+}
+
+fn run(case: &Case, noise: LandmarkNoise, seed: u64, count: u64) -> Uncertainty {
+    let nominal = analyzed(case);
+    told(&MonteCarlo::new(case, &nominal, noise, seed).expect("sound noise"), count)
+}
+
+fn run_anew(case: &Case, noise: LandmarkNoise, seed: u64, count: u64) -> Uncertainty {
+    let nominal = analyzed(case);
+    let monte_carlo = MonteCarlo::new(case, &nominal, noise, seed).expect("sound noise");
+    told(&monte_carlo.searching_anew(), count)
+}
+
+fn told(monte_carlo: &MonteCarlo<'_>, count: u64) -> Uncertainty {
+    let mut tally = monte_carlo.tally();
+    (0..count).for_each(|index| tally.add(&monte_carlo.replicate(index)));
+    tally.finish(count)
+}
+
+#[test]
+fn replicates_may_be_computed_in_any_order_and_from_any_order_of_readings() {
+    // Oracle: one after the other.
+    let case = case(0, Truth::Bend, &Readers::default());
+    let nominal = analyzed(&case);
+    let monte_carlo =
+        MonteCarlo::new(&case, &nominal, LandmarkNoise::Measured, 7).expect("sound noise");
+    let one_by_one: Vec<Replicate> = (0..6).map(|i| monte_carlo.replicate(i)).collect();
+    let threads: Vec<Replicate> = std::thread::scope(|scope| {
+        let halves = [[1, 3, 5], [4, 2, 0]].map(|part| {
+            let monte_carlo = &monte_carlo;
+            scope.spawn(move || part.map(|index| (index, monte_carlo.replicate(index))))
+        });
+        let mut all: Vec<_> = halves.into_iter().flat_map(|t| t.join().expect("ends")).collect();
+        all.sort_by_key(|(index, _)| *index);
+        all.into_iter().map(|(_, replicate)| replicate).collect()
+    });
+    assert_eq!(one_by_one, threads);
+
+    let mut turned = case.clone();
+    turned.films.reverse();
+    for film in &mut turned.films {
+        if let FilmMarks::Landmarks { readings, .. } = &mut film.marks {
+            readings.reverse();
+        }
+    }
+    let other = MonteCarlo::new(&turned, &nominal, LandmarkNoise::Measured, 7).expect("as before");
+    assert_eq!(other.replicate(2), one_by_one[2]);
+    assert_ne!(one_by_one[1], one_by_one[2], "every replicate has noise of its own");
+}
+
+#[test]
+fn without_noise_nothing_scatters_and_everything_is_the_case_itself() {
+    let case = case(3, Truth::Rod, &Readers::default());
+    let found = run(&case, LandmarkNoise::Pixels(0.0), 1, 3);
+    let usual = run(&case, LandmarkNoise::Measured, 1, 20);
+    assert_eq!((found.done, found.failed), (3, 0));
+    for quantity in &found.quantities {
+        let Ok(nominal) = quantity.nominal else { continue };
+        let spread = quantity.spread.expect("the case has it");
+        assert_eq!(quantity.count, 3, "{:?}", quantity.quantity);
+        assert_eq!(spread.sd, 0.0, "{:?}", quantity.quantity);
+        assert_eq!(spread.interval_95(), [spread.mean; 2], "{:?}", quantity.quantity);
+        // A fit goes on from where that of the case has ended, by a small part of what noise does.
+        let sd = usual.spread(quantity.quantity).map_or(0.0, |spread| spread.sd);
+        let off = (spread.mean - nominal).abs();
+        let left = 0.01 * sd + 1e-6 * nominal.abs();
+        assert!(off <= left, "{:?}: {nominal} and {}, sd {sd}", quantity.quantity, spread.mean);
+    }
+    let searched = run_anew(&case, LandmarkNoise::Pixels(0.0), 1, 2);
+    for quantity in &searched.quantities {
+        let Ok(nominal) = quantity.nominal else { continue };
+        let spread = quantity.spread.expect("the case has it");
+        assert_eq!((spread.sd, spread.mean), (0.0, nominal), "{:?}", quantity.quantity);
+    }
+}
+
+#[test]
+fn replicates_that_follow_the_minima_of_the_case_tell_what_a_search_anew_tells() {
+    // Oracle: every replicate analysed as a case of its own.
+    for (subject, truth) in [(1, Truth::Rod), (2, Truth::Bend), (6, Truth::Pull)] {
+        let case = case(subject, truth, &Readers::default());
+        let found = run(&case, LandmarkNoise::Measured, 5, 40);
+        let oracle = run_anew(&case, LandmarkNoise::Measured, 5, 40);
+        assert_eq!(found.done, oracle.done);
+        let (mut compared, mut apart) = (0, Vec::new());
+        for (one, other) in found.quantities.iter().zip(&oracle.quantities) {
+            assert_eq!(one.quantity, other.quantity);
+            let (Some(a), Some(b)) = (one.spread, other.spread) else { continue };
+            compared += 1;
+            let off = (a.mean - b.mean).abs().max((a.sd - b.sd).abs());
+            if off > 0.1 * b.sd {
+                apart.push((one.quantity, a, b));
+            }
+        }
+        assert!(compared > 300, "{compared}");
+        assert!(apart.len() * 50 <= compared, "{truth:?}: {apart:#?}");
+    }
+}
+
+/// Deviations of a body's place and tilt in the frame of another body, for a deviation of every corner's coordinate: linear
+/// propagation, with derivatives by differences.
+fn propagated(base: &Corners<Frontal>, body: &Corners<Frontal>, sd_mm: Frontal) -> [f64; 3] {
+    const STEP_MM: f64 = 1e-4;
+    let measure = |points: &[Frontal; 8]| {
+        let corners = |p: &[Frontal]| Corners {
+            superior_left: p[0],
+            superior_right: p[1],
+            inferior_left: p[2],
+            inferior_right: p[3],
+        };
+        let [base, body] = [corners(&points[..4]), corners(&points[4..])];
+        let place = |body: &Corners<Frontal>| body.measure_location().expect("a plain body");
+        let location = (place(&body) - place(&base)).rotated(-base.measure_tilt());
+        [location.y_mm, location.z_mm, (body.measure_tilt() - base.measure_tilt()).deg()]
+    };
+    let [a, b] = [base.points(), body.points()];
+    let points: [Frontal; 8] = std::array::from_fn(|i| if i < 4 { a[i] } else { b[i - 4] });
+    let mut variance = [0.0; 3];
+    for corner in 0..8 {
+        let axes =
+            [(Frontal::new(STEP_MM, 0.0), sd_mm.y_mm), (Frontal::new(0.0, STEP_MM), sd_mm.z_mm)];
+        for (off, sd_mm) in axes {
+            let moved = |sign: f64| {
+                let mut points = points;
+                points[corner] = points[corner] + off * sign;
+                measure(&points)
+            };
+            let (up, down) = (moved(1.0), moved(-1.0));
+            for (sum, (up, down)) in variance.iter_mut().zip(up.iter().zip(down)) {
+                *sum += ((up - down) / (2.0 * STEP_MM) * sd_mm).powi(2);
+            }
+        }
+    }
+    variance.map(f64::sqrt)
+}
+
+#[test]
+fn a_single_reading_scatters_as_the_noise_of_its_corners_says() {
+    // Oracle: linear propagation. In `G` a place holds the noise of L4's place and tilt too.
+    let (sd_px, count) = (3.0, 2000);
+    let case = erect(case(2, Truth::Rod, &Readers::exact()));
+    let found = run(&case, LandmarkNoise::Pixels(sd_px), 5, count);
+    let FilmMarks::Landmarks { image, readings, .. } = &case.films[0].marks else {
+        panic!("phantoms have landmarks")
+    };
+    // This film has pixels that are higher than wide.
+    let spacing = image.spacing.expect("phantoms have a spacing");
+    let sd_mm = Frontal::new(sd_px * spacing.column_mm, sd_px * spacing.row_mm);
+    assert!(sd_mm.z_mm > 1.1 * sd_mm.y_mm);
+    let body =
+        |level: Level| readings[0].vertebrae[&level].corners.map(|corner| image.frontal(corner));
+    // Monte Carlo's own error of a deviation is one part in √(2n); four of these.
+    let limit = 4.0 / (2.0 * count as f64).sqrt();
+    for level in [Level::L3, Level::T12, Level::T7, Level::T2] {
+        let quantities =
+            [AnalysisQuantity::LocationY, AnalysisQuantity::LocationZ, AnalysisQuantity::Tilt];
+        let right = propagated(&body(Level::L4), &body(level), sd_mm);
+        for (quantity, right) in quantities.into_iter().zip(right) {
+            let sd = found.spread(quantity(Posture::Erect, level)).expect("measured").sd;
+            assert!((sd / right - 1.0).abs() < limit, "{level}: {sd} {right}");
+        }
+    }
+}
+
+#[test]
+fn the_mean_of_n_readings_scatters_less_by_the_root_of_n() {
+    // Oracle: s/√n for tilts, which are linear in small noise.
+    let one = erect(case(2, Truth::Rod, &Readers::exact()));
+    let mut four = one.clone();
+    if let FilmMarks::Landmarks { readings, .. } = &mut four.films[0].marks {
+        for repeat in 2..=4 {
+            let mut again = readings[0].clone();
+            again.id.repeat = repeat;
+            readings.push(again);
+        }
+    }
+    let sd = |case: &Case| {
+        let found = run(case, LandmarkNoise::Pixels(2.0), 11, 1000);
+        found.spread(AnalysisQuantity::Tilt(Posture::Erect, Level::T8)).expect("measured").sd
+    };
+    let ratio = sd(&one) / sd(&four);
+    assert!((ratio / 2.0 - 1.0).abs() < 0.12, "{ratio}");
+}
+
+#[test]
+fn the_measured_noise_is_that_of_the_readers() {
+    // Oracle: the virtual readers' own deviation; two observers add their bias, which all three repeats of a mean share, and
+    // pixels their rounding.
+    let readers = Readers::default();
+    let found = run(&case(0, Truth::Rod, &readers), LandmarkNoise::Measured, 1, 1);
+    let shared = f64::from(readers.repeats).sqrt();
+    let expected = readers.corner_sd_mm.hypot(shared * readers.corner_bias_sd_mm);
+    let of_axes = readers.axis_sd.deg().hypot(shared * readers.axis_bias_sd.deg());
+    for film in &found.noise {
+        assert_eq!(film.source, NoiseSource::Readings);
+        let MarkNoise::Corners { sd_mm: Some([y, z]), axis_sd: Some(axis), .. } = film.marks else {
+            panic!("corners with a spacing")
+        };
+        assert!((y / expected - 1.0).abs() < 0.1 && (z - y).abs() < 1e-12, "{y} {expected}");
+        assert!((axis.deg() / of_axes - 1.0).abs() < 0.15, "{axis}");
+    }
+    let once = run(&erect(case(0, Truth::Rod, &Readers::exact())), LandmarkNoise::Measured, 1, 1);
+    assert_eq!(once.noise[0].source, NoiseSource::Assumed);
+    assert!(once.noise_words()[0].contains("nobody read it twice"), "{:?}", once.noise_words());
+}
+
+/// A case as another program would give it.
+fn placed(case: &Case) -> Case {
+    let nominal = analyzed(case);
+    let mut placed = case.clone();
+    for (film, posture) in placed.films.iter_mut().zip(&nominal.postures) {
+        let vertebrae = posture.outline.vertebrae.iter();
+        let vertebrae = vertebrae
+            .map(|v| (v.level, Placement { location: v.location, tilt: v.tilt }))
+            .collect();
+        let id = spineline::measure::ReadingId::new("program", 1);
+        film.marks = FilmMarks::Placements {
+            spacing_plane: SpacingPlane::Patient,
+            readings: vec![Reading { id, vertebrae }],
+        };
+    }
+    placed
+}
+
+#[test]
+fn locations_of_other_programs_are_moved_by_their_stated_noise_and_have_no_pixels() {
+    // Oracle: 0.25 mm and 0.7° of one careful reading; in `G` the tilts of two vertebrae differ by √2 of that.
+    let case = placed(&erect(case(4, Truth::Rod, &Readers::exact())));
+    let found = run(&case, LandmarkNoise::Measured, 2, 1500);
+    assert_eq!(found.noise[0].source, NoiseSource::Assumed);
+    let sd = found.spread(AnalysisQuantity::Tilt(Posture::Erect, Level::T5)).expect("measured").sd;
+    assert!((sd / (0.7 * 2.0_f64.sqrt()) - 1.0).abs() < 0.08, "{sd}");
+    let nominal = analyzed(&case);
+    let refused = MonteCarlo::new(&case, &nominal, LandmarkNoise::Pixels(2.0), 1).err();
+    assert_eq!(refused, Some(UncertaintyError::NoPicture { posture: Posture::Erect }));
+}
+
+#[test]
+fn a_deviation_below_zero_is_refused() {
+    let case = erect(case(0, Truth::Rod, &Readers::exact()));
+    let nominal = analyzed(&case);
+    for sd_px in [-1.0, f64::NAN, f64::INFINITY] {
+        let refused = MonteCarlo::new(&case, &nominal, LandmarkNoise::Pixels(sd_px), 1).err();
+        assert!(matches!(refused, Some(UncertaintyError::Deviation { .. })), "{sd_px}");
+    }
+}
+
+#[test]
+fn a_film_that_often_cannot_be_measured_is_counted() {
+    // Noise of a third of a body crosses corners now and then.
+    let case = erect(case(0, Truth::Rod, &Readers::exact()));
+    let found = run(&case, LandmarkNoise::Pixels(60.0), 3, 60);
+    assert!(found.failed > 0 && found.failed <= found.done, "{found:?}");
+    let counted: u64 = found.failures.iter().filter(|f| f.line.is_none()).map(|f| f.count).sum();
+    assert_eq!(counted, found.failed);
+    for quantity in &found.quantities {
+        let absent: u64 = quantity.absent.iter().map(|(_, count)| count).sum();
+        assert_eq!(quantity.count + absent + found.failed, found.done, "{:?}", quantity.quantity);
+    }
+    assert!(found.failure_words().iter().any(|words| words.contains("whole analysis")));
+}
+
+#[test]
+fn inflections_that_vanish_in_a_part_of_the_replicates_show_their_share() {
+    // A lobe counts from so many degrees on: at the size of the smallest one, noise decides.
+    let case = erect(case(0, Truth::Rod, &Readers::exact()));
+    let smallest = analyzed(&case)
+        .inflections
+        .lobes
+        .iter()
+        .map(|lobe| lobe.turn.abs().deg())
+        .fold(f64::INFINITY, f64::min);
+    let options =
+        AnalysisOptions { min_lobe: Angle::from_deg(smallest), ..AnalysisOptions::default() };
+    let nominal = analyze(&case, &options).expect("a sound case");
+    let monte_carlo =
+        MonteCarlo::new(&case, &nominal, LandmarkNoise::Pixels(3.0), 1).expect("sound noise");
+    let mut tally = monte_carlo.tally();
+    (0..200).for_each(|index| tally.add(&monte_carlo.replicate(index)));
+    let found = tally.finish(200);
+    let share = found.spread(AnalysisQuantity::InflectionPair).expect("always told").mean;
+    assert!((0.1..0.9).contains(&share), "{share}");
+    let caudal = found.of(AnalysisQuantity::InflectionY(0)).expect("asked for");
+    assert_eq!(caudal.absent, [(Absent::NoInflections, 200 - caudal.count)]);
+    assert!((caudal.count as f64 / 200.0 - share).abs() < 1e-12);
+}
+
+#[test]
+fn intervals_cover_the_truth_of_phantoms_where_nothing_is_chosen() {
+    // Oracle: the phantoms' true places. 16 phantoms with readers of known noise; binomial 95 % of 16 × 14 values.
+    let readers = Readers {
+        observers: 1,
+        repeats: 2,
+        corner_bias_sd_mm: 0.0,
+        rounded: false,
+        ..Readers::default()
+    };
+    let (mut covered, mut asked, mut cobb) = (0.0, 0.0, 0.0);
+    for subject in 0..16 {
+        let phantom = generate(subject, Truth::Rod, &readers, 9).expect("a subject");
+        let case = erect(phantom.case.clone());
+        let found = run(&case, LandmarkNoise::Pixels(4.0), 1, 300);
+        let truth = phantom.posture(Posture::Erect).expect("every phantom stands");
+        for (i, &level) in Level::MODEL.iter().enumerate().skip(1) {
+            let spread =
+                found.spread(AnalysisQuantity::Tilt(Posture::Erect, level)).expect("measured");
+            let [low, high] = spread.interval_95();
+            let right = (truth.tilts[i] - truth.tilts[0]).deg();
+            covered += f64::from(u8::from((low..=high).contains(&right)));
+            asked += 1.0;
+        }
+        // The ends of a Cobb angle are a choice of the noisy tilts: it is never far from the true one.
+        let main = found.spread(AnalysisQuantity::Cobb(Posture::Erect, Region::MainThoracic));
+        cobb += main.expect("measured").sd / 16.0;
+    }
+    let rate = covered / asked;
+    assert!((0.90..=0.99).contains(&rate), "{rate}");
+    // Two tilts of 0.4 mm at bodies of 20 to 30 mm, mean of two readings.
+    assert!((0.4..1.6).contains(&cobb), "{cobb}");
+}
