@@ -13,8 +13,10 @@
 //! ```
 
 mod analysis_file;
+pub mod by_key;
 mod case_file;
 mod cohort_file;
+mod described;
 mod digest;
 mod error;
 mod export;
@@ -36,12 +38,13 @@ pub use case_file::{
     written_axis_deg,
 };
 pub use cohort_file::CohortFile;
+pub use described::Described;
 pub use digest::sha256_hex;
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};
 pub use json::nearest;
-pub use keys::{ApplicationKey, LevelKey};
-pub use load_file::{AppliedLoad, LoadFile, PlacedLoads, TimingKey, parse_load};
+pub use keys::{Key, LevelKey};
+pub use load_file::{AppliedLoad, LoadFile, PlacedLoads, parse_load};
 pub use model_file::{LoadRecord, ModelFile, StoredModel, parse_model};
 pub use provenance::{FilmOrigin, InputFile, ProgramRun, Provenance, ProvenanceFile};
 pub use readings_table::{ReadingsTable, parse_readings};
