@@ -118,7 +118,7 @@ async fn edit(
 
 fn film_edit(film: &FilmRecord, edit: FilmEditName) -> Answer<FilmEdit> {
     Ok(match edit {
-        FilmEditName::Posture { posture } => FilmEdit::Posture(words::posture(posture)),
+        FilmEditName::Posture { posture } => FilmEdit::Posture(posture.0),
         FilmEditName::Inverted { inverted } => FilmEdit::Inverted(inverted),
         FilmEditName::Scale { from_px, to_px, length_mm, length_sd_mm, calibrator } => {
             let image = spineline_files::parse_image(&film.image, film.posture)

@@ -10,7 +10,7 @@ use spineline_store::{
     Study,
 };
 
-use super::super::api::{FilmSummary, ReadingSummary, RoleName, StudyStatus, StudySummary};
+use super::super::api::{FilmSummary, ReadingSummary, RoleName, StudyStatus, StudySummary, Wire};
 use super::super::{Answer, AppState, User, results, words};
 
 /// What is known of studies as they were at a number of the log.
@@ -161,14 +161,14 @@ fn summary_of(film: &FilmRecord, overview: &Overview, user: &User, sight: Sight)
     });
     FilmSummary {
         film: film.id.0,
-        posture: words::posture_name(film.posture),
+        posture: Wire(film.posture),
         columns: image.columns,
         rows: image.rows,
         pixel_aspect: words::pixel_aspect(image.spacing),
         plane: words::plane_of(&image),
         row_mm: image.spacing.map(|spacing| spacing.row_mm),
         spacing_text: words::spacing_text(image.spacing),
-        patient_left: words::image_side_name(image.patient_left),
+        patient_left: Wire(image.patient_left),
         inverted: film.inverted,
         revision: film.revision,
         readings: readings.collect(),
