@@ -195,7 +195,7 @@ impl Results<'_> {
         args: &AnalyzeArgs,
         analysis: &Analysis,
     ) -> Result<(), Failure> {
-        let kind = args.model_line.kind();
+        let kind = args.model_line;
         let Some(model) = analysis.models.iter().find(|model| model.kind == kind) else {
             let text =
                 format!("there is no model with the {kind}, so --model has nothing to write");

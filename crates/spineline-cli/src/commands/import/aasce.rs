@@ -31,7 +31,7 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
         ));
     }
     for folder in &args.paths {
-        import(args, folder, side.value.side())?;
+        import(args, folder, side.value)?;
     }
     Ok(Ending::Done)
 }

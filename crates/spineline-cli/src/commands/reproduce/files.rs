@@ -4,13 +4,13 @@ use std::path::Path;
 
 use serde::Serialize;
 use spineline::analysis::{Analysis, Case};
+use spineline::multibody::Support;
 use spineline_files::{AnalysisFile, CaseFile, Provenance, Request};
 
 use super::args::ReproduceArgs;
 use super::row::Section;
 use super::runs::Run;
 use crate::analysis::tables::vertebrae_csv;
-use crate::options::method::support_key;
 use crate::run::csv::records_to_csv;
 use crate::run::failure::Failure;
 use crate::run::outputs::{write_file, write_table};
@@ -41,7 +41,7 @@ pub fn write(
     };
     write_file(&out.join("summary.json"), spineline_files::to_text(&summary))?;
     for run in runs {
-        let support = support_key(run.support);
+        let support = run.support.key();
         let name = format!("errors-{}-{support}.csv", run.truth.key());
         write_table(&out.join("errors").join(name), &vertebrae_csv(&run.analyses)?, provenance)?;
         for (case, analysis) in run.cases.iter().zip(&run.analyses) {
@@ -95,7 +95,7 @@ fn records(section: &Section) -> Vec<Record> {
         for (truth, cell) in ["rod", "bend", "pull"].into_iter().zip(&row.ours) {
             records.push(Record {
                 section: section.title.clone(),
-                support: section.support.map(support_key),
+                support: section.support.map(Support::key),
                 quantity: row.quantity.trim().to_owned(),
                 unit: row.unit,
                 paper: row.paper.clone(),

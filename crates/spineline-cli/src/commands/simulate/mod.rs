@@ -35,8 +35,8 @@ pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
         ));
     }
     let mut model = read_model(&args.model)?;
-    if let Some(name) = args.support {
-        model.support = name.support();
+    if let Some(support) = args.support {
+        model.support = support;
     }
     let (loads, notes) = loads::of(args, &model)?;
     let outcome = with_progress(|on_point| Outcome::of(args, model, loads, notes, on_point))?;

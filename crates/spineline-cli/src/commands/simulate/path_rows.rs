@@ -5,7 +5,6 @@ use spineline::multibody::{ForceSign, PathPoint};
 use spineline::response::{direction_word, measure_angles};
 
 use super::outcome::Outcome;
-use super::words::timing_key;
 use crate::run::csv::rows_to_csv;
 use crate::run::failure::Failure;
 
@@ -53,7 +52,7 @@ fn row(outcome: &Outcome, sign: ForceSign, point: &PathPoint) -> Vec<String> {
         outcome.model.absolute.to_string(),
         outcome.response.ending.key().to_owned(),
         direction_word(sign).to_owned(),
-        timing_key(point.timing).to_owned(),
+        point.timing.key().to_owned(),
         point.factor.to_string(),
         point.arc_rad.to_string(),
         angles.lean.deg().to_string(),
