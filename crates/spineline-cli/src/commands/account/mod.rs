@@ -8,6 +8,7 @@ use std::io::{IsTerminal, Read, stdin};
 use std::path::Path;
 
 use chrono::Utc;
+use spineline::anatomy::Named;
 use spineline_store::{Account, AccountChange, PasswordHash, Signature, Store, StoreError};
 
 use args::AccountCommand;

@@ -5,8 +5,9 @@ use std::borrow::Cow;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use spineline::action::LineKind;
 use spineline::anatomy::{ImageSide, Named, Posture, Side};
-use spineline::measure::SpacingPlane;
+use spineline::measure::{Calibrator, SpacingPlane};
 use spineline_files::by_key;
+use spineline_store::{Access, Role};
 use utoipa::openapi::RefOr;
 use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
 use utoipa::{PartialSchema, ToSchema};
@@ -72,6 +73,12 @@ pub type ImageSideName = Wire<ImageSide>;
 pub type PlaneName = Wire<SpacingPlane>;
 /// How a line of action was chosen.
 pub type LineName = Wire<LineKind>;
+/// An object of known size in the picture.
+pub type CalibratorName = Wire<Calibrator>;
+/// What an account may do at most; a study may grant less.
+pub type RoleName = Wire<Role>;
+/// How people show who they are.
+pub type AccessName = Wire<Access>;
 
 impl Described for Posture {
     const SCHEMA: &'static str = "PostureName";
@@ -98,4 +105,19 @@ impl Described for LineKind {
     const DESCRIPTION: &'static str = "How a line of action was chosen.";
     /// The interface has no line given by hand.
     const VALUES: &'static [Self] = &[Self::Inflection, Self::Iliac, Self::Estimated];
+}
+
+impl Described for Calibrator {
+    const SCHEMA: &'static str = "CalibratorName";
+    const DESCRIPTION: &'static str = "An object of known size in the picture.";
+}
+
+impl Described for Role {
+    const SCHEMA: &'static str = "RoleName";
+    const DESCRIPTION: &'static str = "What an account may do at most; a study may grant less.";
+}
+
+impl Described for Access {
+    const SCHEMA: &'static str = "AccessName";
+    const DESCRIPTION: &'static str = "How people show who they are.";
 }

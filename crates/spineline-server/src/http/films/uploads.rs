@@ -12,11 +12,11 @@ use spineline::anatomy::Posture;
 use spineline::measure::{Spacing, Stance, View, judge_spacing, judge_view};
 use spineline_files::sha256_hex;
 use spineline_films::{FilmFile, FilmKind, FilmLimits, FilmRemark};
-use spineline_store::{Name, Timestamp};
+use spineline_store::{Name, Role, Timestamp};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::super::api::{Notice, Problem, RoleName, Severity, SpacingView, UploadView, Wire};
+use super::super::api::{Notice, Problem, Severity, SpacingView, UploadView, Wire};
 use super::super::extract::{Json, Path};
 use super::super::state::secret;
 use super::super::{Answer, AppState, Failure, User, words};
@@ -123,7 +123,7 @@ async fn upload(
     user: User,
     body: Result<Bytes, BytesRejection>,
 ) -> Answer<Json<UploadView>> {
-    user.need(RoleName::Editor)?;
+    user.need(Role::Editor)?;
     let bytes: Vec<u8> = body.map_err(|refused| unread(&refused))?.into();
     let _turn = turn(&state).await?;
     let film = decode(&state, bytes.clone()).await?;

@@ -9,13 +9,11 @@ use spineline::anatomy::Posture;
 use spineline::measure::{ImageGeometry, Spacing};
 use spineline_files::{FilmSource, image_value, sha256_hex};
 use spineline_films::{DeidOptions, FilmKind, FilmLimits, deidentify};
-use spineline_store::{CaseError, Name, NewCase, Study};
+use spineline_store::{CaseError, Name, NewCase, Role, Study};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::super::api::{
-    CaseImport, NewFilm, NewStudy, Problem, RoleName, ScaleChoice, StudyDetail,
-};
+use super::super::api::{CaseImport, NewFilm, NewStudy, Problem, ScaleChoice, StudyDetail};
 use super::super::extract::Json;
 use super::super::films::Upload;
 use super::super::{Answer, AppState, Failure, User};
@@ -35,7 +33,7 @@ async fn new_study(
     user: User,
     Json(new): Json<NewStudy>,
 ) -> Answer<Json<StudyDetail>> {
-    user.need(RoleName::Editor)?;
+    user.need(Role::Editor)?;
     let id = Name::new(&new.id)?;
     let now = state.now();
     let uploads = new
@@ -70,7 +68,7 @@ async fn import_case(
     user: User,
     Json(import): Json<CaseImport>,
 ) -> Answer<Json<StudyDetail>> {
-    user.need(RoleName::Editor)?;
+    user.need(Role::Editor)?;
     let now = state.now();
     let mut uploads = BTreeMap::new();
     for film in &import.films {

@@ -6,11 +6,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::ImageGeometry;
 use spineline_store::{
-    FilmId, FilmRecord, Name, ReadingId, ReadingRecord, ReadingState, Sight, Store, StoreError,
-    Study,
+    FilmId, FilmRecord, Name, ReadingId, ReadingRecord, ReadingState, Role, Sight, Store,
+    StoreError, Study,
 };
 
-use super::super::api::{FilmSummary, ReadingSummary, RoleName, StudyStatus, StudySummary, Wire};
+use super::super::api::{FilmSummary, ReadingSummary, StudyStatus, StudySummary, Wire};
 use super::super::{Answer, AppState, User, results, words};
 
 /// What is known of studies as they were at a number of the log.
@@ -96,7 +96,7 @@ pub fn study_summary(
     state: &AppState,
     store: &Store,
     user: &User,
-    role: RoleName,
+    role: Role,
     study: &Study,
 ) -> Answer<StudySummary> {
     let changed = store.last_change(&study.id)?;
@@ -119,7 +119,7 @@ pub fn study_summary(
         id: study.id.to_string(),
         label: study.label.clone(),
         synthetic: study.synthetic,
-        role,
+        role: Wire(role),
         status,
         status_text,
         films,
