@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use serde::de::{Error, Visitor};
+use serde::de::{DeserializeSeed, EnumAccess, Error, VariantAccess, Visitor};
 use serde::{Deserializer, Serializer};
 use spineline::anatomy::{Named, UnknownKey};
 
@@ -22,21 +22,36 @@ pub fn deserialize<'de, T: Named, D: Deserializer<'de>>(
     allowed: &'static [T],
     deserializer: D,
 ) -> Result<T, D::Error> {
-    deserializer.deserialize_str(OneOf(allowed))
+    // The type is an enum also for serde, as if it were derived: names and variants are only for formats without names.
+    deserializer.deserialize_enum("", &[], OneOf(allowed))
 }
 
-/// Visits in place, so that the error carries the line of the name and not that of the object's end.
+/// Reads the name in place, so that an error carries its line and not that of the object's end.
 struct OneOf<T: 'static>(&'static [T]);
 
-impl<T: Named> Visitor<'_> for OneOf<T> {
+impl<'de, T: Named> Visitor<'de> for OneOf<T> {
     type Value = T;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("the name of a value")
     }
 
+    fn visit_enum<A: EnumAccess<'de>>(self, access: A) -> Result<T, A::Error> {
+        let (value, content) = access.variant_seed(self)?;
+        content.unit_variant()?;
+        Ok(value)
+    }
+
     fn visit_str<E: Error>(self, text: &str) -> Result<T, E> {
         let found = T::from_key(text).filter(|value| self.0.contains(value));
         found.ok_or_else(|| E::custom(UnknownKey::new(text, self.0)))
+    }
+}
+
+impl<'de, T: Named> DeserializeSeed<'de> for OneOf<T> {
+    type Value = T;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<T, D::Error> {
+        deserializer.deserialize_identifier(self)
     }
 }
