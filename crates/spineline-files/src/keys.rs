@@ -196,3 +196,51 @@ impl<T: JsonSchema> JsonSchema for ByLevel<T> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use schemars::schema_for;
+    use serde::de::DeserializeOwned;
+    use spineline::analysis::Grouping;
+    use spineline::multibody::Support;
+
+    use super::*;
+    use crate::json::parse_value;
+    use crate::to_text;
+
+    /// What holds a patient.
+    #[derive(Debug, Serialize, Deserialize, JsonSchema)]
+    #[serde(rename_all = "snake_case")]
+    enum SupportKey {
+        /// Nothing but L4.
+        Free,
+        /// A table: flexion and axial hinges are locked.
+        Frontal,
+    }
+
+    #[derive(Debug, Serialize, Deserialize, JsonSchema)]
+    #[serde(rename_all = "snake_case")]
+    enum GroupingKey {
+        Regional,
+        PerJoint,
+    }
+
+    /// A list of values read and written again, or what is wrong with it.
+    fn again<T: Serialize + DeserializeOwned>(text: &str) -> String {
+        match parse_value::<Vec<T>>(text) {
+            Ok(values) => to_text(&values),
+            Err(error) => error.to_string(),
+        }
+    }
+
+    #[test]
+    fn a_key_is_what_the_derives_make_of_an_enum() {
+        let schemas = [schema_for!(Key<Support>), schema_for!(SupportKey)].map(|s| to_text(&s));
+        assert_eq!(schemas[0], schemas[1]);
+        let schemas = [schema_for!(Key<Grouping>), schema_for!(GroupingKey)].map(|s| to_text(&s));
+        assert_eq!(schemas[0], schemas[1]);
+        for text in ["[\n\"free\"]", "[\n\"fre\"\n]", "[5]", "[{\n\"free\": null}]", "[null]"] {
+            assert_eq!(again::<Key<Support>>(text), again::<SupportKey>(text), "{text}");
+        }
+    }
+}

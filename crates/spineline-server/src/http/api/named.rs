@@ -121,3 +121,34 @@ impl Described for Access {
     const SCHEMA: &'static str = "AccessName";
     const DESCRIPTION: &'static str = "How people show who they are.";
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What an account may do at most; a study may grant less.
+    #[derive(ToSchema)]
+    #[schema(rename_all = "snake_case")]
+    #[allow(dead_code)]
+    enum RoleName {
+        Reader,
+        Editor,
+        Admin,
+    }
+
+    #[test]
+    fn a_schema_is_what_the_derive_makes_of_an_enum() {
+        let text = |schema: RefOr<Schema>| serde_json::to_string(&schema).expect("a schema");
+        assert_eq!(text(Wire::<Role>::schema()), text(RoleName::schema()));
+        assert_eq!(Wire::<Role>::name(), RoleName::name());
+    }
+
+    #[test]
+    fn a_value_that_the_interface_does_not_have_is_refused() {
+        assert_eq!(Wire::of(LineKind::Iliac), Some(Wire(LineKind::Iliac)));
+        assert_eq!(Wire::of(LineKind::Given), None);
+        let error = serde_json::from_str::<LineName>("\"given_line\"").expect_err("not there");
+        let text = "unknown variant `given_line`, expected one of `inflection_line`, `iliac_line`, `estimated_line`";
+        assert!(error.to_string().starts_with(text), "{error}");
+    }
+}
