@@ -129,9 +129,7 @@ impl<'de> Deserialize<'de> for SourceKey {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = String::deserialize(deserializer)?;
         let known = SpacingSource::ALL.map(SpacingSource::key);
-        SpacingSource::ALL
-            .into_iter()
-            .find(|source| source.key() == text)
+        SpacingSource::from_key(&text)
             .map(Self)
             .ok_or_else(|| D::Error::custom(format!("`{text}` is none of {}", known.join(", "))))
     }
