@@ -80,7 +80,7 @@ export class StudyPage {
   async begin(): Promise<void> {
     const film = this.film;
     if (!film) return;
-    await this.#tried("The reading could not be begun", async () => {
+    await this.#tried("The reading could not be started", async () => {
       const view = await beginReading(film.film, { repeat: this.nextRepeat });
       await this.refresh();
       await this.openReading(view.reading);
