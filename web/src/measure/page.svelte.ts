@@ -17,7 +17,7 @@ export class StudyPage {
   /** What went wrong, and what was tried. */
   problem = $state.raw<{ what: string; error: unknown } | null>(null);
   /** Who changed what, for a banner. */
-  told = $state<string | null>(null);
+  changeNotice = $state<string | null>(null);
   /** Whether the reading of the film is being looked for. */
   isLooking = $state(true);
   #film = $state<number | null>(null);
@@ -104,12 +104,12 @@ export class StudyPage {
   /** Somebody, perhaps this window, has changed something. */
   heard(change: Api<"Change">, me: string): void {
     if (this.marking?.isNews(change)) {
-      this.told =
+      this.changeNotice =
         change.who === me
           ? "This reading was changed in another window."
           : `${change.who} has changed this reading.`;
       void this.marking.reload();
-    } else if (change.who !== me) this.told = `${change.who} has changed this study.`;
+    } else if (change.who !== me) this.changeNotice = `${change.who} has changed this study.`;
     this.#later();
   }
 
