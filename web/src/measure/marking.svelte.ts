@@ -1,5 +1,12 @@
-import { ask, Refusal } from "../api/client";
+import { Refusal } from "../api/client";
 import { Latest } from "../api/latest";
+import {
+  finishReading,
+  previewReading,
+  readLive,
+  readReading,
+  recordEvents,
+} from "../api/readings";
 import type { Api } from "../api/types";
 import { keepingOf, keepsNothing, leftBehind, type ReadingKeeping } from "./keeping";
 import {
@@ -111,7 +118,6 @@ export class Marking {
   constructor(reading: ReadingView, tab: string) {
     this.#recorded = reading;
     this.#blinded = reading.code !== null && reading.code !== undefined;
-    const path = `/api/readings/${reading.reading}`;
     this.#tab = tab;
     this.#keeping = reading.mine ? keepingOf(reading, tab) : keepsNothing;
     this.#previews = new Latest(
@@ -120,14 +126,14 @@ export class Marking {
       { patienceMs: PATIENCE_MS },
     );
     this.#lives = new Latest(
-      (_, signal) => ask<LiveView>("GET", `${path}/live`, { signal }),
+      (_, signal) => readLive(reading.reading, signal),
       (live) => (this.#live = live),
       { patienceMs: PATIENCE_MS },
     );
     this.#outbox = new Outbox({
       revision: reading.revision,
       send: (events, expected_revision) =>
-        ask("POST", `${path}/events`, { json: { expected_revision, events } }),
+        recordEvents(reading.reading, { expected_revision, events: [...events] }),
       keeping: this.#keeping,
       saved: (answer) => this.#use(answer.reading, answer.live ?? null),
       conflict: (_, answer) => {
@@ -312,7 +318,7 @@ export class Marking {
 
   async reload(): Promise<void> {
     try {
-      const reading = await ask<ReadingView>("GET", `/api/readings/${this.#recorded.reading}`);
+      const reading = await readReading(this.#recorded.reading);
       this.#use(reading);
       this.#outbox.rebase(reading.revision);
     } catch (error) {
@@ -323,9 +329,8 @@ export class Marking {
   }
 
   async finish(): Promise<void> {
-    const path = `/api/readings/${this.#recorded.reading}/finish`;
-    const json = { expected_revision: this.#recorded.revision };
-    this.#use(await ask<ReadingView>("POST", path, { json }));
+    const { reading, revision } = this.#recorded;
+    this.#use(await finishReading(reading, { expected_revision: revision }));
   }
 
   /** Records again what was lost, upon the reading as it stands. */
@@ -395,9 +400,8 @@ export class Marking {
   }
 
   #askPreview({ events, turn }: Omit<PreviewWish, "at">, signal: AbortSignal): Promise<Preview> {
-    const path = `/api/readings/${this.#recorded.reading}/preview`;
     const turn_axis = turn ? { level: turn.level, towards_px: [...turn.towards] } : null;
-    return ask("POST", path, { json: { events, turn_axis }, signal });
+    return previewReading(this.#recorded.reading, { events: [...events], turn_axis }, signal);
   }
 
   #previewed(preview: Preview, { turn, at }: PreviewWish): void {
