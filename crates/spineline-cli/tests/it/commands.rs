@@ -457,7 +457,9 @@ fn a_model_has_no_landmarks_and_a_case_no_springs() {
     assert_eq!(run(here.path(), &["analyze", case, "--model", "model.json"]).2, 0);
     let (_, error, code) = run(here.path(), &["export", "model.json", "--to", "slicer"]);
     assert!(
-        code == 3 && error.contains("spineline-model") && error.contains("landmarks belong to a case"),
+        code == 3
+            && error.contains("spineline-model")
+            && error.contains("landmarks belong to a case"),
         "{error}"
     );
     let (_, error, code) = run(here.path(), &["export", case, "--to", "mjcf"]);
