@@ -70,9 +70,6 @@ const AGAIN_MS = 800;
 /** How long a dropped axis waits for its angle. */
 const TURN_MS = 5_000;
 
-/** Places are kept to a thousandth of a pixel. */
-const rounded = (px: number): number => Math.round(px * 1_000) / 1_000;
-
 /** One reading while it is being marked: what is recorded, what is on its way, and what a hand is doing right now. */
 export class Marking {
   /** As the program has it. */
@@ -489,8 +486,9 @@ function turnedIn(preview: Preview, level: string): Event | null {
   return axis ? { kind: "set_axis", level, axis_deg: axis.axis_deg } : null;
 }
 
+/** Places are kept to a thousandth of a pixel. */
 function round([column, row]: FilmPoint): FilmPoint {
-  return [rounded(column), rounded(row)];
+  return [Math.round(column * 1_000) / 1_000, Math.round(row * 1_000) / 1_000];
 }
 
 /** The same place again, on a reading that has changed: whether a corner is placed or moved depends on it. */

@@ -33,7 +33,7 @@ const ORDERS: [(&str, &[&str]); 2] = [
             "cohort",
         ],
     ),
-    ("spineline-cli", &["run", "options", "analysis", "terminal", "commands"]),
+    ("spineline-cli", &["run", "options", "analysis", "commands"]),
 ];
 
 /// The folder whose modules are apart: none of them uses another.

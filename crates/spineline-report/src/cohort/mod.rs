@@ -101,7 +101,7 @@ fn how(patients: &Patients<'_>) -> Section {
 /// A mean with its 95 % interval over patients.
 fn with_interval(mean: f64, ends: Option<[f64; 2]>, places: usize) -> String {
     if !mean.is_finite() {
-        return patient::none();
+        return crate::phrases::none();
     }
     let ends = ends
         .map_or_else(String::new, |[low, high]| format!(" ({low:.places$} to {high:.places$})"));

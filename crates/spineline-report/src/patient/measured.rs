@@ -7,6 +7,7 @@ use spineline::personalize::LineTest;
 use super::Patient;
 use crate::document::{Column, Figure, Section, Table};
 use crate::figures::{self, InflectionSample};
+use crate::phrases::none;
 
 /// Films with everything on them, the curve, and clinical angles.
 pub fn films(patient: &Patient<'_>) -> Section {
@@ -203,9 +204,4 @@ pub fn best_fit(analysis: &Analysis) -> Table {
 
 fn p_value(test: Option<LineTest>) -> String {
     test.map_or_else(none, |test| probability(test.p_value))
-}
-
-/// What stands where there is no number.
-pub fn none() -> String {
-    "–".to_owned()
 }

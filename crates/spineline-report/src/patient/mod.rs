@@ -13,9 +13,7 @@ use spineline::uncertainty::Uncertainty;
 use crate::document::{Document, Notice, NoticeKind, Section};
 use crate::figures::FilmPicture;
 
-pub(crate) use measured::none;
 pub(crate) use method::options;
-pub(crate) use model::{FITTED, HELD_OUT, numbers, sentence_case};
 pub use summary::{summary, warnings};
 
 /// What a report is made from.

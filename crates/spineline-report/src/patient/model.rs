@@ -1,24 +1,20 @@
 //! The personalised models: shapes, springs, errors, and the lines side by side.
 
-use spineline::analysis::{Analysis, FilmRole, FreeNumbers, LineModel, LinesCompared};
+use spineline::analysis::{Analysis, FilmRole, LineModel, LinesCompared};
 use spineline::anatomy::Posture;
 use spineline::multibody::StiffnessLibrary;
 use spineline::personalize::{FitStatus, StiffnessBound};
 use spineline::uncertainty::{AnalysisQuantity, Uncertainty};
 
 use super::Patient;
-use super::measured::none;
 use super::uncertainty;
 use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures;
+use crate::phrases::{FITTED, HELD_OUT, none, numbers, sentence_case};
 
 /// Parts of the force at which figure 11 shows the spine.
 const PARTS: [f64; 4] = [0.0, 0.5, 1.0, 1.25];
 const NO_MODEL: &str = "There is no personalised model: the warnings above give the reason.";
-/// What errors on held-out films are worth.
-pub(crate) const HELD_OUT: &str = "No model was fitted to these films.";
-/// What errors on fitted films are worth.
-pub(crate) const FITTED: &str = "The stiffness was fitted to these films: a small error here shows how well a line adapts to the data, and is no evidence for it.";
 
 /// Figures 9 and 11 of the paper, for every posture.
 pub fn simulated(analysis: &Analysis) -> Section {
@@ -297,17 +293,6 @@ fn same_films(found: &LinesCompared) -> Table {
     table
 }
 
-/// What a line takes from films, in words.
-pub(crate) fn numbers(numbers: &FreeNumbers, role: FilmRole) -> String {
-    let FreeNumbers { multipliers, forces, line, per_predicted_film } = *numbers;
-    match role {
-        FilmRole::Fitted => {
-            format!("{multipliers} + {forces} + {line} = {} fitted", numbers.fitted())
-        }
-        _ => format!("{per_predicted_film} per film"),
-    }
-}
-
 fn comparison_notes(found: &LinesCompared) -> Vec<String> {
     let mut notes = vec!["Numbers fitted: free multipliers + forces + parameters of a free line. A bend that is left out is predicted with the stiffness fitted to the other bend.".to_owned()];
     for role in FilmRole::ALL {
@@ -319,10 +304,4 @@ fn comparison_notes(found: &LinesCompared) -> Vec<String> {
         notes.push("The free line was fitted to whole shapes, the others to Ferguson angles: not the same data.".to_owned());
     }
     notes
-}
-
-/// A word with a capital at its start.
-pub(crate) fn sentence_case(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
