@@ -27,17 +27,17 @@ pub fn report(outcome: &Outcome) -> String {
     }
     text.push_str(&solutions_text(outcome));
     text.push_str(&events_text(outcome));
-    text.push_str(&warnings(outcome));
+    text.extend(notices(outcome).iter().map(|one| terminal::notice(one, terminal::WIDTH)));
     text
 }
 
 /// The warnings.
-pub fn warnings(outcome: &Outcome) -> String {
+pub fn notices(outcome: &Outcome) -> Vec<Notice> {
     let notice = |warning: &SimulationWarning| Notice {
         code: warning.code.to_owned(),
         ..Notice::new(NoticeKind::Warning, warning.message.clone())
     };
-    outcome.warnings.iter().map(|w| terminal::notice(&notice(w), terminal::WIDTH)).collect()
+    outcome.warnings.iter().map(notice).collect()
 }
 
 fn head(outcome: &Outcome) -> String {
