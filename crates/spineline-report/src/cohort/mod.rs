@@ -39,6 +39,7 @@ pub fn report(patients: &Patients<'_>) -> Document {
     sections.push(movement::section(patients.together));
     sections.push(errors::fitted_and_held_out(patients.together));
     sections.push(errors::tests(patients.together));
+    sections.extend(hypotheses::section(patients.analyses));
     sections.push(errors::by_patient(patients.analyses, Detail::Full));
     sections.push(readers::section(patients.analyses));
     sections.push(how(patients));

@@ -61,7 +61,7 @@ pub fn stiffness(patient: &Patient<'_>) -> Section {
         section.paragraph(NO_MODEL);
         return section;
     }
-    section.paragraph(scale_constraint(analysis));
+    section.paragraph(format!("Scale constraint (gauge): {}.", analysis.gauge_words()));
     section.table(multipliers(patient));
     section.table(springs(analysis));
     if let Some(found) = patient.identifiability {
@@ -70,12 +70,7 @@ pub fn stiffness(patient: &Patient<'_>) -> Section {
     section
 }
 
-/// What fixes the level of all springs.
-pub fn scale_constraint(analysis: &Analysis) -> String {
-    format!("Scale constraint (gauge): {}.", analysis.gauge_words())
-}
-
-/// The multipliers of all lines side by side, with what makes a value none.
+/// The multipliers of all lines side by side, with what fixes their level and what makes a value none.
 pub fn multipliers_in_short(section: &mut Section, analysis: &Analysis) {
     let Some(first) = analysis.models.first() else { return };
     let mut columns = vec![Column::words("Joints")];
@@ -85,7 +80,8 @@ pub fn multipliers_in_short(section: &mut Section, analysis: &Analysis) {
             .iter()
             .map(|model| Column::words(format!("{} (1)", sentence_case(&model.kind.to_string())))),
     );
-    let mut table = Table::new("Multipliers of the lateral stiffness of the table", columns);
+    let caption = format!("Lateral stiffness relative to the table ({})", analysis.gauge_words());
+    let mut table = Table::new(caption, columns);
     let values: Vec<Vec<f64>> = analysis.models.iter().map(|m| m.multipliers().collect()).collect();
     // Lines differ in their values; the groups are those of the analysis.
     for (group, name) in first.groups.names().iter().enumerate() {
@@ -259,13 +255,15 @@ pub fn comparison(analysis: &Analysis, found: &LinesCompared) -> Section {
         return section;
     }
     section.table(same_films(found));
-    for text in comparison_notes(found) {
+    let numbers = "Numbers fitted: free multipliers + forces + parameters of a free line. A bend that is left out is predicted with the stiffness fitted to the other bend.";
+    for text in [numbers.to_owned()].into_iter().chain(not_compared(found)) {
         section.notice(Notice::new(NoticeKind::Note, text));
     }
     section
 }
 
-fn same_films(found: &LinesCompared) -> Table {
+/// Errors of every line by kind of film.
+pub fn same_films(found: &LinesCompared) -> Table {
     let columns = vec![
         Column::words("Films"),
         Column::words("Line of action"),
@@ -293,8 +291,9 @@ fn same_films(found: &LinesCompared) -> Table {
     table
 }
 
-fn comparison_notes(found: &LinesCompared) -> Vec<String> {
-    let mut notes = vec!["Numbers fitted: free multipliers + forces + parameters of a free line. A bend that is left out is predicted with the stiffness fitted to the other bend.".to_owned()];
+/// What the comparison leaves out, and whether the lines took the same data, a sentence each.
+pub fn not_compared(found: &LinesCompared) -> Vec<String> {
+    let mut notes = Vec::new();
     for role in FilmRole::ALL {
         if let (all, left @ 1..) = found.counted(role) {
             notes.push(format!("{left} of {all} films ({role}) are not compared, because at least one line has no result on them."));
