@@ -9,12 +9,12 @@ use spineline_files::CaseFile;
 use spineline_landmarks::{
     AasceRow, AasceRows, AasceVerdict, LandmarkError, LandmarkHint, image_sizes, judge_aasce,
 };
+use spineline_report::terminal;
 
 use super::args::ImportArgs;
 use crate::run::csv::rows_to_csv;
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{print, write_file};
-use crate::terminal::table::wrap;
 
 /// Columns of the verdicts.
 const HEADING: [&str; 5] = ["row", "case_id", "verdict", "main_angle_deg", "faults"];
@@ -60,7 +60,8 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
             AasceVerdict::Faults(faults) => {
                 let words: Vec<String> = faults.iter().map(ToString::to_string).collect();
                 let words = words.join("; ");
-                text.push_str(&wrap(&format!("! row {}: {words}", row.row), 110, "  "));
+                let note = format!("! row {}: {words}", row.row);
+                text.push_str(&terminal::paragraph(&note, terminal::WIDTH, "  "));
                 ["faults".to_owned(), String::new(), words]
             }
         };

@@ -8,13 +8,13 @@ use clap::Args;
 use spineline::measure::FilmReadings;
 use spineline::reliability::{QuantityReliability, RatedQuantity, assess, film_quantities};
 use spineline_files::{FilmOrigin, InputFile, Provenance, ReliabilityFile};
-use spineline_report::figures;
+use spineline_report::reliability::summary;
+use spineline_report::{figures, terminal};
 
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{CaseInput, case_files, input_of};
 use crate::run::outputs::{is_stdout, print, write_file, write_or_print, write_table};
 use crate::run::provenance::{generator, in_svg, this_run};
-use crate::terminal;
 
 pub const EXAMPLES: &str = "\
 Cases are pooled: subjects are case × film × vertebra, and an observer of one name is one observer.
@@ -69,7 +69,8 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
         draw(&found, synthetic, &provenance, folder)?;
     }
     if to_stdout == 0 {
-        print(&terminal::reliability::text(&found, synthetic))?;
+        let document = summary(&found, synthetic, &generator());
+        print(&terminal(&document, terminal::WIDTH))?;
     }
     Ok(Ending::Done)
 }

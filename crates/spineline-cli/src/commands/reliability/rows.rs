@@ -3,10 +3,10 @@
 use spineline::reliability::{
     BlandAltman, Design, DesignReliability, QuantityReliability, Statistic,
 };
+use spineline_report::reliability::limits;
 
 use crate::run::csv::rows_to_csv;
 use crate::run::failure::Failure;
-use crate::terminal::reliability::limits;
 
 const HEADING: [&str; 16] = [
     "synthetic",
