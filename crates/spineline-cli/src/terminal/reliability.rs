@@ -1,8 +1,7 @@
 //! Reliability of readings as text.
 
-use spineline::reliability::{
-    BlandAltman, DesignReliability, QuantityReliability, Statistic, shown_measure,
-};
+use spineline::reliability::{DesignReliability, QuantityReliability, Statistic, shown_measure};
+use spineline_tables::limits_of_agreement;
 
 use super::table::{Table, wrap};
 
@@ -46,7 +45,7 @@ fn design_text(design: &DesignReliability, unit: &str) -> String {
         table.row(cells(statistic, unit, &n));
     }
     for pair in &design.bland_altman {
-        for (name, value, interval) in limits(pair) {
+        for (name, value, interval) in limits_of_agreement(pair) {
             let [first, second] = &pair.raters;
             let range = interval.map_or_else(|| "-".to_owned(), |i| between(i, shown_measure));
             table.row(vec![
@@ -74,14 +73,4 @@ fn cells(statistic: &Statistic, unit: &str, n: &str) -> Vec<String> {
 
 fn between([low, high]: [f64; 2], shown: fn(f64) -> String) -> String {
     format!("{} to {}", shown(low), shown(high))
-}
-
-/// Bias and limits of agreement, with their intervals.
-pub fn limits(pair: &BlandAltman) -> [(&'static str, f64, Option<[f64; 2]>); 3] {
-    let bounds = pair.limit_intervals.ok();
-    [
-        ("bias", pair.bias, pair.bias_interval.ok()),
-        ("lower limit", pair.limits[0], bounds.map(|bounds| bounds[0])),
-        ("upper limit", pair.limits[1], bounds.map(|bounds| bounds[1])),
-    ]
 }
