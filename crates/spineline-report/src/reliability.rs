@@ -73,21 +73,10 @@ fn statistic_row(statistic: &Statistic, unit: &str) -> Vec<String> {
     vec![statistic.kind.name().to_owned(), value.unwrap_or_else(none), interval, unit.to_owned()]
 }
 
-/// Bias and limits of agreement of two raters by name, each with its 95 % interval where there is one.
-#[must_use]
-pub fn limits(pair: &BlandAltman) -> [(&'static str, f64, Option<[f64; 2]>); 3] {
-    let bounds = pair.limit_intervals.ok();
-    [
-        ("bias", pair.bias, pair.bias_interval.ok()),
-        ("lower limit", pair.limits[0], bounds.map(|bounds| bounds[0])),
-        ("upper limit", pair.limits[1], bounds.map(|bounds| bounds[1])),
-    ]
-}
-
 /// The rows of a table for bias and limits of agreement.
 fn agreement_rows(pair: &BlandAltman, unit: &str) -> [Vec<String>; 3] {
     let [first, second] = &pair.raters;
-    limits(pair).map(|(name, value, interval)| {
+    pair.named_limits().map(|(name, value, interval)| {
         let interval = interval.map(|ends| ends.map(shown_measure));
         vec![
             format!("Bland-Altman {name}, {second} minus {first}"),

@@ -1,7 +1,6 @@
 //! `spineline analyze`: one patient, or a cohort.
 
 mod args;
-mod cohort_csv;
 mod tables;
 
 pub use args::AnalyzeArgs;
@@ -12,14 +11,13 @@ use spineline::analysis::Analysis;
 use spineline::cohort::Cohort;
 use spineline_files::{AnalysisFile, ModelFile, to_text};
 use spineline_report::{Document, patient, terminal};
-use spineline_tables::Patient;
+use spineline_tables::{Patient, chain_csv, cohort_csv, vertebrae_csv};
 
 use crate::analysis::case::analyze_case;
 use crate::analysis::cohort;
 use crate::analysis::confidence::Confidence;
 use crate::analysis::figures::draw_figures;
 use crate::analysis::record::RunRecord;
-use crate::analysis::tables::{chain_csv, vertebrae_csv};
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{CaseInput, case_files};
 use crate::run::outputs::{is_stdout, print, print_notices, write_or_print, write_table};
@@ -183,7 +181,7 @@ impl Results<'_> {
     fn write_cohort(&self, path: &Path, cohort: &Cohort) -> Result<(), Failure> {
         let provenance = self.record.provenance();
         if path.extension().is_some_and(|end| end == "csv") {
-            return write_table(path, &cohort_csv::text(cohort)?, &provenance);
+            return write_table(path, &cohort_csv(cohort)?, &provenance);
         }
         let file = cohort::file(self.analyses, cohort, &generator()).with_provenance(provenance);
         write_or_print(path, &to_text(&file))

@@ -10,9 +10,9 @@ use spineline_landmarks::{
     AasceRow, AasceRows, AasceVerdict, LandmarkError, LandmarkHint, image_sizes, judge_aasce,
 };
 use spineline_report::terminal;
+use spineline_tables::rows_to_csv;
 
 use super::args::ImportArgs;
-use crate::run::csv::rows_to_csv;
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{print, write_file};
 
@@ -74,7 +74,7 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
         table.len()
     ));
     if let Some(verdicts) = verdicts {
-        write_file(&verdicts, rows_to_csv(HEADING, &table)?)?;
+        write_file(&verdicts, rows_to_csv("verdicts", HEADING, &table)?)?;
         text.push_str(&format!("Verdicts on every row: {}\n", verdicts.display()));
     }
     print(&text).map(|_| ())

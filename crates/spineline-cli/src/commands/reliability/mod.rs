@@ -1,7 +1,5 @@
 //! `spineline reliability`: agreement within and between observers.
 
-mod rows;
-
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -10,6 +8,7 @@ use spineline::reliability::{QuantityReliability, RatedQuantity, assess, film_qu
 use spineline_files::{FilmOrigin, InputFile, Provenance, ReliabilityFile};
 use spineline_report::reliability::summary;
 use spineline_report::{figures, terminal};
+use spineline_tables::reliability_csv;
 
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{CaseInput, case_files, input_of};
@@ -63,7 +62,7 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
         write_or_print(path, &spineline_files::to_text(&file))?;
     }
     if let Some(path) = &args.csv {
-        write_table(path, &rows::text(&found, synthetic)?, &provenance)?;
+        write_table(path, &reliability_csv(&found, synthetic)?, &provenance)?;
     }
     if let Some(folder) = &args.figure {
         draw(&found, synthetic, &provenance, folder)?;

@@ -6,12 +6,11 @@ use serde::Serialize;
 use spineline::analysis::{Analysis, Case};
 use spineline::multibody::Support;
 use spineline_files::{AnalysisFile, CaseFile, Provenance, Request};
+use spineline_tables::{records_to_csv, vertebrae_csv};
 
 use super::args::ReproduceArgs;
 use super::row::Section;
 use super::runs::Run;
-use crate::analysis::tables::vertebrae_csv;
-use crate::run::csv::records_to_csv;
 use crate::run::failure::Failure;
 use crate::run::outputs::{write_file, write_table};
 use crate::run::provenance::generator;
@@ -26,7 +25,7 @@ pub fn write(
 ) -> Result<(), Failure> {
     write_table(
         &out.join("summary.csv"),
-        &records_to_csv(sections.iter().flat_map(records))?,
+        &records_to_csv("summary", sections.iter().flat_map(records))?,
         provenance,
     )?;
     let summary = Summary {

@@ -24,7 +24,7 @@ use crate::run::outputs::{print, write_or_print};
 pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
     let path = args.command.store();
     let fail = |error: StoreError| Failure::store(path, &error);
-    let by = || Ok(Signature::new(store_name(&args.by)?, Utc::now().into()));
+    let by = || Ok::<_, Failure>(Signature::new(store_name(&args.by)?, Utc::now().into()));
     match &args.command {
         StudyCommand::Create { .. } => {
             Store::create(path, &by()?).map_err(fail)?;
