@@ -4,7 +4,7 @@ import { defineConfig } from "vitest/config";
 export default defineConfig({
   plugins: [svelte()],
   build: { target: "es2023", chunkSizeWarningLimit: 900 },
-  test: { include: ["src/**/*.test.ts"] },
+  test: { include: ["src/**/*.test.ts"], setupFiles: ["src/api/page.setup.ts"] },
   // While pages are being written: the program answers beside them.
   server: { proxy: { "/api": process.env.SPINELINE_SERVER ?? "http://127.0.0.1:8765" } },
 });

@@ -1,8 +1,4 @@
 //! DICOM reports of landmarks.
 #![no_main]
 
-use libfuzzer_sys::fuzz_target;
-
-fuzz_target!(|bytes: &[u8]| {
-    let _ = spineline_landmarks::read_sr(bytes);
-});
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| spineline_fuzz_checks::report(bytes));

@@ -12,22 +12,22 @@ const LEAD = {
 test("the address of the terminal signs in, under the name of who reads", async ({ app, page }) => {
   await usePages(page);
   await page.goto(app.address);
-  await expect(page.getByLabel("Who reads?")).toBeVisible();
+  await expect(page.getByLabel("Your reader name")).toBeVisible();
   expect(new URL(page.url()).hash).toBe("");
   await shot(page, "sign-in");
-  await page.getByLabel("Who reads?").fill("reader-1");
+  await page.getByLabel("Your reader name").fill("reader-1");
   await page.getByRole("button", { name: "Open the studies" }).click();
   await expect(page.getByRole("banner")).toContainText("reader-1");
   await expect(page.getByText("Research use only — not a medical device")).toBeVisible();
   await page.getByRole("button", { name: "Sign out" }).click();
-  await expect(page.getByLabel("Who reads?")).toHaveValue("reader-1");
+  await expect(page.getByLabel("Your reader name")).toHaveValue("reader-1");
 });
 
 test("without a token, or with a wrong one, the page says where to look", async ({ app, page }) => {
   await usePages(page);
   await page.goto(new URL("/", app.address).href);
   await expect(page.getByText("look at the terminal")).toBeVisible();
-  await page.getByLabel("Who reads?").fill("reader-1");
+  await page.getByLabel("Your reader name").fill("reader-1");
   await page
     .getByLabel("Address that the program printed")
     .fill(`http://x/#token=${"0".repeat(48)}`);
@@ -140,7 +140,7 @@ test("admins add accounts and grant studies", async ({ app, page }) => {
   const granted = page.waitForRequest(
     (request) => request.method() === "PUT" && request.url().endsWith("/grants"),
   );
-  await page.getByLabel("What ab may do in S-003").selectOption("Editor: marks");
+  await page.getByLabel("What ab may do in S-003").selectOption("Editor: view and edit");
   expect((await granted).postDataJSON()).toEqual([{ name: "ab", role: "editor" }]);
   await shot(page, "access");
 });
@@ -192,8 +192,8 @@ test("with accounts of the program itself: the lead adds an editor and lets them
   await signIn("lead");
   await page.getByRole("link", { name: "Access" }).click();
   await page.getByRole("combobox", { name: "Study", exact: true }).selectOption(study);
-  await page.getByLabel(`What ab may do in ${study}`).selectOption("Reader: looks");
+  await page.getByLabel(`What ab may do in ${study}`).selectOption("Reader: view only");
   await signOut.click();
   await signIn("ab");
-  await expect(page.getByRole("article")).toContainText("Reader: look only");
+  await expect(page.getByRole("article")).toContainText("Reader: view only");
 });

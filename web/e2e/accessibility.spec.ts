@@ -4,7 +4,7 @@ import { answerWith, cohort, manyStudies, study, uploads } from "./made";
 test("signing in", async ({ app, page }) => {
   await usePages(page);
   await page.goto(app.address);
-  await expect(page.getByLabel("Who reads?")).toBeVisible();
+  await expect(page.getByLabel("Your reader name")).toBeVisible();
   await expectAccessible(page);
   await page.goto("about:blank");
   await page.goto(new URL("/", app.address).href);

@@ -66,7 +66,7 @@ export class App {
   async open(page: Page, observer = "tester"): Promise<void> {
     await usePages(page);
     await page.goto(this.address);
-    await page.getByLabel(/who reads/i).fill(observer);
+    await page.getByLabel(/your reader name/i).fill(observer);
     await page.getByRole("button", { name: /^open/i }).click();
     await expect(page.getByRole("heading", { name: "Studies", level: 1 })).toBeVisible();
   }

@@ -30,7 +30,7 @@ test("two windows never overwrite each other: the later change is kept aside", a
   expect(Math.hypot(stands[0] - place[0], stands[1] - place[1])).toBeLessThan(0.01);
   expect((await second.reading()).conflicts).toHaveLength(1);
 
-  await dialog.getByRole("button", { name: /apply mine again/i }).click();
+  await dialog.getByRole("button", { name: /apply my changes/i }).click();
   await second.saved();
   const applied = cornerOf(await second.reading(), "L4", "superior_left");
   expect(Math.hypot(applied[0] - place[0] - 40, applied[1] - place[1] - 40)).toBeLessThan(0.01);

@@ -299,7 +299,7 @@ test("a window that died with unsaved clicks does not lose them", async ({
   await again.goto(address);
   const dialog = again.getByRole("dialog", { name: /earlier window/i });
   await expect(dialog).toContainText("L4 – superior endplate");
-  await dialog.getByRole("button", { name: /apply mine again/i }).click();
+  await dialog.getByRole("button", { name: /apply my changes/i }).click();
   const back = new FilmPage(again);
   await back.saved();
   expect(farthest(await back.reading(), truth)).toBeLessThan(CLOSE_PX);

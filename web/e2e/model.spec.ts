@@ -254,7 +254,7 @@ test("a joint's number is read by pressing it, in the list too", async ({ app, p
   await page.keyboard.press("Enter");
   await expect(joint).toHaveAttribute("aria-pressed", "true");
   await expect(page.locator("[aria-live=polite]").getByText("T8/T7")).toBeVisible();
-  await expect(page.getByText("against the force: left bending")).toBeVisible();
+  await expect(page.getByText("counter-rotating: left bending")).toBeVisible();
   await shot(page, "model-joint");
 });
 

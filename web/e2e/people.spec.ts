@@ -139,7 +139,9 @@ async function scaleAtOnce(ab: Page, cd: Page): Promise<void> {
 async function expectLooking(app: App, ef: Page): Promise<void> {
   await ef.goto(new URL(`#/studies/${SHARED}/measure`, app.address).href);
   await new FilmPage(ef).painted();
-  await expect(ef.getByText("You may look at this study, but not mark its films.")).toBeVisible();
+  await expect(
+    ef.getByText("You can view this study, but you cannot edit its landmarks."),
+  ).toBeVisible();
   for (const name of [/^begin reading/i, /^scale$/i, /finish reading/i, /^mark$/i, /undo/i])
     await expect(ef.getByRole("button", { name })).toHaveCount(0);
   await shot(ef, "people-reader");
@@ -149,7 +151,7 @@ async function expectLooking(app: App, ef: Page): Promise<void> {
   expect((await send(ef, "POST", `/api/films/${film}/edits`, edit)).status).toBe(403);
   expect((await send(ef, "POST", `/api/films/${film}/readings`, { repeat: 1 })).status).toBe(403);
   await ef.getByRole("link", { name: "Studies", exact: true }).click();
-  await expect(ef.getByRole("article")).toContainText("Reader: look only");
+  await expect(ef.getByRole("article")).toContainText("Reader: view only");
   await expect(ef.getByRole("link", { name: "New study" })).toHaveCount(0);
 }
 

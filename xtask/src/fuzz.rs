@@ -1,24 +1,24 @@
-//! `cargo xtask fuzz`: every parser for a bounded time, from seeds, with cargo-fuzz where a nightly compiler is there.
+//! `cargo xtask fuzz`: every parser for a bounded time, from seeds, with cargo-fuzz and a nightly compiler. The tests replay
+//! the seeds on stable.
 //! Nothing here is unsafe, so that panics and overflows are what is looked for, and no sanitizer is needed.
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Stdio};
 
-use crate::{built, run};
+use crate::tools::answers;
+use crate::{cargo, run};
 
 /// Runs every target for so many seconds; a crash is an error, and its input stays below `fuzz/artifacts`.
 pub fn all(root: &Path, seconds: u32) -> Result<(), String> {
     let folder = root.join("fuzz");
     if !answers("cargo", &["+nightly", "--version"]) {
-        println!("» no nightly compiler: fuzzing is left out (`rustup toolchain install nightly`)");
-        return Ok(());
+        return Err("no nightly compiler\n  help: rustup toolchain install nightly".to_owned());
     }
     if !answers("cargo", &["fuzz", "--version"]) {
-        run(root, "cargo", &["install", "--locked", "--quiet", "cargo-fuzz"], &[])?;
+        return Err("no cargo-fuzz\n  help: cargo install --locked cargo-fuzz".to_owned());
     }
-    let seeds = built(root, "examples/fuzz_seeds")?.display().to_string();
-    run(&folder, &seeds, &[], &[])?;
+    let write = ["run", "--quiet", "--locked", "--package", "spineline-fuzz-checks"];
+    cargo(root, &[&write[..], &["--example", "seeds", "fuzz/seeds"]].concat())?;
     run(&folder, "cargo", &["+nightly", "fuzz", "build", "--sanitizer", "none"], &[])?;
     for target in targets(&folder)? {
         let seeds = format!("seeds/{target}");
@@ -44,12 +44,6 @@ pub fn all(root: &Path, seconds: u32) -> Result<(), String> {
         run(&folder, "cargo", &options, &[])?;
     }
     Ok(())
-}
-
-fn answers(program: &str, arguments: &[&str]) -> bool {
-    let quiet =
-        Command::new(program).args(arguments).stdout(Stdio::null()).stderr(Stdio::null()).status();
-    quiet.is_ok_and(|status| status.success())
 }
 
 /// Names of the targets, from their files.

@@ -1,99 +1,85 @@
-//! The project's own commands: `cargo xtask test` runs everything that must hold.
+//! The project's own commands: `cargo xtask test` runs what must hold.
 
 mod book;
-mod debian;
+mod checks;
 mod fuzz;
 mod oracle;
 mod outside;
 mod peers;
+mod plan;
 mod python;
+mod quick;
 mod tidy;
+mod tools;
 mod web;
 
 use std::env;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
+use plan::{Extent, Plan, Step};
+use tools::Tool;
+
 const HELP: &str = "\
 cargo xtask COMMAND
 
-  test     everything: format, lints, tidy, tests, documentation and its examples, the browser app,
-           other programs, fuzzing for seconds
-  check    the quick part: format, lints, tidy
+  test [--full]
+           format, tidy, lints, all tests, documentation and its examples, the browser app in Chromium, other programs.
+           --full adds slow studies, typeset reports and full small disks, and fails where a tool is missing
+  quick [--base REV]
+           format, tidy, lints, and the quick tests of the crates that a change touches and of those that depend on them;
+           the change is what differs from REV (the last commit, unless told otherwise)
+  setup    install what the tests need: Debian packages, cargo-nextest, npm packages, Python environments
+  check    format, tidy and lints
   tidy     house rules that no compiler knows
-  web      the browser app, checked and built, so that the program embeds it (needs Node, and a network once)
-  browser  the browser app, driven in Chromium as a person does
-  engines  exported models in MuJoCo, Pinocchio and OpenSim (this and the next three need Python, and a network once)
+  web      check, test and build the browser app, which the program then embeds
+  browser  drive the browser app in Chromium
+  engines  compare exported models with MuJoCo, Pinocchio and OpenSim
   reliability
-           ICC, errors and correlations in pingouin and scipy
-  films    films of phantoms in pydicom
-  exchange exported landmarks in highdicom, pydicom and DCMTK, tables in pyarrow and pandas, typeset reports in qpdf
-  docs     the guide as a book, with the page of credibility and that of the paper's numbers (needs what `engines` needs)
+           compare ICC, errors and correlations with pingouin and scipy
+  films    compare films of phantoms with pydicom
+  exchange compare landmarks with highdicom, pydicom and DCMTK, tables with pyarrow and pandas, typeset reports with qpdf
+  docs     make the guide as a book, with the pages of credibility and of the paper's numbers
   fuzz [SECONDS]
-           every parser on random input, 60 seconds each (needs a nightly compiler)
-  bench    benchmarks of the core
+           run every parser on random input, 60 seconds each (needs a nightly compiler and cargo-fuzz)
+  bench    run the benchmarks of the core
   peers [--rounds N] [--without-octave]
-           times beside those of MuJoCo, Pinocchio, OpenSim, numpy and Octave (minutes; needs what `engines` needs)
+           compare times with MuJoCo, Pinocchio, OpenSim, numpy and Octave
   oracle CASE.json… --out DIR
-           spines solved by other programs, solved by the march and by Newton
+           solve spines that other programs have solved, by the march and by Newton
 ";
-
-/// One thing that must hold; the text says what does not.
-type Step = fn(&Path) -> Result<(), String>;
 
 fn main() -> ExitCode {
     let command = env::args().nth(1).unwrap_or_default();
     let root = root();
     let arguments: Vec<String> = env::args().skip(2).collect();
-    match command.as_str() {
-        "oracle" => return ended(&command, oracle::run(&arguments)),
-        "peers" => return ended(&command, peers::compare(&root, &arguments)),
-        "fuzz" => {
-            let seconds = arguments.first().map_or(Some(60), |text| text.parse().ok());
-            let result = seconds.ok_or_else(|| "SECONDS is a number".to_owned());
-            return ended(&command, result.and_then(|seconds| fuzz::all(&root, seconds)));
-        }
-        _ => {}
-    }
-    let steps: &[Step] = match command.as_str() {
-        "test" => &[
-            format,
-            lint,
-            tidy::run,
-            // Before the program is built, which embeds it.
-            web::build,
-            test,
-            doctest,
-            rustdoc,
-            web::browser,
-            outside::engines,
-            outside::reliability,
-            outside::films,
-            outside::exchange,
-            fuzz_for_seconds,
-        ],
-        "check" => &[format, lint, tidy::run],
-        "tidy" => &[tidy::run],
-        "web" => &[web::build],
-        "browser" => &[web::browser],
-        "engines" => &[outside::engines],
-        "reliability" => &[outside::reliability],
-        "films" => &[outside::films],
-        "exchange" => &[outside::exchange],
-        "docs" => &[book::make],
-        "bench" => &[bench],
-        _ => {
-            eprint!("{HELP}");
-            return ExitCode::from(2);
-        }
+    let result = match (command.as_str(), &arguments[..]) {
+        ("oracle", _) => oracle::run(&arguments),
+        ("peers", _) => peers::compare(&root, &arguments),
+        ("fuzz", []) => fuzz::all(&root, 60),
+        ("fuzz", [seconds]) => match seconds.parse() {
+            Ok(seconds) => fuzz::all(&root, seconds),
+            Err(_) => Err(format!("`{seconds}` is not a number of seconds")),
+        },
+        ("quick", []) => quick::run(&root, "HEAD"),
+        ("quick", [option, base]) if option == "--base" => quick::run(&root, base),
+        ("setup", []) => tools::setup(&root),
+        ("docs", []) => book::make(&root),
+        ("bench", []) => cargo(&root, &["bench", "--package", "spineline", "--benches"]),
+        (name, rest) => match (steps(name), rest) {
+            (Some(steps), []) => Plan::new(&root, Extent::Usual).run(&steps),
+            (Some(steps), [option]) if name == "test" && option == "--full" => {
+                Plan::new(&root, Extent::Full).run(&steps)
+            }
+            _ => {
+                eprint!("{HELP}");
+                return ExitCode::from(2);
+            }
+        },
     };
-    ended(&command, steps.iter().try_for_each(|step| step(&root)))
-}
-
-fn ended(command: &str, result: Result<(), String>) -> ExitCode {
     match result {
         Ok(()) => {
-            println!("xtask {command}: all is well");
+            println!("xtask {command}: passed");
             ExitCode::SUCCESS
         }
         Err(reason) => {
@@ -103,16 +89,49 @@ fn ended(command: &str, result: Result<(), String>) -> ExitCode {
     }
 }
 
+/// The steps of a command that has nothing but steps.
+fn steps(command: &str) -> Option<Vec<Step>> {
+    let format = Step::new("format", &[], checks::format);
+    let tidy = Step::new("tidy", &[], |plan| tidy::run(plan.root));
+    let lint = Step::new("lints", &[], checks::lint);
+    // Before the program is built, which embeds it.
+    let web = Step::new("web", &[Tool::Npm], |plan| web::build(plan.root));
+    let browser = Step::new("browser", &[Tool::Npm, Tool::Chromium], web::browser);
+    let engines = Step::new("engines", &[Tool::Python], outside::engines);
+    let reliability = Step::new("reliability", &[Tool::Python], outside::reliability);
+    let films = Step::new("films", &[Tool::Python], outside::films);
+    let exchange = Step::new("exchange", &[Tool::Python, Tool::Dcmtk], outside::exchange).full();
+    Some(match command {
+        "test" => vec![
+            format,
+            tidy,
+            web,
+            Step::new("tests", &[], checks::test),
+            Step::new("slow studies", &[], checks::slow_studies).full(),
+            Step::new("doc examples", &[], checks::doctest),
+            lint,
+            Step::new("docs", &[], checks::rustdoc),
+            browser,
+            engines,
+            reliability,
+            films,
+            exchange,
+        ],
+        "check" => vec![format, tidy, lint],
+        "tidy" => vec![tidy],
+        "web" => vec![web],
+        "browser" => vec![web, browser],
+        "engines" => vec![engines],
+        "reliability" => vec![reliability],
+        "films" => vec![films],
+        "exchange" => vec![exchange.usual()],
+        _ => return None,
+    })
+}
+
 /// The folder of the workspace.
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the workspace").to_owned()
-}
-
-/// The program and its examples as the tests have built them. Another choice of packages would ask for other features of
-/// what they depend on, and build all of it once more.
-fn built(root: &Path, name: &str) -> Result<PathBuf, String> {
-    cargo(root, &["test", "--quiet", "--workspace", "--locked", "--no-run"])?;
-    Ok(python::target()?.join("debug").join(name).with_extension(std::env::consts::EXE_EXTENSION))
 }
 
 fn cargo(root: &Path, arguments: &[&str]) -> Result<(), String> {
@@ -137,40 +156,4 @@ fn run(
     } else {
         Err(format!("`{program} {}` failed", arguments.join(" ")))
     }
-}
-
-fn format(root: &Path) -> Result<(), String> {
-    cargo(root, &["fmt", "--all", "--check"])
-}
-
-fn lint(root: &Path) -> Result<(), String> {
-    cargo(root, &["clippy", "--workspace", "--all-targets", "--locked", "--", "--deny", "warnings"])
-}
-
-/// All tests, with nextest where it is installed.
-fn test(root: &Path) -> Result<(), String> {
-    let nextest = Command::new("cargo").args(["nextest", "--version"]).output();
-    if nextest.is_ok_and(|output| output.status.success()) {
-        cargo(root, &["nextest", "run", "--workspace", "--locked"])
-    } else {
-        cargo(root, &["test", "--workspace", "--locked", "--lib", "--bins", "--tests"])
-    }
-}
-
-fn doctest(root: &Path) -> Result<(), String> {
-    cargo(root, &["test", "--workspace", "--locked", "--doc"])
-}
-
-fn rustdoc(root: &Path) -> Result<(), String> {
-    let arguments = ["doc", "--workspace", "--no-deps", "--locked", "--quiet"];
-    run(root, "cargo", &arguments, &[("RUSTDOCFLAGS", "--deny warnings")])
-}
-
-/// Long enough to meet what is easy to break, short enough for every change.
-fn fuzz_for_seconds(root: &Path) -> Result<(), String> {
-    fuzz::all(root, 8)
-}
-
-fn bench(root: &Path) -> Result<(), String> {
-    cargo(root, &["bench", "--package", "spineline", "--benches"])
 }

@@ -1,42 +1,47 @@
 //! The program beside programs of others: each check is a Python project below `validation/`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::{built, debian, python};
+use crate::checks::built;
+use crate::plan::Plan;
+use crate::python;
 
 /// Exported models in MuJoCo, Pinocchio and OpenSim: shapes under load.
-pub fn engines(root: &Path) -> Result<(), String> {
-    compare(root, "engines")
+pub fn engines(plan: &Plan<'_>) -> Result<(), String> {
+    compare(plan, "engines")
 }
 
 /// Random tables of readings in pingouin and scipy: every statistic.
-pub fn reliability(root: &Path) -> Result<(), String> {
-    compare(root, "reliability")
+pub fn reliability(plan: &Plan<'_>) -> Result<(), String> {
+    compare(plan, "reliability")
 }
 
 /// Films of phantoms in pydicom: pixels and attributes.
-pub fn films(root: &Path) -> Result<(), String> {
-    compare(root, "films")
+pub fn films(plan: &Plan<'_>) -> Result<(), String> {
+    compare(plan, "films")
 }
 
 /// Exported landmarks in highdicom, pydicom and DCMTK: every point; tables in pyarrow and pandas: every value; typeset
 /// reports in qpdf.
-pub fn exchange(root: &Path) -> Result<(), String> {
-    provide_dcmtk();
-    compare(root, "exchange")
+pub fn exchange(plan: &Plan<'_>) -> Result<(), String> {
+    let full = Plan::new(plan.root, crate::plan::Extent::Full);
+    compare(&full, "exchange")
 }
 
-fn compare(root: &Path, name: &str) -> Result<(), String> {
-    built(root, "spineline")?;
-    let script = root.join("validation").join(name).join("compare.py");
-    python::project(root, name, &script, Path::new("debug/spineline"), &[])
-}
-
-/// DCMTK reads reports too; where it may not be installed, the others read them alone.
-fn provide_dcmtk() {
-    if !debian::provide("dsrdump", "dcmtk") {
-        println!(
-            "» no dsrdump: install the package `dcmtk` (as `apt-get install dcmtk`) to let DCMTK read the reports"
-        );
+/// Makes the Python environments of all checks.
+pub fn provide_environments(root: &Path) -> Result<(), String> {
+    for name in ["engines", "reliability", "films", "exchange"] {
+        python::environment(root, name, &project(root, name).join("requirements.txt"))?;
     }
+    Ok(())
+}
+
+fn project(root: &Path, name: &str) -> PathBuf {
+    root.join("validation").join(name)
+}
+
+fn compare(plan: &Plan<'_>, name: &str) -> Result<(), String> {
+    built(plan, "spineline")?;
+    let script = project(plan.root, name).join("compare.py");
+    python::project(plan.root, name, &script, Path::new("debug/spineline"), &[])
 }

@@ -40,7 +40,7 @@ pub fn tool(root: &Path, name: &str, requirements: &Path, tool: &str) -> Result<
 ///
 /// The environment is made where it is missing, and filled where the file is not the one that filled it before; else
 /// nothing happens and no network is needed. `python3` makes it, or the program that `PYTHON` names.
-fn environment(root: &Path, name: &str, requirements: &Path) -> Result<PathBuf, String> {
+pub fn environment(root: &Path, name: &str, requirements: &Path) -> Result<PathBuf, String> {
     let wanted = fs::read_to_string(requirements)
         .map_err(|error| format!("{}: {error}", requirements.display()))?;
     let folder = target()?.join("python").join(name);

@@ -3,7 +3,12 @@
 use std::fs;
 use std::path::Path;
 
-use crate::{built, debian, run};
+use crate::checks::built;
+use crate::plan::Plan;
+use crate::run;
+
+/// The program of npm.
+pub const NPM: &str = if cfg!(windows) { "npm.cmd" } else { "npm" };
 
 /// Checks, unit-tests and builds the app.
 pub fn build(root: &Path) -> Result<(), String> {
@@ -15,21 +20,18 @@ pub fn build(root: &Path) -> Result<(), String> {
 }
 
 /// Drives the app in Chromium as a person does.
-pub fn browser(root: &Path) -> Result<(), String> {
-    if !root.join("web/dist/index.html").exists() {
-        build(root)?;
+pub fn browser(plan: &Plan<'_>) -> Result<(), String> {
+    if !plan.root.join("web/dist/index.html").exists() {
+        build(plan.root)?;
     }
-    provide_packages(root)?;
-    if !debian::provide("chromium", "chromium") {
-        return Err("no Chromium\n  help: install the package `chromium`".to_owned());
-    }
-    let program = built(root, "spineline")?;
+    provide_packages(plan.root)?;
+    let program = built(plan, "spineline")?;
     let program = program.to_str().ok_or("the target folder's name is not UTF-8")?;
-    npm(root, &["run", "--silent", "e2e"], &[("SPINELINE_PROGRAM", program)])
+    npm(plan.root, &["run", "--silent", "e2e"], &[("SPINELINE_PROGRAM", program)])
 }
 
 /// What the lock file names, installed once for each of its versions.
-fn provide_packages(root: &Path) -> Result<(), String> {
+pub fn provide_packages(root: &Path) -> Result<(), String> {
     let web = root.join("web");
     let read = |path: &Path| fs::read_to_string(path);
     let lock = web.join("package-lock.json");
@@ -44,6 +46,5 @@ fn provide_packages(root: &Path) -> Result<(), String> {
 }
 
 fn npm(root: &Path, arguments: &[&str], variables: &[(&str, &str)]) -> Result<(), String> {
-    let program = if cfg!(windows) { "npm.cmd" } else { "npm" };
-    run(&root.join("web"), program, arguments, variables)
+    run(&root.join("web"), NPM, arguments, variables)
 }

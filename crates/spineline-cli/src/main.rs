@@ -1,13 +1,12 @@
 //! The `spineline` program: thin. It reads files, calls the library, and shows what came back.
 //!
-//! Rooms, lowest first; each uses only those before it: `run`, `options`, `analysis`, `terminal`, `commands`. No command uses
+//! Rooms, lowest first; each uses only those before it: `run`, `options`, `analysis`, `commands`. No command uses
 //! another one.
 
 mod analysis;
 mod commands;
 mod options;
 mod run;
-mod terminal;
 
 use std::process::ExitCode;
 

@@ -8,10 +8,12 @@ use std::marker::PhantomData;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use spineline::action::Application;
-use spineline::anatomy::{Level, Posture, Region};
+use serde_json::json;
+use spineline::anatomy::{Level, Named};
 use spineline::measure::SpacingSource;
-use spineline::multibody::Support;
+
+use crate::by_key;
+use crate::described::Described;
 
 /// A vertebra as a key: `L4`, `T12` (`Th12` and `D12` are read too).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -70,45 +72,46 @@ impl JsonSchema for JointKey {
     }
 }
 
-/// A posture.
-#[derive(
-    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
-)]
-#[serde(rename_all = "snake_case")]
-pub enum PostureKey {
-    /// Standing.
-    Erect,
-    /// Bending to the patient's left.
-    LeftBending,
-    /// Bending to the patient's right.
-    RightBending,
-    /// Lying at rest.
-    Neutral,
-    /// Lying under traction.
-    Traction,
-}
+/// A named value, which stands in files by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub struct Key<T>(pub T);
 
-impl From<PostureKey> for Posture {
-    fn from(key: PostureKey) -> Self {
-        match key {
-            PostureKey::Erect => Self::Erect,
-            PostureKey::LeftBending => Self::LeftBending,
-            PostureKey::RightBending => Self::RightBending,
-            PostureKey::Neutral => Self::Neutral,
-            PostureKey::Traction => Self::Traction,
-        }
+impl<T> From<T> for Key<T> {
+    fn from(value: T) -> Self {
+        Self(value)
     }
 }
 
-impl From<Posture> for PostureKey {
-    fn from(posture: Posture) -> Self {
-        match posture {
-            Posture::Erect => Self::Erect,
-            Posture::LeftBending => Self::LeftBending,
-            Posture::RightBending => Self::RightBending,
-            Posture::Neutral => Self::Neutral,
-            Posture::Traction => Self::Traction,
+impl<T: Named> Serialize for Key<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        by_key::serialize(self.0, serializer)
+    }
+}
+
+impl<'de, T: Named> Deserialize<'de> for Key<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        by_key::deserialize(T::ALL, deserializer).map(Self)
+    }
+}
+
+impl<T: Described> JsonSchema for Key<T> {
+    fn schema_name() -> Cow<'static, str> {
+        T::DEFINITION.into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let has_meanings = T::ALL.iter().any(|value| !value.meaning().is_empty());
+        let mut schema = if has_meanings {
+            let one = |value: &T| json!({ "type": "string", "const": value.key(), "description": value.meaning() });
+            json_schema!({ "oneOf": T::ALL.iter().map(one).collect::<Vec<_>>() })
+        } else {
+            let names: Vec<_> = T::ALL.iter().map(|value| value.key()).collect();
+            json_schema!({ "type": "string", "enum": names })
+        };
+        if !T::DESCRIPTION.is_empty() {
+            schema.insert("description".to_owned(), T::DESCRIPTION.into());
         }
+        schema
     }
 }
 
@@ -126,9 +129,7 @@ impl<'de> Deserialize<'de> for SourceKey {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = String::deserialize(deserializer)?;
         let known = SpacingSource::ALL.map(SpacingSource::key);
-        SpacingSource::ALL
-            .into_iter()
-            .find(|source| source.key() == text)
+        SpacingSource::from_key(&text)
             .map(Self)
             .ok_or_else(|| D::Error::custom(format!("`{text}` is none of {}", known.join(", "))))
     }
@@ -142,96 +143,6 @@ impl JsonSchema for SourceKey {
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         let names = SpacingSource::ALL.map(SpacingSource::key);
         json_schema!({ "type": "string", "enum": names, "description": "How a spacing became known" })
-    }
-}
-
-/// A region of the spine.
-#[derive(
-    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
-)]
-#[serde(rename_all = "snake_case")]
-pub enum RegionKey {
-    /// Thoracolumbar or lumbar.
-    ThoracolumbarLumbar,
-    /// Main thoracic.
-    MainThoracic,
-    /// Proximal thoracic.
-    ProximalThoracic,
-}
-
-impl From<RegionKey> for Region {
-    fn from(key: RegionKey) -> Self {
-        match key {
-            RegionKey::ThoracolumbarLumbar => Self::ThoracolumbarLumbar,
-            RegionKey::MainThoracic => Self::MainThoracic,
-            RegionKey::ProximalThoracic => Self::ProximalThoracic,
-        }
-    }
-}
-
-impl From<Region> for RegionKey {
-    fn from(region: Region) -> Self {
-        match region {
-            Region::ThoracolumbarLumbar => Self::ThoracolumbarLumbar,
-            Region::MainThoracic => Self::MainThoracic,
-            Region::ProximalThoracic => Self::ProximalThoracic,
-        }
-    }
-}
-
-/// What holds a patient.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum SupportKey {
-    /// Nothing but L4.
-    Free,
-    /// A table: flexion and axial hinges are locked.
-    Frontal,
-}
-
-impl From<Support> for SupportKey {
-    fn from(support: Support) -> Self {
-        match support {
-            Support::Free => Self::Free,
-            Support::Frontal => Self::Frontal,
-        }
-    }
-}
-
-impl From<SupportKey> for Support {
-    fn from(key: SupportKey) -> Self {
-        match key {
-            SupportKey::Free => Self::Free,
-            SupportKey::Frontal => Self::Frontal,
-        }
-    }
-}
-
-/// How a force is applied.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ApplicationKey {
-    /// Along a line fixed in space.
-    Fixed,
-    /// At T2's midpoint.
-    AtT2,
-}
-
-impl From<Application> for ApplicationKey {
-    fn from(application: Application) -> Self {
-        match application {
-            Application::Fixed => Self::Fixed,
-            Application::AtT2 => Self::AtT2,
-        }
-    }
-}
-
-impl From<ApplicationKey> for Application {
-    fn from(key: ApplicationKey) -> Self {
-        match key {
-            ApplicationKey::Fixed => Self::Fixed,
-            ApplicationKey::AtT2 => Self::AtT2,
-        }
     }
 }
 
@@ -281,5 +192,53 @@ impl<T: JsonSchema> JsonSchema for ByLevel<T> {
             "additionalProperties": value,
             "description": "Vertebrae by name, each at most once"
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use schemars::schema_for;
+    use serde::de::DeserializeOwned;
+    use spineline::analysis::Grouping;
+    use spineline::multibody::Support;
+
+    use super::*;
+    use crate::json::parse_value;
+    use crate::to_text;
+
+    /// What holds a patient.
+    #[derive(Debug, Serialize, Deserialize, JsonSchema)]
+    #[serde(rename_all = "snake_case")]
+    enum SupportKey {
+        /// Nothing but L4.
+        Free,
+        /// A table: flexion and axial hinges are locked.
+        Frontal,
+    }
+
+    #[derive(Debug, Serialize, Deserialize, JsonSchema)]
+    #[serde(rename_all = "snake_case")]
+    enum GroupingKey {
+        Regional,
+        PerJoint,
+    }
+
+    /// A list of values read and written again, or what is wrong with it.
+    fn again<T: Serialize + DeserializeOwned>(text: &str) -> String {
+        match parse_value::<Vec<T>>(text) {
+            Ok(values) => to_text(&values),
+            Err(error) => error.to_string(),
+        }
+    }
+
+    #[test]
+    fn a_key_is_what_the_derives_make_of_an_enum() {
+        let schemas = [schema_for!(Key<Support>), schema_for!(SupportKey)].map(|s| to_text(&s));
+        assert_eq!(schemas[0], schemas[1]);
+        let schemas = [schema_for!(Key<Grouping>), schema_for!(GroupingKey)].map(|s| to_text(&s));
+        assert_eq!(schemas[0], schemas[1]);
+        for text in ["[\n\"free\"]", "[\n\"fre\"\n]", "[5]", "[{\n\"free\": null}]", "[null]"] {
+            assert_eq!(again::<Key<Support>>(text), again::<SupportKey>(text), "{text}");
+        }
     }
 }

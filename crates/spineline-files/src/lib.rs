@@ -13,8 +13,10 @@
 //! ```
 
 mod analysis_file;
+pub mod by_key;
 mod case_file;
 mod cohort_file;
+mod described;
 mod digest;
 mod error;
 mod export;
@@ -36,12 +38,13 @@ pub use case_file::{
     written_axis_deg,
 };
 pub use cohort_file::CohortFile;
+pub use described::Described;
 pub use digest::sha256_hex;
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};
 pub use json::nearest;
-pub use keys::{ApplicationKey, LevelKey};
-pub use load_file::{AppliedLoad, LoadFile, PlacedLoads, TimingKey, parse_load};
+pub use keys::{Key, LevelKey};
+pub use load_file::{AppliedLoad, LoadFile, PlacedLoads, parse_load};
 pub use model_file::{LoadRecord, ModelFile, StoredModel, parse_model};
 pub use provenance::{FilmOrigin, InputFile, ProgramRun, Provenance, ProvenanceFile};
 pub use readings_table::{ReadingsTable, parse_readings};
@@ -63,22 +66,28 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
         .map_err(|source| FileError::Read { path: path.to_owned(), source })
 }
 
-/// A file format by name: `case`, `analysis`, `cohort`, `model`, `load`, `provenance`, `reliability`, `simulation` or
-/// `stiffness`.
+/// The schemas of all file formats by name.
+const SCHEMAS: [(&str, fn() -> Schema); 9] = [
+    ("case", || schemars::schema_for!(CaseFile)),
+    ("analysis", || schemars::schema_for!(AnalysisFile)),
+    ("cohort", || schemars::schema_for!(CohortFile)),
+    ("model", || schemars::schema_for!(ModelFile)),
+    ("load", || schemars::schema_for!(LoadFile)),
+    ("provenance", || schemars::schema_for!(ProvenanceFile)),
+    ("reliability", || schemars::schema_for!(ReliabilityFile)),
+    ("simulation", || schemars::schema_for!(SimulationFile)),
+    ("stiffness", || schemars::schema_for!(StiffnessFile)),
+];
+
+/// The names of all file formats that have a schema.
+pub fn schema_names() -> impl Iterator<Item = &'static str> {
+    SCHEMAS.iter().map(|(name, _)| *name)
+}
+
+/// The schema of a file format by its name.
 #[must_use]
 pub fn schema(name: &str) -> Option<Schema> {
-    match name {
-        "case" => Some(schemars::schema_for!(CaseFile)),
-        "analysis" => Some(schemars::schema_for!(AnalysisFile)),
-        "cohort" => Some(schemars::schema_for!(CohortFile)),
-        "model" => Some(schemars::schema_for!(ModelFile)),
-        "load" => Some(schemars::schema_for!(LoadFile)),
-        "provenance" => Some(schemars::schema_for!(ProvenanceFile)),
-        "reliability" => Some(schemars::schema_for!(ReliabilityFile)),
-        "simulation" => Some(schemars::schema_for!(SimulationFile)),
-        "stiffness" => Some(schemars::schema_for!(StiffnessFile)),
-        _ => None,
-    }
+    SCHEMAS.iter().find(|(known, _)| *known == name).map(|(_, schema)| schema())
 }
 
 /// The text of a file: JSON with two blanks of indent and a line feed at the end.

@@ -2,7 +2,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::action::Application;
 use spineline::analysis::{Analysis, LineModel};
-use spineline::anatomy::Level;
+use spineline::anatomy::{Level, Posture, Region};
 use spineline::clinical::{CurvePlaces, RegionBounds};
 use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Mat3, Vec3};
@@ -10,7 +10,7 @@ use spineline::spatial::{Mat3, Vec3};
 use crate::FileError;
 use crate::Provenance;
 use crate::json::parse;
-use crate::keys::{ApplicationKey, LevelKey, PostureKey, RegionKey, SupportKey};
+use crate::keys::{Key, LevelKey};
 
 const FORMAT: &str = "spineline-model";
 const VERSION: u32 = 1;
@@ -36,7 +36,7 @@ pub struct ModelFile {
     /// Line of action that the stiffness was fitted with.
     line: String,
     /// `free` or `frontal` (flexion and axial hinges locked).
-    support: SupportKey,
+    support: Key<Support>,
     /// What fixes the level of stiffness and force.
     gauge: String,
     /// Whether forces and springs are absolute; else only their ratios mean anything.
@@ -59,7 +59,7 @@ pub struct ModelFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct RegionRecord {
-    region: RegionKey,
+    region: Key<Region>,
     /// Lower end of the Ferguson angle.
     inferior: LevelKey,
     apex: LevelKey,
@@ -112,7 +112,7 @@ impl JointRecord {
 #[serde(deny_unknown_fields)]
 pub struct LoadRecord {
     /// Posture that it simulates.
-    pub posture: PostureKey,
+    pub posture: Key<Posture>,
     /// How the search for it ended.
     pub status: String,
     /// Signed force along the direction.
@@ -122,7 +122,7 @@ pub struct LoadRecord {
     /// Unit vector.
     pub direction: [f64; 3],
     /// `fixed` in space, or `at_t2`: through T2's midpoint wherever that goes.
-    pub application: ApplicationKey,
+    pub application: Key<Application>,
 }
 
 /// A model as read back: what a simulation needs.
@@ -255,7 +255,7 @@ fn regions(analysis: &Analysis) -> Vec<RegionRecord> {
 fn places(records: &[RegionRecord], levels: &[Level]) -> Result<Vec<CurvePlaces>, FileError> {
     let find = |level: LevelKey, record: &RegionRecord| {
         let found = levels.iter().position(|other| *other == level.0);
-        found.ok_or(FileError::Region { region: record.region.into(), level: level.0 })
+        found.ok_or(FileError::Region { region: record.region.0, level: level.0 })
     };
     let place = |record: &RegionRecord| {
         let [inferior, apex, superior, low, high] = [
@@ -265,7 +265,7 @@ fn places(records: &[RegionRecord], levels: &[Level]) -> Result<Vec<CurvePlaces>
             find(record.cobb_inferior, record)?,
             find(record.cobb_superior, record)?,
         ];
-        let region = record.region.into();
+        let region = record.region.0;
         if inferior < apex && apex < superior && low < high {
             let bounds = RegionBounds { region, inferior, apex, superior };
             Ok(CurvePlaces { bounds, cobb_ends: [low, high] })
@@ -329,7 +329,7 @@ pub fn parse_model(text: &str) -> Result<StoredModel, FileError> {
             .collect(),
         stiffness: file.joints.iter().map(JointRecord::stiffness).collect(),
         curves,
-        support: file.support.into(),
+        support: file.support.0,
         loads: file.loads,
     })
 }

@@ -2,16 +2,17 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use spineline::action::LineOfAction;
+use spineline::action::{Application, LineOfAction};
 use spineline::analysis::{AnalysisOptions, Grouping};
 use spineline::anatomy::{Posture, SagittalProfile};
 use spineline::curve::{InflectionChoice, OrderRule, Site};
 use spineline::hypothesis::Hypothesis;
+use spineline::multibody::Support;
 use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
 
 use crate::FileError;
-use crate::keys::{ApplicationKey, LevelKey, PostureKey, SupportKey};
+use crate::keys::{Key, LevelKey};
 use crate::stiffness_file::{StiffnessFile, border};
 
 /// Every choice of an analysis.
@@ -25,14 +26,14 @@ pub(crate) struct OptionsRecord {
     min_lobe_deg: f64,
     /// Fewest and most segments of the erect chain.
     segment_window: [u32; 2],
-    support: SupportKey,
+    support: Key<Support>,
     /// What fixes the level of stiffness and force.
     gauge: GaugeKey,
     /// The force of the gauge `known_force`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     known_force: Option<KnownForceRecord>,
-    fit: FitKey,
-    multipliers: GroupingKey,
+    fit: Key<FitTarget>,
+    multipliers: Key<Grouping>,
     /// Deviation of `ln α` that nature has before any film is seen; `null` for no prior.
     prior_log_sd: Option<f64>,
     /// Lines that the user gave.
@@ -114,30 +115,16 @@ enum GaugeKey {
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct KnownForceRecord {
-    posture: PostureKey,
+    posture: Key<Posture>,
     force_n: f64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-enum FitKey {
-    Shape,
-    Ferguson,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-enum GroupingKey {
-    Regional,
-    PerJoint,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct GivenLineRecord {
-    posture: PostureKey,
+    posture: Key<Posture>,
     point_mm: [f64; 2],
     direction: [f64; 2],
-    application: ApplicationKey,
+    application: Key<Application>,
 }
 
 /// Degrees from L4 upwards.
@@ -177,14 +164,8 @@ impl From<&AnalysisOptions> for OptionsRecord {
                 }
                 Gauge::GeometricMean | Gauge::FrozenForce => None,
             },
-            fit: match options.target {
-                FitTarget::Shape => FitKey::Shape,
-                FitTarget::Ferguson => FitKey::Ferguson,
-            },
-            multipliers: match options.grouping {
-                Grouping::Regional => GroupingKey::Regional,
-                Grouping::PerJoint => GroupingKey::PerJoint,
-            },
+            fit: options.target.into(),
+            multipliers: options.grouping.into(),
             prior_log_sd: options.prior.map(|prior| prior.log_sd),
             given_lines: options.given_lines.iter().map(GivenLineRecord::from).collect(),
             compared_models: options.hypotheses.iter().map(|&one| HypothesisKey(one)).collect(),
@@ -214,23 +195,17 @@ impl OptionsRecord {
                 axial_deg: self.sagittal_profile.axial_deg,
             },
             library: self.stiffness.clone().library()?,
-            support: self.support.into(),
+            support: self.support.0,
             gauge: match (self.gauge, self.known_force) {
                 (GaugeKey::GeometricMean, _) => Gauge::GeometricMean,
                 (GaugeKey::FrozenForce, _) => Gauge::FrozenForce,
                 (GaugeKey::KnownForce, Some(known)) => {
-                    Gauge::KnownForce { posture: known.posture.into(), force_n: known.force_n }
+                    Gauge::KnownForce { posture: known.posture.0, force_n: known.force_n }
                 }
                 (GaugeKey::KnownForce, None) => return Err(FileError::NoKnownForce),
             },
-            target: match self.fit {
-                FitKey::Shape => FitTarget::Shape,
-                FitKey::Ferguson => FitTarget::Ferguson,
-            },
-            grouping: match self.multipliers {
-                GroupingKey::Regional => Grouping::Regional,
-                GroupingKey::PerJoint => Grouping::PerJoint,
-            },
+            target: self.fit.0,
+            grouping: self.multipliers.0,
             prior: self.prior_log_sd.map(|log_sd| LogNormalPrior { log_sd }),
             given_lines: self.given_lines.iter().map(GivenLineRecord::line).collect(),
             hypotheses: self.compared_models.iter().map(|key| key.0).collect(),
@@ -254,8 +229,8 @@ impl GivenLineRecord {
         let line = LineOfAction {
             point: Frontal::new(self.point_mm[0], self.point_mm[1]),
             direction: Frontal::new(self.direction[0], self.direction[1]),
-            application: self.application.into(),
+            application: self.application.0,
         };
-        (self.posture.into(), line)
+        (self.posture.0, line)
     }
 }

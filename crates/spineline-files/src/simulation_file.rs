@@ -2,15 +2,15 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use spineline::anatomy::Region;
 use spineline::clinical::CurvePlaces;
-use spineline::multibody::{Deformed, Goal, PathPoint};
+use spineline::multibody::{Deformed, Goal, PathPoint, Timing};
 use spineline::response::{
     GoalEquilibrium, Response, SignedPath, SpineAngles, direction_word, erect_shape, measure_angles,
 };
 use spineline::spatial::{Mat3, Vec3};
 
-use crate::keys::{ByLevel, JointKey, LevelKey, RegionKey};
-use crate::load_file::TimingKey;
+use crate::keys::{ByLevel, JointKey, Key, LevelKey};
 use crate::{AppliedLoad, LoadFile, PlacedLoads, Provenance, StoredModel};
 
 /// What a personalised model does under loads. `G`: x anterior, y left, z cranial, origin at L4's midpoint; mm, N, N·mm,
@@ -76,9 +76,9 @@ struct AnglesRecord {
     /// Lean of the line from L4 to T2; positive to the patient's right.
     lean_right_deg: f64,
     /// Positive where convex to the left.
-    cobb_deg: BTreeMap<RegionKey, f64>,
+    cobb_deg: BTreeMap<Key<Region>, f64>,
     /// Positive where convex to the left.
-    ferguson_deg: BTreeMap<RegionKey, f64>,
+    ferguson_deg: BTreeMap<Key<Region>, f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -130,7 +130,7 @@ struct EventRecord {
     /// `limit_point` or `branch_point`.
     kind: String,
     direction: String,
-    timing: TimingKey,
+    timing: Key<Timing>,
     factor: f64,
     arc_rad: f64,
 }
@@ -139,7 +139,7 @@ struct EventRecord {
 struct PathRecord {
     direction: String,
     /// Which loads are varied here.
-    timing: TimingKey,
+    timing: Key<Timing>,
     factor: f64,
     /// Length of the path up to here: hinges in rad, and a factor of one as much as it turns the unloaded hinges. Lengths
     /// of paths with different loads do not compare.
@@ -219,7 +219,7 @@ struct Writer<'a> {
 impl Writer<'_> {
     fn angles(&self, shape: &Deformed) -> AnglesRecord {
         let SpineAngles { lean, curves } = measure_angles(shape, self.places);
-        let key = |region| RegionKey::from(region);
+        let key = Key::<Region>;
         AnglesRecord {
             lean_right_deg: lean.deg(),
             cobb_deg: curves.iter().map(|c| (key(c.region), c.cobb.deg())).collect(),

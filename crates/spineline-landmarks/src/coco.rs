@@ -7,12 +7,12 @@
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
-use spineline::measure::Reading;
+use spineline::measure::{CornerName, Reading};
 use spineline::spatial::Pixel;
 
 use super::film::{Points, pixel};
 use super::json::parse_foreign;
-use super::names::{Corner, PointName, parse_level, shown};
+use super::names::{PointName, parse_corner, parse_level, shown};
 use super::{
     LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm,
 };
@@ -129,8 +129,8 @@ fn names(category: &Category, at: &str) -> Result<Vec<PointName>, LandmarkError>
             limit: MOST_KEYPOINTS as u64,
         });
     }
-    let corners: Vec<Corner> =
-        category.keypoints.iter().filter_map(|name| Corner::parse(name)).collect();
+    let corners: Vec<CornerName> =
+        category.keypoints.iter().filter_map(|name| parse_corner(name)).collect();
     if corners.len() == count && count > 0 {
         let level = parse_level(&category.name, at)?;
         return Ok(corners.into_iter().map(|corner| PointName::Corner(level, corner)).collect());

@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{
-    Corners, Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading, ReadingId,
-    SpacingPlane, check_marks,
+    CornerName, Corners, Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading,
+    ReadingId, SpacingPlane, check_marks,
 };
 use spineline::spatial::Pixel;
 
 use super::LandmarkError;
-use super::names::{Corner, PointName, coordinate};
+use super::names::{PointName, coordinate};
 
 /// A format of landmarks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -208,7 +208,7 @@ impl<P: Copy> Points<P> {
         for name in self.found.keys() {
             let PointName::Corner(level, _) = *name else { continue };
             let get = |corner| self.found.get(&PointName::Corner(level, corner)).map(|p| p.0);
-            if let [Some(sl), Some(sr), Some(il), Some(ir)] = Corner::ALL.map(get) {
+            if let [Some(sl), Some(sr), Some(il), Some(ir)] = CornerName::ALL.map(get) {
                 bodies.insert(
                     level,
                     Corners {
@@ -220,10 +220,10 @@ impl<P: Copy> Points<P> {
                 );
                 continue;
             }
-            let missing = Corner::ALL.into_iter().filter(|&corner| get(corner).is_none());
+            let missing = CornerName::ALL.into_iter().filter(|&corner| get(corner).is_none());
             return Err(LandmarkError::Incomplete {
                 what: format!("{reading}, {level}"),
-                missing: missing.map(|corner| corner.name().to_owned()).collect(),
+                missing: missing.map(|corner| corner.key().to_owned()).collect(),
             });
         }
         Ok(bodies)

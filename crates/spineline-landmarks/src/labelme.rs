@@ -7,12 +7,12 @@
 
 use serde::Deserialize;
 use spineline::anatomy::ImageSide;
-use spineline::measure::Reading;
+use spineline::measure::{CornerName, Reading};
 use spineline::spatial::Pixel;
 
 use super::film::{Points, from_image_sides, pixel};
 use super::json::parse_foreign;
-use super::names::{Corner, PointName, parse_level, shown};
+use super::names::{PointName, parse_level, shown};
 use super::{
     LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm,
 };
@@ -63,7 +63,7 @@ pub fn parse_labelme(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, 
                     what: "the side of the picture on which the patient's left is",
                 })?;
                 let corners = corners_of([a, b, c, d], patient_left, &at)?;
-                for (corner, point) in Corner::ALL.into_iter().zip(corners) {
+                for (corner, point) in CornerName::ALL.into_iter().zip(corners) {
                     points.insert(PointName::Corner(level, corner), point, &at)?;
                 }
             }

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use spineline::anatomy::Level;
+use spineline::measure::CornerName;
 use spineline_files::nearest;
 
 use super::LandmarkError;
@@ -12,49 +13,28 @@ const LARGEST: f64 = 1e6;
 /// Longest name of an observer.
 const LONGEST_NAME: usize = 64;
 
-/// A corner of a vertebral body, by the patient's side.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Corner {
-    SuperiorLeft,
-    SuperiorRight,
-    InferiorLeft,
-    InferiorRight,
+/// The short name of a corner.
+const fn short(corner: CornerName) -> &'static str {
+    match corner {
+        CornerName::SuperiorLeft => "SL",
+        CornerName::SuperiorRight => "SR",
+        CornerName::InferiorLeft => "IL",
+        CornerName::InferiorRight => "IR",
+    }
 }
 
-impl Corner {
-    pub const ALL: [Self; 4] =
-        [Self::SuperiorLeft, Self::SuperiorRight, Self::InferiorLeft, Self::InferiorRight];
-
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::SuperiorLeft => "superior_left",
-            Self::SuperiorRight => "superior_right",
-            Self::InferiorLeft => "inferior_left",
-            Self::InferiorRight => "inferior_right",
-        }
-    }
-
-    const fn short(self) -> &'static str {
-        match self {
-            Self::SuperiorLeft => "SL",
-            Self::SuperiorRight => "SR",
-            Self::InferiorLeft => "IL",
-            Self::InferiorRight => "IR",
-        }
-    }
-
-    pub fn parse(text: &str) -> Option<Self> {
-        let text = text.to_ascii_lowercase();
-        let is =
-            |corner: &Self| corner.name() == text || corner.short().to_ascii_lowercase() == text;
-        Self::ALL.into_iter().find(is)
-    }
+/// The corner of a name, long or short, in any case.
+pub(super) fn parse_corner(text: &str) -> Option<CornerName> {
+    let text = text.to_ascii_lowercase();
+    let is =
+        |corner: &CornerName| corner.key() == text || short(*corner).to_ascii_lowercase() == text;
+    CornerName::ALL.into_iter().find(is)
 }
 
 /// A named point: a corner of a vertebra, or the tip of an iliac crest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum PointName {
-    Corner(Level, Corner),
+    Corner(Level, CornerName),
     CrestLeft,
     CrestRight,
 }
@@ -65,7 +45,7 @@ pub(super) const CREST_RIGHT: &str = "iliac_crest_right";
 impl fmt::Display for PointName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Corner(level, corner) => write!(f, "{level}_{}", corner.name()),
+            Self::Corner(level, corner) => write!(f, "{level}_{}", corner.key()),
             Self::CrestLeft => f.write_str(CREST_LEFT),
             Self::CrestRight => f.write_str(CREST_RIGHT),
         }
@@ -82,7 +62,7 @@ impl PointName {
             _ => {}
         }
         let split = text.split_once(['_', ' ', '-']);
-        let corner = split.and_then(|(_, corner)| Corner::parse(corner));
+        let corner = split.and_then(|(_, corner)| parse_corner(corner));
         match (split, corner) {
             (Some((level, _)), Some(corner)) => Ok(Self::Corner(parse_level(level, at)?, corner)),
             _ => Err(LandmarkError::Unknown {
@@ -97,7 +77,7 @@ impl PointName {
     fn resembling(text: &str) -> Option<String> {
         let mut names: Vec<String> = vec![CREST_LEFT.to_owned(), CREST_RIGHT.to_owned()];
         for level in Level::ALL {
-            names.extend(Corner::ALL.map(|corner| Self::Corner(level, corner).to_string()));
+            names.extend(CornerName::ALL.map(|corner| Self::Corner(level, corner).to_string()));
         }
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         nearest(&shown(text), &names)
@@ -178,7 +158,7 @@ mod tests {
 
     #[test]
     fn a_point_is_named_in_full_or_in_short() {
-        let t12 = PointName::Corner(Level::T12, Corner::InferiorRight);
+        let t12 = PointName::Corner(Level::T12, CornerName::InferiorRight);
         for text in ["T12_inferior_right", "Th12_inferior_right", "D12-IR", "T12 ir", " t12_ir "] {
             assert_eq!(PointName::parse(text, "here").expect(text), t12);
         }

@@ -9,10 +9,10 @@ use spineline::anatomy::Posture;
 use spineline::spatial::{Angle, Frontal};
 
 use crate::erect::{ErectSpine, SEGMENTS};
-use crate::rod::{ChainShape, Rod};
-use crate::truth::{
+use crate::movement::{
     Moved, TOTAL_DEG, force_for, in_order, leans, main_turn, through, usual_variation,
 };
+use crate::rod::{ChainShape, Rod};
 
 /// How far caudal of the inflections the other line crosses the spine, as a part of its length: 60 of 998 segments.
 const OFFSET: f64 = 0.06;

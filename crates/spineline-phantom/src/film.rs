@@ -14,9 +14,17 @@ use spineline::measure::{
 use spineline::spatial::{Angle, Frontal, Pixel};
 
 use crate::erect::ErectSpine;
-use crate::radiograph::Polarity;
 use crate::readers::{Deviation, Readers};
 use crate::{TableRow, TruePosture, Truth};
+
+/// What large stored values stand for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Polarity {
+    /// DICOM's MONOCHROME1: large values are shown dark, so bone has small ones.
+    Monochrome1,
+    /// DICOM's MONOCHROME2: large values are shown bright.
+    Monochrome2,
+}
 
 /// One film as it truly lies: what a reader without error would mark on it, and what its radiograph shows.
 ///

@@ -29,14 +29,15 @@ mod counter;
 mod erect;
 mod film;
 mod loads;
+mod movement;
 mod radiograph;
 mod readers;
 mod rod;
 mod subjects;
 mod truth;
 
-pub use film::TrueFilm;
-pub use radiograph::{Polarity, Radiograph};
+pub use film::{Polarity, TrueFilm};
+pub use radiograph::Radiograph;
 pub use readers::Readers;
 pub use subjects::{SUBJECTS, TableRow};
 

@@ -7,8 +7,8 @@ use spineline::anatomy::{Level, Posture, trunk_weight_share};
 use spineline::spatial::{Angle, Frontal};
 
 use crate::erect::ErectSpine;
+use crate::movement::{Moved, force_for};
 use crate::rod::{ChainShape, PointForce, Rod};
-use crate::truth::{Moved, force_for};
 use crate::{TruePosture, Truth};
 
 /// The force at the apex, as a part of the one through the inflections (assumption).

@@ -1,12 +1,13 @@
 //! The truths: what moves a spine from the erect posture to the others.
 
 use rand_chacha::ChaCha12Rng;
-use rand_distr::{Distribution, Uniform};
-use spineline::action::{Application, LineOfAction};
+use rand_distr::Distribution;
+use spineline::action::Application;
 use spineline::anatomy::Posture;
-use spineline::spatial::{Angle, Frontal};
+use spineline::spatial::Frontal;
 
 use crate::erect::ErectSpine;
+use crate::movement::{Moved, force_for, leans, main_turn, through, usual_variation};
 use crate::rod::{ChainShape, Rod};
 use crate::{PhantomError, TableRow, TruePosture, Truth, counter, loads};
 
@@ -46,138 +47,13 @@ pub(crate) fn postures(
     Ok((all, multipliers))
 }
 
-/// One posture of the fine chain.
-pub(crate) struct Moved {
-    pub posture: Posture,
-    pub shape: ChainShape,
-    pub line: Option<LineOfAction>,
-    pub force_n: f64,
-    pub l4_on_film: Option<Angle>,
-}
-
-impl Moved {
-    /// A shape without a line.
-    pub fn at(posture: Posture, shape: ChainShape, force_n: f64) -> Self {
-        Self { posture, shape, line: None, force_n, l4_on_film: None }
-    }
-
-    /// What a perfect film would show of it.
-    fn observed(self, spine: &ErectSpine) -> TruePosture {
-        let s = &spine.vertebra_s_mm;
-        TruePosture {
-            posture: self.posture,
-            locations: s.iter().map(|&s| self.shape.point(s)).collect(),
-            tilts: s.iter().map(|&s| self.shape.tilt(s)).collect(),
-            inflections: spine.inflection_s_mm.map(|s| self.shape.point(s)),
-            line: self.line,
-            force_n: self.force_n,
-            l4_on_film: self.l4_on_film,
-            base_turn: Angle::ZERO,
-        }
-    }
-}
-
-/// Turn of the main thoracic curve.
-pub(crate) fn main_turn(spine: &ErectSpine, shape: &ChainShape) -> f64 {
-    let [low, high] = spine.inflection_s_mm.map(|s| shape.tilt(s).rad());
-    high - low
-}
-
-/// Steps a force from zero until a measure of the shape reaches a goal, then halves the last step.
-///
-/// `solve` continues from the force before; `None` where the goal is not reached.
-pub(crate) fn force_for<S: Clone, L>(
-    step_n: f64,
-    most_n: f64,
-    start: S,
-    solve: impl Fn(f64, &mut S) -> Option<(ChainShape, L)>,
-    reached: impl Fn(&ChainShape) -> bool,
-) -> Option<(f64, ChainShape, L)> {
-    let (mut low_n, mut low_state) = (0.0, start);
-    let mut step_n = step_n;
-    let mut found = None;
-    while step_n.abs() > 1e-9 * most_n {
-        let mut state = low_state.clone();
-        let force_n = low_n + step_n;
-        if force_n.abs() > most_n {
-            return None;
-        }
-        match solve(force_n, &mut state) {
-            Some((shape, line)) if reached(&shape) => {
-                found = Some((force_n, shape, line));
-                step_n *= 0.5;
-            }
-            Some(_) => {
-                (low_n, low_state) = (force_n, state);
-                if found.is_some() {
-                    step_n *= 0.5;
-                }
-            }
-            // No equilibrium so far ahead: a smaller step.
-            None => step_n *= 0.5,
-        }
-    }
-    found
-}
-
 /// A force through the inflections: a pull that straightens, and a push that bends further.
-///
-/// Forces are sized by how far all segments turn in sum; the paper's mean rotation makes 42° per movement, of which
-/// neutral and the push take less (assumption).
 fn rod(
     spine: &ErectSpine,
     erect: &ChainShape,
     rng: &mut ChaCha12Rng,
 ) -> Result<Vec<Moved>, Posture> {
     through(spine, erect, spine.inflection_s_mm, rng)
-}
-
-/// As [`rod`], by a force along the line through the chain at two arc lengths.
-pub(crate) fn through(
-    spine: &ErectSpine,
-    erect: &ChainShape,
-    s_mm: [f64; 2],
-    rng: &mut ChaCha12Rng,
-) -> Result<Vec<Moved>, Posture> {
-    let vary = usual_variation();
-    let rod = Rod::new(spine);
-    let start = s_mm.map(|s| erect.point(s).y_mm);
-    let mut at = |total_deg: f64, step_n: f64, posture: Posture| {
-        let goal = Angle::from_deg(total_deg * vary.sample(rng));
-        let reached = |shape: &ChainShape| shape.rotation_from(erect) >= goal;
-        let solve =
-            |force_n: f64, places: &mut [f64; 2]| rod.bend_through(s_mm, force_n, erect, places);
-        let (force_n, shape, line) =
-            force_for(step_n, 20_000.0, start, solve, reached).ok_or(posture)?;
-        Ok(Moved { line: Some(line), ..Moved::at(posture, shape, force_n) })
-    };
-    let [straighter, stronger, neutral, traction] = TOTAL_DEG;
-    Ok(in_order([
-        at(straighter, 20.0, Posture::LeftBending)?,
-        at(stronger, -10.0, Posture::RightBending)?,
-        at(neutral, 20.0, Posture::Neutral)?,
-        at(traction, 20.0, Posture::Traction)?,
-    ]))
-}
-
-/// Sums of the rotations of all segments: a bend that straightens, one that bends further, neutral and traction.
-pub(crate) const TOTAL_DEG: [f64; 4] = [42.0, 25.0, 20.0, 36.0];
-
-/// By how much one patient's movements differ from another's.
-pub(crate) fn usual_variation() -> Uniform<f64> {
-    Uniform::new(0.9, 1.1).expect("0.9 is below 1.1")
-}
-
-/// Two bends, neutral and traction in the order of postures: the bend that leans further left is the left one.
-pub(crate) fn in_order([first, second, neutral, traction]: [Moved; 4]) -> Vec<Moved> {
-    let left_first = first.shape.top().lean() < second.shape.top().lean();
-    let (left, right) = if left_first { (first, second) } else { (second, first) };
-    vec![
-        Moved { posture: Posture::LeftBending, ..left },
-        Moved { posture: Posture::RightBending, ..right },
-        neutral,
-        traction,
-    ]
 }
 
 /// Prescribed rotations to one side; neutral and traction scale the erect curve.
@@ -237,18 +113,6 @@ fn bend(spine: &ErectSpine, rng: &mut ChaCha12Rng) -> Vec<Moved> {
         moved.push(Moved::at(posture, shape, 0.0));
     }
     moved
-}
-
-/// How far L4-T2 leans on the bends and at rest beside the erect film.
-pub(crate) fn leans(rng: &mut ChaCha12Rng) -> [(Posture, Angle); 3] {
-    let mut degrees = |from: f64, to: f64| {
-        Angle::from_deg(Uniform::new(from, to).expect("a range upwards").sample(rng))
-    };
-    [
-        (Posture::LeftBending, -degrees(15.0, 25.0)),
-        (Posture::RightBending, degrees(15.0, 25.0)),
-        (Posture::Neutral, degrees(-4.0, 4.0)),
-    ]
 }
 
 /// A horizontal force at T2 for the bends and at rest, and a cranial one for traction.

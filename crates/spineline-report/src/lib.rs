@@ -17,6 +17,7 @@ mod html;
 mod hypotheses;
 mod markdown;
 pub mod patient;
+mod phrases;
 mod png;
 pub mod reliability;
 pub mod terminal;

@@ -5,7 +5,7 @@ use spineline::reliability::{
 };
 
 use crate::document::{Column, Document, Notice, NoticeKind, Section, Table};
-use crate::patient::none;
+use crate::phrases::none;
 
 /// What the numbers speak of.
 pub(crate) const NOTE: &str = "SEM, MDC95 and limits of agreement describe the readers alone. Every correlation also increases with the spread of the subjects. Intervals treat the subjects as independent; vertebrae of one film are not, so true intervals are wider.";
@@ -73,16 +73,10 @@ fn statistic_row(statistic: &Statistic, unit: &str) -> Vec<String> {
     vec![statistic.kind.name().to_owned(), value.unwrap_or_else(none), interval, unit.to_owned()]
 }
 
-/// Bias and limits of agreement of two raters, with their intervals.
+/// The rows of a table for bias and limits of agreement.
 fn agreement_rows(pair: &BlandAltman, unit: &str) -> [Vec<String>; 3] {
     let [first, second] = &pair.raters;
-    let bounds = pair.limit_intervals.ok();
-    let limits = [
-        ("bias", pair.bias, pair.bias_interval.ok()),
-        ("lower limit", pair.limits[0], bounds.map(|bounds| bounds[0])),
-        ("upper limit", pair.limits[1], bounds.map(|bounds| bounds[1])),
-    ];
-    limits.map(|(name, value, interval)| {
+    pair.named_limits().map(|(name, value, interval)| {
         let interval = interval.map(|ends| ends.map(shown_measure));
         vec![
             format!("Bland-Altman {name}, {second} minus {first}"),

@@ -7,6 +7,7 @@ use argon2::Argon2;
 use argon2::password_hash::phc;
 use argon2::password_hash::{PasswordHasher, PasswordVerifier};
 use rusqlite::{Connection, Row, params};
+use spineline::anatomy::Named;
 
 use crate::audit::{self, Ledger, next_id};
 use crate::connection::Store;
@@ -20,7 +21,7 @@ const LEAST_CHARACTERS: usize = 12;
 /// Most bytes of a password.
 const MOST_BYTES: usize = 1024;
 
-/// What somebody may do; each includes those before it.
+/// What somebody may do, from the least to the most; each includes those before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Role {
     /// Looks.
@@ -31,22 +32,15 @@ pub enum Role {
     Admin,
 }
 
-impl Role {
-    /// All, from the least to the most.
-    pub const ALL: [Self; 3] = [Self::Reader, Self::Editor, Self::Admin];
+impl Named for Role {
+    const ALL: &'static [Self] = &[Self::Reader, Self::Editor, Self::Admin];
 
-    /// Its word.
-    #[must_use]
-    pub fn key(self) -> &'static str {
+    fn key(self) -> &'static str {
         match self {
             Self::Reader => "reader",
             Self::Editor => "editor",
             Self::Admin => "admin",
         }
-    }
-
-    fn of_key(key: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|role| role.key() == key)
     }
 }
 
@@ -340,7 +334,7 @@ fn read(row: &Row<'_>) -> Result<Account, StoreError> {
     let role: String = row.get("role")?;
     Ok(Account {
         name: Name::new(&row.get::<_, String>("name")?)?,
-        role: Role::of_key(&role).ok_or_else(|| StoreError::damaged("account"))?,
+        role: Role::from_key(&role).ok_or_else(|| StoreError::damaged("account"))?,
         enabled: row.get("enabled")?,
     })
 }
@@ -378,7 +372,7 @@ fn grants(
         Ok(StudyGrant {
             study: Name::new(&row.get::<_, String>("study")?)?,
             name: Name::new(&row.get::<_, String>("name")?)?,
-            role: Role::of_key(&role).ok_or_else(|| StoreError::damaged("grant"))?,
+            role: Role::from_key(&role).ok_or_else(|| StoreError::damaged("grant"))?,
         })
     })
 }

@@ -2,7 +2,7 @@
 
 use rusqlite::{Connection, OptionalExtension, Row, params};
 use serde_json::Value;
-use spineline::anatomy::Posture;
+use spineline::anatomy::{Named, Posture};
 use spineline::measure::Spacing;
 
 use crate::audit::{self, Ledger, next_id};
@@ -296,7 +296,7 @@ fn read(row: &Row<'_>) -> Result<FilmRecord, StoreError> {
     Ok(FilmRecord {
         id,
         study: Name::new(&row.get::<_, String>("study")?)?,
-        posture: Posture::ALL.into_iter().find(|p| p.key() == posture).ok_or_else(damaged)?,
+        posture: Posture::from_key(&posture).ok_or_else(damaged)?,
         content: Hash(row.get("content")?),
         image: serde_json::from_str(&image).map_err(|_| damaged())?,
         inverted: row.get("inverted")?,

@@ -1,6 +1,7 @@
 //! Who is signed in. Sessions lie in the store so that a server that was killed goes on with them; they are no record.
 
 use rusqlite::{Connection, OptionalExtension, params};
+use spineline::anatomy::Named;
 
 use crate::connection::Store;
 use crate::error::StoreError;
@@ -18,7 +19,9 @@ pub enum Access {
     Accounts,
 }
 
-impl Access {
+impl Named for Access {
+    const ALL: &'static [Self] = &[Self::Token, Self::Accounts];
+
     fn key(self) -> &'static str {
         match self {
             Self::Token => "token",
@@ -97,8 +100,7 @@ impl Store {
             // A full or read-only disk ends the session early, and must not keep anybody from looking meanwhile.
             let _ = self.connection.execute(touch, params![secret_hash, now_ms]);
         }
-        let access = [Access::Token, Access::Accounts].into_iter().find(|a| a.key() == access);
-        let access = access.ok_or_else(|| StoreError::damaged("session"))?;
+        let access = Access::from_key(&access).ok_or_else(|| StoreError::damaged("session"))?;
         Ok(Some(Session { name: Name::new(&name)?, access }))
     }
 

@@ -8,21 +8,29 @@
 //! assert!(text.contains("vertebrae,location_error_mm,mm,number,"));
 //! ```
 
+mod analysis_csv;
 mod clinical;
+mod cohort_csv;
 mod define;
 mod dictionary;
 mod joints;
 mod models;
 mod patients;
 mod postures;
+mod records;
 mod reliability;
+mod reliability_csv;
 mod table;
 mod uncertainty;
 mod vertebrae;
 mod warnings;
 mod write;
 
+pub use analysis_csv::{chain_csv, vertebrae_csv};
+pub use cohort_csv::cohort_csv;
 pub use dictionary::{dictionary, dictionary_markdown};
+pub use records::{records_to_csv, rows_to_csv};
+pub use reliability_csv::reliability_csv;
 pub use table::{Series, Table, Values};
 pub use write::{SCHEMA_VERSION, TableError};
 

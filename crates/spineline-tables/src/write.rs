@@ -9,6 +9,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::{Type, TypePtr};
 
+use crate::records::rows_to_csv;
 use crate::table::{Series, Table, Values};
 
 /// The tables' columns are those of this version; another number means that some mean something else.
@@ -42,15 +43,9 @@ impl Table {
     /// # Errors
     /// [`TableError::Csv`].
     pub fn to_csv(&self) -> Result<String, TableError> {
-        let failed = |source| TableError::Csv { table: self.name, source };
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(self.columns.iter().map(|column| &column.name)).map_err(failed)?;
-        for row in 0..self.rows() {
-            let cells = self.columns.iter().map(|column| column.values.shown(row));
-            writer.write_record(cells).map_err(failed)?;
-        }
-        let bytes = writer.into_inner().map_err(|error| failed(error.into_error().into()))?;
-        Ok(String::from_utf8(bytes).expect("texts are UTF-8"))
+        let heading = self.columns.iter().map(|column| &column.name);
+        let cells = |row| self.columns.iter().map(move |column| column.values.shown(row));
+        rows_to_csv(self.name, heading, (0..self.rows()).map(cells))
     }
 
     /// The table as Parquet, compressed by Snappy. Its key-value metadata has the version of the columns

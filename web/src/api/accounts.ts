@@ -1,17 +1,14 @@
-import { ask } from "./client";
+import { answerOf, api } from "./client";
 import type { Api } from "./types";
 
-const accountPath = (name: string): string => `/api/accounts/${encodeURIComponent(name)}`;
-
-const grantsPath = (study: string): string => `/api/studies/${encodeURIComponent(study)}/grants`;
-
-export const listAccounts = (): Promise<Api<"AccountView">[]> => ask("GET", "/api/accounts");
+export const listAccounts = () => answerOf(api.GET("/api/accounts"));
 
 /** Adds an account, or changes one: what is absent stays. */
-export const putAccount = (name: string, edit: Api<"AccountEdit">): Promise<Api<"AccountView">> =>
-  ask("PUT", accountPath(name), { json: edit });
+export const putAccount = (name: string, body: Api<"AccountEdit">) =>
+  answerOf(api.PUT("/api/accounts/{name}", { params: { path: { name } }, body }));
 
-export const listGrants = (study: string): Promise<Api<"Grant">[]> => ask("GET", grantsPath(study));
+export const listGrants = (id: string) =>
+  answerOf(api.GET("/api/studies/{id}/grants", { params: { path: { id } } }));
 
-export const putGrants = (study: string, grants: Api<"Grant">[]): Promise<Api<"Grant">[]> =>
-  ask("PUT", grantsPath(study), { json: grants });
+export const putGrants = (id: string, body: Api<"Grant">[]) =>
+  answerOf(api.PUT("/api/studies/{id}/grants", { params: { path: { id } }, body }));

@@ -1,6 +1,10 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 
-import { Refusal, Unreachable, ask, listen, useSession, type Listener } from "./client";
+import { listAccounts, putAccount } from "./accounts";
+import { Refusal, Unreachable, listen, useSession, type Listener } from "./client";
+import { recordEvents } from "./readings";
+import { beginSession, endSession } from "./session";
+import { listStudies } from "./studies";
 
 const heard = {
   answered: vi.fn(),
@@ -16,6 +20,8 @@ beforeEach(() => {
 });
 
 afterEach(() => vi.resetAllMocks());
+
+const sent = (): Request[] => request.mock.calls.map(([asked]) => asked as Request);
 
 function answer(status: number, body: unknown): void {
   request.mockResolvedValueOnce(Response.json(body, { status }));
@@ -35,7 +41,7 @@ const PROBLEM = { code: "not_yours", message: "only ab may change it", help: "be
 describe("a refusal", () => {
   it("speaks in the program's words", async () => {
     answer(403, PROBLEM);
-    const refusal = await refusalOf(ask("GET", "/api/studies"));
+    const refusal = await refusalOf(listStudies());
     expect(refusal.status).toBe(403);
     expect(refusal.message).toBe(PROBLEM.message);
     expect(refusal.problem.help).toBe(PROBLEM.help);
@@ -44,22 +50,22 @@ describe("a refusal", () => {
   it("keeps the whole body of a conflict", async () => {
     const body = { problem: PROBLEM, reading: { revision: 7 } };
     answer(409, body);
-    const refusal = await refusalOf(ask("POST", "/api/readings/1/events", { json: {} }));
+    const refusal = await refusalOf(recordEvents(1, { expected_revision: 0, events: [] }));
     expect(refusal.problem).toEqual(PROBLEM);
     expect(refusal.body).toEqual(body);
   });
 
   it("has words where the answer has none", async () => {
     request.mockResolvedValueOnce(new Response("<html>", { status: 502 }));
-    expect((await refusalOf(ask("GET", "/api/studies"))).message).toContain("502");
+    expect((await refusalOf(listStudies())).message).toContain("502");
   });
 
   it("of who is not signed in is told, except where somebody tries to sign in", async () => {
     answer(401, PROBLEM);
-    await refusalOf(ask("POST", "/api/session", { json: {} }));
+    await refusalOf(beginSession({ kind: "token", observer: "ab", token: "t" }));
     expect(heard.expired).not.toHaveBeenCalled();
     answer(401, PROBLEM);
-    await refusalOf(ask("GET", "/api/studies"));
+    await refusalOf(listStudies());
     expect(heard.expired).toHaveBeenCalledOnce();
   });
 });
@@ -67,14 +73,14 @@ describe("a refusal", () => {
 describe("a request", () => {
   it("without an answer is unreachable", async () => {
     request.mockRejectedValueOnce(new TypeError("Failed to fetch"));
-    await expect(ask("GET", "/api/studies")).rejects.toBeInstanceOf(Unreachable);
+    await expect(listStudies()).rejects.toBeInstanceOf(Unreachable);
     expect(heard.unreachable).toHaveBeenCalledOnce();
     expect(heard.answered).not.toHaveBeenCalled();
   });
 
   it("that was stopped is neither refused nor unreachable", async () => {
     request.mockRejectedValueOnce(new DOMException("stopped", "AbortError"));
-    await expect(ask("GET", "/api/studies")).rejects.toThrow("stopped");
+    await expect(listStudies()).rejects.toThrow("stopped");
     expect(heard.unreachable).not.toHaveBeenCalled();
   });
 
@@ -82,9 +88,9 @@ describe("a request", () => {
     useSession({ csrf: "c5f" } as Parameters<typeof useSession>[0]);
     answer(200, {});
     answer(200, {});
-    await ask("PUT", "/api/accounts/ab", { json: { enabled: true } });
-    await ask("GET", "/api/accounts");
-    const [changing, asking] = request.mock.calls.map(([, init]) => new Headers(init?.headers));
+    await putAccount("ab", { enabled: true });
+    await listAccounts();
+    const [changing, asking] = sent().map(({ headers }) => headers);
     expect(changing?.get("X-Spineline-Csrf")).toBe("c5f");
     expect(asking?.get("X-Spineline-Csrf")).toBeNull();
   });
@@ -94,15 +100,27 @@ describe("a request", () => {
     answer(403, stale);
     answer(200, { done: true });
     heard.changed.mockResolvedValueOnce(true);
-    expect(await ask("PUT", "/api/accounts/ab", { json: {} })).toEqual({ done: true });
+    expect(await putAccount("ab", { enabled: true })).toEqual({ done: true });
     answer(403, stale);
     heard.changed.mockResolvedValueOnce(false);
-    await refusalOf(ask("PUT", "/api/accounts/ab", { json: {} }));
+    await refusalOf(putAccount("ab", { enabled: true }));
     expect(request).toHaveBeenCalledTimes(3);
+    const bodies = await Promise.all(sent().map((one) => one.json()));
+    expect(bodies).toEqual([{ enabled: true }, { enabled: true }, { enabled: true }]);
   });
 
   it("with no content gives nothing", async () => {
     request.mockResolvedValueOnce(new Response(null, { status: 204 }));
-    expect(await ask("DELETE", "/api/session")).toBeUndefined();
+    expect(await endSession()).toBeUndefined();
+  });
+
+  it("escapes the parameters of its path and sends its body as JSON", async () => {
+    answer(200, { name: "a/b" });
+    await putAccount("a/b", { enabled: true });
+    const [one] = sent();
+    expect(one?.method).toBe("PUT");
+    expect(new URL(one!.url).pathname).toBe("/api/accounts/a%2Fb");
+    expect(one?.headers.get("Content-Type")).toContain("application/json");
+    expect(await one?.json()).toEqual({ enabled: true });
   });
 });

@@ -1,4 +1,9 @@
+import createClient from "openapi-fetch";
+
+import type { Routes } from "./paths";
 import type { Api } from "./types";
+
+const TOKEN_HEADER = "X-Spineline-Csrf";
 
 /** A request that was refused, in the program's own words. */
 export class Refusal extends Error {
@@ -42,46 +47,23 @@ export function useSession(session: Api<"SessionView">): void {
   csrf = session.csrf;
 }
 
-export type Method = "GET" | "POST" | "PUT" | "PATCH" | "DELETE";
-
-export interface Sending {
-  /** Sent as JSON. */
-  json?: unknown;
-  /** Sent as they are. */
-  bytes?: Blob | ArrayBuffer;
-  signal?: AbortSignal;
-}
-
-async function send(method: Method, path: string, sending: Sending = {}): Promise<Response> {
+async function send(request: Request): Promise<Response> {
+  const again = request.clone();
   try {
-    return await sendOnce(method, path, sending);
+    return await sendOnce(request);
   } catch (error) {
     const isStale = error instanceof Refusal && error.problem.code === "csrf";
     // What one person did is never sent in the name of another.
-    if (isStale && (await listener?.changed())) return sendOnce(method, path, sending);
+    if (isStale && (await listener?.changed())) return sendOnce(again);
     throw error;
   }
 }
 
-async function sendOnce(method: Method, path: string, sending: Sending): Promise<Response> {
-  const headers = headersOf(method);
-  let body: BodyInit | undefined;
-  if (sending.json !== undefined) {
-    headers["Content-Type"] = "application/json";
-    body = JSON.stringify(sending.json);
-  } else if (sending.bytes !== undefined) {
-    headers["Content-Type"] = "application/octet-stream";
-    body = sending.bytes;
-  }
+async function sendOnce(request: Request): Promise<Response> {
+  if (request.method !== "GET") request.headers.set(TOKEN_HEADER, csrf);
   let response: Response;
   try {
-    response = await fetch(path, {
-      method,
-      headers,
-      body: body ?? null,
-      signal: sending.signal ?? null,
-      credentials: "same-origin",
-    });
+    response = await fetch(request);
   } catch (error) {
     if (error instanceof DOMException && error.name === "AbortError") throw error;
     listener?.unreachable();
@@ -89,11 +71,8 @@ async function sendOnce(method: Method, path: string, sending: Sending): Promise
   }
   listener?.answered();
   if (response.ok) return response;
-  throw refused(path, response.status, await response.json().catch(() => null));
-}
-
-function headersOf(method: Method): Record<string, string> {
-  return method === "GET" ? {} : { "X-Spineline-Csrf": csrf };
+  const { pathname } = new URL(request.url);
+  throw refused(pathname, response.status, await response.json().catch(() => null));
 }
 
 function refused(path: string, status: number, body: unknown): Refusal {
@@ -113,29 +92,30 @@ function problemOf(body: unknown): Api<"Problem"> | null {
   return "code" in body && "message" in body ? (body as Api<"Problem">) : null;
 }
 
-/** Asks, and reads the answer as JSON. */
-export async function ask<T>(method: Method, path: string, sending?: Sending): Promise<T> {
-  const response = await send(method, path, sending);
-  return response.status === 204 ? (undefined as T) : ((await response.json()) as T);
+/** The routes of the program, with the types of its interface. A refusal is thrown. */
+export const api = createClient<Routes>({ baseUrl: location.origin, fetch: send });
+
+/** The answer of a request: whatever is no answer was thrown before. */
+export async function answerOf<T>(asked: Promise<{ data?: T }>): Promise<T> {
+  return (await asked).data as T;
 }
 
-/** Asks, and reads the answer as bytes. */
-export async function askBytes(path: string, signal?: AbortSignal): Promise<Response> {
-  return send("GET", path, signal ? { signal } : {});
+/** Asks for the bytes behind an address. */
+export function askBytes(address: string, signal: AbortSignal): Promise<Response> {
+  return send(new Request(new URL(address, location.origin), { signal }));
 }
 
-/** Sends a file and tells how much of it has gone, from 0 to 1; `fetch` cannot tell. */
-export function sendFile<T>(
-  path: string,
+/** Uploads a file and reports the fraction sent, from 0 to 1. `fetch` reports no progress. */
+export function uploadFile(
   file: Blob,
   onsent: (fraction: number) => void,
-  signal?: AbortSignal,
-): Promise<T> {
+  signal: AbortSignal,
+): Promise<Api<"UploadView">> {
+  const path: keyof Routes = "/api/uploads";
   return new Promise((resolve, reject) => {
     const request = new XMLHttpRequest();
     request.open("POST", path);
-    for (const [name, value] of Object.entries(headersOf("POST")))
-      request.setRequestHeader(name, value);
+    request.setRequestHeader(TOKEN_HEADER, csrf);
     request.setRequestHeader("Content-Type", "application/octet-stream");
     request.upload.onprogress = (event) => {
       if (event.lengthComputable) onsent(event.loaded / event.total);
@@ -148,10 +128,10 @@ export function sendFile<T>(
     request.onload = () => {
       listener?.answered();
       const body = jsonOf(request.responseText);
-      if (request.status >= 200 && request.status < 300) resolve(body as T);
+      if (request.status >= 200 && request.status < 300) resolve(body as Api<"UploadView">);
       else reject(refused(path, request.status, body));
     };
-    signal?.addEventListener("abort", () => request.abort());
+    signal.addEventListener("abort", () => request.abort());
     request.send(file);
   });
 }

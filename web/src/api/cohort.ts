@@ -1,4 +1,3 @@
-import { ask } from "./client";
-import type { Api } from "./types";
+import { answerOf, api } from "./client";
 
-export const readCohort = (): Promise<Api<"CohortView">> => ask("GET", "/api/cohort");
+export const readCohort = () => answerOf(api.GET("/api/cohort"));

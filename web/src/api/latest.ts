@@ -1,5 +1,5 @@
 export interface LatestOptions {
-  /** Told of errors; absent where an answer is a courtesy, and errors are told elsewhere. */
+  /** Receives errors; absent where another request already reports them. */
   failed?: (error: unknown) => void;
   /** A request older than this gives way to a newer one; without it, every request is let finish. */
   patienceMs?: number;

@@ -1,26 +1,44 @@
-import { ask, sendFile } from "./client";
+import { answerOf, api } from "./client";
 import type { Api } from "./types";
 
-export const listStudies = (): Promise<Api<"StudySummary">[]> => ask("GET", "/api/studies");
+const of = (study: string) => ({ params: { path: { study } } });
 
-export const createStudy = (study: Api<"NewStudy">): Promise<Api<"StudyDetail">> =>
-  ask("POST", "/api/studies", { json: study });
+export const listStudies = () => answerOf(api.GET("/api/studies"));
+
+export const readStudy = (study: string, signal?: AbortSignal) =>
+  answerOf(api.GET("/api/studies/{study}", { ...of(study), signal: signal ?? null }));
+
+export const createStudy = (body: Api<"NewStudy">) => answerOf(api.POST("/api/studies", { body }));
 
 /** Renders five films of a phantom, which takes a while. */
-export const createDemo = (): Promise<Api<"StudyDetail">> => ask("POST", "/api/studies/demo");
+export const createDemo = () => answerOf(api.POST("/api/studies/demo"));
 
-export const importCase = (case_: Api<"CaseImport">): Promise<Api<"StudyDetail">> =>
-  ask("POST", "/api/studies/case", { json: case_ });
+export const importCase = (body: Api<"CaseImport">) =>
+  answerOf(api.POST("/api/studies/case", { body }));
+
+export const editFilm = (film: number, body: Api<"FilmChange">) =>
+  answerOf(api.POST("/api/films/{film}/edits", { params: { path: { film } }, body }));
+
+export const readFindings = (study: string, signal: AbortSignal) =>
+  answerOf(api.GET("/api/studies/{study}/findings", { ...of(study), signal }));
+
+export const readOverlay = (study: string, film: number, signal: AbortSignal) =>
+  answerOf(
+    api.GET("/api/studies/{study}/films/{film}/overlay", {
+      params: { path: { study, film } },
+      signal,
+    }),
+  );
+
+export const readModel = (study: string, signal: AbortSignal) =>
+  answerOf(api.GET("/api/studies/{study}/model", { ...of(study), signal }));
+
+export const loadModel = (study: string, body: Api<"LoadRequest">, signal: AbortSignal) =>
+  answerOf(api.POST("/api/studies/{study}/load", { ...of(study), body, signal }));
 
 export const casePath = (study: string): string => `/api/studies/${encodeURIComponent(study)}/case`;
 
 export const thumbnailPath = (film: number): string => `/api/films/${film}/thumbnail`;
 
-export const upload = (
-  file: Blob,
-  onsent: (fraction: number) => void,
-  signal: AbortSignal,
-): Promise<Api<"UploadView">> => sendFile("/api/uploads", file, onsent, signal);
-
-export const uploadThumbnailPath = (upload_: string): string =>
-  `/api/uploads/${encodeURIComponent(upload_)}/thumbnail`;
+export const uploadThumbnailPath = (upload: string): string =>
+  `/api/uploads/${encodeURIComponent(upload)}/thumbnail`;

@@ -30,22 +30,25 @@ const GREY_CSS = 12;
 
 /** All keys of the film, for those who mark with them and for the page that lists them. */
 export const KEYS: readonly { keys: string; text: string }[] = [
-  { keys: "Click, or C then Enter", text: "place the corner that is asked for" },
-  { keys: "C", text: "crosshair for placing by keys: arrows move it, Shift in large steps" },
+  { keys: "Click, or C then Enter", text: "place the requested corner" },
+  { keys: "C", text: "crosshair for placing landmarks: arrows move it, Shift in large steps" },
   { keys: "A", text: "accept the proposed vertebra" },
-  { keys: "N", text: "on to the iliac crests, past the optional vertebrae" },
-  { keys: "[ ]  Tab", text: "choose the mark before or after" },
-  { keys: "Arrows", text: "move the chosen mark 0.1 px, its axis 0.1°; with Shift 1 px, 1°" },
-  { keys: "Delete", text: "remove the vertebra of the chosen mark" },
-  { keys: "R", text: "axis follows the corners again" },
+  { keys: "N", text: "skip the optional vertebrae and go to the iliac crests" },
+  { keys: "[ ]  Tab", text: "select the previous or next landmark" },
+  {
+    keys: "Arrows",
+    text: "move the selected landmark 0.1 px, rotate an axis 0.1°; with Shift 1 px, 1°",
+  },
+  { keys: "Delete", text: "remove the vertebra of the selected landmark" },
+  { keys: "R", text: "compute the axis from the corners again" },
   { keys: "Ctrl Z  Ctrl Y", text: "undo, redo" },
-  { keys: "+  −  F", text: "enlarge, reduce, fit" },
+  { keys: "+  −  F", text: "zoom in, zoom out, fit" },
   { keys: "Space and drag, H", text: "move the film" },
   { keys: "Right button, W", text: "window and level" },
-  { keys: "I", text: "dark and bright exchanged" },
+  { keys: "I", text: "invert the grey levels" },
   { keys: "L", text: "loupe" },
   { keys: "1 – 7", text: "show or hide a layer" },
-  { keys: "Esc", text: "choose nothing" },
+  { keys: "Esc", text: "clear the selection" },
 ];
 
 /** Does what a key means; true if it meant something. */

@@ -1,5 +1,12 @@
-import { ask, Refusal } from "../api/client";
+import { Refusal } from "../api/client";
 import { Latest } from "../api/latest";
+import {
+  finishReading,
+  previewReading,
+  readLive,
+  readReading,
+  recordEvents,
+} from "../api/readings";
 import type { Api } from "../api/types";
 import { keepingOf, keepsNothing, leftBehind, type ReadingKeeping } from "./keeping";
 import {
@@ -63,9 +70,6 @@ const AGAIN_MS = 800;
 /** How long a dropped axis waits for its angle. */
 const TURN_MS = 5_000;
 
-/** Places are kept to a thousandth of a pixel. */
-const rounded = (px: number): number => Math.round(px * 1_000) / 1_000;
-
 /** One reading while it is being marked: what is recorded, what is on its way, and what a hand is doing right now. */
 export class Marking {
   /** As the program has it. */
@@ -111,7 +115,6 @@ export class Marking {
   constructor(reading: ReadingView, tab: string) {
     this.#recorded = reading;
     this.#blinded = reading.code !== null && reading.code !== undefined;
-    const path = `/api/readings/${reading.reading}`;
     this.#tab = tab;
     this.#keeping = reading.mine ? keepingOf(reading, tab) : keepsNothing;
     this.#previews = new Latest(
@@ -120,14 +123,14 @@ export class Marking {
       { patienceMs: PATIENCE_MS },
     );
     this.#lives = new Latest(
-      (_, signal) => ask<LiveView>("GET", `${path}/live`, { signal }),
+      (_, signal) => readLive(reading.reading, signal),
       (live) => (this.#live = live),
       { patienceMs: PATIENCE_MS },
     );
     this.#outbox = new Outbox({
       revision: reading.revision,
       send: (events, expected_revision) =>
-        ask("POST", `${path}/events`, { json: { expected_revision, events } }),
+        recordEvents(reading.reading, { expected_revision, events: [...events] }),
       keeping: this.#keeping,
       saved: (answer) => this.#use(answer.reading, answer.live ?? null),
       conflict: (_, answer) => {
@@ -312,7 +315,7 @@ export class Marking {
 
   async reload(): Promise<void> {
     try {
-      const reading = await ask<ReadingView>("GET", `/api/readings/${this.#recorded.reading}`);
+      const reading = await readReading(this.#recorded.reading);
       this.#use(reading);
       this.#outbox.rebase(reading.revision);
     } catch (error) {
@@ -323,9 +326,8 @@ export class Marking {
   }
 
   async finish(): Promise<void> {
-    const path = `/api/readings/${this.#recorded.reading}/finish`;
-    const json = { expected_revision: this.#recorded.revision };
-    this.#use(await ask<ReadingView>("POST", path, { json }));
+    const { reading, revision } = this.#recorded;
+    this.#use(await finishReading(reading, { expected_revision: revision }));
   }
 
   /** Records again what was lost, upon the reading as it stands. */
@@ -395,9 +397,8 @@ export class Marking {
   }
 
   #askPreview({ events, turn }: Omit<PreviewWish, "at">, signal: AbortSignal): Promise<Preview> {
-    const path = `/api/readings/${this.#recorded.reading}/preview`;
     const turn_axis = turn ? { level: turn.level, towards_px: [...turn.towards] } : null;
-    return ask("POST", path, { json: { events, turn_axis }, signal });
+    return previewReading(this.#recorded.reading, { events: [...events], turn_axis }, signal);
   }
 
   #previewed(preview: Preview, { turn, at }: PreviewWish): void {
@@ -485,8 +486,9 @@ function turnedIn(preview: Preview, level: string): Event | null {
   return axis ? { kind: "set_axis", level, axis_deg: axis.axis_deg } : null;
 }
 
+/** Places are kept to a thousandth of a pixel. */
 function round([column, row]: FilmPoint): FilmPoint {
-  return [rounded(column), rounded(row)];
+  return [Math.round(column * 1_000) / 1_000, Math.round(row * 1_000) / 1_000];
 }
 
 /** The same place again, on a reading that has changed: whether a corner is placed or moved depends on it. */

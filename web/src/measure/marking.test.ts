@@ -30,8 +30,10 @@ beforeEach(() => {
   // As on a page without a certificate.
   vi.stubGlobal("navigator", {});
   vi.stubGlobal("requestAnimationFrame", () => 0);
-  vi.stubGlobal("fetch", async (path: string, { method, body }: RequestInit) => {
-    const one = { method: method ?? "GET", path, json: body ? JSON.parse(body as string) : null };
+  vi.stubGlobal("fetch", async (request: Request) => {
+    const path = new URL(request.url).pathname;
+    const body = await request.text();
+    const one = { method: request.method, path, json: body ? JSON.parse(body) : null };
     asked.push(one);
     const { status, body: text } = path.endsWith("/live")
       ? { status: 403, body: null }
@@ -46,7 +48,11 @@ afterEach(() => {
   vi.unstubAllGlobals();
 });
 
-const settle = (ms = 10): Promise<unknown> => vi.advanceTimersByTimeAsync(ms);
+/** Lets time pass, and the bodies of requests and answers be read. */
+async function settle(ms = 10): Promise<void> {
+  await vi.advanceTimersByTimeAsync(ms);
+  for (let turn = 0; turn < 5; turn += 1) await vi.advanceTimersByTimeAsync(0);
+}
 
 const crest = (column_px: number): Event => ({
   kind: "place_iliac_crest",
@@ -217,6 +223,7 @@ it("records an axis where the hand let go, not where the program answered last",
 it("records an axis that was let go just before another page of the app", async () => {
   const { marking, answerRest } = await letGo();
   marking.close();
+  await settle();
   answerRest();
   await settle();
   expect(sent()).toEqual([{ kind: "set_axis", level: "L4", axis_deg: 25 }]);

@@ -1,8 +1,8 @@
-import { ask } from "../api/client";
+import { beginReading, readReading } from "../api/readings";
+import { editFilm, readStudy } from "../api/studies";
 import type { Api } from "../api/types";
 import { nameTab } from "./keeping";
 import { Marking } from "./marking.svelte";
-import type { ReadingView } from "./marks";
 
 type FilmSummary = Api<"FilmSummary">;
 type ReadingSummary = Api<"ReadingSummary">;
@@ -17,7 +17,7 @@ export class StudyPage {
   /** What went wrong, and what was tried. */
   problem = $state.raw<{ what: string; error: unknown } | null>(null);
   /** Who changed what, for a banner. */
-  told = $state<string | null>(null);
+  changeNotice = $state<string | null>(null);
   /** Whether the reading of the film is being looked for. */
   isLooking = $state(true);
   #film = $state<number | null>(null);
@@ -49,7 +49,7 @@ export class StudyPage {
 
   async refresh(): Promise<void> {
     await this.#tried("The study could not be read", async () => {
-      this.detail = await ask("GET", `/api/studies/${encodeURIComponent(this.study)}`);
+      this.detail = await readStudy(this.study);
     });
   }
 
@@ -70,7 +70,7 @@ export class StudyPage {
     this.isLooking = reading !== null;
     if (reading === null) return;
     await this.#tried("The reading could not be opened", async () => {
-      const view = await ask<ReadingView>("GET", `/api/readings/${reading}`);
+      const view = await readReading(reading);
       const tab = await nameTab();
       if (opening === this.#openings) this.marking = new Marking(view, tab);
     });
@@ -80,9 +80,8 @@ export class StudyPage {
   async begin(): Promise<void> {
     const film = this.film;
     if (!film) return;
-    await this.#tried("The reading could not be begun", async () => {
-      const json: Api<"NewReading"> = { repeat: this.nextRepeat };
-      const view = await ask<ReadingView>("POST", `/api/films/${film.film}/readings`, { json });
+    await this.#tried("The reading could not be started", async () => {
+      const view = await beginReading(film.film, { repeat: this.nextRepeat });
       await this.refresh();
       await this.openReading(view.reading);
     });
@@ -93,9 +92,8 @@ export class StudyPage {
     const seen = this.film;
     return async (edit) => {
       if (!seen) return;
-      const json: Api<"FilmChange"> = { expected_revision: seen.revision, edit };
       try {
-        await ask("POST", `/api/films/${seen.film}/edits`, { json });
+        await editFilm(seen.film, { expected_revision: seen.revision, edit });
       } finally {
         // After a refusal the film stands otherwise than it is shown.
         await Promise.all([this.refresh(), this.marking?.reload()]);
@@ -106,12 +104,12 @@ export class StudyPage {
   /** Somebody, perhaps this window, has changed something. */
   heard(change: Api<"Change">, me: string): void {
     if (this.marking?.isNews(change)) {
-      this.told =
+      this.changeNotice =
         change.who === me
           ? "This reading was changed in another window."
           : `${change.who} has changed this reading.`;
       void this.marking.reload();
-    } else if (change.who !== me) this.told = `${change.who} has changed this study.`;
+    } else if (change.who !== me) this.changeNotice = `${change.who} has changed this study.`;
     this.#later();
   }
 

@@ -12,8 +12,8 @@ it("reads the study and the reading again once the program is back", async () =>
   vi.stubGlobal("navigator", {});
   let revision = 0;
   const asked: string[] = [];
-  vi.stubGlobal("fetch", async (path: string) => {
-    asked.push(path);
+  vi.stubGlobal("fetch", async (request: Request) => {
+    asked.push(new URL(request.url).pathname);
     return new Response(JSON.stringify({ ...reading(), revision, notes: [`${revision}`] }));
   });
   const page = new StudyPage("S-1");

@@ -1,4 +1,4 @@
-import { ask } from "../api/client";
+import { loadModel } from "../api/studies";
 import { Latest } from "../api/latest";
 import type { Api } from "../api/types";
 import { at, type Point } from "./shapes";
@@ -28,9 +28,8 @@ export class HandLoad {
     private readonly view: Api<"ModelView">,
     private readonly kind: () => Api<"LineName">,
   ) {
-    const path = `/api/studies/${encodeURIComponent(view.study)}/load`;
     this.#latest = new Latest(
-      ({ request }, signal) => ask<Api<"LoadAnswer">>("POST", path, { json: request, signal }),
+      ({ request }, signal) => loadModel(view.study, request, signal),
       (answer, asked) => {
         this.answer = answer;
         this.problem = null;

@@ -1,4 +1,5 @@
-import { Unreachable, ask, listen } from "../api/client";
+import { Unreachable, listen } from "../api/client";
+import { readSignInPage } from "../api/session";
 import { session } from "./session.svelte";
 
 const SHORTEST_WAIT_MS = 1_000;
@@ -36,7 +37,7 @@ class Connection {
     if (this.asking) return;
     this.asking = true;
     try {
-      await ask("GET", "/api/sign-in");
+      await readSignInPage();
     } catch (error) {
       // A refusal is an answer too.
       if (error instanceof Unreachable) this.#again();

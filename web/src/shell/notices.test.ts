@@ -20,7 +20,10 @@ it("puts what is said of a line under the line, and the rest first", () => {
   expect(byLine(all)).toEqual([
     { line: null, notices: [notice("no scale")] },
     { line: "inflection_line", notices: [notice("one")] },
-    { line: "iliac_line", notices: [notice("the fit did not converge (`iterations`)"), notice("two")] },
+    {
+      line: "iliac_line",
+      notices: [notice("the fit did not converge (`iterations`)"), notice("two")],
+    },
   ]);
 });
 

@@ -1,4 +1,5 @@
-import { Refusal, ask, useSession } from "../api/client";
+import { Refusal, useSession } from "../api/client";
+import { beginSession, endSession, readSession, readSignInPage } from "../api/session";
 import type { Api } from "../api/types";
 import { addressOf, router } from "./router.svelte";
 import { takeToken } from "./token";
@@ -23,14 +24,14 @@ class Session {
 
   /** Finds out whether somebody is signed in already. */
   async begin(): Promise<void> {
-    this.page = await ask("GET", "/api/sign-in");
+    this.page = await readSignInPage();
     await this.resume();
   }
 
   /** Takes up a session that the browser knows of, such as one begun in another tab. */
   async resume(): Promise<void> {
     try {
-      this.#use(await ask("GET", "/api/session"));
+      this.#use(await readSession());
     } catch (error) {
       if (!(error instanceof Refusal && error.status === 401)) throw error;
     }
@@ -44,12 +45,12 @@ class Session {
   }
 
   async signIn(how: Api<"SignIn">): Promise<void> {
-    this.#use(await ask("POST", "/api/session", { json: how }));
+    this.#use(await beginSession(how));
     this.token = null;
   }
 
   async signOut(): Promise<void> {
-    await ask("DELETE", "/api/session");
+    await endSession();
     // Whoever comes next begins at the beginning.
     router.go({ name: "studies" });
     this.view = null;

@@ -1,4 +1,4 @@
-import { upload } from "../api/studies";
+import { uploadFile } from "../api/client";
 import type { Api } from "../api/types";
 
 const AT_ONCE = 3;
@@ -26,7 +26,7 @@ export class Sent {
   async send(): Promise<void> {
     this.error = null;
     try {
-      this.view = await upload(
+      this.view = await uploadFile(
         this.file,
         (fraction) => {
           this.fraction = fraction;

@@ -9,7 +9,9 @@ mod paper;
 use std::fs;
 use std::path::Path;
 
-use crate::{built, python, run};
+use crate::checks::built;
+use crate::plan::{Extent, Plan};
+use crate::{python, run};
 
 /// Makes the book below the target folder.
 pub fn make(root: &Path) -> Result<(), String> {
@@ -17,7 +19,7 @@ pub fn make(root: &Path) -> Result<(), String> {
     let guide = root.join("docs/guide");
     let mdbook = python::tool(root, "docs", &guide.join("requirements.txt"), "mdbook")?;
     let results = target.join("docs/reproduce");
-    let program = built(root, "spineline")?;
+    let program = built(&Plan::new(root, Extent::Usual), "spineline")?;
     let [program, out] = [&program, &results].map(|path| path.display().to_string());
     // What it prints is what the page shows.
     println!("» {program} reproduce");

@@ -4,6 +4,7 @@ use spineline::analysis::{Analysis, Case};
 use spineline::personalize::Identifiability;
 use spineline::uncertainty::Uncertainty;
 use spineline_files::{AnalysisFile, Request};
+use spineline_report::patient::Patient as ReportedPatient;
 use spineline_tables::Patient;
 
 use super::replicates::run_replicates;
@@ -36,6 +37,24 @@ impl Confidence {
             identifiability: identifiability.transpose()?,
             uncertainty: uncertainty.transpose()?,
         })
+    }
+
+    /// The patient as reports take it; images of films and the file to embed are left to who has them.
+    pub fn report<'a>(
+        &'a self,
+        analysis: &'a Analysis,
+        case: &'a Case,
+        generator: &'a str,
+    ) -> ReportedPatient<'a> {
+        ReportedPatient {
+            case,
+            analysis,
+            pictures: &[],
+            identifiability: self.identifiability.as_deref(),
+            uncertainty: self.uncertainty.as_ref(),
+            generator,
+            json: "",
+        }
     }
 
     /// The patient as the tables take it.

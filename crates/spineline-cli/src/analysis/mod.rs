@@ -6,4 +6,3 @@ pub mod confidence;
 pub mod figures;
 pub mod record;
 pub mod replicates;
-pub mod tables;

@@ -2,6 +2,7 @@
 
 use spineline::analysis::Analysis;
 use spineline_files::{FilmOrigin, InputFile, ProgramRun, Provenance, Request};
+use spineline_report::document::{Notice, NoticeKind};
 
 use crate::options::method::MethodArgs;
 use crate::options::request;
@@ -55,14 +56,15 @@ impl RunRecord {
     }
 
     /// Warnings about cases that were read from analyses with other options.
-    pub fn warnings(&self) -> String {
+    pub fn warnings(&self) -> Vec<Notice> {
         let other = |asked: &Request| asked.options != self.request.options;
         let others = self.cases.iter().filter(|source| source.request.as_ref().is_some_and(other));
-        let warning = |source: &CaseInput| {
-            format!(
-                "warning: {}: this analysis was made with other options; `spineline rerun` keeps them [other_options]\n",
-                source.input.name
-            )
+        let warning = |source: &CaseInput| Notice {
+            kind: NoticeKind::Warning,
+            place: source.input.name.clone(),
+            text: "this analysis was made with other options; `spineline rerun` keeps them"
+                .to_owned(),
+            code: "other_options".to_owned(),
         };
         others.map(warning).collect()
     }

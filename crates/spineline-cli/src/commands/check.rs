@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use spineline::analysis::{Analysis, AnalysisOptions};
 use spineline::warning::Step;
+use spineline_report::document::{Column, Table};
+use spineline_report::terminal;
 
 use crate::analysis::case::analyze_file;
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::case_files;
 use crate::run::outputs::print;
-use crate::terminal::table::{Table, wrap};
 
 #[derive(Args)]
 pub struct CheckArgs {
@@ -39,16 +40,17 @@ pub fn run(args: &CheckArgs) -> Result<Ending, Failure> {
 fn text(path: &Path, analysis: &Analysis) -> String {
     let synthetic = if analysis.synthetic { " · SYNTHETIC" } else { "" };
     let mut text = format!("{}: {}{synthetic}\n", path.display(), analysis.case_id);
-    let mut table = Table::new([
-        "Film",
-        "readings",
-        "L4-T2",
-        "lateral tilt",
-        "location sd",
-        "tilt sd (°)",
-        "iliac crests",
-        "lengths",
-    ]);
+    let columns = vec![
+        Column::words("Film"),
+        Column::numbers("Readings"),
+        Column::numbers("L4-T2"),
+        Column::words("Lateral tilt"),
+        Column::words("Location sd"),
+        Column::words("Tilt sd (°)"),
+        Column::words("Iliac crests"),
+        Column::words("Lengths"),
+    ];
+    let mut table = Table::new("", columns);
     for p in &analysis.postures {
         let outline = &p.outline;
         let assumed = if outline.noise.measured { "" } else { " assumed" };
@@ -63,14 +65,15 @@ fn text(path: &Path, analysis: &Analysis) -> String {
             outline.scale.to_string(),
         ]);
     }
-    text.push_str(&table.text());
+    text.push_str(&terminal::table(&table, terminal::WIDTH));
     // Warnings of the fit belong to `analyze`; here only the films count.
     let of_films = |step: Step| step <= Step::Motion;
     let warnings: Vec<_> = analysis.warnings.all().iter().filter(|w| of_films(w.step)).collect();
     for warning in &warnings {
         let place = warning.posture.map_or_else(String::new, |p| format!("{p} film: "));
         let level = warning.level.map_or_else(String::new, |l| format!("{l}: "));
-        text.push_str(&wrap(&format!("! {place}{level}{}", warning.text()), 110, "  "));
+        let note = format!("! {place}{level}{}", warning.text());
+        text.push_str(&terminal::paragraph(&note, terminal::WIDTH, "  "));
     }
     if warnings.is_empty() {
         text.push_str("  no warnings about these films\n");

@@ -1,6 +1,7 @@
 //! `spineline schema`: JSON schemas of the file formats.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::PossibleValuesParser;
 
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::print;
@@ -8,39 +9,11 @@ use crate::run::outputs::print;
 #[derive(Args)]
 pub struct SchemaArgs {
     /// File format
-    name: SchemaName,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum SchemaName {
-    Case,
-    Analysis,
-    Cohort,
-    Model,
-    Load,
-    Provenance,
-    Reliability,
-    Simulation,
-    Stiffness,
-}
-
-impl SchemaName {
-    fn key(self) -> &'static str {
-        match self {
-            Self::Case => "case",
-            Self::Analysis => "analysis",
-            Self::Cohort => "cohort",
-            Self::Model => "model",
-            Self::Load => "load",
-            Self::Provenance => "provenance",
-            Self::Reliability => "reliability",
-            Self::Simulation => "simulation",
-            Self::Stiffness => "stiffness",
-        }
-    }
+    #[arg(value_parser = PossibleValuesParser::new(spineline_files::schema_names()))]
+    name: String,
 }
 
 pub fn run(args: &SchemaArgs) -> Result<Ending, Failure> {
-    let schema = spineline_files::schema(args.name.key()).expect("every name has a schema");
+    let schema = spineline_files::schema(&args.name).expect("only known names pass the parser");
     print(&spineline_files::to_text(&schema))
 }

@@ -5,9 +5,8 @@ use std::path::PathBuf;
 
 use chrono::Utc;
 use clap::Args;
-use spineline_server::http::api::AccessName;
 use spineline_server::http::{ServeOptions, Server};
-use spineline_store::{Name, Role, Signature, Store};
+use spineline_store::{Access, Name, Role, Signature, Store};
 
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::print;
@@ -56,11 +55,8 @@ pub struct ServeArgs {
 
 pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
     let store = open(args)?;
-    let access = if args.accounts || !args.bind.is_loopback() {
-        AccessName::Accounts
-    } else {
-        AccessName::Token
-    };
+    let access =
+        if args.accounts || !args.bind.is_loopback() { Access::Accounts } else { Access::Token };
     check(args, &store, access)?;
     let decoder = std::env::current_exe()
         .map_err(|error| Failure::internal(format!("this program cannot find itself: {error}")))?;
@@ -92,9 +88,9 @@ fn open(args: &ServeArgs) -> Result<Store, Failure> {
 }
 
 /// Refuses settings that give access to the wrong people or to no one.
-fn check(args: &ServeArgs, store: &Store, access: AccessName) -> Result<(), Failure> {
+fn check(args: &ServeArgs, store: &Store, access: Access) -> Result<(), Failure> {
     let name = args.store.display();
-    if access == AccessName::Accounts {
+    if access == Access::Accounts {
         let accounts = store.accounts().map_err(|error| Failure::store(&args.store, &error))?;
         if !accounts.iter().any(|account| account.enabled && account.role == Role::Admin) {
             let why = if args.accounts { "--accounts" } else { "an address other than loopback" };
@@ -133,7 +129,7 @@ async fn serve(args: &ServeArgs, store: Store, options: ServeOptions) -> Result<
     };
     let server = Server::on(listener.map_err(fail)?, store, options).map_err(fail)?;
     let base = base(args, server.address(), https);
-    if access == AccessName::Token {
+    if access == Access::Token {
         let mut tokens = server.tokens();
         let token = tokens.borrow_and_update().clone();
         print(&format!("{base}#token={token}\n"))?;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use spineline::action::LineOfAction;
 use spineline::analysis::{AnalysisOptions, Grouping};
 use spineline::anatomy::{Level, Posture};
@@ -13,58 +13,9 @@ use spineline::multibody::Support;
 use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
 
+use super::choice::{Choice, choice};
 use super::values::{number, posture};
 use crate::run::failure::Failure;
-
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-pub enum FitName {
-    /// Locations and tilts of all vertebrae
-    Shape,
-    /// Three Ferguson angles per bend, with the amplitude fixed (the paper)
-    Ferguson,
-}
-
-impl FitName {
-    pub fn target(self) -> FitTarget {
-        match self {
-            Self::Shape => FitTarget::Shape,
-            Self::Ferguson => FitTarget::Ferguson,
-        }
-    }
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum SupportName {
-    /// Every joint rotates about three axes (the paper)
-    Free,
-    /// The patient lies on a table: flexion and axial rotation are locked
-    Frontal,
-}
-
-impl SupportName {
-    pub fn support(self) -> Support {
-        match self {
-            Self::Free => Support::Free,
-            Self::Frontal => Support::Frontal,
-        }
-    }
-}
-
-/// The support's name in files and on the command line.
-pub const fn support_key(support: Support) -> &'static str {
-    match support {
-        Support::Free => "free",
-        Support::Frontal => "frontal",
-    }
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum GroupingName {
-    /// One multiplier per region (the paper)
-    Regional,
-    /// One per joint, fitted to the whole shape
-    PerJoint,
-}
 
 /// Choices of the method.
 #[derive(Args)]
@@ -78,14 +29,14 @@ pub struct MethodArgs {
     #[arg(long, value_name = "GAUGE", default_value = "geometric-mean", value_parser = gauge)]
     gauge: Gauge,
     /// Support of the patient
-    #[arg(long, value_enum, default_value_t = SupportName::Free)]
-    support: SupportName,
+    #[arg(long, value_parser = choice::<Support>(), default_value = Support::Free.spelling())]
+    support: Support,
     /// Quantity that the stiffness is fitted to
-    #[arg(long, value_enum, default_value_t = FitName::Shape)]
-    fit: FitName,
+    #[arg(long, value_parser = choice::<FitTarget>(), default_value = FitTarget::Shape.spelling())]
+    fit: FitTarget,
     /// Joints that share a stiffness multiplier
-    #[arg(long, value_enum, default_value_t = GroupingName::Regional)]
-    multipliers: GroupingName,
+    #[arg(long, value_parser = choice::<Grouping>(), default_value = Grouping::Regional.spelling())]
+    multipliers: Grouping,
     /// Log-normal prior of the multipliers about their mean: `none`, a standard deviation of ln such as 0.3, or `in-vivo`
     /// (0.5, the spread between segments of living scoliotic spines)
     #[arg(long, value_name = "none|in-vivo|SD", default_value = "none", value_parser = prior)]
@@ -118,12 +69,9 @@ impl MethodArgs {
         let mut options = AnalysisOptions {
             order_rule: self.order_rule,
             gauge: self.gauge,
-            support: self.support.support(),
-            target: self.fit.target(),
-            grouping: match self.multipliers {
-                GroupingName::Regional => Grouping::Regional,
-                GroupingName::PerJoint => Grouping::PerJoint,
-            },
+            support: self.support,
+            target: self.fit,
+            grouping: self.multipliers,
             prior: self.prior.0,
             inflections: self
                 .inflections

@@ -1,5 +1,6 @@
 //! Option groups that several commands share.
 
+pub mod choice;
 pub mod method;
 pub mod phantoms;
 pub mod uncertainty;

@@ -1,6 +1,6 @@
 //! Values that options take, parsed from text.
 
-use spineline::anatomy::Posture;
+use spineline::anatomy::{Named, Posture};
 use spineline_store::Name;
 
 use crate::run::failure::Failure;
@@ -11,7 +11,7 @@ use crate::run::failure::Failure;
 /// If there is no such posture.
 pub fn posture(text: &str) -> Result<Posture, String> {
     let wanted = text.replace('-', "_");
-    Posture::ALL.into_iter().find(|posture| posture.key() == wanted).ok_or_else(|| {
+    Posture::from_key(&wanted).ok_or_else(|| {
         format!(
             "unknown posture `{text}`; expected one of {}",
             Posture::ALL.map(Posture::key).join(", ")

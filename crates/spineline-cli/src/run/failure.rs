@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use spineline_films::intake::IntakeError;
 use spineline_store::StoreError;
+use spineline_tables::TableError;
 
 /// How a finished command ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,6 +85,12 @@ impl Failure {
     /// Something that should not happen.
     pub fn internal(what: impl Into<String>) -> Self {
         Self { code: 1, what: what.into(), help: None }
+    }
+}
+
+impl From<TableError> for Failure {
+    fn from(error: TableError) -> Self {
+        Self::internal(error.to_string())
     }
 }
 

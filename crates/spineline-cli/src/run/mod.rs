@@ -1,6 +1,5 @@
 //! What every command does the same way: inputs, outputs, threads, progress and failures.
 
-pub mod csv;
 pub mod failure;
 pub mod film_decoder;
 pub mod inputs;

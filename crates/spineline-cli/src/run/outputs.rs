@@ -5,6 +5,8 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
+use spineline_report::document::Notice;
+use spineline_report::terminal;
 
 use super::failure::{Ending, Failure};
 
@@ -23,6 +25,13 @@ pub fn print(text: &str) -> Result<Ending, Failure> {
             Err(Failure::write("standard output", &error))
         }
         _ => Ok(Ending::Done),
+    }
+}
+
+/// Writes notices to the standard error, one line each, so that other programs can read them by line.
+pub fn print_notices(notices: &[Notice]) {
+    for notice in notices {
+        eprint!("{}", terminal::notice(notice, usize::MAX));
     }
 }
 

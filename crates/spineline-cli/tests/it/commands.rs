@@ -5,7 +5,7 @@ use std::path::Path;
 
 use tempfile::TempDir;
 
-use crate::program::run;
+use crate::program::{run, words};
 use crate::results::results;
 
 fn folder() -> TempDir {
@@ -72,7 +72,7 @@ fn a_phantom_is_made_checked_and_analysed() {
         "are consistent with a single force",
         "only ratios are identified",
     ] {
-        assert!(text.contains(word), "{word} is missing in\n{text}");
+        assert!(words(&text).contains(word), "{word} is missing in\n{text}");
     }
 }
 
@@ -131,9 +131,9 @@ fn replicates_give_intervals_that_do_not_depend_on_threads() {
     assert_eq!(json["uncertainty"]["noise"]["neutral"]["corner_sd_px"][1], 2.5);
 
     let (text, _, _) = with(&["--replicates", "20"]);
-    for word in ["20 replicates", "own readings", "95 % interval", "Cobb angle", "failed: 0 of 20"]
-    {
-        assert!(text.contains(word), "{word} is missing in\n{text}");
+    let counted = "20 replicates, seed 1; 0 of them failed";
+    for word in [counted, "own readings", "95 % interval", "Cobb angle"] {
+        assert!(words(&text).contains(word), "{word} is missing in\n{text}");
     }
     assert!(!with(&[]).0.contains("replicates"));
     assert_eq!(with(&["--noise", "2"]).2, 2, "noise without replicates does nothing");
@@ -149,16 +149,17 @@ fn what_films_say_of_multipliers_is_told_on_demand_with_and_without_a_prior() {
     let case = "cases/phantom-rod-02.json";
     let with = |more: &[&str]| run(here.path(), &[&["analyze", case], more].concat()).0;
     let plain = with(&[]);
-    assert!(!plain.contains("profile likelihood"), "{plain}");
-    for word in ["Line of best fit to the rotations", "p: through both", "p: parallel to iliac"] {
+    assert!(!plain.contains("Profile likelihood"), "{plain}");
+    // Heads of columns may be broken; a test of `spineline-report` reads them whole.
+    for word in ["Line of best fit to the rotations", "p: through", "p: parallel"] {
         assert!(plain.contains(word), "{word} is missing in\n{plain}");
     }
     let asked = with(&["--identifiability"]);
-    for word in ["profile likelihood", "identified as a ratio", "Least known"] {
+    for word in ["Profile likelihood", "identified as a ratio", "Least known"] {
         assert!(asked.contains(word), "{word} is missing in\n{asked}");
     }
     let prior = ["--identifiability", "--multipliers", "per-joint", "--prior", "in-vivo"];
-    assert!(with(&prior).contains("of it from films"));
+    assert!(with(&prior).contains("of it"));
     let json = with(&[&prior[..], &["--json", "-"]].concat());
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON and nothing else");
     assert_eq!(json["provenance"]["options"]["prior_log_sd"], 0.5);
@@ -457,7 +458,9 @@ fn a_model_has_no_landmarks_and_a_case_no_springs() {
     assert_eq!(run(here.path(), &["analyze", case, "--model", "model.json"]).2, 0);
     let (_, error, code) = run(here.path(), &["export", "model.json", "--to", "slicer"]);
     assert!(
-        code == 3 && error.contains("spineline-model") && error.contains("of a case"),
+        code == 3
+            && error.contains("spineline-model")
+            && error.contains("landmarks belong to a case"),
         "{error}"
     );
     let (_, error, code) = run(here.path(), &["export", case, "--to", "mjcf"]);

@@ -5,7 +5,7 @@ use std::fs;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::program::run;
+use crate::program::{run, words};
 use crate::results::results;
 
 fn with_phantoms(truth: &str, subjects: &[&str]) -> TempDir {
@@ -21,10 +21,11 @@ fn with_phantoms(truth: &str, subjects: &[&str]) -> TempDir {
 fn one_patient_has_every_line_by_kind_of_film_and_a_verdict() {
     let here = with_phantoms("bend", &["1"]);
     let (text, error, _) = run(here.path(), &["analyze", "cases/phantom-bend-01.json"]);
+    let text = words(&text);
     for word in [
         "Lines on the same films",
-        "inflection line fitted bends",
-        "iliac line      bends left out",
+        "fitted bends inflection line",
+        "bends left out iliac line",
         "2 + 2 + 0 = 4 fitted",
         "2 + 2 + 4 = 8 fitted",
         "1 per film",
@@ -62,12 +63,16 @@ fn a_cohort_is_tested_by_patient_with_its_family_stated() {
     let arguments = ["analyze", "cases", "--cohort", "all.json", "--threads", "2"];
     let (text, error, code) = run(here.path(), &arguments);
     assert!(code == 0 || code == 4, "{error}");
+    // Heads and names of rows may be broken; a test of `spineline-report` reads them whole.
+    let text = words(&text);
     for word in [
-        "First minus second line",
-        "inflection - iliac",
-        "sign-flip p",
+        "Every pair of lines, tested",
+        "First minus",
+        "inflection –",
+        "Sign-",
+        "flip p",
         "Holm p",
-        "pooled p",
+        "Pooled p",
         "Use the interval over patients",
         "Holm's correction covers",
     ] {

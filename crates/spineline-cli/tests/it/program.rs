@@ -11,6 +11,11 @@ pub fn spineline(folder: &Path) -> Command {
     command
 }
 
+/// A text with one blank between words, wherever its lines were broken.
+pub fn words(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 /// Runs a command: standard output, standard error and exit code.
 pub fn finish(command: &mut Command) -> (String, String, i32) {
     let output = command.output().expect("the program starts");

@@ -6,11 +6,12 @@ use spineline::analysis::{
     Analysis, BendEvidence, ComparedFilm, ComparedLine, Compatibility, FilmRole, FreeNumbers,
     LinesCompared,
 };
+use spineline::anatomy::Posture;
 use spineline::evaluate::Simulation;
 use spineline::personalize::FitTarget;
 
 use super::model::ModelRecord;
-use crate::keys::PostureKey;
+use crate::keys::Key;
 
 /// The lines on the same films, every bend left out once.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -26,7 +27,7 @@ pub(super) struct ComparisonRecord {
     /// `inflection_line` only.
     compatibility: BTreeMap<String, CompatibilityRecord>,
     /// By the bend that was left out, and line: the model that the other bend alone gave, and what it predicts.
-    left_out_bends: BTreeMap<PostureKey, BTreeMap<String, ModelRecord>>,
+    left_out_bends: BTreeMap<Key<Posture>, BTreeMap<String, ModelRecord>>,
     /// The same in sentences, with all that is said of the patient's lines.
     verdict: Vec<String>,
 }
@@ -64,7 +65,7 @@ struct ErrorsRecord {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct FilmRecord {
-    posture: PostureKey,
+    posture: Key<Posture>,
     /// `fitted`, `left_out_bend` or `held_out`.
     role: String,
     /// Whether every line has a result on it; else it takes no part.
@@ -81,12 +82,12 @@ struct CompatibilityRecord {
     tests: usize,
     bends: Vec<BendRecord>,
     /// Bends on which no force was found.
-    without_force: Vec<PostureKey>,
+    without_force: Vec<Key<Posture>>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct BendRecord {
-    posture: PostureKey,
+    posture: Key<Posture>,
     joints: usize,
     /// Joints that turn against the force.
     against: usize,

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use spineline::anatomy::Posture;
 use spineline::hypothesis::{HypothesisFit, ShapePrediction};
 
-use crate::keys::PostureKey;
+use crate::keys::Key;
 
 /// A load and base fitted to the bends, and what it predicts. Lengths in mm, angles in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -27,12 +28,12 @@ pub(super) struct HypothesisRecord {
     bic: Option<f64>,
     predictions: Vec<PredictionRecord>,
     /// Films without a prediction, by role.
-    lost: BTreeMap<String, Vec<PostureKey>>,
+    lost: BTreeMap<String, Vec<Key<Posture>>>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct PredictionRecord {
-    posture: PostureKey,
+    posture: Key<Posture>,
     /// `fitted`; `held_out` (neutral, traction); `left_out` (a bend by the stiffness of the other, load by T2's place);
     /// `left_out_load_fitted` (the same, load by the whole shape).
     role: String,
@@ -62,7 +63,7 @@ fn finite(value: f64) -> Option<f64> {
 
 impl HypothesisRecord {
     pub(super) fn new(fit: &HypothesisFit) -> Self {
-        let mut lost: BTreeMap<String, Vec<PostureKey>> = BTreeMap::new();
+        let mut lost: BTreeMap<String, Vec<Key<Posture>>> = BTreeMap::new();
         for (posture, role) in &fit.lost {
             lost.entry(role.key().to_owned()).or_default().push((*posture).into());
         }

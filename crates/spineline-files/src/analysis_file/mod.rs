@@ -19,7 +19,7 @@ use spineline::measure::LengthScale;
 use spineline::personalize::Identifiability;
 use spineline::spatial::{Angle, Frontal};
 
-use crate::keys::{LevelKey, PostureKey};
+use crate::keys::{Key, LevelKey};
 use crate::reliability_file::QuantityRecord;
 use crate::{CaseFile, Provenance};
 use comparison::ComparisonRecord;
@@ -58,7 +58,7 @@ pub struct AnalysisFile {
     clinical: ClinicalRecord,
     /// Where the spine's sagittal profile comes from: `measured` on the lateral film, or a `population`'s.
     sagittal_profile: String,
-    postures: BTreeMap<PostureKey, PostureRecord>,
+    postures: BTreeMap<Key<Posture>, PostureRecord>,
     /// How well the readings repeat, by quantity; `null` where every film was read once.
     reliability: Option<Vec<QuantityRecord>>,
     /// One model per line of action: `inflection_line`, `iliac_line`, `estimated_line`, `given_line`.
@@ -121,8 +121,8 @@ struct ClinicalCurveRecord {
     apex: LevelKey,
     /// The patient's side to which the erect curve is convex.
     convex: Option<String>,
-    cobb_deg: BTreeMap<PostureKey, f64>,
-    ferguson_deg: BTreeMap<PostureKey, f64>,
+    cobb_deg: BTreeMap<Key<Posture>, f64>,
+    ferguson_deg: BTreeMap<Key<Posture>, f64>,
     /// Absent where the erect film has no spacing.
     apical_translation_mm: Option<f64>,
     /// What the scale of the erect film alone makes unsure of it, as one standard deviation.
@@ -137,7 +137,7 @@ struct ClinicalCurveRecord {
 struct WarningRecord {
     code: String,
     step: String,
-    posture: Option<PostureKey>,
+    posture: Option<Key<Posture>>,
     level: Option<LevelKey>,
     message: String,
 }

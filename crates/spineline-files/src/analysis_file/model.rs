@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::action::{Application, LineOfAction};
 use spineline::analysis::{Analysis, LineModel};
-use spineline::anatomy::{Level, Region};
+use spineline::anatomy::{Level, Posture, Region};
 use spineline::evaluate::Simulation;
 use spineline::personalize::StiffnessBound;
 use spineline::personalize::evidence::ContradictedJoint;
@@ -12,7 +12,7 @@ use spineline::spatial::Angle;
 
 use super::identifiability::IdentifiabilityRecord;
 use super::{by_level, point};
-use crate::keys::{LevelKey, PostureKey};
+use crate::keys::{Key, LevelKey};
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(super) struct ModelRecord {
@@ -28,7 +28,7 @@ pub(super) struct ModelRecord {
     /// What the films say of the multipliers; absent where nobody asked or the fit did not converge.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) identifiability: Option<IdentifiabilityRecord>,
-    postures: BTreeMap<PostureKey, SimulationRecord>,
+    postures: BTreeMap<Key<Posture>, SimulationRecord>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

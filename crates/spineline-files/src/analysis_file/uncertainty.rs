@@ -3,10 +3,11 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::analysis::Analysis;
+use spineline::anatomy::Posture;
 use spineline::spatial::Angle;
 use spineline::uncertainty::{FilmNoise, MarkNoise, QuantitySpread, Uncertainty};
 
-use crate::keys::{LevelKey, PostureKey};
+use crate::keys::{Key, LevelKey};
 
 /// What the noise of landmarks does to every number: all marks moved at random again and again, each time analysed anew.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -18,7 +19,7 @@ pub(super) struct UncertaintyRecord {
     /// Replicates whose analysis stopped with an error.
     failed: u64,
     seed: u64,
-    noise: BTreeMap<PostureKey, NoiseRecord>,
+    noise: BTreeMap<Key<Posture>, NoiseRecord>,
     /// What ended without result, by code, line and film.
     failures: Vec<FailureRecord>,
     quantities: Vec<SpreadRecord>,
@@ -44,7 +45,7 @@ struct FailureRecord {
     /// Of the error that stopped an analysis, or `fit_not_converged` or `force_not_found`.
     code: String,
     line: Option<String>,
-    posture: Option<PostureKey>,
+    posture: Option<Key<Posture>>,
     count: u64,
 }
 
@@ -58,7 +59,7 @@ struct SpreadRecord {
     /// `mm`, `px`, `deg`, `segments`, `force` (newtons, or relative where no force is known) or `1`.
     unit: String,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    posture: Option<PostureKey>,
+    posture: Option<Key<Posture>>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     level: Option<LevelKey>,
     /// Region, or the joints that share a multiplier.

@@ -8,7 +8,7 @@ use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
 
 use crate::FileError;
 use crate::json::parse_value;
-use crate::keys::SourceKey;
+use crate::keys::{Key, SourceKey};
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -22,8 +22,8 @@ pub(super) struct ImageRecord {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     row_spacing_mm: Option<f64>,
     /// Plane in which the millimetres were measured; `pixels` where there are none.
-    #[serde(default)]
-    spacing_plane: PlaneKey,
+    #[serde(default = "unknown_plane")]
+    spacing_plane: Key<SpacingPlane>,
     /// How the spacing became known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     spacing_source: Option<SourceKey>,
@@ -31,7 +31,7 @@ pub(super) struct ImageRecord {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     spacing_relative_sd: Option<f64>,
     /// Side of the picture on which the patient's left is.
-    patient_left: ImageSideKey,
+    patient_left: Key<ImageSide>,
     /// Picture file, beside the case file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     file: Option<String>,
@@ -43,21 +43,8 @@ pub(super) struct ImageRecord {
     inverted: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum PlaneKey {
-    Patient,
-    Detector,
-    #[default]
-    Unknown,
-    Pixels,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum ImageSideKey {
-    ImageLeft,
-    ImageRight,
+const fn unknown_plane() -> Key<SpacingPlane> {
+    Key(SpacingPlane::Unknown)
 }
 
 /// The picture file behind a film of a case.
@@ -113,29 +100,29 @@ impl ImageRecord {
     }
 
     pub fn plane(&self) -> SpacingPlane {
-        self.spacing_plane.into()
+        self.spacing_plane.0
     }
 
     pub fn geometry(&self, posture: Posture) -> Result<ImageGeometry, FileError> {
-        let spacing = match (self.column_spacing_mm, self.row_spacing_mm, self.spacing_plane) {
-            (Some(_), Some(_), PlaneKey::Pixels) => {
+        let spacing = match (self.column_spacing_mm, self.row_spacing_mm, self.spacing_plane.0) {
+            (Some(_), Some(_), SpacingPlane::Pixels) => {
                 return Err(FileError::SpacingOfPixels { posture });
             }
             (Some(column_mm), Some(row_mm), plane) => Some(Spacing {
                 column_mm,
                 row_mm,
-                plane: plane.into(),
+                plane,
                 source: self.spacing_source.map_or(SpacingSource::Stated, |key| key.0),
                 relative_sd: self.spacing_relative_sd,
             }),
-            (None, None, PlaneKey::Pixels | PlaneKey::Unknown) => None,
+            (None, None, SpacingPlane::Pixels | SpacingPlane::Unknown) => None,
             _ => return Err(FileError::SpacingIncomplete { posture }),
         };
         Ok(ImageGeometry {
             columns: self.columns,
             rows: self.rows,
             spacing,
-            patient_left: self.patient_left.into(),
+            patient_left: self.patient_left.0,
         })
     }
 
@@ -146,7 +133,7 @@ impl ImageRecord {
             rows: image.rows,
             column_spacing_mm: spacing.map(|s| s.column_mm),
             row_spacing_mm: spacing.map(|s| s.row_mm),
-            spacing_plane: spacing.map_or(PlaneKey::Pixels, |s| s.plane.into()),
+            spacing_plane: spacing.map_or(SpacingPlane::Pixels, |s| s.plane).into(),
             spacing_source: spacing
                 .map(|s| SourceKey(s.source))
                 .filter(|source| source.0 != SpacingSource::Stated),
@@ -155,46 +142,6 @@ impl ImageRecord {
             file: None,
             sha256: None,
             inverted: false,
-        }
-    }
-}
-
-impl From<PlaneKey> for SpacingPlane {
-    fn from(key: PlaneKey) -> Self {
-        match key {
-            PlaneKey::Patient => Self::Patient,
-            PlaneKey::Detector => Self::Detector,
-            PlaneKey::Unknown => Self::Unknown,
-            PlaneKey::Pixels => Self::Pixels,
-        }
-    }
-}
-
-impl From<SpacingPlane> for PlaneKey {
-    fn from(plane: SpacingPlane) -> Self {
-        match plane {
-            SpacingPlane::Patient => Self::Patient,
-            SpacingPlane::Detector => Self::Detector,
-            SpacingPlane::Unknown => Self::Unknown,
-            SpacingPlane::Pixels => Self::Pixels,
-        }
-    }
-}
-
-impl From<ImageSideKey> for ImageSide {
-    fn from(key: ImageSideKey) -> Self {
-        match key {
-            ImageSideKey::ImageLeft => Self::Left,
-            ImageSideKey::ImageRight => Self::Right,
-        }
-    }
-}
-
-impl From<ImageSide> for ImageSideKey {
-    fn from(side: ImageSide) -> Self {
-        match side {
-            ImageSide::Left => Self::ImageLeft,
-            ImageSide::Right => Self::ImageRight,
         }
     }
 }

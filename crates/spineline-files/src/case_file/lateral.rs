@@ -2,11 +2,12 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use spineline::anatomy::ImageSide;
 use spineline::measure::{LateralCorners, LateralFilm, Reading, ReadingId, Spacing, SpacingPlane};
 
-use super::image::{FilmSource, ImageSideKey};
+use super::image::FilmSource;
 use super::{pair, pixel};
-use crate::keys::{ByLevel, LevelKey};
+use crate::keys::{ByLevel, Key, LevelKey};
 
 /// A film from the side, of the standing patient.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -31,7 +32,7 @@ struct LateralImageRecord {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     row_spacing_mm: Option<f64>,
     /// Side of the picture on which the patient's front is.
-    patient_anterior: ImageSideKey,
+    patient_anterior: Key<ImageSide>,
     /// Picture file, beside the case file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     file: Option<String>,
@@ -81,7 +82,7 @@ impl LateralRecord {
             spacing: spacing.map(|(column_mm, row_mm)| {
                 Spacing::stated(column_mm, row_mm, SpacingPlane::Unknown)
             }),
-            patient_anterior: image.patient_anterior.into(),
+            patient_anterior: image.patient_anterior.0,
             readings: readings.collect(),
         }
     }

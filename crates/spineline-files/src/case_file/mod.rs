@@ -14,7 +14,7 @@ use spineline::spatial::{Angle, Frontal, Pixel};
 
 use crate::FileError;
 use crate::json::parse;
-use crate::keys::{ByLevel, LevelKey, PostureKey};
+use crate::keys::{ByLevel, Key, LevelKey};
 
 use image::ImageRecord;
 pub use image::{FilmSource, image_value, parse_image, with_spacing};
@@ -51,7 +51,7 @@ pub struct CaseFile {
 #[serde(deny_unknown_fields)]
 struct SubjectRecord {
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    sex: Option<SexKey>,
+    sex: Option<Key<Sex>>,
     /// Age at the films.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     age_years: Option<f64>,
@@ -60,18 +60,10 @@ struct SubjectRecord {
     lenke: Option<String>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-enum SexKey {
-    Female,
-    Male,
-    Other,
-}
-
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct FilmRecord {
-    posture: PostureKey,
+    posture: Key<Posture>,
     /// The picture; needed where corners are given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     image: Option<ImageRecord>,
@@ -142,7 +134,7 @@ impl CaseFile {
     /// The picture file of a posture's film, where the case names one.
     #[must_use]
     pub fn source(&self, posture: Posture) -> Option<FilmSource> {
-        let film = self.films.iter().find(|film| Posture::from(film.posture) == posture)?;
+        let film = self.films.iter().find(|film| film.posture.0 == posture)?;
         Some(film.image.as_ref()?.source())
     }
 
@@ -150,9 +142,7 @@ impl CaseFile {
     #[must_use]
     pub fn with_source(mut self, posture: Posture, source: FilmSource) -> Self {
         for film in &mut self.films {
-            if let Some(image) =
-                film.image.as_mut().filter(|_| Posture::from(film.posture) == posture)
-            {
+            if let Some(image) = film.image.as_mut().filter(|_| film.posture.0 == posture) {
                 image.set_source(source.clone());
             }
         }
@@ -180,11 +170,7 @@ impl CaseFile {
     /// [`FileError::Vertebra`], [`FileError::MixedKinds`], [`FileError::NoImage`].
     pub fn into_case(self) -> Result<Case, FileError> {
         let subject = self.subject.map_or_else(Subject::default, |subject| Subject {
-            sex: subject.sex.map(|sex| match sex {
-                SexKey::Female => Sex::Female,
-                SexKey::Male => Sex::Male,
-                SexKey::Other => Sex::Other,
-            }),
+            sex: subject.sex.map(|sex| sex.0),
             age_years: subject.age_years,
             lenke: subject.lenke,
         });
@@ -203,11 +189,7 @@ impl CaseFile {
             case_id: case.id.clone(),
             synthetic: case.synthetic,
             subject: (*subject != Subject::default()).then(|| SubjectRecord {
-                sex: subject.sex.map(|sex| match sex {
-                    Sex::Female => SexKey::Female,
-                    Sex::Male => SexKey::Male,
-                    Sex::Other => SexKey::Other,
-                }),
+                sex: subject.sex.map(Key),
                 age_years: subject.age_years,
                 lenke: subject.lenke.clone(),
             }),
@@ -219,7 +201,7 @@ impl CaseFile {
 
 impl FilmRecord {
     fn into_film(self) -> Result<Film, FileError> {
-        let posture = Posture::from(self.posture);
+        let posture = self.posture.0;
         let (mut marked, mut measured) = (Vec::new(), Vec::new());
         for reading in self.readings {
             let id = ReadingId::new(reading.observer, reading.repeat);

@@ -1,11 +1,12 @@
 //! The comment at the top of every file: what it is, where it came from, how to read its numbers.
 
+use spineline::action::Application;
 use spineline::multibody::Support;
 use spineline::spatial::Vec3;
 
 use super::assembly::{NOMINAL_INERTIA_KG_M2, NOMINAL_MASS_KG};
 use super::xml::{number, vector};
-use crate::{ApplicationKey, LoadRecord, StoredModel};
+use crate::{LoadRecord, StoredModel};
 
 /// What differs between the formats.
 pub(super) struct Dialect {
@@ -83,13 +84,12 @@ const fn level(absolute: bool) -> &'static str {
 
 fn load(load: &LoadRecord, unit: &str, dialect: &Dialect) -> String {
     let force_n = (dialect.from_global)(&(Vec3::from(load.direction) * load.force_n));
-    let place = match load.application {
-        ApplicationKey::Fixed => {
+    let place = match load.application.0 {
+        Application::Fixed => {
             let point_m = (dialect.from_global)(&(Vec3::from(load.point_mm) / 1000.0));
             format!("along the line fixed in space through {} m", vector(&point_m))
         }
-        ApplicationKey::AtT2 => "at the midpoint, wherever that goes".to_owned(),
+        Application::AtT2 => "at the midpoint, wherever that goes".to_owned(),
     };
-    let posture = spineline::anatomy::Posture::from(load.posture);
-    format!("  {}: {} ({unit}) {place} ({})", posture.key(), vector(&force_n), load.status)
+    format!("  {}: {} ({unit}) {place} ({})", load.posture.0.key(), vector(&force_n), load.status)
 }

@@ -8,7 +8,7 @@ use spineline::multibody::Timing;
 
 use crate::FileError;
 use crate::json::parse;
-use crate::keys::LevelKey;
+use crate::keys::{Key, LevelKey};
 
 pub use place::PlacedLoads;
 
@@ -44,7 +44,7 @@ pub enum AppliedLoad {
         point_mm: [f64; 3],
         /// When it comes.
         #[serde(default)]
-        timing: TimingKey,
+        timing: Key<Timing>,
     },
     /// A force of fixed direction that moves with a point of the vertebra.
     ForceAtPoint {
@@ -57,7 +57,7 @@ pub enum AppliedLoad {
         point_in_vertebra_mm: [f64; 3],
         /// When it comes.
         #[serde(default)]
-        timing: TimingKey,
+        timing: Key<Timing>,
     },
     /// A force that moves and turns with the vertebra.
     FollowerForce {
@@ -70,7 +70,7 @@ pub enum AppliedLoad {
         point_in_vertebra_mm: [f64; 3],
         /// When it comes.
         #[serde(default)]
-        timing: TimingKey,
+        timing: Key<Timing>,
     },
     /// A moment of fixed direction.
     Moment {
@@ -80,7 +80,7 @@ pub enum AppliedLoad {
         moment_nmm: [f64; 3],
         /// When it comes.
         #[serde(default)]
-        timing: TimingKey,
+        timing: Key<Timing>,
     },
     /// A moment that turns with the vertebra.
     FollowerMoment {
@@ -90,7 +90,7 @@ pub enum AppliedLoad {
         moment_in_vertebra_nmm: [f64; 3],
         /// When it comes.
         #[serde(default)]
-        timing: TimingKey,
+        timing: Key<Timing>,
     },
     /// The weight of trunk, head and arms, slice by slice, at the midpoints of L3 to T2.
     Gravity {
@@ -100,8 +100,8 @@ pub enum AppliedLoad {
         #[serde(default = "caudal")]
         down: [f64; 3],
         /// When it comes; held if not given.
-        #[serde(default = "TimingKey::held")]
-        timing: TimingKey,
+        #[serde(default = "held")]
+        timing: Key<Timing>,
     },
     /// A frictionless pad that touches the erect spine and is then pushed in: a linear spring along one direction.
     Pad {
@@ -118,7 +118,7 @@ pub enum AppliedLoad {
         advance_mm: f64,
         /// When it comes.
         #[serde(default)]
-        timing: TimingKey,
+        timing: Key<Timing>,
     },
     /// A strap to a point of the ground, unstretched on the erect spine and then shortened: a linear spring along itself.
     Strap {
@@ -135,7 +135,7 @@ pub enum AppliedLoad {
         shortening_mm: f64,
         /// When it comes.
         #[serde(default)]
-        timing: TimingKey,
+        timing: Key<Timing>,
     },
     /// A stiff rod between two vertebrae, which prescribes their relative pose; as in the erect posture if nothing else is
     /// given.
@@ -152,43 +152,12 @@ pub enum AppliedLoad {
         turn_deg: [f64; 3],
         /// When it is brought in.
         #[serde(default)]
-        timing: TimingKey,
+        timing: Key<Timing>,
     },
 }
 
-/// When a load comes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum TimingKey {
-    /// Before the growing ones, and then it stays.
-    Held,
-    /// After the held ones, together with the other growing ones; this is what the path follows.
-    #[default]
-    Growing,
-}
-
-impl TimingKey {
-    const fn held() -> Self {
-        Self::Held
-    }
-}
-
-impl From<TimingKey> for Timing {
-    fn from(key: TimingKey) -> Self {
-        match key {
-            TimingKey::Held => Self::Held,
-            TimingKey::Growing => Self::Growing,
-        }
-    }
-}
-
-impl From<Timing> for TimingKey {
-    fn from(timing: Timing) -> Self {
-        match timing {
-            Timing::Held => Self::Held,
-            Timing::Growing => Self::Growing,
-        }
-    }
+const fn held() -> Key<Timing> {
+    Key(Timing::Held)
 }
 
 fn caudal() -> [f64; 3] {
@@ -214,7 +183,7 @@ impl AppliedLoad {
 
     /// When it comes.
     #[must_use]
-    pub const fn timing(&self) -> TimingKey {
+    pub const fn timing(&self) -> Timing {
         match self {
             Self::ForceOnLine { timing, .. }
             | Self::ForceAtPoint { timing, .. }
@@ -224,7 +193,7 @@ impl AppliedLoad {
             | Self::Gravity { timing, .. }
             | Self::Pad { timing, .. }
             | Self::Strap { timing, .. }
-            | Self::Rod { timing, .. } => *timing,
+            | Self::Rod { timing, .. } => timing.0,
         }
     }
 

@@ -110,7 +110,7 @@ impl LoadFile {
         placed: &mut PlacedLoads,
     ) -> Result<(), FileError> {
         let find = |level: Level| self.vertebra(number, level, model);
-        let timing = load.timing().into();
+        let timing = load.timing();
         match load {
             AppliedLoad::Gravity { body_weight_n, down, .. } => {
                 self.check_gravity(number, *body_weight_n, down, model)?;

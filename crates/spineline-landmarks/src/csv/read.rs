@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use csv::{ByteRecord, ReaderBuilder, Trim};
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::{Level, Named, Posture};
 use spineline::measure::{Corners, IliacCrests, Mark, Placement, Reading, ReadingId};
 use spineline::spatial::{Angle, Frontal};
 use spineline_files::nearest;
@@ -290,7 +290,7 @@ impl Table<'_> {
         }
         let keys = Posture::ALL.map(Posture::key);
         let wanted = cell.to_ascii_lowercase().replace(['-', ' '], "_");
-        match Posture::ALL.into_iter().find(|posture| posture.key() == wanted) {
+        match Posture::from_key(&wanted) {
             Some(posture) => Ok(Some(posture)),
             None => Err(LandmarkError::Unknown {
                 at: place(line, POSTURE),

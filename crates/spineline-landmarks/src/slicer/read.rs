@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::{Level, Named, Posture};
 use spineline::measure::{Corners, IliacCrests, Mark, Placement, Reading, ReadingId};
 use spineline::spatial::Frontal;
 use spineline_files::nearest;
@@ -108,7 +108,7 @@ fn gather(
     let about = description(markup, at)?;
     let key = match &about {
         Some(about) => {
-            let posture = Posture::ALL.into_iter().find(|posture| posture.key() == about.film);
+            let posture = Posture::from_key(&about.film);
             let posture = posture.ok_or_else(|| LandmarkError::Unknown {
                 at: at.to_owned(),
                 what: "posture",

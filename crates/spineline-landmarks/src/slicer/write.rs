@@ -1,10 +1,10 @@
 use serde_json::{Value, json};
-use spineline::measure::{Film, FilmMarks};
+use spineline::measure::{CornerName, Film, FilmMarks};
 use spineline::spatial::Pixel;
 
 use super::{Description, SlicerFrame};
 use crate::LandmarkExportError;
-use crate::names::{Corner, PointName};
+use crate::names::PointName;
 
 const SCHEMA: &str = "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/markups-schema-v1.0.3.json#";
 
@@ -31,7 +31,7 @@ pub fn write(film: &Film) -> Result<String, LandmarkExportError> {
             points.push((PointName::CrestRight, crests.right));
         }
         for (&level, mark) in &reading.vertebrae {
-            let named = Corner::ALL.into_iter().zip(mark.corners.points());
+            let named = CornerName::ALL.into_iter().zip(mark.corners.points());
             points.extend(named.map(|(corner, point)| (PointName::Corner(level, corner), point)));
         }
         lists.push(list(&description, &points, steps)?);

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use dicom_core::Tag;
 use dicom_dictionary_std::{tags, uids};
 use dicom_object::InMemDicomObject;
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::{Level, Named, Posture};
 use spineline::measure::{Corners, IliacCrests, Mark, Reading, ReadingId};
 use spineline::spatial::{Angle, Pixel};
 use spineline_films::read_data_set;
@@ -92,8 +92,7 @@ impl Report {
     /// Posture and repeat, which all groups share.
     fn common(&mut self, items: &[InMemDicomObject], at: &str) -> Result<(), LandmarkError> {
         let key = coded(items, codes::POSTURE).map(|(value, _)| value);
-        let posture =
-            Posture::ALL.into_iter().find(|posture| Some(posture.key()) == key.as_deref());
+        let posture = key.as_deref().and_then(Posture::from_key);
         let session = items.iter().find(|item| is_named(item, codes::SESSION));
         let repeat = session
             .and_then(|item| text(item, tags::TEXT_VALUE))

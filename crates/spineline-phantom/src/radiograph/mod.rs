@@ -22,21 +22,12 @@ use spineline::anatomy::Posture;
 use spineline::measure::{ImageGeometry, Spacing};
 use spineline::spatial::Pixel;
 
-use crate::TrueFilm;
+use crate::film::{Polarity, TrueFilm};
 use anatomy::Anatomy;
 use layer::Layer;
 use marks::Marks;
 use texture::Quanta;
 use vertebra::Vertebra;
-
-/// What large stored values stand for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Polarity {
-    /// DICOM's MONOCHROME1: large values are shown dark, so bone has small ones.
-    Monochrome1,
-    /// DICOM's MONOCHROME2: large values are shown bright.
-    Monochrome2,
-}
 
 /// A drawn film.
 #[derive(Debug, Clone, PartialEq)]

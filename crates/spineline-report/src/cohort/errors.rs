@@ -9,7 +9,7 @@ use super::people::main_curve;
 use super::with_interval;
 use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures::{self, LocationErrorSample};
-use crate::patient::{FITTED, HELD_OUT, none, numbers, sentence_case};
+use crate::phrases::{FITTED, HELD_OUT, none, numbers, sentence_case};
 
 const NO_MODEL: &str = "No patient has a personalised model.";
 

@@ -39,6 +39,7 @@ pub fn report(patients: &Patients<'_>) -> Document {
     sections.push(movement::section(patients.together));
     sections.push(errors::fitted_and_held_out(patients.together));
     sections.push(errors::tests(patients.together));
+    sections.extend(hypotheses::section(patients.analyses));
     sections.push(errors::by_patient(patients.analyses, Detail::Full));
     sections.push(readers::section(patients.analyses));
     sections.push(how(patients));
@@ -101,7 +102,7 @@ fn how(patients: &Patients<'_>) -> Section {
 /// A mean with its 95 % interval over patients.
 fn with_interval(mean: f64, ends: Option<[f64; 2]>, places: usize) -> String {
     if !mean.is_finite() {
-        return patient::none();
+        return crate::phrases::none();
     }
     let ends = ends
         .map_or_else(String::new, |[low, high]| format!(" ({low:.places$} to {high:.places$})"));

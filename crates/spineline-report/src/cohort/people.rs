@@ -11,7 +11,7 @@ use spineline::evaluate::statistics::{Summary, quantile};
 use super::Patients;
 use crate::document::{Column, Figure, NoticeKind, Section, Table};
 use crate::figures::{self, FlowStep};
-use crate::patient::none;
+use crate::phrases::none;
 
 /// Why a case is not among the patients.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -7,6 +7,7 @@ use spineline::personalize::LineTest;
 use super::Patient;
 use crate::document::{Column, Figure, Section, Table};
 use crate::figures::{self, InflectionSample};
+use crate::phrases::none;
 
 /// Films with everything on them, the curve, and clinical angles.
 pub fn films(patient: &Patient<'_>) -> Section {
@@ -21,26 +22,28 @@ pub fn films(patient: &Patient<'_>) -> Section {
         "Films with landmarks, fitted curve, inflections and candidate lines of action. {pictures}"
     );
     section.figure(Figure::new("films", caption, svg));
-    curve(&mut section, analysis);
+    for sentence in curve_sentences(analysis) {
+        section.paragraph(sentence);
+    }
+    section.table(clinical(analysis));
+    section.paragraph(format!("{}.", analysis.lenke_words()));
+    section.table(curves(analysis));
     section
 }
 
-/// The curve, the chain, clinical angles and what was fitted to every film.
-pub fn curve(section: &mut Section, analysis: &Analysis) {
-    for line in analysis.inflection_words().lines() {
-        section.paragraph(format!("{line}."));
-    }
+/// How the erect curve turns, where it inflects, and the chain.
+pub fn curve_sentences(analysis: &Analysis) -> Vec<String> {
     let scale = analysis.scale();
     let segment_mm = analysis.chain.segment_mm;
     let segment =
         scale.px(segment_mm).map_or_else(|| scale.text(segment_mm, 4), |px| format!("{px:.3} px"));
-    section.paragraph(format!("Chain of {} segments of {segment}.", analysis.chain.segments));
-    section.table(clinical(analysis));
-    section.paragraph(format!("{}.", analysis.lenke_words()));
-    section.table(curves(analysis));
+    let curve = analysis.inflection_words();
+    let chain = format!("Chain of {} segments of {segment}.", analysis.chain.segments);
+    curve.lines().map(|line| format!("{line}.")).chain([chain]).collect()
 }
 
-fn clinical(analysis: &Analysis) -> Table {
+/// Clinical angles of every curve on every film.
+pub fn clinical(analysis: &Analysis) -> Table {
     let mut columns = vec![
         Column::words("Curve"),
         Column::words("Convex"),
@@ -68,7 +71,8 @@ fn clinical(analysis: &Analysis) -> Table {
     table
 }
 
-fn curves(analysis: &Analysis) -> Table {
+/// What was fitted to every film, and how it moved.
+pub fn curves(analysis: &Analysis) -> Table {
     let columns = vec![
         Column::words("Film"),
         Column::words("Lateral tilt of L4–T2"),
@@ -165,7 +169,12 @@ pub fn line(analysis: &Analysis) -> Section {
     };
     let caption = "The line through the inflections, and the line of best fit to the joints' rotations on each film (after figure 7 of the paper).";
     section.figure(Figure::new("line", caption, svg));
-    section.table(best_fit(analysis));
+    let mut table = best_fit(analysis);
+    table.note = format!(
+        "In brackets the 95 % confidence interval of each place alone; negative is right. {}",
+        table.note
+    );
+    section.table(table);
     section
 }
 
@@ -194,7 +203,7 @@ pub fn best_fit(analysis: &Analysis) -> Table {
     }
     if let Some(found) = analysis.postures.iter().find_map(|p| p.preferred_line.as_ref()) {
         table.note = format!(
-            "In brackets the 95 % confidence interval of each place alone; negative is right. p below 0.05 speaks against the line. Joints of a region differ in stiffness by {:.0} % on these films.",
+            "p below 0.05 speaks against the line. Joints of a region differ in stiffness by {:.0} % on these films.",
             100.0 * found.joint_log_sd
         );
     }
@@ -203,9 +212,4 @@ pub fn best_fit(analysis: &Analysis) -> Table {
 
 fn p_value(test: Option<LineTest>) -> String {
     test.map_or_else(none, |test| probability(test.p_value))
-}
-
-/// What stands where there is no number.
-pub fn none() -> String {
-    "–".to_owned()
 }

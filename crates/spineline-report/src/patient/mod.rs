@@ -12,10 +12,9 @@ use spineline::uncertainty::Uncertainty;
 
 use crate::document::{Document, Notice, NoticeKind, Section};
 use crate::figures::FilmPicture;
+use crate::hypotheses;
 
-pub(crate) use measured::none;
 pub(crate) use method::options;
-pub(crate) use model::{FITTED, HELD_OUT, numbers, sentence_case};
 pub use summary::{summary, warnings};
 
 /// What a report is made from.
@@ -51,6 +50,7 @@ pub fn report(patient: &Patient<'_>) -> Document {
     sections.push(model::stiffness(patient));
     sections.push(model::errors(analysis));
     sections.push(model::comparison(analysis, &compared));
+    sections.extend(hypotheses::section(std::slice::from_ref(analysis)));
     sections.extend(patient.uncertainty.map(|found| uncertainty::numbers(analysis, found)));
     sections.push(method::how(patient));
     Document {

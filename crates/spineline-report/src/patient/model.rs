@@ -1,24 +1,20 @@
 //! The personalised models: shapes, springs, errors, and the lines side by side.
 
-use spineline::analysis::{Analysis, FilmRole, FreeNumbers, LineModel, LinesCompared};
+use spineline::analysis::{Analysis, FilmRole, LineModel, LinesCompared};
 use spineline::anatomy::Posture;
 use spineline::multibody::StiffnessLibrary;
 use spineline::personalize::{FitStatus, StiffnessBound};
 use spineline::uncertainty::{AnalysisQuantity, Uncertainty};
 
 use super::Patient;
-use super::measured::none;
 use super::uncertainty;
 use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures;
+use crate::phrases::{FITTED, HELD_OUT, none, numbers, sentence_case};
 
 /// Parts of the force at which figure 11 shows the spine.
 const PARTS: [f64; 4] = [0.0, 0.5, 1.0, 1.25];
 const NO_MODEL: &str = "There is no personalised model: the warnings above give the reason.";
-/// What errors on held-out films are worth.
-pub(crate) const HELD_OUT: &str = "No model was fitted to these films.";
-/// What errors on fitted films are worth.
-pub(crate) const FITTED: &str = "The stiffness was fitted to these films: a small error here shows how well a line adapts to the data, and is no evidence for it.";
 
 /// Figures 9 and 11 of the paper, for every posture.
 pub fn simulated(analysis: &Analysis) -> Section {
@@ -65,7 +61,7 @@ pub fn stiffness(patient: &Patient<'_>) -> Section {
         section.paragraph(NO_MODEL);
         return section;
     }
-    section.paragraph(scale_constraint(analysis));
+    section.paragraph(format!("Scale constraint (gauge): {}.", analysis.gauge_words()));
     section.table(multipliers(patient));
     section.table(springs(analysis));
     if let Some(found) = patient.identifiability {
@@ -74,12 +70,7 @@ pub fn stiffness(patient: &Patient<'_>) -> Section {
     section
 }
 
-/// What fixes the level of all springs.
-pub fn scale_constraint(analysis: &Analysis) -> String {
-    format!("Scale constraint (gauge): {}.", analysis.gauge_words())
-}
-
-/// The multipliers of all lines side by side, with what makes a value none.
+/// The multipliers of all lines side by side, with what fixes their level and what makes a value none.
 pub fn multipliers_in_short(section: &mut Section, analysis: &Analysis) {
     let Some(first) = analysis.models.first() else { return };
     let mut columns = vec![Column::words("Joints")];
@@ -89,7 +80,8 @@ pub fn multipliers_in_short(section: &mut Section, analysis: &Analysis) {
             .iter()
             .map(|model| Column::words(format!("{} (1)", sentence_case(&model.kind.to_string())))),
     );
-    let mut table = Table::new("Multipliers of the lateral stiffness of the table", columns);
+    let caption = format!("Lateral stiffness relative to the table ({})", analysis.gauge_words());
+    let mut table = Table::new(caption, columns);
     let values: Vec<Vec<f64>> = analysis.models.iter().map(|m| m.multipliers().collect()).collect();
     // Lines differ in their values; the groups are those of the analysis.
     for (group, name) in first.groups.names().iter().enumerate() {
@@ -263,13 +255,15 @@ pub fn comparison(analysis: &Analysis, found: &LinesCompared) -> Section {
         return section;
     }
     section.table(same_films(found));
-    for text in comparison_notes(found) {
+    let numbers = "Numbers fitted: free multipliers + forces + parameters of a free line. A bend that is left out is predicted with the stiffness fitted to the other bend.";
+    for text in [numbers.to_owned()].into_iter().chain(not_compared(found)) {
         section.notice(Notice::new(NoticeKind::Note, text));
     }
     section
 }
 
-fn same_films(found: &LinesCompared) -> Table {
+/// Errors of every line by kind of film.
+pub fn same_films(found: &LinesCompared) -> Table {
     let columns = vec![
         Column::words("Films"),
         Column::words("Line of action"),
@@ -297,19 +291,9 @@ fn same_films(found: &LinesCompared) -> Table {
     table
 }
 
-/// What a line takes from films, in words.
-pub(crate) fn numbers(numbers: &FreeNumbers, role: FilmRole) -> String {
-    let FreeNumbers { multipliers, forces, line, per_predicted_film } = *numbers;
-    match role {
-        FilmRole::Fitted => {
-            format!("{multipliers} + {forces} + {line} = {} fitted", numbers.fitted())
-        }
-        _ => format!("{per_predicted_film} per film"),
-    }
-}
-
-fn comparison_notes(found: &LinesCompared) -> Vec<String> {
-    let mut notes = vec!["Numbers fitted: free multipliers + forces + parameters of a free line. A bend that is left out is predicted with the stiffness fitted to the other bend.".to_owned()];
+/// What the comparison leaves out, and whether the lines took the same data, a sentence each.
+pub fn not_compared(found: &LinesCompared) -> Vec<String> {
+    let mut notes = Vec::new();
     for role in FilmRole::ALL {
         if let (all, left @ 1..) = found.counted(role) {
             notes.push(format!("{left} of {all} films ({role}) are not compared, because at least one line has no result on them."));
@@ -319,10 +303,4 @@ fn comparison_notes(found: &LinesCompared) -> Vec<String> {
         notes.push("The free line was fitted to whole shapes, the others to Ferguson angles: not the same data.".to_owned());
     }
     notes
-}
-
-/// A word with a capital at its start.
-pub(crate) fn sentence_case(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

@@ -3,33 +3,32 @@
 use spineline::analysis::Analysis;
 
 use super::{Patient, measured, model, sentences, uncertainty};
-use crate::document::{Document, Notice, Section};
+use crate::document::{Column, Document, Notice, Section, Table};
 use crate::hypotheses;
 
-/// The numbers of the report in about a page, without figures. The warnings are in [`warnings`], since a program prints
-/// them elsewhere.
+// The notes of the report, each short enough for one line.
+const ERRORS: &str = "Location errors: L3 to T2. Ferguson errors: caudal region first. Counter-rotating: against the force.";
+const NUMBERS: &str = "Numbers fitted: multipliers + forces + free line. A bend left out: stiffness fitted to the other bend.";
+
+/// The numbers of the report in about a page, the verdict first, without figures. The parts that every analysis has bear no
+/// titles, since their tables' captions name them. The warnings are in [`warnings`], since a program prints them elsewhere.
 #[must_use]
 pub fn summary(patient: &Patient<'_>) -> Document {
     let analysis = patient.analysis;
     let compared = analysis.compare_lines();
-    let mut verdict = Section::new("verdict", "Verdict");
+    let mut verdict = Section::new("verdict", "");
     sentences(&mut verdict, analysis, &compared);
-    let mut films = Section::new("films", "Films");
-    measured::curve(&mut films, analysis);
-    let mut sections = vec![verdict, films];
-    if analysis.postures.iter().any(|p| p.preferred_line.is_some()) {
-        let mut line = Section::new("line", "Identification of the line of action");
-        line.table(measured::best_fit(analysis));
-        sections.push(line);
-    }
-    if !analysis.models.is_empty() {
-        sections.push(errors(analysis));
-        let mut stiffness = Section::new("stiffness", "Stiffness");
-        stiffness.paragraph(model::scale_constraint(analysis));
-        model::multipliers_in_short(&mut stiffness, analysis);
-        sections.push(stiffness);
-        sections.push(model::comparison(analysis, &compared));
-    }
+    let mut line = Section::new("line", "");
+    line.table(best_fit(analysis));
+    let mut errors = Section::new("errors", "");
+    errors.table(all_errors(analysis));
+    let mut stiffness = Section::new("stiffness", "");
+    model::multipliers_in_short(&mut stiffness, analysis);
+    let mut comparison = Section::new("comparison", "");
+    let notes = [NUMBERS.to_owned()].into_iter().chain(model::not_compared(&compared));
+    let note = notes.collect::<Vec<_>>().join(" ");
+    comparison.table(Table { note, ..model::same_films(&compared) });
+    let mut sections = vec![verdict, films(analysis), line, errors, stiffness, comparison];
     sections.extend(hypotheses::section(std::slice::from_ref(analysis)));
     if let Some(found) = patient.identifiability {
         let title = "Identifiability of the multipliers from the bending films";
@@ -59,17 +58,41 @@ fn subject(analysis: &Analysis) -> String {
     )
 }
 
-fn errors(analysis: &Analysis) -> Section {
-    let mut section = Section::new("errors", "Errors of the models");
-    let mut fitted = model::error_table(analysis, true);
-    let held_out = model::error_table(analysis, false);
-    if !held_out.rows.is_empty() {
-        // It stands below the second table.
-        fitted.note.clear();
-    }
-    section.table(fitted);
-    section.table(held_out);
+/// The erect curve, its clinical angles, and what was fitted to every film.
+fn films(analysis: &Analysis) -> Section {
+    let mut section = Section::new("films", "");
+    let mut words = measured::curve_sentences(analysis);
+    words.push(format!("{}.", analysis.lenke_words()));
+    section.paragraph(words.join(" "));
+    section.table(Table {
+        caption: "Cobb angles, positive in the direction of the erect curve".to_owned(),
+        note: String::new(),
+        ..measured::clinical(analysis)
+    });
+    section.table(measured::curves(analysis));
     section
+}
+
+fn best_fit(analysis: &Analysis) -> Table {
+    let mut table = measured::best_fit(analysis);
+    table.caption.push_str(" (in brackets 95 % confidence intervals; negative is right)");
+    table
+}
+
+/// Errors of all lines in one table, those on fitted films first.
+fn all_errors(analysis: &Analysis) -> Table {
+    let kinds = [(true, "fitted"), (false, "held out")];
+    let kinds = kinds.map(|(fitted, name)| (model::error_table(analysis, fitted), name));
+    let mut columns = vec![Column::words("Films")];
+    columns.extend(kinds[0].0.columns.iter().cloned());
+    let mut all = Table::new("Errors of the models on fitted and held-out films", columns);
+    for (table, name) in kinds {
+        for row in table.rows {
+            all.row([vec![name.to_owned()], row].concat());
+        }
+    }
+    all.note = ERRORS.to_owned();
+    all
 }
 
 /// Contradictions, warnings and notes of one patient in the order of the analysis, each with the case in front of its place.

@@ -5,8 +5,8 @@ use spineline::anatomy::Level;
 use spineline::personalize::{Identifiability, MultiplierInformation, ProfileEnd};
 use spineline::uncertainty::{AnalysisQuantity, QuantityUnit, Uncertainty};
 
-use super::measured::none;
 use crate::document::{Column, Notice, NoticeKind, Section, Table};
+use crate::phrases::none;
 
 /// An interval of a multiplier from its profile.
 pub fn interval(one: &MultiplierInformation, scale: f64) -> String {

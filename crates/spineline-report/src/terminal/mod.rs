@@ -10,6 +10,8 @@ use crate::document::{Block, Document, Notice, Section};
 
 pub use table::table;
 
+/// Columns of a terminal that programs lay text out for, unless they know better.
+pub const WIDTH: usize = 110;
 /// Lines after the first one of a paragraph begin with it.
 const HANGING: &str = "  ";
 
@@ -21,18 +23,22 @@ pub fn terminal(document: &Document, width: usize) -> String {
     for banner in &document.banners {
         text.push_str(&notice(banner, width));
     }
-    for part in &document.sections {
-        text.push('\n');
+    for (place, part) in document.sections.iter().enumerate() {
+        // A first section without a heading belongs to the head of the document.
+        if place > 0 || !part.title.is_empty() {
+            text.push('\n');
+        }
         text.push_str(&section(part, width));
     }
     text
 }
 
-/// One section with its heading.
+/// One section with its heading; one without a title has none, since its tables name what they show.
 #[must_use]
 pub fn section(section: &Section, width: usize) -> String {
     let title = plain(&section.title);
-    let mut text = format!("═══ {title} ═══\n");
+    let mut text =
+        if title.is_empty() { String::new() } else { format!("═══ {title} ═══\n") };
     let mut after_table = false;
     for (place, block) in section.blocks.iter().enumerate() {
         let apart = matches!(block, Block::Heading(_) | Block::Table(_));
@@ -190,6 +196,13 @@ mod tests {
         );
         let plain = Notice::new(NoticeKind::Note, "a, b");
         assert_eq!(notice(&plain, 60), "Note: a, b\n");
+    }
+
+    #[test]
+    fn a_section_without_a_title_has_no_heading() {
+        let mut part = Section::new("a", "");
+        part.paragraph("One film.");
+        assert_eq!(section(&part, 80), "One film.\n");
     }
 
     #[test]

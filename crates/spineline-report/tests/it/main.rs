@@ -3,3 +3,4 @@
 mod figures;
 mod loaded;
 mod reports;
+mod terminal;

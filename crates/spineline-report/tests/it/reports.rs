@@ -114,6 +114,36 @@ fn a_patients_report_has_every_section_and_the_verdict_first() {
 }
 
 #[test]
+fn loads_and_bases_are_compared_where_they_were_requested() {
+    let case = case(0);
+    let hypotheses = ["inflection_line", "couple"].map(|name| name.parse().expect("a load"));
+    let options = AnalysisOptions { hypotheses: hypotheses.to_vec(), ..AnalysisOptions::default() };
+    let analyses = [analyze(&case, &options).expect("a phantom is sound")];
+    let of_patient = patient::report(&Patient {
+        case: &case,
+        analysis: &analyses[0],
+        pictures: &[],
+        identifiability: None,
+        uncertainty: None,
+        generator: "spineline test",
+        json: JSON,
+    });
+    let of_cohort = cohort::report(&Patients {
+        analyses: &analyses,
+        subjects: std::slice::from_ref(&case.subject),
+        together: &Cohort::of(&[&analyses[0]], 1),
+        refused: &[],
+        generator: "spineline test",
+        json: "[]",
+    });
+    for document in [of_patient, of_cohort] {
+        let found = section(&document, "hypotheses");
+        assert!(found.title.starts_with("Loads and bases compared"), "{}", found.title);
+        assert_eq!(tables(found)[0].rows.len(), 2, "one row per load");
+    }
+}
+
+#[test]
 fn contradictions_stand_before_warnings_and_notes() {
     for subject in 0..4 {
         let document = document(&case(subject));

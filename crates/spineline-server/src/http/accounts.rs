@@ -2,11 +2,11 @@
 
 use axum::extract::State;
 use axum::http::StatusCode;
-use spineline_store::{Account, AccountChange, Name, PasswordHash, StoreError};
+use spineline_store::{Account, AccountChange, Name, PasswordHash, Role, StoreError};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::api::{AccountEdit, AccountView, Problem, RoleName};
+use super::api::{AccountEdit, AccountView, Problem, Wire};
 use super::extract::{Json, Path};
 use super::{Answer, AppState, Failure, User};
 
@@ -21,7 +21,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
     (status = 403, body = Problem),
 ))]
 async fn accounts(State(state): State<AppState>, user: User) -> Answer<Json<Vec<AccountView>>> {
-    user.need(RoleName::Admin)?;
+    user.need(Role::Admin)?;
     let accounts = state.store(|store| store.accounts()).await?;
     Ok(Json(accounts.into_iter().map(view).collect()))
 }
@@ -42,7 +42,7 @@ async fn put_account(
     Path(name): Path<String>,
     Json(edit): Json<AccountEdit>,
 ) -> Answer<Json<AccountView>> {
-    user.need(RoleName::Admin)?;
+    user.need(Role::Admin)?;
     let name = Name::new(&name)?;
     let AccountEdit { role, password, enabled } = edit;
     let password = match password {
@@ -50,7 +50,7 @@ async fn put_account(
         None => None,
     };
     let by = user.sign(state.now());
-    let change = AccountChange { role: role.map(Into::into), password, enabled };
+    let change = AccountChange { role: role.map(|role| role.0), password, enabled };
     let account = state
         .ask(move |store| match store.account(&name) {
             Ok(_) => Ok(store.edit_account(&name, &change, &by)?),
@@ -79,7 +79,7 @@ fn lacks() -> Failure {
 fn view(account: Account) -> AccountView {
     AccountView {
         name: account.name.to_string(),
-        role: account.role.into(),
+        role: Wire(account.role),
         enabled: account.enabled,
     }
 }

@@ -7,11 +7,11 @@ use axum::http::StatusCode;
 use spineline::anatomy::Posture;
 use spineline_films::{Encoding, FilmLimits, read_film};
 use spineline_phantom::{Readers, Truth, generate};
-use spineline_store::{Hash, Name, NewCase, StoreError, Thumbnails};
+use spineline_store::{Hash, Name, NewCase, Role, StoreError, Thumbnails};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::api::{Problem, RoleName, StudyDetail};
+use super::api::{Problem, StudyDetail};
 use super::extract::Json;
 use super::films::{draw_thumbnails, keep_thumbnails};
 use super::{Answer, AppState, Failure, User, studies};
@@ -31,7 +31,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 #[utoipa::path(post, path = "/api/studies/demo",
     responses((status = 200, body = StudyDetail), (status = 403, body = Problem)))]
 async fn demo(State(state): State<AppState>, user: User) -> Answer<Json<StudyDetail>> {
-    user.need(RoleName::Editor)?;
+    user.need(Role::Editor)?;
     let drawn = tokio::task::spawn_blocking(draw);
     let (case, thumbnails) = drawn.await.expect("drawing does not panic")?;
     let now = state.now();

@@ -2,11 +2,11 @@
 
 use axum::extract::State;
 use axum::http::StatusCode;
-use spineline_store::{Name, Store, StoreError};
+use spineline_store::{Name, Role, Store, StoreError};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::api::{Grant, Problem, RoleName};
+use super::api::{Grant, Problem, Wire};
 use super::extract::{Json, Path};
 use super::studies::study_name;
 use super::{Answer, AppState, Failure, User};
@@ -30,7 +30,7 @@ async fn grants(
     let study = study_name(&id)?;
     let grants = state
         .ask(move |store| {
-            user.need_on_study(store, &study, RoleName::Admin)?;
+            user.need_on_study(store, &study, Role::Admin)?;
             views(store, &study)
         })
         .await?;
@@ -57,7 +57,7 @@ async fn put_grants(
     let by = user.sign(state.now());
     let grants = state
         .ask(move |store| {
-            user.need_on_study(store, &study, RoleName::Admin)?;
+            user.need_on_study(store, &study, Role::Admin)?;
             let wanted = wanted.iter().map(parse).collect::<Answer<Vec<_>>>()?;
             store.set_grants(&study, &wanted, &by).map_err(|error| match error {
                 StoreError::Unknown { .. } => refused("there is no account of that name"),
@@ -70,10 +70,10 @@ async fn put_grants(
 }
 
 fn parse(grant: &Grant) -> Answer<(Name, spineline_store::Role)> {
-    if grant.role == RoleName::Admin {
+    if grant.role.0 == Role::Admin {
         return Err(refused("a study is granted to a `reader` or an `editor`"));
     }
-    Ok((Name::new(&grant.name)?, grant.role.into()))
+    Ok((Name::new(&grant.name)?, grant.role.0))
 }
 
 fn refused(message: &str) -> Failure {
@@ -82,5 +82,5 @@ fn refused(message: &str) -> Failure {
 
 fn views(store: &Store, study: &Name) -> Answer<Vec<Grant>> {
     let grants = store.grants(study)?.into_iter();
-    Ok(grants.map(|g| Grant { name: g.name.to_string(), role: g.role.into() }).collect())
+    Ok(grants.map(|g| Grant { name: g.name.to_string(), role: Wire(g.role) }).collect())
 }

@@ -130,9 +130,8 @@ mod tests {
 
     use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
-    use super::super::api::AccessName;
     use super::{AppState, ServeOptions, app, connection};
-    use spineline_store::{Name, Signature, Store, Timestamp};
+    use spineline_store::{Access, Name, Signature, Store, Timestamp};
 
     /// What a client reads that sends this and then nothing more, until the server has had enough. Time is made up.
     async fn answer_to(sent: &str) -> String {
@@ -143,7 +142,7 @@ mod tests {
         let options = ServeOptions {
             decoder: PathBuf::new(),
             decoder_arguments: Vec::new(),
-            access: AccessName::Token,
+            access: Access::Token,
             hosts: Vec::new(),
             https: false,
         };

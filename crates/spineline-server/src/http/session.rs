@@ -5,13 +5,14 @@ use axum::http::request::Parts;
 use axum::http::{HeaderMap, StatusCode};
 use axum_extra::extract::CookieJar;
 use axum_extra::extract::cookie::{Cookie, SameSite};
+use spineline::anatomy::Named;
 use spineline_store::{
     Access, Hash, Name, Role, Session, SessionLimits, Signature, Store, Study, Timestamp,
 };
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::api::{AccessName, Problem, RoleName, SessionView, SignIn, SignInPage};
+use super::api::{Problem, SessionView, SignIn, SignInPage, Wire};
 use super::extract::Json;
 use super::state::secret;
 use super::{Answer, AppState, Failure};
@@ -26,7 +27,7 @@ pub struct User {
     /// Observer or account.
     pub name: Name,
     /// What they may do at most.
-    pub role: RoleName,
+    pub role: Role,
 }
 
 impl User {
@@ -40,10 +41,10 @@ impl User {
     ///
     /// # Errors
     /// 404 where there is no such study, and as well where it is not theirs to see.
-    pub fn on_study(&self, store: &Store, study: &Name) -> Answer<RoleName> {
-        let granted = store.granted(study, &self.name)?.map(RoleName::from);
+    pub fn on_study(&self, store: &Store, study: &Name) -> Answer<Role> {
+        let granted = store.granted(study, &self.name)?;
         match (self.role, granted) {
-            (RoleName::Admin, _) => Ok(RoleName::Admin),
+            (Role::Admin, _) => Ok(Role::Admin),
             (role, Some(granted)) => Ok(role.min(granted)),
             (_, None) => Err(Failure::not_found()),
         }
@@ -53,7 +54,7 @@ impl User {
     ///
     /// # Errors
     /// As [`User::on_study`], and 403 where they may do less.
-    pub fn need_on_study(&self, store: &Store, study: &Name, least: RoleName) -> Answer<RoleName> {
+    pub fn need_on_study(&self, store: &Store, study: &Name, least: Role) -> Answer<Role> {
         let role = self.on_study(store, study)?;
         enough(role, least)?;
         Ok(role)
@@ -63,7 +64,7 @@ impl User {
     ///
     /// # Errors
     /// 403.
-    pub fn need(&self, least: RoleName) -> Answer<()> {
+    pub fn need(&self, least: Role) -> Answer<()> {
         enough(self.role, least)
     }
 
@@ -71,61 +72,30 @@ impl User {
     ///
     /// # Errors
     /// Whatever keeps the store from reading.
-    pub fn studies(&self, store: &Store) -> Answer<Vec<(Study, RoleName)>> {
+    pub fn studies(&self, store: &Store) -> Answer<Vec<(Study, Role)>> {
         let studies = store.studies()?.into_iter();
-        if self.role == RoleName::Admin {
-            return Ok(studies.map(|study| (study, RoleName::Admin)).collect());
+        if self.role == Role::Admin {
+            return Ok(studies.map(|study| (study, Role::Admin)).collect());
         }
         let grants = store.grants_of(&self.name)?;
         let role_in = |id: &Name| grants.iter().find(|grant| grant.study == *id).map(|g| g.role);
         Ok(studies
-            .filter_map(|study| {
-                role_in(&study.id).map(|role| (study, self.role.min(RoleName::from(role))))
-            })
+            .filter_map(|study| role_in(&study.id).map(|role| (study, self.role.min(role))))
             .collect())
     }
 }
 
-fn enough(role: RoleName, least: RoleName) -> Answer<()> {
+fn enough(role: Role, least: Role) -> Answer<()> {
     if role >= least {
         return Ok(());
     }
-    let [role, least] = [role, least].map(|role| Role::from(role).key());
+    let [role, least] = [role, least].map(Role::key);
     Err(Failure::new(
         StatusCode::FORBIDDEN,
         "not_allowed",
         format!("this needs the role `{least}`, and yours is `{role}`"),
     )
     .help("ask an admin"))
-}
-
-impl From<Role> for RoleName {
-    fn from(role: Role) -> Self {
-        match role {
-            Role::Reader => Self::Reader,
-            Role::Editor => Self::Editor,
-            Role::Admin => Self::Admin,
-        }
-    }
-}
-
-impl From<RoleName> for Role {
-    fn from(role: RoleName) -> Self {
-        match role {
-            RoleName::Reader => Self::Reader,
-            RoleName::Editor => Self::Editor,
-            RoleName::Admin => Self::Admin,
-        }
-    }
-}
-
-impl From<AccessName> for Access {
-    fn from(access: AccessName) -> Self {
-        match access {
-            AccessName::Token => Self::Token,
-            AccessName::Accounts => Self::Accounts,
-        }
-    }
 }
 
 impl FromRequestParts<AppState> for User {
@@ -140,27 +110,27 @@ impl FromRequestParts<AppState> for User {
 }
 
 /// A session is good for the way of signing in that the program was started with.
-fn user(store: &mut Store, secret: &str, access: AccessName, now: Timestamp) -> Answer<User> {
+fn user(store: &mut Store, secret: &str, access: Access, now: Timestamp) -> Answer<User> {
     let session = store.session(secret, now, LIMITS)?;
-    let session = session.filter(|session| session.access == access.into());
+    let session = session.filter(|session| session.access == access);
     let name = session.ok_or_else(|| nobody(access))?.name;
     let role = match access {
-        AccessName::Token => RoleName::Admin,
-        AccessName::Accounts => {
+        Access::Token => Role::Admin,
+        Access::Accounts => {
             let account = store.account(&name)?;
             if !account.enabled {
                 return Err(nobody(access));
             }
-            account.role.into()
+            account.role
         }
     };
     Ok(User { name, role })
 }
 
-fn nobody(access: AccessName) -> Failure {
+fn nobody(access: Access) -> Failure {
     let help = match access {
-        AccessName::Token => "open the newest address that `spineline serve` printed",
-        AccessName::Accounts => "sign in with your account",
+        Access::Token => "open the newest address that `spineline serve` printed",
+        Access::Accounts => "sign in with your account",
     };
     Failure::new(StatusCode::UNAUTHORIZED, "not_signed_in", "nobody is signed in").help(help)
 }
@@ -189,7 +159,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 #[utoipa::path(get, path = "/api/sign-in", responses((status = 200, body = SignInPage)))]
 async fn sign_in_page(State(state): State<AppState>) -> Json<SignInPage> {
     let version = env!("CARGO_PKG_VERSION").to_owned();
-    Json(SignInPage { access: state.options().access, version })
+    Json(SignInPage { access: Wire(state.options().access), version })
 }
 
 /// Who is signed in.
@@ -220,16 +190,14 @@ async fn sign_in(
 ) -> Answer<(CookieJar, Json<SessionView>)> {
     let access = state.options().access;
     let user = match (access, how) {
-        (AccessName::Token, SignIn::Token { token, observer }) => {
-            by_token(&state, &token, &observer)?
-        }
-        (AccessName::Accounts, SignIn::Account { name, password }) => {
+        (Access::Token, SignIn::Token { token, observer }) => by_token(&state, &token, &observer)?,
+        (Access::Accounts, SignIn::Account { name, password }) => {
             by_account(&state, &name, password).await?
         }
         _ => return Err(nobody(access)),
     };
     let id = secret();
-    let session = Session { name: user.name.clone(), access: access.into() };
+    let session = Session { name: user.name.clone(), access };
     let (before, now) = (secret_of(&state, &headers), state.now());
     let begun = id.clone();
     state
@@ -251,7 +219,7 @@ fn by_token(state: &AppState, token: &str, observer: &str) -> Answer<User> {
         return Err(wrong("this address was used already, or is not the one in the terminal")
             .help("open the newest address that `spineline serve` printed"));
     }
-    Ok(User { name, role: RoleName::Admin })
+    Ok(User { name, role: Role::Admin })
 }
 
 async fn by_account(state: &AppState, name: &str, password: String) -> Answer<User> {
@@ -263,7 +231,7 @@ async fn by_account(state: &AppState, name: &str, password: String) -> Answer<Us
     let account = state.with_password(move || credential.check(&password)).await;
     let account = account.ok_or_else(refused)?;
     state.attempts().succeeded(name.as_str());
-    Ok(User { name, role: account.role.into() })
+    Ok(User { name, role: account.role })
 }
 
 fn wrong(message: &str) -> Failure {
@@ -296,11 +264,11 @@ fn cookie(state: &AppState, secret: String) -> Cookie<'static> {
         .build()
 }
 
-fn view(user: &User, access: AccessName, secret: &str) -> SessionView {
+fn view(user: &User, access: Access, secret: &str) -> SessionView {
     SessionView {
         name: user.name.to_string(),
-        role: user.role,
-        access,
+        role: Wire(user.role),
+        access: Wire(access),
         csrf: csrf_of(secret),
         version: env!("CARGO_PKG_VERSION").to_owned(),
     }

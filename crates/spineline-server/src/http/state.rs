@@ -5,10 +5,9 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use spineline_store::{Store, StoreError, Timestamp};
+use spineline_store::{Access, Store, StoreError, Timestamp};
 use tokio::sync::Semaphore;
 
-use super::api::AccessName;
 use super::guard::Hosts;
 use super::guard_rate::Attempts;
 use super::guard_token::OneTimeToken;
@@ -27,7 +26,7 @@ pub struct ServeOptions {
     /// Its arguments.
     pub decoder_arguments: Vec<String>,
     /// How people show who they are.
-    pub access: AccessName,
+    pub access: Access,
     /// Names under which the program answers, beside its address and the loopback names.
     pub hosts: Vec<String>,
     /// Whether a proxy serves it by TLS, so that cookies travel there only.

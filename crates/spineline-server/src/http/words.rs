@@ -1,65 +1,13 @@
-//! The library's words as the wire has them.
+//! The library's values in words.
 
-use spineline::anatomy::{ImageSide, Posture, Side};
+use spineline::anatomy::Side;
 use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
 
-use super::api::{ImageSideName, PlaneName, PostureName};
-
-pub fn posture_name(posture: Posture) -> PostureName {
-    match posture {
-        Posture::Erect => PostureName::Erect,
-        Posture::LeftBending => PostureName::LeftBending,
-        Posture::RightBending => PostureName::RightBending,
-        Posture::Neutral => PostureName::Neutral,
-        Posture::Traction => PostureName::Traction,
-    }
-}
-
-pub fn posture(name: PostureName) -> Posture {
-    match name {
-        PostureName::Erect => Posture::Erect,
-        PostureName::LeftBending => Posture::LeftBending,
-        PostureName::RightBending => Posture::RightBending,
-        PostureName::Neutral => Posture::Neutral,
-        PostureName::Traction => Posture::Traction,
-    }
-}
-
-pub fn image_side_name(side: ImageSide) -> ImageSideName {
-    match side {
-        ImageSide::Left => ImageSideName::ImageLeft,
-        ImageSide::Right => ImageSideName::ImageRight,
-    }
-}
-
-pub fn image_side(name: ImageSideName) -> ImageSide {
-    match name {
-        ImageSideName::ImageLeft => ImageSide::Left,
-        ImageSideName::ImageRight => ImageSide::Right,
-    }
-}
-
-pub fn plane_name(plane: SpacingPlane) -> PlaneName {
-    match plane {
-        SpacingPlane::Patient => PlaneName::Patient,
-        SpacingPlane::Detector => PlaneName::Detector,
-        SpacingPlane::Unknown => PlaneName::Unknown,
-        SpacingPlane::Pixels => PlaneName::Pixels,
-    }
-}
-
-pub fn plane(name: PlaneName) -> SpacingPlane {
-    match name {
-        PlaneName::Patient => SpacingPlane::Patient,
-        PlaneName::Detector => SpacingPlane::Detector,
-        PlaneName::Unknown => SpacingPlane::Unknown,
-        PlaneName::Pixels => SpacingPlane::Pixels,
-    }
-}
+use super::api::{PlaneName, Wire};
 
 /// What lengths on a picture are measured in.
 pub fn plane_of(image: &ImageGeometry) -> PlaneName {
-    plane_name(image.spacing.map_or(SpacingPlane::Pixels, |spacing| spacing.plane))
+    Wire(image.spacing.map_or(SpacingPlane::Pixels, |spacing| spacing.plane))
 }
 
 /// Height of a pixel over its width, 1 where nobody knows.

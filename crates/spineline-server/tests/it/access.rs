@@ -3,7 +3,6 @@
 use axum::http::StatusCode;
 use serde_json::json;
 use spineline_server::http::User;
-use spineline_server::http::api::RoleName;
 use spineline_store::{Role, Store, Study};
 
 use crate::browser::{App, by, name};
@@ -47,17 +46,17 @@ fn a_role_in_a_study_is_the_least_of_account_and_grant() {
     store.grant(&study, &name("reader"), Role::Editor, &by("lead")).expect("a grant");
     let user = |who: &str, role| User { name: name(who), role };
     let on = |store: &Store, who, role| user(who, role).on_study(store, &study).ok();
-    assert_eq!(on(&store, "reader", RoleName::Reader), Some(RoleName::Reader));
-    assert_eq!(on(&store, "editor", RoleName::Editor), Some(RoleName::Editor));
-    assert_eq!(on(&store, "nobody", RoleName::Editor), None);
-    assert_eq!(on(&store, "lead", RoleName::Admin), Some(RoleName::Admin));
-    let reader = user("reader", RoleName::Reader);
-    assert!(reader.need_on_study(&store, &study, RoleName::Reader).is_ok());
-    assert!(reader.need_on_study(&store, &study, RoleName::Editor).is_err());
+    assert_eq!(on(&store, "reader", Role::Reader), Some(Role::Reader));
+    assert_eq!(on(&store, "editor", Role::Editor), Some(Role::Editor));
+    assert_eq!(on(&store, "nobody", Role::Editor), None);
+    assert_eq!(on(&store, "lead", Role::Admin), Some(Role::Admin));
+    let reader = user("reader", Role::Reader);
+    assert!(reader.need_on_study(&store, &study, Role::Reader).is_ok());
+    assert!(reader.need_on_study(&store, &study, Role::Editor).is_err());
     let seen = reader.studies(&store).expect("studies");
     assert_eq!(seen.len(), 1);
-    assert_eq!((seen[0].0.id.as_str(), seen[0].1), ("S-1", RoleName::Reader));
-    assert_eq!(user("lead", RoleName::Admin).studies(&store).expect("studies").len(), 2);
+    assert_eq!((seen[0].0.id.as_str(), seen[0].1), ("S-1", Role::Reader));
+    assert_eq!(user("lead", Role::Admin).studies(&store).expect("studies").len(), 2);
 }
 
 #[test]
@@ -66,8 +65,8 @@ fn who_makes_a_study_may_edit_it() {
     let mut store = Store::open(&app.store_path()).expect("a store");
     let study = Study { id: name("S-3"), label: None, synthetic: true };
     store.add_own_study(&study, &by("nobody")).expect("a study");
-    let maker = User { name: name("nobody"), role: RoleName::Editor };
-    assert_eq!(maker.on_study(&store, &study.id), Ok(RoleName::Editor));
+    let maker = User { name: name("nobody"), role: Role::Editor };
+    assert_eq!(maker.on_study(&store, &study.id), Ok(Role::Editor));
     store.revoke(&study.id, &name("nobody"), &by("lead")).expect("taken back");
     assert!(maker.on_study(&store, &study.id).is_err());
     assert!(store.verify(None).expect("verifiable").is_clean());

@@ -8,9 +8,10 @@ use axum::body::{Body, to_bytes};
 use axum::http::{HeaderMap, Method, Request, StatusCode, header};
 use serde_json::{Value, json};
 use spineline::anatomy::Posture;
-use spineline_server::http::api::AccessName;
 use spineline_server::http::{AppState, ServeOptions, app};
-use spineline_store::{Account, Name, PasswordHash, Role, Signature, Store, Study, Timestamp};
+use spineline_store::{
+    Access, Account, Name, PasswordHash, Role, Signature, Store, Study, Timestamp,
+};
 use tempfile::TempDir;
 use tokio::runtime::Runtime;
 use tower::ServiceExt;
@@ -37,13 +38,13 @@ pub struct App {
 impl App {
     /// An app that asks for the token of the terminal.
     pub fn with_token() -> Self {
-        Self::new(AccessName::Token, |_| ())
+        Self::new(Access::Token, |_| ())
     }
 
     /// An app with the accounts `lead` (admin), `editor`, `reader` and `nobody`, where `editor` and `reader` are granted the
     /// study `S-1` as such, and nobody is granted `S-2`; each study has a film, and `S-2` a reading, by `lead`.
     pub fn with_accounts() -> Self {
-        Self::new(AccessName::Accounts, |store| {
+        Self::new(Access::Accounts, |store| {
             let password = PasswordHash::new(PASSWORD).expect("long enough");
             for (who, role) in [
                 ("lead", Role::Admin),
@@ -70,7 +71,7 @@ impl App {
         })
     }
 
-    pub fn new(access: AccessName, fill: impl FnOnce(&mut Store)) -> Self {
+    pub fn new(access: Access, fill: impl FnOnce(&mut Store)) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let mut store =
             Store::create(&folder.path().join("store"), &by("lead")).expect("a new store");
@@ -137,7 +138,7 @@ pub fn account(who: &str, password: &str) -> Value {
     json!({ "kind": "account", "name": who, "password": password })
 }
 
-pub fn options(access: AccessName) -> ServeOptions {
+pub fn options(access: Access) -> ServeOptions {
     ServeOptions {
         decoder: PathBuf::from("no-decoder-in-this-test"),
         decoder_arguments: Vec::new(),

@@ -3,7 +3,7 @@
 use axum::http::{Method, StatusCode};
 use serde_json::{Value, json};
 use spineline_server::http::ServeOptions;
-use spineline_server::http::api::AccessName;
+use spineline_store::Access;
 
 use crate::browser::{App, Browser, options};
 
@@ -12,7 +12,7 @@ fn decoding() -> ServeOptions {
     let tests = std::env::current_exe().expect("this program");
     let built = tests.parent().and_then(std::path::Path::parent).expect("a folder of builds");
     let decoder = built.join("examples").join(format!("decoder{}", std::env::consts::EXE_SUFFIX));
-    ServeOptions { decoder, ..options(AccessName::Token) }
+    ServeOptions { decoder, ..options(Access::Token) }
 }
 
 fn app() -> App {

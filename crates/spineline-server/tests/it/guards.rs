@@ -3,9 +3,9 @@
 use axum::body::Body;
 use axum::http::{Method, Request, StatusCode, header};
 use serde_json::json;
-use spineline_server::http::api::AccessName;
 
 use crate::browser::{Answer, App, HOST, ORIGIN, options};
+use spineline_store::Access;
 
 const JANE: &str = "Doe^Jane";
 
@@ -133,7 +133,7 @@ fn f67_no_other_name_leads_here() {
     }
     assert_eq!(ask(&app, &[]).status, StatusCode::MISDIRECTED_REQUEST);
     assert_eq!(ask(&app, &[HOST, HOST]).status, StatusCode::MISDIRECTED_REQUEST);
-    let mut named = options(AccessName::Token);
+    let mut named = options(Access::Token);
     named.hosts.push("spine.clinic.example".to_owned());
     let app = app.restarted(named);
     for (host, expected) in [

@@ -3,9 +3,9 @@
 use axum::http::StatusCode;
 use rusqlite::Connection;
 use serde_json::json;
-use spineline_server::http::api::AccessName;
 
 use crate::browser::{App, PASSWORD, account, options};
+use spineline_store::Access;
 
 /// Moves the beginning and the last use of all sessions into the past.
 fn age(app: &App, begun_hours: i64, used_hours: i64) {
@@ -82,7 +82,7 @@ fn the_cookie_is_kept_from_scripts_and_from_other_sites() {
         assert!(cookie.contains(part), "{cookie}");
     }
     assert!(!cookie.contains("Secure") && !cookie.contains("Domain"), "{cookie}");
-    let mut https = options(AccessName::Token);
+    let mut https = options(Access::Token);
     https.https = true;
     let app = app.restarted(https);
     let how = json!({ "kind": "token", "token": app.token(), "observer": "A" });
@@ -111,7 +111,7 @@ fn sessions_outlive_the_program() {
     let app = App::with_token();
     let browser = app.observer("A");
     let (cookie, csrf) = (browser.cookie.clone(), browser.csrf.clone());
-    let app = app.restarted(options(AccessName::Token));
+    let app = app.restarted(options(Access::Token));
     let mut browser = app.browser();
     (browser.cookie, browser.csrf) = (cookie.clone(), csrf);
     let session = browser.get("/api/session");
@@ -119,7 +119,7 @@ fn sessions_outlive_the_program() {
     assert_eq!(session.json()["name"], "A");
     assert_eq!(session.json()["csrf"], browser.csrf.as_str());
     // A store that is served with accounts from now on forgets who came by the token.
-    let app = app.restarted(options(AccessName::Accounts));
+    let app = app.restarted(options(Access::Accounts));
     let mut browser = app.browser();
     browser.cookie = cookie;
     assert_eq!(browser.get("/api/session").status, StatusCode::UNAUTHORIZED);

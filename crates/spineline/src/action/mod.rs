@@ -8,6 +8,7 @@
 //! [jalalian-loa], section 3.1 and figure 7; [petit-2004].
 
 pub use crate::anatomy::LineKind;
+use crate::anatomy::named;
 use crate::spatial::{Angle, Frontal};
 
 /// Where the force is applied.
@@ -18,6 +19,22 @@ pub enum Application {
     /// At T2's midpoint, wherever that goes, in a direction fixed in space.
     AtT2,
 }
+
+impl Application {
+    /// Every way.
+    pub const ALL: [Self; 2] = [Self::Fixed, Self::AtT2];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Fixed => "fixed",
+            Self::AtT2 => "at_t2",
+        }
+    }
+}
+
+named!(Application);
 
 /// A line of action in the frontal plane of `G`.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -32,6 +32,7 @@ pub use result::{Analysis, PostureAnalysis};
 pub(crate) use verdict::listed;
 pub use verdict::probability;
 
+use crate::anatomy::named;
 use crate::measure::{Film, LateralFilm};
 
 /// Sex of a patient as far as it was recorded.
@@ -42,6 +43,23 @@ pub enum Sex {
     Male,
     Other,
 }
+
+impl Sex {
+    /// Every value.
+    pub const ALL: [Self; 3] = [Self::Female, Self::Male, Self::Other];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Female => "female",
+            Self::Male => "male",
+            Self::Other => "other",
+        }
+    }
+}
+
+named!(Sex);
 
 /// Who was X-rayed, without any name.
 #[derive(Debug, Clone, Default, PartialEq)]

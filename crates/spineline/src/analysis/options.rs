@@ -1,7 +1,7 @@
 use std::ops::RangeInclusive;
 
 use crate::action::{LineKind, LineOfAction};
-use crate::anatomy::{Posture, SagittalProfile};
+use crate::anatomy::{Posture, SagittalProfile, named};
 use crate::chain::SEGMENT_WINDOW;
 use crate::curve::{InflectionChoice, MIN_TURN, OrderRule};
 use crate::hypothesis::Hypothesis;
@@ -18,6 +18,22 @@ pub enum Grouping {
     /// One per joint, fitted to the whole shape.
     PerJoint,
 }
+
+impl Grouping {
+    /// Every grouping.
+    pub const ALL: [Self; 2] = [Self::Regional, Self::PerJoint];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Regional => "regional",
+            Self::PerJoint => "per_joint",
+        }
+    }
+}
+
+named!(Grouping);
 
 /// Every choice of an analysis, each with its default.
 #[derive(Debug, Clone, PartialEq)]

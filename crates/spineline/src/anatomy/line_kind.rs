@@ -1,5 +1,9 @@
 use std::fmt;
 
+use super::named;
+
+named!(LineKind);
+
 /// A candidate for the line of action.
 ///
 /// It is only a name, so that a warning can carry it; [`crate::action::LineOfAction`] is the line itself.
@@ -16,6 +20,9 @@ pub enum LineKind {
 }
 
 impl LineKind {
+    /// Every kind.
+    pub const ALL: [Self; 4] = [Self::Inflection, Self::Iliac, Self::Estimated, Self::Given];
+
     /// The name used in files.
     #[must_use]
     pub const fn key(self) -> &'static str {

@@ -1,14 +1,17 @@
-//! Names that all steps share: vertebral levels, sides, postures, regions and kinds of line; and the sizes of a typical
-//! spine.
+//! Names that all steps share: vertebral levels, sides, postures, regions and kinds of line; how such names are read
+//! ([`Named`]); and the sizes of a typical spine.
 
 mod level;
 mod line_kind;
 mod morphometry;
+mod named;
 mod posture;
 mod trunk;
 
 pub use level::{Level, UnknownLevel};
 pub use line_kind::LineKind;
 pub use morphometry::{Morphometry, SagittalProfile};
+pub(crate) use named::named;
+pub use named::{Named, UnknownKey};
 pub use posture::{ImageSide, Posture, Region, Side};
 pub use trunk::trunk_weight_share;

@@ -1,5 +1,9 @@
 use std::fmt;
 
+use super::named;
+
+named!(Side, ImageSide, Posture, Region);
+
 /// A side of the **patient**, never of the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Side {
@@ -10,6 +14,9 @@ pub enum Side {
 }
 
 impl Side {
+    /// Both sides.
+    pub const ALL: [Self; 2] = [Self::Left, Self::Right];
+
     /// The other side.
     #[must_use]
     pub const fn opposite(self) -> Self {
@@ -18,14 +25,20 @@ impl Side {
             Self::Right => Self::Left,
         }
     }
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Left => "left",
+            Self::Right => "right",
+        }
+    }
 }
 
 impl fmt::Display for Side {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Left => "left",
-            Self::Right => "right",
-        })
+        f.pad(self.key())
     }
 }
 
@@ -36,6 +49,20 @@ pub enum ImageSide {
     Left,
     /// Towards the last column.
     Right,
+}
+
+impl ImageSide {
+    /// Both sides.
+    pub const ALL: [Self; 2] = [Self::Left, Self::Right];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Left => "image_left",
+            Self::Right => "image_right",
+        }
+    }
 }
 
 /// The position in which a film was taken.

@@ -1,5 +1,6 @@
 use super::spacing::{MIN_SPACING_MM, is_spacing};
 use super::{Spacing, SpacingPlane, SpacingSource};
+use crate::anatomy::named;
 use crate::spatial::Pixel;
 
 /// An object of known size in the picture.
@@ -10,6 +11,22 @@ pub enum Calibrator {
     /// A ruler beside the spine: two clicks on two of its marks.
     Ruler,
 }
+
+impl Calibrator {
+    /// Every object.
+    pub const ALL: [Self; 2] = [Self::Ball, Self::Ruler];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Ball => "ball",
+            Self::Ruler => "ruler",
+        }
+    }
+}
+
+named!(Calibrator);
 
 /// Two clicks and a length.
 #[derive(Debug, Clone, Copy, PartialEq)]

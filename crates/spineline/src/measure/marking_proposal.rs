@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::order::typical_distance_mm;
 use super::{Corners, ImageGeometry, PartialReading};
-use crate::anatomy::{Level, Morphometry, Side};
+use crate::anatomy::{Level, Morphometry, Side, named};
 use crate::spatial::{Angle, Frontal, Pixel};
 
 /// A corner by endplate and by the patient's side.
@@ -13,11 +13,28 @@ use crate::spatial::{Angle, Frontal, Pixel};
 pub enum CornerName {
     SuperiorLeft,
     SuperiorRight,
-    InferiorRight,
     InferiorLeft,
+    InferiorRight,
 }
 
+named!(CornerName);
+
 impl CornerName {
+    /// The order of [`Corners::points`] and of files.
+    pub const ALL: [Self; 4] =
+        [Self::SuperiorLeft, Self::SuperiorRight, Self::InferiorLeft, Self::InferiorRight];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::SuperiorLeft => "superior_left",
+            Self::SuperiorRight => "superior_right",
+            Self::InferiorLeft => "inferior_left",
+            Self::InferiorRight => "inferior_right",
+        }
+    }
+
     /// The order of marking: once around the body from the patient's superior left, so that every click is next to the
     /// one before it.
     pub const ORDER: [Self; 4] =

@@ -1,5 +1,9 @@
 use std::fmt;
 
+use crate::anatomy::named;
+
+named!(SpacingPlane, SpacingSource);
+
 /// What a length of a film is measured in.
 ///
 /// A film carries it from its file to the report: a length in the detector's plane is larger than life by the
@@ -17,6 +21,9 @@ pub enum SpacingPlane {
 }
 
 impl SpacingPlane {
+    /// Every plane.
+    pub const ALL: [Self; 4] = [Self::Patient, Self::Detector, Self::Unknown, Self::Pixels];
+
     /// The name used in files.
     #[must_use]
     pub const fn key(self) -> &'static str {

@@ -1,4 +1,4 @@
-use crate::anatomy::{Level, Region};
+use crate::anatomy::{Level, Region, named};
 use crate::clinical::Regions;
 
 /// The springs of one joint.
@@ -131,6 +131,22 @@ pub enum Support {
     /// A table: flexion and axial hinges are locked.
     Frontal,
 }
+
+impl Support {
+    /// Every support.
+    pub const ALL: [Self; 2] = [Self::Free, Self::Frontal];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Free => "free",
+            Self::Frontal => "frontal",
+        }
+    }
+}
+
+named!(Support);
 
 /// Which joints share one stiffness multiplier.
 #[derive(Debug, Clone, PartialEq, Eq)]

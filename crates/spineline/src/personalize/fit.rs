@@ -94,7 +94,7 @@ const fn satisfied_rms(target: FitTarget) -> f64 {
 /// use spineline::personalize::{FitFilm, FitSettings, FitTarget, Gauge, personalize};
 /// use spineline_phantom::{Readers, Truth, generate};
 ///
-/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let case = generate(0, Truth::Rod, &Readers::exact(), 1)?.case;
 /// let analysis = analyze_movement(&case, &AnalysisOptions::default())?;
 /// let mut films = Vec::new();
 /// for posture in analysis.postures.iter().filter(|p| p.outline.posture.bend().is_some()) {

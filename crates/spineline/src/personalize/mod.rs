@@ -41,7 +41,7 @@ pub use line_test::{Crossing, LineTest, ProposedLine, SIGNIFICANCE};
 pub use preferred::PreferredLoads;
 pub use start::Start;
 
-use crate::anatomy::Posture;
+use crate::anatomy::{Posture, named};
 use crate::clinical::Regions;
 use crate::measure::Outline;
 use crate::multibody::{Load, Support};
@@ -84,6 +84,22 @@ pub enum FitTarget {
     /// Three Ferguson angles per bend, amplitude held (the paper).
     Ferguson,
 }
+
+impl FitTarget {
+    /// Every quantity.
+    pub const ALL: [Self; 2] = [Self::Shape, Self::Ferguson];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Shape => "shape",
+            Self::Ferguson => "ferguson",
+        }
+    }
+}
+
+named!(FitTarget);
 
 /// What is known of stiffness before the films: every multiplier's distance from their mean, `ln α - mean ln α`, is normal
 /// about zero. It speaks of ratios alone, as the films do.

@@ -115,6 +115,19 @@ pub struct BlandAltman {
     pub limit_intervals: Result<[[f64; 2]; 2], Undefined>,
 }
 
+impl BlandAltman {
+    /// Bias and limits of agreement by name, each with its 95 % interval where there is one.
+    #[must_use]
+    pub fn named_limits(&self) -> [(&'static str, f64, Option<[f64; 2]>); 3] {
+        let bounds = self.limit_intervals.ok();
+        [
+            ("bias", self.bias, self.bias_interval.ok()),
+            ("lower limit", self.limits[0], bounds.map(|bounds| bounds[0])),
+            ("upper limit", self.limits[1], bounds.map(|bounds| bounds[1])),
+        ]
+    }
+}
+
 /// Of two columns of ratings.
 ///
 /// The standard error of a limit is √(3 s²/n), that of the bias √(s²/n), each times Student's t on n - 1 degrees

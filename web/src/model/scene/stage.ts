@@ -49,7 +49,7 @@ export interface Picture {
 }
 
 /** What the stage tells. */
-export interface Told {
+export interface StageListener {
   picked(target: { joint: number } | { level: number }): void;
   /** After every picture. */
   drawn(look: Look): void;
@@ -114,7 +114,7 @@ export class Stage {
     private readonly sizes: readonly BodySize[],
     private readonly palette: Palette,
     { erect, range }: { erect: Shape; range: [Point, Point] },
-    private readonly told: Told,
+    private readonly listener: StageListener,
   ) {
     this.#renderer = new WebGLRenderer({ canvas });
     this.#renderer.setPixelRatio(PIXEL_RATIO);
@@ -372,13 +372,13 @@ export class Stage {
     const toward = this.#camera.position.clone().sub(this.#controls.target).normalize().toArray();
     this.#labels.set([...this.#staticLabels, ...(isBeside ? [] : this.#ground.labels(toward))]);
     this.#labels.place(this.#camera, left, width, size.y, scale);
-    this.told.drawn(lookOf(this.#camera, scale));
+    this.listener.drawn(lookOf(this.#camera, scale));
     this.#tellTip();
   }
 
   #tellTip(): void {
     const load = this.#picture?.load;
-    this.told.tipped(load ? this.#onScreen(load.tip) : null);
+    this.listener.tipped(load ? this.#onScreen(load.tip) : null);
   }
 
   #sketchHalf(sketch: Sketch, window: Window, seen: Seen): void {
@@ -450,17 +450,17 @@ export class Stage {
       false,
     );
     const { joint, level } = met?.object.userData ?? {};
-    if (typeof joint === "number") this.told.picked({ joint });
-    else if (typeof level === "number") this.told.picked({ level });
+    if (typeof joint === "number") this.listener.picked({ joint });
+    else if (typeof level === "number") this.listener.picked({ level });
   };
 
   #lose = (event: Event): void => {
     event.preventDefault();
-    this.told.lost(true);
+    this.listener.lost(true);
   };
 
   #regain = (): void => {
-    this.told.lost(false);
+    this.listener.lost(false);
     this.draw();
   };
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
+use spineline::anatomy::Named;
 use spineline_store::Role;
 
 /// Shown below the options.
@@ -39,7 +40,7 @@ pub enum AccountCommand {
         #[arg(default_value = "studies.spineline")]
         store: PathBuf,
         /// Highest role of the account
-        #[arg(long, value_name = "ROLE", value_parser = role(&Role::ALL))]
+        #[arg(long, value_name = "ROLE", value_parser = role(Role::ALL))]
         role: Role,
         /// Read the password from the standard input, up to the end of its first line
         #[arg(long)]
@@ -53,7 +54,7 @@ pub enum AccountCommand {
         #[arg(default_value = "studies.spineline")]
         store: PathBuf,
         /// Highest role of the account
-        #[arg(long, value_name = "ROLE", value_parser = role(&Role::ALL))]
+        #[arg(long, value_name = "ROLE", value_parser = role(Role::ALL))]
         role: Option<Role>,
         /// Ask for a new password
         #[arg(long)]
@@ -112,7 +113,6 @@ impl AccountCommand {
 }
 
 fn role(allowed: &[Role]) -> impl TypedValueParser<Value = Role> {
-    PossibleValuesParser::new(allowed.iter().map(|role| role.key())).map(|word| {
-        Role::ALL.into_iter().find(|role| role.key() == word).expect("one of the possible values")
-    })
+    PossibleValuesParser::new(allowed.iter().map(|role| role.key()))
+        .map(|word| Role::from_key(&word).expect("one of the possible values"))
 }

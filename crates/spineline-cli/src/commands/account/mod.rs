@@ -8,6 +8,9 @@ use std::io::{IsTerminal, Read, stdin};
 use std::path::Path;
 
 use chrono::Utc;
+use spineline::anatomy::Named;
+use spineline_report::document::{Column, Table};
+use spineline_report::terminal;
 use spineline_store::{Account, AccountChange, PasswordHash, Signature, Store, StoreError};
 
 use args::AccountCommand;
@@ -15,7 +18,6 @@ use args::AccountCommand;
 use crate::options::values::store_name;
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::print;
-use crate::terminal::table::Table;
 
 /// More than the longest password.
 const MAX_INPUT_BYTES: u64 = 4096;
@@ -103,7 +105,8 @@ fn asked() -> Result<String, Failure> {
 }
 
 fn list(store: &Store) -> Result<String, StoreError> {
-    let mut table = Table::new(["Account", "role", "may sign in", "studies"]);
+    let heads = ["Account", "Role", "May sign in", "Studies"];
+    let mut table = Table::new("", heads.map(Column::words).to_vec());
     for account in store.accounts()? {
         let grants = store.grants_of(&account.name)?;
         let studies: Vec<String> =
@@ -115,5 +118,5 @@ fn list(store: &Store) -> Result<String, StoreError> {
             if studies.is_empty() { "-".to_owned() } else { studies.join(", ") },
         ]);
     }
-    Ok(table.text())
+    Ok(terminal::table(&table, usize::MAX))
 }

@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use spineline::action::LineKind;
 
 use super::tables::TablesArgs;
+use crate::options::choice::{Choice, choice};
 use crate::options::method::MethodArgs;
 use crate::options::uncertainty::UncertaintyArgs;
 use crate::options::values::threads;
@@ -32,8 +33,8 @@ pub struct AnalyzeArgs {
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
     /// Line of action of the model that `--model` writes
-    #[arg(long, value_enum, default_value_t = LineName::Inflection)]
-    pub model_line: LineName,
+    #[arg(long, value_parser = choice::<LineKind>(), default_value = LineKind::Inflection.spelling())]
+    pub model_line: LineKind,
     /// Draw figures as SVG into this folder
     #[arg(long, value_name = "DIR")]
     pub figures: Option<PathBuf>,
@@ -46,23 +47,4 @@ pub struct AnalyzeArgs {
     pub uncertainty: UncertaintyArgs,
     #[command(flatten)]
     pub method: MethodArgs,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum LineName {
-    Inflection,
-    Iliac,
-    Estimated,
-    Given,
-}
-
-impl LineName {
-    pub fn kind(self) -> LineKind {
-        match self {
-            Self::Inflection => LineKind::Inflection,
-            Self::Iliac => LineKind::Iliac,
-            Self::Estimated => LineKind::Estimated,
-            Self::Given => LineKind::Given,
-        }
-    }
 }

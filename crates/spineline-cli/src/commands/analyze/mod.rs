@@ -1,7 +1,6 @@
 //! `spineline analyze`: one patient, or a cohort.
 
 mod args;
-mod cohort_csv;
 mod tables;
 
 pub use args::AnalyzeArgs;
@@ -11,20 +10,19 @@ use std::path::{Path, PathBuf};
 use spineline::analysis::Analysis;
 use spineline::cohort::Cohort;
 use spineline_files::{AnalysisFile, ModelFile, to_text};
-use spineline_tables::Patient;
+use spineline_report::{Document, patient, terminal};
+use spineline_tables::{Patient, chain_csv, cohort_csv, vertebrae_csv};
 
 use crate::analysis::case::analyze_case;
 use crate::analysis::cohort;
 use crate::analysis::confidence::Confidence;
 use crate::analysis::figures::draw_figures;
 use crate::analysis::record::RunRecord;
-use crate::analysis::tables::{chain_csv, vertebrae_csv};
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{CaseInput, case_files};
-use crate::run::outputs::{is_stdout, print, write_or_print, write_table};
+use crate::run::outputs::{is_stdout, print, print_notices, write_or_print, write_table};
 use crate::run::provenance::generator;
 use crate::run::threads::map_all;
-use crate::terminal;
 
 pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     let mut record = RunRecord::new(&args.method, &args.uncertainty)?;
@@ -32,9 +30,9 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     let to_stdout = check_outputs(args, &paths)?;
     let is_one = paths.len() == 1;
     let (analyses, confidences, mut ending) = analyze_all(args, &paths, &mut record)?;
-    eprint!("{}", record.warnings());
+    print_notices(&record.warnings());
     for analysis in &analyses {
-        eprint!("{}", terminal::patient::warnings(analysis));
+        print_notices(&patient::warnings(analysis));
     }
     let cohort = (!is_one || args.cohort.is_some()).then(|| cohort::of(&analyses));
     let results = Results {
@@ -114,20 +112,20 @@ struct Results<'a> {
 
 impl Results<'_> {
     fn text(&self, is_one: bool) -> String {
-        let hypotheses = terminal::hypotheses::text(self.analyses);
-        match self.analyses {
-            [one] if is_one => {
-                let mut parts = vec![terminal::patient::text(one)];
-                parts.extend(Some(hypotheses).filter(|text| !text.is_empty()));
-                let confidences = self.confidences.iter();
-                parts.extend(confidences.flat_map(|found| terminal::confidence_texts(one, found)));
-                parts.join("\n")
+        let generator = generator();
+        let cohort = self.cohort.filter(|_| !is_one);
+        let documents: Vec<Document> = match cohort {
+            Some(found) => {
+                vec![spineline_report::cohort::summary(self.analyses, found, &generator)]
             }
-            all => {
-                let cohort = self.cohort.iter().map(|cohort| terminal::cohort::text(all, cohort));
-                cohort.chain([hypotheses]).collect()
-            }
-        }
+            None => self
+                .patients()
+                .map(|((analysis, confidence), input)| {
+                    patient::summary(&confidence.report(analysis, &input.case, &generator))
+                })
+                .collect(),
+        };
+        documents.iter().map(|document| terminal(document, terminal::WIDTH)).collect()
     }
 
     fn write(&self, args: &AnalyzeArgs, is_list: bool) -> Result<(), Failure> {
@@ -183,7 +181,7 @@ impl Results<'_> {
     fn write_cohort(&self, path: &Path, cohort: &Cohort) -> Result<(), Failure> {
         let provenance = self.record.provenance();
         if path.extension().is_some_and(|end| end == "csv") {
-            return write_table(path, &cohort_csv::text(cohort)?, &provenance);
+            return write_table(path, &cohort_csv(cohort)?, &provenance);
         }
         let file = cohort::file(self.analyses, cohort, &generator()).with_provenance(provenance);
         write_or_print(path, &to_text(&file))
@@ -195,7 +193,7 @@ impl Results<'_> {
         args: &AnalyzeArgs,
         analysis: &Analysis,
     ) -> Result<(), Failure> {
-        let kind = args.model_line.kind();
+        let kind = args.model_line;
         let Some(model) = analysis.models.iter().find(|model| model.kind == kind) else {
             let text =
                 format!("there is no model with the {kind}, so --model has nothing to write");

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
-use spineline_tables::{Asked, Patient, Table, TableError, dictionary, tables};
+use spineline_tables::{Asked, Patient, Table, dictionary, tables};
 
 use crate::run::failure::Failure;
 use crate::run::outputs::write_file;
@@ -52,15 +52,15 @@ pub fn write(
     let origin = to_text(provenance);
     for table in tables(patients) {
         if formats.contains(&TableFormat::Csv) {
-            folder.add(&table, "csv", table.to_csv().map_err(failed)?.as_bytes())?;
+            folder.add(&table, "csv", table.to_csv()?.as_bytes())?;
         }
         if formats.contains(&TableFormat::Parquet) {
             let bytes = table.to_parquet(&[("spineline.provenance", &origin)]);
-            folder.add(&table, "parquet", &bytes.map_err(failed)?)?;
+            folder.add(&table, "parquet", &bytes?)?;
         }
     }
     let meanings = dictionary(Asked::of(patients));
-    folder.add(&meanings, "csv", meanings.to_csv().map_err(failed)?.as_bytes())?;
+    folder.add(&meanings, "csv", meanings.to_csv()?.as_bytes())?;
     let file = ProvenanceFile::new(folder.files, provenance.clone());
     write_file(&folder.path.join("provenance.json"), to_text(&file))
 }
@@ -78,8 +78,4 @@ impl Folder<'_> {
         self.files.push(InputFile::of(name, bytes));
         Ok(())
     }
-}
-
-fn failed(error: TableError) -> Failure {
-    Failure::internal(error.to_string())
 }

@@ -9,12 +9,12 @@ use spineline_files::CaseFile;
 use spineline_landmarks::{
     AasceRow, AasceRows, AasceVerdict, LandmarkError, LandmarkHint, image_sizes, judge_aasce,
 };
+use spineline_report::terminal;
+use spineline_tables::rows_to_csv;
 
 use super::args::ImportArgs;
-use crate::run::csv::rows_to_csv;
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{print, write_file};
-use crate::terminal::table::wrap;
 
 /// Columns of the verdicts.
 const HEADING: [&str; 5] = ["row", "case_id", "verdict", "main_angle_deg", "faults"];
@@ -31,7 +31,7 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
         ));
     }
     for folder in &args.paths {
-        import(args, folder, side.value.side())?;
+        import(args, folder, side.value)?;
     }
     Ok(Ending::Done)
 }
@@ -60,7 +60,8 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
             AasceVerdict::Faults(faults) => {
                 let words: Vec<String> = faults.iter().map(ToString::to_string).collect();
                 let words = words.join("; ");
-                text.push_str(&wrap(&format!("! row {}: {words}", row.row), 110, "  "));
+                let note = format!("! row {}: {words}", row.row);
+                text.push_str(&terminal::paragraph(&note, terminal::WIDTH, "  "));
                 ["faults".to_owned(), String::new(), words]
             }
         };
@@ -73,7 +74,7 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
         table.len()
     ));
     if let Some(verdicts) = verdicts {
-        write_file(&verdicts, rows_to_csv(HEADING, &table)?)?;
+        write_file(&verdicts, rows_to_csv("verdicts", HEADING, &table)?)?;
         text.push_str(&format!("Verdicts on every row: {}\n", verdicts.display()));
     }
     print(&text).map(|_| ())

@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{Calibration, Calibrator, Spacing, SpacingPlane};
 use spineline::spatial::Pixel;
 
 use super::role::Role;
+use crate::options::choice::{choice, of_spelling};
 use crate::options::values::{number, posture};
 use crate::run::failure::Failure;
 
@@ -49,15 +50,15 @@ pub struct ImportArgs {
     #[arg(long, value_name = "POSTURE=FILM", value_parser = film_choice)]
     pub film: Vec<(Posture, FilmChoice)>,
     /// Lateral film, for the sagittal profile: its number from `--list`, or its file
-    #[arg(long, value_name = "FILM", value_parser = choice)]
+    #[arg(long, value_name = "FILM", value_parser = film)]
     pub lateral: Option<FilmChoice>,
     /// Side of the picture with the patient's left, where the file does not state it or is wrong: for all films, or for one
     /// as in erect=image-left; may be repeated
     #[arg(long, value_name = "[POSTURE=]SIDE", value_parser = side_of_film)]
-    pub patient_left: Vec<OfFilm<SideName>>,
+    pub patient_left: Vec<OfFilm<ImageSide>>,
     /// Side of the lateral picture with the patient's front
-    #[arg(long, value_enum, value_name = "SIDE")]
-    pub patient_anterior: Option<SideName>,
+    #[arg(long, value_parser = choice::<ImageSide>(), value_name = "SIDE")]
+    pub patient_anterior: Option<ImageSide>,
     /// Pixel spacing of columns and rows in mm and its plane, where the file has none or is wrong, as in
     /// 0.143,0.143,patient or erect=0.1,0.2,detector; may be repeated
     #[arg(long, value_name = "[POSTURE=]COLUMN,ROW,PLANE", value_parser = spacing_of_film)]
@@ -103,23 +104,6 @@ pub struct ImportArgs {
 pub enum FilmChoice {
     Number(usize),
     File(PathBuf),
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
-pub enum SideName {
-    /// Left side of the picture as viewed
-    ImageLeft,
-    /// Right side of the picture as viewed
-    ImageRight,
-}
-
-impl SideName {
-    pub const fn side(self) -> ImageSide {
-        match self {
-            Self::ImageLeft => ImageSide::Left,
-            Self::ImageRight => ImageSide::Right,
-        }
-    }
 }
 
 /// A value for one film, or for all.
@@ -219,7 +203,7 @@ fn case_id(text: &str) -> Result<String, String> {
     }
 }
 
-fn choice(text: &str) -> Result<FilmChoice, String> {
+fn film(text: &str) -> Result<FilmChoice, String> {
     match usize::from_str(text) {
         Ok(0) => Err("films are numbered from 1".to_owned()),
         Ok(number) => Ok(FilmChoice::Number(number)),
@@ -229,9 +213,9 @@ fn choice(text: &str) -> Result<FilmChoice, String> {
 }
 
 fn film_choice(text: &str) -> Result<(Posture, FilmChoice), String> {
-    let (name, film) =
+    let (name, chosen) =
         text.split_once('=').ok_or_else(|| "expected POSTURE=FILM, such as erect=1".to_owned())?;
-    Ok((posture(name)?, choice(film)?))
+    Ok((posture(name)?, film(chosen)?))
 }
 
 /// The value, and the posture before an equals sign if there is one.
@@ -250,10 +234,10 @@ fn landmarks(text: &str) -> Result<OfFilm<PathBuf>, String> {
     })
 }
 
-fn side_of_film(text: &str) -> Result<OfFilm<SideName>, String> {
+fn side_of_film(text: &str) -> Result<OfFilm<ImageSide>, String> {
     of_film(text, |side| {
-        SideName::from_str(side, true)
-            .map_err(|_| format!("`{side}` is neither `image-left` nor `image-right`"))
+        of_spelling(&side.to_ascii_lowercase())
+            .ok_or_else(|| format!("`{side}` is neither `image-left` nor `image-right`"))
     })
 }
 

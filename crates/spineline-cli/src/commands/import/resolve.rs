@@ -104,7 +104,7 @@ pub fn resolve(
         Role::Frontal(_) => answer_for(&args.patient_left, role),
         Role::Lateral => args.patient_anterior,
     };
-    let said = said.map(super::args::SideName::side).or(side_by_dialogue);
+    let said = said.or(side_by_dialogue);
     if let Some((by_file, _)) = by_file.zip(said).filter(|(file, said)| file != said) {
         contradicted.push(orientation_contradiction(role, by_file));
     }

@@ -4,18 +4,18 @@ use std::fmt::Write;
 
 use spineline::anatomy::ImageSide;
 use spineline::measure::{LengthScale, Spacing, SpacingPlane, View};
+use spineline_report::document::{Column, Table};
+use spineline_report::terminal;
 
 use super::candidates::{Candidate, Candidates, Seen};
 use super::resolve::ResolvedFilm;
-use crate::terminal::table::{Table, wrap};
-
-const WIDTH: usize = 110;
 
 /// Everything that was found, with numbers to choose by.
 pub fn list(candidates: &Candidates) -> String {
     let mut text = String::new();
-    let mut table =
-        Table::new(["Film", "kind", "size", "view", "patient's left", "lengths", "file"]);
+    let words = ["Kind", "Size", "View", "Patient's left", "Lengths", "File"].map(Column::words);
+    let columns = [Column::numbers("Film")].into_iter().chain(words).collect();
+    let mut table = Table::new("", columns);
     for (index, film) in candidates.films.iter().enumerate() {
         let number = (index + 1).to_string();
         let place = film.found.place.to_string();
@@ -39,10 +39,11 @@ pub fn list(candidates: &Candidates) -> String {
     if candidates.films.is_empty() {
         text.push_str("No film was found.\n");
     } else {
-        text.push_str(&table.text());
+        text.push_str(&terminal::table(&table, usize::MAX));
     }
     for (note, films) in shared_notes(candidates) {
-        text.push_str(&wrap(&format!("! {}: {note}", numbered(&films)), WIDTH, "  "));
+        let note = format!("! {}: {note}", numbered(&films));
+        text.push_str(&terminal::paragraph(&note, terminal::WIDTH, "  "));
     }
     text.push_str(&passed_over(candidates));
     text
@@ -155,7 +156,8 @@ fn passed_over(candidates: &Candidates) -> String {
 /// What went into the case.
 pub fn outcome(films: &[ResolvedFilm], folder: &std::path::Path, marked: usize) -> String {
     let mut text = String::new();
-    let mut table = Table::new(["Film", "size", "patient's left", "lengths"]);
+    let heads = ["Film", "Size", "Patient's left", "Lengths"];
+    let mut table = Table::new("", heads.map(Column::words).to_vec());
     for film in films {
         let scale = film.spacing.as_ref().map_or_else(
             || SpacingPlane::Pixels.unit().to_owned(),
@@ -168,10 +170,11 @@ pub fn outcome(films: &[ResolvedFilm], folder: &std::path::Path, marked: usize) 
         let size = format!("{} × {}", film.columns, film.rows);
         table.row(vec![film.role.key().replace('_', " "), size, left, scale]);
     }
-    text.push_str(&table.text());
+    text.push_str(&terminal::table(&table, usize::MAX));
     for film in films {
         for note in &film.notes {
-            text.push_str(&wrap(&format!("! {}: {note}", film.role), WIDTH, "  "));
+            let note = format!("! {}: {note}", film.role);
+            text.push_str(&terminal::paragraph(&note, terminal::WIDTH, "  "));
         }
     }
     let case = folder.join("case.json");

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use spineline::personalize::FitTarget;
 use spineline_phantom::Truth;
 
-use crate::options::method::FitName;
+use crate::options::choice::{Choice, choice};
 use crate::options::phantoms::ScenarioName;
 use crate::options::values::threads;
 
@@ -34,8 +35,8 @@ pub struct NoiseStudyArgs {
     )]
     pub truths: Vec<ScenarioName>,
     /// Quantity that the stiffness is fitted to; the paper fitted Ferguson angles
-    #[arg(long, value_enum, default_value_t = FitName::Ferguson)]
-    pub fit: FitName,
+    #[arg(long, value_parser = choice::<FitTarget>(), default_value = FitTarget::Ferguson.spelling())]
+    pub fit: FitTarget,
 }
 
 impl NoiseStudyArgs {

@@ -1,10 +1,9 @@
 //! The study as a table: one row per scenario, support, rule and noise.
 
 use spineline::evaluate::statistics::Share;
+use spineline_tables::{TableError, rows_to_csv};
 
 use super::study::Point;
-use crate::run::csv::rows_to_csv;
-use crate::run::failure::Failure;
 
 const HEADING: [&str; 47] = [
     "synthetic",
@@ -56,8 +55,8 @@ const HEADING: [&str; 47] = [
     "mean_order",
 ];
 
-pub fn csv_text(points: &[Point]) -> Result<String, Failure> {
-    rows_to_csv(HEADING, points.iter().map(row))
+pub fn csv_text(points: &[Point]) -> Result<String, TableError> {
+    rows_to_csv("noise_study", HEADING, points.iter().map(row))
 }
 
 /// A number, or nothing where there is none.

@@ -8,7 +8,6 @@ use spineline::multibody::Support;
 use spineline_phantom::{Readers, SUBJECTS, Truth, generate_read};
 
 use super::args::NoiseStudyArgs;
-use crate::options::method::support_key;
 use crate::run::failure::Failure;
 use crate::run::threads::map_all;
 
@@ -44,7 +43,7 @@ impl Way {
     }
 
     pub fn support_name(self) -> &'static str {
-        self.support.map_or("", support_key)
+        self.support.map_or("", Support::key)
     }
 
     /// Whether movements are reported for it: they do not depend on the support and are reported once.
@@ -117,7 +116,7 @@ fn of_phantom(truth: Truth, number: u32, args: &NoiseStudyArgs) -> Vec<Option<Pa
         let options = AnalysisOptions {
             support: way.support.unwrap_or_default(),
             order_rule: way.rule,
-            target: args.fit.target(),
+            target: args.fit,
             ..AnalysisOptions::default()
         };
         let run = if way.support.is_some() { analyze } else { analyze_movement };

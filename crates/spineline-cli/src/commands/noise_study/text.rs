@@ -2,10 +2,11 @@
 
 use spineline::cohort::{ClaimVerdict, Claims, NEAR_SEGMENTS};
 use spineline_phantom::Truth;
+use spineline_report::document::{Column, Table};
+use spineline_report::terminal;
 
 use super::args::NoiseStudyArgs;
 use super::study::{NOISE_MM, Point, WAYS, Way};
-use crate::terminal::table::{Table, wrap};
 
 pub fn report(points: &[Point], args: &NoiseStudyArgs) -> String {
     let mut text = format!(
@@ -43,7 +44,7 @@ pub fn report(points: &[Point], args: &NoiseStudyArgs) -> String {
     let modelled: Vec<(String, Way)> = modelled.map(|way| (name(way), way)).collect();
     let better = "Claim 3: the inflection line has a smaller location error than the iliac line in most patients";
     text.push_str(&table(points, args, 2, &modelled, better));
-    text.push_str(&wrap(
+    text.push_str(&terminal::paragraph(
         "A claim holds where the whole 95 % interval over patients supports it, and fails where the whole interval contradicts it; \
          otherwise it is open. `to x mm`: holds at every noise from 0 to x. `reversed`: the opposite holds at every noise.",
         104,
@@ -59,15 +60,15 @@ fn table(
     ways: &[(String, Way)],
     title: &str,
 ) -> String {
-    let mut heading = vec!["  scenario"];
-    heading.extend(ways.iter().map(|(name, _)| name.as_str()));
-    let mut table = Table::new(heading);
+    let mut columns = vec![Column::words("Scenario")];
+    columns.extend(ways.iter().map(|(name, _)| Column::numbers(name)));
+    let mut table = Table::new(title, columns);
     for truth in args.truths() {
-        let mut cells = vec![format!("  {}", truth.key())];
+        let mut cells = vec![truth.key().to_owned()];
         cells.extend(ways.iter().map(|(_, way)| verdict(points, claim, truth, *way)));
         table.row(cells);
     }
-    format!("\n{title}\n{}", table.text())
+    format!("\n{}", terminal::table(&table, usize::MAX))
 }
 
 /// Where a claim holds, along the noise.

@@ -1,20 +1,19 @@
 //! `spineline reliability`: agreement within and between observers.
 
-mod rows;
-
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use spineline::measure::FilmReadings;
 use spineline::reliability::{QuantityReliability, RatedQuantity, assess, film_quantities};
 use spineline_files::{FilmOrigin, InputFile, Provenance, ReliabilityFile};
-use spineline_report::figures;
+use spineline_report::reliability::summary;
+use spineline_report::{figures, terminal};
+use spineline_tables::reliability_csv;
 
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{CaseInput, case_files, input_of};
 use crate::run::outputs::{is_stdout, print, write_file, write_or_print, write_table};
 use crate::run::provenance::{generator, in_svg, this_run};
-use crate::terminal;
 
 pub const EXAMPLES: &str = "\
 Cases are pooled: subjects are case × film × vertebra, and an observer of one name is one observer.
@@ -63,13 +62,14 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
         write_or_print(path, &spineline_files::to_text(&file))?;
     }
     if let Some(path) = &args.csv {
-        write_table(path, &rows::text(&found, synthetic)?, &provenance)?;
+        write_table(path, &reliability_csv(&found, synthetic)?, &provenance)?;
     }
     if let Some(folder) = &args.figure {
         draw(&found, synthetic, &provenance, folder)?;
     }
     if to_stdout == 0 {
-        print(&terminal::reliability::text(&found, synthetic))?;
+        let document = summary(&found, synthetic, &generator());
+        print(&terminal(&document, terminal::WIDTH))?;
     }
     Ok(Ending::Done)
 }

@@ -13,6 +13,7 @@ use crate::analysis::cohort;
 use crate::analysis::record::RunRecord;
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::CaseInput;
+use crate::run::outputs::print_notices;
 use crate::run::provenance::generator;
 use crate::run::threads::map_all;
 
@@ -47,7 +48,7 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs) -> Result<Ending, Failure> {
     if analyses.is_empty() {
         return Err(Failure::usage("no case could be analysed: there is no cohort to report"));
     }
-    eprint!("{}", record.warnings());
+    print_notices(&record.warnings());
     let pairs: Vec<(&Analysis, &CaseInput)> = analyses.iter().zip(&record.cases).collect();
     let files = map_all("writing", &pairs, args.threads, |(analysis, source)| {
         let provenance = record.provenance_of(std::slice::from_ref(*source));

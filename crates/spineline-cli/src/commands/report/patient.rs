@@ -14,12 +14,13 @@ use crate::analysis::confidence::Confidence;
 use crate::analysis::record::RunRecord;
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::CaseInput;
+use crate::run::outputs::print_notices;
 use crate::run::provenance::generator;
 
 pub fn run(path: &Path, args: &ReportArgs) -> Result<Ending, Failure> {
     let mut record = RunRecord::new(&args.method, &args.uncertainty)?;
     record.cases.push(CaseInput::read(path)?);
-    eprint!("{}", record.warnings());
+    print_notices(&record.warnings());
     let CaseInput { file, case, .. } = &record.cases[0];
     let analysis = analyze_case(path, case, &record.request.options)?;
     let confidence = Confidence::compute(case, &analysis, &record.request, args.threads)?;
@@ -27,13 +28,9 @@ pub fn run(path: &Path, args: &ReportArgs) -> Result<Ending, Failure> {
     let json = AnalysisFile::new(&analysis, file.clone(), record.provenance_of(&record.cases));
     let json = confidence.add_to(&analysis, json);
     let mut document = report(&Patient {
-        case,
-        analysis: &analysis,
         pictures: &pictures,
-        identifiability: confidence.identifiability.as_deref(),
-        uncertainty: confidence.uncertainty.as_ref(),
-        generator: &generator(),
         json: &serde_json::to_string(&json).expect("string keys only"),
+        ..confidence.report(&analysis, case, &generator())
     });
     if let Some(films) = document.sections.iter_mut().find(|section| section.id == "films") {
         for why in hidden {

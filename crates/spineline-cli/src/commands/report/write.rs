@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use spineline_report::document::Figure;
+use spineline_report::document::{Figure, Notice, NoticeKind};
 use spineline_report::fonts::Fonts;
 use spineline_report::{Document, html, markdown, png};
 
 use super::args::{FormName, ReportArgs};
 use crate::run::failure::{Ending, Failure};
-use crate::run::outputs::{print, write_file};
+use crate::run::outputs::{print, print_notices, write_file};
 use crate::run::threads::map_all;
 
 /// Pixels of a PNG per unit of its SVG.
@@ -38,7 +38,12 @@ pub fn all(
     if args.figures.is_some() {
         let texts = document.figures().map(|figure| figure.svg.as_str());
         if let Some(words) = Fonts::for_texts(texts).missing_words() {
-            eprintln!("warning: {}: {words} [letters_missing]", document.subject);
+            print_notices(&[Notice {
+                kind: NoticeKind::Warning,
+                place: document.subject.clone(),
+                text: words,
+                code: "letters_missing".to_owned(),
+            }]);
         }
     }
     let mut said = format!("Report   {}\n", out.display());

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use spineline::personalize::FitTarget;
 
-use crate::options::method::FitName;
+use crate::options::choice::{Choice, choice};
 use crate::options::values::threads;
 
 #[derive(Args)]
@@ -22,6 +23,6 @@ pub struct ReproduceArgs {
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     pub noise: f64,
     /// Quantity that the stiffness is fitted to; the paper fitted Ferguson angles
-    #[arg(long, value_enum, default_value_t = FitName::Ferguson)]
-    pub fit: FitName,
+    #[arg(long, value_parser = choice::<FitTarget>(), default_value = FitTarget::Ferguson.spelling())]
+    pub fit: FitTarget,
 }

@@ -12,7 +12,6 @@ use spineline_report::figures::{
 };
 
 use super::runs::Run;
-use crate::options::method::support_key;
 use crate::run::failure::Failure;
 use crate::run::outputs::write_file;
 use crate::run::provenance::in_svg;
@@ -53,9 +52,9 @@ pub fn write(folder: &Path, runs: &[Run], provenance: &Provenance) -> Result<(),
     save("figure-06-inflections".to_owned(), &figures::inflection_distances(&inflections, true))?;
     for support in [Support::Free, Support::Frontal] {
         let runs: Vec<&Run> = runs.iter().filter(|run| run.support == support).collect();
-        error_figures(&runs, support_key(support), &save)?;
+        error_figures(&runs, support.key(), &save)?;
         for run in runs {
-            example(run, support_key(support), &save)?;
+            example(run, support.key(), &save)?;
         }
     }
     Ok(())

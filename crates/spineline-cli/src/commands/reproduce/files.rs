@@ -4,14 +4,13 @@ use std::path::Path;
 
 use serde::Serialize;
 use spineline::analysis::{Analysis, Case};
+use spineline::multibody::Support;
 use spineline_files::{AnalysisFile, CaseFile, Provenance, Request};
+use spineline_tables::{records_to_csv, vertebrae_csv};
 
 use super::args::ReproduceArgs;
 use super::row::Section;
 use super::runs::Run;
-use crate::analysis::tables::vertebrae_csv;
-use crate::options::method::support_key;
-use crate::run::csv::records_to_csv;
 use crate::run::failure::Failure;
 use crate::run::outputs::{write_file, write_table};
 use crate::run::provenance::generator;
@@ -26,7 +25,7 @@ pub fn write(
 ) -> Result<(), Failure> {
     write_table(
         &out.join("summary.csv"),
-        &records_to_csv(sections.iter().flat_map(records))?,
+        &records_to_csv("summary", sections.iter().flat_map(records))?,
         provenance,
     )?;
     let summary = Summary {
@@ -41,7 +40,7 @@ pub fn write(
     };
     write_file(&out.join("summary.json"), spineline_files::to_text(&summary))?;
     for run in runs {
-        let support = support_key(run.support);
+        let support = run.support.key();
         let name = format!("errors-{}-{support}.csv", run.truth.key());
         write_table(&out.join("errors").join(name), &vertebrae_csv(&run.analyses)?, provenance)?;
         for (case, analysis) in run.cases.iter().zip(&run.analyses) {
@@ -95,7 +94,7 @@ fn records(section: &Section) -> Vec<Record> {
         for (truth, cell) in ["rod", "bend", "pull"].into_iter().zip(&row.ours) {
             records.push(Record {
                 section: section.title.clone(),
-                support: section.support.map(support_key),
+                support: section.support.map(Support::key),
                 quantity: row.quantity.trim().to_owned(),
                 unit: row.unit,
                 paper: row.paper.clone(),

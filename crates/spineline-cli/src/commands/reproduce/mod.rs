@@ -18,12 +18,13 @@ use std::path::Path;
 
 use spineline_files::{FilmOrigin, Provenance};
 use spineline_phantom::{SUBJECTS, Truth};
+use spineline_report::document::{Column, Table};
+use spineline_report::terminal;
 
 use crate::options::phantoms::readers;
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::print;
 use crate::run::provenance::this_run;
-use crate::terminal::table::{Table, wrap};
 use row::Section;
 
 pub fn run(args: &ReproduceArgs) -> Result<Ending, Failure> {
@@ -52,14 +53,17 @@ fn text(sections: &[Section], args: &ReproduceArgs) -> String {
     }
     text.push_str("Every number in the three columns on the right is SYNTHETIC; mean ± SD as the paper prints them.\n");
     for section in sections {
-        let mut table = Table::new([section.title.as_str(), "paper", "rod", "bend", "pull"]);
+        let heads = ["paper", "rod", "bend", "pull"].map(Column::numbers);
+        let columns = [Column::words(section.title.as_str())].into_iter().chain(heads).collect();
+        let mut table = Table::new("", columns);
         for row in &section.rows {
             let mut cells = vec![format!("  {}", row.quantity), row.paper.clone()];
             cells.extend(row.ours.iter().map(|cell| cell.text.clone()));
             table.row(cells);
         }
         text.push('\n');
-        let table = table.text();
+        // Without a width there is one line per row, and its verdict has its place below it.
+        let table = terminal::table(&table, usize::MAX);
         let mut lines = table.lines();
         text.extend(lines.by_ref().take(2).map(|line| format!("{line}\n")));
         for (line, row) in lines.zip(&section.rows) {
@@ -68,7 +72,7 @@ fn text(sections: &[Section], args: &ReproduceArgs) -> String {
                 text.push_str(&format!("      → {}\n", row.verdict));
             }
         }
-        text.push_str(&wrap(section.note, 104, "  "));
+        text.push_str(&terminal::paragraph(section.note, 104, "  "));
     }
     text
 }

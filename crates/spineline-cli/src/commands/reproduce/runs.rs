@@ -42,11 +42,8 @@ pub fn all_runs(args: &ReproduceArgs, readers: &Readers) -> Result<Vec<Run>, Fai
         let phantom =
             generate(subject, truth, readers, args.seed).map_err(|error| error.to_string())?;
         let with = |support| {
-            let options = AnalysisOptions {
-                support,
-                target: args.fit.target(),
-                ..AnalysisOptions::default()
-            };
+            let options =
+                AnalysisOptions { support, target: args.fit, ..AnalysisOptions::default() };
             analyze(&phantom.case, &options)
                 .map_err(|error| format!("{}: {error}", phantom.case.id))
         };

@@ -10,7 +10,8 @@ use spineline::analysis::Analysis;
 use spineline_files::{
     AnalysisFile, InputFile, Provenance, StoredAnalysis, parse_analysis, to_text,
 };
-use spineline_report::embedded;
+use spineline_report::document::{Column, Table};
+use spineline_report::{embedded, terminal};
 
 use crate::analysis::case::analyze_case;
 use crate::analysis::confidence::Confidence;
@@ -19,7 +20,6 @@ use crate::options::values::{number, threads};
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{print, write_or_print};
 use crate::run::provenance::this_run;
-use crate::terminal::table::{Table, wrap};
 use difference::{Difference, Found, differences};
 
 pub const EXAMPLES: &str = "\
@@ -170,7 +170,8 @@ impl Repeated {
             then.date_utc(),
             then.program()
         );
-        text.push_str(&wrap(&format!("Then: {}", then.command().join(" ")), 110, "  "));
+        let command = format!("Then: {}", then.command().join(" "));
+        text.push_str(&terminal::paragraph(&command, terminal::WIDTH, "  "));
         if then.program() == now.program() {
             text.push_str(&format!("  Version: the same, {}\n", now.program()));
         } else {
@@ -178,7 +179,7 @@ impl Repeated {
         }
         for input in then.inputs() {
             let said = format!("Input {}: {}", input.name, input_words(&args.file, input));
-            text.push_str(&wrap(&said, 110, "  "));
+            text.push_str(&terminal::paragraph(&said, terminal::WIDTH, "  "));
         }
         text + &found_text(&self.found, args.tolerance)
     }
@@ -201,7 +202,9 @@ fn found_text(found: &Found, tolerance: f64) -> String {
     if found.all.is_empty() {
         return format!("  Nothing differs: {compared} within {tolerance:e}\n");
     }
-    let mut table = Table::new(["Where", "then", "now", "relative difference"]);
+    let values = ["Then", "Now", "Relative difference"].map(Column::numbers);
+    let columns = [Column::words("Where")].into_iter().chain(values).collect();
+    let mut table = Table::new("", columns);
     for Difference { path, then, now, relative } in &found.all {
         let relative = relative.map_or_else(|| "-".to_owned(), |part| format!("{part:.1e}"));
         table.row(vec![path.clone(), then.clone(), now.clone(), relative]);
@@ -209,6 +212,6 @@ fn found_text(found: &Found, tolerance: f64) -> String {
     format!(
         "  {} of {compared} differ by more than {tolerance:e}\n\n{}",
         found.all.len(),
-        table.text()
+        terminal::table(&table, usize::MAX)
     )
 }

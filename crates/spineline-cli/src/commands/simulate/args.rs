@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, ValueEnum};
 use spineline::anatomy::{Level, Posture, Side};
+use spineline::multibody::Support;
 
-use crate::options::method::SupportName;
+use crate::options::choice::choice;
 use crate::options::values::{number, posture};
 
 /// Shown below the options.
@@ -66,14 +67,14 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "DEG", value_parser = degrees, allow_negative_numbers = true, requires = "towards", help_heading = "Goal")]
     pub amplitude: Option<f64>,
     /// Side of the lateral tilt
-    #[arg(long, value_enum, value_name = "SIDE", requires = "amplitude", help_heading = "Goal")]
-    pub towards: Option<SideName>,
+    #[arg(long, value_parser = choice::<Side>(), value_name = "SIDE", requires = "amplitude", help_heading = "Goal")]
+    pub towards: Option<Side>,
     /// Largest factor of the proportional loads [default: 2, or about 1500 N with --amplitude]
     #[arg(long, value_name = "FACTOR", value_parser = positive, allow_negative_numbers = true, help_heading = "Goal")]
     pub largest_factor: Option<f64>,
     /// Support of the patient [default: as in the model file]
-    #[arg(long, value_enum)]
-    pub support: Option<SupportName>,
+    #[arg(long, value_parser = choice::<Support>())]
+    pub support: Option<Support>,
     /// Write all results as JSON (`-`: standard output)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub json: Option<PathBuf>,
@@ -106,22 +107,6 @@ impl PushName {
             Self::Caudal => [0.0, 0.0, -1.0],
             Self::Anterior => [1.0, 0.0, 0.0],
             Self::Posterior => [-1.0, 0.0, 0.0],
-        }
-    }
-}
-
-/// A side of the patient.
-#[derive(Clone, Copy, ValueEnum)]
-pub enum SideName {
-    Left,
-    Right,
-}
-
-impl SideName {
-    pub const fn side(self) -> Side {
-        match self {
-            Self::Left => Side::Left,
-            Self::Right => Side::Right,
         }
     }
 }

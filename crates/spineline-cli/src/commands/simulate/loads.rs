@@ -1,10 +1,11 @@
 //! From the command line to loads.
 
+use spineline::action::Application;
 use spineline::anatomy::{Level, Posture};
+use spineline::multibody::Timing;
 use spineline::spatial::Vec3;
 use spineline_files::{
-    ApplicationKey, AppliedLoad, LevelKey, LoadFile, SimulationWarning, StoredModel, TimingKey,
-    parse_load, read_text,
+    AppliedLoad, LevelKey, LoadFile, SimulationWarning, StoredModel, parse_load, read_text,
 };
 
 use super::args::SimulateArgs;
@@ -49,14 +50,14 @@ pub fn of(
             level: LevelKey(level),
             force_in_vertebra_n: in_vertebra.into(),
             point_in_vertebra_mm: [0.0; 3],
-            timing: TimingKey::Growing,
+            timing: Timing::Growing.into(),
         }
     } else {
         AppliedLoad::ForceAtPoint {
             level: LevelKey(level),
             force_n: force.into(),
             point_in_vertebra_mm: [0.0; 3],
-            timing: TimingKey::Growing,
+            timing: Timing::Growing.into(),
         }
     };
     Ok((LoadFile::new(vec![load]), Vec::new()))
@@ -68,8 +69,8 @@ fn of_posture(
     model: &StoredModel,
     posture: Posture,
 ) -> Result<(LoadFile, Vec<SimulationWarning>), Failure> {
-    let Some(record) = model.loads.iter().find(|r| Posture::from(r.posture) == posture) else {
-        let known: Vec<&str> = model.loads.iter().map(|r| Posture::from(r.posture).key()).collect();
+    let Some(record) = model.loads.iter().find(|r| r.posture.0 == posture) else {
+        let known: Vec<&str> = model.loads.iter().map(|r| r.posture.0.key()).collect();
         let text =
             format!("the model has no load for {}; it has {}", posture.key(), known.join(", "));
         let place = args.model.display().to_string();
@@ -86,12 +87,12 @@ fn of_posture(
     let size_n = args.force.map_or(record.force_n, |force| force.copysign(record.force_n));
     let force_n = (Vec3::from(record.direction) * size_n).into();
     let level = LevelKey(Level::T2);
-    let timing = TimingKey::Growing;
-    let load = match record.application {
-        ApplicationKey::Fixed => {
+    let timing = Timing::Growing.into();
+    let load = match record.application.0 {
+        Application::Fixed => {
             AppliedLoad::ForceOnLine { level, force_n, point_mm: record.point_mm, timing }
         }
-        ApplicationKey::AtT2 => {
+        Application::AtT2 => {
             AppliedLoad::ForceAtPoint { level, force_n, point_in_vertebra_mm: [0.0; 3], timing }
         }
     };

@@ -19,7 +19,7 @@ use spineline_files::{FilmOrigin, Provenance, to_text};
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{read_input, read_model};
 use crate::run::interrupt;
-use crate::run::outputs::{print, write_or_print, write_table};
+use crate::run::outputs::{print, print_notices, write_or_print, write_table};
 use crate::run::provenance::{in_svg, this_run};
 use outcome::Outcome;
 
@@ -35,8 +35,8 @@ pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
         ));
     }
     let mut model = read_model(&args.model)?;
-    if let Some(name) = args.support {
-        model.support = name.support();
+    if let Some(support) = args.support {
+        model.support = support;
     }
     let (loads, notes) = loads::of(args, &model)?;
     let outcome = with_progress(|on_point| Outcome::of(args, model, loads, notes, on_point))?;
@@ -44,7 +44,7 @@ pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
     if streams == 0 {
         print(&text::report(&outcome))?;
     } else {
-        eprint!("{}", text::warnings(&outcome));
+        print_notices(&text::notices(&outcome));
     }
     Ok(if outcome.response.ending.is_usable() { Ending::Done } else { Ending::NotConverged })
 }

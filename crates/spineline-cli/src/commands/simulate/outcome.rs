@@ -97,7 +97,7 @@ fn goal(args: &SimulateArgs, placed: &PlacedLoads) -> Result<Goal, Failure> {
         ));
     }
     let tilt = Angle::from_deg(degrees);
-    Ok(Goal::Lean(match towards.side() {
+    Ok(Goal::Lean(match towards {
         Side::Right => tilt,
         Side::Left => -tilt,
     }))

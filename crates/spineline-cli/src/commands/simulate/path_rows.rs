@@ -3,20 +3,18 @@
 use spineline::anatomy::Region;
 use spineline::multibody::{ForceSign, PathPoint};
 use spineline::response::{direction_word, measure_angles};
+use spineline_tables::{TableError, rows_to_csv};
 
 use super::outcome::Outcome;
-use super::words::timing_key;
-use crate::run::csv::rows_to_csv;
-use crate::run::failure::Failure;
 
 /// One row per shape. Positive Cobb and Ferguson angles are convex to the patient's left.
 ///
 /// # Errors
-/// Never, unless the `csv` library fails.
-pub fn csv_text(outcome: &Outcome) -> Result<String, Failure> {
+/// [`TableError::Csv`], though every row has a cell per column.
+pub fn csv_text(outcome: &Outcome) -> Result<String, TableError> {
     let paths = outcome.response.paths.iter();
     let points = paths.flat_map(|of| of.path.points.iter().map(move |point| (of.sign, point)));
-    rows_to_csv(heading(outcome), points.map(|(sign, point)| row(outcome, sign, point)))
+    rows_to_csv("path", heading(outcome), points.map(|(sign, point)| row(outcome, sign, point)))
 }
 
 fn heading(outcome: &Outcome) -> Vec<String> {
@@ -53,7 +51,7 @@ fn row(outcome: &Outcome, sign: ForceSign, point: &PathPoint) -> Vec<String> {
         outcome.model.absolute.to_string(),
         outcome.response.ending.key().to_owned(),
         direction_word(sign).to_owned(),
-        timing_key(point.timing).to_owned(),
+        point.timing.key().to_owned(),
         point.factor.to_string(),
         point.arc_rad.to_string(),
         angles.lean.deg().to_string(),

@@ -9,12 +9,12 @@ use spineline::response::{
     largest_displacement_mm, largest_hinge, measure_angles,
 };
 use spineline::spatial::{Angle, moment_words, vector_words};
+use spineline_files::SimulationWarning;
+use spineline_report::document::{Column, Notice, NoticeKind, Table};
+use spineline_report::terminal;
 
 use super::outcome::Outcome;
 use super::words::{load_words, timing_words};
-use crate::terminal::table::{Table, wrap};
-
-const WIDTH: usize = 110;
 
 /// The whole report of one simulation.
 pub fn report(outcome: &Outcome) -> String {
@@ -27,14 +27,17 @@ pub fn report(outcome: &Outcome) -> String {
     }
     text.push_str(&solutions_text(outcome));
     text.push_str(&events_text(outcome));
-    text.push_str(&warnings(outcome));
+    text.extend(notices(outcome).iter().map(|one| terminal::notice(one, terminal::WIDTH)));
     text
 }
 
 /// The warnings.
-pub fn warnings(outcome: &Outcome) -> String {
-    let lines = outcome.warnings.iter().map(|w| format!("warning: {} [{}]", w.message, w.code));
-    lines.map(|line| wrap(&line, WIDTH, "")).collect()
+pub fn notices(outcome: &Outcome) -> Vec<Notice> {
+    let notice = |warning: &SimulationWarning| Notice {
+        code: warning.code.to_owned(),
+        ..Notice::new(NoticeKind::Warning, warning.message.clone())
+    };
+    outcome.warnings.iter().map(notice).collect()
 }
 
 fn head(outcome: &Outcome) -> String {
@@ -84,7 +87,8 @@ fn ending_text(outcome: &Outcome) -> String {
         other => format!("NO RESULT: {}", other.meaning()),
     };
     let name = ending.key().replace('_', " ");
-    let mut text = wrap(&format!("{} · {meaning}", name.to_uppercase()), WIDTH, "");
+    let status = format!("{} · {meaning}", name.to_uppercase());
+    let mut text = terminal::paragraph(&status, terminal::WIDTH, "");
     if let (None, Some(point)) = (outcome.response.result(), outcome.response.nearest()) {
         let _ = writeln!(
             text,
@@ -167,7 +171,13 @@ fn forces_text(outcome: &Outcome, result: &Equilibrium) -> String {
 fn angles_text(outcome: &Outcome, result: &Equilibrium) -> String {
     let before = measure_angles(&erect_shape(&outcome.model.spine), &outcome.places);
     let after = measure_angles(&result.deformed, &outcome.places);
-    let mut table = Table::new(["", "erect", "under load", "change"]);
+    let columns = vec![
+        Column::words("Angle"),
+        Column::numbers("Erect"),
+        Column::numbers("Under load"),
+        Column::numbers("Change"),
+    ];
+    let mut table = Table::new("", columns);
     for (name, pick) in [("Cobb", 0), ("Ferguson", 1)] {
         for (now, then) in after.curves.iter().zip(&before.curves) {
             let of = |curve: &spineline::response::CurveAngles| [curve.cobb, curve.ferguson][pick];
@@ -186,7 +196,7 @@ fn angles_text(outcome: &Outcome, result: &Equilibrium) -> String {
         lean.leaning(),
         (lean - before.lean).wrapped().leaning(),
     ]);
-    format!("{}\n", table.text())
+    format!("{}\n", terminal::table(&table, terminal::WIDTH))
 }
 
 fn convex_words(angle: Angle) -> String {
@@ -210,15 +220,16 @@ fn solutions_text(outcome: &Outcome) -> String {
     if response.equilibria.is_empty() || is_plain {
         return String::new();
     }
-    let mut table = Table::new([
-        "Shapes that meet the goal",
-        "factor",
-        "limit points",
-        "branch points",
-        "largest joint rotation",
-        "lateral tilt of L4-T2",
-        "verdict",
-    ]);
+    let columns = vec![
+        Column::words("Shapes that meet the goal"),
+        Column::numbers("Factor"),
+        Column::numbers("Limit points"),
+        Column::numbers("Branch points"),
+        Column::numbers("Largest joint rotation"),
+        Column::numbers("Lateral tilt of L4-T2"),
+        Column::words("Verdict"),
+    ];
+    let mut table = Table::new("", columns);
     for met in &response.equilibria {
         let equilibrium = &met.equilibrium;
         let way = match met.sign {
@@ -235,7 +246,8 @@ fn solutions_text(outcome: &Outcome) -> String {
             verdict_words(met).to_owned(),
         ]);
     }
-    format!("{}\n", table.text())
+    // One line per shape, whatever its length.
+    format!("{}\n", terminal::table(&table, usize::MAX))
 }
 
 fn verdict_words(met: &GoalEquilibrium) -> &'static str {

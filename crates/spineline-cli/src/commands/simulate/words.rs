@@ -2,15 +2,7 @@
 
 use spineline::multibody::Timing;
 use spineline::spatial::{moment_words, vector_words};
-use spineline_files::{AppliedLoad, TimingKey};
-
-/// `held` or `growing`, as files call the timing.
-pub const fn timing_key(timing: Timing) -> &'static str {
-    match timing {
-        Timing::Held => "held",
-        Timing::Growing => "growing",
-    }
-}
+use spineline_files::AppliedLoad;
 
 /// How loads are applied, in words.
 pub const fn timing_words(timing: Timing) -> &'static str {
@@ -61,7 +53,7 @@ pub fn load_words(load: &AppliedLoad) -> String {
         }
     };
     match load.timing() {
-        TimingKey::Held => format!("{words} (constant)"),
-        TimingKey::Growing => words,
+        Timing::Held => format!("{words} (constant)"),
+        Timing::Growing => words,
     }
 }

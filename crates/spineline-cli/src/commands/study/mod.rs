@@ -8,6 +8,8 @@ pub use args::{EXAMPLES, StudyArgs};
 use std::path::Path;
 
 use chrono::Utc;
+use spineline_report::document::{Column, Table};
+use spineline_report::terminal;
 use spineline_store::{
     FilmRecord, Head, Next, PlanDesign, ReadingRecord, Signature, Store, StoreError, Timestamp,
     Verification,
@@ -18,12 +20,11 @@ use args::StudyCommand;
 use crate::options::values::store_name;
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{print, write_or_print};
-use crate::terminal::table::Table;
 
 pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
     let path = args.command.store();
     let fail = |error: StoreError| Failure::store(path, &error);
-    let by = || Ok(Signature::new(store_name(&args.by)?, Utc::now().into()));
+    let by = || Ok::<_, Failure>(Signature::new(store_name(&args.by)?, Utc::now().into()));
     match &args.command {
         StudyCommand::Create { .. } => {
             Store::create(path, &by()?).map_err(fail)?;
@@ -81,7 +82,14 @@ fn view(path: &Path) -> Result<Store, Failure> {
 }
 
 fn list(store: &Store) -> Result<String, StoreError> {
-    let mut table = Table::new(["Study", "film", "readings", "finished", "observers"]);
+    let columns = vec![
+        Column::words("Study"),
+        Column::words("Film"),
+        Column::numbers("Readings"),
+        Column::numbers("Finished"),
+        Column::words("Observers"),
+    ];
+    let mut table = Table::new("", columns);
     for study in store.studies()? {
         let films = store.films(&study.id)?;
         let readings = store.readings(&study.id)?;
@@ -94,7 +102,7 @@ fn list(store: &Store) -> Result<String, StoreError> {
             table.row(vec![study.id.to_string(), nothing(), nothing(), nothing(), nothing()]);
         }
     }
-    Ok(table.text())
+    Ok(terminal::table(&table, usize::MAX))
 }
 
 fn row(study: &str, film: &FilmRecord, readings: &[ReadingRecord]) -> Vec<String> {
@@ -122,7 +130,9 @@ fn next_text(next: &Next) -> String {
 }
 
 fn log(store: &Store) -> Result<String, StoreError> {
-    let mut table = Table::new(["Entry", "when", "who", "what", "object"]);
+    let words = ["When", "Who", "What", "Object"].map(Column::words);
+    let columns = [Column::numbers("Entry")].into_iter().chain(words).collect();
+    let mut table = Table::new("", columns);
     for entry in store.audit_log()? {
         table.row(vec![
             entry.sequence.to_string(),
@@ -132,7 +142,7 @@ fn log(store: &Store) -> Result<String, StoreError> {
             entry.object,
         ]);
     }
-    Ok(table.text())
+    Ok(terminal::table(&table, usize::MAX))
 }
 
 fn verify(path: &Path, head: Option<&Head>) -> Result<Ending, Failure> {

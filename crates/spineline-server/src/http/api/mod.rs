@@ -7,6 +7,7 @@
 mod cohort;
 mod live;
 mod model;
+mod named;
 mod readings;
 mod session;
 mod studies;
@@ -15,6 +16,7 @@ mod words;
 pub use cohort::*;
 pub use live::*;
 pub use model::*;
+pub use named::*;
 pub use readings::*;
 pub use session::*;
 pub use studies::*;

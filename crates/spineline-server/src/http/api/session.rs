@@ -3,27 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-/// What an account may do at most; a study may grant less.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum RoleName {
-    /// Looks.
-    Reader,
-    /// Marks films and makes studies.
-    Editor,
-    /// Leads: accounts, grants, plans, every study.
-    Admin,
-}
-
-/// How people show who they are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum AccessName {
-    /// By the one-time token that `serve` prints.
-    Token,
-    /// By a local account and its password.
-    Accounts,
-}
+use super::{AccessName, RoleName};
 
 /// What the sign-in page needs to know before anybody has signed in.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

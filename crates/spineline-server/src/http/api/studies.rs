@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{ImageSideName, Notice, PlaneName, PostureName, RoleName, SideName};
+use super::{CalibratorName, ImageSideName, Notice, PlaneName, PostureName, RoleName, SideName};
 
 /// How far a study has come.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -332,15 +332,6 @@ pub enum FilmEditName {
         /// What was clicked.
         calibrator: CalibratorName,
     },
-}
-
-/// An object of known size in the picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[allow(missing_docs)]
-pub enum CalibratorName {
-    Ball,
-    Ruler,
 }
 
 /// Something in a study has changed; sent as server-sent event `change`.

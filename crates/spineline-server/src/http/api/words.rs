@@ -3,59 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-/// Position of the patient on a film.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[allow(missing_docs)]
-pub enum PostureName {
-    Erect,
-    LeftBending,
-    RightBending,
-    Neutral,
-    Traction,
-}
-
-/// The patient's side.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[allow(missing_docs)]
-pub enum SideName {
-    Left,
-    Right,
-}
-
-/// A side of the picture, as it is seen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[allow(missing_docs)]
-pub enum ImageSideName {
-    ImageLeft,
-    ImageRight,
-}
-
-/// What a film's lengths are measured in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum PlaneName {
-    /// Millimetres in the plane of the spine.
-    Patient,
-    /// Millimetres in the plane of the detector: larger than the patient.
-    Detector,
-    /// Millimetres of an unknown plane.
-    Unknown,
-    /// No millimetres: angles only.
-    Pixels,
-}
-
-/// How a line of action was chosen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[allow(missing_docs)]
-pub enum LineName {
-    InflectionLine,
-    IliacLine,
-    EstimatedLine,
-}
+use super::{LineName, PostureName};
 
 /// Something that is not right, and that whoever reads a number must see beside it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -6,15 +6,13 @@ mod uploads;
 use axum::extract::State;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use spineline::measure::{Calibration, Calibrator};
+use spineline::measure::Calibration;
 use spineline::spatial::Pixel;
-use spineline_store::{FilmEdit, FilmId, FilmRecord, ReadingId, Store, StoreError};
+use spineline_store::{FilmEdit, FilmId, FilmRecord, ReadingId, Role, Store, StoreError};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::api::{
-    CalibratorName, Change, FilmChange, FilmEditName, FilmSummary, Problem, RoleName,
-};
+use super::api::{Change, FilmChange, FilmEditName, FilmSummary, Problem};
 use super::extract::{Json, Path};
 use super::{Answer, AppState, Failure, User, readings, studies, words};
 
@@ -102,7 +100,7 @@ async fn edit(
     let asker = state.clone();
     let summary = state.ask(move |store| {
         let film = seen(store, &user, FilmId(film))?;
-        user.need_on_study(store, &film.study, RoleName::Editor)?;
+        user.need_on_study(store, &film.study, Role::Editor)?;
         let edit = film_edit(&film, change.edit)?;
         let edited = store.edit_film(film.id, edit, change.expected_revision, &by);
         // A lost edit is news too: it is kept.
@@ -118,16 +116,13 @@ async fn edit(
 
 fn film_edit(film: &FilmRecord, edit: FilmEditName) -> Answer<FilmEdit> {
     Ok(match edit {
-        FilmEditName::Posture { posture } => FilmEdit::Posture(words::posture(posture)),
+        FilmEditName::Posture { posture } => FilmEdit::Posture(posture.0),
         FilmEditName::Inverted { inverted } => FilmEdit::Inverted(inverted),
         FilmEditName::Scale { from_px, to_px, length_mm, length_sd_mm, calibrator } => {
             let image = spineline_files::parse_image(&film.image, film.posture)
                 .map_err(StoreError::from)?;
             let calibration = Calibration {
-                calibrator: match calibrator {
-                    CalibratorName::Ball => Calibrator::Ball,
-                    CalibratorName::Ruler => Calibrator::Ruler,
-                },
+                calibrator: calibrator.0,
                 clicks: [from_px, to_px].map(|[column, row]| Pixel::new(column, row)),
                 length_mm,
                 length_sd_mm,

@@ -8,16 +8,15 @@ use axum::extract::rejection::BytesRejection;
 use axum::extract::{DefaultBodyLimit, State};
 use axum::http::StatusCode;
 use axum::response::Response;
+use spineline::anatomy::Posture;
 use spineline::measure::{Spacing, Stance, View, judge_spacing, judge_view};
 use spineline_files::sha256_hex;
 use spineline_films::{FilmFile, FilmKind, FilmLimits, FilmRemark};
-use spineline_store::{Name, Timestamp};
+use spineline_store::{Name, Role, Timestamp};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::super::api::{
-    Notice, PostureName, Problem, RoleName, Severity, SpacingView, UploadView,
-};
+use super::super::api::{Notice, Problem, Severity, SpacingView, UploadView, Wire};
 use super::super::extract::{Json, Path};
 use super::super::state::secret;
 use super::super::{Answer, AppState, Failure, User, words};
@@ -124,7 +123,7 @@ async fn upload(
     user: User,
     body: Result<Bytes, BytesRejection>,
 ) -> Answer<Json<UploadView>> {
-    user.need(RoleName::Editor)?;
+    user.need(Role::Editor)?;
     let bytes: Vec<u8> = body.map_err(|refused| unread(&refused))?.into();
     let _turn = turn(&state).await?;
     let film = decode(&state, bytes.clone()).await?;
@@ -177,14 +176,14 @@ fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
         rows: film.rows,
         pixel_aspect: words::pixel_aspect(spacing.spacing),
         // Bends and traction are taken lying down; standing, only one film is.
-        posture: (film.tags.view.stance == Some(Stance::Erect)).then_some(PostureName::Erect),
+        posture: (film.tags.view.stance == Some(Stance::Erect)).then_some(Wire(Posture::Erect)),
         is_lateral,
         is_synthetic: film.tags.is_phantom,
-        patient_left: judged.patient_left.map(words::image_side_name),
+        patient_left: judged.patient_left.map(Wire),
         spacing: spacing.spacing.map(|spacing| SpacingView {
             column_mm: spacing.column_mm,
             row_mm: spacing.row_mm,
-            plane: words::plane_name(spacing.plane),
+            plane: Wire(spacing.plane),
             text: words::spacing_text(Some(spacing)),
         }),
         notices: remarks.chain(of_spacing).chain(of_view).collect(),

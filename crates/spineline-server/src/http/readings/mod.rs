@@ -6,11 +6,11 @@ mod view;
 use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
-use spineline_store::{FilmCode, FilmId, ReadingId, SeenReading, Sight, Store, StoreError};
+use spineline_store::{FilmCode, FilmId, ReadingId, Role, SeenReading, Sight, Store, StoreError};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::api::{Change, ConflictAnswer, Finish, NewReading, Problem, ReadingView, RoleName};
+use super::api::{Change, ConflictAnswer, Finish, NewReading, Problem, ReadingView};
 use super::extract::{Json, Path};
 use super::{Answer, AppState, Failure, User, films};
 
@@ -40,7 +40,7 @@ async fn begin(
     let asker = state.clone();
     let view = state.ask(move |store| {
         let film = films::seen(store, &user, FilmId(film))?;
-        user.need_on_study(store, &film.study, RoleName::Editor)?;
+        user.need_on_study(store, &film.study, Role::Editor)?;
         let id = store.begin_reading(film.id, new.repeat, &by)?;
         told(&asker, store, &user, id)
     });
@@ -118,7 +118,7 @@ async fn finish(
 pub(super) fn may_mark(store: &Store, user: &User, reading: ReadingId) -> Answer<SeenReading> {
     let seen = seen(store, user, reading)?;
     if seen.code.is_none() {
-        user.need_on_study(store, &seen.study.id, RoleName::Editor)?;
+        user.need_on_study(store, &seen.study.id, Role::Editor)?;
     }
     Ok(seen)
 }

@@ -12,8 +12,8 @@ use spineline_store::{
 };
 
 use super::super::api::{
-    AxisView, CornerView, CrestsView, LostChangeView, NextMark, Notice, Proposal as ProposalView,
-    ReadingImage, ReadingView, Severity, VertebraView,
+    AxisView, CornerView, CrestsView, LostChangeView, NextMark, Notice, PostureName,
+    Proposal as ProposalView, ReadingImage, ReadingView, Severity, VertebraView, Wire,
 };
 use super::super::{Answer, Failure, User, words};
 use super::lost;
@@ -51,7 +51,7 @@ fn view_of(
         spineline_files::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
     let marks = marks(state);
     let is_blinded = seen.code.is_some();
-    let posture = (!is_blinded).then(|| words::posture_name(film.posture));
+    let posture = (!is_blinded).then(|| Wire(film.posture));
     let crest = |side| state.iliac_crests_px.get(&side).copied();
     Ok(ReadingView {
         reading: record.id.0,
@@ -68,7 +68,7 @@ fn view_of(
             columns: image.columns,
             rows: image.rows,
             pixel_aspect: words::pixel_aspect(image.spacing),
-            patient_left: words::image_side_name(image.patient_left),
+            patient_left: Wire(image.patient_left),
             plane: words::plane_of(&image),
             spacing_text: words::spacing_text(image.spacing),
             inverted: state.inverted.unwrap_or(film.inverted),
@@ -163,7 +163,7 @@ fn proposal_view(proposal: &ProposedVertebra) -> ProposalView {
 fn faults(
     marks: &PartialReading,
     image: &ImageGeometry,
-    posture: Option<super::super::api::PostureName>,
+    posture: Option<PostureName>,
 ) -> Vec<Notice> {
     let notices = marks.faults(image).into_iter().map(|fault| Notice {
         severity: if fault.is_error() { Severity::Error } else { Severity::Warning },

@@ -5,8 +5,7 @@ use spineline::anatomy::Posture;
 use spineline::clinical::{ClinicalCurve, convex_side};
 use spineline::spatial::Angle;
 
-use super::words::side_name;
-use crate::http::api::CurveSummary;
+use crate::http::api::{CurveSummary, Wire};
 
 /// Cobb angle of a posture, positive in the direction of the erect curve: a negative one has turned over.
 pub fn cobb_of(curve: &ClinicalCurve, posture: Posture) -> Option<Angle> {
@@ -43,7 +42,7 @@ pub fn summary_of(analysis: &Analysis) -> Option<CurveSummary> {
     Some(CurveSummary {
         cobb_deg: cobb.deg(),
         region: curve.region.to_string(),
-        convex: curve.convex.map(side_name),
+        convex: curve.convex.map(Wire),
         text: format!("{kind}{} {cobb}{convex} ({ends})", curve.region),
         lenke,
     })

@@ -7,8 +7,8 @@ use spineline::motion::{Motion, SegmentEstimate};
 use spineline::spatial::Angle;
 
 use super::curves::cobb_of;
-use super::words::{length_unit, posture_name, side_name};
-use crate::http::api::{CurveAnglesFinding, CurveFinding, RotationFinding, StudyFindings};
+use super::words::length_unit;
+use crate::http::api::{CurveAnglesFinding, CurveFinding, RotationFinding, StudyFindings, Wire};
 
 /// Most segments that are sent of one posture.
 const MOST_SEGMENTS: usize = 200;
@@ -30,7 +30,7 @@ fn curve(curve: &ClinicalCurve) -> CurveFinding {
         // Both in the direction of the erect curve.
         let sign = if curve.cobb[0].1.rad() < 0.0 { -1.0 } else { 1.0 };
         Some(CurveAnglesFinding {
-            posture: posture_name(*posture),
+            posture: Wire(*posture),
             cobb_deg: cobb.deg(),
             ferguson_deg: ferguson.deg() * sign,
         })
@@ -38,7 +38,7 @@ fn curve(curve: &ClinicalCurve) -> CurveFinding {
     CurveFinding {
         region: curve.region.to_string(),
         levels_text: format!("{} – {} – {}", curve.ends.inferior, curve.apex, curve.ends.superior),
-        convex: curve.convex.map(side_name),
+        convex: curve.convex.map(Wire),
         angles: angles.collect(),
         flexibility_text: curve.flexibility.zip(curve.convex).map(flexibility_text),
     }
@@ -59,7 +59,7 @@ fn rotation(analysis: &Analysis, posture: &PostureAnalysis) -> Option<RotationFi
     let drawn: Vec<usize> = (0..motion.rotations.len()).step_by(stride).collect();
     let millidegrees = |angle: Angle| 1000.0 * angle.deg();
     Some(RotationFinding {
-        posture: posture_name(posture.outline.posture),
+        posture: Wire(posture.outline.posture),
         mean_deg: motion.mean_rotation().deg(),
         along_mm: drawn.iter().map(|&segment| along(segment)).collect(),
         rotation_mdeg: drawn.iter().map(|&k| millidegrees(motion.rotations[k])).collect(),

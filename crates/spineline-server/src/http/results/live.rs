@@ -9,7 +9,7 @@ use super::cache::{Outcome, StudyResult, computed};
 use super::sight::blinded;
 use super::words::{marked_text, progress};
 use super::{findings, notices, overlay};
-use crate::http::api::{FilmOverlay, LiveStatus, LiveView, Notice, Problem, Severity};
+use crate::http::api::{FilmOverlay, LiveStatus, LiveView, Notice, Problem, Severity, Wire};
 use crate::http::extract::{Json, Path};
 use crate::http::{Answer, AppState, User, readings};
 
@@ -97,7 +97,7 @@ fn film_notices(
     posture: Posture,
     fault: Option<&MeasureError>,
 ) -> Vec<Notice> {
-    let name = super::words::posture_name(posture);
+    let name = Wire(posture);
     let mut notices = notices::of_result(result);
     notices.retain(|n| !(n.code == "film_left_out" && n.posture == Some(name)));
     if let Some(fault) = fault {

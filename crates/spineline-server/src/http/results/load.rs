@@ -16,7 +16,6 @@ use spineline::spatial::{Angle, Mat3, Vec3, vector_words};
 use super::cache::{StudyResult, computed, study_result};
 use super::sight::open_study;
 use super::simulated::deformed_shape;
-use super::words::line_kind;
 use crate::http::api::{LoadAnswer, LoadRequest, Problem};
 use crate::http::extract::{Json, Path};
 use crate::http::{Answer, AppState, Failure, User};
@@ -45,7 +44,7 @@ fn refused(text: impl Into<String>, help: &str) -> Failure {
 
 fn answer(result: &StudyResult, request: &LoadRequest) -> Answer<LoadAnswer> {
     let analysis = result.analysed()?;
-    let kind = line_kind(request.kind);
+    let kind = request.kind.0;
     let model = analysis.models.iter().find(|model| model.kind == kind).ok_or_else(|| {
         refused(
             format!("this study has no model with the {kind}"),

@@ -10,10 +10,10 @@ use super::cache::{StudyResult, computed, study_result};
 use super::notices;
 use super::sight::open_study;
 use super::simulated::{deformed_shape, shape, simulated};
-use super::words::{length_unit, line_name, posture_name};
+use super::words::length_unit;
 use crate::http::api::{
     BodySize, Identified, JointView, LineModelView, MeasuredShape, ModelView, MultiplierView,
-    Notice, PostureName, Problem, Severity,
+    Notice, PostureName, Problem, Severity, Wire,
 };
 use crate::http::extract::{Json, Path};
 use crate::http::{Answer, AppState, User};
@@ -50,7 +50,7 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
                 let (midpoints_mm, axes) =
                     analysis.spine.posed_on_film(&posture.outline, &analysis.erect().outline);
                 MeasuredShape {
-                    posture: posture_name(posture.outline.posture),
+                    posture: Wire(posture.outline.posture),
                     shape: shape(&analysis.spine, &midpoints_mm, &axes),
                 }
             })
@@ -89,7 +89,7 @@ fn line(analysis: &Analysis, model: &LineModel, relative: &[f64]) -> Option<Line
     let converged = model.fit.status == FitStatus::Converged
         && model.postures.iter().all(spineline::evaluate::Simulation::is_usable);
     Some(LineModelView {
-        kind: line_name(model.kind)?,
+        kind: Wire::of(model.kind)?,
         label: model.kind.to_string(),
         converged,
         status_text: analysis.fit_words(model),
@@ -135,7 +135,7 @@ fn contradicted_in(model: &LineModel, inferior: Level) -> Vec<PostureName> {
     let turns = |s: &&spineline::evaluate::Simulation| {
         s.contradicted.iter().any(|joint| joint.inferior == inferior)
     };
-    model.postures.iter().filter(turns).map(|s| posture_name(s.posture)).collect()
+    model.postures.iter().filter(turns).map(|s| Wire(s.posture)).collect()
 }
 
 /// The notices of a study, and that millimetres of a spine without a scale are none.

@@ -7,8 +7,8 @@ use spineline::warning::{Severity as Kind, Warning};
 use spineline_store::StandingCase;
 
 use super::cache::{Outcome, StudyResult};
-use super::words::{line_name, listed, posture_name};
-use crate::http::api::{Notice, Severity};
+use super::words::listed;
+use crate::http::api::{Notice, Severity, Wire};
 
 /// A notice of a whole study.
 pub fn notice(severity: Severity, code: &str, text: impl Into<String>) -> Notice {
@@ -44,7 +44,7 @@ pub fn of_analysis(analysis: &Analysis) -> Vec<Notice> {
 }
 
 pub fn of_warning(warning: &Warning) -> Notice {
-    let line = warning.line.and_then(line_name);
+    let line = warning.line.and_then(Wire::of);
     Notice {
         severity: match warning.severity() {
             Kind::Note => Severity::Note,
@@ -52,7 +52,7 @@ pub fn of_warning(warning: &Warning) -> Notice {
             Kind::Contradiction => Severity::Contradiction,
         },
         code: warning.code.to_owned(),
-        posture: warning.posture.map(posture_name),
+        posture: warning.posture.map(Wire),
         level: warning.level.map(|level| level.to_string()),
         line,
         text: if line.is_some() { warning.message.clone() } else { warning.text() },
@@ -91,7 +91,7 @@ fn left_out(standing: &StandingCase) -> Vec<Notice> {
             ),
         };
         let mut notice = notice(Severity::Warning, "film_left_out", text);
-        notice.posture = Some(posture_name(posture));
+        notice.posture = Some(Wire(posture));
         Some(notice)
     });
     let no_erect = standing.film(Posture::Erect).is_none().then(|| {
@@ -110,7 +110,6 @@ mod tests {
     use spineline::warning::{Step, Warnings};
 
     use super::*;
-    use crate::http::api::LineName;
 
     #[test]
     fn a_line_is_named_once() {
@@ -122,7 +121,7 @@ mod tests {
         assert_eq!(warnings.all()[0].text(), "iliac line: no force");
         let [iliac, given] = warnings.all() else { panic!("two lines, two warnings") };
         let [iliac, given] = [of_warning(iliac), of_warning(given)];
-        assert_eq!((iliac.line, iliac.text.as_str()), (Some(LineName::IliacLine), "no force"));
+        assert_eq!((iliac.line, iliac.text.as_str()), (Some(Wire(LineKind::Iliac)), "no force"));
         // A line that the interface has no name for keeps its own.
         assert_eq!((given.line, given.text.as_str()), (None, "given line: no force"));
         assert_eq!(iliac.severity, Severity::Contradiction);

@@ -12,8 +12,7 @@ use spineline::warning::Warnings;
 
 use super::cache::StudyResult;
 use super::curves::{cobb_of, curve_text};
-use super::words::{line_name, posture_name};
-use crate::http::api::{CobbOverlay, FilmOverlay, LabelledPoint, LineOverlay, Residual};
+use crate::http::api::{CobbOverlay, FilmOverlay, LabelledPoint, LineOverlay, Residual, Wire};
 
 /// Points of the drawn curve.
 const CURVE_POINTS: u32 = 120;
@@ -63,7 +62,7 @@ fn curve_alone(frame: &FilmFrame, outline: &Outline, fit: &CurveFit) -> FilmOver
         is_outlier: residual.is_outlier,
     };
     FilmOverlay {
-        posture: posture_name(outline.posture),
+        posture: Wire(outline.posture),
         curve_px: (0..CURVE_POINTS).map(|i| px(frame.pixel(fit.curve.point(at(i))))).collect(),
         curve_text: format!(
             "polynomial of order {}, RMSE {} and {}",
@@ -133,7 +132,7 @@ impl Drawing<'_> {
                 format!("{}: no result", simulation.status.key().replace('_', " "))
             };
             Some(LineOverlay {
-                kind: line_name(model.kind)?,
+                kind: Wire::of(model.kind)?,
                 from_px: px(from),
                 to_px: px(to),
                 text: format!("{}: {status}", model.kind),

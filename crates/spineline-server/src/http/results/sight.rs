@@ -1,10 +1,9 @@
 //! Who sees results of a study, and the results of what is seen.
 
 use axum::http::StatusCode;
-use spineline_store::{Name, Sight, Store, StoreError, Study};
+use spineline_store::{Name, Role, Sight, Store, StoreError, Study};
 
 use super::cache::study_result;
-use crate::http::api::RoleName;
 use crate::http::studies::study_name;
 use crate::http::{Answer, AppState, Failure, User};
 
@@ -18,7 +17,7 @@ pub fn sees_results(store: &Store, user: &User, study: &Name) -> Result<bool, St
     Ok(match store.observer(&user.name).sight(study)? {
         Sight::Open => true,
         Sight::Reader => false,
-        Sight::Apart => user.role == RoleName::Admin,
+        Sight::Apart => user.role == Role::Admin,
     })
 }
 
@@ -67,7 +66,7 @@ pub async fn prepare(state: &AppState, user: &User, study: &Name) -> Answer<()> 
 ///
 /// # Errors
 /// Whatever keeps the store from reading.
-pub async fn prepared(state: &AppState, user: &User) -> Answer<Vec<(Study, RoleName)>> {
+pub async fn prepared(state: &AppState, user: &User) -> Answer<Vec<(Study, Role)>> {
     let user = user.clone();
     let found = state.ask(move |store| {
         let studies = user.studies(store)?;

@@ -7,8 +7,7 @@ use spineline::multibody::{Deformed, SpineModel};
 use spineline::personalize::evidence::ContradictedJoint;
 use spineline::spatial::{Angle, Mat3, Vec3};
 
-use super::words::posture_name;
-use crate::http::api::{LevelError, Shape, SimulatedPosture};
+use crate::http::api::{LevelError, Shape, SimulatedPosture, Wire};
 
 /// Parts of a force whose shapes are shown: from none to all of it.
 const PARTS: [f64; 11] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
@@ -41,7 +40,7 @@ pub fn simulated(
     let top = path.last().and_then(|shape| shape.midpoints_mm.last());
     let usable = simulation.is_usable();
     SimulatedPosture {
-        posture: posture_name(simulation.posture),
+        posture: Wire(simulation.posture),
         fitted: simulation.fitted,
         converged: usable,
         status_text: status_text(simulation),

@@ -1,37 +1,8 @@
-//! Names of the interface for things of the library, and words that several views share.
+//! Words that several views share.
 
-use spineline::action::LineKind;
-use spineline::anatomy::{Level, Posture, Side};
+use spineline::anatomy::{Level, Posture};
 use spineline::measure::{LengthScale, SpacingPlane};
 use spineline_store::StandingCase;
-
-use crate::http::api::{LineName, SideName};
-pub use crate::http::words::posture_name;
-
-pub const fn side_name(side: Side) -> SideName {
-    match side {
-        Side::Left => SideName::Left,
-        Side::Right => SideName::Right,
-    }
-}
-
-/// The interface has no line given by hand.
-pub const fn line_name(kind: LineKind) -> Option<LineName> {
-    match kind {
-        LineKind::Inflection => Some(LineName::InflectionLine),
-        LineKind::Iliac => Some(LineName::IliacLine),
-        LineKind::Estimated => Some(LineName::EstimatedLine),
-        LineKind::Given => None,
-    }
-}
-
-pub const fn line_kind(name: LineName) -> LineKind {
-    match name {
-        LineName::InflectionLine => LineKind::Inflection,
-        LineName::IliacLine => LineKind::Iliac,
-        LineName::EstimatedLine => LineKind::Estimated,
-    }
-}
 
 /// The unit of lengths, such as `patient mm`.
 pub const fn length_unit(scale: &LengthScale) -> &'static str {

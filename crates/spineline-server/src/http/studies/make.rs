@@ -9,16 +9,14 @@ use spineline::anatomy::Posture;
 use spineline::measure::{ImageGeometry, Spacing};
 use spineline_files::{FilmSource, image_value, sha256_hex};
 use spineline_films::{DeidOptions, FilmKind, FilmLimits, deidentify};
-use spineline_store::{CaseError, Name, NewCase, Study};
+use spineline_store::{CaseError, Name, NewCase, Role, Study};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::super::api::{
-    CaseImport, NewFilm, NewStudy, Problem, RoleName, ScaleChoice, StudyDetail,
-};
+use super::super::api::{CaseImport, NewFilm, NewStudy, Problem, ScaleChoice, StudyDetail};
 use super::super::extract::Json;
 use super::super::films::Upload;
-use super::super::{Answer, AppState, Failure, User, words};
+use super::super::{Answer, AppState, Failure, User};
 use super::{detail, of_study};
 
 pub fn routes() -> OpenApiRouter<AppState> {
@@ -35,7 +33,7 @@ async fn new_study(
     user: User,
     Json(new): Json<NewStudy>,
 ) -> Answer<Json<StudyDetail>> {
-    user.need(RoleName::Editor)?;
+    user.need(Role::Editor)?;
     let id = Name::new(&new.id)?;
     let now = state.now();
     let uploads = new
@@ -51,7 +49,7 @@ async fn new_study(
         let mut case = NewCase::of(study);
         for (film, upload) in &films {
             let (bytes, image) = settle(case.id(), film, upload, salt)?;
-            case = case.film(words::posture(film.posture), bytes, image);
+            case = case.film(film.posture.0, bytes, image);
         }
         Ok::<_, Failure>(case)
     });
@@ -70,7 +68,7 @@ async fn import_case(
     user: User,
     Json(import): Json<CaseImport>,
 ) -> Answer<Json<StudyDetail>> {
-    user.need(RoleName::Editor)?;
+    user.need(Role::Editor)?;
     let now = state.now();
     let mut uploads = BTreeMap::new();
     for film in &import.films {
@@ -117,7 +115,7 @@ fn check(films: &[(NewFilm, Arc<Upload>)]) -> Answer<()> {
     }
     let (mut postures, mut pictures) = (BTreeSet::new(), BTreeSet::new());
     for (film, upload) in films {
-        let posture = words::posture(film.posture);
+        let posture = film.posture.0;
         if upload.is_lateral {
             let text = format!("{posture}: the file says that this is a lateral view");
             return Err(refused(&text).help("choose the frontal film"));
@@ -163,14 +161,14 @@ fn settle(
         ScaleChoice::Pixels => {
             // Without a spacing pixels count as square, and then every angle would be wrong.
             if upload.spacing.is_some_and(|spacing| !spacing.is_square()) {
-                let posture = words::posture(film.posture);
+                let posture = film.posture.0;
                 let text = format!("{posture}: the file says that its pixels are not square");
                 return Err(refused(&text).help("take the file's scale, or state one"));
             }
             None
         }
         ScaleChoice::Stated { column_mm, row_mm, plane } => {
-            let stated = Spacing::stated(column_mm, row_mm, words::plane(plane));
+            let stated = Spacing::stated(column_mm, row_mm, plane.0);
             if !stated.is_plausible() {
                 let text = format!("a spacing of {column_mm} mm × {row_mm} mm cannot be meant");
                 return Err(refused(&text).help("state the distance between pixel centres in mm"));
@@ -182,10 +180,10 @@ fn settle(
         columns: upload.columns,
         rows: upload.rows,
         spacing,
-        patient_left: words::image_side(film.patient_left),
+        patient_left: film.patient_left.0,
     };
     let extension = if upload.kind == FilmKind::Dicom { "dcm" } else { "png" };
-    let posture = words::posture(film.posture).key();
+    let posture = film.posture.0.key();
     let source = FilmSource {
         file: Some(format!("{id}-{posture}.{extension}")),
         sha256: Some(sha256_hex(&bytes)),

@@ -6,13 +6,11 @@ mod summary;
 use axum::extract::State;
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
-use spineline_store::{Name, Next, PlanDesign, Sight, Store, Timestamp};
+use spineline_store::{Name, Next, PlanDesign, Role, Sight, Store, Timestamp};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::api::{
-    Change, NewPlan, NextReading, PlanView, Problem, RoleName, StudyDetail, StudySummary,
-};
+use super::api::{Change, NewPlan, NextReading, PlanView, Problem, StudyDetail, StudySummary};
 use super::extract::{Json, Path};
 use super::{Answer, AppState, Failure, User, readings, results};
 
@@ -112,7 +110,7 @@ async fn plan(
     let (study, now) = (study_name(&study)?, state.now());
     let asker = state.clone();
     let detail = state.ask(move |store| {
-        user.need_on_study(store, &study, RoleName::Admin)?;
+        user.need_on_study(store, &study, Role::Admin)?;
         let observers = new.observers.iter().map(|name| Name::new(name));
         let observers = observers.collect::<Result<Vec<_>, _>>()?;
         let NewPlan { repeats, washout_days, seed, .. } = new;

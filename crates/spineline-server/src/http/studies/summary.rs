@@ -6,11 +6,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::ImageGeometry;
 use spineline_store::{
-    FilmId, FilmRecord, Name, ReadingId, ReadingRecord, ReadingState, Sight, Store, StoreError,
-    Study,
+    FilmId, FilmRecord, Name, ReadingId, ReadingRecord, ReadingState, Role, Sight, Store,
+    StoreError, Study,
 };
 
-use super::super::api::{FilmSummary, ReadingSummary, RoleName, StudyStatus, StudySummary};
+use super::super::api::{FilmSummary, ReadingSummary, StudyStatus, StudySummary, Wire};
 use super::super::{Answer, AppState, User, results, words};
 
 /// What is known of studies as they were at a number of the log.
@@ -96,7 +96,7 @@ pub fn study_summary(
     state: &AppState,
     store: &Store,
     user: &User,
-    role: RoleName,
+    role: Role,
     study: &Study,
 ) -> Answer<StudySummary> {
     let changed = store.last_change(&study.id)?;
@@ -119,7 +119,7 @@ pub fn study_summary(
         id: study.id.to_string(),
         label: study.label.clone(),
         synthetic: study.synthetic,
-        role,
+        role: Wire(role),
         status,
         status_text,
         films,
@@ -161,14 +161,14 @@ fn summary_of(film: &FilmRecord, overview: &Overview, user: &User, sight: Sight)
     });
     FilmSummary {
         film: film.id.0,
-        posture: words::posture_name(film.posture),
+        posture: Wire(film.posture),
         columns: image.columns,
         rows: image.rows,
         pixel_aspect: words::pixel_aspect(image.spacing),
         plane: words::plane_of(&image),
         row_mm: image.spacing.map(|spacing| spacing.row_mm),
         spacing_text: words::spacing_text(image.spacing),
-        patient_left: words::image_side_name(image.patient_left),
+        patient_left: Wire(image.patient_left),
         inverted: film.inverted,
         revision: film.revision,
         readings: readings.collect(),

@@ -6,9 +6,8 @@ use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{Film, FilmMarks, ImageGeometry, Mark, Reading};
 use spineline_files::LevelKey;
 use spineline_phantom::{Phantom, Readers, Truth, generate};
-use spineline_server::http::api::AccessName;
 use spineline_store::{
-    Corner, CrestSide, Event, FilmId, Name, ReadingId, Signature, Store, Study, Timestamp,
+    Access, Corner, CrestSide, Event, FilmId, Name, ReadingId, Signature, Store, Study, Timestamp,
 };
 
 use crate::browser::App;
@@ -32,7 +31,7 @@ pub fn by(who: &str) -> Signature {
 pub struct Running(App);
 
 pub fn serve(fill: impl FnOnce(&mut Store)) -> Running {
-    Running(App::new(AccessName::Token, fill))
+    Running(App::new(Access::Token, fill))
 }
 
 impl Running {

@@ -1,4 +1,4 @@
-use crate::anatomy::{Level, trunk_weight_share};
+use crate::anatomy::{Level, named, trunk_weight_share};
 use crate::multibody::SpineModel;
 use crate::spatial::{Mat3, Vec3};
 
@@ -69,6 +69,22 @@ pub enum Timing {
     #[default]
     Growing,
 }
+
+impl Timing {
+    /// Both, the earlier one first.
+    pub const ALL: [Self; 2] = [Self::Held, Self::Growing];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Held => "held",
+            Self::Growing => "growing",
+        }
+    }
+}
+
+named!(Timing);
 
 /// One load on one vertebra.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,30 +1,10 @@
 //! House rules that no compiler knows.
 
+mod imports;
+mod order;
+
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// Modules of the core; each uses only those before it.
-const MODULES: [&str; 19] = [
-    "anatomy",
-    "spatial",
-    "warning",
-    "measure",
-    "reliability",
-    "curve",
-    "clinical",
-    "chain",
-    "motion",
-    "action",
-    "multibody",
-    "response",
-    "personalize",
-    "evaluate",
-    "hypothesis",
-    "error",
-    "analysis",
-    "uncertainty",
-    "cohort",
-];
 
 /// What the core may not touch: files, clock, printing, processes, environment.
 const IMPURE: [&str; 9] = [
@@ -44,14 +24,15 @@ const CORE_DEPENDENCIES: [&str; 7] =
     ["nalgebra", "rand", "rand_chacha", "rand_distr", "statrs", "tdigest", "thiserror"];
 
 /// A file that is longer holds more than one idea.
-const LONGEST_FILE: usize = 500;
+const MAX_LINES: usize = 500;
 
 pub fn run(root: &Path) -> Result<(), String> {
     let mut faults = Vec::new();
     let core = root.join("crates/spineline/src");
     for file in sources(&core)? {
-        check_core_file(&core, &file, &mut faults)?;
+        check_purity(&core, &file, &mut faults)?;
     }
+    order::check(root, &mut faults)?;
     check_core_dependencies(root, &mut faults)?;
     let folders = ["benchmarks", "crates", "fuzz/fuzz_targets", "xtask", "web/src", "web/e2e"];
     for folder in folders {
@@ -99,34 +80,14 @@ fn is_written(path: &Path) -> bool {
     path.extension().and_then(|end| end.to_str()).is_some_and(written)
 }
 
-fn check_core_file(core: &Path, file: &Path, faults: &mut Vec<String>) -> Result<(), String> {
+/// The core is pure, but for its tests beside the code.
+fn check_purity(core: &Path, file: &Path, faults: &mut Vec<String>) -> Result<(), String> {
     let inside = file.strip_prefix(core).map_err(|error| error.to_string())?;
-    let name =
-        inside.components().next().map(|c| c.as_os_str().to_string_lossy().replace(".rs", ""));
-    let Some(own) = name.and_then(|name| MODULES.iter().position(|module| *module == name)) else {
-        if inside != Path::new("lib.rs") {
-            faults.push(format!("{}: a module that the order does not know", inside.display()));
-        }
-        return Ok(());
-    };
     for (number, line) in read(file)?.lines().enumerate() {
-        let place = || format!("{}:{}", inside.display(), number + 1);
         let code = line.split("//").next().unwrap_or_default();
         for word in IMPURE.iter().filter(|word| code.contains(**word)) {
-            faults.push(format!("{}: the core is pure, and `{word}` is not", place()));
-        }
-        for used in code.split("crate::").skip(1) {
-            let used: String =
-                used.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-            let later =
-                MODULES.iter().position(|module| *module == used).is_some_and(|other| other > own);
-            if later {
-                faults.push(format!(
-                    "{}: `{}` uses `{used}`, which comes after it",
-                    place(),
-                    MODULES[own]
-                ));
-            }
+            let place = format!("{}:{}", inside.display(), number + 1);
+            faults.push(format!("{place}: the core is pure, and `{word}` is not"));
         }
     }
     Ok(())
@@ -147,9 +108,9 @@ fn check_core_dependencies(root: &Path, faults: &mut Vec<String>) -> Result<(), 
 
 fn check_length(root: &Path, file: &Path, faults: &mut Vec<String>) -> Result<(), String> {
     let lines = read(file)?.lines().count();
-    if lines > LONGEST_FILE {
+    if lines > MAX_LINES {
         let place = file.strip_prefix(root).unwrap_or(file);
-        faults.push(format!("{}: {lines} lines, and the limit is {LONGEST_FILE}", place.display()));
+        faults.push(format!("{}: {lines} lines, and the limit is {MAX_LINES}", place.display()));
     }
     Ok(())
 }

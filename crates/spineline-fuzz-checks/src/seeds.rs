@@ -1,8 +1,4 @@
-//! Writes the seeds of the fuzz targets: small valid files of every format, made by the program itself. `cargo xtask fuzz`
-//! runs it in the folder `fuzz`.
-
-use std::fs;
-use std::path::Path;
+//! Small valid files of every format, made by the program itself: where fuzzing begins.
 
 use spineline::analysis::{Case, analyze};
 use spineline::anatomy::Posture;
@@ -15,13 +11,29 @@ use spineline_films::{DicomFilm, Encoding, FilmPolarity, View, write_dicom};
 use spineline_landmarks::{LandmarkTarget, ReportOf, SourceImage, export_landmarks, write_sr};
 use spineline_phantom::{Readers, Truth, generate};
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// A valid file for one target.
+#[derive(Debug, Clone)]
+pub struct Seed {
+    /// The target's name.
+    pub target: &'static str,
+    /// Its own name.
+    pub name: String,
+    /// What it holds.
+    pub bytes: Vec<u8>,
+}
+
+/// All of them, the same at every call.
+///
+/// # Errors
+/// If the program cannot write one of its own formats.
+pub fn seeds() -> Result<Vec<Seed>, Box<dyn std::error::Error>> {
+    let mut all = Seeds::default();
     let phantom = generate(0, Truth::Rod, &Readers::exact(), 1)?;
     let case = &phantom.case;
     let analysis = analyze(case, &Default::default())?;
-    put("case", "phantom", to_text(&CaseFile::from_case(case)))?;
+    all.put("case", "phantom", to_text(&CaseFile::from_case(case)));
     let model = ModelFile::new(&analysis, &analysis.models[0], "seeds");
-    put("other_files", "model", to_text(&model))?;
+    all.put("other_files", "model", to_text(&model));
     let run = ProgramRun {
         program: "seeds".to_owned(),
         command: Vec::new(),
@@ -30,36 +42,40 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let provenance = Provenance::new(run, FilmOrigin::Synthetic, Vec::new());
     let provenance = provenance.asking(&Request::default());
     let file = AnalysisFile::new(&analysis, CaseFile::from_case(case), provenance);
-    put("other_files", "analysis", to_text(&file))?;
+    all.put("other_files", "analysis", to_text(&file));
     let library = spineline::multibody::StiffnessLibrary::default();
-    put("other_files", "stiffness", to_text(&StiffnessFile::from(&library)))?;
-    put("other_files", "load", LOAD)?;
-    put("other_files", "readings", READINGS)?;
+    all.put("other_files", "stiffness", to_text(&StiffnessFile::from(&library)));
+    all.put("other_files", "load", LOAD);
+    all.put("other_files", "readings", READINGS);
     for encoding in [Encoding::Plain, Encoding::Rle, Encoding::JpegLs] {
         let name = format!("{encoding:?}").to_lowercase();
         let film = film(case, encoding)?;
-        put("film", &name, &film)?;
-        put("deidentify", &name, &film)?;
+        all.put("film", &name, &film);
+        all.put("deidentify", &name, &film);
     }
-    put("film", "png", PNG)?;
+    all.put("film", "png", PNG);
     for target in [LandmarkTarget::Csv, LandmarkTarget::Slicer] {
         for (i, file) in export_landmarks(case, None, target)?.iter().enumerate() {
-            put("landmarks", &format!("{target:?}-{i}"), &file.bytes)?;
+            all.put("landmarks", &format!("{target:?}-{i}"), &file.bytes);
         }
     }
-    put("landmarks", "labelme", LABELME)?;
-    put("landmarks", "coco", COCO)?;
-    put("landmarks", "mat", mat())?;
+    all.put("landmarks", "labelme", LABELME);
+    all.put("landmarks", "coco", COCO);
+    all.put("landmarks", "mat", mat());
     let report = report(case)?;
-    put("landmarks", "report", &report)?;
-    put("report", "report", &report)?;
-    Ok(())
+    all.put("landmarks", "report", &report);
+    all.put("report", "report", &report);
+    Ok(all.0)
 }
 
-fn put(target: &str, name: &str, content: impl AsRef<[u8]>) -> std::io::Result<()> {
-    let folder = Path::new("seeds").join(target);
-    fs::create_dir_all(&folder)?;
-    fs::write(folder.join(name), content)
+/// Collects seeds.
+#[derive(Default)]
+struct Seeds(Vec<Seed>);
+
+impl Seeds {
+    fn put(&mut self, target: &'static str, name: &str, content: impl AsRef<[u8]>) {
+        self.0.push(Seed { target, name: name.to_owned(), bytes: content.as_ref().to_vec() });
+    }
 }
 
 /// The picture of the erect film.

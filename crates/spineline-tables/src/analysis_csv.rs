@@ -6,8 +6,8 @@ use spineline::anatomy::Level;
 use spineline::evaluate::Simulation;
 use spineline::measure::LengthScale;
 
-use crate::run::csv::rows_to_csv;
-use crate::run::failure::Failure;
+use crate::records::rows_to_csv;
+use crate::write::TableError;
 
 /// A length in millimetres; empty for a film without a spacing.
 fn length(scale: &LengthScale, length_mm: f64, places: usize) -> String {
@@ -31,10 +31,11 @@ const CHAIN_HEADING: [&str; 11] = [
 /// One row per patient, posture and segment: the Denavit-Hartenberg table of the chain, and where its joints lie.
 ///
 /// # Errors
-/// Never, unless the `csv` library fails.
-pub fn chain_csv(analyses: &[Analysis]) -> Result<String, Failure> {
+/// [`TableError::Csv`], though every row has a cell per column.
+pub fn chain_csv(analyses: &[Analysis]) -> Result<String, TableError> {
     let postures = analyses.iter().flat_map(|one| one.postures.iter().map(move |p| (one, p)));
     rows_to_csv(
+        "chain",
         CHAIN_HEADING,
         postures.flat_map(|(analysis, posture)| chain_rows(analysis, posture)),
     )
@@ -83,10 +84,11 @@ const VERTEBRAE_HEADING: [&str; 15] = [
 /// One row per patient, posture, line and vertebra.
 ///
 /// # Errors
-/// Never, unless the `csv` library fails.
-pub fn vertebrae_csv(analyses: &[Analysis]) -> Result<String, Failure> {
+/// [`TableError::Csv`], though every row has a cell per column.
+pub fn vertebrae_csv(analyses: &[Analysis]) -> Result<String, TableError> {
     let postures = analyses.iter().flat_map(|one| one.postures.iter().map(move |p| (one, p)));
     rows_to_csv(
+        "vertebrae",
         VERTEBRAE_HEADING,
         postures.flat_map(|(analysis, posture)| vertebra_rows(analysis, posture)),
     )

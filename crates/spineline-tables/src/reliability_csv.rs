@@ -4,9 +4,8 @@ use spineline::reliability::{
     BlandAltman, Design, DesignReliability, QuantityReliability, Statistic,
 };
 
-use crate::run::csv::rows_to_csv;
-use crate::run::failure::Failure;
-use crate::terminal::reliability::limits;
+use crate::records::rows_to_csv;
+use crate::write::TableError;
 
 const HEADING: [&str; 16] = [
     "synthetic",
@@ -30,10 +29,17 @@ const HEADING: [&str; 16] = [
 /// One row per statistic, and per bias and limit of every pair.
 ///
 /// # Errors
-/// Never, unless the `csv` library fails.
-pub fn text(found: &[QuantityReliability], synthetic: bool) -> Result<String, Failure> {
+/// [`TableError::Csv`], though every row has a cell per column.
+pub fn reliability_csv(
+    found: &[QuantityReliability],
+    synthetic: bool,
+) -> Result<String, TableError> {
     let designs = found.iter().flat_map(|of| of.designs.iter().map(move |design| (of, design)));
-    rows_to_csv(HEADING, designs.flat_map(|(of, design)| rows(of, design, synthetic)))
+    rows_to_csv(
+        "reliability",
+        HEADING,
+        designs.flat_map(|(of, design)| rows(of, design, synthetic)),
+    )
 }
 
 fn rows(
@@ -56,7 +62,8 @@ fn rows(
     ];
     let statistics = design.statistics.iter().map(|s| statistic_cells(s, &quantity.unit));
     let pairs = design.bland_altman.iter();
-    let pairs = pairs.flat_map(|pair| limits(pair).map(|l| limit_cells(pair, l, &quantity.unit)));
+    let pairs =
+        pairs.flat_map(|pair| pair.named_limits().map(|l| limit_cells(pair, l, &quantity.unit)));
     let row = |cells: [String; 8]| shared.iter().cloned().chain(cells).collect();
     statistics.chain(pairs).map(row).collect()
 }

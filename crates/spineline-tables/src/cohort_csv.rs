@@ -3,8 +3,8 @@
 use spineline::cohort::{Cohort, ErrorKind, LinePairTest};
 use spineline::evaluate::statistics::PairedT;
 
-use crate::run::csv::rows_to_csv;
-use crate::run::failure::Failure;
+use crate::records::rows_to_csv;
+use crate::write::TableError;
 
 const HEADING: [&str; 20] = [
     "first_line",
@@ -32,9 +32,9 @@ const HEADING: [&str; 20] = [
 /// One row per test, with the unit in the name of every column that has one.
 ///
 /// # Errors
-/// Never, unless the `csv` library fails.
-pub fn text(cohort: &Cohort) -> Result<String, Failure> {
-    rows_to_csv(HEADING, cohort.compared.tests.iter().map(|test| row(cohort, test)))
+/// [`TableError::Csv`], though every row has a cell per column.
+pub fn cohort_csv(cohort: &Cohort) -> Result<String, TableError> {
+    rows_to_csv("cohort", HEADING, cohort.compared.tests.iter().map(|test| row(cohort, test)))
 }
 
 fn row(cohort: &Cohort, test: &LinePairTest) -> [String; 20] {

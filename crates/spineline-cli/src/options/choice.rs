@@ -1,0 +1,104 @@
+//! Options whose values are the library's named values.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use spineline::action::LineKind;
+use spineline::analysis::Grouping;
+use spineline::anatomy::{ImageSide, Named, Side};
+use spineline::multibody::Support;
+use spineline::personalize::FitTarget;
+
+/// A named value that an option takes.
+pub trait Choice: Named + Send + Sync {
+    /// How it is spelled on the command line: by default as in files.
+    fn spelling(self) -> &'static str {
+        self.key()
+    }
+
+    /// What `--help` says of it; empty where the spelling says it.
+    fn help(self) -> &'static str {
+        ""
+    }
+}
+
+/// Reads a value by its spelling. Help and completion list all of them.
+pub fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
+    let possible = |value: &T| {
+        let possible = PossibleValue::new(value.spelling());
+        match value.help() {
+            "" => possible,
+            help => possible.help(help),
+        }
+    };
+    PossibleValuesParser::new(T::ALL.iter().map(possible))
+        .map(|text| of_spelling(&text).expect("only known spellings pass the parser"))
+}
+
+/// The value of a spelling.
+pub fn of_spelling<T: Choice>(text: &str) -> Option<T> {
+    T::ALL.iter().copied().find(|value| value.spelling() == text)
+}
+
+impl Choice for Side {}
+
+impl Choice for ImageSide {
+    fn spelling(self) -> &'static str {
+        match self {
+            Self::Left => "image-left",
+            Self::Right => "image-right",
+        }
+    }
+
+    fn help(self) -> &'static str {
+        match self {
+            Self::Left => "Left side of the picture as viewed",
+            Self::Right => "Right side of the picture as viewed",
+        }
+    }
+}
+
+impl Choice for LineKind {
+    fn spelling(self) -> &'static str {
+        match self {
+            Self::Inflection => "inflection",
+            Self::Iliac => "iliac",
+            Self::Estimated => "estimated",
+            Self::Given => "given",
+        }
+    }
+}
+
+impl Choice for Support {
+    fn help(self) -> &'static str {
+        match self {
+            Self::Free => "Every joint rotates about three axes (the paper)",
+            Self::Frontal => "The patient lies on a table: flexion and axial rotation are locked",
+        }
+    }
+}
+
+impl Choice for FitTarget {
+    fn help(self) -> &'static str {
+        match self {
+            Self::Shape => "Locations and tilts of all vertebrae",
+            Self::Ferguson => {
+                "Three Ferguson angles per bend, with the amplitude fixed (the paper)"
+            }
+        }
+    }
+}
+
+impl Choice for Grouping {
+    fn spelling(self) -> &'static str {
+        match self {
+            Self::Regional => "regional",
+            Self::PerJoint => "per-joint",
+        }
+    }
+
+    fn help(self) -> &'static str {
+        match self {
+            Self::Regional => "One multiplier per region (the paper)",
+            Self::PerJoint => "One per joint, fitted to the whole shape",
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! What the schemas of files say of named values.
+
+use spineline::action::Application;
+use spineline::analysis::{Grouping, Sex};
+use spineline::anatomy::{ImageSide, Named, Posture, Region};
+use spineline::measure::SpacingPlane;
+use spineline::multibody::{Support, Timing};
+use spineline::personalize::FitTarget;
+
+/// A named value as the schema of a file describes it.
+pub trait Described: Named {
+    /// Name of its definition in a schema.
+    const DEFINITION: &'static str;
+    /// What the values are; empty where the name of the definition says it.
+    const DESCRIPTION: &'static str = "";
+
+    /// What this value means; empty where its name says it.
+    fn meaning(self) -> &'static str {
+        ""
+    }
+}
+
+impl Described for Posture {
+    const DEFINITION: &'static str = "PostureKey";
+    const DESCRIPTION: &'static str = "A posture.";
+
+    fn meaning(self) -> &'static str {
+        match self {
+            Self::Erect => "Standing.",
+            Self::LeftBending => "Bending to the patient's left.",
+            Self::RightBending => "Bending to the patient's right.",
+            Self::Neutral => "Lying at rest.",
+            Self::Traction => "Lying under traction.",
+        }
+    }
+}
+
+impl Described for Region {
+    const DEFINITION: &'static str = "RegionKey";
+    const DESCRIPTION: &'static str = "A region of the spine.";
+
+    fn meaning(self) -> &'static str {
+        match self {
+            Self::ThoracolumbarLumbar => "Thoracolumbar or lumbar.",
+            Self::MainThoracic => "Main thoracic.",
+            Self::ProximalThoracic => "Proximal thoracic.",
+        }
+    }
+}
+
+impl Described for Support {
+    const DEFINITION: &'static str = "SupportKey";
+    const DESCRIPTION: &'static str = "What holds a patient.";
+
+    fn meaning(self) -> &'static str {
+        match self {
+            Self::Free => "Nothing but L4.",
+            Self::Frontal => "A table: flexion and axial hinges are locked.",
+        }
+    }
+}
+
+impl Described for Application {
+    const DEFINITION: &'static str = "ApplicationKey";
+    const DESCRIPTION: &'static str = "How a force is applied.";
+
+    fn meaning(self) -> &'static str {
+        match self {
+            Self::Fixed => "Along a line fixed in space.",
+            Self::AtT2 => "At T2's midpoint.",
+        }
+    }
+}
+
+impl Described for Timing {
+    const DEFINITION: &'static str = "TimingKey";
+    const DESCRIPTION: &'static str = "When a load comes.";
+
+    fn meaning(self) -> &'static str {
+        match self {
+            Self::Held => "Before the growing ones, and then it stays.",
+            Self::Growing => {
+                "After the held ones, together with the other growing ones; this is what the path follows."
+            }
+        }
+    }
+}
+
+impl Described for SpacingPlane {
+    const DEFINITION: &'static str = "PlaneKey";
+}
+
+impl Described for ImageSide {
+    const DEFINITION: &'static str = "ImageSideKey";
+}
+
+impl Described for Sex {
+    const DEFINITION: &'static str = "SexKey";
+}
+
+impl Described for FitTarget {
+    const DEFINITION: &'static str = "FitKey";
+}
+
+impl Described for Grouping {
+    const DEFINITION: &'static str = "GroupingKey";
+}

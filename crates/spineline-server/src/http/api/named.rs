@@ -1,0 +1,154 @@
+//! Named values of the library, as strings.
+
+use std::borrow::Cow;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use spineline::action::LineKind;
+use spineline::anatomy::{ImageSide, Named, Posture, Side};
+use spineline::measure::{Calibrator, SpacingPlane};
+use spineline_files::by_key;
+use spineline_store::{Access, Role};
+use utoipa::openapi::RefOr;
+use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
+use utoipa::{PartialSchema, ToSchema};
+
+/// A named value as the interface describes it.
+pub trait Described: Named {
+    /// Name of its schema.
+    const SCHEMA: &'static str;
+    /// What the values are.
+    const DESCRIPTION: &'static str;
+    /// The values that the interface has.
+    const VALUES: &'static [Self] = Self::ALL;
+}
+
+/// A named value, which goes over the wire by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Wire<T>(pub T);
+
+impl<T: Described> Wire<T> {
+    /// A value that the interface has; `None` for others.
+    #[must_use]
+    pub fn of(value: T) -> Option<Self> {
+        T::VALUES.contains(&value).then_some(Self(value))
+    }
+}
+
+impl<T: Described> Serialize for Wire<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        by_key::serialize(self.0, serializer)
+    }
+}
+
+impl<'de, T: Described> Deserialize<'de> for Wire<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        by_key::deserialize(T::VALUES, deserializer).map(Self)
+    }
+}
+
+impl<T: Described> PartialSchema for Wire<T> {
+    fn schema() -> RefOr<Schema> {
+        let names = T::VALUES.iter().map(|value| value.key());
+        ObjectBuilder::new()
+            .schema_type(Type::String)
+            .description(Some(T::DESCRIPTION))
+            .enum_values(Some(names))
+            .into()
+    }
+}
+
+impl<T: Described> ToSchema for Wire<T> {
+    fn name() -> Cow<'static, str> {
+        T::SCHEMA.into()
+    }
+}
+
+/// Position of the patient on a film.
+pub type PostureName = Wire<Posture>;
+/// The patient's side.
+pub type SideName = Wire<Side>;
+/// A side of the picture, as it is seen.
+pub type ImageSideName = Wire<ImageSide>;
+/// What a film's lengths are measured in.
+pub type PlaneName = Wire<SpacingPlane>;
+/// How a line of action was chosen.
+pub type LineName = Wire<LineKind>;
+/// An object of known size in the picture.
+pub type CalibratorName = Wire<Calibrator>;
+/// What an account may do at most; a study may grant less.
+pub type RoleName = Wire<Role>;
+/// How people show who they are.
+pub type AccessName = Wire<Access>;
+
+impl Described for Posture {
+    const SCHEMA: &'static str = "PostureName";
+    const DESCRIPTION: &'static str = "Position of the patient on a film.";
+}
+
+impl Described for Side {
+    const SCHEMA: &'static str = "SideName";
+    const DESCRIPTION: &'static str = "The patient's side.";
+}
+
+impl Described for ImageSide {
+    const SCHEMA: &'static str = "ImageSideName";
+    const DESCRIPTION: &'static str = "A side of the picture, as it is seen.";
+}
+
+impl Described for SpacingPlane {
+    const SCHEMA: &'static str = "PlaneName";
+    const DESCRIPTION: &'static str = "What a film's lengths are measured in.";
+}
+
+impl Described for LineKind {
+    const SCHEMA: &'static str = "LineName";
+    const DESCRIPTION: &'static str = "How a line of action was chosen.";
+    /// The interface has no line given by hand.
+    const VALUES: &'static [Self] = &[Self::Inflection, Self::Iliac, Self::Estimated];
+}
+
+impl Described for Calibrator {
+    const SCHEMA: &'static str = "CalibratorName";
+    const DESCRIPTION: &'static str = "An object of known size in the picture.";
+}
+
+impl Described for Role {
+    const SCHEMA: &'static str = "RoleName";
+    const DESCRIPTION: &'static str = "What an account may do at most; a study may grant less.";
+}
+
+impl Described for Access {
+    const SCHEMA: &'static str = "AccessName";
+    const DESCRIPTION: &'static str = "How people show who they are.";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What an account may do at most; a study may grant less.
+    #[derive(ToSchema)]
+    #[schema(rename_all = "snake_case")]
+    #[allow(dead_code)]
+    enum RoleName {
+        Reader,
+        Editor,
+        Admin,
+    }
+
+    #[test]
+    fn a_schema_is_what_the_derive_makes_of_an_enum() {
+        let text = |schema: RefOr<Schema>| serde_json::to_string(&schema).expect("a schema");
+        assert_eq!(text(Wire::<Role>::schema()), text(RoleName::schema()));
+        assert_eq!(Wire::<Role>::name(), RoleName::name());
+    }
+
+    #[test]
+    fn a_value_that_the_interface_does_not_have_is_refused() {
+        assert_eq!(Wire::of(LineKind::Iliac), Some(Wire(LineKind::Iliac)));
+        assert_eq!(Wire::of(LineKind::Given), None);
+        let error = serde_json::from_str::<LineName>("\"given_line\"").expect_err("not there");
+        let text = "unknown variant `given_line`, expected one of `inflection_line`, `iliac_line`, `estimated_line`";
+        assert!(error.to_string().starts_with(text), "{error}");
+    }
+}

@@ -1,0 +1,49 @@
+//! The one writer of CSV: a comma between, a dot in numbers, UTF-8, quotes where a cell needs them.
+
+use csv::Writer;
+use serde::Serialize;
+
+use crate::write::TableError;
+
+/// A heading and rows of cells. The name of the table is for the message of the error.
+///
+/// # Errors
+/// [`TableError::Csv`] if a row has more or fewer cells than the heading.
+pub fn rows_to_csv<Row>(
+    table: &'static str,
+    heading: impl IntoIterator<Item = impl AsRef<[u8]>>,
+    rows: impl IntoIterator<Item = Row>,
+) -> Result<String, TableError>
+where
+    Row: IntoIterator<Item: AsRef<[u8]>>,
+{
+    let failed = |source| TableError::Csv { table, source };
+    let mut writer = Writer::from_writer(Vec::new());
+    writer.write_record(heading).map_err(failed)?;
+    for row in rows {
+        writer.write_record(row).map_err(failed)?;
+    }
+    text(table, writer)
+}
+
+/// Records whose fields name the columns. The name of the table is for the message of the error.
+///
+/// # Errors
+/// [`TableError::Csv`] if a record has no columns.
+pub fn records_to_csv(
+    table: &'static str,
+    records: impl IntoIterator<Item = impl Serialize>,
+) -> Result<String, TableError> {
+    let mut writer = Writer::from_writer(Vec::new());
+    for record in records {
+        writer.serialize(record).map_err(|source| TableError::Csv { table, source })?;
+    }
+    text(table, writer)
+}
+
+fn text(table: &'static str, writer: Writer<Vec<u8>>) -> Result<String, TableError> {
+    let bytes = writer
+        .into_inner()
+        .map_err(|error| TableError::Csv { table, source: error.into_error().into() })?;
+    Ok(String::from_utf8(bytes).expect("texts are UTF-8"))
+}

@@ -1,0 +1,26 @@
+import { answerOf, api } from "./client";
+import type { Api } from "./types";
+
+const of = (reading: number) => ({ params: { path: { reading } } });
+
+export const readReading = (reading: number) =>
+  answerOf(api.GET("/api/readings/{reading}", of(reading)));
+
+export const beginReading = (film: number, body: Api<"NewReading">) =>
+  answerOf(api.POST("/api/films/{film}/readings", { params: { path: { film } }, body }));
+
+/** Begins the reading of a film that a blinded reader knows by its code only. */
+export const beginBlindedReading = (code: string) =>
+  answerOf(api.POST("/api/codes/{code}/readings", { params: { path: { code } } }));
+
+export const recordEvents = (reading: number, body: Api<"NewEvent">) =>
+  answerOf(api.POST("/api/readings/{reading}/events", { ...of(reading), body }));
+
+export const finishReading = (reading: number, body: Api<"Finish">) =>
+  answerOf(api.POST("/api/readings/{reading}/finish", { ...of(reading), body }));
+
+export const readLive = (reading: number, signal: AbortSignal) =>
+  answerOf(api.GET("/api/readings/{reading}/live", { ...of(reading), signal }));
+
+export const previewReading = (reading: number, body: Api<"PreviewRequest">, signal: AbortSignal) =>
+  answerOf(api.POST("/api/readings/{reading}/preview", { ...of(reading), body, signal }));

@@ -1,0 +1,83 @@
+//! The checks that cargo runs.
+
+use std::path::{Path, PathBuf};
+
+use crate::plan::Plan;
+use crate::{cargo, python, run, tools};
+
+/// Typesetting is most of a build, and a feature of its own.
+const WITHOUT_PDF: [&str; 4] = ["--locked", "--workspace", "--exclude", "spineline-pdf"];
+const WITH_PDF: [&str; 4] = ["--locked", "--workspace", "--features", "spineline-cli/pdf"];
+
+/// Tests that are slow because they are studies; they run by themselves.
+const SLOW_STUDIES: &str = "package(spineline-phantom)";
+
+/// The crates of all cargo commands of a plan. They are always the same: another choice would ask for other features of
+/// what they depend on, and build all of it once more.
+fn crates(plan: &Plan<'_>) -> &'static [&'static str] {
+    if plan.is_full() { &WITH_PDF } else { &WITHOUT_PDF }
+}
+
+fn cargo_on(
+    plan: &Plan<'_>,
+    command: &[&str],
+    rest: &[&str],
+    variables: &[(&str, &str)],
+) -> Result<(), String> {
+    run(plan.root, "cargo", &[command, crates(plan), rest].concat(), variables)
+}
+
+/// The program and its examples as the tests have built them.
+pub fn built(plan: &Plan<'_>, name: &str) -> Result<PathBuf, String> {
+    cargo_on(plan, &["test", "--quiet", "--no-run"], &[], &[])?;
+    Ok(python::target()?.join("debug").join(name).with_extension(std::env::consts::EXE_EXTENSION))
+}
+
+pub fn format(plan: &Plan<'_>) -> Result<(), String> {
+    cargo(plan.root, &["fmt", "--all", "--check"])
+}
+
+pub fn lint(plan: &Plan<'_>) -> Result<(), String> {
+    cargo_on(plan, &["clippy", "--all-targets"], &["--", "--deny", "warnings"], &[])
+}
+
+/// All tests but slow studies, with nextest where it is installed.
+pub fn test(plan: &Plan<'_>) -> Result<(), String> {
+    // What changes the machine for a moment is asked for.
+    let variables: &[(&str, &str)] =
+        if plan.is_full() { &[("SPINELINE_MOUNT_SMALL_DISKS", "1")] } else { &[] };
+    if tools::has_nextest() {
+        cargo_on(plan, &["nextest", "run"], &[], variables)
+    } else {
+        cargo_on(plan, &["test", "--lib", "--bins", "--tests"], &[], variables)
+    }
+}
+
+/// Studies of minutes over thousands of synthetic patients, which are ignored by other runs.
+pub fn slow_studies(plan: &Plan<'_>) -> Result<(), String> {
+    let only = ["--run-ignored", "only", "--filterset", SLOW_STUDIES];
+    if tools::has_nextest() {
+        cargo_on(plan, &["nextest", "run"], &only, &[])
+    } else {
+        let arguments =
+            ["test", "--locked", "--package", "spineline-phantom", "--tests", "--", "--ignored"];
+        cargo(plan.root, &arguments)
+    }
+}
+
+pub fn doctest(plan: &Plan<'_>) -> Result<(), String> {
+    cargo_on(plan, &["test", "--doc"], &[], &[])
+}
+
+pub fn rustdoc(plan: &Plan<'_>) -> Result<(), String> {
+    let command = ["doc", "--no-deps", "--quiet"];
+    cargo_on(plan, &command, &[], &[("RUSTDOCFLAGS", "--deny warnings")])
+}
+
+/// Quick tests of some crates and of all that depend on them.
+pub fn quick_test(root: &Path, changed: &[String]) -> Result<(), String> {
+    let filter: Vec<String> = changed.iter().map(|name| format!("rdeps(={name})")).collect();
+    let filter = filter.join(" + ");
+    let arguments = ["nextest", "run", "--profile", "quick", "--filterset", &filter];
+    cargo(root, &[&arguments[..], &WITHOUT_PDF].concat())
+}

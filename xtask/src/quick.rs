@@ -1,0 +1,59 @@
+//! `cargo xtask quick`: what a change touches, in the time that one waits for.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::process::Command;
+
+use crate::plan::{Extent, Plan, Step};
+use crate::{checks, tidy};
+
+/// Checks what differs from a revision, files that git does not know yet included.
+pub fn run(root: &Path, base: &str) -> Result<(), String> {
+    let mut files = git(root, &["diff", "--name-only", base])?;
+    files.extend(git(root, &["ls-files", "--others", "--exclude-standard"])?);
+    let changed: Vec<String> = crates_of(root, &files)?.into_iter().collect();
+    let plan = Plan::new(root, Extent::Usual);
+    plan.run(&[
+        Step::new("format", &[], checks::format),
+        Step::new("tidy", &[], |plan| tidy::run(plan.root)),
+    ])?;
+    if changed.is_empty() {
+        println!("no crate differs from {base}");
+        return Ok(());
+    }
+    println!("changed: {}", changed.join(", "));
+    checks::quick_test(root, &changed)?;
+    checks::lint(&plan)
+}
+
+fn git(root: &Path, arguments: &[&str]) -> Result<BTreeSet<String>, String> {
+    let output = Command::new("git").args(arguments).current_dir(root).output();
+    let output = output.map_err(|error| format!("`git` could not be started: {error}"))?;
+    if !output.status.success() {
+        return Err(String::from_utf8_lossy(&output.stderr).into_owned());
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).lines().map(str::to_owned).collect())
+}
+
+/// Names of the crates that hold these files. The workspace's own files touch the core, on which all depend.
+fn crates_of(root: &Path, files: &BTreeSet<String>) -> Result<BTreeSet<String>, String> {
+    let mut names = BTreeSet::new();
+    for file in files {
+        if file == "Cargo.toml" || file == "Cargo.lock" {
+            names.insert("spineline".to_owned());
+        }
+        let folders = Path::new(file).ancestors().skip(1);
+        let Some(own) = folders
+            .map(|folder| root.join(folder))
+            .find(|folder| folder.join("Cargo.toml").exists())
+        else {
+            continue;
+        };
+        let manifest = std::fs::read_to_string(own.join("Cargo.toml"))
+            .map_err(|error| format!("{}: {error}", own.display()))?;
+        let name = manifest.lines().find_map(|line| line.strip_prefix("name = "));
+        let is_outside = manifest.contains("[workspace]");
+        names.extend(name.filter(|_| !is_outside).map(|name| name.trim_matches('"').to_owned()));
+    }
+    Ok(names)
+}

@@ -1,0 +1,138 @@
+//! Which modules of its own crate a source file names, read from its text.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// The module that a file holds, as names from the crate's root; empty for the root itself.
+pub fn module_of(source: &Path, file: &Path) -> Vec<String> {
+    let inside = file.strip_prefix(source).unwrap_or(file).with_extension("");
+    let mut names: Vec<String> =
+        inside.iter().map(|part| part.to_string_lossy().into_owned()).collect();
+    if names.last().is_some_and(|last| last == "mod" || last == "lib" || last == "main") {
+        names.pop();
+    }
+    names
+}
+
+/// Paths from the crate's root that a file names by `crate::` or `super::`, tests at its end left out.
+pub fn named_paths(module: &[String], text: &str) -> BTreeSet<Vec<String>> {
+    let code = without_comments(text.split("#[cfg(test)]\nmod ").next().unwrap_or_default());
+    let mut found = BTreeSet::new();
+    for (place, _) in code.match_indices("crate::") {
+        let before = code[..place].chars().next_back();
+        // `$crate::` and `my_crate::` are others.
+        if before.is_none_or(|c| !c.is_alphanumeric() && c != '_' && c != '$') {
+            expand(&code[place + "crate::".len()..], Vec::new(), &mut found);
+        }
+    }
+    for (place, _) in code.match_indices("super::") {
+        if code[..place].ends_with("super::") {
+            continue;
+        }
+        let mut rest = &code[place..];
+        let mut base = module.to_vec();
+        while let Some(after) = rest.strip_prefix("super::") {
+            base.pop();
+            rest = after;
+        }
+        expand(rest, base, &mut found);
+    }
+    found
+}
+
+/// Names that the crate's root hands on, with the module that each comes from.
+pub fn handed_on(root: &str) -> BTreeMap<String, String> {
+    let code = without_comments(root);
+    let mut names = BTreeMap::new();
+    for statement in code.split("pub use ").skip(1) {
+        let statement = statement.split(';').next().unwrap_or_default();
+        let mut paths = BTreeSet::new();
+        expand(statement, Vec::new(), &mut paths);
+        for path in paths {
+            if let [module, .., name] = &path[..] {
+                names.insert(name.clone(), module.clone());
+            }
+        }
+    }
+    names
+}
+
+fn without_comments(text: &str) -> String {
+    text.lines()
+        .map(|line| line.split("//").next().unwrap_or_default())
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+/// All paths of `a::{b, c::d}` behind a base.
+fn expand(text: &str, base: Vec<String>, found: &mut BTreeSet<Vec<String>>) {
+    let text = text.trim_start();
+    if let Some(group) = text.strip_prefix('{') {
+        for part in parts(group) {
+            expand(part, base.clone(), found);
+        }
+        return;
+    }
+    let name: String = text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+    if name.is_empty() {
+        if !base.is_empty() {
+            found.insert(base);
+        }
+        return;
+    }
+    let mut path = base;
+    let rest = &text[name.len()..];
+    path.push(name);
+    match rest.strip_prefix("::") {
+        Some(rest) => expand(rest, path, found),
+        None => {
+            found.insert(path);
+        }
+    }
+}
+
+/// The parts of a group up to its closing brace.
+fn parts(group: &str) -> Vec<&str> {
+    let (mut depth, mut start, mut parts) = (0_usize, 0, Vec::new());
+    for (place, c) in group.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' if depth == 0 => {
+                parts.push(&group[start..place]);
+                break;
+            }
+            '}' => depth -= 1,
+            ',' if depth == 0 => {
+                parts.push(&group[start..place]);
+                start = place + 1;
+            }
+            _ => {}
+        }
+    }
+    parts.retain(|part| !part.trim().is_empty());
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn paths(module: &[&str], text: &str) -> Vec<String> {
+        let module: Vec<String> = module.iter().map(|&name| name.to_owned()).collect();
+        named_paths(&module, text).iter().map(|path| path.join("::")).collect()
+    }
+
+    #[test]
+    fn groups_parents_and_tests_are_read() {
+        let text = "use crate::{a::{B, c::D}, e};\nuse super::super::f::G;\nuse super::h;\n\
+                    // use crate::comment;\n#[cfg(test)]\nmod tests { use crate::test; }";
+        assert_eq!(paths(&["x", "y"], text), ["a::B", "a::c::D", "e", "f::G", "x::h"]);
+    }
+
+    #[test]
+    fn what_the_root_hands_on_has_its_module() {
+        let names = handed_on("pub use a::{B, c::D};\npub use e::F;");
+        assert_eq!(names["D"], "a");
+        assert_eq!(names["F"], "e");
+    }
+}

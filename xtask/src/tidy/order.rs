@@ -1,0 +1,180 @@
+//! The order of modules: no cycle in any crate, and a fixed order where the order is the architecture.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+
+use super::imports::{handed_on, module_of, named_paths};
+use super::{read, sources};
+
+/// Crates whose modules stand in an order: each uses only those before it.
+const ORDERS: [(&str, &[&str]); 2] = [
+    (
+        "spineline",
+        &[
+            "anatomy",
+            "spatial",
+            "warning",
+            "measure",
+            "reliability",
+            "curve",
+            "clinical",
+            "chain",
+            "motion",
+            "action",
+            "multibody",
+            "response",
+            "personalize",
+            "evaluate",
+            "hypothesis",
+            "error",
+            "analysis",
+            "uncertainty",
+            "cohort",
+        ],
+    ),
+    ("spineline-cli", &["run", "options", "analysis", "commands"]),
+];
+
+/// The folder whose modules are apart: none of them uses another.
+const APART: (&str, &str) = ("spineline-cli", "commands");
+
+/// Which module uses which, with a file that does.
+type Uses = BTreeMap<String, BTreeMap<String, String>>;
+
+pub fn check(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
+    let folder = root.join("crates");
+    let entries =
+        fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut crates: Vec<String> =
+        entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
+    crates.sort();
+    for name in crates {
+        let source = folder.join(&name).join("src");
+        let top = uses(&source, 0)?;
+        check_cycles(&name, &top, faults);
+        if let Some((_, order)) = ORDERS.iter().find(|(own, _)| *own == name) {
+            check_order(&name, order, &top, faults);
+        }
+        if name == APART.0 {
+            let inside = uses(&source, 1)?;
+            check_cycles(&name, &inside, faults);
+            check_apart(&inside, faults);
+        }
+    }
+    Ok(())
+}
+
+/// Modules of the first level below the root (`depth` 0) or of the second (1), and what each uses of the others.
+fn uses(source: &Path, depth: usize) -> Result<Uses, String> {
+    let mut uses = Uses::new();
+    let files = sources(source)?;
+    let mut roots = BTreeMap::new();
+    let mut modules = BTreeSet::new();
+    for file in &files {
+        let module = module_of(source, file);
+        if module.is_empty() {
+            roots.extend(handed_on(&read(file)?));
+        }
+        modules.extend((module.len() > depth).then(|| module[..=depth].join("::")));
+    }
+    for file in &files {
+        let module = module_of(source, file);
+        if module.len() <= depth {
+            continue;
+        }
+        let own = module[..=depth].join("::");
+        for mut path in named_paths(&module, &read(file)?) {
+            if let Some(from) = roots.get(&path[0]).filter(|_| path.len() == 1) {
+                path.insert(0, from.clone());
+            }
+            let Some(used) = path.get(..=depth).map(|path| path.join("::")) else { continue };
+            if used != own && modules.contains(&used) {
+                let inside = file.strip_prefix(source).unwrap_or(file).display().to_string();
+                uses.entry(own.clone()).or_default().entry(used).or_insert(inside);
+            }
+        }
+    }
+    Ok(uses)
+}
+
+/// Names the modules of a cycle, if there is one: what is left when modules that use nothing of the rest are taken away.
+fn check_cycles(name: &str, uses: &Uses, faults: &mut Vec<String>) {
+    let mut left = uses.clone();
+    loop {
+        let names: BTreeSet<String> = left.keys().cloned().collect();
+        for used in left.values_mut() {
+            used.retain(|module, _| names.contains(module));
+        }
+        let before = left.len();
+        left.retain(|_, used| !used.is_empty());
+        if left.len() == before {
+            break;
+        }
+    }
+    for (module, used) in left {
+        for (other, file) in used {
+            faults.push(format!("{name}/src/{file}: `{module}` uses `{other}`, in a cycle"));
+        }
+    }
+}
+
+fn check_order(name: &str, order: &[&str], uses: &Uses, faults: &mut Vec<String>) {
+    let place = |module: &str| order.iter().position(|known| *known == module);
+    for (module, used) in uses {
+        let Some(own) = place(module) else {
+            faults.push(format!("{name}: the order does not know the module `{module}`"));
+            continue;
+        };
+        for (other, file) in used {
+            if place(other).is_none_or(|other| other > own) {
+                let text = format!("`{module}` uses `{other}`, which comes after it");
+                faults.push(format!("{name}/src/{file}: {text}"));
+            }
+        }
+    }
+}
+
+fn check_apart(uses: &Uses, faults: &mut Vec<String>) {
+    let (name, folder) = APART;
+    let within = |module: &str| module.starts_with(&format!("{folder}::"));
+    for (module, used) in uses.iter().filter(|(module, _)| within(module)) {
+        for (other, file) in used.iter().filter(|(other, _)| within(other)) {
+            faults.push(format!(
+                "{name}/src/{file}: the command `{module}` uses `{other}`; what both need belongs in a lower room"
+            ));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn uses_of(pairs: &[(&str, &str)]) -> Uses {
+        let mut uses = Uses::new();
+        for (module, used) in pairs {
+            let own = uses.entry((*module).to_owned()).or_default();
+            own.insert((*used).to_owned(), "file.rs".to_owned());
+        }
+        uses
+    }
+
+    #[test]
+    fn a_cycle_is_named_and_what_leads_into_it_is_not_alone() {
+        let mut faults = Vec::new();
+        check_cycles("c", &uses_of(&[("a", "b"), ("b", "c")]), &mut faults);
+        assert!(faults.is_empty(), "{faults:?}");
+        check_cycles("c", &uses_of(&[("a", "b"), ("b", "a")]), &mut faults);
+        assert_eq!(faults.len(), 2);
+    }
+
+    #[test]
+    fn a_use_of_a_later_module_is_a_fault() {
+        let mut faults = Vec::new();
+        check_order("c", &["a", "b"], &uses_of(&[("b", "a")]), &mut faults);
+        assert!(faults.is_empty(), "{faults:?}");
+        check_order("c", &["a", "b"], &uses_of(&[("a", "b")]), &mut faults);
+        assert_eq!(faults, ["c/src/file.rs: `a` uses `b`, which comes after it"]);
+    }
+}

@@ -1,0 +1,106 @@
+//! Programs of others that the checks need, and how they are installed where the user wants it.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use crate::{outside, run, web};
+
+/// A program that a check needs.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Tool {
+    Npm,
+    Chromium,
+    Python,
+    Dcmtk,
+}
+
+impl Tool {
+    const ALL: [Self; 4] = [Self::Npm, Self::Chromium, Self::Python, Self::Dcmtk];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Npm => "Node.js with npm",
+            Self::Chromium => "Chromium",
+            Self::Python => "Python 3.11 with venv",
+            Self::Dcmtk => "DCMTK",
+        }
+    }
+
+    /// What it is needed for.
+    pub fn purpose(self) -> &'static str {
+        match self {
+            Self::Npm => "builds and tests the browser app",
+            Self::Chromium => "drives the browser app",
+            Self::Python => "runs the programs that results are compared with",
+            Self::Dcmtk => "reads exported DICOM reports",
+        }
+    }
+
+    /// The Debian packages that hold it.
+    fn packages(self) -> &'static [&'static str] {
+        match self {
+            Self::Npm => &["nodejs", "npm"],
+            Self::Chromium => &["chromium"],
+            Self::Python => &["python3", "python3-venv"],
+            Self::Dcmtk => &["dcmtk"],
+        }
+    }
+
+    /// The command that installs it.
+    pub fn install(self) -> String {
+        format!("apt-get install --no-install-recommends {}", self.packages().join(" "))
+    }
+
+    pub fn is_there(self) -> bool {
+        match self {
+            Self::Npm => answers(web::NPM, &["--version"]),
+            Self::Chromium => {
+                std::env::var_os("CHROMIUM").is_some() || answers("chromium", &["--version"])
+            }
+            Self::Python => {
+                std::env::var_os("PYTHON").is_some()
+                    || answers("python3", &["-m", "venv", "--help"])
+            }
+            Self::Dcmtk => answers("dsrdump", &["--version"]),
+        }
+    }
+}
+
+/// `cargo xtask setup`: installs what is missing, and fills the folders of npm and Python.
+pub fn setup(root: &Path) -> Result<(), String> {
+    let missing: Vec<Tool> = Tool::ALL.into_iter().filter(|tool| !tool.is_there()).collect();
+    install(root, &missing)?;
+    if !has_nextest() {
+        run(root, "cargo", &["install", "--locked", "cargo-nextest"], &[])?;
+    }
+    web::provide_packages(root)?;
+    outside::provide_environments(root)
+}
+
+/// Installs tools as Debian packages, as root or through `sudo`.
+pub fn install(root: &Path, missing: &[Tool]) -> Result<(), String> {
+    if missing.is_empty() {
+        return Ok(());
+    }
+    let packages = missing.iter().flat_map(|tool| tool.packages()).copied();
+    let install = ["apt-get", "install", "--yes", "--no-install-recommends"];
+    let install: Vec<&str> = install.into_iter().chain(packages).collect();
+    let is_root = Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout == b"0\n");
+    for command in [&["apt-get", "update"][..], &install] {
+        let (program, arguments) =
+            if is_root { (command[0], &command[1..]) } else { ("sudo", command) };
+        run(root, program, arguments, &[("DEBIAN_FRONTEND", "noninteractive")])?;
+    }
+    Ok(())
+}
+
+pub fn has_nextest() -> bool {
+    answers("cargo", &["nextest", "--version"])
+}
+
+/// Whether a program can be started and is content.
+pub fn answers(program: &str, arguments: &[&str]) -> bool {
+    let quiet =
+        Command::new(program).args(arguments).stdout(Stdio::null()).stderr(Stdio::null()).status();
+    quiet.is_ok_and(|status| status.success())
+}
