@@ -1,4 +1,4 @@
-//! The analysis inside a PDF: where it is attached, and how it is got back.
+//! The analysis inside a PDF: where it is attached, and how it is extracted.
 
 use hayro_syntax::Pdf;
 use hayro_syntax::object::{Array, Dict, Object, Stream, String as PdfString};

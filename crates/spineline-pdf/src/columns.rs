@@ -20,7 +20,7 @@ pub(crate) struct Fit {
     pub(crate) widths_pt: Vec<f64>,
 }
 
-/// What a column asks for, in em.
+/// Required width of a column, in em.
 #[derive(Debug, Clone, Copy, Default)]
 struct Asked {
     /// So that no word is cut.

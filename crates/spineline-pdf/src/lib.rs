@@ -56,7 +56,7 @@ pub enum PdfError {
     /// The template or a figure is at fault.
     #[error("the report could not be typeset: {0}")]
     Typeset(String),
-    /// Something in it may not stand in PDF/A-3b.
+    /// It contains something that PDF/A-3b forbids.
     #[error("the typeset report could not be written as PDF/A-3b: {0}")]
     Export(String),
 }

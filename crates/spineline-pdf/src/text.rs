@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use typst::text::Font;
 
-/// Stands for a letter that no font has.
+/// Replaces a letter that no font has.
 const BOX: char = '\u{25a1}';
 /// Where a line may break without a sign.
 const BREAK: char = '\u{200b}';

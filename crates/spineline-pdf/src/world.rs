@@ -56,7 +56,7 @@ impl Paper {
         self.files.insert(id(path), Bytes::from_string(text));
     }
 
-    /// What was said against the template, with its places.
+    /// Errors of the template, with their places.
     pub(crate) fn words(&self, faults: &[SourceDiagnostic]) -> String {
         let said: Vec<String> = faults.iter().map(|fault| self.fault_words(fault)).collect();
         said.join("; ")

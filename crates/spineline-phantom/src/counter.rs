@@ -1,7 +1,7 @@
 //! Counter-examples: movements that a force through the inflections did not make.
 //!
 //! They show which findings of the paper follow from its hypothesis, and which would be found without it too. Sizes are those
-//! of the rod, so that noise meets all truths alike.
+//! of the rod, so that noise has the same effect in all scenarios.
 
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -49,7 +49,7 @@ pub(crate) fn offset(
     through(spine, erect, crossings, rng)
 }
 
-/// Horizontal loads lean the spine as far as those of `pull` do; a cranial one straightens it.
+/// Horizontal loads tilt the spine as far as those of `pull` do; a cranial one straightens it.
 pub(crate) fn spread(
     spine: &ErectSpine,
     erect: &ChainShape,

@@ -54,12 +54,12 @@ impl Shape {
         -self.amplitude * sum
     }
 
-    /// Tilt: positive leans right.
+    /// Tilt: positive to the right.
     fn tilt(&self, z: f64) -> f64 {
         -self.slope(z).atan()
     }
 
-    /// Turns of the three lobes.
+    /// Angles of the three curves between inflections.
     fn lobes(&self) -> Vec3 {
         let [p, q] = self.inflections;
         Vec3::new(self.tilt(p), self.tilt(q) - self.tilt(p), self.tilt(1.0) - self.tilt(q))
@@ -89,10 +89,10 @@ impl Shape {
             .collect()
     }
 
-    /// The shape whose lobes turn by given angles: Newton with differences from a usual shape.
+    /// The shape whose curves have given angles: Newton with differences from a usual shape.
     fn with_lobes(target_rad: [f64; 3]) -> Option<Self> {
         let mut shape = Self { amplitude: 20.0 * target_rad[1], inflections: [0.33, 0.73] };
-        // Lobes alternate: the first turns right as the spine rises.
+        // The curves alternate: the first turns right as the spine rises.
         let goal = Vec3::new(target_rad[0], -target_rad[1], target_rad[2]);
         for _ in 0..200 {
             let now = shape.lobes();

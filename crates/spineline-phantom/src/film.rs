@@ -17,7 +17,7 @@ use crate::erect::ErectSpine;
 use crate::readers::{Deviation, Readers};
 use crate::{TableRow, TruePosture, Truth};
 
-/// What large stored values stand for.
+/// Meaning of large stored values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Polarity {
     /// DICOM's MONOCHROME1: large values are shown dark, so bone has small ones.
@@ -40,7 +40,7 @@ pub struct TrueFilm {
     pub iliac_crests: IliacCrests,
     /// Corners of the bodies of L5…T1.
     pub vertebrae: BTreeMap<Level, Corners<Pixel>>,
-    /// What large stored values stand for.
+    /// Meaning of large stored values.
     pub polarity: Polarity,
     /// The patient's side that the lead marker names and lies on.
     pub marker: Side,
@@ -146,7 +146,7 @@ impl Placed {
         posture: &TruePosture,
         rng: &mut ChaCha12Rng,
     ) -> Self {
-        // Patients never stand quite straight before the detector.
+        // Patients never stand exactly upright in front of the detector.
         let chance = Angle::from_deg(Uniform::new(-3.0, 3.0).expect("a range").sample(rng));
         let pose = posture.l4_on_film.unwrap_or(chance);
         let on_film = |point: Frontal| point.rotated(pose);

@@ -1,8 +1,8 @@
-//! Synthetic spines with known truth, and the virtual readers who mark their films.
+//! Synthetic spines with known true values, and the virtual observers who read their films.
 //!
 //! Real films of this protocol are not public, so the demonstration data are phantoms, and every result that came from
-//! one says `synthetic`. The subjects follow Table 1 of the paper. What truth is assumed decides which line of action
-//! wins, so there are several:
+//! one says `synthetic`. The subjects follow Table 1 of the paper. The assumed loading scenario decides which line of action
+//! predicts best, so there are several:
 //!
 //! - [`Truth::Rod`]: an elastic rod of 998 planar segments, bent by a force through its own inflections, found
 //!   self-consistently by continuation: the paper's hypothesis;
@@ -65,7 +65,7 @@ pub enum Truth {
     Spread,
     /// Every joint turns at random.
     Random,
-    /// The weight of trunk, head and arms along the film's vertical, which leans against L4.
+    /// The weight of trunk, head and arms along the film's vertical, which is tilted relative to L4.
     Weight,
     /// A horizontal force spread evenly over the length.
     Lateral,
@@ -73,7 +73,7 @@ pub enum Truth {
     Couple,
     /// A force through the inflections and a horizontal one at the apex of the main thoracic curve.
     TwoForces,
-    /// As the rod, with the axis of L4 turned on the bends: all above it stands turned in its frame.
+    /// As the rod, with the axis of L4 turned on the bends: all above it is rotated in its frame.
     TurnedBase,
 }
 
@@ -91,7 +91,7 @@ impl Truth {
         Self::Random,
     ];
 
-    /// Truths for a comparison of loads.
+    /// Loading scenarios for a comparison of loads.
     pub const OTHERS: [Self; 5] =
         [Self::Weight, Self::Lateral, Self::Couple, Self::TwoForces, Self::TurnedBase];
 
@@ -149,9 +149,9 @@ pub struct TruePosture {
     pub line: Option<LineOfAction>,
     /// True force along it; of another load, its size.
     pub force_n: f64,
-    /// L4's tilt on the film, where the load depends on it; else the patient stands by chance.
+    /// L4's tilt on the film, where the load depends on it; else the patient's tilt is random.
     pub l4_on_film: Option<Angle>,
-    /// By how much all above L4 stands turned in L4's frame, beyond what the load does.
+    /// By how much all above L4 is rotated in L4's frame, beyond what the load does.
     pub base_turn: Angle,
 }
 
@@ -177,7 +177,7 @@ pub enum PhantomError {
     /// No such row in Table 1.
     #[error("subject {number} is not one of the 18 of the paper's Table 1")]
     NoSubject {
-        /// Number asked for, from 1.
+        /// Requested number, from 1.
         number: usize,
     },
     /// No erect curve has these angles.
@@ -266,7 +266,7 @@ fn generate_patient(
 ) -> Result<Vec<Phantom>, PhantomError> {
     let row = SUBJECTS.get(index).ok_or(PhantomError::NoSubject { number: index + 1 })?;
     let place = 8 * (index as u64 + SUBJECTS.len() as u64 * u64::from(copy));
-    // Anatomy is the same for all truths; movement and readers have streams of their own.
+    // Anatomy is the same for all scenarios; movement and readers have streams of their own.
     let mut anatomy_rng = stream(seed, place);
     let mut spine = erect::ErectSpine::draw(row, &mut anatomy_rng)?;
     spine.vary_joints(joint_log_sd, &mut anatomy_rng);

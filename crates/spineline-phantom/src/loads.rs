@@ -35,7 +35,7 @@ pub(crate) fn move_by(
         .map(|(posture, total_deg, sense)| {
             let goal = Angle::from_deg(total_deg * vary.sample(rng));
             let lean = Angle::from_deg(25.0 * sense);
-            // A vertical that leans; the film of every posture shows it.
+            // A tilted vertical; the film of every posture shows it.
             let l4_on_film = (truth == Truth::Weight).then_some(lean);
             let reached = |shape: &ChainShape| shape.rotation_from(erect) >= goal;
             let solve = |size: f64, shape: &mut ChainShape| {

@@ -123,7 +123,7 @@ pub(crate) fn usual_variation() -> Uniform<f64> {
     Uniform::new(0.9, 1.1).expect("0.9 is below 1.1")
 }
 
-/// Two bends, neutral and traction in the order of postures: the bend that leans further left is the left one.
+/// Two bends, neutral and traction in the order of postures: the bend with the larger tilt to the left is the left one.
 pub(crate) fn in_order([first, second, neutral, traction]: [Moved; 4]) -> Vec<Moved> {
     let left_first = first.shape.top().lean() < second.shape.top().lean();
     let (left, right) = if left_first { (first, second) } else { (second, first) };
@@ -135,7 +135,7 @@ pub(crate) fn in_order([first, second, neutral, traction]: [Moved; 4]) -> Vec<Mo
     ]
 }
 
-/// How far L4-T2 leans on the bends and at rest beside the erect film.
+/// Lateral tilt of L4-T2 on the bends and the neutral film relative to the erect film.
 pub(crate) fn leans(rng: &mut ChaCha12Rng) -> [(Posture, Angle); 3] {
     let mut degrees = |from: f64, to: f64| {
         Angle::from_deg(Uniform::new(from, to).expect("a range upwards").sample(rng))

@@ -5,7 +5,7 @@ use spineline::spatial::{Angle, Frontal, Pixel};
 
 /// The virtual readers of a film.
 ///
-/// Every observer has a bias of his own per film and vertebra, every repeat a scatter; corners are rounded to pixels and
+/// Every observer has a bias per film and vertebra, every repeat a random error; corners are rounded to pixels and
 /// axes to 0.1°. The default makes means over two observers and three repeats as rough as the paper's residuals say
 /// (0.19 mm and 0.17° about curves of high order). Its Pearson coefficients (0.90 to 0.95) would need readings ten times
 /// rougher, so both cannot be met.

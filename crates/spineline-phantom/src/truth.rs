@@ -1,4 +1,4 @@
-//! The truths: what moves a spine from the erect posture to the others.
+//! Loading scenarios: what moves a spine from the erect posture to the others.
 
 use rand_chacha::ChaCha12Rng;
 use rand_distr::Distribution;

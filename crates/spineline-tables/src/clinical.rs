@@ -17,7 +17,7 @@ impl Measured<'_> {
         all.iter().find(|(posture, _)| *posture == self.posture).map(|(_, angle)| angle.deg())
     }
 
-    /// Of what is told once, in the row of the erect film.
+    /// Values that are reported once, in the row of the erect film.
     fn erect(&self) -> Option<&ClinicalCurve> {
         (self.posture == Posture::Erect).then_some(self.curve)
     }

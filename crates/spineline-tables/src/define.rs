@@ -146,7 +146,7 @@ impl<R> Definition<R> {
     }
 }
 
-/// A number without a value is absent, so that no program reads a word where numbers stand.
+/// A number without a value is absent, so that no program reads a word in a column of numbers.
 fn finite(value: Option<f64>) -> Option<f64> {
     value.filter(|value| value.is_finite())
 }

@@ -38,23 +38,23 @@ use spineline::analysis::{Analysis, Subject};
 use spineline::personalize::Identifiability;
 use spineline::uncertainty::Uncertainty;
 
-/// What the tables tell of one patient.
+/// Data of one patient for the tables.
 #[derive(Debug, Clone, Copy)]
 pub struct Patient<'a> {
     /// What was found.
     pub analysis: &'a Analysis,
     /// Who was X-rayed.
     pub subject: &'a Subject,
-    /// What the films say of every model's multipliers, in the order of the models, where it was asked for.
+    /// Identifiability of every model's multipliers, in the order of the models, where requested.
     pub identified: Option<&'a [Option<Identifiability>]>,
-    /// What the noise of landmarks does, where it was asked for.
+    /// Monte Carlo replicates with perturbed landmarks, where requested.
     pub spread: Option<&'a Uncertainty>,
 }
 
-/// Which tables there are beside those that there always are.
+/// Which optional tables are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Asked {
-    /// Spread of every number.
+    /// Distribution of every quantity.
     pub uncertainty: bool,
     /// Other loads and bases.
     pub hypotheses: bool,
@@ -64,7 +64,7 @@ impl Asked {
     /// Everything.
     pub const ALL: Self = Self { uncertainty: true, hypotheses: true };
 
-    /// What was asked of these patients.
+    /// Which optional results these patients have.
     #[must_use]
     pub fn of(patients: &[Patient<'_>]) -> Self {
         Self {

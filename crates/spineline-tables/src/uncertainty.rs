@@ -6,7 +6,7 @@ use crate::table::Table;
 
 type SpreadRow<'a> = Row<'a, &'a QuantitySpread>;
 
-/// One row per patient and number whose spread was asked for.
+/// One row per patient and quantity of the Monte Carlo replicates.
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let rows: Vec<SpreadRow<'_>> = patients
         .iter()

@@ -6,7 +6,7 @@ use crate::table::Table;
 
 type WarningRow<'a> = Row<'a, &'a Warning>;
 
-/// One row per patient and soft problem.
+/// One row per patient and warning.
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let rows: Vec<WarningRow<'_>> = patients
         .iter()

@@ -1,4 +1,4 @@
-//! What stops an analysis, by step, with what the user can do about it.
+//! Errors that stop an analysis, by step, with their remedies.
 
 use crate::anatomy::Posture;
 use crate::chain::ChainError;
@@ -21,17 +21,17 @@ pub enum CaseError {
         /// The posture.
         posture: Posture,
     },
-    /// The left bend leans to the right of the right bend.
+    /// The lateral tilts of the two bends are exchanged.
     #[error("the lateral tilt is {} on the left bending film and {} on the right bending film: the two films are exchanged", left.leaning(), right.leaning())]
     BendsExchanged {
-        /// Lean of the film called left.
+        /// Lateral tilt of the film named left.
         left: Angle,
-        /// Lean of the film called right.
+        /// Lateral tilt of the film named right.
         right: Angle,
     },
 }
 
-/// Anything that stops an analysis. Always bad input: numerical endings are data, and bugs panic.
+/// An error that stops an analysis. It is always bad input: a fit that does not converge is data, and a bug panics.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -53,7 +53,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// The step that refused.
+    /// The step of the error.
     #[must_use]
     pub const fn step(&self) -> Step {
         match self {
@@ -64,7 +64,7 @@ impl Error {
         }
     }
 
-    /// A stable name, as for counts of endings.
+    /// A stable name, for counts.
     #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {

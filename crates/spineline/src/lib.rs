@@ -3,7 +3,7 @@
 //! Data flows one way:
 //!
 //! 1. [`measure`]: landmarks on a film → location and tilt of every vertebra
-//! 2. [`curve`]: → a smooth curve, its inflections and lobes ([`clinical`] reads Cobb and Ferguson angles beside it)
+//! 2. [`curve`]: → a smooth curve and its inflections ([`clinical`] reads Cobb and Ferguson angles beside it)
 //! 3. [`chain`]: → a chain of equal micro-scale segments on every film
 //! 4. [`motion`]: → how far every segment rotates, and which rotate least
 //! 5. [`action`]: → candidates for the line along which the force acts

@@ -1,4 +1,4 @@
-//! Soft problems: they stop nothing, but everyone who reads a result sees them, and each says what was done about it.
+//! Warnings: they do not stop the analysis, and every reader of a result sees them. Each says what was done about it.
 
 use crate::anatomy::{Level, LineKind, Posture};
 
@@ -35,14 +35,14 @@ impl Step {
     }
 }
 
-/// How much a soft problem weighs.
+/// Severity of a warning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// Worth knowing: a choice that was made.
     Note,
     /// Something may be wrong.
     Warning,
-    /// The data speak against the model, or a number that is shown is no result.
+    /// The data contradict the model, or a number that is shown is not a result.
     Contradiction,
 }
 
@@ -59,7 +59,7 @@ const NOTES: [&str; 6] = [
 const CONTRADICTIONS: [&str; 4] =
     ["fit_not_converged", "force_not_found", "joints_contradict_line", "multiplier_at_bound"];
 
-/// One soft problem, or the reason why a number is absent.
+/// One warning, or the reason why a number is absent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Warning {
     /// Stable name, such as `inflections_not_two`.
@@ -90,7 +90,7 @@ impl Warning {
         Self { code, step, posture: None, level: None, line: None, message: message.into() }
     }
 
-    /// How much it weighs.
+    /// Its severity.
     #[must_use]
     pub fn severity(&self) -> Severity {
         if CONTRADICTIONS.contains(&self.code) {
@@ -103,7 +103,7 @@ impl Warning {
     }
 }
 
-/// The collector that every step with soft problems takes, so that no caller can overlook them.
+/// The collector of every step with warnings, so that no caller can overlook them.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Warnings(Vec<Warning>);
 
@@ -161,7 +161,7 @@ impl Warnings {
         &self.0
     }
 
-    /// Whether a problem of this code was met.
+    /// Whether there is a warning of this code.
     #[must_use]
     pub fn has(&self, code: &str) -> bool {
         self.0.iter().any(|warning| warning.code == code)

@@ -36,7 +36,7 @@ pub struct Radiograph {
     pub posture: Posture,
     /// How the picture lies.
     pub image: ImageGeometry,
-    /// What large values stand for.
+    /// Meaning of large values.
     pub polarity: Polarity,
     /// Bits that a value uses.
     pub bits_stored: u16,

@@ -1,4 +1,4 @@
-//! What no drawing gives: clutter of tissue, and the scatter of quanta.
+//! Texture: tissue and quantum noise.
 
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};

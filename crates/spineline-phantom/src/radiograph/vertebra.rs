@@ -1,4 +1,4 @@
-//! One vertebra, in its own axes: the body with cortex and endplates, and what stands behind it.
+//! One vertebra, in its own axes: the body with cortex and endplates, and the parts behind it.
 
 use spineline::anatomy::Level;
 use spineline::spatial::Frontal;

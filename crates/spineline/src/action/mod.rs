@@ -1,7 +1,7 @@
 //! Step 5: the line along which the force acts, in one posture.
 //!
-//! Candidates are compared with one another, none is privileged: through the two inflection segments as they lie in the
-//! posture (the paper), parallel to the iliac line through T2 (Petit), the one that the data themselves prefer
+//! Candidates are compared on equal terms: through the two inflection segments as they lie in the
+//! posture (the paper), parallel to the iliac line through T2 (Petit), the one that fits the data best
 //! ([`crate::personalize::estimate`]), or one that the user gives.
 //!
 //! # References

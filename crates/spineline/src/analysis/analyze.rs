@@ -183,10 +183,10 @@ impl Movement {
     }
 }
 
-/// Steps 5, 7 and 8: lines of action, personalisation and evaluation; empty where they were not asked for.
+/// Steps 5, 7 and 8: lines of action, personalisation and evaluation; empty where not requested.
 #[derive(Default)]
 struct Mechanics {
-    /// By posture; empty where no line was sought.
+    /// By posture; empty where no line was estimated.
     preferred_lines: Vec<Option<PreferredLine>>,
     models: Vec<LineModel>,
     hypotheses: Vec<HypothesisFit>,

@@ -1,4 +1,4 @@
-//! What the films of one patient say about one another before anything is computed from them together.
+//! Consistency checks between the films of one patient, before they are analysed together.
 
 use crate::anatomy::{Posture, Side};
 use crate::error::CaseError;
@@ -6,7 +6,7 @@ use crate::measure::{Film, Outline, body_widths};
 use crate::spatial::Angle;
 use crate::warning::{Step, Warnings};
 
-/// A lean to the wrong side counts when it is larger than the tilt noise of L4 could make it.
+/// A lateral tilt to the wrong side counts above the tilt noise of L4.
 const LEAN_MARGIN: Angle = Angle::from_deg(2.0);
 
 /// One film per posture, one of them erect.
@@ -121,7 +121,7 @@ pub(super) fn warn_of_shifted_levels(erect: &Film, film: &Film, warnings: &mut W
         logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>() / logs.len() as f64
     };
     for (shift, side) in [(1, "above"), (-1, "below")] {
-        // A quarter of the variance is half of the deviation: far from what the scatter of marks does.
+        // A quarter of the variance is half of the deviation: far above landmark noise.
         if misfit(-shift) < 0.25 * misfit(0) {
             let text = format!(
                 "the widths of its vertebrae match those of the neighbours {side} on the erect film: the names may be shifted by one level"

@@ -1,4 +1,4 @@
-//! Lines of action on the same films, with their free numbers counted and every bend left out once.
+//! Lines of action on the same films, with the numbers of their parameters and every bend left out once.
 
 use super::models::{FitTask, bending_loads, fit_model, settings_of};
 use super::{Analysis, LineModel};
@@ -178,7 +178,7 @@ pub(crate) fn ferguson_errors_deg(simulation: &Simulation) -> Vec<f64> {
 impl Analysis {
     /// All lines on the same films, every bend left out once.
     ///
-    /// Computed when it is asked for, since no other result depends on it: it takes one more fit per line and bend.
+    /// Computed on request, because no other result depends on it: it takes one more fit per line and bend.
     #[must_use]
     pub fn compare_lines(&self) -> LinesCompared {
         let settings = settings_of(self.findings(), &[]);

@@ -1,4 +1,4 @@
-//! Whether the bends of a patient are compatible with a single force along a line.
+//! Test whether the bends of a patient are compatible with a single force along a line.
 
 use super::{Analysis, LineComparison, LineModel, PostureAnalysis};
 use crate::action::LineKind;
@@ -9,7 +9,7 @@ use crate::personalize::evidence::{ContradictedJoint, FilmEvidence};
 use crate::spatial::Angle;
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// More of the joints' work than this against the force speaks against a line.
+/// A line is rejected only above this share of the joints' work against the force.
 const WEIGHT_AGAINST: f64 = 0.10;
 /// A joint nearer to the line than this may lie on its other side: an inflection's place along the curve is not known better.
 const SURE_ARM_MM: f64 = 5.0;
@@ -37,19 +37,19 @@ pub struct BendEvidence {
 }
 
 impl BendEvidence {
-    /// Whether the joints speak against the line: beyond chance, and with more than a tenth of the work.
+    /// Whether the joints reject the line: significantly, and with more than a tenth of the work.
     #[must_use]
     pub fn joints_reject(&self) -> bool {
         self.joints_p < SIGNIFICANCE && self.weight > WEIGHT_AGAINST
     }
 
-    /// Whether the load that the rotations prefer runs elsewhere, beyond chance.
+    /// Whether the line of best fit to the rotations differs significantly from the line.
     #[must_use]
     pub fn line_rejects(&self) -> bool {
         self.line_p.is_some_and(|p| p < SIGNIFICANCE)
     }
 
-    /// Whether either speaks against the line.
+    /// Whether either test rejects the line.
     #[must_use]
     pub fn rejects(&self) -> bool {
         self.joints_reject() || self.line_rejects()
@@ -61,14 +61,14 @@ impl BendEvidence {
 pub struct Compatibility {
     /// Bends on which the force was found.
     pub bends: Vec<BendEvidence>,
-    /// Bends on which no force was found, so that nothing is said of them.
+    /// Bends without a force, which are not tested.
     pub without_force: Vec<Posture>,
     /// Tests over which Holm's correction was taken.
     pub tests: usize,
 }
 
 impl Compatibility {
-    /// Whether some bend speaks against the line.
+    /// Whether some bend rejects the line.
     #[must_use]
     pub fn rejects(&self) -> bool {
         self.bends.iter().any(BendEvidence::rejects)

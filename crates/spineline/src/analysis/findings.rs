@@ -11,7 +11,7 @@ use crate::multibody::{JointGroups, SpineModel};
 pub(super) struct Findings<'a> {
     /// Postures that have a film, the erect one first.
     pub postures: &'a [PostureAnalysis],
-    /// Inflections and lobes of the erect curve.
+    /// Inflections of the erect curve, and the curves between them.
     pub inflections: &'a Inflections,
     /// The inflections as segments of the chain.
     pub inflection_segments: Option<[usize; 2]>,

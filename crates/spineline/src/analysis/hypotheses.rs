@@ -1,4 +1,4 @@
-//! Other loads and bases than the lines, where they were asked for.
+//! Other loads and bases than the lines, where requested.
 
 use super::findings::Findings;
 use crate::clinical::{RegionBounds, ferguson_angle};

@@ -1,4 +1,4 @@
-//! What the films say of every stiffness multiplier.
+//! Whether the films identify every stiffness multiplier.
 
 use super::models::{bending_loads, settings_of};
 use super::{Analysis, LineModel};
@@ -75,7 +75,7 @@ impl Analysis {
     /// What the bending films say of a model's multipliers: profile likelihood, information, and what a prior adds; `None`
     /// where its fit did not converge.
     ///
-    /// Computed when it is asked for, since no other result depends on it: it takes tens of fits.
+    /// Computed on request, because no other result depends on it: it takes tens of fits.
     #[must_use]
     pub fn identifiability(&self, model: &LineModel) -> Option<Identifiability> {
         // The analysis holds the warnings about these lines already.

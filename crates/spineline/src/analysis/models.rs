@@ -123,7 +123,7 @@ impl Analysis {
         Some(shapes.collect())
     }
 
-    /// Whether every fit and every simulation came to an end that may be shown as a result.
+    /// Whether every fit and every simulation has a usable result.
     #[must_use]
     pub fn is_converged(&self) -> bool {
         self.models.iter().all(|model| {
@@ -377,7 +377,7 @@ impl Evaluation<'_> {
         Some(Simulation { status, contradicted, ..simulation })
     }
 
-    /// The fitted load's line and force on a fitted film; elsewhere the line that the film's rotations prefer at the fitted
+    /// The fitted load's line and force on a fitted film; elsewhere the line of best fit to the film's rotations at the fitted
     /// stiffness.
     fn estimated_line(
         &self,

@@ -42,7 +42,7 @@ pub struct AnalysisOptions {
     pub order_rule: OrderRule,
     /// Where the inflections come from.
     pub inflections: InflectionChoice,
-    /// A lobe of the erect curve counts when it turns at least so far.
+    /// Minimum angle of a curve between inflections of the erect curve.
     pub min_lobe: Angle,
     /// How many segments the erect chain may have.
     pub segment_window: RangeInclusive<u32>,
@@ -52,7 +52,7 @@ pub struct AnalysisOptions {
     pub library: StiffnessLibrary,
     /// What holds the patient.
     pub support: Support,
-    /// What fixes the level of stiffness and force.
+    /// The scale constraint: what fixes the overall level of stiffness and force.
     pub gauge: Gauge,
     /// What is fitted.
     pub target: FitTarget,

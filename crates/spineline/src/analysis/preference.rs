@@ -1,4 +1,4 @@
-//! The lines of action that the films themselves prefer, against the proposed ones.
+//! Lines of best fit to the rotations of the films, compared with the candidates.
 
 use nalgebra::{Matrix2, Matrix4, Vector2};
 
@@ -12,7 +12,7 @@ use crate::personalize::{Crossing, LineTest, PreferredLoads, ProposedLine};
 use crate::spatial::Angle;
 use crate::warning::{Step, Warnings};
 
-/// The line of the load that one film's rotations prefer.
+/// The line of best fit to the rotations of one film.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PreferredLine {
     /// The line; its direction is cranial.
@@ -70,7 +70,7 @@ impl PostureAnalysis {
 }
 
 impl Analysis {
-    /// The loads that all films but the erect one prefer, with regional multipliers; films in the order of the postures.
+    /// The loads of best fit on all films but the erect one, with regional multipliers; films in the order of the postures.
     #[must_use]
     pub fn preferred_loads(&self) -> Option<PreferredLoads> {
         preferred_loads_near(self.findings(), None)

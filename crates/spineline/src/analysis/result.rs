@@ -33,7 +33,7 @@ pub struct PostureAnalysis {
     pub inflection_points: Option<[Frontal; 2]>,
     /// Rotations and joint centres; `None` for the erect posture.
     pub evidence: Option<FilmEvidence>,
-    /// The line that the film's rotations prefer.
+    /// The line of best fit to the film's rotations.
     pub preferred_line: Option<PreferredLine>,
 }
 
@@ -48,7 +48,7 @@ pub struct Analysis {
     pub readings: Vec<FilmReadings>,
     /// Postures that have a film, the erect one first.
     pub postures: Vec<PostureAnalysis>,
-    /// Inflections and lobes of the erect curve.
+    /// Inflections of the erect curve, and the curves between them.
     pub inflections: Inflections,
     /// The inflections as segments of the chain.
     pub inflection_segments: Option<[usize; 2]>,
@@ -68,7 +68,7 @@ pub struct Analysis {
     pub lateral_measured: bool,
     /// One personalised model per line of action.
     pub models: Vec<LineModel>,
-    /// Other loads and bases that were asked for.
+    /// Other loads and bases that were requested.
     pub hypotheses: Vec<HypothesisFit>,
     /// Choices.
     pub options: AnalysisOptions,
@@ -85,7 +85,7 @@ impl Analysis {
 
     /// How well the readings repeat, by quantity; empty where every film was read once.
     ///
-    /// Computed when it is asked for, since no other result depends on it.
+    /// Computed on request, because no other result depends on it.
     #[must_use]
     pub fn reliability(&self) -> Vec<QuantityReliability> {
         if is_read_once(&self.readings) {

@@ -6,10 +6,10 @@ use crate::action::LineKind;
 use crate::anatomy::Posture;
 
 impl Analysis {
-    /// What the data say of the lines of action, in plain sentences.
+    /// The findings on the lines of action, in sentences.
     ///
     /// First whether the bends are compatible with a single force through the inflections, then how well each line predicts
-    /// films that it was not fitted to, and last how near it comes to those that it was, which proves nothing.
+    /// films that it was not fitted to, and last how small its error is on the fitted films, which proves nothing.
     ///
     /// `compared` is what [`Analysis::compare_lines`] gives.
     #[must_use]
@@ -129,7 +129,7 @@ fn joints_sentence(found: &Compatibility) -> Option<String> {
 }
 
 impl LinesCompared {
-    /// How the lines compare: predicted films first, fitted ones last and with what they are worth.
+    /// Comparison of the lines: predicted films first, fitted films last, with their limits as evidence.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let mut sentences = Vec::new();
@@ -153,7 +153,7 @@ impl LinesCompared {
         sentences
     }
 
-    /// Mean location errors by line, the nearest first; `None` where no film is common to all.
+    /// Mean location errors by line, the smallest first; `None` where no film is common to all.
     fn errors_words(&self, role: FilmRole) -> Option<String> {
         let mut found: Vec<(f64, String)> = self
             .lines
@@ -235,7 +235,7 @@ pub(crate) fn listed(parts: &[String]) -> String {
     }
 }
 
-/// How many joints turn the way of the bend. A single force that crosses the spine twice turns them both ways.
+/// How many joints turn to the side of the bend. A single force that crosses the spine twice turns them both ways.
 fn turning_sentence(posture: &PostureAnalysis) -> Option<String> {
     let side = posture.outline.posture.bend()?;
     let joints = &posture.evidence.as_ref()?.joints;
@@ -244,7 +244,7 @@ fn turning_sentence(posture: &PostureAnalysis) -> Option<String> {
     Some(format!("In the {name} {same} of {} joints turn to the {side}.", joints.len()))
 }
 
-/// A probability as people print it: never as zero.
+/// A p value as text, never as zero.
 #[must_use]
 pub fn probability(p: f64) -> String {
     if p < 1e-4 { "< 0.0001".to_owned() } else { format!("= {p:.4}") }

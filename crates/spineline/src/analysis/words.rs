@@ -1,4 +1,4 @@
-//! What a person has to know beside the numbers of a model, in words that all front ends share.
+//! Texts that belong to the numbers of a model, shared by all front ends.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use crate::evaluate::Simulation;
 use crate::personalize::{FitStatus, Gauge, StiffnessBound};
 
 impl Analysis {
-    /// What fixes the level of stiffness and force.
+    /// The scale constraint: what fixes the overall level of stiffness and force.
     #[must_use]
     pub const fn gauge_words(&self) -> &'static str {
         match self.options.gauge {
@@ -19,7 +19,7 @@ impl Analysis {
         }
     }
 
-    /// How the erect curve turns, and where it inflects.
+    /// Angles of the curves between inflections, and the inflections.
     #[must_use]
     pub fn inflection_words(&self) -> String {
         let lobes: Vec<String> = self.inflections.lobes.iter().map(|l| l.turn.leaning()).collect();

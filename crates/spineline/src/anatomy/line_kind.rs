@@ -13,7 +13,7 @@ pub enum LineKind {
     Inflection,
     /// Parallel to the iliac line, through T2's midpoint and moving with it.
     Iliac,
-    /// The one that measured rotations and positions prefer.
+    /// The line that fits measured rotations and positions best.
     Estimated,
     /// The user's.
     Given,

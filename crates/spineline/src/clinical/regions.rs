@@ -79,7 +79,7 @@ impl Regions {
     }
 }
 
-/// Ferguson angle: lean of the line apex → upper end minus lean of the line lower end → apex.
+/// Ferguson angle: lateral tilt of the line apex → upper end minus that of the line lower end → apex.
 ///
 /// Positive where the curve turns to the patient's right from below to above, so where it is convex to the left.
 ///

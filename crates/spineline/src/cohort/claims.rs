@@ -11,7 +11,7 @@ use super::{RESAMPLES, simulations};
 /// The paper's inflections lie at most so many segments from the least-rotating ones.
 pub const NEAR_SEGMENTS: usize = 2;
 
-/// What one patient says of the paper's three headline claims, in a few numbers.
+/// The evidence of one patient on the paper's three main claims.
 ///
 /// It holds no curve and no chain, so that those of many patients fit into memory.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -142,7 +142,7 @@ impl ClaimVerdict {
     }
 }
 
-/// The paper's three headline claims over many patients, each with an interval over patients and a verdict.
+/// The paper's three main claims over many patients, each with an interval over patients and a verdict.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Claims {
     /// Patients.

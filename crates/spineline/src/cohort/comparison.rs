@@ -7,7 +7,7 @@ const RESAMPLES: u32 = 2000;
 /// Two samples of the same things, one value of each per thing.
 ///
 /// The pooled test is the paper's and takes vertebrae of one patient for independent, so its `p` is far too small. All else
-/// takes one mean difference per patient. To believe: [`Self::sign_flip`] for chance, since it asks the least of the data;
+/// takes one mean difference per patient. Use [`Self::sign_flip`] for significance, since it has the fewest assumptions;
 /// [`Self::bootstrap`] for how large the difference is, in its own unit; [`Self::effect`] beside it. The t-test on
 /// patients is there because readers know it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -108,7 +108,7 @@ pub struct LineStatistics {
     pub contradicted_weight: Clustered,
 }
 
-/// Everything that is said of a cohort.
+/// All results of a cohort.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cohort {
     /// Patients.
@@ -143,7 +143,7 @@ pub struct Cohort {
     pub ferguson_test: PairedComparison,
     /// Location errors of the inflection line against the iliac line on fitted films: the paper's test.
     pub location_test: PairedComparison,
-    /// Patients whose bends speak against a single force through the inflections, and all whose bends were asked.
+    /// Patients whose bends reject a single force through the inflections, and all patients who were tested.
     pub incompatible: (usize, usize),
     /// Bending films whose own load runs elsewhere than through the inflections, beyond chance and by what matters, and
     /// all that were tested.

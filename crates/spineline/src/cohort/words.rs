@@ -1,4 +1,4 @@
-//! A cohort in plain sentences, which all front ends share.
+//! Sentences about a cohort, shared by all front ends.
 
 use super::{Cohort, ErrorKind, LinePairTest, LinesOverPatients, PairedComparison};
 use crate::analysis::{FilmRole, listed, probability};
@@ -6,7 +6,7 @@ use crate::evaluate::statistics::PairedT;
 use crate::personalize::SIGNIFICANCE;
 
 impl Cohort {
-    /// What was found, one finding per sentence.
+    /// Findings, one per sentence.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let mut all = vec![format!(
@@ -57,13 +57,13 @@ impl LinesOverPatients {
         )
     }
 
-    /// Which number to believe, and why.
+    /// Which number to use, and why.
     #[must_use]
     pub const fn believe_words(&self) -> &'static str {
         "Use the interval over patients and Holm's p, on films that were not fitted: each patient counts once, the sign-flip test does not assume a normal distribution, and the correction covers all tests. The paper's pooled p treats 14 vertebrae of one spine as 14 patients. A percentile interval of fewer than twenty patients is somewhat narrow; d and its interval assume normally distributed differences"
     }
 
-    /// Which line predicts better, beyond chance and by a fair comparison.
+    /// Which line predicts significantly better, with equally many parameters.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let mut all = Vec::new();
@@ -112,7 +112,7 @@ impl LinesOverPatients {
         }
         all
     }
-    /// Lines that are nearer on the bends that they were fitted to, and not shown to predict better.
+    /// Lines with a smaller error on fitted bends that do not predict significantly better.
     fn fitted_sentence(&self) -> Option<String> {
         let location = || self.tests.iter().filter(|test| test.error == ErrorKind::Location);
         let nearer: Vec<String> = location()
@@ -136,7 +136,7 @@ impl LinesOverPatients {
     }
 }
 
-/// By how much one line misses more than another.
+/// By how much the error of one line exceeds that of another.
 fn difference(test: &LinePairTest) -> Option<String> {
     let [low, high] = test.comparison.bootstrap?;
     let [first, second] = test.lines;
@@ -159,7 +159,7 @@ const fn films_words(role: FilmRole) -> &'static str {
     }
 }
 
-/// A difference in prediction that is beyond chance, and whether it is fair.
+/// A significant difference in prediction, and whether the comparison is fair.
 fn better_sentence(test: &LinePairTest) -> Option<String> {
     let nearer = test.nearer()?;
     let [first, second] = test.lines;

@@ -26,7 +26,7 @@ pub enum CurveError {
     /// An order outside of 4…12.
     #[error("polynomial order {order} is outside of {} to {}", ORDERS.start(), ORDERS.end())]
     Order {
-        /// What was asked for.
+        /// The requested value.
         order: usize,
     },
     /// The equations of the fit are singular.
@@ -136,7 +136,7 @@ fn fit_by_rule(
 /// The basis of an order begins with that of the order below, so that one factorisation of the highest serves them all.
 fn left_out_errors(outline: &Outline, form: CurveForm) -> Result<Vec<(usize, f64)>, CurveError> {
     if form == CurveForm::Parametric {
-        // Two coordinates stand side by side there, and the columns of an order are not the first ones of the next.
+        // Two coordinates are side by side there, and the columns of an order are not the first ones of the next.
         return ORDERS
             .map(|order| fit_order(outline, form, order).map(|fit| (order, fit.left_out)))
             .collect();

@@ -2,7 +2,7 @@ use super::{Curve, CurveFit};
 use crate::anatomy::Level;
 use crate::spatial::{Angle, Frontal};
 
-/// A lobe counts when it turns at least so far.
+/// Minimum angle of a curve between inflections.
 pub(crate) const MIN_TURN: Angle = Angle::from_deg(5.0);
 
 /// A stretch of the curve that turns to one side.
@@ -12,7 +12,7 @@ pub struct Lobe {
     pub from_mm: f64,
     /// Parameter at its cranial end.
     pub to_mm: f64,
-    /// By how much the tilt grows from end to end; the sum over all lobes is T2's tilt.
+    /// Change of the tilt from end to end; the sum over all curves between inflections is T2's tilt.
     pub turn: Angle,
 }
 
@@ -27,7 +27,7 @@ pub struct Inflection {
     pub between: (Level, Level),
 }
 
-/// The inflections and lobes of one curve.
+/// The inflections of one spine curve, and the curves between them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inflections {
     /// All that were seen, caudal first.
@@ -60,14 +60,14 @@ pub enum InflectionChoice {
 /// Finds where a curve inflects.
 ///
 /// # Definition
-/// A sign change of the curvature between L4 and T2 whose lobes on both sides turn by at least `min_turn`. Lobes that
+/// A sign change of the curvature between L4 and T2 whose curves on both sides turn by at least `min_turn`. Curves that
 /// turn less are joined to their neighbours, the smallest first. With more than two inflections, the pair is the one
-/// around the lobe between two inflections that turns most.
+/// around the curve between two inflections that turns most.
 #[must_use]
 pub fn find_inflections(fit: &CurveFit, min_turn: Angle) -> Inflections {
     let curve = &fit.curve;
     let mut lobes = lobes_between(curve, &sign_changes(curve));
-    // Join the smallest lobe to its neighbours until every lobe counts.
+    // Join the smallest curve to its neighbours until every curve reaches the minimum angle.
     while lobes.len() > 1 {
         let smallest = (0..lobes.len())
             .min_by(|&a, &b| lobes[a].turn.abs().rad().total_cmp(&lobes[b].turn.abs().rad()))
@@ -86,7 +86,7 @@ pub fn find_inflections(fit: &CurveFit, min_turn: Angle) -> Inflections {
     }
     let all: Vec<Inflection> =
         lobes[1..].iter().map(|lobe| inflection_at(fit, lobe.from_mm)).collect();
-    // The largest lobe that has an inflection at either end.
+    // The largest curve that has an inflection at either end.
     let pair = (1..lobes.len().saturating_sub(1))
         .max_by(|&a, &b| lobes[a].turn.abs().rad().total_cmp(&lobes[b].turn.abs().rad()))
         .map(|lobe| [all[lobe - 1], all[lobe]]);
@@ -120,7 +120,7 @@ fn inflection_at(fit: &CurveFit, t_mm: f64) -> Inflection {
 
 /// Parameters at which the curvature changes its sign, to 1e-10 of the curve's length.
 fn sign_changes(curve: &Curve) -> Vec<f64> {
-    // Two changes within one step bound a lobe of far less than any that counts.
+    // Two changes within one step bound a curve far below the minimum angle.
     const STEPS: u32 = 400;
     let at = |step: u32| curve.end_mm() * f64::from(step) / f64::from(STEPS);
     let mut found = Vec::new();

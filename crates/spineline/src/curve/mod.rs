@@ -1,4 +1,4 @@
-//! Step 2: locations and tilts → a smooth curve through them, its inflections and its lobes.
+//! Step 2: locations and tilts → a smooth curve through them, its inflections and the curves between them.
 //!
 //! # Model
 //! In the global frame the curve leaves L4 along +Z, so `p(0) = p'(0) = 0` holds exactly and is built into the basis
@@ -11,7 +11,7 @@
 //!
 //! # Departures from the paper
 //! The paper takes the order with the least residual. On films marked by hand a high order invents inflections, so the
-//! default asks which order predicts a vertebra that it has not seen ([`OrderRule::LeaveOneOut`]).
+//! default takes the order that best predicts a vertebra left out of the fit ([`OrderRule::LeaveOneOut`]).
 //!
 //! # References
 //! [jalalian-loa], section 2.3.
@@ -82,7 +82,7 @@ impl Curve {
         (Frontal::new(y, t_mm + z), Frontal::new(dy, 1.0 + dz))
     }
 
-    /// Lean of the tangent.
+    /// Lateral tilt of the tangent.
     #[must_use]
     pub fn tilt(&self, t_mm: f64) -> Angle {
         self.tangent(t_mm).lean()

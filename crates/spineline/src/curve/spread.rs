@@ -6,11 +6,11 @@ use super::{Curve, CurveFit, CurveForm};
 use crate::measure::Outline;
 use crate::spatial::Frontal;
 
-/// How unsure a fitted curve is, by the noise of the vertebrae it was fitted to.
+/// Uncertainty of a fitted curve from the noise of the vertebrae that it was fitted to.
 ///
 /// # Definition
 /// Linear theory at the order of the fit: the covariance of the coefficients, and where the residuals are larger than noise
-/// explains, as much wider. That another film might have asked for another order is not in it.
+/// explains, as much wider. The choice of the order is not included.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurveSpread<'a> {
     curve: &'a Curve,
@@ -19,7 +19,7 @@ pub struct CurveSpread<'a> {
 }
 
 impl CurveFit {
-    /// How unsure the curve is; the outline is the one it was fitted to. `None` where its equations are singular.
+    /// Uncertainty of the curve; the outline is the one it was fitted to. `None` where its equations are singular.
     #[must_use]
     pub fn spread(&self, outline: &Outline) -> Option<CurveSpread<'_>> {
         let rows = weighted_rows(outline, self.curve.form, &self.vertebra_t_mm, self.order);

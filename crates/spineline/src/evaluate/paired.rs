@@ -1,4 +1,4 @@
-//! One difference per patient: what it is, how sure, and whether it is chance.
+//! One difference per patient: its mean, its interval and its significance.
 //!
 //! Everything here takes one number per patient, so that a patient counts once. Two errors of one film are differences of
 //! the same vertebrae; their mean over a patient's films is that number.
@@ -14,7 +14,7 @@ use statrs::function::gamma::ln_gamma;
 
 use super::statistics::Summary;
 
-/// A sign-flip test goes through all arrangements up to so many patients: half a million sums.
+/// A sign-flip test enumerates all arrangements up to so many patients: half a million sums.
 pub const EXACT_UP_TO: usize = 20;
 /// Arrangements drawn for more patients.
 const DRAWN: u32 = 50_000;
@@ -35,7 +35,7 @@ pub struct SignFlip {
 /// # Definition
 /// If neither of two lines is better, a patient's difference could as well have had the other sign. Of all `2^n` choices
 /// of signs, `p` is the part with `|Σ ± d| ≥ |Σ d|`. Up to [`EXACT_UP_TO`] patients all are counted; beyond, they are drawn
-/// from the seed. It asks that differences are symmetric about zero, not that they are normal.
+/// from the seed. It assumes that differences are symmetric about zero, not that they are normal.
 ///
 /// With `n` patients `p` cannot fall below `2 / 2^n`: five patients cannot reach 0.05.
 ///
@@ -93,7 +93,7 @@ fn all_flips(differences: &[f64], seen: f64) -> f64 {
 pub struct EffectSize {
     /// Mean difference over the standard deviation of the differences (Cohen's `d_z`).
     pub d: f64,
-    /// 95 % interval by the noncentral t distribution; it asks that differences are normal.
+    /// 95 % interval by the noncentral t distribution; it assumes normal differences.
     pub interval: [f64; 2],
 }
 

@@ -86,9 +86,9 @@ pub struct Simulation {
     pub residual: f64,
     /// Why this force and no other.
     pub choice: ForceChoice,
-    /// How often the search for forces was lost, at a force or on its way: the choice may not know the best one.
+    /// How often the search for forces did not converge: a better force may not have been found.
     pub lost_forces: usize,
-    /// Every other force up to the cap that meets the amplitude, with what speaks against it.
+    /// Every other force up to the limit that reaches the amplitude, with the reasons against it.
     pub alternatives: Vec<Alternative>,
     /// Simulated locations, L4 first.
     pub locations: Vec<Frontal>,

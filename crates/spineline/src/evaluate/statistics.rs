@@ -1,7 +1,7 @@
 //! Statistics of a cohort: the paper's, which pool vertebrae, and beside them those that respect who they belong to.
 //!
 //! Vertebrae of one patient are not independent. A paired t-test over all vertebrae of all patients is printed because
-//! the paper printed it; the patient-level test and the cluster bootstrap are the ones to believe.
+//! the paper printed it; use the patient-level test and the cluster bootstrap.
 
 use rand::RngExt;
 use rand_chacha::ChaCha12Rng;

@@ -1,4 +1,4 @@
-//! A hypothesis fitted to the bends of a patient, and what it predicts of films that it did not see.
+//! A hypothesis fitted to the bends of a patient, and its predictions of films that were not fitted.
 
 use nalgebra::DVector;
 

@@ -1,4 +1,4 @@
-//! What one unit of every component of a load does to which vertebra.
+//! Wrench of one unit of every component of a load on each vertebra.
 
 use super::{HypothesisFilm, LoadShape, Spine};
 use crate::action::LineOfAction;

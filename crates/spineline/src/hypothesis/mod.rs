@@ -1,10 +1,10 @@
-//! Other loads than one force along a line: what else may bend the spine, and which of them the films support.
+//! Loads other than one force along a line, and which of them the films support.
 //!
 //! # Model
 //! A [`Hypothesis`] is the kind of load that acts on every bend ([`LoadShape`], with one to three free components per film)
 //! and what is done with the base ([`Base`]). Springs are those of [`crate::personalize`]: one `ln α` per group of joints, shared
 //! by all bends, their mean held at zero. Loads that move with their vertebra are solved by [`GeneralStatics`]; a line
-//! fixed in space is one of them, so that the paper's line is fitted by the same code as its rivals.
+//! fixed in space is one of them, so that the same code fits the paper's line and its alternatives.
 //!
 //! # The base
 //! L4 is the origin of every film's frame and its axis is the frame's, so that L4 is at rest by definition and its own turn in

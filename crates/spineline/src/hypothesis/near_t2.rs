@@ -1,4 +1,4 @@
-//! The load on a film that was not fitted: the least one that brings T2 to within a millimetre of the nearest it gets.
+//! The load on a film that was not fitted: the smallest one that brings T2 to within a millimetre of its smallest distance.
 
 use nalgebra::{DMatrix, DVector};
 

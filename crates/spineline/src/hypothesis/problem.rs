@@ -57,7 +57,7 @@ impl LoadedFilm {
         })
     }
 
-    /// Forgets the last shape, from which the next one is sought.
+    /// Forgets the last shape, from which the search for the next one starts.
     pub fn reset(&mut self) {
         self.work.hinges_mut().fill(Vec3::zeros());
     }

@@ -59,7 +59,7 @@ pub enum CalibrationError {
         /// What it must be.
         must: &'static str,
     },
-    /// Clicks so near that their own scatter is most of the distance.
+    /// Points too close for their standard deviation.
     #[error(
         "the two points are {apart_px:.1} pixels apart, and the minimum is {least_px:.1} (ten times their standard deviation)"
     )]
@@ -72,18 +72,18 @@ pub enum CalibrationError {
 }
 
 impl Calibration {
-    /// What one careful click is taken to scatter by.
+    /// Assumed standard deviation of one careful click.
     pub const CLICK_SD_PX: f64 = 0.5;
 
     /// The film's spacing in the plane of the calibrator, with its uncertainty.
     ///
     /// With the clicks `a` and `b`, `D² = (Δcolumn)² + (aspect · Δrow)²`, `column = length / D` and `row = aspect · column`.
-    /// Both clicks scatter by the same number of pixels in both directions, so the relative variance of the scale is
+    /// Both points have the same standard deviation in pixels in both directions, so the relative variance of the scale is
     /// `2 σ² (Δcolumn² + aspect⁴ Δrow²) / D⁴ + (σ_length / length)²`, to first order.
     ///
     /// # Assumption
     /// The calibrator lies as far from the detector as the spine does; 10 mm off at a source distance of 2 m is another
-    /// 0.5 %, which nobody can see in the picture, and which is not part of the result.
+    /// 0.5 %, which is not visible in the picture, and which is not part of the result.
     ///
     /// # Errors
     /// [`CalibrationError`]: a number that cannot be meant, or clicks that are too near.

@@ -95,13 +95,13 @@ impl Corners<Frontal> {
         }
     }
 
-    /// Lean of the line from the inferior to the superior endplate's centre: the paper's θ of a vertebra.
+    /// Lateral tilt of the line from the inferior to the superior endplate's centre: the paper's θ of a vertebra.
     #[must_use]
     pub fn measure_tilt(&self) -> Angle {
         self.axis().lean()
     }
 
-    /// Lean of the body as its two endplates show it: that of the normal of the line through the midpoints of its left and
+    /// Lateral tilt of the body by its two endplates: that of the normal of the line through the midpoints of its left and
     /// right wall, which runs along the mean of the endplates.
     ///
     /// It differs from [`Corners::measure_tilt`] for a body whose walls do not stand square on its endplates.

@@ -1,4 +1,4 @@
-//! What a film's file says about its spacing, weighed; nothing is guessed.
+//! The spacing of a film from the attributes of its file; nothing is guessed.
 
 use super::spacing::is_spacing;
 use super::{Spacing, SpacingPlane, SpacingSource};
@@ -12,7 +12,7 @@ pub enum CalibrationType {
     Fiducial,
 }
 
-/// The attributes of a radiograph that speak of its spacing. Pairs are `[row, column]` as DICOM writes them: the distance
+/// The attributes of a radiograph about its spacing. Pairs are `[row, column]` as DICOM writes them: the distance
 /// between rows comes first.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SpacingEvidence {

@@ -12,7 +12,7 @@ pub struct ImageGeometry {
     pub columns: u32,
     /// Number of rows.
     pub rows: u32,
-    /// Distances between its pixels; `None` where nobody knows them: then pixels are the unit, and taken as square.
+    /// Distances between its pixels; `None` where unknown: then pixels are the unit, and taken as square.
     pub spacing: Option<Spacing>,
     /// The side of the picture on which the patient's left is.
     pub patient_left: ImageSide,
@@ -45,12 +45,12 @@ impl ImageGeometry {
         Pixel::new(point.y_mm / (self.left_per_column() * column_mm), -point.z_mm / row_mm)
     }
 
-    /// What one column and one row stand for.
+    /// Size of one column and one row.
     fn steps(&self) -> (f64, f64) {
         self.spacing.map_or((1.0, 1.0), |spacing| (spacing.column_mm, spacing.row_mm))
     }
 
-    /// A lean against the image's vertical, positive clockwise as seen, as a tilt of the patient; its own inverse.
+    /// An angle to the image's vertical, positive clockwise as seen, as a tilt of the patient; its own inverse.
     #[must_use]
     pub fn tilt_from_clockwise(&self, clockwise: Angle) -> Angle {
         clockwise * -self.left_per_column()

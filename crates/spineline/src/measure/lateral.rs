@@ -29,11 +29,11 @@ pub struct LateralFilm {
     pub columns: u32,
     /// Number of rows.
     pub rows: u32,
-    /// Distances between its pixels; `None` where nobody knows them: then pixels are taken as square.
+    /// Distances between its pixels; `None` where unknown: then pixels are taken as square.
     pub spacing: Option<Spacing>,
     /// The side of the picture on which the patient's front is.
     pub patient_anterior: ImageSide,
-    /// The readings; a film that nobody has marked yet has none, and the population's profile is used.
+    /// The readings; a film without landmarks has none, and the population's profile is used.
     pub readings: Vec<Reading<LateralCorners>>,
 }
 
@@ -86,7 +86,7 @@ impl LateralFilm {
         Ok(Some(profile))
     }
 
-    /// Lean of a vertebra's axis to the front, positive in flexion.
+    /// Sagittal angle of a vertebra's axis, positive in flexion.
     fn pitch(
         &self,
         id: &ReadingId,

@@ -1,4 +1,4 @@
-//! What a reading says while it is being marked: midpoints and axes of single vertebrae, and faults as they happen.
+//! A reading while it is being marked: midpoints and axes of single vertebrae, and faults as they occur.
 //!
 //! Places are pixels with the centre of the first one at zero. Directions are taken in the film's frontal frame
 //! ([`ImageGeometry::frontal`]: millimetres, or pixels where no spacing is known), so that pixels need not be square.
@@ -129,7 +129,7 @@ pub enum MarkingFault {
         /// Vertebrae marked.
         count: usize,
     },
-    /// A vertebra lies at or below the one that it should stand on.
+    /// A vertebra lies at or below the next lower one.
     OutOfOrder {
         /// Lower vertebra.
         inferior: Level,

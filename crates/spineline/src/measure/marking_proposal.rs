@@ -1,4 +1,4 @@
-//! What is marked next, and where it is to be expected.
+//! The next landmark, and its expected place.
 
 use std::collections::BTreeMap;
 
@@ -154,7 +154,7 @@ struct Body {
     scale: f64,
 }
 
-/// A body that nobody has marked.
+/// A body without landmarks.
 #[derive(Debug, Clone, Copy)]
 struct Expected {
     location: Frontal,

@@ -1,6 +1,6 @@
 //! Step 1: landmarks on a radiograph → location and tilt of every vertebra in the global frame.
 //!
-//! The location of a vertebra is the intersection of the two diagonals of its body; its tilt is the lean of the line
+//! The location of a vertebra is the intersection of the two diagonals of its body; its tilt is the lateral tilt of the line
 //! through the centres of its endplates, or an axis turned by hand. Readings are averaged on the film, and the film is
 //! then brought into `G`: L4's midpoint is the origin and L4's own axis is +Z, so L4's tilt is zero in every posture,
 //! however the film was held.
@@ -164,7 +164,7 @@ pub enum MeasureError {
         /// Vertebrae marked.
         count: usize,
     },
-    /// A vertebra is marked at or below the one that it should stand on.
+    /// A vertebra is marked at or below the next lower one.
     #[error(
         "{posture} film: {superior} lies {:.0} % of the expected distance above {inferior}, and the minimum is {:.0} %", 100.0 * share, 100.0 * limit
     )]
@@ -197,7 +197,7 @@ pub enum MeasureError {
 }
 
 impl MeasureError {
-    /// A stable name, as for counts of endings.
+    /// A stable name, for counts.
     #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {

@@ -6,8 +6,8 @@ use crate::spatial::Angle;
 
 /// Standard deviation of a film's measured values (means over its readings).
 ///
-/// Means over several observers are as unsure as these differ, or their repeats where those differ more. A bias that all observers
-/// share does not show in it.
+/// The uncertainty of a mean over several observers follows from the differences between them, or between their repeats
+/// where those differ more. A bias that all observers share does not show in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
     /// Of a coordinate of a location.
@@ -90,8 +90,8 @@ impl ReadingSquares {
         self.between.1 += by_observer.len() - 1;
     }
 
-    /// Variance of one reading, such that the mean of all is as unsure as observers differ, or their repeats where those differ
-    /// more; `None` where nothing was read twice.
+    /// Variance of one reading, from the differences between observers, or between their repeats where those differ more;
+    /// `None` where nothing was read twice.
     pub fn variance(&self) -> Option<f64> {
         let variance = |(squares, freedom): (f64, usize)| squares / freedom.max(1) as f64;
         (self.all.1 > 0).then(|| variance(self.all).max(variance(self.between)))

@@ -32,7 +32,7 @@ pub struct Outline {
     pub vertebrae: Vec<MeasuredVertebra>,
     /// Marked levels that are not part of the model (L5, T1).
     pub others: Vec<MeasuredVertebra>,
-    /// Lean of the normal of the iliac line in `G`; `None` where the crests were not marked.
+    /// Lateral tilt of the normal of the iliac line in `G`; `None` where the crests were not marked.
     pub iliac_normal: Option<Angle>,
     /// L4's tilt on the film, which `G` has taken out.
     pub l4_on_film: Angle,
@@ -58,9 +58,9 @@ impl Outline {
         self.vertebrae.iter().map(|vertebra| vertebra.location)
     }
 
-    /// Lean of the line L4→T2 against the normal of the iliac line, or against L4's axis where no crest was marked.
+    /// Lateral tilt of the line L4→T2 relative to the normal of the iliac line, or against L4's axis where no crest was marked.
     ///
-    /// This is the amplitude of a bend [petit-2004], between the ends of the model. Positive leans right.
+    /// This is the amplitude of a bend [petit-2004], between the ends of the model. Positive to the right.
     #[must_use]
     pub fn amplitude(&self) -> Angle {
         let top = self.vertebrae[self.vertebrae.len() - 1].location;
@@ -321,7 +321,7 @@ fn scaled_from_pixels(
     let (mut typical_mm, mut length_px) = (0.0, 0.0);
     let marked: Vec<(Level, Frontal)> = means.iter().map(|(&l, (p, _))| (l, p.location)).collect();
     for pair in marked.windows(2) {
-        // Vertebrae that nobody marked are passed over on both sides of the ratio.
+        // Vertebrae without landmarks are skipped on both sides of the ratio.
         typical_mm += typical_distance_mm(pair[0].0, pair[1].0);
         length_px += pair[0].1.distance_mm(pair[1].1);
     }

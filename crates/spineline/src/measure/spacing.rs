@@ -14,7 +14,7 @@ pub enum SpacingPlane {
     Patient,
     /// Millimetres on the detector: larger than life by the magnification of the set-up.
     Detector,
-    /// Millimetres of which nobody said where.
+    /// Millimetres in a plane that is not stated.
     Unknown,
     /// No millimetres: pixels, taken as square. Angles can be measured, lengths cannot.
     Pixels,
@@ -174,7 +174,7 @@ pub(crate) fn is_spacing(mm: f64) -> bool {
 /// No detector has finer pixels.
 pub(crate) const MIN_SPACING_MM: f64 = 1e-4;
 
-/// The unit of a measured film: what its millimetres are, and how sure their size is.
+/// The unit of a measured film: what its millimetres are, and the uncertainty of their scale.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LengthScale {
     /// Plane of the lengths.
@@ -218,7 +218,7 @@ impl LengthScale {
         self.pixels_per_mm.map(|factor| factor * length_mm)
     }
 
-    /// What the scale alone makes unsure of a length.
+    /// Uncertainty of a length from the scale alone.
     #[must_use]
     pub fn sd_mm(&self, length_mm: f64) -> Option<f64> {
         self.relative_sd.map(|sd| sd * length_mm.abs())

@@ -1,4 +1,4 @@
-//! What a film's file says about how the patient is seen, weighed; what is absent or contradicts itself is asked about.
+//! The view of a film from the attributes of its file; what is absent or contradictory becomes a question.
 
 use std::fmt;
 
@@ -69,7 +69,7 @@ pub enum Stance {
     Recumbent,
 }
 
-/// The attributes of a radiograph that speak of its view.
+/// The attributes of a radiograph about its view.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ViewEvidence {
     /// Patient Orientation: where the columns and the rows run to. The first value is the direction of increasing
@@ -90,7 +90,7 @@ pub enum View {
     Lateral,
 }
 
-/// What has to be asked about a film.
+/// Questions about a film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ViewQuestion {
@@ -148,10 +148,10 @@ impl fmt::Display for ViewQuestion {
     }
 }
 
-/// What a file supports, and what has to be asked.
+/// What a file states, and what must be asked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViewJudgement {
-    /// The view; `None` where nothing or contradicting things are said.
+    /// The view; `None` where it is absent or contradictory.
     pub view: Option<View>,
     /// The side of a frontal picture on which the patient's left is.
     pub patient_left: Option<ImageSide>,
@@ -163,7 +163,7 @@ pub struct ViewJudgement {
 
 /// Weighs what a file says about its view.
 ///
-/// View Position alone never tells the side: it says how the beam went, not how the picture hangs.
+/// View Position alone does not give the side: it is the direction of the beam, not the orientation of the picture.
 ///
 /// # References
 /// DICOM PS3.3, C.7.6.1.1.1 (Patient Orientation), C.8.4.1 and C.8.11.5 (View Position, Patient Orientation Code).

@@ -1,7 +1,7 @@
 //! Step 4: the chain in two postures → how far every segment rotates, and which rotate least.
 //!
 //! The rotation of a segment is `|joint angle when erect - joint angle in P|`, the paper's r. The least-rotating segment
-//! is sought in two windows, between the midpoints of L2 and T9 and of T7 and T4 on the erect film. An inflection is a
+//! is searched in two windows, between the midpoints of L2 and T9 and of T7 and T4 on the erect film. An inflection is a
 //! segment of the **erect** chain and stays that segment in every posture.
 //!
 //! # References

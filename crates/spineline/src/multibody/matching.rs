@@ -69,7 +69,7 @@ pub struct ForceMatch {
 }
 
 impl ForceMatch {
-    /// The shape under a force that is known already; the residual is what it leaves of a lean of L4→T2.
+    /// The shape under a force that is known already; the residual is the remaining lateral tilt of L4→T2.
     #[must_use]
     pub fn at(statics: &Statics<'_>, load: &Load, force_n: f64, lean: Angle) -> Self {
         let mut solution = Solution::default();
@@ -95,12 +95,12 @@ pub(crate) const MAX_FORCE_PER_STIFFNESS: f64 = 1500.0 / 144_000.0;
 const MAX_GUESS_MM: f64 = 20.0;
 /// A path that cannot be followed by so small a part of a step breaks off.
 const MIN_STEP_FRACTION: f64 = 1.0 / 20.0;
-/// A path that needs more equilibria than this goes nowhere.
+/// Maximum number of equilibria of a path.
 const MAX_EVALUATIONS: u32 = 2000;
 
-/// Finds the first force of a sign at which the line L4→T2 has a given lean.
+/// Finds the first force of a sign at which the line L4→T2 has a given lateral tilt.
 ///
-/// The lean is not monotone in the force, so the path is followed from zero in small steps, and a turn within a step is
+/// The lateral tilt is not monotone in the force, so the path is followed from zero in small steps, and a turn within a step is
 /// looked at too. The first crossing counts; [`amplitude_matches`] gives all.
 #[must_use]
 pub fn match_amplitude(
@@ -114,10 +114,10 @@ pub fn match_amplitude(
     path.first_or_nearest()
 }
 
-/// Finds every force of either sign, up to the largest force and hinge angle, at which the line L4→T2 has a given lean.
+/// Finds every force of either sign, up to the largest force and hinge angle, at which the line L4→T2 has a given lateral tilt.
 ///
 /// Where there is none, the nearest shape comes back as [`MatchStatus::Unreachable`]; the list is never empty. Where a
-/// path was lost on its way, the last entry is [`MatchStatus::NotConverged`].
+/// path did not converge, the last entry is [`MatchStatus::NotConverged`].
 #[must_use]
 pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> Vec<ForceMatch> {
     let mut path = Path::new(statics, load, LeanTarget(target));
@@ -128,7 +128,7 @@ pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> V
         return vec![path.first_or_nearest()];
     }
     if !path.converged {
-        // A path that was lost may have hidden another force.
+        // A path that did not converge may contain another force.
         path.record(MatchStatus::NotConverged, path.nearest_n(), path.least_residual());
     }
     path.found
@@ -304,7 +304,7 @@ impl<'a, S: SearchTarget> Path<'a, S> {
         self.converged = false;
     }
 
-    /// The next state from the last one, which was `now`; `None` where the path is lost.
+    /// The next state from the last one, which was `now`; `None` where the path does not converge.
     fn step(&mut self, now: &PathState, sign: f64, cap_n: f64) -> Option<PathState> {
         let newton_n = sign * now.newton_step_n(self.seen[1].as_ref());
         let mut step_n = now.step_n.min(self.longest_n);

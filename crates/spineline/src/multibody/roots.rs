@@ -21,7 +21,7 @@ pub(super) trait Along {
     /// The function at a place; `None` where it cannot be evaluated.
     fn sample(&mut self, at: f64) -> Option<Sample>;
 
-    /// Called for every zero, right after it was sampled, and for every one that was lost; whether more are wanted.
+    /// Called for every zero, right after it was sampled, and for every one that was not found; whether the search goes on.
     fn found(&mut self, zero: Result<Sample, Lost>) -> bool;
 }
 

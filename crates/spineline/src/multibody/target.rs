@@ -1,4 +1,5 @@
-//! Targets of a search along a growing force: a lean of the line L4→T2, or the smallest distance of T2 from a place.
+//! Targets of a search along an increasing force: a lateral tilt of the line L4→T2, or the smallest distance of T2 from a
+//! place.
 
 use super::Solution;
 use super::roots::Sample;

@@ -1,4 +1,4 @@
-//! The line of action that the data themselves prefer: where a fit of the estimated line starts.
+//! The line of action of best fit to the data: the start of the fit of the estimated line.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -8,7 +8,7 @@ use crate::action::{Application, LineOfAction};
 use crate::multibody::{JointGroups, Load};
 use crate::spatial::Frontal;
 
-/// The planar load that measured rotations prefer on one film.
+/// The planar load that fits the measured rotations of one film best.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimatedLoad {
     /// `(fy, fz, mx)` about the origin of `G`, in N and N·mm, up to the level of stiffness.

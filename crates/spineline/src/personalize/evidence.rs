@@ -1,4 +1,4 @@
-//! What one film says of every joint, before any model is fitted.
+//! The evidence of one film on every joint, before any model is fitted.
 
 use crate::anatomy::Level;
 use crate::measure::Outline;

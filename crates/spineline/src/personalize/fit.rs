@@ -12,9 +12,9 @@ use crate::multibody::{JointGroups, Load, SpineModel, StiffnessLibrary};
 pub enum StiffnessBound {
     /// Between its bounds.
     Inside,
-    /// At the lower bound: the data want it softer still.
+    /// At the lower bound: the data favour a softer value.
     Lower,
-    /// At the upper bound: the data want it stiffer still.
+    /// At the upper bound: the data favour a stiffer value.
     Upper,
 }
 
@@ -37,7 +37,7 @@ pub struct Personalization {
     pub starts: u32,
     /// Root mean square of the data's residuals: degrees for Ferguson angles, standard deviations for a shape.
     pub residual_rms: f64,
-    /// How the films scatter about the model where no prior holds it: sum of squares over the degrees of freedom, and at least
+    /// Variance of the films about the model without a prior: sum of squares over the degrees of freedom, and at least
     /// 1, which is noise alone.
     pub variance_factor: f64,
     /// Singular values of the derivative of the data by the unknowns `(ln α, ln F)`: small ones are not identified.
@@ -340,7 +340,7 @@ impl Best {
         ends.into_iter().filter(|end| end.1 <= most).map(|end| end.0.clone()).collect()
     }
 
-    /// Refines the promising ones of the starts beside the first, and every start where the fit misses the data by far.
+    /// Refines the promising ones of the starts beside the first, and every start where the residuals are large.
     fn improve_further(
         &mut self,
         problem: &mut Problem<'_>,
@@ -355,7 +355,7 @@ impl Best {
         let (likely, rest): (Vec<_>, Vec<_>) =
             priced.into_iter().partition(|(_, cost)| *cost <= promising);
         self.improve_from(problem, &likely, enough);
-        // A fit that misses the data by far may have ended in a wrong minimum.
+        // A fit with large residuals may be a local minimum.
         let poor = match problem.target() {
             FitTarget::Ferguson => POOR_DEG,
             FitTarget::Shape => POOR_MM / problem.location_sd_mm(),

@@ -1,9 +1,9 @@
-//! What the data of a fit say of every multiplier: information, profile likelihood, and what a prior adds.
+//! Identifiability of every multiplier from the data of a fit: information, profile likelihood, and what a prior adds.
 //!
 //! # Equations
 //! Let `J_a` and `J_f` be the derivatives of the data's residuals, in standard deviations, by `ln alpha` and by the free
-//! loads, `Q` an orthonormal basis of the columns of `J_f`, and `phi` the variance factor. What the films say of stiffness,
-//! with the loads free, is
+//! loads, `Q` an orthonormal basis of the columns of `J_f`, and `phi` the variance factor. The information of the films on
+//! stiffness, with the loads free, is
 //!
 //! ```text
 //! A = (I - Q Q') J_a,    information = A' A / phi
@@ -187,7 +187,7 @@ const IMPROVEMENT: f64 = 1e-3;
 const MAX_STEPS: usize = 24;
 const MAX_BISECTIONS: usize = 12;
 
-/// Asks what the films of a fit say of its multipliers; `None` where the fit did not converge.
+/// Determines which multipliers the films of a fit identify; `None` where the fit did not converge.
 #[must_use]
 pub fn identify(
     springs: &FittedSprings<'_>,

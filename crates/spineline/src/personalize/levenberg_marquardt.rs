@@ -118,7 +118,7 @@ pub(crate) fn minimize(
             let promised = -2.0 * step.dot(&gradient) - normal_form(&normal, &step);
             let evaluable = evaluate(&next, &mut trial);
             if evaluable && trial.cost() < cost {
-                // Nielsen's rule: trust grows with how much of the promise came true.
+                // Nielsen's rule: the trust region grows with the ratio of actual to predicted decrease.
                 let ratio = (cost - trial.cost()) / promised.max(f64::MIN_POSITIVE);
                 damping = (damping * f64::max(0.1, 1.0 - (2.0 * ratio - 1.0).powi(3))).max(1e-15);
                 growth = 2.0;

@@ -1,4 +1,4 @@
-//! Whether films are compatible with a line of action, and where their own line may run.
+//! Test of a line of action against films, and the 95 % region of the line of best fit.
 
 use nalgebra::{DMatrix, DVector, Matrix4, RowVector3, Vector4};
 use statrs::distribution::{ChiSquared, ContinuousCDF};

@@ -9,7 +9,7 @@
 //!
 //! # Steps
 //! 1. [`evidence`]: rotation and lever arm of every joint are both measured on the film, which gives a start in closed
-//!    form, the joints that no positive stiffness can explain, and the line that the data prefer ([`estimate`]).
+//!    form, the joints that no positive stiffness can explain, and the line of best fit to the data ([`estimate`]).
 //! 2. Bounded Levenberg-Marquardt on analytic derivatives of the march, from that start and, where the fit does not
 //!    satisfy the data, from others in a fixed order.
 //!
@@ -46,7 +46,7 @@ use crate::clinical::Regions;
 use crate::measure::Outline;
 use crate::multibody::{Load, Support};
 
-/// What fixes the level of stiffness and force.
+/// The scale constraint: what fixes the overall level of stiffness and force.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Gauge {
     /// Mean `ln α` is zero: multipliers are ratios, forces have no absolute meaning.
@@ -102,7 +102,7 @@ impl FitTarget {
 named!(FitTarget);
 
 /// What is known of stiffness before the films: every multiplier's distance from their mean, `ln α - mean ln α`, is normal
-/// about zero. It speaks of ratios alone, as the films do.
+/// about zero. It concerns ratios only, as the films do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LogNormalPrior {
     /// Standard deviation of `ln α`.
@@ -141,7 +141,7 @@ pub struct FitSettings<'a> {
     pub gauge: Gauge,
     /// What holds the patient.
     pub support: Support,
-    /// What is known of the multipliers before; `None` lets the films speak alone.
+    /// The prior of the multipliers; `None` for the films alone.
     pub prior: Option<LogNormalPrior>,
     /// Starts beside those in closed form, such as what a fit with another line has found.
     pub hints: &'a [Start],

@@ -1,4 +1,4 @@
-//! The loads that rotations of films prefer, with all that is unsure about them.
+//! The loads that fit the measured rotations best, with their uncertainty.
 //!
 //! # Model
 //! The rotation of joint `j` on a film is `(a_j · w) / α e^(δ_j)` and noise: `w` is the planar load, `a_j` its nominal

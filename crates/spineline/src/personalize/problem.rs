@@ -350,7 +350,7 @@ impl<'a> Problem<'a> {
         self.settings.gauge != Gauge::FrozenForce
     }
 
-    /// How far every `ln α` lies from their mean, in deviations of the prior: it speaks of ratios, as the films do.
+    /// How far every `ln α` lies from their mean, in standard deviations of the prior: it concerns ratios, as the films do.
     fn prior_rows(&self, x: &DVector<f64>, system: &mut System) {
         let Some(prior) = self.settings.prior else { return };
         let (first, g) = (self.data_rows(), self.groups.len());

@@ -6,9 +6,9 @@ use super::{StatisticEstimate, Undefined};
 /// Which part of the error is meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SemKind {
-    /// Raters' offsets and scatter: another rater's reading of the same subject.
+    /// Raters' offsets and random error: another rater's reading of the same subject.
     Agreement,
-    /// Scatter alone: the same rater's, or raters whose offsets do not matter.
+    /// Random error alone: the same rater's, or raters whose offsets do not matter.
     Consistency,
 }
 

@@ -35,7 +35,7 @@ const ANGLES: [(&str, &str); 2] = [
 ///
 /// The paper correlated locations and tilts over all vertebrae. Heights of vertebrae span 400 mm, so that any reader who
 /// knows the order of the vertebrae has r = 0.999: such quantities are named `…_as_paper`, and of them only SEM, MDC95
-/// and limits of agreement speak of the readers. Beside them stand local quantities, from which the position along the
+/// and limits of agreement describe the observers. Local quantities are added, from which the position along the
 /// spine and the film's frame have dropped out, and, but for the spacing, the patient's lean: their spread is that of the
 /// spine's shape, which is what an ICC should compare the error with. (A lateral step from vertebra to vertebra would
 /// still hold the lean: bends of both sides make it span 40 mm.) An error of these holds those of two or three vertebrae.

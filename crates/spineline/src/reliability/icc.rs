@@ -88,7 +88,7 @@ impl MeanSquares {
         Ok(Self { n, k, rows, columns, error })
     }
 
-    /// Whether all raters said the same of every subject.
+    /// Whether all raters agree on every subject.
     pub(super) fn is_perfect(&self) -> bool {
         self.columns <= 0.0 && self.error <= 0.0
     }

@@ -1,11 +1,11 @@
-//! Step 1, how well readings repeat: readings of the same subjects → reliability and measurement error.
+//! Step 1, reliability: readings of the same subjects → reliability and measurement error.
 //!
-//! The paper's Pearson correlations stand beside what answers the question that they do not: whether readings *agree*
-//! (ICC for absolute agreement), and by how much they miss (SEM, MDC95, limits of agreement). A correlation is blind to
+//! The paper's Pearson correlations are reported with the statistics that answer another question: whether readings *agree*
+//! (ICC for absolute agreement), and by how much they differ (SEM, MDC95, limits of agreement). A correlation ignores
 //! a constant difference between readers, and it and every ICC grow with the spread of the subjects. The errors do not:
-//! they are the headline.
+//! they are the main result.
 //!
-//! A [`RatedQuantity`] is a table of subjects × observers × repeats; [`assess`] asks of it, for every [`Design`], every
+//! A [`RatedQuantity`] is a table of subjects × observers × repeats; [`assess`] computes for it, for every [`Design`], every
 //! [`StatisticKind`]. What has no value says why ([`Undefined`]); nothing here is ever NaN. [`film_quantities`] makes the
 //! tables of marked films.
 //!
@@ -57,7 +57,7 @@ pub use words::{shown_coefficient, shown_measure};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Undefined {
-    /// Nobody to compare an observer with.
+    /// There is no second observer.
     #[error("one observer only: give readings of a second one")]
     OneObserver,
     /// Nothing to compare a reading with.

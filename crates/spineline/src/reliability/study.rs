@@ -162,7 +162,7 @@ pub struct QuantityReliability {
     pub designs: Vec<DesignReliability>,
 }
 
-/// Asks every statistic of every design of a table of readings.
+/// Computes every statistic of every design of a table of readings.
 #[must_use]
 pub fn assess(quantity: &RatedQuantity) -> QuantityReliability {
     let readers = quantity.readers();

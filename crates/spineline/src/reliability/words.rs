@@ -1,4 +1,4 @@
-//! Numbers as people read them: what is not zero never looks like zero, and what is not one never like one.
+//! Numbers for display: a number that is not zero never shows as zero, and one that is not one never as one.
 
 use super::Statistic;
 
@@ -21,7 +21,7 @@ pub fn shown_coefficient(value: f64) -> String {
     }
     let rounded = |places: usize| format!("{value:.places$}");
     let is_one = |text: &str| text.parse::<f64>().is_ok_and(|shown| shown.abs() == 1.0);
-    // The last of seventeen places tells every double apart from one.
+    // Seventeen places distinguish every double from one.
     (3..17).map(rounded).find(|text| !is_one(text)).unwrap_or_else(|| rounded(17))
 }
 

@@ -23,7 +23,7 @@ pub struct CurveAngles {
 /// What clinicians would measure on a frontal film of a shape.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpineAngles {
-    /// Lean of the line from the lowest to the uppermost vertebra.
+    /// Lateral tilt of the line from the lowest to the uppermost vertebra.
     pub lean: Angle,
     /// Curves, in the order of the places.
     pub curves: Vec<CurveAngles>,

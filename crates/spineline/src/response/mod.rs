@@ -1,8 +1,8 @@
-//! Loads on a personalised spine: the shape that it takes, all others that meet the same goal, and what clinicians would
+//! Loads on a personalised spine: the shape that it takes, all others that meet the same target, and what clinicians would
 //! measure on them.
 //!
 //! [`respond`] follows the branch of equilibria from the erect spine ([`crate::multibody::GeneralStatics::follow_with`]).
-//! For a given load that is one path. For a given lean it is two, since the loads may have to act against themselves, and
+//! For a given load that is one path. For a given amplitude it is two, since the loads may have to act against themselves, and
 //! the least loaded shape that a spine reaches without snapping or buckling is the one it takes.
 
 mod acting;

@@ -60,13 +60,13 @@ pub struct GoalEquilibrium {
 /// What a spine does under loads.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response {
-    /// What was sought.
+    /// Target of the search.
     pub goal: Goal,
     /// No factor beyond this one was looked at.
     pub largest_factor: f64,
     /// How the search ended, over all paths.
     pub ending: PathEnding,
-    /// One path for a given load; for a given lean one along and one against the loads.
+    /// One path for a given load; for a given amplitude one along and one against the loads.
     pub paths: Vec<SignedPath>,
     /// Every shape that meets the goal: those on the erect branch first, and the smaller factor first.
     pub equilibria: Vec<GoalEquilibrium>,
@@ -221,7 +221,7 @@ pub fn respond(
 }
 
 fn ending(equilibria: &[GoalEquilibrium], paths: &[SignedPath]) -> PathEnding {
-    // A path that was lost at smaller loads may hide a shape that is reached first.
+    // Where a path did not converge at smaller loads, an earlier equilibrium may be missed.
     let lost_before = |factor: f64| {
         let lost = paths.iter().filter(|signed| !signed.path.is_complete);
         lost.filter_map(|signed| signed.path.points.last()).any(|last| last.factor.abs() < factor)

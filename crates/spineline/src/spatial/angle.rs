@@ -5,7 +5,7 @@ use crate::anatomy::Side;
 
 /// A plane angle, right-handed about +X, +Y or +Z, held in radians.
 ///
-/// In the frontal plane a positive angle leans to the patient's **right**; people are shown a side, never a sign.
+/// In the frontal plane a positive angle is to the patient's **right**; users see a side, never a sign.
 /// Degrees exist only at the border: [`Angle::from_deg`], [`Angle::deg`].
 ///
 /// ```
@@ -70,7 +70,7 @@ impl Angle {
         Self::from_sin_cos(self.0.sin(), self.0.cos())
     }
 
-    /// The side to which a frontal angle leans; `None` for zero.
+    /// The side of a frontal angle; `None` for zero.
     #[must_use]
     pub fn side(self) -> Option<Side> {
         if self.0 > 0.0 {
@@ -87,7 +87,7 @@ impl Angle {
     pub fn leaning(self) -> String {
         let size = self.abs().to_string();
         match self.side() {
-            // What rounds to nothing leans to neither side.
+            // An angle that rounds to zero has no side.
             Some(side) if size != "0.0°" => format!("{size} {side}"),
             _ => size,
         }

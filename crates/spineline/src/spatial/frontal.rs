@@ -47,14 +47,14 @@ impl Frontal {
         Self { y_mm, z_mm }
     }
 
-    /// The unit vector that leans by `tilt` from the cranial direction; positive leans to the patient's right.
+    /// The unit vector at the angle `tilt` from the cranial direction; positive to the patient's right.
     #[must_use]
     pub fn leaning(tilt: Angle) -> Self {
         let (s, c) = tilt.rad().sin_cos();
         Self::new(-s, c)
     }
 
-    /// The lean of this displacement from the cranial direction, in (-π, π]; the inverse of [`Frontal::leaning`].
+    /// The lateral tilt of this displacement from the cranial direction, in (-π, π]; the inverse of [`Frontal::leaning`].
     #[must_use]
     pub fn lean(self) -> Angle {
         Angle::from_sin_cos(-self.y_mm, self.z_mm)

@@ -1,4 +1,4 @@
-//! Angles, typed points and small vectors: the only home of degree conversion and of `atan2`.
+//! Angles, typed points and small vectors: the only place of degree conversion and of `atan2`.
 //!
 //! # Frames
 //! - `I`, image: column to the right, row down, in pixels: [`Pixel`].

@@ -18,7 +18,7 @@ const SERIES: [Vector2<f64>; 7] = [
 
 /// Sine and cosine of an angle in rad.
 ///
-/// An equilibrium asks for 42 of them one after the other, nearly all of small angles. Up to half a radian they are
+/// An equilibrium needs 42 of them one after the other, nearly all of small angles. Up to half a radian they are
 /// summed here from their Taylor series, in place and with fewer instructions than the library's take.
 ///
 /// # Accuracy

@@ -1,4 +1,4 @@
-//! Vectors of `G` in words: sides, never signs.
+//! Vectors of `G` as text: sides, never signs.
 
 /// Parts of a vector below this part of the largest are not worth a word.
 const MIN_PART: f64 = 0.005;

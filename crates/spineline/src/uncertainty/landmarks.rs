@@ -28,7 +28,7 @@ pub enum LandmarkNoise {
 pub enum NoiseSource {
     /// The spread of the case's readings of this film, or, for corners, of all its films.
     Readings,
-    /// The assumption for one careful reading: nobody read twice.
+    /// The assumption for one careful reading, without repeats.
     Assumed,
     /// The user.
     Given,
@@ -182,8 +182,8 @@ fn move_mark(
     }
 }
 
-/// What the corners' deviation would do to the lean of the line through the endplates' centres: each centre is the mean of
-/// two corners, so that their difference has the deviation of one corner.
+/// Effect of the corners' standard deviation on the lateral tilt of the line through the endplates' centres: each centre is
+/// the mean of two corners, so that their difference has the deviation of one corner.
 fn equivalent_axis_sd(mark: &Mark, image: &ImageGeometry, sd_px: [f64; 2]) -> Angle {
     let corners = mark.corners.map(|corner| image.frontal(corner));
     let axis = (corners.superior_left + corners.superior_right

@@ -1,17 +1,18 @@
 //! The noise of landmarks through the whole pipeline: case → distribution of every number of its analysis.
 //!
 //! # Model
-//! A replicate is the case with every mark of every reading moved by independent normal noise of its own, analysed anew from
-//! the corners on. The mean of `n` readings so has the deviation of one over `√n`. What the case's own readings scatter is the
-//! default deviation ([`LandmarkNoise::Measured`]). The spread of a number over replicates is what that noise does to it.
+//! A replicate is the case with every landmark of every reading perturbed by independent normal noise, analysed again from
+//! the corners on. The mean of `n` readings has the standard deviation of one over `√n`. The variation of the case's
+//! readings is the default standard deviation ([`LandmarkNoise::Measured`]). The distribution of a quantity over replicates
+//! shows the effect of that noise.
 //!
 //! Three things are held at what the case itself gives: the deviations by which films are weighted ([`crate::measure::Noise`]:
-//! moved readings scatter twice, and would give too large ones), the options, and a lateral film.
+//! perturbed readings contain noise twice, and would give too large ones), the options, and a lateral film.
 //!
 //! # What it does not say
 //! Noise that all readers share, the scale of a film, the choice of levels and the model's own faults are not in it. Where a
 //! number is found by a choice (which inflections, which order, which force) its distribution may have several modes; the
-//! interval covers them all. Replicates scatter about the case as it was read, not about the truth.
+//! interval covers them all. Replicates vary about the case as it was read, not about the true values.
 //!
 //! # Use
 //! ```

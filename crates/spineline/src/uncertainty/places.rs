@@ -1,4 +1,4 @@
-//! Which film, vertebra, line and so on a quantity is of.
+//! The film, vertebra, line and so on of a quantity.
 
 use super::AnalysisQuantity;
 use crate::action::LineKind;

@@ -1,4 +1,4 @@
-//! The numbers of an analysis whose spread is asked for.
+//! The quantities of an analysis whose distribution is computed.
 
 use crate::action::LineKind;
 use crate::analysis::{Analysis, LineModel, PostureAnalysis};
@@ -40,11 +40,11 @@ pub enum AnalysisQuantity {
     LeastDistanceSegments(Posture, usize),
     /// The same along the erect film.
     LeastDistance(Posture, usize),
-    /// Angle between the line that the rotations prefer and the one through the inflections.
+    /// Angle between the line of best fit to the rotations and the inflection line.
     ComparisonAngle(Posture),
     /// Distance of the former from the middle of the inflections.
     ComparisonDistance(Posture),
-    /// Lean of a line of action.
+    /// Lateral tilt of a line of action.
     LineLean(LineKind, Posture),
     /// Signed distance of a line of action from where the middle of the inflections was found in the case itself.
     LineOffset(LineKind, Posture),
@@ -120,7 +120,7 @@ impl QuantityUnit {
     }
 }
 
-/// Everything that is asked of an analysis of these films with these lines.
+/// All quantities of an analysis of these films with these lines.
 pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<AnalysisQuantity> {
     use AnalysisQuantity as Q;
     let postures: Vec<Posture> = nominal.postures.iter().map(|p| p.outline.posture).collect();

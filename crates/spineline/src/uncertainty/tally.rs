@@ -25,7 +25,7 @@ struct Counted {
     absent: BTreeMap<Absent, u64>,
 }
 
-/// How a number of an analysis scatters.
+/// Distribution of one quantity of an analysis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QuantitySpread {
     /// Which number.
@@ -80,7 +80,7 @@ pub struct FailureCount {
 pub struct Uncertainty {
     /// Seed of the random streams.
     pub seed: u64,
-    /// Replicates asked for.
+    /// Requested replicates.
     pub asked: u64,
     /// Replicates that were run.
     pub done: u64,
@@ -138,7 +138,7 @@ impl<'a> Tally<'a> {
         }
     }
 
-    /// What it comes to, of so many replicates asked for.
+    /// The result, of so many requested replicates.
     #[must_use]
     pub fn finish(self, asked: u64) -> Uncertainty {
         let spread = |(counted, &quantity): (Counted, &AnalysisQuantity)| {
@@ -167,7 +167,7 @@ impl<'a> Tally<'a> {
 }
 
 impl Uncertainty {
-    /// How a number scatters; `None` where this analysis has no such number, or no replicate had it.
+    /// Distribution of a quantity; `None` where this analysis has no such number, or no replicate had it.
     #[must_use]
     pub fn spread(&self, quantity: AnalysisQuantity) -> Option<&Spread> {
         self.of(quantity)?.spread.as_ref()

@@ -1,11 +1,11 @@
-//! What every quantity is called.
+//! Names of the quantities.
 
 use super::{AnalysisQuantity, QuantityUnit, Uncertainty};
 use crate::analysis::Analysis;
 use crate::anatomy::Posture;
 
 impl Uncertainty {
-    /// What a reader of the intervals must know.
+    /// A caveat on the intervals.
     pub const CAVEAT: &'static str = "Errors, and distances and angles between lines, increase with noise: \
                                       their means and intervals exceed the values of landmarks without noise.";
 }
@@ -30,7 +30,7 @@ impl AnalysisQuantity {
         }
     }
 
-    /// The name of its kind, as in files; posture, level, region, line, group and end stand beside it.
+    /// The name of its kind, as in files; posture, level, region, line, group and end are separate.
     #[must_use]
     pub const fn key(self) -> &'static str {
         match self {

@@ -106,7 +106,7 @@ impl State {
 }
 
 impl Balance<'_> {
-    /// Largest angle by which a hinge misses the one that its moment asks for.
+    /// Largest difference between a hinge angle and the one of its moment.
     pub(super) fn residual_rad(&self, state: &State) -> f64 {
         let largest = |(residual, stiffness): (&Vec3, &Mat3)| {
             (0..3).map(|i| residual[i].abs() / stiffness[(i, i)]).fold(0.0, nan_max)
@@ -114,7 +114,7 @@ impl Balance<'_> {
         state.residual.iter().zip(self.stiffness).map(largest).fold(0.0, nan_max)
     }
 
-    /// Largest distance (mm) and angle (rad) by which a rod misses its pose.
+    /// Largest distance (mm) and angle (rad) of a rod from its pose.
     pub(super) fn rod_gap(&self, state: &State) -> (f64, f64) {
         let rods = state.rod_errors.iter().zip(&self.loading.rods);
         rods.fold((0.0, 0.0), |(mm, rad), (error, rod)| {
@@ -186,7 +186,7 @@ impl Balance<'_> {
         }
     }
 
-    /// Rods pull both vertebrae with opposite wrenches, and want them in a relative pose.
+    /// Rods act on both vertebrae with opposite wrenches and prescribe their relative pose.
     fn apply_rods(&self, factors: &Factors, state: &mut State) {
         for (number, rod) in self.loading.rods.iter().enumerate() {
             let reaction = state.reactions[number];

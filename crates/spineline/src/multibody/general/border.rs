@@ -4,7 +4,7 @@ pub(super) struct Border {
     order: usize,
     /// Row by row, the right-hand side last.
     rows: Vec<Vec<f64>>,
-    /// Which unknown stands in which column.
+    /// Which unknown belongs to which column.
     unknowns: Vec<usize>,
     solution: Vec<f64>,
 }

@@ -119,7 +119,7 @@ pub struct PathPoint {
     pub branch_points: usize,
     /// Newton's iterations.
     pub iterations: u32,
-    /// Largest angle by which a hinge misses the one that its moment asks for.
+    /// Largest difference between a hinge angle and the one of its moment.
     pub residual_rad: f64,
     /// The vertebrae.
     pub deformed: Deformed,
@@ -132,7 +132,7 @@ pub struct Equilibrium {
     pub factor: f64,
     /// The vertebrae.
     pub deformed: Deformed,
-    /// Largest angle by which a hinge misses the one that its moment asks for.
+    /// Largest difference between a hinge angle and the one of its moment.
     pub residual_rad: f64,
     /// Smallest singular value of the tangent, scaled so that it is one for an unloaded spine with diagonal springs;
     /// zero where the branch turns or splits. Where rods leave no hinge free it is one.

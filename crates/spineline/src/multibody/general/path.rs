@@ -10,12 +10,12 @@ use crate::multibody::roots::{Along, Lost, Sample, zeros_between};
 use crate::multibody::{ForceSign, MAX_HINGE_RAD};
 use crate::spatial::{Angle, Frontal, Vec3};
 
-/// What is sought along the path.
+/// Target of the search along the path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Goal {
     /// The loads as they are given: a factor of one.
     FullLoad,
-    /// A lean of the line L4→T2: the loads grow, or shrink below zero, until it is met.
+    /// A lateral tilt of the line L4→T2: the loads grow, or shrink below zero, until it is met.
     Lean(Angle),
 }
 
@@ -30,7 +30,7 @@ pub struct PathOptions {
     pub largest_hinge_rad: f64,
     /// No more shapes than these.
     pub most_points: usize,
-    /// Whether the path goes on after the first equilibrium that meets the goal, to see whether there are more.
+    /// Whether the path continues after the first equilibrium that meets the target, to find further ones.
     pub look_beyond: bool,
 }
 
@@ -63,7 +63,7 @@ const MIN_COSINE: f64 = 0.9;
 const MAX_DEPARTURE: f64 = 0.5;
 /// A place of the goal that is nearer to a point that meets it is that point.
 const SAME_POINT_RAD: f64 = 1e-7;
-/// A lean so near to the wanted one meets it; a factor is met exactly.
+/// Tolerance of the lateral tilt; a load factor is met exactly.
 const LEAN_MET_RAD: f64 = 1e-10;
 
 /// Called for every point of a path; breaking off leaves the path as far as it is.
@@ -97,7 +97,7 @@ pub(super) struct Walk<'w, 'b> {
 /// Why a walk stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Stop {
-    /// Nothing more is asked.
+    /// Nothing more is requested.
     Enough,
     /// The largest hinge angle or factor.
     Limit,
@@ -277,7 +277,7 @@ impl<'w, 'b> Walk<'w, 'b> {
         }
     }
 
-    /// Where the goal is met between two points, in order; `None` where one of these places was lost.
+    /// Where the target is met between two points, in order; `None` where one of them was not found.
     fn met_between(&mut self, base: &Base, next: &Base) -> Option<Vec<Sample>> {
         let mut within = Within { walk: self, base, met: Vec::new(), lost: false };
         zeros_between(&base.goal, &next.goal, &mut within);

@@ -46,7 +46,7 @@ pub struct NearbyReport {
     pub converged: bool,
     /// Newton's iterations.
     pub iterations: u32,
-    /// Largest angle by which a hinge misses the one that its moment asks for; NaN where the shape was lost.
+    /// Largest difference between a hinge angle and the one of its moment; NaN where there is no shape.
     pub residual_rad: f64,
 }
 
