@@ -22,14 +22,14 @@ pub(crate) struct Fit {
 
 /// Required width of a column, in em.
 #[derive(Debug, Clone, Copy, Default)]
-struct Asked {
+struct Required {
     /// So that no word is cut.
     word: f64,
     /// So that every cell has one line.
     line: f64,
 }
 
-impl Asked {
+impl Required {
     fn and(self, text: &str, factor: f64) -> Self {
         Self {
             word: self.word.max(factor * longest_piece_em(text)),
@@ -40,22 +40,24 @@ impl Asked {
 
 /// The largest letters in which no word is cut; room that is left goes to columns whose cells have more than one line.
 pub(crate) fn fit(heads: &[String], rows: &[Vec<String>]) -> Fit {
-    let mut asked: Vec<Asked> = heads.iter().map(|head| Asked::default().and(head, BOLD)).collect();
+    let mut required: Vec<Required> =
+        heads.iter().map(|head| Required::default().and(head, BOLD)).collect();
     // A head may have two lines: what is below it counts.
-    asked.iter_mut().for_each(|asked| asked.line = asked.word.max(0.5 * asked.line));
+    required.iter_mut().for_each(|required| required.line = required.word.max(0.5 * required.line));
     for row in rows {
-        for (asked, cell) in asked.iter_mut().zip(row) {
-            *asked = asked.and(cell, 1.0);
+        for (required, cell) in required.iter_mut().zip(row) {
+            *required = required.and(cell, 1.0);
         }
     }
     let room = PAGE_PT - EDGES_PT * heads.len() as f64;
-    let words: f64 = asked.iter().map(|asked| SLACK * asked.word).sum();
+    let words: f64 = required.iter().map(|required| SLACK * required.word).sum();
     let sizes = &SIZES_PT[usize::from(heads.len() > COMMON_COLUMNS)..];
     let size_pt = sizes.iter().copied().find(|size| size * words <= room);
     let size_pt = size_pt.unwrap_or(SIZES_PT[SIZES_PT.len() - 1]);
     let in_pt = |em: f64| SLACK * size_pt * em;
-    let least: Vec<f64> = asked.iter().map(|asked| in_pt(asked.word)).collect();
-    let more: Vec<f64> = asked.iter().map(|asked| in_pt(asked.line - asked.word)).collect();
+    let least: Vec<f64> = required.iter().map(|required| in_pt(required.word)).collect();
+    let more: Vec<f64> =
+        required.iter().map(|required| in_pt(required.line - required.word)).collect();
     let given = shared(room - least.iter().sum::<f64>(), &more);
     let mut widths: Vec<f64> =
         least.iter().zip(given).map(|(least, given)| least + given).collect();

@@ -90,7 +90,7 @@ fn block_value(block: &Block, letters: &Letters, figures: &mut usize) -> Value {
             json!({ "kind": "figure", "of": {
                 "path": path,
                 "caption": letters.words(&figure.caption),
-                "said": letters.plain(&figure.caption),
+                "alternative": letters.plain(&figure.caption),
             } })
         }
     }

@@ -58,21 +58,21 @@ impl Paper {
 
     /// Errors of the template, with their places.
     pub(crate) fn words(&self, faults: &[SourceDiagnostic]) -> String {
-        let said: Vec<String> = faults.iter().map(|fault| self.fault_words(fault)).collect();
-        said.join("; ")
+        let messages: Vec<String> = faults.iter().map(|fault| self.fault_words(fault)).collect();
+        messages.join("; ")
     }
 
     fn fault_words(&self, fault: &SourceDiagnostic) -> String {
         let hints = fault.hints.iter().map(|hint| hint.v.as_str());
-        let said: Vec<&str> = std::iter::once(fault.message.as_str()).chain(hints).collect();
-        let said = said.join(", ");
+        let text: Vec<&str> = std::iter::once(fault.message.as_str()).chain(hints).collect();
+        let text = text.join(", ");
         match (fault.span.id(), self.range(fault.span)) {
             (Some(id), Some(range)) if id == self.template.id() => {
                 let before = self.template.text().get(..range.start).unwrap_or_default();
-                format!("{said} (line {} of the template)", 1 + before.matches('\n').count())
+                format!("{text} (line {} of the template)", 1 + before.matches('\n').count())
             }
-            (Some(id), _) => format!("{said} (in {})", id.vpath().get_without_slash()),
-            (None, _) => said,
+            (Some(id), _) => format!("{text} (in {})", id.vpath().get_without_slash()),
+            (None, _) => text,
         }
     }
 }

@@ -84,9 +84,9 @@ pub(crate) fn multipliers(patients: &[Patient<'_>]) -> Table {
     let mut rows: Vec<MultiplierRow<'_>> = Vec::new();
     for patient in patients {
         for (i, model) in patient.analysis.models.iter().enumerate() {
-            let asked = patient.identified.and_then(|all| all[i].as_ref());
+            let identified = patient.identified.and_then(|all| all[i].as_ref());
             rows.extend((0..model.groups.len()).map(|group| {
-                let found = asked.map(|asked| &asked.multipliers[group]);
+                let found = identified.map(|identified| &identified.multipliers[group]);
                 Row { patient, item: Multiplier { model, group, found } }
             }));
         }

@@ -207,7 +207,7 @@ impl Cohort {
         let numbers = |value: &dyn Fn(&Analysis) -> f64| {
             Summary::of(&analyses.iter().map(|a| value(a)).collect::<Vec<f64>>())
         };
-        let asked: Vec<bool> = analyses
+        let incompatible: Vec<bool> = analyses
             .iter()
             .filter_map(|a| {
                 let model = a.models.iter().find(|m| m.kind == LineKind::Inflection)?;
@@ -242,7 +242,7 @@ impl Cohort {
             ferguson_test: paper_test(analyses, seed, ferguson_errors_deg),
             location_test: paper_test(analyses, seed, |s| s.location_errors_mm.clone()),
             compared: LinesOverPatients::of(analyses, seed),
-            incompatible: count(&asked),
+            incompatible: count(&incompatible),
             line_rejected: count(&tested),
         }
     }

@@ -24,10 +24,10 @@ impl Cohort {
     #[must_use]
     pub fn verdict(&self) -> Vec<String> {
         let mut all = Vec::new();
-        let (against, asked) = self.incompatible;
-        if asked > 0 {
+        let (rejecting, tested) = self.incompatible;
+        if tested > 0 {
             all.push(format!(
-                "In {against} of {asked} patients with an inflection line the bends are not compatible with a single force through it; under the null hypothesis at most 5 % would be rejected."
+                "In {rejecting} of {tested} patients with an inflection line the bends are not compatible with a single force through it; under the null hypothesis at most 5 % would be rejected."
             ));
         }
         let (rejected, tested) = self.line_rejected;

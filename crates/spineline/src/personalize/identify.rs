@@ -258,7 +258,7 @@ impl<'p, 'a> ConvergedFit<'p, 'a> {
             return stiffness;
         }
         let made_up = DMatrix::from_columns(&free).svd(true, false);
-        let basis = made_up.u.expect("it was asked for");
+        let basis = made_up.u.expect("it is requested above");
         let strong: Vec<_> = (0..free.len())
             .filter(|&i| made_up.singular_values[i] > 1e-10)
             .map(|i| basis.column(i).into_owned())
@@ -390,7 +390,7 @@ impl<'p, 'a> ConvergedFit<'p, 'a> {
 fn directions(across: &DMatrix<f64>, factor: f64) -> Vec<StiffnessDirection> {
     let g = across.ncols();
     let found = across.clone().svd(false, true);
-    let ways = found.v_t.expect("it was asked for");
+    let ways = found.v_t.expect("it is requested above");
     let mut directions: Vec<StiffnessDirection> = (0..found.singular_values.len())
         .map(|i| {
             let way: Vec<f64> = ways.row(i).iter().copied().collect();

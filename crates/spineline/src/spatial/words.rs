@@ -27,8 +27,8 @@ pub fn moment_words(moment: [f64; 3]) -> String {
 /// Each part with the word for its sign.
 fn parts(vector: [f64; 3], words: [[&str; 2]; 3]) -> String {
     let largest = vector.iter().fold(0.0, |most: f64, part| most.max(part.abs()));
-    let said = vector.iter().zip(words).filter(|(part, _)| part.abs() > MIN_PART * largest);
-    let said: Vec<String> = said
+    let named = vector.iter().zip(words).filter(|(part, _)| part.abs() > MIN_PART * largest);
+    let named: Vec<String> = named
         .map(|(part, [positive, negative])| {
             let word = if *part > 0.0 { positive } else { negative };
             // Small forces keep their digits.
@@ -36,5 +36,5 @@ fn parts(vector: [f64; 3], words: [[&str; 2]; 3]) -> String {
             format!("{:.places$} {word}", part.abs())
         })
         .collect();
-    if said.is_empty() { "0".to_owned() } else { said.join(", ") }
+    if named.is_empty() { "0".to_owned() } else { named.join(", ") }
 }

@@ -66,16 +66,16 @@ fn allowed_tangent(balance: &Balance<'_>, state: &State) -> nalgebra::DMatrix<f6
         return tangent;
     }
     let per_joint = hinges_per_joint(balance);
-    let mut asked = nalgebra::DMatrix::zeros(6 * balance.loading.rods.len(), tangent.nrows());
+    let mut prescribed = nalgebra::DMatrix::zeros(6 * balance.loading.rods.len(), tangent.nrows());
     for (number, rod) in balance.loading.rods.iter().enumerate() {
         for column in rod.inferior * per_joint..rod.superior * per_joint {
             let (j, a) = (column / per_joint, column % per_joint);
             let twist: Spatial = state.twists[j].column(a).into();
             let scaled = twist / balance.stiffness[j][(a, a)].sqrt();
-            asked.fixed_view_mut::<6, 1>(6 * number, column).copy_from(&scaled);
+            prescribed.fixed_view_mut::<6, 1>(6 * number, column).copy_from(&scaled);
         }
     }
-    let free = free_directions(&asked);
+    let free = free_directions(&prescribed);
     free.transpose() * tangent * free
 }
 
