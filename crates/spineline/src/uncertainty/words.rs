@@ -140,7 +140,7 @@ impl AnalysisQuantity {
             Self::MeanLocationError(_, true) => "mean location error, fitted films",
             Self::MeanLocationError(_, false) => "mean location error, held-out films",
             Self::FergusonError(..) => "Ferguson error",
-            Self::ContradictedJoints(..) => "joints that turn against the force",
+            Self::ContradictedJoints(..) => "counter-rotating joints",
         };
         let places = [
             self.line().map(|line| line.to_string()),
