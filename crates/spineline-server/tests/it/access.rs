@@ -2,8 +2,8 @@
 
 use axum::http::StatusCode;
 use serde_json::json;
-use spineline_server::http::User;
-use spineline_server::http::api::RoleName;
+use spineline_server::User;
+use spineline_server::api::RoleName;
 use spineline_store::{Role, Store, Study};
 
 use crate::browser::{App, by, name};

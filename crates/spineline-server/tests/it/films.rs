@@ -2,8 +2,8 @@
 
 use axum::http::{Method, StatusCode};
 use serde_json::{Value, json};
-use spineline_server::http::ServeOptions;
-use spineline_server::http::api::AccessName;
+use spineline_server::ServeOptions;
+use spineline_server::api::AccessName;
 
 use crate::browser::{App, Browser, options};
 

@@ -3,7 +3,7 @@
 use axum::body::Body;
 use axum::http::{Method, Request, StatusCode, header};
 use serde_json::json;
-use spineline_server::http::api::AccessName;
+use spineline_server::api::AccessName;
 
 use crate::browser::{Answer, App, HOST, ORIGIN, options};
 

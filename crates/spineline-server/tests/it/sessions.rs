@@ -3,7 +3,7 @@
 use axum::http::StatusCode;
 use rusqlite::Connection;
 use serde_json::json;
-use spineline_server::http::api::AccessName;
+use spineline_server::api::AccessName;
 
 use crate::browser::{App, PASSWORD, account, options};
 

@@ -6,7 +6,7 @@ use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{Film, FilmMarks, ImageGeometry, Mark, Reading};
 use spineline_files::LevelKey;
 use spineline_phantom::{Phantom, Readers, Truth, generate};
-use spineline_server::http::api::AccessName;
+use spineline_server::api::AccessName;
 use spineline_store::{
     Corner, CrestSide, Event, FilmId, Name, ReadingId, Signature, Store, Study, Timestamp,
 };

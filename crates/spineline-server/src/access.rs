@@ -1,0 +1,150 @@
+//! What a user may see: studies, films, readings and results.
+
+use std::sync::Arc;
+
+use axum::http::StatusCode;
+use spineline_store::{
+    FilmId, FilmRecord, Name, ReadingId, SeenReading, Sight, Stand, Store, StoreError, Study,
+};
+
+use crate::api::RoleName;
+use crate::problem::{Answer, Failure};
+use crate::result_cache::{StudyResult, computed};
+use crate::session::User;
+use crate::state::AppState;
+
+/// A study's name in an address. A name that none can have is not there.
+pub fn study_name(text: &str) -> Answer<Name> {
+    Name::new(text).map_err(|_| Failure::not_found())
+}
+
+/// A film that this user may see.
+pub fn seen_film(store: &Store, user: &User, film: FilmId) -> Answer<FilmRecord> {
+    let film = store.film(film)?;
+    refuse_blinded(store, user, &film.study)?;
+    Ok(film)
+}
+
+/// A reading that this user may see; what is not theirs is not there.
+pub fn seen_reading(store: &Store, user: &User, reading: ReadingId) -> Answer<SeenReading> {
+    let seen = store.observer(&user.name).reading(reading).map_err(|error| match error {
+        StoreError::NotYours { .. } => Failure::not_found(),
+        other => other.into(),
+    })?;
+    user.on_study(store, &seen.study.id)?;
+    Ok(seen)
+}
+
+/// Refuses a film of a study of which this user may see codes only.
+fn refuse_blinded(store: &Store, user: &User, study: &Name) -> Answer<()> {
+    user.on_study(store, study)?;
+    match store.observer(&user.name).sight(study)? {
+        Sight::Reader => Err(Failure::not_found()),
+        Sight::Open | Sight::Apart => Ok(()),
+    }
+}
+
+/// What follows from the finished readings of a study; the store is free for others while it is computed.
+///
+/// # Errors
+/// As [`Store::standing_case`].
+pub async fn study_result(state: &AppState, study: &Name) -> Answer<Arc<StudyResult>> {
+    let (cache, name) = (state.clone(), study.clone());
+    let found = state.store(move |store| {
+        let sequence = store.last_settled(&name)?.sequence;
+        Ok(match cache.results().get(&name, sequence) {
+            Some(result) => Ok(result),
+            None => Err((sequence, store.standing_case(&name, Stand::Finished)?)),
+        })
+    });
+    match found.await? {
+        Ok(result) => Ok(result),
+        Err((sequence, standing)) => {
+            let (state, name) = (state.clone(), study.clone());
+            computed(move || {
+                let result = Arc::new(StudyResult::of(&name, standing));
+                state.results().keep(sequence, &result);
+                result
+            })
+            .await
+        }
+    }
+}
+
+/// Whether results of a study may be shown to somebody who may see it.
+///
+/// While a plan of blinded readings is incomplete, only those who lead and do not read see results.
+///
+/// # Errors
+/// Whatever the store refuses.
+pub fn sees_results(store: &Store, user: &User, study: &Name) -> Result<bool, StoreError> {
+    Ok(match store.observer(&user.name).sight(study)? {
+        Sight::Open => true,
+        Sight::Reader => false,
+        Sight::Apart => user.role == RoleName::Admin,
+    })
+}
+
+/// Results are hidden.
+pub fn blinded() -> Failure {
+    Failure::new(
+        StatusCode::FORBIDDEN,
+        "blinded",
+        "results wait until all planned readings are finished",
+    )
+    .help("finish your readings; nothing of the study is shown to its readers before")
+}
+
+/// A study whose results whoever asks may see.
+///
+/// # Errors
+/// A refusal: unknown, or blinded.
+pub async fn open_study(state: &AppState, user: &User, study: &str) -> Answer<Name> {
+    let name = study_name(study)?;
+    if shows_results(state, user, &name).await? { Ok(name) } else { Err(blinded()) }
+}
+
+/// As [`sees_results`], of a study that must be theirs to see.
+async fn shows_results(state: &AppState, user: &User, study: &Name) -> Answer<bool> {
+    let (user, study) = (user.clone(), study.clone());
+    let asked = state.ask(move |store| {
+        user.on_study(store, &study)?;
+        Ok(sees_results(store, &user, &study)?)
+    });
+    asked.await
+}
+
+/// Has the results of a study computed before the store is asked for them, so that it is free meanwhile; nothing where they
+/// are hidden. What keeps them from being computed is told where they are asked for.
+///
+/// # Errors
+/// 404 where the study is not theirs to see.
+pub async fn prepare(state: &AppState, user: &User, study: &Name) -> Answer<()> {
+    if shows_results(state, user, study).await? {
+        let _ = study_result(state, study).await;
+    }
+    Ok(())
+}
+
+/// The studies that they may see, with what they may do there; the results that they see are computed, as by [`prepare`].
+///
+/// # Errors
+/// Whatever keeps the store from reading.
+pub async fn prepared(state: &AppState, user: &User) -> Answer<Vec<(Study, RoleName)>> {
+    let user = user.clone();
+    let found = state.ask(move |store| {
+        let studies = user.studies(store)?;
+        let mut open = Vec::new();
+        for (study, _) in &studies {
+            if sees_results(store, &user, &study.id)? {
+                open.push(study.id.clone());
+            }
+        }
+        Ok((studies, open))
+    });
+    let (studies, open) = found.await?;
+    for study in &open {
+        let _ = study_result(state, study).await;
+    }
+    Ok(studies)
+}
