@@ -90,9 +90,9 @@ pub fn blinded() -> Failure {
     Failure::new(
         StatusCode::FORBIDDEN,
         "blinded",
-        "results wait until all planned readings are finished",
+        "results are shown when all planned readings are finished",
     )
-    .help("finish your readings; nothing of the study is shown to its readers before")
+    .help("finish your readings first; until then the study is hidden from its observers")
 }
 
 /// A study whose results whoever asks may see.

@@ -36,7 +36,7 @@ impl<T: DeserializeOwned> FromRequest<AppState> for Json<T> {
             return Err(Failure::new(
                 StatusCode::UNSUPPORTED_MEDIA_TYPE,
                 "not_json",
-                "the body must be JSON, and say so: Content-Type: application/json",
+                "the body must be JSON with Content-Type: application/json",
             ));
         }
         let body = tokio::time::timeout(JSON_TIMEOUT, Bytes::from_request(request, state)).await;
@@ -57,9 +57,9 @@ fn slow() -> Failure {
 
 fn unread(refused: &BytesRejection) -> Failure {
     if refused.status() == StatusCode::PAYLOAD_TOO_LARGE {
-        return Failure::new(refused.status(), "too_large", "the body is larger than it may be");
+        return Failure::new(refused.status(), "too_large", "the body is too large");
     }
-    Failure::new(StatusCode::BAD_REQUEST, "broken_off", "the body could not be read to its end")
+    Failure::new(StatusCode::BAD_REQUEST, "broken_off", "the body is incomplete")
 }
 
 /// Says where, and not what: serde's own words quote keys and values.

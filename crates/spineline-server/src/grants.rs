@@ -62,7 +62,7 @@ async fn put_grants(
             user.need_on_study(store, &study, RoleName::Admin)?;
             let wanted = wanted.iter().map(parse).collect::<Answer<Vec<_>>>()?;
             store.set_grants(&study, &wanted, &by).map_err(|error| match error {
-                StoreError::Unknown { .. } => refused("there is no account of that name"),
+                StoreError::Unknown { .. } => refused("there is no account with this name"),
                 other => other.into(),
             })?;
             views(store, &study)
@@ -73,7 +73,7 @@ async fn put_grants(
 
 fn parse(grant: &Grant) -> Answer<(Name, spineline_store::Role)> {
     if grant.role == RoleName::Admin {
-        return Err(refused("a study is granted to a `reader` or an `editor`"));
+        return Err(refused("the role in a study must be `reader` or `editor`"));
     }
     Ok((Name::new(&grant.name)?, grant.role.into()))
 }

@@ -63,7 +63,7 @@ fn check(state: &AppState, request: &Request<Body>) -> Answer<()> {
         return Err(Failure::new(
             StatusCode::UNSUPPORTED_MEDIA_TYPE,
             "encoded",
-            "the body is compressed, and bodies are taken as they are only",
+            "the body is compressed; only uncompressed bodies are accepted",
         ));
     }
     if declared_bytes(headers).is_some_and(|bytes| bytes > LARGEST_UPLOAD_BYTES as u64) {

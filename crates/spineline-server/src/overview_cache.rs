@@ -96,6 +96,6 @@ fn status_of(
     } else if best > 0 || complete.values().any(|&count| count > 0) {
         (StudyStatus::Marking, format!("{best} of {all} vertebrae on the erect film"))
     } else {
-        (StudyStatus::ToMark, "no vertebra is marked yet".to_owned())
+        (StudyStatus::ToMark, "no vertebra has landmarks yet".to_owned())
     }
 }

@@ -54,7 +54,7 @@ impl Failure {
         Self::new(
             StatusCode::NOT_FOUND,
             "not_found",
-            "there is no such thing, or it is not yours to see",
+            "not found, or you have no permission to see it",
         )
     }
 }
@@ -87,7 +87,7 @@ impl From<StoreError> for Failure {
 fn words(error: &StoreError) -> String {
     match error {
         StoreError::Conflict { .. } => {
-            "somebody has changed this since you saw it: your change was kept, and not applied"
+            "another change was saved first: your change was kept, but not applied"
                 .to_owned()
         }
         StoreError::Finished { .. } => "this reading is finished".to_owned(),

@@ -74,7 +74,7 @@ impl StudyResult {
             Outcome::Waiting => {
                 let text = words::progress(&self.standing);
                 Err(Failure::new(StatusCode::CONFLICT, "not_ready", text).help(
-                    "mark all vertebrae from L4 to T2 on the erect film, and finish the reading",
+                    "place the landmarks of all vertebrae from L4 to T2 on the erect film, and finish the reading",
                 ))
             }
             Outcome::Refused { text, help } => {
@@ -133,7 +133,7 @@ impl ResultCache {
 /// A refusal where the library gave up.
 pub async fn computed<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Answer<T> {
     tokio::task::spawn_blocking(work).await.map_err(|_| {
-        Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", "the computation broke off")
-            .help("this is a fault of the program: please report it with the case file")
+        Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", "the computation failed")
+            .help("the program has a bug: please report it with the case file")
     })
 }

@@ -95,7 +95,7 @@ fn enough(role: RoleName, least: RoleName) -> Answer<()> {
     Err(Failure::new(
         StatusCode::FORBIDDEN,
         "not_allowed",
-        format!("this needs the role `{least}`, and yours is `{role}`"),
+        format!("this needs the role `{least}`; your role is `{role}`"),
     )
     .help("ask an admin"))
 }

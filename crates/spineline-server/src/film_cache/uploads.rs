@@ -61,11 +61,11 @@ impl Uploads {
         let new = upload.bytes.len();
         if size(true) + new > ROOM_BYTES || size(false) + new > WHOLE_ROOM_BYTES {
             let text = format!(
-                "there is no room for another {} MB of films that are in no study yet",
+                "the limit for uploaded films that are not in a study is reached; this file has {} MB",
                 new >> 20
             );
             return Err(Failure::new(StatusCode::PAYLOAD_TOO_LARGE, "too_large", text)
-                .help("make a study of those that were dropped first, or wait an hour"));
+                .help("create a study from the uploaded films first, or wait an hour"));
         }
         let id = secret();
         staged.insert(id.clone(), Staged { owner: owner.clone(), at, upload });
@@ -79,8 +79,8 @@ impl Uploads {
             staged.owner == *owner && now.unix_ms() - staged.at.unix_ms() < KEPT_MS
         });
         found.map(|staged| staged.upload.clone()).ok_or_else(|| {
-            Failure::new(StatusCode::NOT_FOUND, "not_found", "this upload is no longer there")
-                .help("drop the file again; an upload is kept for an hour")
+            Failure::new(StatusCode::NOT_FOUND, "not_found", "this upload has expired or does not exist")
+                .help("upload the file again; an upload is kept for an hour")
         })
     }
 

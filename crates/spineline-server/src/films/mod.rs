@@ -133,7 +133,7 @@ fn film_edit(film: &FilmRecord, edit: FilmEditName) -> Answer<FilmEdit> {
             };
             let spacing = calibration.spacing().map_err(|error| {
                 Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "scale", error.to_string())
-                    .help("click two ends of an object whose length you know")
+                    .help("place two points on an object of known length")
             })?;
             FilmEdit::Spacing(spacing)
         }

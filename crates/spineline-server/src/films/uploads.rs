@@ -56,10 +56,10 @@ fn unread(refused: &BytesRejection) -> Failure {
     let status = refused.status();
     if status == StatusCode::PAYLOAD_TOO_LARGE {
         let limit = FilmLimits::default().file_bytes >> 20;
-        let text = format!("the file is larger than {limit} MB, which no radiograph is");
-        return Failure::new(status, "too_large", text).help("export the one frontal film alone");
+        let text = format!("the file exceeds the limit of {limit} MB");
+        return Failure::new(status, "too_large", text).help("export only the frontal film");
     }
-    Failure::new(status, "unread", "the file did not arrive whole").help("drop it again")
+    Failure::new(status, "unread", "the upload is incomplete").help("upload the file again")
 }
 
 /// A small picture of an upload.

@@ -36,7 +36,7 @@ fn words(change: &Value) -> String {
             format!("{} {} corner to {}", word("level"), word("corner"), place())
         }
         Some("set_axis") => match &change["axis_deg"] {
-            Value::Null => format!("{} axis back to its corners", word("level")),
+            Value::Null => format!("{} axis reset to its corners", word("level")),
             axis => format!("{} axis to {axis}°", word("level")),
         },
         Some("remove_vertebra") => format!("{} removed", word("level")),
@@ -56,6 +56,6 @@ fn words(change: &Value) -> String {
 }
 
 fn inverted(value: &Value) -> String {
-    let how = if *value == true { "exchanged" } else { "as the file says" };
-    format!("dark and bright {how}")
+    let how = if *value == true { "inverted" } else { "as in the file" };
+    format!("grey values {how}")
 }

@@ -124,9 +124,9 @@ fn vertebra(image: &ImageGeometry, level: Level, mark: &PartialMark) -> Vertebra
 fn leans(tilt: Angle) -> String {
     match tilt.side() {
         Some(side) if tilt.abs().to_string() != "0.0°" => {
-            format!("leans {} to {}", tilt.abs(), words::patients(side))
+            format!("tilt {} to {}", tilt.abs(), words::patients(side))
         }
-        _ => "stands upright".to_owned(),
+        _ => "tilt 0.0°".to_owned(),
     }
 }
 

@@ -87,11 +87,11 @@ fn view(members: &[Member]) -> CohortView {
 fn cohort_notices(members: &[Member]) -> Vec<Notice> {
     let made_up = members.iter().filter(|member| member.synthetic).count();
     let synthetic = (made_up > 0).then(|| {
-        let text = format!("synthetic: {made_up} of {} studies are made up", members.len());
+        let text = format!("{made_up} of {} studies are synthetic", members.len());
         notices::notice(Severity::Note, "synthetic", text)
     });
     let mixed = (made_up > 0 && made_up < members.len()).then(|| {
-        let text = "made-up and real studies are pooled in every statistic of this page";
+        let text = "all statistics of this page pool synthetic and real studies";
         notices::notice(Severity::Warning, "synthetic_mixed", text)
     });
     notices::sorted(synthetic.into_iter().chain(mixed).collect())
@@ -101,7 +101,7 @@ fn cohort_notices(members: &[Member]) -> Vec<Notice> {
 fn excluded(member: &Member) -> Option<String> {
     match member.result.as_ref().map(|result| &result.outcome) {
         Some(Outcome::Analysed(analysis)) if analysis.warnings.has("no_spacing") => {
-            Some("a film has no spacing: its lengths are not comparable".to_owned())
+            Some("a film has no spacing; its lengths are not comparable".to_owned())
         }
         Some(Outcome::Analysed(_)) => None,
         _ => Some(member.summary.status_text.clone()),
@@ -137,7 +137,7 @@ fn cells(analysis: Option<&Analysis>) -> Vec<CohortCell> {
         cell("inflections", of(&|a| Some(a.inflections.all.len() as f64)), 0),
         cell("segments", of(&|a| Some(a.chain.segments as f64)), 0),
         cell("segment length (mm)", of(&|a| a.scale().mm(a.chain.segment_mm)), 4),
-        cell("r at INF (m°)", of(&inflection_rotation_mdeg), 1),
+        cell("rotation at inflection (m°)", of(&inflection_rotation_mdeg), 1),
     ];
     for kind in LINES {
         for (films, fitted) in [("fitted", true), ("held out", false)] {

@@ -46,7 +46,7 @@ fn curve(curve: &ClinicalCurve) -> CurveFinding {
 }
 
 fn flexibility_text((part, convex): (f64, Side)) -> String {
-    format!("{:.0} % of the Cobb angle goes when bending to the {convex}", 100.0 * part)
+    format!("Cobb angle falls by {:.0} % when bending to the {convex}", 100.0 * part)
 }
 
 fn rotation(analysis: &Analysis, posture: &PostureAnalysis) -> Option<RotationFinding> {
@@ -78,11 +78,11 @@ fn texts(motion: &Motion, inflections: Option<&[SegmentEstimate; 2]>) -> Vec<Str
         let beside = inflections.map_or_else(String::new, |pair| {
             let SegmentEstimate { segment, distance_segments, rotation, .. } = pair[window];
             format!(
-                "; the inflection is segment {segment}, {distance_segments} segments away, and rotates {:.1} m°",
+                "; the inflection is segment {segment}, at a distance of {distance_segments} segments, and rotates {:.1} m°",
                 1000.0 * rotation.deg()
             )
         });
-        format!("{name}: segment {least} rotates least, {turns:.1} m°{beside}")
+        format!("{name}: least-rotating segment {least}, {turns:.1} m°{beside}")
     };
     windows.map(text).collect()
 }

@@ -87,7 +87,7 @@ fn status(
         _ if !missing.is_empty() => (LiveStatus::Partial, marked),
         Outcome::Analysed(_) => (LiveStatus::Complete, marked),
         Outcome::Waiting => {
-            let text = format!("{marked}; the study waits: {}", progress(&result.standing));
+            let text = format!("{marked}; no results of the study yet: {}", progress(&result.standing));
             (LiveStatus::Complete, text)
         }
     }

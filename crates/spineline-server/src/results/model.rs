@@ -68,7 +68,7 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
 /// What the millimetres of the scene are: without a scale the spine is drawn as long as a usual one.
 const fn drawn_unit(scale: &LengthScale) -> &'static str {
     match scale.plane {
-        SpacingPlane::Pixels => "mm, were the spine of usual length",
+        SpacingPlane::Pixels => "mm, for a spine of typical length",
         _ => length_unit(scale),
     }
 }
@@ -147,7 +147,7 @@ fn model_notices(result: &StudyResult, analysis: &Analysis) -> Vec<Notice> {
     let mut notices = notices::of_result(result);
     if analysis.scale().pixels_per_mm.is_some() {
         let text =
-            "the erect film has no spacing: the spine is drawn as if it had the typical length";
+            "the erect film has no spacing: the spine is drawn with a typical length";
         notices.push(notices::notice(Severity::Contradiction, "drawn_typical", text));
     }
     notices::sorted(notices)

@@ -65,17 +65,17 @@ pub fn of_scale(scale: &LengthScale) -> Option<Notice> {
     let text = match scale.plane {
         SpacingPlane::Patient | SpacingPlane::Pixels => return None,
         SpacingPlane::Detector => {
-            "lengths are millimetres on the detector, larger than the patient by the magnification of the set-up"
+            "lengths are in millimetres on the detector; they exceed the patient's lengths by the magnification of the set-up"
         }
         SpacingPlane::Unknown => {
-            "nobody has said in which plane the millimetres are: lengths may be larger than the patient by the magnification of the set-up"
+            "the plane of the millimetres is unknown; lengths may exceed the patient's lengths by the magnification of the set-up"
         }
     };
     Some(notice(Severity::Warning, "scale_not_the_patients", text))
 }
 
 pub fn synthetic(is_synthetic: bool) -> Option<Notice> {
-    is_synthetic.then(|| notice(Severity::Note, "synthetic", "synthetic: made-up films"))
+    is_synthetic.then(|| notice(Severity::Note, "synthetic", "synthetic films: made by the program, not measured"))
 }
 
 /// Films that take no part.
@@ -85,9 +85,9 @@ fn left_out(standing: &StandingCase) -> Vec<Notice> {
         let posture = film.record.posture;
         let text = match film.readings {
             _ if missing.is_empty() => return None,
-            0 => format!("the {posture} film has no finished reading, and is left out"),
+            0 => format!("the {posture} film is left out: it has no finished reading"),
             _ => format!(
-                "the {posture} film is left out, since {} not marked",
+                "the {posture} film is left out: {} without landmarks",
                 listed(&missing, "is", "are")
             ),
         };
@@ -99,7 +99,7 @@ fn left_out(standing: &StandingCase) -> Vec<Notice> {
         notice(
             Severity::Warning,
             "no_erect_film",
-            "there is no erect film, which is the reference of every posture",
+            "there is no erect film; it is the reference of all other films",
         )
     });
     notices.chain(no_erect).collect()

@@ -61,11 +61,11 @@ fn turned(film: &FilmRecord, view: &ReadingView, turn: &TurnAxis) -> Answer<Even
         Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text).help(help)
     };
     let level: Level = turn.level.parse().map_err(|error: spineline::anatomy::UnknownLevel| {
-        refused(error.to_string(), "name a vertebra that is marked")
+        refused(error.to_string(), "name a vertebra that has landmarks")
     })?;
     let vertebra = view.vertebrae.iter().find(|vertebra| vertebra.level == turn.level);
     let midpoint = vertebra.and_then(|vertebra| vertebra.midpoint_px).ok_or_else(|| {
-        let text = format!("{level} has no four corners, and so no axis");
+        let text = format!("{level} has no axis: it needs four corners");
         refused(text, "place the missing corners first")
     })?;
     let image =
@@ -73,7 +73,7 @@ fn turned(film: &FilmRecord, view: &ReadingView, turn: &TurnAxis) -> Answer<Even
     let [from, towards] = [midpoint, turn.towards_px].map(|[column, row]| Pixel::new(column, row));
     let axis = turn_axis_towards(&image, from, towards).ok_or_else(|| {
         refused(
-            format!("{level}'s axis cannot point there"),
+            format!("{level}: this direction is not possible for the axis"),
             "point above the vertebra, within 90° of the picture's vertical",
         )
     })?;

@@ -42,7 +42,7 @@ pub fn summary(
     study: &Name,
 ) -> Result<ResultSummary, StoreError> {
     if !sees_results(store, user, study)? {
-        let text = "read blinded: results wait until all planned readings are finished".to_owned();
+        let text = "blinded readings: results are shown when all planned readings are finished".to_owned();
         return Ok(ResultSummary::bare(StudyStatus::Blinded, text));
     }
     match known(cache, store, study)? {

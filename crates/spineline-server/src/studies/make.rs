@@ -80,7 +80,7 @@ async fn import_case(
     }
     let used = import.films.iter().map(|film| film.upload.clone()).collect();
     let read = tokio::task::spawn_blocking(move || {
-        let missing = "a film that the case names was not dropped beside it";
+        let missing = "a film that the case names was not uploaded";
         let bytes_of =
             |file: &str| uploads.get(file).map(|upload| upload.bytes.clone()).ok_or(missing);
         let case = NewCase::read(&import.text, bytes_of).map_err(|error| case_refused(&error))?;
@@ -120,16 +120,16 @@ fn check(films: &[(NewFilm, Arc<Upload>)]) -> Answer<()> {
     for (film, upload) in films {
         let posture = words::posture(film.posture);
         if upload.is_lateral {
-            let text = format!("{posture}: the file says that this is a lateral view");
+            let text = format!("{posture}: the file contains a lateral view");
             return Err(refused(&text).help("choose the frontal film"));
         }
         if !postures.insert(film.posture) {
-            return Err(refused(&format!("there are two {posture} films"))
-                .help("a study has one film per posture"));
+            return Err(refused(&format!("the study has two {posture} films"))
+                .help("choose one film per posture"));
         }
         if !pictures.insert(&upload.picture) {
-            return Err(refused(&format!("{posture}: the same picture is there twice"))
-                .help("one film cannot show two postures: choose the right one for each"));
+            return Err(refused(&format!("{posture}: the same picture is used twice"))
+                .help("choose a different film for each posture"));
         }
     }
     Ok(())
@@ -139,13 +139,13 @@ fn check(films: &[(NewFilm, Arc<Upload>)]) -> Answer<()> {
 fn check_picture(posture: Posture, [columns, rows]: [u64; 2], upload: &Upload) -> Answer<()> {
     if [u64::from(upload.columns), u64::from(upload.rows)] != [columns, rows] {
         let text = format!(
-            "{posture}: the case was made with {columns} × {rows} pixels, and the picture has {} × {}",
+            "{posture}: the case needs a picture of {columns} × {rows} pixels, and this one has {} × {}",
             upload.columns, upload.rows
         );
-        return Err(refused(&text).help("find the original film"));
+        return Err(refused(&text).help("choose the original film"));
     }
     if upload.is_lateral {
-        let text = format!("{posture}: the file says that this is a lateral view");
+        let text = format!("{posture}: the file contains a lateral view");
         return Err(refused(&text).help("choose the frontal film"));
     }
     Ok(())
@@ -165,15 +165,15 @@ fn settle(
             // Without a spacing pixels count as square, and then every angle would be wrong.
             if upload.spacing.is_some_and(|spacing| !spacing.is_square()) {
                 let posture = words::posture(film.posture);
-                let text = format!("{posture}: the file says that its pixels are not square");
-                return Err(refused(&text).help("take the file's scale, or state one"));
+                let text = format!("{posture}: the pixels of this file are not square");
+                return Err(refused(&text).help("use the scale of the file, or state a scale"));
             }
             None
         }
         ScaleChoice::Stated { column_mm, row_mm, plane } => {
             let stated = Spacing::stated(column_mm, row_mm, words::plane(plane));
             if !stated.is_plausible() {
-                let text = format!("a spacing of {column_mm} mm × {row_mm} mm cannot be meant");
+                let text = format!("a spacing of {column_mm} mm × {row_mm} mm is not plausible");
                 return Err(refused(&text).help("state the distance between pixel centres in mm"));
             }
             Some(stated)
@@ -205,7 +205,7 @@ fn clean(id: &Name, bytes: &[u8], salt: [u8; 32]) -> Answer<Vec<u8>> {
 fn salt() -> Answer<[u8; 32]> {
     let mut salt = [0; 32];
     getrandom::fill(&mut salt).map_err(|_| {
-        Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "random", "the system has no randomness")
+        Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "random", "the operating system provides no random numbers")
     })?;
     Ok(salt)
 }
