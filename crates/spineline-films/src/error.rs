@@ -393,9 +393,7 @@ impl FilmError {
                 "export the film as 8 or 16 bit greyscale"
             }
             Self::CaseId => "use a short pseudonym without blanks",
-            Self::DecoderStart { .. } | Self::DecoderAnswer => {
-                "install the program again"
-            }
+            Self::DecoderStart { .. } | Self::DecoderAnswer => "install the program again",
             Self::DecoderDied { .. } | Self::DecoderTimeout { .. } | Self::DecoderMemory { .. } => {
                 "this film is damaged or malicious; export it again, uncompressed"
             }

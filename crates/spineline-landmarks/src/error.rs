@@ -229,8 +229,12 @@ impl LandmarkExportError {
             }
             Self::MixedKinds => "export one posture at a time",
             Self::Observer { .. } => "give the observer a short code without control characters",
-            Self::Nothing { .. } => "place the landmarks of a vertebra, or remove the reading from the case",
-            Self::Corner { .. } => "run `spineline check CASE` to list the problems of the landmarks",
+            Self::Nothing { .. } => {
+                "place the landmarks of a vertebra, or remove the reading from the case"
+            }
+            Self::Corner { .. } => {
+                "run `spineline check CASE` to list the problems of the landmarks"
+            }
             Self::Source(_) => "name the film's DICOM file as `file` of its `image` in the case",
             Self::Encode(_) => "remove unusual characters from the names in the case",
         }

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use axum::http::StatusCode;
 use spineline_store::{
-    FilmId, FilmRecord, Name, ReadingId, SeenReading, Sight, Stand, Store, StoreError, Study,
+    CaseReadings, FilmId, FilmRecord, Name, ReadingId, SeenReading, Store, StoreError, Study,
+    Visibility,
 };
 
 use crate::api::RoleName;
@@ -38,31 +39,31 @@ pub fn seen_reading(store: &Store, user: &User, reading: ReadingId) -> Answer<Se
 /// Refuses a film of a study of which this user may see codes only.
 fn refuse_blinded(store: &Store, user: &User, study: &Name) -> Answer<()> {
     user.on_study(store, study)?;
-    match store.observer(&user.name).sight(study)? {
-        Sight::Reader => Err(Failure::not_found()),
-        Sight::Open | Sight::Apart => Ok(()),
+    match store.observer(&user.name).visibility(study)? {
+        Visibility::Reader => Err(Failure::not_found()),
+        Visibility::Open | Visibility::Apart => Ok(()),
     }
 }
 
 /// What follows from the finished readings of a study; the store is free for others while it is computed.
 ///
 /// # Errors
-/// As [`Store::standing_case`].
+/// As [`Store::current_case`].
 pub async fn study_result(state: &AppState, study: &Name) -> Answer<Arc<StudyResult>> {
     let (cache, name) = (state.clone(), study.clone());
     let found = state.store(move |store| {
-        let sequence = store.last_settled(&name)?.sequence;
+        let sequence = store.last_result_change(&name)?.sequence;
         Ok(match cache.results().get(&name, sequence) {
             Some(result) => Ok(result),
-            None => Err((sequence, store.standing_case(&name, Stand::Finished)?)),
+            None => Err((sequence, store.current_case(&name, CaseReadings::Finished)?)),
         })
     });
     match found.await? {
         Ok(result) => Ok(result),
-        Err((sequence, standing)) => {
+        Err((sequence, current)) => {
             let (state, name) = (state.clone(), study.clone());
             computed(move || {
-                let result = Arc::new(StudyResult::of(&name, standing));
+                let result = Arc::new(StudyResult::of(&name, current));
                 state.results().keep(sequence, &result);
                 result
             })
@@ -78,10 +79,10 @@ pub async fn study_result(state: &AppState, study: &Name) -> Answer<Arc<StudyRes
 /// # Errors
 /// Whatever the store refuses.
 pub fn sees_results(store: &Store, user: &User, study: &Name) -> Result<bool, StoreError> {
-    Ok(match store.observer(&user.name).sight(study)? {
-        Sight::Open => true,
-        Sight::Reader => false,
-        Sight::Apart => user.role == RoleName::Admin,
+    Ok(match store.observer(&user.name).visibility(study)? {
+        Visibility::Open => true,
+        Visibility::Reader => false,
+        Visibility::Apart => user.role == RoleName::Admin,
     })
 }
 
@@ -115,7 +116,7 @@ async fn shows_results(state: &AppState, user: &User, study: &Name) -> Answer<bo
 }
 
 /// Has the results of a study computed before the store is asked for them, so that it is free meanwhile; nothing where they
-/// are hidden. What keeps them from being computed is told where they are asked for.
+/// are hidden. Errors of the computation are reported where the results are requested.
 ///
 /// # Errors
 /// 404 where the study is not theirs to see.

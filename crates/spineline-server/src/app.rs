@@ -65,14 +65,22 @@ async fn unknown(_user: User) -> Failure {
 }
 
 async fn wrong_method() -> Failure {
-    Failure::new(StatusCode::METHOD_NOT_ALLOWED, "wrong_method", "this address does not accept this HTTP method")
+    Failure::new(
+        StatusCode::METHOD_NOT_ALLOWED,
+        "wrong_method",
+        "this address does not accept this HTTP method",
+    )
 }
 
 /// What a panic says may quote what was sent; the answer says nothing.
 fn panicked(_: Box<dyn Any + Send>) -> Response {
-    Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", "internal error: the program has a bug")
-        .help("nothing of this step was saved; the terminal shows where the error occurred")
-        .into_response()
+    Failure::new(
+        StatusCode::INTERNAL_SERVER_ERROR,
+        "internal",
+        "internal error: the program has a bug",
+    )
+    .help("nothing of this step was saved; the terminal shows where the error occurred")
+    .into_response()
 }
 
 #[cfg(test)]

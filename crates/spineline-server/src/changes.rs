@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use axum::extract::State;
 use axum::response::Sse;
 use axum::response::sse::{Event, KeepAlive};
-use spineline_store::{Name, Sight};
+use spineline_store::{Name, Visibility};
 use tokio_stream::wrappers::BroadcastStream;
 use tokio_stream::{Stream, StreamExt};
 use utoipa_axum::router::OpenApiRouter;
@@ -56,14 +56,14 @@ async fn visible(state: AppState, user: User, change: (Name, Change)) -> Option<
     let (study, change) = change;
     let own = change.who == user.name.as_str();
     // Grants may have changed since the stream began.
-    let sight = state.ask(move |store| {
+    let visibility = state.ask(move |store| {
         user.on_study(store, &study)?;
-        Ok(store.observer(&user.name).sight(&study)?)
+        Ok(store.observer(&user.name).visibility(&study)?)
     });
-    let sight = sight.await.ok()?;
-    match sight {
-        Sight::Open => Some(change),
-        Sight::Reader => own.then_some(Change { film: None, ..change }),
-        Sight::Apart => Some(Change { reading: None, revision: None, ..change }),
+    let visibility = visibility.await.ok()?;
+    match visibility {
+        Visibility::Open => Some(change),
+        Visibility::Reader => own.then_some(Change { film: None, ..change }),
+        Visibility::Apart => Some(Change { reading: None, revision: None, ..change }),
     }
 }

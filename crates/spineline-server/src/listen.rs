@@ -152,7 +152,7 @@ mod tests {
         let app = app(AppState::new(store, address, options));
         let (mut client, server) = tokio::io::duplex(1 << 16);
         let served = tokio::spawn(async move {
-            // How it ends is told by what the client reads.
+            // What the client reads shows how it ends.
             let _ = connection(server, app).await;
         });
         client.write_all(sent.as_bytes()).await.expect("sent");

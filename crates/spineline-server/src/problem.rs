@@ -35,7 +35,7 @@ impl Failure {
         self
     }
 
-    /// What is told of it.
+    /// The problem that the answer contains.
     #[must_use]
     pub fn into_problem(self) -> Problem {
         self.problem
@@ -87,8 +87,7 @@ impl From<StoreError> for Failure {
 fn words(error: &StoreError) -> String {
     match error {
         StoreError::Conflict { .. } => {
-            "another change was saved first: your change was kept, but not applied"
-                .to_owned()
+            "another change was saved first: your change was kept, but not applied".to_owned()
         }
         StoreError::Finished { .. } => "this reading is finished".to_owned(),
         StoreError::NotYours { .. } => "this reading belongs to another observer".to_owned(),

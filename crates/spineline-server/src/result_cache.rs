@@ -7,44 +7,44 @@ use std::sync::{Arc, Mutex, PoisonError};
 use axum::http::StatusCode;
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
 use spineline::anatomy::Posture;
-use spineline_store::{Name, Stand, StandingCase, Store, StoreError};
+use spineline_store::{CaseReadings, CurrentCase, Name, Store, StoreError};
 
 use crate::problem::{Answer, Failure};
 use crate::words;
 
-/// How far the readings of a study reach.
+/// The outcome of the analysis of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
     /// The erect film is not complete.
     Waiting,
-    /// The marks contradict one another.
+    /// The landmarks contradict one another.
     Refused {
         /// What is wrong.
         text: String,
         /// What to do about it.
         help: String,
     },
-    /// Everything that follows.
+    /// The analysis.
     Analysed(Box<Analysis>),
 }
 
-/// What follows from the readings of a study.
+/// Results from the readings of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyResult {
     /// Study.
     pub study: Name,
-    /// The case that it follows from.
-    pub standing: StandingCase,
+    /// The case from which it is computed.
+    pub current: CurrentCase,
     /// What follows.
     pub outcome: Outcome,
 }
 
 impl StudyResult {
-    /// Analyses a case as it stands.
-    pub fn of(study: &Name, standing: StandingCase) -> Self {
-        let has_erect = standing.film(Posture::Erect).is_some_and(|film| film.missing().is_empty());
+    /// Analyses a case.
+    pub fn of(study: &Name, current: CurrentCase) -> Self {
+        let has_erect = current.film(Posture::Erect).is_some_and(|film| film.missing().is_empty());
         let outcome = if has_erect {
-            match analyze(&standing.complete_case(), &AnalysisOptions::default()) {
+            match analyze(&current.complete_case(), &AnalysisOptions::default()) {
                 Ok(analysis) => Outcome::Analysed(Box::new(analysis)),
                 Err(error) => {
                     Outcome::Refused { text: error.to_string(), help: error.help().to_owned() }
@@ -53,7 +53,7 @@ impl StudyResult {
         } else {
             Outcome::Waiting
         };
-        Self { study: study.clone(), standing, outcome }
+        Self { study: study.clone(), current, outcome }
     }
 
     /// The analysis, where there is one.
@@ -72,7 +72,7 @@ impl StudyResult {
         match &self.outcome {
             Outcome::Analysed(analysis) => Ok(analysis),
             Outcome::Waiting => {
-                let text = words::progress(&self.standing);
+                let text = words::progress(&self.current);
                 Err(Failure::new(StatusCode::CONFLICT, "not_ready", text).help(
                     "place the landmarks of all vertebrae from L4 to T2 on the erect film, and finish the reading",
                 ))
@@ -114,14 +114,14 @@ impl ResultCache {
     /// What follows from the finished readings of a study, computed where nobody has yet.
     ///
     /// # Errors
-    /// As [`Store::standing_case`].
+    /// As [`Store::current_case`].
     pub fn result(&self, store: &Store, study: &Name) -> Result<Arc<StudyResult>, StoreError> {
-        let sequence = store.last_settled(study)?.sequence;
+        let sequence = store.last_result_change(study)?.sequence;
         if let Some(result) = self.get(study, sequence) {
             return Ok(result);
         }
-        let standing = store.standing_case(study, Stand::Finished)?;
-        let result = Arc::new(StudyResult::of(study, standing));
+        let current = store.current_case(study, CaseReadings::Finished)?;
+        let result = Arc::new(StudyResult::of(study, current));
         self.keep(sequence, &result);
         Ok(result)
     }

@@ -2,7 +2,7 @@
 
 use spineline::anatomy::{ImageSide, Level, Posture, Side};
 use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
-use spineline_store::StandingCase;
+use spineline_store::CurrentCase;
 
 use crate::api::{ImageSideName, PlaneName, PostureName};
 
@@ -113,8 +113,8 @@ pub fn marked_text(missing: &[Level]) -> String {
 }
 
 /// How far the erect film is, on which all results wait.
-pub fn progress(standing: &StandingCase) -> String {
-    match standing.film(Posture::Erect) {
+pub fn progress(current: &CurrentCase) -> String {
+    match current.film(Posture::Erect) {
         None => "there is no erect film".to_owned(),
         Some(film) if film.readings == 0 => "no finished reading of the erect film".to_owned(),
         Some(film) => format!("the erect film has {}", marked_text(&film.missing())),

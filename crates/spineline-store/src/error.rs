@@ -234,9 +234,7 @@ impl StoreError {
             Self::AlreadyExists { .. } | Self::Exists { .. } => "choose another name",
             Self::NotAStore { .. } => "name a file that Spineline created as a store",
             Self::NewerSchema { .. } => "install a newer Spineline; the file was not touched",
-            Self::Damaged { .. } => {
-                "keep a copy of the file, verify it, and restore a backup"
-            }
+            Self::Damaged { .. } => "keep a copy of the file, verify it, and restore a backup",
             Self::ReadOnly | Self::CannotOpen => {
                 "give this user the right to write the file and its folder, or copy the store elsewhere"
             }

@@ -134,9 +134,10 @@ impl ReadingState {
                 let turned = axis_deg.is_none_or(|deg| deg.is_finite() && deg.abs() <= 90.0);
                 (turned, "an axis must be within 90° of the vertical")
             }
-            Event::RemoveVertebra { level } => {
-                (self.vertebrae.contains_key(&level.0), "only a vertebra with landmarks can be removed")
-            }
+            Event::RemoveVertebra { level } => (
+                self.vertebrae.contains_key(&level.0),
+                "only a vertebra with landmarks can be removed",
+            ),
             Event::Scale { from_px, to_px, length_mm } => {
                 let long = length_mm.is_finite() && *length_mm > 0.0 && from_px != to_px;
                 (

@@ -85,7 +85,9 @@ impl std::fmt::Display for Finding {
                 write!(f, "a row of `{table}` refers to a missing row")
             }
             Self::Unreadable { part } => write!(f, "{part} cannot be read"),
-            Self::Definition { name } => write!(f, "the definition of {name} differs from the schema"),
+            Self::Definition { name } => {
+                write!(f, "the definition of {name} differs from the schema")
+            }
             Self::EntryMissing { sequence } => write!(f, "entry {sequence} of the log is missing"),
             Self::EntryChanged { sequence } => {
                 write!(f, "entry {sequence} of the log was edited, exchanged or moved")
@@ -94,9 +96,9 @@ impl std::fmt::Display for Finding {
                 write!(f, "the log has {found} entries instead of {expected}")
             }
             Self::HeadChanged => f.write_str("the end of the log differs from its head"),
-            Self::Rewritten => f.write_str(
-                "the log does not contain the given head: the log was rewritten",
-            ),
+            Self::Rewritten => {
+                f.write_str("the log does not contain the given head: the log was rewritten")
+            }
             Self::RowMissing { object } => write!(f, "{object} is missing"),
             Self::RowChanged { object } => {
                 write!(f, "{object} differs from its entry in the log")

@@ -117,7 +117,7 @@ pub struct AxisView {
     pub axis_deg: f64,
     /// Whether it was turned by hand; else it follows the corners.
     pub by_hand: bool,
-    /// In words, such as `leans 4.2° to the patient's right`.
+    /// In words, such as `tilt 4.2° to the patient's right`.
     pub text: String,
 }
 

@@ -79,8 +79,12 @@ impl Uploads {
             staged.owner == *owner && now.unix_ms() - staged.at.unix_ms() < KEPT_MS
         });
         found.map(|staged| staged.upload.clone()).ok_or_else(|| {
-            Failure::new(StatusCode::NOT_FOUND, "not_found", "this upload has expired or does not exist")
-                .help("upload the file again; an upload is kept for an hour")
+            Failure::new(
+                StatusCode::NOT_FOUND,
+                "not_found",
+                "this upload has expired or does not exist",
+            )
+            .help("upload the file again; an upload is kept for an hour")
         })
     }
 

@@ -94,7 +94,7 @@ fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
         columns: film.columns,
         rows: film.rows,
         pixel_aspect: words::pixel_aspect(spacing.spacing),
-        // Bends and traction are taken lying down; standing, only one film is.
+        // Bends and traction are taken lying down; only one film is taken erect.
         posture: (film.tags.view.stance == Some(Stance::Erect)).then_some(PostureName::Erect),
         is_lateral,
         is_synthetic: film.tags.is_phantom,

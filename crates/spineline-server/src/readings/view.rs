@@ -110,7 +110,7 @@ fn vertebra(image: &ImageGeometry, level: Level, mark: &PartialMark) -> Vertebra
         to_px: pair(body.axis[1]),
         axis_deg: spineline_files::written_axis_deg(body.axis_clockwise),
         by_hand: mark.axis_clockwise.is_some(),
-        text: leans(body.tilt),
+        text: tilt_text(body.tilt),
     });
     VertebraView {
         level: level.to_string(),
@@ -121,7 +121,7 @@ fn vertebra(image: &ImageGeometry, level: Level, mark: &PartialMark) -> Vertebra
     }
 }
 
-fn leans(tilt: Angle) -> String {
+fn tilt_text(tilt: Angle) -> String {
     match tilt.side() {
         Some(side) if tilt.abs().to_string() != "0.0°" => {
             format!("tilt {} to {}", tilt.abs(), words::patients(side))

@@ -3,7 +3,9 @@
 use axum::extract::State;
 use spineline::anatomy::Posture;
 use spineline::measure::{MeasureError, check_marks};
-use spineline_store::{Event, FilmId, Name, ReadingId, Stand, StandingCase, StandingFilm, Store};
+use spineline_store::{
+    CaseReadings, CurrentCase, CurrentFilm, Event, FilmId, Name, ReadingId, Store,
+};
 
 use super::{findings, notices, overlay};
 use crate::access::{blinded, seen_reading};
@@ -31,7 +33,7 @@ pub async fn live(
 pub struct InHand {
     study: Name,
     film: FilmId,
-    standing: StandingCase,
+    current: CurrentCase,
 }
 
 /// The study of a reading with events that are not recorded; `None` where results are hidden from whoever asks.
@@ -46,22 +48,22 @@ pub fn in_hand(
         return Ok(None);
     }
     let (study, film) = (seen.study.id, seen.film.id);
-    let standing = store.standing_case(&study, Stand::InHand { reading, pending })?;
-    Ok(Some(InHand { study, film, standing }))
+    let current = store.current_case(&study, CaseReadings::InHand { reading, pending })?;
+    Ok(Some(InHand { study, film, current }))
 }
 
 /// What follows for the film in hand; the store is free for others while it is computed.
 pub async fn followed(hand: Option<InHand>) -> Answer<Option<LiveView>> {
-    let Some(InHand { study, film, standing }) = hand else { return Ok(None) };
-    computed(move || of_film(&StudyResult::of(&study, standing), film)).await.map(Some)
+    let Some(InHand { study, film, current }) = hand else { return Ok(None) };
+    computed(move || of_film(&StudyResult::of(&study, current), film)).await.map(Some)
 }
 
 /// What follows for one film of a study.
 fn of_film(result: &StudyResult, film: FilmId) -> LiveView {
-    let hand = result.standing.films.iter().find(|standing| standing.record.id == film);
+    let hand = result.current.films.iter().find(|current| current.record.id == film);
     let posture = hand.map_or(Posture::Erect, |hand| hand.record.posture);
-    let missing = hand.map(StandingFilm::missing).unwrap_or_default();
-    let fault = result.standing.marks(posture).and_then(|marks| check_marks(marks).err());
+    let missing = hand.map(CurrentFilm::missing).unwrap_or_default();
+    let fault = result.current.marks(posture).and_then(|marks| check_marks(marks).err());
     let (status, status_text) = status(result, &missing, fault.as_ref());
     let study = result.analysis().map(findings::of_study);
     let overlay = if missing.is_empty() && fault.is_none() {
@@ -87,7 +89,8 @@ fn status(
         _ if !missing.is_empty() => (LiveStatus::Partial, marked),
         Outcome::Analysed(_) => (LiveStatus::Complete, marked),
         Outcome::Waiting => {
-            let text = format!("{marked}; no results of the study yet: {}", progress(&result.standing));
+            let text =
+                format!("{marked}; no results of the study yet: {}", progress(&result.current));
             (LiveStatus::Complete, text)
         }
     }
@@ -114,6 +117,6 @@ fn film_notices(
 
 /// An overlay of a film from the finished readings of its study.
 pub fn overlay_of(result: &StudyResult, film: FilmId) -> Option<FilmOverlay> {
-    let film = result.standing.films.iter().find(|standing| standing.record.id == film)?;
+    let film = result.current.films.iter().find(|current| current.record.id == film)?;
     film.missing().is_empty().then(|| overlay::of_film(result, film.record.posture)).flatten()
 }

@@ -139,7 +139,7 @@ fn load_text(analysis: &Analysis, model: &LineModel, level: Level, force_n: Vec3
     let meaning = if absolute {
         ""
     } else {
-        "; no force is known, so these are newtons of a spine as stiff as the library on average, and only shapes and ratios mean anything"
+        "; no force was measured: the force is relative to the nominal stiffness, only shapes and ratios are meaningful"
     };
     format!(
         "{:.0} N at the midpoint of {level}: {}{meaning}",
@@ -156,7 +156,7 @@ fn texts(analysis: &Analysis, erect: &Deformed, shape: &Deformed) -> Vec<String>
     let [before, after] = [erect, shape].map(|shape| measure_angles(shape, &places));
     let mut texts = vec![format!("{level} moves most: {moved_mm:.1} mm")];
     texts.extend(curve_text(&before, &after));
-    texts.push(format!("the line L4–T2 leans {}", after.lean.leaning()));
+    texts.push(format!("lateral tilt of L4–T2: {}", after.lean.leaning()));
     texts
 }
 

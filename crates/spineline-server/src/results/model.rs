@@ -75,7 +75,7 @@ const fn drawn_unit(scale: &LengthScale) -> &'static str {
 
 fn bodies(result: &StudyResult, analysis: &Analysis) -> Vec<BodySize> {
     let scale = analysis.scale();
-    let widths = result.standing.marks(Posture::Erect).and_then(body_widths);
+    let widths = result.current.marks(Posture::Erect).and_then(body_widths);
     let widths_mm: Option<Vec<f64>> = widths.map(|widths| {
         widths.iter().map(|width| width / scale.pixels_per_mm.unwrap_or(1.0)).collect()
     });
@@ -146,8 +146,7 @@ fn contradicted_in(model: &LineModel, inferior: Level) -> Vec<PostureName> {
 fn model_notices(result: &StudyResult, analysis: &Analysis) -> Vec<Notice> {
     let mut notices = notices::of_result(result);
     if analysis.scale().pixels_per_mm.is_some() {
-        let text =
-            "the erect film has no spacing: the spine is drawn with a typical length";
+        let text = "the erect film has no spacing: the spine is drawn with a typical length";
         notices.push(notices::notice(Severity::Contradiction, "drawn_typical", text));
     }
     notices::sorted(notices)

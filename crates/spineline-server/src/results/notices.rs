@@ -4,7 +4,7 @@ use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
 use spineline::measure::{LengthScale, SpacingPlane};
 use spineline::warning::{Severity as Kind, Warning};
-use spineline_store::StandingCase;
+use spineline_store::CurrentCase;
 
 use super::words::line_name;
 use crate::api::{Notice, Severity};
@@ -19,7 +19,7 @@ pub fn notice(severity: Severity, code: &str, text: impl Into<String>) -> Notice
 
 /// Everything to be seen beside the results of a study, worst first.
 pub fn of_result(result: &StudyResult) -> Vec<Notice> {
-    let mut notices = left_out(&result.standing);
+    let mut notices = left_out(&result.current);
     match &result.outcome {
         Outcome::Waiting => {}
         Outcome::Refused { text, help } => {
@@ -27,7 +27,7 @@ pub fn of_result(result: &StudyResult) -> Vec<Notice> {
         }
         Outcome::Analysed(analysis) => notices.extend(of_analysis(analysis)),
     }
-    notices.extend(synthetic(result.standing.case.synthetic));
+    notices.extend(synthetic(result.current.case.synthetic));
     sorted(notices)
 }
 
@@ -75,12 +75,14 @@ pub fn of_scale(scale: &LengthScale) -> Option<Notice> {
 }
 
 pub fn synthetic(is_synthetic: bool) -> Option<Notice> {
-    is_synthetic.then(|| notice(Severity::Note, "synthetic", "synthetic films: made by the program, not measured"))
+    is_synthetic.then(|| {
+        notice(Severity::Note, "synthetic", "synthetic films: made by the program, not measured")
+    })
 }
 
 /// Films that take no part.
-fn left_out(standing: &StandingCase) -> Vec<Notice> {
-    let notices = standing.films.iter().filter_map(|film| {
+fn left_out(current: &CurrentCase) -> Vec<Notice> {
+    let notices = current.films.iter().filter_map(|film| {
         let missing = film.missing();
         let posture = film.record.posture;
         let text = match film.readings {
@@ -95,7 +97,7 @@ fn left_out(standing: &StandingCase) -> Vec<Notice> {
         notice.posture = Some(posture_name(posture));
         Some(notice)
     });
-    let no_erect = standing.film(Posture::Erect).is_none().then(|| {
+    let no_erect = current.film(Posture::Erect).is_none().then(|| {
         notice(
             Severity::Warning,
             "no_erect_film",

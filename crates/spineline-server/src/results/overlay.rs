@@ -24,7 +24,7 @@ const REACH_WIDTHS: f64 = 1.6;
 /// What is drawn over a film whose vertebrae all are marked: all of the study's where it is analysed, and else the film's own
 /// curve.
 pub fn of_film(result: &StudyResult, posture: Posture) -> Option<FilmOverlay> {
-    let film = result.standing.marks(posture)?;
+    let film = result.current.marks(posture)?;
     if let Some((analysis, measured)) =
         result.analysis().and_then(|a| a.posture(posture).map(|p| (a, p)))
     {

@@ -27,9 +27,9 @@ pub async fn record(
     let answer = state.ask(move |store| {
         readings::may_mark(store, &user, reading)?;
         let recorded = store.record_all(reading, &new.events, new.expected_revision, &by);
-        let settled = readings::answer_of(&asker, store, &user, reading, recorded.map(drop))?;
+        let answer = readings::answer_of(&asker, store, &user, reading, recorded.map(drop))?;
         // What is recorded is acknowledged, whatever keeps its results from being computed.
-        Ok(settled.map(|view| (view, in_hand(store, &user, reading, &[]).ok().flatten())))
+        Ok(answer.map(|view| (view, in_hand(store, &user, reading, &[]).ok().flatten())))
     });
     Ok(match answer.await? {
         Ok((reading, hand)) => {

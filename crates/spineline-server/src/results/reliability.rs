@@ -29,7 +29,7 @@ pub async fn reliability(
 /// Agreement on every quantity over some studies; none where nobody has read a film twice.
 pub fn of_studies(results: &[&StudyResult], scope: &str) -> Vec<ReliabilityView> {
     let read = |result: &&StudyResult| {
-        let films = result.standing.case.films.iter();
+        let films = result.current.case.films.iter();
         // What cannot be measured is refused elsewhere.
         let readings: Vec<FilmReadings> =
             films.filter_map(|film| FilmReadings::measure(film).ok()).collect();

@@ -13,7 +13,7 @@ use crate::words::posture_name;
 /// Parts of a force whose shapes are shown: from none to all of it.
 const PARTS: [f64; 11] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
 
-/// A spine whose vertebrae stand like this.
+/// A spine with these poses of its vertebrae.
 pub fn shape(spine: &SpineModel, midpoints_mm: &[Vec3], axes: &[Mat3]) -> Shape {
     let points = |points: &[Vec3]| points.iter().map(|&point| point.into()).collect();
     Shape {
@@ -64,9 +64,12 @@ pub fn simulated(
 
 fn status_text(simulation: &Simulation) -> String {
     let left = if simulation.posture.bend().is_some() {
-        format!("{:.2}° off the measured lean", Angle::from_rad(simulation.residual).abs().deg())
+        format!(
+            "{:.2}° from the measured lateral tilt",
+            Angle::from_rad(simulation.residual).abs().deg()
+        )
     } else {
-        format!("T2 {:.1} mm off its measured place", simulation.residual.abs())
+        format!("T2 {:.1} mm from its measured location", simulation.residual.abs())
     };
     let status = simulation.status.key().replace('_', " ");
     if simulation.is_usable() {

@@ -42,7 +42,7 @@ pub async fn analysis_file(
             let films = FilmOrigin::of([analysis.synthetic]);
             let request = Request { options: analysis.options.clone(), ..Request::default() };
             let provenance = Provenance::new(run, films, Vec::new()).asking(&request);
-            let case = CaseFile::from_case(&result.standing.complete_case());
+            let case = CaseFile::from_case(&result.current.complete_case());
             spineline_files::to_text(&AnalysisFile::new(analysis, case, provenance))
         })
     });
@@ -65,11 +65,11 @@ pub async fn findings(
 
 fn view(result: &StudyResult) -> LiveView {
     let (status, status_text) = match &result.outcome {
-        Outcome::Waiting => (LiveStatus::Partial, progress(&result.standing)),
+        Outcome::Waiting => (LiveStatus::Partial, progress(&result.current)),
         Outcome::Refused { text, .. } => (LiveStatus::Refused, text.clone()),
         Outcome::Analysed(_) => {
-            let erect = result.standing.film(Posture::Erect);
-            let missing = erect.map(spineline_store::StandingFilm::missing).unwrap_or_default();
+            let erect = result.current.film(Posture::Erect);
+            let missing = erect.map(spineline_store::CurrentFilm::missing).unwrap_or_default();
             (LiveStatus::Complete, format!("{} on the erect film", marked_text(&missing)))
         }
     };

@@ -42,7 +42,8 @@ pub fn summary(
     study: &Name,
 ) -> Result<ResultSummary, StoreError> {
     if !sees_results(store, user, study)? {
-        let text = "blinded readings: results are shown when all planned readings are finished".to_owned();
+        let text =
+            "blinded readings: results are shown when all planned readings are finished".to_owned();
         return Ok(ResultSummary::bare(StudyStatus::Blinded, text));
     }
     match known(cache, store, study)? {
@@ -84,10 +85,10 @@ pub fn of_result(result: &StudyResult) -> ResultSummary {
 fn status(result: &StudyResult) -> (StudyStatus, String) {
     match &result.outcome {
         Outcome::Refused { text, .. } => (StudyStatus::Refused, text.clone()),
-        Outcome::Waiting if result.standing.films.iter().all(|film| film.readings == 0) => {
+        Outcome::Waiting if result.current.films.iter().all(|film| film.readings == 0) => {
             (StudyStatus::ToMark, "no finished reading".to_owned())
         }
-        Outcome::Waiting => (StudyStatus::Marking, progress(&result.standing)),
+        Outcome::Waiting => (StudyStatus::Marking, progress(&result.current)),
         Outcome::Analysed(analysis) if analysis.models.is_empty() => {
             (StudyStatus::Measured, "curve and angles; no model".to_owned())
         }

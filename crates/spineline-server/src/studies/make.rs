@@ -47,16 +47,16 @@ async fn new_study(
     check(&films)?;
     let synthetic = films.iter().all(|(_, upload)| upload.is_synthetic);
     let study = Study { id, label: new.label, synthetic };
-    let settled = tokio::task::spawn_blocking(move || {
+    let prepared = tokio::task::spawn_blocking(move || {
         let salt = salt()?;
         let mut case = NewCase::of(study);
         for (film, upload) in &films {
-            let (bytes, image) = settle(case.id(), film, upload, salt)?;
+            let (bytes, image) = prepared_film(case.id(), film, upload, salt)?;
             case = case.film(words::posture(film.posture), bytes, image);
         }
         Ok::<_, Failure>(case)
     });
-    let case = settled.await.expect("settling does not panic")?;
+    let case = prepared.await.expect("preparing films does not panic")?;
     let used = new.films.into_iter().map(|film| film.upload).collect();
     add(&state, user, case, used).await
 }
@@ -151,8 +151,8 @@ fn check_picture(posture: Posture, [columns, rows]: [u64; 2], upload: &Upload) -
     Ok(())
 }
 
-/// A film's bytes and description as the study has them.
-fn settle(
+/// A film's de-identified bytes, and its description for the study.
+fn prepared_film(
     id: &Name,
     film: &NewFilm,
     upload: &Upload,
@@ -205,7 +205,11 @@ fn clean(id: &Name, bytes: &[u8], salt: [u8; 32]) -> Answer<Vec<u8>> {
 fn salt() -> Answer<[u8; 32]> {
     let mut salt = [0; 32];
     getrandom::fill(&mut salt).map_err(|_| {
-        Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "random", "the operating system provides no random numbers")
+        Failure::new(
+            StatusCode::INTERNAL_SERVER_ERROR,
+            "random",
+            "the operating system provides no random numbers",
+        )
     })?;
     Ok(salt)
 }

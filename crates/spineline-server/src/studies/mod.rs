@@ -5,7 +5,7 @@ mod summary;
 
 use axum::extract::State;
 use axum::response::Response;
-use spineline_store::{Name, Next, PlanDesign, Sight, Store, Timestamp};
+use spineline_store::{Name, Next, PlanDesign, Store, Timestamp, Visibility};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -61,26 +61,30 @@ pub fn detail(state: &AppState, store: &Store, user: &User, study: &Name) -> Ans
     let role = user.on_study(store, study)?;
     let record = store.study(study)?;
     let summary = study_summary(state, store, user, role, &record)?;
-    let sight = store.observer(&user.name).sight(study)?;
+    let visibility = store.observer(&user.name).visibility(study)?;
     let mut conflicts = Vec::new();
-    if sight != Sight::Reader {
+    if visibility != Visibility::Reader {
         for film in store.films(study)? {
             conflicts.extend(readings::lost_of_film(store, &film)?);
         }
     }
-    if sight == Sight::Open {
+    if visibility == Visibility::Open {
         for reading in store.readings(study)? {
             conflicts.extend(readings::lost_of_reading(store, reading.id)?);
         }
     }
-    Ok(StudyDetail { summary, conflicts, plan: plan_view(store, user, study, sight, state.now())? })
+    Ok(StudyDetail {
+        summary,
+        conflicts,
+        plan: plan_view(store, user, study, visibility, state.now())?,
+    })
 }
 
 fn plan_view(
     store: &Store,
     user: &User,
     study: &Name,
-    sight: Sight,
+    visibility: Visibility,
     now: Timestamp,
 ) -> Answer<Option<PlanView>> {
     if !store.has_plan(study)? {
@@ -94,7 +98,7 @@ fn plan_view(
         Next::Wait(until) => NextReading::Wait { until_ms: until.unix_ms() },
         Next::Done => NextReading::Done,
     };
-    Ok(Some(PlanView { blinded: sight != Sight::Open, next }))
+    Ok(Some(PlanView { blinded: visibility != Visibility::Open, next }))
 }
 
 /// Plans blinded readings.
@@ -141,7 +145,7 @@ async fn case_file(
     let file = format!("{study}.json");
     let case = state.ask(move |store| {
         user.on_study(store, &study)?;
-        if store.observer(&user.name).sight(&study)? != Sight::Open {
+        if store.observer(&user.name).visibility(&study)? != Visibility::Open {
             return Err(access::blinded());
         }
         Ok(store.export_case(&study)?)

@@ -2,7 +2,7 @@
 
 use spineline::anatomy::ImageSide;
 use spineline::measure::ImageGeometry;
-use spineline_store::{FilmId, FilmRecord, Sight, Store, Study};
+use spineline_store::{FilmId, FilmRecord, Store, Study, Visibility};
 
 use crate::api::{FilmSummary, ReadingSummary, RoleName, StudyStatus, StudySummary};
 use crate::overview_cache::Overview;
@@ -21,19 +21,21 @@ pub fn study_summary(
 ) -> Answer<StudySummary> {
     let changed = store.last_change(&study.id)?;
     let overview = state.overviews().of(store, &study.id, changed.sequence)?;
-    let sight = store.observer(&user.name).sight(&study.id)?;
+    let visibility = store.observer(&user.name).visibility(&study.id)?;
     let found = results::summary(state.results(), store, user, &study.id)?;
     let (status, status_text) = match found.status {
         // Landmarks of unfinished readings count as progress.
         StudyStatus::ToMark | StudyStatus::Marking => overview.status.clone(),
         status => (status, found.status_text),
     };
-    let films = match sight {
+    let films = match visibility {
         // Postures would unblind.
-        Sight::Reader => Vec::new(),
-        Sight::Open | Sight::Apart => {
-            overview.films.iter().map(|film| summary_of(film, &overview, user, sight)).collect()
-        }
+        Visibility::Reader => Vec::new(),
+        Visibility::Open | Visibility::Apart => overview
+            .films
+            .iter()
+            .map(|film| summary_of(film, &overview, user, visibility))
+            .collect(),
     };
     Ok(StudySummary {
         id: study.id.to_string(),
@@ -60,25 +62,31 @@ pub fn film_summary(
     let film = store.film(film)?;
     let changed = store.last_change(&film.study)?;
     let overview = state.overviews().of(store, &film.study, changed.sequence)?;
-    let sight = store.observer(&user.name).sight(&film.study)?;
-    Ok(summary_of(&film, &overview, user, sight))
+    let visibility = store.observer(&user.name).visibility(&film.study)?;
+    Ok(summary_of(&film, &overview, user, visibility))
 }
 
 const UNREADABLE: ImageGeometry =
     ImageGeometry { columns: 0, rows: 0, spacing: None, patient_left: ImageSide::Left };
 
-fn summary_of(film: &FilmRecord, overview: &Overview, user: &User, sight: Sight) -> FilmSummary {
+fn summary_of(
+    film: &FilmRecord,
+    overview: &Overview,
+    user: &User,
+    visibility: Visibility,
+) -> FilmSummary {
     // One film that another program described must not hide all studies.
     let image = spineline_files::parse_image(&film.image, film.posture).unwrap_or(UNREADABLE);
     let readings = overview.readings.iter().filter(|reading| reading.film == film.id);
-    let readings = readings.filter(|_| sight == Sight::Open).map(|reading| ReadingSummary {
-        reading: reading.id.0,
-        observer: reading.observer.to_string(),
-        repeat: reading.repeat,
-        mine: reading.observer == user.name,
-        finished: reading.finished_at.is_some(),
-        complete_levels: overview.complete.get(&reading.id).copied().unwrap_or(0),
-    });
+    let readings =
+        readings.filter(|_| visibility == Visibility::Open).map(|reading| ReadingSummary {
+            reading: reading.id.0,
+            observer: reading.observer.to_string(),
+            repeat: reading.repeat,
+            mine: reading.observer == user.name,
+            finished: reading.finished_at.is_some(),
+            complete_levels: overview.complete.get(&reading.id).copied().unwrap_or(0),
+        });
     FilmSummary {
         film: film.id.0,
         posture: words::posture_name(film.posture),

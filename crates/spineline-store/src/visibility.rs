@@ -14,7 +14,7 @@ use crate::state::ReadingState;
 
 /// How much of a study an observer may see.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sight {
+pub enum Visibility {
     /// Everything: there is no plan, or nothing of it is left to finish.
     Open,
     /// The plan is incomplete and has readings of this observer: codes, and their own readings.
@@ -52,13 +52,13 @@ impl ObserverView<'_> {
     ///
     /// # Errors
     /// [`StoreError::Damaged`].
-    pub fn sight(&self, study: &Name) -> Result<Sight, StoreError> {
+    pub fn visibility(&self, study: &Name) -> Result<Visibility, StoreError> {
         let snapshot = self.store.connection.unchecked_transaction()?;
         if !films::is_planned(&snapshot, study)? || plan::is_open(&snapshot, study)? {
-            return Ok(Sight::Open);
+            return Ok(Visibility::Open);
         }
         let own = plan::slots_of(&snapshot, study, Some(self.who))?;
-        Ok(if own.is_empty() { Sight::Apart } else { Sight::Reader })
+        Ok(if own.is_empty() { Visibility::Apart } else { Visibility::Reader })
     }
 
     /// A reading: an own one, or any where the study is open.
@@ -94,11 +94,11 @@ pub struct LastChange {
 }
 
 /// Objects of a study whose changes may move what follows from its finished readings.
-const SETTLED: &str = "SELECT 'study/' || ?1
+const RESULT_OBJECTS: &str = "SELECT 'study/' || ?1
     UNION ALL SELECT 'film/' || id FROM own_films
     UNION ALL SELECT 'reading/' || id FROM own_readings";
 /// The other objects of a study: its plan, the last click of every reading, and lost changes.
-const OTHERS: &str = "SELECT 'plan/' || id FROM plans WHERE study = ?1
+const OTHER_OBJECTS: &str = "SELECT 'plan/' || id FROM plans WHERE study = ?1
     UNION ALL SELECT 'event/' || (SELECT sequence FROM events
         WHERE reading = own_readings.id ORDER BY revision DESC LIMIT 1) FROM own_readings
     UNION ALL SELECT 'conflict/' || (SELECT max(id) FROM conflicts
@@ -112,7 +112,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::Unknown`].
     pub fn last_change(&self, study: &Name) -> Result<LastChange, StoreError> {
-        self.last_entry(study, &format!("{SETTLED} UNION ALL {OTHERS}"))
+        self.last_entry(study, &format!("{RESULT_OBJECTS} UNION ALL {OTHER_OBJECTS}"))
     }
 
     /// When a study, a film of it, or the beginning or end of a reading changed last. Clicks in between move nothing that
@@ -120,8 +120,8 @@ impl Store {
     ///
     /// # Errors
     /// [`StoreError::Unknown`].
-    pub fn last_settled(&self, study: &Name) -> Result<LastChange, StoreError> {
-        self.last_entry(study, SETTLED)
+    pub fn last_result_change(&self, study: &Name) -> Result<LastChange, StoreError> {
+        self.last_entry(study, RESULT_OBJECTS)
     }
 
     fn last_entry(&self, study: &Name, objects: &str) -> Result<LastChange, StoreError> {

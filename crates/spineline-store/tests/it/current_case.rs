@@ -5,7 +5,7 @@ use spineline::analysis::Case;
 use spineline::anatomy::{Level, Posture};
 use spineline_files::LevelKey;
 use spineline_store::{
-    Corner, CrestSide, Event, FilmEdit, FilmId, ReadingId, Stand, Store, StoreError, Study,
+    CaseReadings, Corner, CrestSide, Event, FilmEdit, FilmId, ReadingId, Store, StoreError, Study,
 };
 
 use crate::session::{by, create, film_bytes, name, place};
@@ -189,9 +189,9 @@ fn the_case_of_finished_readings_is_that_of_the_case_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = create(&folder.path().join("store"));
     study(&mut store);
-    let standing = store.standing_case(&name(STUDY), Stand::Finished).expect("a case");
+    let current = store.current_case(&name(STUDY), CaseReadings::Finished).expect("a case");
     // The left film has no finished reading; on the right one no vertebra of the model is marked.
-    assert_eq!(standing.case, parsed(&[erect()]));
+    assert_eq!(current.case, parsed(&[erect()]));
     let exported = store.export_case(&name(STUDY)).expect("a case file");
     let case = spineline_files::parse_case(&exported.text).expect("a case");
     let mut unread = left(&Value::Null);
@@ -199,7 +199,7 @@ fn the_case_of_finished_readings_is_that_of_the_case_file() {
     assert_eq!(case, parsed(&[erect(), unread.clone(), right()]));
     let text: Value = serde_json::from_str(&exported.text).expect("JSON");
     assert_eq!(text["films"], json!([erect(), unread, right()]));
-    assert_eq!(standing.case.films[0], case.films[0]);
+    assert_eq!(current.case.films[0], case.films[0]);
 }
 
 #[test]
@@ -208,7 +208,10 @@ fn the_case_of_a_reading_in_hand_has_its_whole_vertebrae_and_pending_events() {
     let mut store = create(&folder.path().join("store"));
     let reading = study(&mut store);
     let case = |pending: &[Event]| {
-        store.standing_case(&name(STUDY), Stand::InHand { reading, pending }).expect("a case").case
+        store
+            .current_case(&name(STUDY), CaseReadings::InHand { reading, pending })
+            .expect("a case")
+            .case
     };
     let marked = json!({ "L3": written(Level::L3, 3.0, None) });
     assert_eq!(case(&[]), parsed(&[erect(), left(&marked)]));
@@ -230,7 +233,7 @@ fn an_image_that_no_case_file_could_have_is_refused() {
     });
     store.add_film(&id, Posture::Erect, &film_bytes(1), &image, &lead).expect("a film");
     read(&mut store, 1, 1, "A", &clicks(Level::L4, 0.0), true);
-    let refused = store.standing_case(&id, Stand::Finished);
+    let refused = store.current_case(&id, CaseReadings::Finished);
     assert!(matches!(refused, Err(StoreError::Case(_))), "{refused:?}");
     let refused = store.export_case(&id);
     assert!(matches!(refused, Err(StoreError::Case(_))), "{refused:?}");

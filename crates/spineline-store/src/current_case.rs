@@ -1,4 +1,4 @@
-//! A study as it stands: the case that results are computed from.
+//! The current case of a study, from which results are computed.
 
 use std::collections::BTreeSet;
 
@@ -17,9 +17,9 @@ use crate::names::{Name, ReadingId};
 use crate::readings::{self, ReadingRecord};
 use crate::state::{ReadingState, VertebraMarks};
 
-/// Which readings stand for the films of a study.
+/// Which readings of a study the current case uses.
 #[derive(Debug, Clone, Copy)]
-pub enum Stand<'a> {
+pub enum CaseReadings<'a> {
     /// All finished ones.
     Finished,
     /// On the film of a reading in hand that one alone, with events that are not recorded yet. On every other film the
@@ -32,38 +32,38 @@ pub enum Stand<'a> {
     },
 }
 
-/// A film of a study as it stands.
+/// A film of the current case.
 #[derive(Debug, Clone, PartialEq)]
-pub struct StandingFilm {
+pub struct CurrentFilm {
     /// The film.
     pub record: FilmRecord,
-    /// Readings that stand for it; none where it is not read.
+    /// Number of readings that are used for it.
     pub readings: usize,
     /// Vertebrae of the model with four corners in one of them.
     pub marked: BTreeSet<Level>,
 }
 
-impl StandingFilm {
-    /// Vertebrae of the model that are marked in none of its readings, caudal first.
+impl CurrentFilm {
+    /// Vertebrae of the model without landmarks in any of its readings, caudal first.
     #[must_use]
     pub fn missing(&self) -> Vec<Level> {
         Level::MODEL.into_iter().filter(|level| !self.marked.contains(level)).collect()
     }
 }
 
-/// A study as it stands.
+/// The current case of a study.
 #[derive(Debug, Clone, PartialEq)]
-pub struct StandingCase {
+pub struct CurrentCase {
     /// Its films, the erect one first.
-    pub films: Vec<StandingFilm>,
-    /// What is marked on the films that any reading stands for, of whichever vertebrae.
+    pub films: Vec<CurrentFilm>,
+    /// What is marked on the films that have readings, of any vertebra.
     pub case: Case,
 }
 
-impl StandingCase {
+impl CurrentCase {
     /// What is known of one film.
     #[must_use]
-    pub fn film(&self, posture: Posture) -> Option<&StandingFilm> {
+    pub fn film(&self, posture: Posture) -> Option<&CurrentFilm> {
         self.films.iter().find(|film| film.record.posture == posture)
     }
 
@@ -88,11 +88,11 @@ impl Store {
     ///
     /// # Errors
     /// As [`Store::export_case`]; [`StoreError::BadEvent`] for a pending event that makes no sense.
-    pub fn standing_case(
+    pub fn current_case(
         &self,
         study: &Name,
-        stand: Stand<'_>,
-    ) -> Result<StandingCase, StoreError> {
+        choice: CaseReadings<'_>,
+    ) -> Result<CurrentCase, StoreError> {
         let snapshot = self.connection.unchecked_transaction()?;
         let synthetic = films::study(&snapshot, study)?.synthetic;
         let readings = readings::of_study(&snapshot, study)?;
@@ -100,9 +100,9 @@ impl Store {
         for film in assembly::by_posture(&snapshot, study)?.into_values() {
             let of_film: Vec<&ReadingRecord> =
                 readings.iter().filter(|reading| reading.film == film.id).collect();
-            let standing = match stand {
-                Stand::Finished => self.finished(&snapshot, &of_film)?,
-                Stand::InHand { reading, pending } => {
+            let chosen = match choice {
+                CaseReadings::Finished => self.finished(&snapshot, &of_film)?,
+                CaseReadings::InHand { reading, pending } => {
                     let hand = readings.iter().find(|record| record.id == reading);
                     let object = || reading.to_string();
                     let hand = hand.ok_or_else(|| StoreError::Unknown { object: object() })?;
@@ -115,14 +115,14 @@ impl Store {
                 levels.filter(|level| level.model_index().is_some()).collect()
             };
             let marked: BTreeSet<Level> =
-                standing.iter().flat_map(|(_, state)| complete(state)).collect();
+                chosen.iter().flat_map(|(_, state)| complete(state)).collect();
             if !marked.is_empty() {
-                marks.push(assembly::film(&film, &standing)?);
+                marks.push(assembly::film(&film, &chosen)?);
             }
-            films.push(StandingFilm { record: film, readings: standing.len(), marked });
+            films.push(CurrentFilm { record: film, readings: chosen.len(), marked });
         }
         let case = assembly::case(study, synthetic, marks);
-        Ok(StandingCase { films, case })
+        Ok(CurrentCase { films, case })
     }
 
     fn finished<'r>(
