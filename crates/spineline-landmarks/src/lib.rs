@@ -94,7 +94,7 @@ pub fn parse_landmarks(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile
         return parse_csv(bytes, hint);
     }
     Err(LandmarkError::Unrecognised {
-        reason: "it is neither DICOM, nor MATLAB, nor JSON, nor a table with a column `vertebra`"
+        reason: "it is neither DICOM, MATLAB nor JSON, nor a table with a column `vertebra`"
             .to_owned(),
     })
 }

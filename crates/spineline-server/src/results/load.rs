@@ -58,14 +58,14 @@ fn answer(result: &StudyResult, request: &LoadRequest) -> Answer<LoadAnswer> {
     let movable = Level::MODEL.iter().skip(1).position(|level| level.name() == request.level);
     let vertebra = 1 + movable.ok_or_else(|| {
         refused(
-            format!("{:?} carries no load", request.level),
+            format!("{:?} cannot carry a load", request.level),
             "loads act on the vertebrae above the fixed one, L3 to T2",
         )
     })?;
     let force_n = Vec3::from(request.tip_mm) - analysis.spine.midpoints_mm[vertebra];
     let size = force_n.norm();
     if size.is_nan() || size > LONGEST_ARROW_MM {
-        let text = format!("the arrow is {size:.0} mm long, and at most {LONGEST_ARROW_MM:.0} mm");
+        let text = format!("the arrow is {size:.0} mm long; the limit is {LONGEST_ARROW_MM:.0} mm");
         return Err(refused(text, "drag a shorter arrow"));
     }
     loaded(analysis, model, vertebra, force_n)
@@ -114,7 +114,7 @@ fn equilibrium(
     let springs = model.stiffness_nmm_per_rad(library);
     let springs = springs.iter().map(|&joint| Mat3::from_diagonal(&Vec3::from(joint)));
     let statics = GeneralStatics::new(&analysis.spine, springs, analysis.options.support)
-        .map_err(|error| refused(error.to_string(), "look at the notices of the model"))?;
+        .map_err(|error| refused(error.to_string(), "read the notices of the model"))?;
     let load = BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };
     let loading = Loading::single(vertebra, load);
     let response =
@@ -127,7 +127,7 @@ fn equilibrium(
     }
     let (part, deformed) = response.last_reached().unwrap_or((0.0, erect));
     let status_text = format!(
-        "NO RESULT: {}; shown is the shape under {:.0} % of the load",
+        "NO RESULT: {}; the shape at {:.0} % of the load is shown",
         response.ending.meaning(),
         100.0 * part
     );

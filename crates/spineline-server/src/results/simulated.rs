@@ -75,14 +75,14 @@ fn status_text(simulation: &Simulation) -> String {
     if simulation.is_usable() {
         format!("{status}; {left}")
     } else {
-        format!("{status}: the nearest shape is shown, which is no result; {left}")
+        format!("{status}: the nearest shape is shown and is not a result; {left}")
     }
 }
 
 fn contradiction_text(joint: &ContradictedJoint) -> String {
     let noise = if joint.beyond_noise { "beyond noise" } else { "within noise" };
     format!(
-        "{}/{} turns {}, against the force: lever arm {:.0} mm, {:.0} % of the work, {noise}",
+        "{}/{} turns {}, counter-rotating: lever arm {:.0} mm, {:.0} % of the work, {noise}",
         joint.inferior,
         joint.superior,
         joint.rotation.leaning(),
