@@ -87,7 +87,7 @@ fn places(heading: &StringRecord) -> Result<BTreeMap<&'static str, usize>, FileE
     }
 }
 
-/// Puts one row into its quantity, and says whether it is of a made-up film.
+/// Puts one row into its quantity, and says whether it is of a synthetic film.
 fn insert(
     record: &StringRecord,
     places: &BTreeMap<&'static str, usize>,
