@@ -51,7 +51,7 @@ impl fmt::Display for Made {
 #[non_exhaustive]
 pub enum PdfError {
     /// Not in the calendar, such as a 30th of February.
-    #[error("the report was made at {0}, which the calendar does not have")]
+    #[error("the time of the report, {0}, is not a valid date")]
     Date(Made),
     /// The template or a figure is at fault.
     #[error("the report could not be typeset: {0}")]

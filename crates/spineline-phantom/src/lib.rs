@@ -123,11 +123,11 @@ impl Truth {
             Self::Pull => "horizontal force at T2",
             Self::Flatten => "curvature scaled everywhere, no force",
             Self::Offset => "force along a line beside the inflections",
-            Self::Spread => "load spread over the whole spine",
+            Self::Spread => "load distributed over the whole spine",
             Self::Random => "joints turn at random",
-            Self::Weight => "weight along a vertical that leans",
-            Self::Lateral => "horizontal force spread over the length",
-            Self::Couple => "one moment at all levels",
+            Self::Weight => "weight along a tilted vertical",
+            Self::Lateral => "horizontal force distributed over the length",
+            Self::Couple => "the same moment at all levels",
             Self::TwoForces => "forces through the inflections and at the apex",
             Self::TurnedBase => "force through the inflections, and L4's axis turned",
         }
@@ -181,7 +181,7 @@ pub enum PhantomError {
         number: usize,
     },
     /// No erect curve has these angles.
-    #[error("no erect curve has the angles of subject {number}")]
+    #[error("no erect curve with the angles of subject {number} was found")]
     NoCurve {
         /// Number of the subject, from 1.
         number: usize,

@@ -22,7 +22,7 @@ pub enum CaseError {
         posture: Posture,
     },
     /// The left bend leans to the right of the right bend.
-    #[error("the left bending film leans {} and the right bending film leans {}: the two are exchanged", left.leaning(), right.leaning())]
+    #[error("the lateral tilt is {} on the left bending film and {} on the right bending film: the two films are exchanged", left.leaning(), right.leaning())]
     BendsExchanged {
         /// Lean of the film called left.
         left: Angle,
@@ -94,7 +94,7 @@ impl Error {
             Self::Measure(error) => error.help(),
             Self::Curve(_) => "use an order from 4 to 12, or `leave-one-out`",
             Self::Chain(ChainError::Window { .. }) => {
-                "give a window of at least one number of segments"
+                "give a window that contains at least one number of segments"
             }
             Self::Chain(_) => {
                 "check the spacing of the films: their curves should be about equally long"

@@ -12,7 +12,7 @@ const notice = (text: string, line: Api<"LineName"> | null = null): Api<"Notice"
 
 it("puts what is said of a line under the line, and the rest first", () => {
   const all = [
-    notice("the fit ended with `iterations`", "iliac_line"),
+    notice("the fit did not converge (`iterations`)", "iliac_line"),
     notice("no scale"),
     notice("one", "inflection_line"),
     notice("two", "iliac_line"),
@@ -20,7 +20,10 @@ it("puts what is said of a line under the line, and the rest first", () => {
   expect(byLine(all)).toEqual([
     { line: null, notices: [notice("no scale")] },
     { line: "inflection_line", notices: [notice("one")] },
-    { line: "iliac_line", notices: [notice("the fit ended with `iterations`"), notice("two")] },
+    {
+      line: "iliac_line",
+      notices: [notice("the fit did not converge (`iterations`)"), notice("two")],
+    },
   ]);
 });
 

@@ -69,7 +69,7 @@ fn a_phantom_is_made_checked_and_analysed() {
         "SYNTHETIC",
         "inflection line",
         "held out",
-        "do not speak against",
+        "are consistent with a single force",
         "only ratios are identified",
     ] {
         assert!(words(&text).contains(word), "{word} is missing in\n{text}");
@@ -311,7 +311,7 @@ fn a_line_of_ones_own_and_inflections_by_hand_are_used() {
     ];
     let (text, error, _) = run(here.path(), &arguments);
     let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
-    assert!(error.contains("picked by hand"), "{error}");
+    assert!(error.contains("chosen by hand"), "{error}");
     let line = &json["models"]["given_line"]["postures"]["left_bending"]["line"];
     assert!((line["direction"][0].as_f64().expect("y") - 1.0).abs() < 1e-12, "{line}");
     assert_eq!(json["inflections"][0]["between"][1], "T12");

@@ -73,8 +73,8 @@ fn a_cohort_is_tested_by_patient_with_its_family_stated() {
         "flip p",
         "Holm p",
         "Pooled p",
-        "Believe the interval over patients",
-        "Holm's correction is over",
+        "Use the interval over patients",
+        "Holm's correction covers",
     ] {
         assert!(text.contains(word), "{word} is missing in\n{text}");
     }
@@ -93,7 +93,10 @@ fn a_cohort_is_tested_by_patient_with_its_family_stated() {
         assert!(test["predicts_better"].is_null(), "{test}");
         assert!(test["holm_p"].as_f64() >= test["sign_flip_p"].as_f64(), "{test}");
     }
-    assert!(text.contains("no line is better") && text.contains("Too few patients"), "{text}");
+    assert!(
+        text.contains("no line predicts significantly better") && text.contains("Too few patients"),
+        "{text}"
+    );
     run(here.path(), &["analyze", "cases", "--cohort", "all.csv", "--threads", "1"]);
     let csv = read("all.csv");
     assert_eq!(csv.lines().count(), 19, "{csv}");

@@ -350,7 +350,7 @@ fn a_cohorts_report_has_every_section_and_counts_who_is_lacking() {
     let figures: Vec<&str> = document.figures().map(|figure| figure.name.as_str()).collect();
     assert!(figures.contains(&"errors-fitted") && figures.contains(&"errors-held-out"));
     let tested = tables(section(&document, "tests"));
-    assert!(tested[0].rows[0][1].contains("as if all were independent"));
+    assert!(tested[0].rows[0][1].contains("all treated as independent"));
     assert!(tested[0].rows[0][2].contains("patients"));
     assert!(!tables(section(&document, "reliability"))[0].rows.is_empty());
 }

@@ -52,7 +52,9 @@ pub struct LineOfAction {
 #[non_exhaustive]
 pub enum LineError {
     /// Two points nearly in one place.
-    #[error("the two inflections are {gap_mm:.1} mm apart, and a line needs {limit_mm:.0} mm")]
+    #[error(
+        "the two inflections are {gap_mm:.1} mm apart, and the minimum for a line is {limit_mm:.0} mm"
+    )]
     TooShort {
         /// Distance between the points.
         gap_mm: f64,

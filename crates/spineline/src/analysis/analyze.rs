@@ -228,7 +228,7 @@ fn measure(
         warn_of_shifted_levels(films[0], film, warnings);
     }
     if is_read_once(&readings) {
-        let text = "every film was read once, so how well readings repeat is not known: let a second observer read, or read again";
+        let text = "every film was read once, so the reliability of the readings is not known: add readings of a second observer, or repeat the reading";
         warnings.push(Step::Measure, "reliability_one_reading", text);
     }
     check_outlines(&outlines, warnings)?;
@@ -356,7 +356,7 @@ fn inflections_of(
             warnings.push(
                 Step::Motion,
                 "inflections_by_hand",
-                "the two inflections were picked by hand",
+                "the two inflections were chosen by hand",
             );
             found.picked(erect, sites)
         }
@@ -375,10 +375,10 @@ fn warn_of_inflections(found: &Inflections, warnings: &mut Warnings) {
     let then = if found.pair.is_some() {
         "the pair around the largest curve is used"
     } else {
-        "there is no inflection line; the other lines still are compared"
+        "there is no inflection line; the other lines are still compared"
     };
     let text = format!(
-        "the erect curve has {} (lobes of {}), not two: {then}",
+        "the erect curve has {} (curves of {}), not two: {then}",
         counted(found.all.len()),
         lobes.join(", ")
     );

@@ -51,7 +51,7 @@ pub(super) fn check_outlines(
         }
         if film.scale.plane != erect.scale.plane {
             let text = format!(
-                "its lengths are in {}, those of the erect film {}: lengths are compared as if they were the same",
+                "its lengths are in {}, those of the erect film in {}: they are compared without conversion",
                 film.scale.plane.unit(),
                 erect.scale.plane.unit()
             );
@@ -74,7 +74,7 @@ fn warn_of_wrong_lean(erect: &Outline, film: &Outline, warnings: &mut Warnings) 
     };
     if away > LEAN_MARGIN {
         let text = format!(
-            "T2 leans {} from where it is when erect: the film may be mirrored, or be of another posture",
+            "the lateral tilt of L4 to T2 is {} of that on the erect film: the film may be mirrored or may show another posture",
             change.leaning()
         );
         warnings.film(Step::Measure, "bend_leans_away", film.posture, text);
@@ -94,7 +94,7 @@ fn warn_of_mirror(erect: &Outline, film: &Outline, warnings: &mut Warnings) {
     let likeness = dot(&a, &b) / (dot(&a, &a) * dot(&b, &b)).sqrt();
     let turning: f64 = a.iter().map(|turn| turn.abs()).sum();
     if likeness < -0.8 && turning > Angle::from_deg(20.0).rad() {
-        let text = "it shows the mirror image of the erect spine: this film or the erect one has a wrong `patient_left`";
+        let text = "the spine has the shape of the mirrored erect spine: check `patient_left` of this film and of the erect film";
         warnings.film(Step::Measure, "film_looks_mirrored", film.posture, text);
     }
 }
@@ -124,7 +124,7 @@ pub(super) fn warn_of_shifted_levels(erect: &Film, film: &Film, warnings: &mut W
         // A quarter of the variance is half of the deviation: far from what the scatter of marks does.
         if misfit(-shift) < 0.25 * misfit(0) {
             let text = format!(
-                "its vertebrae are as wide as their neighbours {side} on the erect film: their names may be one level off"
+                "the widths of its vertebrae match those of the neighbours {side} on the erect film: the names may be shifted by one level"
             );
             warnings.film(Step::Measure, "levels_may_be_shifted", film.posture, text);
         }

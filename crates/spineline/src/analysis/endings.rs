@@ -6,13 +6,13 @@ use crate::warning::{Step, Warnings};
 pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
     let mut warn = |step, code, posture, text| warnings.line(step, code, model.kind, posture, text);
     if model.fit.status != FitStatus::Converged {
-        let text = format!("the fit ended with `{}`", model.fit.status.key());
+        let text = format!("the fit did not converge (`{}`)", model.fit.status.key());
         warn(Step::Personalize, "fit_not_converged", None, text);
     }
     for (name, bound) in model.groups.names().iter().zip(&model.fit.bounds) {
         if *bound != StiffnessBound::Inside {
             let text = format!(
-                "the multiplier of {} ended at its bound, so its value is not identified",
+                "the multiplier of {} reached its limit, so its value is not identified",
                 name.replace('_', " ")
             );
             warn(Step::Personalize, "multiplier_at_bound", None, text);
@@ -22,14 +22,14 @@ pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
         let posture = Some(simulation.posture);
         if !simulation.is_usable() {
             let text = format!(
-                "the force was not found (`{}`); what is shown is the nearest shape, not a result",
+                "the force was not found (`{}`): the nearest shape is shown, which is not a result",
                 simulation.status.key()
             );
             warn(Step::Evaluate, "force_not_found", posture, text);
         }
         if simulation.lost_forces > 0 {
             let text = format!(
-                "the search for forces that meet the amplitude was lost {} times: there may be more",
+                "the search for forces that reach the amplitude did not converge {} times: there may be more such forces",
                 simulation.lost_forces
             );
             warn(Step::Evaluate, "forces_lost", posture, text);

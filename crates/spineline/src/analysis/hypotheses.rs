@@ -60,7 +60,7 @@ fn largest_apex(findings: Findings<'_>) -> usize {
 fn warn_of_endings(fit: &HypothesisFit, warnings: &mut Warnings) {
     let name = fit.hypothesis;
     if fit.status != FitStatus::Converged {
-        let text = format!("{name}: the fit ended with `{}`", fit.status.key());
+        let text = format!("{name}: the fit did not converge (`{}`)", fit.status.key());
         warnings.push(Step::Personalize, "fit_not_converged", text);
     }
     for (posture, role) in &fit.lost {

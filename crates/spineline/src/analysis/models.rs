@@ -144,7 +144,7 @@ pub(super) fn fit_models(
     let mut models = Vec::new();
     if let Some(film) = findings.film_without_scale() {
         let text =
-            "a film without a spacing has no lengths to put a model on: angles are all it gives";
+            "a film without a spacing has no lengths for a model: only its angles are measured";
         warnings.film(Step::Multibody, "no_scale", film, text);
         return models;
     }
@@ -188,7 +188,7 @@ fn geometric_line(
     match kind {
         LineKind::Iliac => {
             if posture.outline.iliac_normal.is_none() {
-                let text = "no iliac crests marked: the iliac line is taken across L4's axis";
+                let text = "the iliac crests are not marked: a line perpendicular to L4's axis replaces the iliac line";
                 warnings.film(Step::Measure, "iliac_crests_missing", name, text);
             }
             let t2 = posture.outline.vertebrae[Level::MODEL.len() - 1].location;
@@ -435,7 +435,7 @@ fn scaled_to_known_force(mut model: LineModel, gauge: Gauge, warnings: &mut Warn
     let simulated =
         model.posture(posture).filter(|s| s.is_usable() && s.force_n != 0.0).map(|s| s.force_n);
     let Some(simulated) = simulated else {
-        let text = "no usable force in this posture, so the known force fixes nothing";
+        let text = "no usable force in this posture, so the known force cannot scale the stiffness";
         let code = "known_force_unused";
         warnings.line(Step::Personalize, code, model.kind, Some(posture), text);
         return model;

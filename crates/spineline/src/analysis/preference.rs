@@ -116,7 +116,7 @@ pub(super) fn prefer_lines(
         return Vec::new();
     }
     let Some(loads) = preferred_loads_near(findings, near) else {
-        let text = "the fit of the loads that the rotations prefer came to no end, so that no film has a line of its own and no line is tested";
+        let text = "the estimation of the lines of best fit to the rotations did not converge, so no film has such a line and no line of action is tested";
         warnings.push(Step::Action, "own_lines_not_found", text);
         return Vec::new();
     };

@@ -17,7 +17,7 @@ impl Analysis {
         let mut sentences = Vec::new();
         if self.models.is_empty() {
             let why = if self.film_without_scale().is_some() {
-                "Without a spacing on every film there are angles, but no lengths and no model."
+                "Not every film has a spacing: only angles are measured, and no model is fitted."
             } else {
                 "No bending film: the curve is measured, but no stiffness can be fitted."
             };
@@ -27,10 +27,10 @@ impl Analysis {
         match self.models.iter().find(|model| model.kind == LineKind::Inflection) {
             Some(model) => sentences.extend(self.inflection_verdict(model)),
             None if self.inflections.pair.is_some() => {
-                sentences.push("There is no inflection line: the warnings say why.".to_owned())
+                sentences.push("There is no inflection line: see the warnings.".to_owned())
             }
             None => sentences.push(format!(
-                "There is no inflection line: the erect curve has {} with lobes of {} or more.",
+                "There is no inflection line: the erect curve has {} (minimum angle of a curve between inflections: {}).",
                 counted(self.inflections.all.len()),
                 self.options.min_lobe
             )),
@@ -56,7 +56,7 @@ impl Analysis {
         for bend in found.bends.iter().filter(|bend| bend.line_rejects()) {
             if let Some((test, p)) = bend.line_test.zip(bend.line_p) {
                 sentences.push(format!(
-                    "In the {} the load that the joints' rotations prefer runs {:.0} mm from the middle of the inflections and {:.0}° off their line (p {}, corrected for {} tests).",
+                    "In the {} the line of best fit to the joint rotations is {:.0} mm from the midpoint of the inflections, at {:.0}° to the line through them (p {}, corrected for {} tests).",
                     bend_name(bend.posture),
                     test.distance_mm,
                     test.angle.deg(),
@@ -69,12 +69,12 @@ impl Analysis {
             let joints = match found.bends.iter().map(|bend| bend.against).sum::<usize>() {
                 0 => "no joint turns against it".to_owned(),
                 _ => format!(
-                    "{} turn against it, no further than noise of marks and line may carry them",
+                    "{} turn against it, within the noise of landmarks and line",
                     joints_against(&found.bends)
                 ),
             };
             sentences.push(format!(
-                "The bends do not speak against a single force through the inflections: {joints}. That is no proof of one."
+                "The bending films are consistent with a single force through the inflections: {joints}. This does not prove such a force."
             ));
         }
         sentences
@@ -134,7 +134,7 @@ impl LinesCompared {
     pub fn sentences(&self) -> Vec<String> {
         let mut sentences = Vec::new();
         for (role, what) in [
-            (FilmRole::LeftOutBend, "Each bend left out of the fit in turn and then predicted"),
+            (FilmRole::LeftOutBend, "Bends left out of the fit in turn and predicted"),
             (FilmRole::HeldOut, "Neutral and traction films, predicted"),
         ] {
             let films = match self.counted(role) {
@@ -162,10 +162,10 @@ impl LinesCompared {
             .filter_map(|(i, line)| {
                 let mm = self.errors(i, role)?.location_mm;
                 let numbers = match role {
-                    FilmRole::Fitted => format!(" ({} numbers fitted)", line.numbers.fitted()),
+                    FilmRole::Fitted => format!(" ({} parameters fitted)", line.numbers.fitted()),
                     _ if line.numbers.per_predicted_film > 1 => {
                         let more = line.numbers.per_predicted_film - 1;
-                        format!(" (with {more} more numbers from each of these films)")
+                        format!(" (with {more} more parameters from each of these films)")
                     }
                     _ => String::new(),
                 };
@@ -204,12 +204,12 @@ impl LinesCompared {
         let best = nearest[0];
         Some(if films > 1 && nearest.iter().all(|&line| line == best) {
             format!(
-                "Of {}, which take one number from a film that they predict, the {} is nearer on all {films}. So few films are a hint, not a test.",
+                "Of {}, which take one parameter from each predicted film, the {} has the smallest error on all {films}. So few films do not allow a statistical test.",
                 listed(&names),
                 self.lines[best].kind
             )
         } else if films == 1 {
-            "One predicted film decides nothing between the lines.".to_owned()
+            "One predicted film is not enough to compare the lines.".to_owned()
         } else {
             let wins: Vec<String> = fair
                 .iter()
@@ -219,7 +219,7 @@ impl LinesCompared {
                 })
                 .collect();
             format!(
-                "Over the {films} predicted films no line is the nearest throughout: {}.",
+                "No line has the smallest error on all {films} predicted films: {}.",
                 listed(&wins)
             )
         })

@@ -14,7 +14,7 @@ impl Analysis {
     pub const fn gauge_words(&self) -> &'static str {
         match self.options.gauge {
             Gauge::GeometricMean => "only ratios are identified; their geometric mean is set to 1",
-            Gauge::FrozenForce => "forces kept from the nominal stiffness",
+            Gauge::FrozenForce => "forces fixed at those of the nominal stiffness",
             Gauge::KnownForce { .. } => "scaled to the known force",
         }
     }
@@ -28,7 +28,7 @@ impl Analysis {
             let height = self.scale().text(inflection.erect.z_mm, 0);
             format!("{below}/{above} ({height} above L4)")
         };
-        let turns = format!("Erect curve turns {}", lobes.join(", "));
+        let turns = format!("Erect curve bends {}", lobes.join(", "));
         match &self.inflections.pair {
             Some([a, b]) => format!("{turns}\nInflections at {} and {}", place(a), place(b)),
             None => turns,
@@ -41,16 +41,16 @@ impl Analysis {
         let bends = [Posture::LeftBending, Posture::RightBending];
         match self.lenke {
             Some(lenke) => format!(
-                "Lenke type {} from frontal films (kyphosis and modifiers not seen)",
+                "Lenke type {} from frontal films (kyphosis and modifiers are not assessed)",
                 lenke.number
             ),
             None if bends.iter().any(|&bend| self.posture(bend).is_none()) => {
                 "No Lenke type: it needs both bending films".to_owned()
             }
             None if self.inflections.pair.is_none() => {
-                "No Lenke type: without two inflections the regions are no curves".to_owned()
+                "No Lenke type: the erect curve does not have two inflections that separate the curves".to_owned()
             }
-            None => "No Lenke type: no curve reaches 10°, or the structural curves make no type"
+            None => "No Lenke type: no curve reaches 10°, or the structural curves match no type"
                 .to_owned(),
         }
     }
@@ -61,7 +61,7 @@ impl Analysis {
         if self.lateral_measured {
             "sagittal profile measured on the lateral film"
         } else {
-            "sagittal profile of a population, not this patient's: no lateral film was measured"
+            "sagittal profile from a population, not from this patient: no lateral film was measured"
         }
     }
 
@@ -87,9 +87,9 @@ impl Analysis {
         let along = simulation.line.direction * simulation.force_n.signum();
         let way = along.lean().leaning();
         if model.is_absolute(self.options.gauge) {
-            format!("{size:.0} N, leaning {way}")
+            format!("{size:.0} N, lateral tilt {way}")
         } else {
-            format!("{size:.0} relative to the stiffness (newtons are not known), leaning {way}")
+            format!("relative force {size:.0} (not newtons), lateral tilt {way}")
         }
     }
 
@@ -100,7 +100,7 @@ impl Analysis {
         let meaning = if model.is_absolute(self.options.gauge) {
             "scaled to the known force"
         } else {
-            "at the level of the library: only ratios are known"
+            "at the nominal overall level: only ratios are identified"
         };
         format!("lateral {lateral:.0}, flexion {flexion:.0}, axial {axial:.0} N·m/rad ({meaning})")
     }
@@ -110,13 +110,16 @@ impl fmt::Display for MultiplierVerdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { identification, against, joints } = self;
         match identification {
-            Identification::Absolute => f.write_str("known, since a force is known"),
-            Identification::RatioOnly => {
-                f.write_str("known as a ratio to the others only: bending films carry no force")
-            }
+            Identification::Absolute => f.write_str("identified, because a force is known"),
+            Identification::RatioOnly => f.write_str(
+                "identified only as a ratio to the others: bending films do not measure force",
+            ),
             Identification::AtBound(bound) => {
                 let wish = if *bound == StiffnessBound::Lower { "softer" } else { "stiffer" };
-                write!(f, "at its bound: the data want it {wish} still, so this is no value")
+                write!(
+                    f,
+                    "reached its limit: the data favour a {wish} value, so it is not identified"
+                )
             }
             Identification::Contradicted => write!(
                 f,

@@ -72,7 +72,7 @@ pub enum ChainError {
         to: u32,
     },
     /// A curve shorter than a tenth of the erect one.
-    #[error("a curve is {length_mm:.1} mm long against {erect_mm:.1} mm when erect")]
+    #[error("a curve is {length_mm:.1} mm long, and the erect curve {erect_mm:.1} mm")]
     TooShort {
         /// Its length.
         length_mm: f64,

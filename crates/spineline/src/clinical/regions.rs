@@ -53,7 +53,7 @@ impl Regions {
                 Self::between([low, high], locations)
             }
             _ => {
-                let text = "the erect curve does not give three regions of three vertebrae; they end at T12 and T6 instead";
+                let text = "the erect curve does not give three regions of three vertebrae; the limits T12 and T6 are used instead";
                 warnings.push(Step::Clinical, "usual_regions", text);
                 Self::usual(locations)
             }

@@ -27,13 +27,13 @@ impl Cohort {
         let (against, asked) = self.incompatible;
         if asked > 0 {
             all.push(format!(
-                "In {against} of {asked} patients with an inflection line the bends are not compatible with a single force through it; if all were, chance would say so of one in twenty at most."
+                "In {against} of {asked} patients with an inflection line the bends are not compatible with a single force through it; under the null hypothesis at most 5 % would be rejected."
             ));
         }
         let (rejected, tested) = self.line_rejected;
         if tested > 0 {
             all.push(format!(
-                "In {rejected} of {tested} bends, each by itself, the load that the joints' rotations prefer does not run through the inflections; if it did in all, chance would say so of one in twenty."
+                "In {rejected} of {tested} bends, tested one by one, the line of best fit to the joint rotations does not run through the inflections; under the null hypothesis 5 % would be rejected."
             ));
         }
         all.extend(self.compared.sentences());
@@ -52,7 +52,7 @@ impl LinesOverPatients {
     #[must_use]
     pub fn family_words(&self) -> String {
         format!(
-            "Holm's correction is over {} tests: every pair of lines, on fitted bends, on bends left out and on neutral and traction films, by location and by Ferguson error",
+            "Holm's correction covers {} tests: every pair of lines, on fitted bends, on left-out bends and on neutral and traction films, by location error and by Ferguson error",
             self.family()
         )
     }
@@ -60,7 +60,7 @@ impl LinesOverPatients {
     /// Which number to believe, and why.
     #[must_use]
     pub const fn believe_words(&self) -> &'static str {
-        "Believe the interval over patients and Holm's p, on films that were not fitted: a patient counts once, flipping signs asks for no normal distribution, and the correction pays for all tests. The paper's pooled p takes 14 vertebrae of one spine for 14 patients. A percentile interval of fewer than twenty patients is somewhat narrow; d and its interval ask for normal differences"
+        "Use the interval over patients and Holm's p, on films that were not fitted: each patient counts once, the sign-flip test does not assume a normal distribution, and the correction covers all tests. The paper's pooled p treats 14 vertebrae of one spine as 14 patients. A percentile interval of fewer than twenty patients is somewhat narrow; d and its interval assume normally distributed differences"
     }
 
     /// Which line predicts better, beyond chance and by a fair comparison.
@@ -76,12 +76,11 @@ impl LinesOverPatients {
         all.extend(predicted().filter_map(better_sentence));
         if !predicted().any(|test| test.holm_p.is_some()) {
             all.push(
-                "No films but the fitted ones: nothing can be said of which line predicts better."
-                    .to_owned(),
+                "All films were fitted: it cannot be tested which line predicts better.".to_owned(),
             );
         } else if !predicted().any(|test| test.predicts_better().is_some()) {
             all.push(format!(
-                "On films that were not fitted no line is better than another beyond chance by a fair comparison (Holm's correction over {family} tests)."
+                "On films that were not fitted no line predicts significantly better than another with equally many parameters per film (Holm's correction over {family} tests)."
             ));
         }
         let too_few = |test: &&LinePairTest| {
@@ -91,7 +90,7 @@ impl LinesOverPatients {
         let differences: Vec<String> = predicted().filter(too_few).filter_map(difference).collect();
         if !differences.is_empty() {
             all.push(format!(
-                "Too few patients for any p to pass the correction; the differences, which prove nothing: {}.",
+                "Too few patients for any p to be significant after the correction; the differences, without statistical evidence: {}.",
                 differences.join("; ")
             ));
         }
@@ -102,7 +101,7 @@ impl LinesOverPatients {
                 && other.predicts_better().is_some_and(|kind| kind != better);
             let [first, second] = test.lines;
             divided.then(|| {
-                format!("So between the {first} and the {second} the answer depends on the films.")
+                format!("Between the {first} and the {second} the result depends on the films.")
             })
         }));
         all.extend(self.fitted_sentence());
@@ -124,13 +123,13 @@ impl LinesOverPatients {
                     .any(|p| p.lines == test.lines && p.predicts_better() == Some(nearer));
                 (!confirmed).then(|| {
                     let other = if nearer == test.lines[0] { test.lines[1] } else { test.lines[0] };
-                    format!("the {nearer} comes nearer than the {other}")
+                    format!("the {nearer} has a smaller error than the {other}")
                 })
             })
             .collect();
         (!nearer.is_empty()).then(|| {
             format!(
-                "On fitted bends {}: that shows how far a line bends to data, and is no evidence for it.",
+                "On fitted bends {}: this shows how well a line adapts to the data and is no evidence for it.",
                 listed(&nearer)
             )
         })
@@ -145,7 +144,7 @@ fn difference(test: &LinePairTest) -> Option<String> {
     let (more, less, low, high) =
         if mean > 0.0 { (first, second, low, high) } else { (second, first, -high, -low) };
     Some(format!(
-        "on {} the {more} misses by {:.1} mm more than the {less} (95 % interval over {} patients {low:.1} to {high:.1} mm)",
+        "on {} the error of the {more} is {:.1} mm larger than that of the {less} (95 % interval over {} patients {low:.1} to {high:.1} mm)",
         films_words(test.role),
         mean.abs(),
         test.comparison.patients()
@@ -154,8 +153,8 @@ fn difference(test: &LinePairTest) -> Option<String> {
 
 const fn films_words(role: FilmRole) -> &'static str {
     match role {
-        FilmRole::Fitted => "bends that were fitted",
-        FilmRole::LeftOutBend => "bends that were left out of the fit",
+        FilmRole::Fitted => "fitted bends",
+        FilmRole::LeftOutBend => "left-out bends",
         FilmRole::HeldOut => "neutral and traction films",
     }
 }
@@ -180,14 +179,14 @@ fn better_sentence(test: &LinePairTest) -> Option<String> {
     };
     let caveat = if own > its {
         format!(
-            " It takes {} more numbers from each of these films, so this is not a fair win.",
+            " It takes {} more parameters from each of these films, so the comparison is not fair.",
             own - its
         )
     } else {
         String::new()
     };
     Some(format!(
-        "On {films} the {nearer} is nearer than the {other} by {:.1} mm (95 % interval over {} patients {interval}; p {} after Holm's correction).{caveat}",
+        "On {films} the error of the {nearer} is smaller than that of the {other} by {:.1} mm (95 % interval over {} patients {interval}; p {} after Holm's correction).{caveat}",
         test.comparison.mean_difference.abs(),
         test.comparison.patients(),
         probability(test.holm_p?)
@@ -201,7 +200,7 @@ impl PairedComparison {
         let pooled = self.pooled.map(|t| test_words(&t, unit, "pairs"));
         pooled.map_or_else(
             || "too few pairs to test".to_owned(),
-            |words| format!("{words}, as if all were independent (the paper's)"),
+            |words| format!("{words}, all treated as independent (as in the paper)"),
         )
     }
 
@@ -216,7 +215,7 @@ impl PairedComparison {
             format!("; effect d {:.2}, 95 % {low:.2} to {high:.2}", effect.d)
         });
         format!(
-            "{:+.3} {unit}, 95 % {low:.3} to {high:.3} by resampling patients, p {} (signs flipped{}, {} patients){effect}",
+            "{:+.3} {unit}, 95 % {low:.3} to {high:.3} by bootstrap over patients, p {} (sign-flip test{}, {} patients){effect}",
             self.mean_difference,
             probability(test.p_two_sided),
             if test.exact { ", exact" } else { "" },

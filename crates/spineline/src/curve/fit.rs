@@ -30,7 +30,7 @@ pub enum CurveError {
         order: usize,
     },
     /// The equations of the fit are singular.
-    #[error("{posture} film: no polynomial of order {order} is determined by these vertebrae")]
+    #[error("{posture} film: these vertebrae do not determine a polynomial of order {order}")]
     Singular {
         /// Film.
         posture: Posture,
@@ -98,7 +98,7 @@ pub fn fit_curve(
     let fit = fit_by_rule(outline, form, rule, warnings)?;
     if fit.rmse_tilt > POOR_TILT {
         let text = format!(
-            "the tilts differ by {} from the curve through the locations: check their sign (positive leans to the patient's right) and their unit (degrees)",
+            "the tilts differ by {} from the curve through the locations: check their sign (positive is to the patient's right) and their unit (degrees)",
             fit.rmse_tilt
         );
         warnings.film(Step::Curve, "tilts_disagree_with_locations", outline.posture, text);

@@ -199,7 +199,7 @@ impl std::fmt::Display for Hypothesis {
 /// A text that names no hypothesis.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{text}` names no load; give one of {}, with +noisy_base or +free_base behind it if the base may turn",
+    "unknown load `{text}`; give one of {}, followed by +noisy_base or +free_base if the base may rotate",
     LoadShape::ALL.map(LoadShape::key).join(", ")
 )]
 pub struct HypothesisNameError {

@@ -61,7 +61,7 @@ pub enum CalibrationError {
     },
     /// Clicks so near that their own scatter is most of the distance.
     #[error(
-        "the two clicks are {apart_px:.1} pixels apart, and the least is {least_px:.1} (ten times their own scatter)"
+        "the two points are {apart_px:.1} pixels apart, and the minimum is {least_px:.1} (ten times their standard deviation)"
     )]
     TooNear {
         /// Distance between the clicks, in widths of a pixel.
@@ -153,13 +153,13 @@ impl Calibration {
         };
         positive("length in mm", self.length_mm)?;
         positive("height of a pixel over its width", self.pixel_aspect)?;
-        not_negative("deviation of the length in mm", self.length_sd_mm)?;
-        not_negative("deviation of a click in pixels", self.click_sd_px)?;
+        not_negative("standard deviation of the length in mm", self.length_sd_mm)?;
+        not_negative("standard deviation of a point in pixels", self.click_sd_px)?;
         for click in self.clicks {
             if !click.is_finite() {
                 let value = click.column_px + click.row_px;
                 return Err(CalibrationError::Value {
-                    what: "place of a click",
+                    what: "coordinate of a point",
                     value,
                     must: "a number",
                 });

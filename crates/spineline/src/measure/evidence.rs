@@ -259,7 +259,7 @@ impl std::fmt::Display for SpacingRemark {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match *self {
             Self::Unusable { attribute, values: [row, column] } => {
-                write!(f, "{attribute} is {row}\\{column} mm, which is no spacing; it is not used")
+                write!(f, "{attribute} is {row}\\{column} mm, which is not a valid spacing; it is not used")
             }
             Self::Magnification { value, stated } => write!(
                 f,
@@ -268,21 +268,21 @@ impl std::fmt::Display for SpacingRemark {
             ),
             Self::MagnificationsDisagree { stated, by_distances } => write!(
                 f,
-                "the stated magnification {stated:.3} and the one from the distances {by_distances:.3} contradict one another; neither is used"
+                "the stated magnification {stated:.3} and the one from the distances {by_distances:.3} disagree; neither is used"
             ),
             Self::SpacingsDisagree { ratio } => write!(
                 f,
                 "the calibrated Pixel Spacing is {ratio:.3} times what Imager Pixel Spacing and magnification give; the calibrated one is used"
             ),
             Self::CalibratedAsImager => f.write_str(
-                "Pixel Spacing claims to be calibrated and equals Imager Pixel Spacing: nothing was taken out",
+                "Pixel Spacing is labelled as calibrated but equals Imager Pixel Spacing: no magnification was corrected",
             ),
             Self::CorrectionNotStated { magnification } => write!(
                 f,
-                "Pixel Spacing is Imager Pixel Spacing over {magnification:.3}, and nothing says why"
+                "Pixel Spacing is Imager Pixel Spacing divided by {magnification:.3}, without a stated reason"
             ),
             Self::SupportNotSpine => f.write_str(
-                "the distances reach to the table or support, not to the spine: lengths still are larger than the patient's by some percent",
+                "the distances are those to the table or support, not to the spine: lengths are still a few percent larger than the patient's",
             ),
             Self::PixelSpacingPassedOver { ratio } => write!(
                 f,
@@ -299,7 +299,7 @@ impl std::fmt::Display for SpacingRemark {
                 write!(f, "pixels are not square: {aspect:.3} times as high as wide")
             }
             Self::None => f.write_str(
-                "there is no usable spacing: angles take pixels as square, and lengths are in pixels",
+                "there is no usable spacing: pixels are assumed square for angles, and lengths are in pixels",
             ),
         }
     }

@@ -71,13 +71,14 @@ impl LateralFilm {
             }
         }
         if missing.len() == profile.turns_deg.len() {
-            let text = "the lateral film is not marked: the sagittal profile is a population's";
+            let text =
+                "the lateral film is not marked: the sagittal profile is that of a population";
             warnings.push(Step::Measure, "lateral_not_marked", text);
             return Ok(None);
         }
         if !missing.is_empty() {
             let text = format!(
-                "the lateral film does not show {}: the sagittal turns there are a population's",
+                "the lateral film does not show {}: the sagittal rotations there are those of a population",
                 missing.join(", ")
             );
             warnings.push(Step::Measure, "lateral_incomplete", text);

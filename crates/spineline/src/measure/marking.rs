@@ -209,17 +209,17 @@ impl fmt::Display for MarkingFault {
             ),
             Self::Mirrored { count } => write!(
                 f,
-                "left and right corners are exchanged in all {count} vertebrae: look for the lead marker; left is the patient's"
+                "left and right corners are exchanged in all {count} vertebrae: check the lead marker; left is the patient's"
             ),
             Self::OutOfOrder { inferior, superior, share } => write!(
                 f,
-                "{superior} lies {:.0} % of the usual distance above {inferior}, and the least is {:.0} %: one is doubled, skipped or exchanged",
+                "{superior} lies {:.0} % of the expected distance above {inferior}, and the minimum is {:.0} %: one is marked twice, skipped or exchanged",
                 100.0 * share,
                 100.0 * MIN_SPACING_SHARE
             ),
             Self::Distance { inferior, superior, ratio } => write!(
                 f,
-                "{inferior} and {superior} are {ratio:.1} times the usual share of this spine apart: check that no vertebra was skipped or doubled"
+                "{inferior} and {superior} are {ratio:.1} times the expected distance for this spine apart: check that no vertebra was skipped or marked twice"
             ),
             Self::CrestOffPicture { side } => {
                 write!(f, "the {side} iliac crest lies outside of the picture")

@@ -60,7 +60,7 @@ pub enum MeasureError {
         posture: Posture,
     },
     /// Two readings of a film carry the same observer and repeat.
-    #[error("{posture} film: observer {id} is there twice")]
+    #[error("{posture} film: the reading of observer {id} is given twice")]
     DuplicateReading {
         /// Film.
         posture: Posture,
@@ -141,7 +141,7 @@ pub enum MeasureError {
         fault: CornerFault,
     },
     /// Iliac crests that give no line.
-    #[error("{posture} film: the iliac crests {}", if *outside { "do not both lie on the picture".to_owned() } else { format!("are {apart_mm:.1} mm apart, and the least is {limit_mm:.0} mm") })]
+    #[error("{posture} film: the iliac crests {}", if *outside { "do not both lie on the picture".to_owned() } else { format!("are {apart_mm:.1} mm apart, and the minimum is {limit_mm:.0} mm") })]
     Crests {
         /// Film.
         posture: Posture,
@@ -166,7 +166,7 @@ pub enum MeasureError {
     },
     /// A vertebra is marked at or below the one that it should stand on.
     #[error(
-        "{posture} film: {superior} lies {:.0} % of the usual distance above {inferior}, and the least is {:.0} %", 100.0 * share, 100.0 * limit
+        "{posture} film: {superior} lies {:.0} % of the expected distance above {inferior}, and the minimum is {:.0} %", 100.0 * share, 100.0 * limit
     )]
     OutOfOrder {
         /// Film.
@@ -182,7 +182,7 @@ pub enum MeasureError {
     },
     /// An angle of a vertebra beyond what a spine can show.
     #[error(
-        "{posture} film: {level} is tilted {tilt_deg:.0}° against L4, and the limit is {limit_deg:.0}°"
+        "{posture} film: {level} is tilted {tilt_deg:.0}° relative to L4, and the limit is {limit_deg:.0}°"
     )]
     TiltTooLarge {
         /// Film.
@@ -241,10 +241,10 @@ impl MeasureError {
                 "mark this vertebra's superior and inferior corners again, anterior ones on the side of `patient_anterior`"
             }
             Self::FilmMirrored { .. } => {
-                "look for the lead marker, then correct `patient_left` of this film's image"
+                "check the lead marker, then correct `patient_left` of this film's image"
             }
             Self::OutOfOrder { .. } => {
-                "check the names of these two vertebrae: one is doubled, skipped or exchanged"
+                "check the names of these two vertebrae: one is marked twice, skipped or exchanged"
             }
             Self::TiltTooLarge { .. } => "check the corners of this vertebra and of L4",
         }

@@ -132,7 +132,7 @@ pub(crate) fn outline_of(
     let iliac_normal = iliac_normal.map(|normal| (normal - base.tilt).wrapped());
     if let Some(normal) = iliac_normal.filter(|normal| normal.abs() > Angle::from_deg(60.0)) {
         let text = format!(
-            "the iliac line is {:.0}° off L4: its left and right crest may be exchanged",
+            "the angle between the iliac line and L4 is {:.0}°: the left and right crests may be exchanged",
             normal.abs().deg()
         );
         warnings.film(Step::Measure, "iliac_line_unusual", posture, text);
@@ -315,7 +315,7 @@ fn scaled_from_pixels(
     mut placed: Vec<BTreeMap<Level, Placement>>,
     warnings: &mut Warnings,
 ) -> (Vec<BTreeMap<Level, Placement>>, LengthScale) {
-    let text = "the film has no spacing: angles take its pixels as square, and no length is given in millimetres";
+    let text = "the film has no spacing: its pixels are assumed square for angles, and lengths are not reported in millimetres";
     warnings.film(Step::Measure, "no_spacing", posture, text);
     let means = average(&placed);
     let (mut typical_mm, mut length_px) = (0.0, 0.0);
@@ -410,7 +410,7 @@ fn check_order(
         }
         if step.is_unusual() {
             let text = format!(
-                "{inferior} and {superior} are {} apart, {:.1} times the usual share of this spine: check that no vertebra was skipped or doubled",
+                "{inferior} and {superior} are {} apart, {:.1} times the expected distance for this spine: check that no vertebra was skipped or marked twice",
                 scale.text(step.distance_mm, 1),
                 step.ratio
             );

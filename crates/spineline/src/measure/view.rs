@@ -134,7 +134,7 @@ impl fmt::Display for ViewQuestion {
             Self::NotUpright { rows } => {
                 write!(
                     f,
-                    "down the picture is towards {rows:?} of the patient, and should be towards the feet"
+                    "the rows of the picture go from the top towards {rows:?} of the patient, and should go towards the feet"
                 )
             }
             Self::Stance { stance, posture } => {

@@ -154,7 +154,7 @@ impl std::fmt::Display for ProfileVerdict {
             Self::OnlyLower => "only a lower limit",
             Self::OnlyUpper => "only an upper limit",
             Self::NotIdentified => "not identified",
-            Self::Lost => "not followed to an end",
+            Self::Lost => "the profile did not converge",
         })
     }
 }

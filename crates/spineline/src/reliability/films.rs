@@ -16,18 +16,18 @@ const LENGTHS: [(&str, &str); 4] = [
     ("spacing", "distance of neighbouring midpoints; subjects: film × pair of neighbours"),
     (
         "location_y_as_paper",
-        "lateral coordinate of a midpoint, film's frame; subjects: film × vertebra, pooled as the paper did: correlations contain where the film lay and how the patient leaned",
+        "lateral coordinate of a midpoint, film's frame; subjects: film × vertebra, pooled as the paper did: correlations include the place of the film and the posture of the patient",
     ),
     (
         "location_z_as_paper",
-        "height of a midpoint, film's frame; subjects: film × vertebra, pooled as the paper did: correlations contain the length of the spine and are near 1 whatever the readers do",
+        "height of a midpoint, film's frame; subjects: film × vertebra, pooled as the paper did: correlations include the length of the spine and are near 1 for any observers",
     ),
 ];
 const ANGLES: [(&str, &str); 2] = [
     ("tilt_step", "tilt of a vertebra against the one below; subjects: film × pair of neighbours"),
     (
         "tilt_as_paper",
-        "tilt of a vertebra against the film; subjects: film × vertebra, pooled as the paper did: correlations contain how the patient leaned",
+        "tilt of a vertebra against the film; subjects: film × vertebra, pooled as the paper did: correlations include the posture of the patient",
     ),
 ];
 

@@ -64,7 +64,7 @@ pub enum Undefined {
     #[error("one repeat only: let the observer read again")]
     OneRepeat,
     /// No spread between the subjects, or between the readings of one rater: the ratio is 0/0.
-    #[error("the readings have no variance to compare with")]
+    #[error("the readings have no variance, so they cannot be compared")]
     ZeroVariance,
     /// Fewer subjects than the statistic needs.
     #[error("{n} subjects, and at least {least} are needed")]
@@ -84,11 +84,13 @@ pub enum Undefined {
     },
     /// The estimated variances add up to zero or less, so that their ratio is no coefficient.
     #[error(
-        "the estimated variances add up to nothing: raters disagree more within than between subjects"
+        "the sum of the estimated variances is not positive: raters disagree more within than between subjects"
     )]
     VarianceNotPositive,
     /// The interval's equation has no finite solution.
-    #[error("the interval's equation has no finite solution for so few or so discordant readings")]
+    #[error(
+        "the equation of the interval has no finite solution: the readings are too few or disagree too much"
+    )]
     NoInterval,
     /// A mean over pairs that share raters has no simple interval.
     #[error("the pairs share raters, so their mean has no simple interval; see the pairs")]
@@ -176,9 +178,11 @@ impl StatisticKind {
     pub const fn definition(self) -> &'static str {
         match self {
             Self::Sem(SemKind::Agreement) => {
-                "sqrt(MSE + (MSC - MSE)/n): raters' offsets and scatter"
+                "sqrt(MSE + (MSC - MSE)/n): raters' offsets and random error"
             }
-            Self::Sem(SemKind::Consistency) => "sqrt(MSE): scatter alone, without raters' offsets",
+            Self::Sem(SemKind::Consistency) => {
+                "sqrt(MSE): random error alone, without raters' offsets"
+            }
             Self::Mdc95(_) => "1.96 sqrt(2) SEM",
             Self::Icc(icc) => icc.definition(),
             Self::Pearson => "covariance over the product of standard deviations",

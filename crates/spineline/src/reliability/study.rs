@@ -92,26 +92,27 @@ impl fmt::Display for Remark {
             Self::Dropped { dropped, subjects } => {
                 write!(
                     f,
-                    "{dropped} of {subjects} subjects were not read by all, as often as any, and are left out"
+                    "{dropped} of {subjects} subjects were not read equally often by all observers and are left out"
                 )
             }
             Self::UnequalRepeats { repeats: [few, many] } => write!(
                 f,
-                "observers read {few} to {many} times, so their means are not equally steady"
+                "observers read {few} to {many} times, so their means are not equally precise"
             ),
             Self::MeansAreSteadier => write!(
                 f,
-                "SEM, MDC95 and limits are those of means over repeats; single readings differ by more"
+                "SEM, MDC95 and limits of agreement are those of means over repeats; single readings differ more"
             ),
             Self::NegativeIcc => write!(
                 f,
-                "a negative ICC: raters differ more within subjects than subjects differ; shown as it is"
+                "the ICC is negative: raters differ more within subjects than subjects differ; it is reported unchanged"
             ),
-            Self::PerfectAgreement => write!(
-                f,
-                "all raters agree to the last digit, so the size of the error is not known"
-            ),
-            Self::TwoSubjects => write!(f, "two subjects: the intervals say next to nothing"),
+            Self::PerfectAgreement => {
+                write!(f, "all raters agree exactly, so the error cannot be estimated")
+            }
+            Self::TwoSubjects => {
+                write!(f, "two subjects: the intervals are too wide to be informative")
+            }
         }
     }
 }

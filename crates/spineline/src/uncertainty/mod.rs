@@ -53,13 +53,15 @@ use landmarks::NoisyCase;
 #[non_exhaustive]
 pub enum UncertaintyError {
     /// A deviation below zero, or none.
-    #[error("a noise of {sd_px} pixels is no deviation: it must be zero or more")]
+    #[error("the noise standard deviation is {sd_px} px and must be ≥ 0 px")]
     Deviation {
         /// What was given.
         sd_px: f64,
     },
     /// Pixels of a film that has no picture.
-    #[error("{posture} film: it has locations and tilts, and no corners that pixels could move")]
+    #[error(
+        "{posture} film: it has locations and tilts but no corners, so noise in pixels does not apply"
+    )]
     NoPicture {
         /// The film.
         posture: Posture,

@@ -220,8 +220,8 @@ impl Uncertainty {
 
 fn words_of(noise: &FilmNoise) -> String {
     let source = match noise.source {
-        NoiseSource::Readings => "from the spread of the case's own readings",
-        NoiseSource::Assumed => "assumed for one careful reading, since nobody read it twice",
+        NoiseSource::Readings => "from the variation of the readings of this case",
+        NoiseSource::Assumed => "assumed for one careful reading, because no film was read twice",
         NoiseSource::Given => "as given",
     };
     let size = match noise.marks {

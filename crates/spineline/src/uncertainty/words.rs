@@ -6,8 +6,8 @@ use crate::anatomy::Posture;
 
 impl Uncertainty {
     /// What a reader of the intervals must know.
-    pub const CAVEAT: &'static str = "Errors, and distances and angles between lines, grow with any noise: \
-                                      their means and intervals lie above what marks without noise would give.";
+    pub const CAVEAT: &'static str = "Errors, and distances and angles between lines, increase with noise: \
+                                      their means and intervals exceed the values of landmarks without noise.";
 }
 
 impl AnalysisQuantity {
@@ -110,24 +110,30 @@ impl AnalysisQuantity {
         let what = match self {
             Self::ChainLength => "length of the erect chain",
             Self::SegmentLength => "length of a segment",
-            Self::LocationY(..) => "lateral place, to the patient's left",
+            Self::LocationY(..) => "lateral coordinate, to the patient's left",
             Self::LocationZ(..) => "height",
-            Self::Tilt(..) => "tilt against L4, positive to the right",
+            Self::Tilt(..) => "tilt relative to L4, positive to the right",
             Self::Cobb(..) => "Cobb angle, positive where convex to the left",
             Self::Ferguson(..) => "Ferguson angle, positive where convex to the left",
             Self::InflectionCount => "inflections of the erect curve",
-            Self::InflectionPair => "share with two inflections that carry a line",
+            Self::InflectionPair => "share of replicates with two inflections that define a line",
             Self::InflectionY(_) => "inflection on the erect film, to the patient's left",
             Self::InflectionZ(_) => "inflection on the erect film, height",
             Self::InflectionArc(_) => "inflection on the erect film, along the curve",
             Self::LeastSegment(..) => "least-rotating segment",
             Self::LeastDistanceSegments(..) | Self::LeastDistance(..) => {
-                "from the inflection to the least-rotating segment"
+                "distance from the inflection to the least-rotating segment"
             }
-            Self::ComparisonAngle(_) => "angle of the preferred line to the inflections' line",
-            Self::ComparisonDistance(_) => "distance of the preferred line from the inflections",
-            Self::LineLean(..) => "lean of the line of action, positive to the right",
-            Self::LineOffset(..) => "line of action from the middle of the inflections",
+            Self::ComparisonAngle(_) => {
+                "angle between the line of best fit to the rotations and the inflection line"
+            }
+            Self::ComparisonDistance(_) => {
+                "distance of the line of best fit to the rotations from the inflections"
+            }
+            Self::LineLean(..) => "lateral tilt of the line of action, positive to the right",
+            Self::LineOffset(..) => {
+                "distance of the line of action from the midpoint of the inflections"
+            }
             Self::Force(..) => "force along the line",
             Self::LogMultiplier(..) => "ln of the stiffness multiplier",
             Self::LocationError(..) => "mean location error",

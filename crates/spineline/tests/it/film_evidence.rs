@@ -199,7 +199,7 @@ fn clicks_and_lengths_that_cannot_be_meant_are_refused() {
     let lost = ruler([Pixel::new(f64::NAN, 0.0), far[1]], 1.0);
     assert!(matches!(
         lost.spacing(),
-        Err(CalibrationError::Value { what: "place of a click", .. })
+        Err(CalibrationError::Value { what: "coordinate of a point", .. })
     ));
 }
 

@@ -225,7 +225,7 @@ fn the_measured_noise_is_that_of_the_readers() {
     }
     let once = run(&erect(case(0, Truth::Rod, &Readers::exact())), LandmarkNoise::Measured, 1, 1);
     assert_eq!(once.noise[0].source, NoiseSource::Assumed);
-    assert!(once.noise_words()[0].contains("nobody read it twice"), "{:?}", once.noise_words());
+    assert!(once.noise_words()[0].contains("no film was read twice"), "{:?}", once.noise_words());
 }
 
 /// A case as another program would give it.

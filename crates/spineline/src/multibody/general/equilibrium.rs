@@ -44,23 +44,23 @@ impl PathEnding {
     #[must_use]
     pub const fn meaning(self) -> &'static str {
         match self {
-            Self::Converged => "the goal is met once, reached from the erect spine",
+            Self::Converged => "the target is met once on the path from the erect spine",
             Self::SeveralEquilibria => {
-                "several shapes meet the goal; the first one that the erect spine reaches is the result"
+                "several equilibria meet the target; the first one on the path from the erect spine is the result"
             }
             Self::LimitPoint => {
-                "the loads have a maximum before the goal, and a real spine would snap there"
+                "the path has a limit point before the target, and a real spine would snap there"
             }
             Self::BranchPoint => {
-                "another branch crosses before the goal, and a real spine would buckle there"
+                "the path has a branch point before the target, and a real spine would buckle there"
             }
             Self::Unreachable => {
-                "the goal is not met up to the largest factor and hinge angle, or a rod's pose cannot be had; lower the loads or the lean, or load another vertebra"
+                "the target is not met up to the largest load factor and hinge angle, or the pose of a rod cannot be reached; reduce the loads or the amplitude, or load another vertebra"
             }
             Self::NotConverged => {
-                "the path of equilibria was lost, along or against the loads, before what may come first was seen; smaller loads may tell where"
+                "the solver did not converge along the path of equilibria, with or against the loads, before the first solution was certain; try smaller loads"
             }
-            Self::Interrupted => "the search was broken off",
+            Self::Interrupted => "the search was interrupted",
         }
     }
 

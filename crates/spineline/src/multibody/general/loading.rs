@@ -187,13 +187,15 @@ pub enum LoadingFault {
         n_per_mm: f64,
     },
     /// A strap without a length.
-    #[error("the strap is {length_mm:.2} mm long on the erect spine, and needs 1 mm")]
+    #[error("the strap is {length_mm:.2} mm long on the erect spine, and the minimum is 1 mm")]
     Strap {
         /// Its length.
         length_mm: f64,
     },
     /// A rod between vertebrae that are not there, or not in order.
-    #[error("it joins vertebrae {inferior} and {superior}, and needs 0 ≤ lower < upper ≤ {last}")]
+    #[error(
+        "it joins vertebrae {inferior} and {superior}, and 0 ≤ lower < upper ≤ {last} must hold"
+    )]
     RodEnds {
         /// Lower vertebra.
         inferior: usize,
@@ -203,7 +205,7 @@ pub enum LoadingFault {
         last: usize,
     },
     /// A rod whose pose is no pose.
-    #[error("its shift or turn is not finite, or turns by more than 180°")]
+    #[error("its translation or rotation is not finite, or the rotation exceeds 180°")]
     RodPose,
 }
 
