@@ -71,7 +71,7 @@ fn columns_of_curves<'a>() -> Vec<Column<ClinicalRow<'a>>> {
         number(
             "apical_translation",
             Unit::Millimetres,
-            "of the apex on the erect film, in its row",
+            "translation of the apex on the erect film; only in the row of the erect film",
             |row| {
                 let translation = row.item.erect()?.apical_translation_mm;
                 row.patient.analysis.scale().mm(translation)
@@ -80,7 +80,7 @@ fn columns_of_curves<'a>() -> Vec<Column<ClinicalRow<'a>>> {
         number(
             "flexibility",
             Unit::One,
-            "part of the erect Cobb angle that the bend to the convex side takes away, in the row of the erect film",
+            "share of the erect Cobb angle that the bend to the convex side corrects; only in the row of the erect film",
             |row| row.item.erect()?.flexibility,
         ),
     ]

@@ -43,7 +43,7 @@ impl Unit {
             Self::Years => "years",
             Self::Force => "N where `absolute`, else relative",
             Self::One => "1",
-            Self::Stated => "as `unit` says",
+            Self::Stated => "given in `unit`",
         }
     }
 }
@@ -114,7 +114,7 @@ pub(crate) fn keys<'a, T>() -> Vec<Column<Row<'a, T>>> {
         text("case_id", "patient", |row| Some(row.patient.analysis.case_id.clone())),
         truth(
             "synthetic",
-            "whether the films are made up: then every number of the row is",
+            "whether the films are synthetic; then every number of the row is synthetic",
             |row| Some(row.patient.analysis.synthetic),
         ),
     ]

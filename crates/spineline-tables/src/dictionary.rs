@@ -32,13 +32,13 @@ pub fn dictionary(asked: Asked) -> Table {
         columns: vec![
             text("table", "name of the table", |entry: &Entry| Some(entry.table.to_owned())),
             text("column", "name of the column", |entry| Some(entry.column.clone())),
-            text("unit", "unit; empty where values are no numbers", |entry| {
+            text("unit", "unit; empty where values are not numbers", |entry| {
                 Some(entry.unit.to_owned())
             }),
             text("type", "`text`, `number`, `integer` or `boolean`", |entry| {
                 Some(entry.kind.to_owned())
             }),
-            text("meaning", "what it says", |entry| Some(entry.meaning.to_owned())),
+            text("meaning", "meaning of the values", |entry| Some(entry.meaning.to_owned())),
         ],
     }
     .fill(&entries)

@@ -53,7 +53,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     }
     let mut columns = keys();
     columns.extend(columns_of_joints());
-    let row = "patient × moved posture × line × joint; measured values stand in the rows of every line, and `line` is empty where there is no model";
+    let row = "patient × moved posture × line × joint; measured values are repeated in the rows of every line, and `line` is empty where there is no model";
     Definition { name: "joints", row, columns }.fill(&rows)
 }
 
@@ -68,26 +68,29 @@ fn columns_of_joints<'a>() -> Vec<Column<JointRow<'a>>> {
         number(
             "rotation",
             Unit::Degrees,
-            "measured turn of the upper vertebra against the lower one, from the erect film; positive to the patient's right",
+            "measured change of the tilt of the upper vertebra relative to the lower one from the erect film; positive to the patient's right",
             |row| Some(row.item.evidence.rotation.deg()),
         ),
         truth(
             "contradicted",
-            "whether it turns against the force: no positive stiffness explains it",
+            "whether the joint turns against the moment of the force (counter-rotating joint): no positive stiffness explains it",
             |row| row.item.simulated.map(|_| row.item.contradicted().is_some()),
         ),
-        number("lever_arm", Unit::Millimetres, "of the force about a contradicted joint", |row| {
-            row.item.contradicted().map(|joint| joint.lever_arm_mm)
-        }),
+        number(
+            "lever_arm",
+            Unit::Millimetres,
+            "lever arm of the force about a counter-rotating joint",
+            |row| row.item.contradicted().map(|joint| joint.lever_arm_mm),
+        ),
         number(
             "work_against",
             Unit::One,
-            "part of a contradicted joint in the work of all joints",
+            "share of a counter-rotating joint in the work of all joints",
             |row| row.item.contradicted().map(|joint| joint.weight),
         ),
         truth(
             "beyond_noise",
-            "whether a contradicted joint's rotation is beyond two standard deviations",
+            "whether the rotation of a counter-rotating joint exceeds two standard deviations",
             |row| row.item.contradicted().map(|joint| joint.beyond_noise),
         ),
     ]

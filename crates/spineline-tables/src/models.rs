@@ -46,7 +46,7 @@ fn columns_of_models<'a>() -> Vec<Column<ModelRow<'a>>> {
         ),
         truth(
             "absolute",
-            "whether forces and stiffness are absolute; else only ratios mean anything",
+            "whether forces and stiffness are absolute; else only ratios are identified",
             |row| Some(absolute(row.patient, row.item)),
         ),
         number(
@@ -58,13 +58,13 @@ fn columns_of_models<'a>() -> Vec<Column<ModelRow<'a>>> {
         number(
             "mean_location_error_fitted",
             Unit::Millimetres,
-            "over the films that it was fitted to",
+            "mean location error over the fitted films",
             |row| row.item.mean_location_error_mm(true),
         ),
         number(
             "mean_location_error_held_out",
             Unit::Millimetres,
-            "over the films that no fit has seen",
+            "mean location error over the held-out films",
             |row| row.item.mean_location_error_mm(false),
         ),
     ]
@@ -93,7 +93,7 @@ pub(crate) fn multipliers(patients: &[Patient<'_>]) -> Table {
     }
     let mut columns = keys();
     columns.extend(columns_of_multipliers());
-    let row = "patient × line × group of joints that share a multiplier";
+    let row = "patient × line × group of joints with one multiplier";
     Definition { name: "multipliers", row, columns }.fill(&rows)
 }
 
@@ -115,32 +115,35 @@ fn columns_of_multipliers<'a>() -> Vec<Column<MultiplierRow<'a>>> {
         number(
             "multiplier",
             Unit::One,
-            "of the lateral springs; under `geometric_mean` only ratios mean anything",
+            "multiplier of the lateral springs; under `geometric_mean` only ratios are identified",
             |row| row.item.model.multipliers().nth(row.item.group),
         ),
-        truth("at_bound", "whether it ended at a bound, and so is not identified", |row| {
+        truth("at_bound", "whether it reached a limit and is therefore not identified", |row| {
             Some(row.item.model.fit.bounds[row.item.group] != StiffnessBound::Inside)
         }),
         text(
             "verdict",
-            "what the films say of it: `interval`, `only_lower`, `only_upper`, `not_identified` or `lost`; empty where nobody asked",
+            "whether the films identify it: `interval`, `only_lower`, `only_upper`, `not_identified` or `lost` (did not converge); empty where not requested",
             |row| row.item.found.map(|found| found.profile.verdict().key().to_owned()),
         ),
         number(
             "interval_95_low",
             Unit::One,
-            "lower end of its interval; empty where the films allow all below",
+            "lower end of its 95 % interval; empty where the films set no lower limit",
             |row| row.item.found.and_then(|found| end(found.profile.lower)),
         ),
         number(
             "interval_95_high",
             Unit::One,
-            "upper end of its interval; empty where the films allow all above",
+            "upper end of its 95 % interval; empty where the films set no upper limit",
             |row| row.item.found.and_then(|found| end(found.profile.upper)),
         ),
-        number("log_sd", Unit::One, "deviation of its logarithm from the films alone", |row| {
-            row.item.found.map(|found| found.log_sd)
-        }),
+        number(
+            "log_sd",
+            Unit::One,
+            "standard deviation of its logarithm from the films alone",
+            |row| row.item.found.map(|found| found.log_sd),
+        ),
         number("log_sd_with_prior", Unit::One, "the same with the prior", |row| {
             row.item.found.and_then(|found| found.log_sd_with_prior)
         }),
@@ -187,24 +190,31 @@ fn columns_of_springs<'a>() -> Vec<Column<SpringsRow<'a>>> {
         }),
         text("inferior", "lower vertebra", |row| Some(row.item.nominal.inferior.to_string())),
         text("superior", "upper vertebra", |row| Some(row.item.nominal.superior.to_string())),
-        number("nominal_lateral", Unit::NewtonMetresPerRadian, "before personalisation", |row| {
-            newton_metres(row.item.nominal.nmm_per_rad, 0)
-        }),
+        number(
+            "nominal_lateral",
+            Unit::NewtonMetresPerRadian,
+            "lateral stiffness before personalisation",
+            |row| newton_metres(row.item.nominal.nmm_per_rad, 0),
+        ),
         number(
             "lateral",
             Unit::NewtonMetresPerRadian,
-            "personalised; relative unless `absolute` in models",
+            "personalised lateral stiffness; relative unless `absolute` in `models` is true",
             |row| newton_metres(row.item.personal_nmm_per_rad, 0),
         ),
-        number("flexion", Unit::NewtonMetresPerRadian, "about the flexion hinge", |row| {
-            newton_metres(row.item.personal_nmm_per_rad, 1)
-        }),
-        number("axial", Unit::NewtonMetresPerRadian, "about the axial hinge", |row| {
-            newton_metres(row.item.personal_nmm_per_rad, 2)
-        }),
-        text("source", "where the nominal values come from", |row| {
-            Some(row.item.nominal.source.clone())
-        }),
+        number(
+            "flexion",
+            Unit::NewtonMetresPerRadian,
+            "personalised stiffness about the flexion hinge",
+            |row| newton_metres(row.item.personal_nmm_per_rad, 1),
+        ),
+        number(
+            "axial",
+            Unit::NewtonMetresPerRadian,
+            "personalised stiffness about the axial hinge",
+            |row| newton_metres(row.item.personal_nmm_per_rad, 2),
+        ),
+        text("source", "source of the nominal values", |row| Some(row.item.nominal.source.clone())),
     ]
 }
 
@@ -240,7 +250,7 @@ fn columns_of_lines<'a>() -> Vec<Column<LineRow<'a>>> {
         text("line", "line of action", |row| Some(row.item.model.kind.key().to_owned())),
         truth(
             "fitted",
-            "whether the stiffness was fitted to this film; else it was held out",
+            "whether the stiffness was fitted to this film; else the film was held out",
             |row| Some(row.item.simulation.fitted),
         ),
         text(
@@ -248,15 +258,21 @@ fn columns_of_lines<'a>() -> Vec<Column<LineRow<'a>>> {
             "`converged`, `unreachable` or `not_converged`; only the first is a result",
             |row| Some(row.item.simulation.status.key().to_owned()),
         ),
-        number("point_y", Unit::Millimetres, "a point of the line, to the patient's left", |row| {
-            Some(row.item.simulation.line.point.y_mm)
-        }),
+        number(
+            "point_y",
+            Unit::Millimetres,
+            "lateral coordinate of a point of the line, positive to the patient's left",
+            |row| Some(row.item.simulation.line.point.y_mm),
+        ),
         number("point_z", Unit::Millimetres, "its height", |row| {
             Some(row.item.simulation.line.point.z_mm)
         }),
-        number("lean", Unit::Degrees, "lean of the line; positive to the patient's right", |row| {
-            Some(row.item.simulation.line.lean().deg())
-        }),
+        number(
+            "lean",
+            Unit::Degrees,
+            "lateral tilt of the line; positive to the patient's right",
+            |row| Some(row.item.simulation.line.lean().deg()),
+        ),
         text("application", "`fixed` in space, or `at_t2`", |row| {
             Some(
                 match row.item.simulation.line.application {
@@ -274,10 +290,10 @@ fn columns_of_lines<'a>() -> Vec<Column<LineRow<'a>>> {
         }),
         text(
             "choice",
-            "why this force: `fitted`, `only_one`, `least_ferguson_error`, `smallest_near_t2` or `nearest_miss`",
+            "rule by which this force was chosen: `fitted`, `only_one`, `least_ferguson_error`, `smallest_near_t2` or `nearest_miss`",
             |row| Some(row.item.simulation.choice.key().to_owned()),
         ),
-        count("alternatives", "other forces that meet the same amplitude", |row| {
+        count("alternatives", "number of other forces that reach the same amplitude", |row| {
             Some(row.item.simulation.alternatives.len() as i64)
         }),
     ]
@@ -293,7 +309,7 @@ fn errors_of_lines<'a>() -> Vec<Column<LineRow<'a>>> {
         number(
             "mean_location_error",
             Unit::Millimetres,
-            "mean over the vertebrae from L3 to T2",
+            "mean location error over the vertebrae from L3 to T2",
             |row| {
                 let found = row.item.simulation;
                 found.is_usable().then(|| found.mean_location_error_mm())
@@ -302,7 +318,7 @@ fn errors_of_lines<'a>() -> Vec<Column<LineRow<'a>>> {
         number(
             "ferguson_error_thoracolumbar_lumbar",
             Unit::Degrees,
-            "absolute error of the Ferguson angle",
+            "absolute error of the Ferguson angle of the thoracolumbar/lumbar curve",
             |row| ferguson_error(row, Region::ThoracolumbarLumbar),
         ),
         number(
@@ -317,12 +333,15 @@ fn errors_of_lines<'a>() -> Vec<Column<LineRow<'a>>> {
             "the same of the proximal thoracic curve",
             |row| ferguson_error(row, Region::ProximalThoracic),
         ),
-        count("joints_against", "joints that turn against the force", |row| {
+        count("joints_against", "number of counter-rotating joints", |row| {
             Some(row.item.simulation.contradicted.len() as i64)
         }),
-        number("work_against", Unit::One, "their part in the work of all joints", |row| {
-            Some(row.item.simulation.contradicted_weight())
-        }),
+        number(
+            "work_against",
+            Unit::One,
+            "share of these joints in the work of all joints",
+            |row| Some(row.item.simulation.contradicted_weight()),
+        ),
     ]
 }
 
@@ -365,35 +384,43 @@ fn columns_of_hypotheses<'a>() -> Vec<Column<PredictedRow<'a>>> {
         text("fit_status", "how the fit to all bends ended", |row| {
             Some(row.item.fit.status.key().to_owned())
         }),
-        number("aicc", Unit::One, "Akaike's criterion of that fit, corrected", |row| {
-            Some(row.item.fit.criteria.aicc)
-        }),
-        number("bic", Unit::One, "Schwarz's criterion of that fit", |row| {
+        number(
+            "aicc",
+            Unit::One,
+            "Akaike's information criterion of that fit, corrected for small samples",
+            |row| Some(row.item.fit.criteria.aicc),
+        ),
+        number("bic", Unit::One, "Bayesian information criterion of that fit", |row| {
             Some(row.item.fit.criteria.bic)
         }),
         number(
             "mean_location_error",
             Unit::Millimetres,
-            "mean over the vertebrae from L3 to T2",
+            "mean location error over the vertebrae from L3 to T2",
             |row| Some(row.item.prediction.mean_location_error_mm()),
         ),
         number(
             "rotation_rms",
             Unit::Degrees,
-            "root mean square error of the joints' rotations",
+            "root mean square error of the joint rotations",
             |row| Some(row.item.prediction.rotation_rms.deg()),
         ),
         number(
             "base",
             Unit::Degrees,
-            "turn of the whole spine about L4; positive to the patient's right",
+            "rotation of the whole spine about L4; positive to the patient's right",
             |row| Some(row.item.prediction.base.deg()),
         ),
-        count("joints_against", "joints that turn against the load", |row| {
-            Some(row.item.prediction.against.joints as i64)
-        }),
-        number("work_against", Unit::One, "their part in the work of all joints", |row| {
-            Some(row.item.prediction.against.weight)
-        }),
+        count(
+            "joints_against",
+            "number of joints that turn against the moment of the load",
+            |row| Some(row.item.prediction.against.joints as i64),
+        ),
+        number(
+            "work_against",
+            Unit::One,
+            "share of these joints in the work of all joints",
+            |row| Some(row.item.prediction.against.weight),
+        ),
     ]
 }

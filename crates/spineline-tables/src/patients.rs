@@ -23,7 +23,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
 
 fn subject<'a>() -> Vec<Column<PatientRow<'a>>> {
     vec![
-        text("sex", "`female`, `male` or `other`, as the case has it", |row| {
+        text("sex", "`female`, `male` or `other`, as stated in the case", |row| {
             row.patient.subject.sex.map(|sex| {
                 match sex {
                     Sex::Female => "female",
@@ -33,10 +33,10 @@ fn subject<'a>() -> Vec<Column<PatientRow<'a>>> {
                 .to_owned()
             })
         }),
-        number("age", Unit::Years, "age at the films, as the case has it", |row| {
+        number("age", Unit::Years, "age at the time of the films, as stated in the case", |row| {
             row.patient.subject.age_years
         }),
-        text("lenke_recorded", "Lenke class as clinicians recorded it", |row| {
+        text("lenke_recorded", "Lenke class recorded by clinicians", |row| {
             row.patient.subject.lenke.clone()
         }),
     ]
@@ -58,19 +58,21 @@ fn between(row: &PatientRow<'_>, end: usize) -> Option<String> {
 
 fn curve<'a>() -> Vec<Column<PatientRow<'a>>> {
     vec![
-        count("films", "frontal films", |row| Some(row.patient.analysis.postures.len() as i64)),
+        count("films", "number of frontal films", |row| {
+            Some(row.patient.analysis.postures.len() as i64)
+        }),
         text(
             "lengths",
-            "what lengths of the erect film are: in the `patient`, on the `detector`, `unknown`, or `pixels`",
+            "plane of the lengths of the erect film: `patient`, `detector`, `unknown`, or `pixels` without a spacing",
             |row| Some(row.patient.analysis.scale().plane.key().to_owned()),
         ),
-        count("chain_segments", "segments of the erect chain (n)", |row| {
+        count("chain_segments", "number of segments of the erect chain (n)", |row| {
             Some(row.patient.analysis.chain.segments as i64)
         }),
         number("segment", Unit::Millimetres, "length of a segment of the chain (l)", |row| {
             row.patient.analysis.scale().mm(row.patient.analysis.chain.segment_mm)
         }),
-        count("inflections", "inflections of the erect curve", |row| {
+        count("inflections", "number of inflections of the erect curve", |row| {
             Some(row.patient.analysis.inflections.all.len() as i64)
         }),
         text("inflection_caudal_between", "vertebrae around the caudal inflection", |row| {
@@ -79,7 +81,7 @@ fn curve<'a>() -> Vec<Column<PatientRow<'a>>> {
         number(
             "inflection_caudal_y",
             Unit::Millimetres,
-            "its place to the patient's left",
+            "lateral coordinate of this inflection, positive to the patient's left",
             |row| inflection_mm(row, 0).map(|place| place[0]),
         ),
         number("inflection_caudal_z", Unit::Millimetres, "its height", |row| {
@@ -91,29 +93,37 @@ fn curve<'a>() -> Vec<Column<PatientRow<'a>>> {
         number(
             "inflection_cranial_y",
             Unit::Millimetres,
-            "its place to the patient's left",
+            "lateral coordinate of this inflection, positive to the patient's left",
             |row| inflection_mm(row, 1).map(|place| place[0]),
         ),
         number("inflection_cranial_z", Unit::Millimetres, "its height", |row| {
             inflection_mm(row, 1).map(|place| place[1])
         }),
-        count("lenke_type", "Lenke's curve type as far as frontal films tell it", |row| {
+        count("lenke_type", "Lenke's curve type as far as frontal films determine it", |row| {
             row.patient.analysis.lenke.map(|lenke| i64::from(lenke.number))
         }),
-        text("sagittal_profile", "`measured` on the lateral film, or a `population`'s", |row| {
-            let measured = row.patient.analysis.lateral_measured;
-            Some(if measured { "measured" } else { "population" }.to_owned())
-        }),
-        truth("converged", "whether every fit and every search for a force ended well", |row| {
+        text(
+            "sagittal_profile",
+            "`measured` on the lateral film, or that of a `population`",
+            |row| {
+                let measured = row.patient.analysis.lateral_measured;
+                Some(if measured { "measured" } else { "population" }.to_owned())
+            },
+        ),
+        truth("converged", "whether every fit and every search for a force converged", |row| {
             Some(row.patient.analysis.is_converged())
         }),
-        count("warnings", "soft problems, contradictions among them", |row| {
+        count("warnings", "number of warnings, notes and contradictions", |row| {
             Some(row.patient.analysis.warnings.all().len() as i64)
         }),
-        count("contradictions", "those in which the data speak against the model", |row| {
-            let all = row.patient.analysis.warnings.all().iter();
-            Some(all.filter(|w| w.severity() == Severity::Contradiction).count() as i64)
-        }),
+        count(
+            "contradictions",
+            "number of contradictions: the data contradict the model, or a number is not a result",
+            |row| {
+                let all = row.patient.analysis.warnings.all().iter();
+                Some(all.filter(|w| w.severity() == Severity::Contradiction).count() as i64)
+            },
+        ),
     ]
 }
 
@@ -126,10 +136,12 @@ fn options<'a>() -> Vec<Column<PatientRow<'a>>> {
                 OrderRule::Fixed(order) => order.to_string(),
             })
         }),
-        text("gauge", "what fixes the level of stiffness and force", |row| {
-            Some(row.patient.analysis.options.gauge.key().to_owned())
-        }),
-        text("support", "`free`, or `frontal` for a patient on a table", |row| {
+        text(
+            "gauge",
+            "scale constraint: the condition that fixes the overall level of stiffness and force",
+            |row| Some(row.patient.analysis.options.gauge.key().to_owned()),
+        ),
+        text("support", "`free`, or `frontal` for a patient who lies on a table", |row| {
             Some(
                 match row.patient.analysis.options.support {
                     Support::Free => "free",
@@ -138,7 +150,7 @@ fn options<'a>() -> Vec<Column<PatientRow<'a>>> {
                 .to_owned(),
             )
         }),
-        text("fit", "`shape`, or `ferguson` angles", |row| {
+        text("fit", "fitted data: `shape`, or `ferguson` angles", |row| {
             Some(
                 match row.patient.analysis.options.target {
                     FitTarget::Shape => "shape",
@@ -156,7 +168,7 @@ fn options<'a>() -> Vec<Column<PatientRow<'a>>> {
                 .to_owned(),
             )
         }),
-        number("prior_log_sd", Unit::One, "prior deviation of ln multiplier", |row| {
+        number("prior_log_sd", Unit::One, "prior standard deviation of ln multiplier", |row| {
             row.patient.analysis.options.prior.map(|prior| prior.log_sd)
         }),
     ]

@@ -26,17 +26,20 @@ fn film<'a>() -> Vec<Column<PostureRow<'a>>> {
         text("posture", "film", |row| Some(row.item.outline.posture.key().to_owned())),
         text(
             "lengths",
-            "what lengths of this film are: in the `patient`, on the `detector`, `unknown`, or `pixels`",
+            "plane of the lengths of this film: `patient`, `detector`, `unknown`, or `pixels` without a spacing",
             |row| Some(row.item.outline.scale.plane.key().to_owned()),
         ),
         count("readings", "readings of the film", |row| Some(row.item.outline.readings as i64)),
-        number("spine", Unit::Millimetres, "line through the midpoints from L4 to T2", |row| {
-            row.item.outline.scale.mm(row.item.outline.polygon_mm())
-        }),
+        number(
+            "spine",
+            Unit::Millimetres,
+            "length of the polygon through the midpoints from L4 to T2",
+            |row| row.item.outline.scale.mm(row.item.outline.polygon_mm()),
+        ),
         number(
             "amplitude",
             Unit::Degrees,
-            "lean of L4 to T2; positive to the patient's right",
+            "lateral tilt of L4 to T2; positive to the patient's right",
             |row| Some(row.item.outline.amplitude().deg()),
         ),
         number(
@@ -50,7 +53,7 @@ fn film<'a>() -> Vec<Column<PostureRow<'a>>> {
         }),
         truth(
             "noise_measured",
-            "whether they come from the spread of readings; else they are assumed",
+            "whether these standard deviations come from repeated readings; else they are assumed",
             |row| Some(row.item.outline.noise.measured),
         ),
         count("curve_order", "order of the curve's polynomial", |row| {
@@ -65,16 +68,22 @@ fn film<'a>() -> Vec<Column<PostureRow<'a>>> {
                 .to_owned(),
             )
         }),
-        number("curve_rmse", Unit::Millimetres, "root mean square distance of the curve", |row| {
-            row.item.outline.scale.mm(row.item.fit.rmse_mm)
-        }),
+        number(
+            "curve_rmse",
+            Unit::Millimetres,
+            "root mean square distance of the curve from the locations",
+            |row| row.item.outline.scale.mm(row.item.fit.rmse_mm),
+        ),
         number("curve_rmse", Unit::Pixels, "the same where the film has no spacing", |row| {
             row.item.outline.scale.px(row.item.fit.rmse_mm)
         }),
-        number("curve_rmse", Unit::Degrees, "root mean square error of its tilt", |row| {
-            Some(row.item.fit.rmse_tilt.deg())
-        }),
-        count("segments", "segments of the chain on this curve (n_i)", |row| {
+        number(
+            "curve_rmse",
+            Unit::Degrees,
+            "root mean square difference between the tilt of the curve and the measured tilts",
+            |row| Some(row.item.fit.rmse_tilt.deg()),
+        ),
+        count("segments", "number of segments of the chain on this curve (n_i)", |row| {
             Some(row.item.pose.segments() as i64)
         }),
     ]
@@ -104,7 +113,7 @@ fn movement<'a>() -> Vec<Column<PostureRow<'a>>> {
         number(
             "caudal_inflection_to_least",
             Unit::Segments,
-            "from the caudal inflection's segment to the least-rotating one",
+            "distance from the segment of the caudal inflection to the least-rotating segment",
             |row| distance(row, 0),
         ),
         number(
@@ -116,13 +125,13 @@ fn movement<'a>() -> Vec<Column<PostureRow<'a>>> {
         number(
             "caudal_inflection_rotation",
             Unit::Degrees,
-            "rotation of the caudal inflection's segment",
+            "rotation of the segment of the caudal inflection",
             |row| rotation(row, 0),
         ),
         number(
             "cranial_inflection_to_least",
             Unit::Segments,
-            "from the cranial inflection's segment to the least-rotating one",
+            "distance from the segment of the cranial inflection to the least-rotating segment",
             |row| distance(row, 1),
         ),
         number(
@@ -134,7 +143,7 @@ fn movement<'a>() -> Vec<Column<PostureRow<'a>>> {
         number(
             "cranial_inflection_rotation",
             Unit::Degrees,
-            "rotation of the cranial inflection's segment",
+            "rotation of the segment of the cranial inflection",
             |row| rotation(row, 1),
         ),
     ]
@@ -145,31 +154,31 @@ fn own_line<'a>() -> Vec<Column<PostureRow<'a>>> {
         number(
             "preferred_line_lean",
             Unit::Degrees,
-            "lean of the line that the rotations prefer; positive to the patient's right",
+            "lateral tilt of the line of best fit to the rotations; positive to the patient's right",
             |row| row.item.preferred_line.as_ref().map(|own| own.line.lean().deg()),
         ),
         number(
             "preferred_to_inflection_line",
             Unit::Degrees,
-            "angle between it and the line through the inflections",
+            "angle between this line and the inflection line",
             |row| row.item.line_comparison().map(|found| found.angle.deg()),
         ),
         number(
             "preferred_to_inflection_line",
             Unit::Millimetres,
-            "its distance from the middle of the inflections",
+            "distance of this line from the midpoint of the inflections",
             |row| row.item.line_comparison().map(|found| found.distance_mm),
         ),
         number(
             "p_through_inflections",
             Unit::One,
-            "probability of \"it runs through both inflections\"",
+            "p value of the hypothesis that this line runs through both inflections",
             |row| row.item.line_comparison().map(|found| found.test.p_value),
         ),
         number(
             "p_parallel_to_iliac_line",
             Unit::One,
-            "probability of \"it is parallel to the iliac line\"",
+            "p value of the hypothesis that this line is parallel to the iliac line",
             |row| row.item.preferred_line.as_ref()?.iliac.map(|test| test.p_value),
         ),
     ]

@@ -42,40 +42,46 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
 
 fn columns_of_statistics<'a>() -> Vec<Column<ReliabilityRow<'a>>> {
     vec![
-        text("quantity", "what was read", |row| Some(row.item.quantity.clone())),
+        text("quantity", "quantity that was read", |row| Some(row.item.quantity.clone())),
         text(
             "design",
             "`inter_observer_means`, `inter_observer_single` or `intra_observer`",
             |row| Some(row.item.design.key().to_owned()),
         ),
-        text("observer", "of `intra_observer`: whose repeats are compared", |row| {
+        text("observer", "for `intra_observer`: the observer whose repeats are compared", |row| {
             match &row.item.design {
                 Design::IntraObserver { observer } => Some(observer.clone()),
                 Design::InterObserverMeans | Design::InterObserverSingle { .. } => None,
             }
         }),
-        count("repeat", "of `inter_observer_single`: which repeat is compared", |row| {
-            match row.item.design {
+        count(
+            "repeat",
+            "for `inter_observer_single`: the repeat that is compared",
+            |row| match row.item.design {
                 Design::InterObserverSingle { repeat } => Some(i64::from(repeat)),
                 Design::InterObserverMeans | Design::IntraObserver { .. } => None,
-            }
+            },
+        ),
+        count("subjects", "number of subjects that all raters rated", |row| {
+            Some(row.item.subjects as i64)
         }),
-        count("subjects", "subjects that all raters rated", |row| Some(row.item.subjects as i64)),
-        text("statistic", "its stable name", |row| Some(row.item.statistic.kind.key().to_owned())),
+        text("statistic", "key of the statistic", |row| {
+            Some(row.item.statistic.kind.key().to_owned())
+        }),
         text("unit", "unit of the value; empty for a coefficient", |row| {
             let kind = row.item.statistic.kind;
             kind.has_unit().then(|| row.item.unit.clone())
         }),
-        number("value", Unit::Stated, "its value", |row| {
+        number("value", Unit::Stated, "value of the statistic", |row| {
             row.item.statistic.outcome.ok().map(|estimate| estimate.value)
         }),
-        number("interval_95_low", Unit::Stated, "lower end of its interval", |row| {
+        number("interval_95_low", Unit::Stated, "lower end of its 95 % interval", |row| {
             row.item.statistic.outcome.ok()?.interval.ok().map(|ends| ends[0])
         }),
-        number("interval_95_high", Unit::Stated, "upper end of its interval", |row| {
+        number("interval_95_high", Unit::Stated, "upper end of its 95 % interval", |row| {
             row.item.statistic.outcome.ok()?.interval.ok().map(|ends| ends[1])
         }),
-        text("undefined", "why there is no value", |row| {
+        text("undefined", "reason why there is no value", |row| {
             row.item.statistic.outcome.err().map(|why| why.key().to_owned())
         }),
     ]

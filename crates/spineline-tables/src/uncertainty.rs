@@ -18,13 +18,13 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let mut columns = keys();
     columns.extend(which());
     columns.extend(spread());
-    let row = "patient × number, over replicates on moved landmarks";
+    let row = "patient × quantity, over Monte Carlo replicates with perturbed landmarks";
     Definition { name: "uncertainty", row, columns }.fill(&rows)
 }
 
 fn which<'a>() -> Vec<Column<SpreadRow<'a>>> {
     vec![
-        text("quantity", "its kind; the next columns say which one", |row| {
+        text("quantity", "kind of the quantity; the next columns specify it", |row| {
             Some(row.item.quantity.key().to_owned())
         }),
         text("posture", "film", |row| {
@@ -46,8 +46,8 @@ fn which<'a>() -> Vec<Column<SpreadRow<'a>>> {
 
 fn spread<'a>() -> Vec<Column<SpreadRow<'a>>> {
     vec![
-        number("value", Unit::Stated, "in the case itself", |row| row.item.nominal.ok()),
-        number("mean", Unit::Stated, "over the replicates", |row| {
+        number("value", Unit::Stated, "value of the unperturbed case", |row| row.item.nominal.ok()),
+        number("mean", Unit::Stated, "mean over the replicates", |row| {
             row.item.spread.map(|spread| spread.mean)
         }),
         number("sd", Unit::Stated, "standard deviation over the replicates", |row| {
@@ -59,6 +59,6 @@ fn spread<'a>() -> Vec<Column<SpreadRow<'a>>> {
         number("interval_95_high", Unit::Stated, "97.5 % quantile", |row| {
             row.item.spread.map(|spread| spread.interval_95()[1])
         }),
-        count("replicates", "replicates that have it", |row| Some(row.item.count as i64)),
+        count("replicates", "number of replicates with a value", |row| Some(row.item.count as i64)),
     ]
 }

@@ -57,7 +57,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let mut columns = keys();
     columns.extend(measured());
     columns.extend(simulated());
-    let row = "patient × posture × line × vertebra; measured values stand in the rows of every line, and `line` is empty where there is no model";
+    let row = "patient × posture × line × vertebra; measured values are repeated in the rows of every line, and `line` is empty where there is no model";
     Definition { name: "vertebrae", row, columns }.fill(&rows)
 }
 
@@ -70,18 +70,21 @@ fn measured<'a>() -> Vec<Column<VertebraRow<'a>>> {
         text("level", "vertebra", |row| Some(row.item.measured().level.to_string())),
         text(
             "lengths",
-            "what lengths of this film are: in the `patient`, on the `detector`, `unknown`, or `pixels`",
+            "plane of the lengths of this film: `patient`, `detector`, `unknown`, or `pixels` without a spacing",
             |row| Some(row.item.posture.outline.scale.plane.key().to_owned()),
         ),
         number(
             "measured_y",
             Unit::Millimetres,
-            "measured midpoint, from L4's to the patient's left",
+            "measured midpoint relative to that of L4, positive to the patient's left",
             |row| row.item.mm(|vertebra| vertebra.location.y_mm),
         ),
-        number("measured_z", Unit::Millimetres, "measured midpoint, from L4's upwards", |row| {
-            row.item.mm(|vertebra| vertebra.location.z_mm)
-        }),
+        number(
+            "measured_z",
+            Unit::Millimetres,
+            "measured midpoint relative to that of L4, positive upwards",
+            |row| row.item.mm(|vertebra| vertebra.location.z_mm),
+        ),
         number("measured_y", Unit::Pixels, "the same where the film has no spacing", |row| {
             row.item.px(|vertebra| vertebra.location.y_mm)
         }),
@@ -105,7 +108,7 @@ fn simulated<'a>() -> Vec<Column<VertebraRow<'a>>> {
     vec![
         truth(
             "fitted",
-            "whether the stiffness was fitted to this film; else it was held out",
+            "whether the stiffness was fitted to this film; else the film was held out",
             |row| simulation(row).map(|s| s.fitted),
         ),
         text(
@@ -116,10 +119,10 @@ fn simulated<'a>() -> Vec<Column<VertebraRow<'a>>> {
         number(
             "simulated_y",
             Unit::Millimetres,
-            "simulated midpoint, to the patient's left",
+            "simulated midpoint, positive to the patient's left",
             |row| simulation(row).map(|s| s.locations[row.item.index].y_mm),
         ),
-        number("simulated_z", Unit::Millimetres, "simulated midpoint, upwards", |row| {
+        number("simulated_z", Unit::Millimetres, "simulated midpoint, positive upwards", |row| {
             simulation(row).map(|s| s.locations[row.item.index].z_mm)
         }),
         number(
@@ -131,7 +134,7 @@ fn simulated<'a>() -> Vec<Column<VertebraRow<'a>>> {
         number(
             "location_error",
             Unit::Millimetres,
-            "distance of the two midpoints (E_LOC); not of L4, which is held, nor without a result",
+            "location error: distance of the two midpoints (E_LOC); empty for L4, which is fixed, and without a result",
             |row| {
                 let found = simulation(row).filter(|s| s.is_usable())?;
                 found.location_errors_mm.get(row.item.index.checked_sub(1)?).copied()

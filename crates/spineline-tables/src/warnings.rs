@@ -26,20 +26,18 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
                 .to_owned(),
             )
         }),
-        text("code", "stable name", |row| Some(row.item.code.to_owned())),
-        text("step", "step of the method where it arose", |row| {
+        text("code", "stable key of the warning", |row| Some(row.item.code.to_owned())),
+        text("step", "step of the method that raised it", |row| {
             Some(row.item.step.key().to_owned())
         }),
-        text("posture", "film that it is about", |row| {
+        text("posture", "film concerned", |row| {
             row.item.posture.map(|posture| posture.key().to_owned())
         }),
-        text("level", "vertebra that it is about", |row| {
-            row.item.level.map(|level| level.to_string())
-        }),
-        text("line", "line of action that it is about", |row| {
+        text("level", "vertebra concerned", |row| row.item.level.map(|level| level.to_string())),
+        text("line", "line of action concerned", |row| {
             row.item.line.map(|line| line.key().to_owned())
         }),
         text("message", "what happened and what to do", |row| Some(row.item.message.clone())),
     ]);
-    Definition { name: "warnings", row: "patient × soft problem", columns }.fill(&rows)
+    Definition { name: "warnings", row: "patient × warning", columns }.fill(&rows)
 }
