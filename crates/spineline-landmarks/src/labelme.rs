@@ -8,7 +8,7 @@
 use serde::Deserialize;
 use spineline::anatomy::ImageSide;
 use spineline::measure::{CornerName, Reading};
-use spineline::spatial::Pixel;
+use spineline::spatial::{Angle, Pixel};
 
 use super::film::{Points, from_image_sides, pixel};
 use super::json::parse_foreign;
@@ -108,7 +108,7 @@ fn corners_of(
     let is_steep = |a: Pixel, b: Pixel| {
         let (across, down) = ((b.column_px - a.column_px).abs(), (b.row_px - a.row_px).abs());
         // Written so that two points in one place count as steep.
-        !(down <= STEEPEST_DEG.to_radians().tan() * across && across > 0.0)
+        !(down <= Angle::from_deg(STEEPEST_DEG).rad().tan() * across && across > 0.0)
     };
     if is_steep(turned(0), turned(1)) || is_steep(turned(2), turned(3)) {
         return Err(LandmarkError::Ambiguous {

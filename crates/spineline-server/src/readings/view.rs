@@ -41,7 +41,7 @@ fn view_of(
         spineline_files::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
     let marks = marks(state);
     let is_blinded = seen.code.is_some();
-    let posture = (!is_blinded).then(|| Wire(film.posture));
+    let posture = (!is_blinded).then_some(Wire(film.posture));
     let crest = |side| state.iliac_crests_px.get(&side).copied();
     Ok(ReadingView {
         reading: record.id.0,
