@@ -291,7 +291,7 @@ test("the spine follows a load that is dragged", async ({ app, page }) => {
   await page.mouse.up();
   await expect(page.getByText("No equilibrium", { exact: true })).toBeVisible();
   await expect(
-    page.locator("span", { hasText: /NO RESULT: .* shown is the shape under \d+ % of the load/ }),
+    page.locator("span", { hasText: /NO RESULT: .* the shape at \d+ % of the load is shown/ }),
   ).toBeVisible();
   await steady(page, view);
   await shot(page, "model-load-without-equilibrium");

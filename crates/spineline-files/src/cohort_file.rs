@@ -21,7 +21,7 @@ pub struct CohortFile {
     /// Where it comes from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     provenance: Option<Provenance>,
-    /// Whether any patient is made up.
+    /// Whether any patient is synthetic.
     synthetic: bool,
     case_ids: Vec<String>,
     /// Seed of resampling and, beyond 20 patients, of the drawn sign flips.

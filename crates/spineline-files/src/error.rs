@@ -84,29 +84,29 @@ pub enum FileError {
     },
     /// A spacing in one direction only, or a plane without a spacing.
     #[error(
-        "{posture} film: `column_spacing_mm`, `row_spacing_mm` and `spacing_plane` do not go together"
+        "{posture} film: `column_spacing_mm`, `row_spacing_mm` and `spacing_plane` contradict one another"
     )]
     SpacingIncomplete {
         /// Film.
         posture: Posture,
     },
     /// A spacing in millimetres for a film that is said to have none.
-    #[error("{posture} film: `spacing_plane` is `pixels`, and there is a spacing in mm")]
+    #[error("{posture} film: `spacing_plane` is `pixels`, but a spacing in mm is given")]
     SpacingOfPixels {
         /// Film.
         posture: Posture,
     },
     /// An analysis that does not hold what it was made from.
-    #[error("it has no `{part}`, so nobody can say what it was made from")]
+    #[error("it has no `{part}`, so its inputs are unknown")]
     NotRepeatable {
         /// What is missing.
         part: &'static str,
     },
     /// The gauge of a known force without the force.
-    #[error("the gauge is `known_force`, and there is no `known_force` beside it")]
+    #[error("the scale constraint (`gauge`) is `known_force`, but `known_force` is missing")]
     NoKnownForce,
     /// Replicates without a seed.
-    #[error("there are `replicates`, and no `seed` beside them")]
+    #[error("`replicates` is given, but `seed` is missing")]
     NoSeed,
     /// A stiffness table that the model cannot use.
     #[error(transparent)]
@@ -120,7 +120,7 @@ pub enum FileError {
         joints: usize,
     },
     /// Vertebrae of a model that are not in their order.
-    #[error("vertebrae stand from below upwards, and {above} follows {below}")]
+    #[error("vertebrae must be ordered from caudal to cranial, but {above} follows {below}")]
     ModelOrder {
         /// The one that comes first.
         below: Level,
@@ -128,7 +128,7 @@ pub enum FileError {
         above: Level,
     },
     /// A joint of a model that does not lie between its two vertebrae.
-    #[error("joint {inferior}/{superior} stands where {lower}/{upper} should")]
+    #[error("found joint {inferior}/{superior} where joint {lower}/{upper} is expected")]
     ModelJoint {
         /// What it says.
         inferior: Level,
@@ -153,7 +153,7 @@ pub enum FileError {
         right_handed: bool,
     },
     /// A region that ends outside of its model.
-    #[error("the region {region} names {level}, which is no vertebra of this model")]
+    #[error("the region {region} names {level}, which is not a vertebra of this model")]
     Region {
         /// Region.
         region: Region,
@@ -208,7 +208,7 @@ impl FileError {
         match self {
             Self::Read { .. } => "check the path and its permissions",
             Self::Syntax { .. } => {
-                "numbers must be finite and keys quoted; an editor with JSON support points at the place"
+                "numbers must be finite and keys must be quoted; an editor with JSON support shows the place"
             }
             Self::UnknownKey { .. } | Self::Value { .. } => {
                 "`spineline schema case` (or model, load, stiffness) prints every key with its meaning"
@@ -220,7 +220,7 @@ impl FileError {
                 "install a newer Spineline, or write the file again with this one"
             }
             Self::Vertebra { .. } | Self::MixedKinds { .. } => {
-                "mark all vertebrae of a film the same way"
+                "describe all vertebrae of a film in the same way"
             }
             Self::NoImage { .. } => {
                 "add `image`: columns, rows, column_spacing_mm, row_spacing_mm, patient_left"
@@ -229,7 +229,7 @@ impl FileError {
                 "give both spacings and their plane (patient, detector or unknown), or neither and `pixels`"
             }
             Self::SpacingOfPixels { .. } => {
-                "leave the spacings out, or say in which plane they are: patient, detector or unknown"
+                "remove the spacings, or give their plane: patient, detector or unknown"
             }
             Self::NotRepeatable { .. } | Self::NoKnownForce | Self::NoSeed => {
                 "analyse the case again with `spineline analyze CASE --json FILE`"

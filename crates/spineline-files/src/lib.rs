@@ -66,8 +66,11 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
         .map_err(|source| FileError::Read { path: path.to_owned(), source })
 }
 
+/// Makes the schema of one format.
+type MakeSchema = fn() -> Schema;
+
 /// The schemas of all file formats by name.
-const SCHEMAS: [(&str, fn() -> Schema); 9] = [
+const SCHEMAS: [(&str, MakeSchema); 9] = [
     ("case", || schemars::schema_for!(CaseFile)),
     ("analysis", || schemars::schema_for!(AnalysisFile)),
     ("cohort", || schemars::schema_for!(CohortFile)),

@@ -31,7 +31,7 @@ pub struct ModelFile {
     generator: String,
     /// Case that it was made from.
     case_id: String,
-    /// Whether that case is made up.
+    /// Whether that case is synthetic.
     synthetic: bool,
     /// Line of action that the stiffness was fitted with.
     line: String,
@@ -130,7 +130,7 @@ pub struct LoadRecord {
 pub struct StoredModel {
     /// Case that it was made from.
     pub case_id: String,
-    /// Whether that case is made up.
+    /// Whether that case is synthetic.
     pub synthetic: bool,
     /// Line of action that the stiffness was fitted with.
     pub line: String,

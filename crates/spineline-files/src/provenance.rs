@@ -40,7 +40,7 @@ impl InputFile {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FilmOrigin {
-    /// All are made up.
+    /// All are synthetic.
     Synthetic,
     /// None is.
     Real,

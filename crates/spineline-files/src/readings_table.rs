@@ -68,7 +68,7 @@ fn places(heading: &StringRecord) -> Result<BTreeMap<&'static str, usize>, FileE
     for (place, name) in heading.iter().enumerate() {
         let Some(known) = COLUMNS.into_iter().find(|known| *known == name.trim()) else {
             let hint = match name.contains(';') || name.contains('\t') {
-                true => "; columns are parted by commas".to_owned(),
+                true => "; columns must be separated by commas".to_owned(),
                 false => nearest(name, &COLUMNS)
                     .map_or_else(String::new, |known| format!("; did you mean `{known}`?")),
             };
@@ -76,18 +76,18 @@ fn places(heading: &StringRecord) -> Result<BTreeMap<&'static str, usize>, FileE
             return Err(FileError::Column { reason });
         };
         if places.insert(known, place).is_some() {
-            return Err(FileError::Column { reason: format!("column `{known}` is there twice") });
+            return Err(FileError::Column { reason: format!("column `{known}` is given twice") });
         }
     }
     match COLUMNS[..6].iter().find(|known| !places.contains_key(*known)) {
         Some(missing) => {
-            Err(FileError::Column { reason: format!("there is no column `{missing}`") })
+            Err(FileError::Column { reason: format!("column `{missing}` is missing") })
         }
         None => Ok(places),
     }
 }
 
-/// Puts one row into its quantity, and says whether it is of a made-up film.
+/// Puts one row into its quantity, and says whether it is of a synthetic film.
 fn insert(
     record: &StringRecord,
     places: &BTreeMap<&'static str, usize>,
@@ -106,7 +106,7 @@ fn insert(
         }
         // A spreadsheet would take it for a formula when it opens a result.
         text if text.starts_with(['=', '@', '+', '-']) => {
-            Err(format!("`{column}` starts as a formula does: `{}`", shortened(text)))
+            Err(format!("`{column}` starts like a formula: `{}`", shortened(text)))
         }
         text => Ok(text),
     };
@@ -114,14 +114,19 @@ fn insert(
     let (subject, observer) = (name("subject")?, name("observer")?);
     let repeat = match cell("repeat").parse::<u32>() {
         Ok(repeat) if repeat > 0 => repeat,
-        _ => return Err(format!("`repeat` is `{}`, and counts from 1", shortened(cell("repeat")))),
+        _ => {
+            return Err(format!(
+                "`repeat` is `{}`; it must be a whole number from 1",
+                shortened(cell("repeat"))
+            ));
+        }
     };
     let value = match cell("value").parse::<f64>() {
         Ok(value) if value.is_finite() => value,
         _ => {
             let found = shortened(cell("value"));
             return Err(format!(
-                "`value` is `{found}`, and should be a number with a decimal point; leave the row out where there is none"
+                "`value` is `{found}`; it must be a number with a decimal point; remove rows without a value"
             ));
         }
     };
@@ -130,21 +135,18 @@ fn insert(
         "false" => false,
         "" if !places.contains_key("synthetic") => false,
         other => {
-            return Err(format!(
-                "`synthetic` is `{}`, and should be true or false",
-                shortened(other)
-            ));
+            return Err(format!("`synthetic` is `{}`; it must be true or false", shortened(other)));
         }
     };
     let quantity = quantities
         .entry(key.to_owned())
         .or_insert_with(|| RatedQuantity::new(key, unit, "as in the table of readings"));
     if quantity.unit != unit {
-        return Err(format!("`{key}` is in {unit}, and in {} above", quantity.unit));
+        return Err(format!("`{key}` is in {unit}, but in {} above", quantity.unit));
     }
     if !quantity.insert(subject, observer, repeat, value) {
         return Err(format!(
-            "`{key}` of subject {subject} by observer {observer}, repeat {repeat}, is there twice"
+            "`{key}` of subject {subject} by observer {observer}, repeat {repeat}, is given twice"
         ));
     }
     Ok(synthetic)
@@ -154,7 +156,7 @@ fn row_error(error: &csv::Error, line: u64) -> FileError {
     let line = error.position().map_or(line, csv::Position::line);
     let reason = match error.kind() {
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-            format!("{len} cells, and the heading has {expected_len}")
+            format!("{len} cells, but the heading has {expected_len}")
         }
         _ => "not CSV".to_owned(),
     };

@@ -19,7 +19,7 @@ pub struct ReliabilityFile {
     /// Where it comes from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     provenance: Option<Provenance>,
-    /// Whether any reading is of made-up films.
+    /// Whether any reading is of synthetic films.
     synthetic: bool,
     quantities: Vec<QuantityRecord>,
 }

@@ -14,7 +14,7 @@ use crate::keys::{ByLevel, JointKey, Key, LevelKey};
 use crate::{AppliedLoad, LoadFile, PlacedLoads, Provenance, StoredModel};
 
 /// What a personalised model does under loads. `G`: x anterior, y left, z cranial, origin at L4's midpoint; mm, N, N·mm,
-/// rad, angles for people in degrees. A positive lean is to the patient's right, positive Cobb and Ferguson angles are
+/// rad, angles for people in degrees. A positive lateral tilt is to the patient's right, positive Cobb and Ferguson angles are
 /// convex to the left. Numbers have full precision.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(title = "Spineline simulation, version 1")]
@@ -29,7 +29,7 @@ pub struct SimulationFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     provenance: Option<Provenance>,
     case_id: String,
-    /// Whether the films behind the model are made up: then every number here is.
+    /// Whether the films of the model are synthetic: then all numbers here are, too.
     synthetic: bool,
     /// Whether forces are in newtons; else they are relative, and only their ratios mean anything.
     absolute: bool,
@@ -58,7 +58,7 @@ pub struct SimulationFile {
 enum GoalRecord {
     /// The loads as they are given: a factor of one.
     FullLoad,
-    /// A lean of the line from L4 to T2.
+    /// A lateral tilt of the line from L4 to T2.
     Lean { lean_right_deg: f64 },
 }
 

@@ -43,7 +43,7 @@ impl std::fmt::Display for Lookalike {
             Self::Webp => "looks like a WebP picture",
             Self::Program => "looks like a program",
             Self::Text => "looks like text",
-            Self::Unknown => "has no known beginning",
+            Self::Unknown => "has an unknown format",
         })
     }
 }
@@ -129,8 +129,8 @@ impl std::fmt::Display for CodecFault {
             ),
             Self::Components { count } => write!(f, "they have {count} components"),
             Self::Unsupported => f.write_str("they use a part of the format that is not supported"),
-            Self::Corrupt => f.write_str("the decoder refuses them"),
-            Self::Panicked => f.write_str("the decoder gave up"),
+            Self::Corrupt => f.write_str("the decoder rejects them"),
+            Self::Panicked => f.write_str("the decoder failed"),
         }
     }
 }
@@ -157,14 +157,14 @@ pub enum FilmError {
         limit: u64,
     },
     /// The file ends before its data set does.
-    #[error("the file is cut off: it ends {place}")]
+    #[error("the file is truncated: it ends {place}")]
     Truncated {
         /// Where.
         place: Place,
     },
     /// An element that claims more bytes than there are.
     #[error(
-        "{attribute} claims {length} bytes, and {remaining} are left: the file is cut off or damaged"
+        "{attribute} declares {length} bytes, but only {remaining} are left: the file is truncated or damaged"
     )]
     Length {
         /// Which.
@@ -192,7 +192,7 @@ pub enum FilmError {
         uid: Option<String>,
     },
     /// No radiograph, by its modality.
-    #[error("its modality is {}, and a radiograph is wanted", .modality.as_deref().unwrap_or("unknown"))]
+    #[error("its modality is {}, but a radiograph is needed", .modality.as_deref().unwrap_or("unknown"))]
     Modality {
         /// The modality, if the standard knows it.
         modality: Option<String>,
@@ -204,7 +204,7 @@ pub enum FilmError {
         missing: Attribute,
     },
     /// More than one frame.
-    #[error("it holds {frames} frames, and a film is one")]
+    #[error("it holds {frames} frames, but a film has one")]
     Frames {
         /// How many; 0 if the value is damaged.
         frames: u32,
@@ -224,7 +224,7 @@ pub enum FilmError {
         value: u32,
     },
     /// Fewer pixels than declared.
-    #[error("the picture needs {needed} bytes, and has {found}")]
+    #[error("the picture needs {needed} bytes, but has {found}")]
     PixelsMissing {
         /// Rows by columns by bytes of a sample.
         needed: u64,
@@ -250,19 +250,19 @@ pub enum FilmError {
         kind: String,
     },
     /// The decoder died on this film.
-    #[error("the decoder died on this film ({})", .signal.map_or_else(|| "no answer".to_owned(), |s| format!("signal {s}")))]
+    #[error("the decoder crashed on this film ({})", .signal.map_or_else(|| "no answer".to_owned(), |s| format!("signal {s}")))]
     DecoderDied {
         /// The signal that ended it, where there was one.
         signal: Option<i32>,
     },
     /// The decoder took too long.
-    #[error("the decoder took more than its {limit_s:.1} s")]
+    #[error("the decoder exceeded its time limit of {limit_s:.1} s")]
     DecoderTimeout {
         /// The limit.
         limit_s: f64,
     },
     /// The decoder needed too much memory.
-    #[error("the decoder needed more than its {limit_bytes} bytes of memory")]
+    #[error("the decoder exceeded its memory limit of {limit_bytes} bytes")]
     DecoderMemory {
         /// The limit.
         limit_bytes: u64,
@@ -378,7 +378,7 @@ impl FilmError {
             }
             Self::TooLarge { .. } => "export the film alone, uncropped, at its own resolution",
             Self::Truncated { .. } | Self::Length { .. } | Self::PixelsMissing { .. } => {
-                "fetch the file again: it was cut off on its way"
+                "copy the file again: it is incomplete"
             }
             Self::Element { .. } | Self::DataSet => "export the film again from its archive",
             Self::TransferSyntax { .. } | Self::Codec { .. } => {
@@ -393,11 +393,9 @@ impl FilmError {
                 "export the film as 8 or 16 bit greyscale"
             }
             Self::CaseId => "use a short pseudonym without blanks",
-            Self::DecoderStart { .. } | Self::DecoderAnswer => {
-                "check that the program is whole and of this version"
-            }
+            Self::DecoderStart { .. } | Self::DecoderAnswer => "install the program again",
             Self::DecoderDied { .. } | Self::DecoderTimeout { .. } | Self::DecoderMemory { .. } => {
-                "this film is damaged or made to do harm; export it again, uncompressed"
+                "this film is damaged or malicious; export it again, uncompressed"
             }
         }
     }

@@ -69,51 +69,51 @@ impl fmt::Display for FilmRemark {
             Self::NoPreamble => f.write_str("the file has no DICOM preamble"),
             Self::TransferSyntaxGuessed { name } => write!(
                 f,
-                "the file does not say how it is encoded; {name} fits its first bytes"
+                "the file does not state its encoding; {name} fits its first bytes"
             ),
-            Self::NoModality => f.write_str("the file does not say which kind of device made it"),
+            Self::NoModality => f.write_str("the file does not state its modality"),
             Self::Unusable { attribute } => {
-                write!(f, "{attribute} holds a value that cannot be meant; it is not used")
+                write!(f, "{attribute} holds a value that is not plausible; it is not used")
             }
             Self::Colour { largest_difference: 0 } => {
-                f.write_str("the picture was stored in colour and is grey all over")
+                f.write_str("the picture was stored in colour, but all pixels are grey")
             }
             Self::Colour { largest_difference } => write!(
                 f,
-                "the picture was in colour (up to {largest_difference} of 255 apart); its luminance is used"
+                "the picture was in colour (channels differ by up to {largest_difference} of 255); its luminance is used"
             ),
-            Self::Lossy => f.write_str("the picture was compressed with losses"),
+            Self::Lossy => f.write_str("the picture was compressed with loss"),
             Self::ForProcessing => {
-                f.write_str("these are a detector's raw data (FOR PROCESSING), not a picture for eyes")
+                f.write_str("the file holds raw detector data (FOR PROCESSING), not a picture for display")
             }
             Self::PixelsLeftOver { bytes } => {
                 write!(f, "{bytes} bytes follow the picture; they are not used")
             }
             Self::BeyondBitsStored { bits_stored } => {
-                write!(f, "some pixels are larger than {bits_stored} bits can say; they are used as they are")
+                write!(f, "some pixel values exceed {bits_stored} bits; they are used unchanged")
             }
             Self::PolarityContradicted => f.write_str(
-                "Photometric Interpretation and Presentation LUT Shape contradict one another; the first decides what is bright",
+                "Photometric Interpretation and Presentation LUT Shape contradict one another; the first one is used",
             ),
             Self::PolarityNotStated => {
-                f.write_str("the file does not say whether large values are bright; they are taken so")
+                f.write_str("the file does not state whether large values are bright; this is assumed")
             }
             Self::LookupUnusable { attribute } => {
                 write!(f, "{attribute} cannot be used for display")
             }
             Self::AspectNotUsed => f.write_str(
-                "Pixel Aspect Ratio says that pixels are not square, and no spacing does; it is not used",
+                "Pixel Aspect Ratio states that pixels are not square, but no spacing does; it is not used",
             ),
             Self::BurnedIn => {
-                f.write_str("text is burned into the picture: it must be looked at before it is passed on")
+                f.write_str("text is burned into the picture: inspect it before passing it on")
             }
             Self::BurnedInUnknown => f.write_str(
-                "the file does not say whether text is burned into the picture: burned-in text must be looked at",
+                "the file does not state whether text is burned into the picture: inspect it",
             ),
             Self::CameraOrientation => {
-                f.write_str("the picture was turned or mirrored as its orientation tag asks")
+                f.write_str("the picture was rotated or mirrored according to its orientation tag")
             }
-            Self::Transparency => f.write_str("the picture had a transparency, which is not used"),
+            Self::Transparency => f.write_str("the picture has transparency; it is not used"),
         }
     }
 }

@@ -87,7 +87,7 @@ pub struct DicomFilm<'a> {
 #[non_exhaustive]
 pub enum WriteFilmError {
     /// Another number of pixels than the picture has.
-    #[error("{posture} film: {columns} × {rows} pixels are stated and {found} are given")]
+    #[error("{posture} film: {columns} × {rows} pixels are stated, but {found} are given")]
     PixelCount {
         /// Film.
         posture: Posture,
@@ -110,7 +110,7 @@ pub enum WriteFilmError {
     },
     /// Bits that no 16-bit value has, or a value that needs more than are stated.
     #[error(
-        "{posture} film: a value of {greatest} in {bits_stored} bits; 2 to 16 bits are possible"
+        "{posture} film: a value of {greatest} in {bits_stored} bits; 2 to 16 bits are supported"
     )]
     Bits {
         /// Film.

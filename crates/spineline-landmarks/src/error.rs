@@ -16,7 +16,7 @@ pub enum LandmarkError {
         source: std::io::Error,
     },
     /// More than any file of landmarks holds.
-    #[error("{what}: {found}, and at most {limit} are read")]
+    #[error("{what}: {found}; the limit is {limit}")]
     TooLarge {
         /// What there is too much of.
         what: &'static str,
@@ -26,7 +26,7 @@ pub enum LandmarkError {
         limit: u64,
     },
     /// Nothing in the file says which format it has.
-    #[error("no known format of landmarks: {reason}")]
+    #[error("unknown landmark format: {reason}")]
     Unrecognised {
         /// What was looked for.
         reason: String,
@@ -90,7 +90,7 @@ pub enum LandmarkError {
         first: Option<String>,
     },
     /// A vertebra, or the pair of iliac crests, without all of its points.
-    #[error("{what}: {} not marked", missing.join(", "))]
+    #[error("{what}: landmarks missing: {}", missing.join(", "))]
     Incomplete {
         /// Reading and vertebra.
         what: String,
@@ -106,7 +106,7 @@ pub enum LandmarkError {
         reason: String,
     },
     /// Something about the picture that the file does not say and the caller did not.
-    #[error("{format} needs {what}, which the file does not hold")]
+    #[error("{format} needs {what}; the file does not contain it")]
     Needs {
         /// Format of the file.
         format: &'static str,
@@ -153,21 +153,21 @@ impl LandmarkError {
                 "give CSV, Slicer markups, labelme or COCO JSON, an AASCE .mat or folder, or a DICOM report of Spineline"
             }
             Self::Syntax { .. } => "correct the file at that place, or export it again",
-            Self::Unknown { .. } => "correct the name, or take it out of the file",
+            Self::Unknown { .. } => "correct the name, or remove it from the file",
             Self::Missing { .. } => "add it to the file",
-            Self::Value { .. } => "correct the value; numbers are plain, without units or formulas",
+            Self::Value { .. } => "correct the value; write numbers without units or formulas",
             Self::Vertebra { .. } => {
                 "name vertebrae T1 to T12 and L1 to L5 (Th12 and D12 are read too)"
             }
             Self::Duplicate { .. } => {
                 "name each vertebra once per reading; a second reading needs its own observer or repeat"
             }
-            Self::Incomplete { .. } => "mark the missing points, or leave the vertebra out",
-            Self::Ambiguous { .. } => "say which is meant: the file alone does not",
-            Self::Needs { .. } => "give it beside the file",
-            Self::OtherPicture { .. } => "give the picture on which the points were marked",
+            Self::Incomplete { .. } => "place the missing landmarks, or remove the vertebra",
+            Self::Ambiguous { .. } => "specify it with an option: the file does not determine it",
+            Self::Needs { .. } => "specify it with an option",
+            Self::OtherPicture { .. } => "give the picture on which the landmarks were placed",
             Self::Plane { .. } => {
-                "mark all points of a film in one slice view, without turning the picture"
+                "place all landmarks of a film in one slice view, without rotating the picture"
             }
             Self::Report { .. } => "give a report that `spineline export --to dicom-sr` wrote",
             Self::Marks(error) => error.help(),
@@ -186,7 +186,7 @@ pub enum LandmarkExportError {
     #[error("{0} film: it holds locations and tilts of another program, and no corners")]
     NoCorners(spineline::anatomy::Posture),
     /// Films with corners and films with locations do not go into one table.
-    #[error("some films hold corners and some hold locations, and a table holds one kind")]
+    #[error("some films hold corners and some hold locations; a table holds only one kind")]
     MixedKinds,
     /// The name of an observer that a format cannot hold.
     #[error("the observer `{name}` cannot be written: {reason}")]
@@ -197,13 +197,13 @@ pub enum LandmarkExportError {
         reason: &'static str,
     },
     /// A reading without any vertebra.
-    #[error("{what}: nothing is marked")]
+    #[error("{what}: no landmarks")]
     Nothing {
         /// Film and reading.
         what: String,
     },
     /// A coordinate that a format cannot hold.
-    #[error("{what}, {level}: a corner is no number, or lies outside of the picture")]
+    #[error("{what}, {level}: a corner is not a number, or lies outside of the picture")]
     Corner {
         /// Film and reading.
         what: String,
@@ -229,10 +229,14 @@ impl LandmarkExportError {
             }
             Self::MixedKinds => "export one posture at a time",
             Self::Observer { .. } => "give the observer a short code without control characters",
-            Self::Nothing { .. } => "mark a vertebra, or leave the reading out of the case",
-            Self::Corner { .. } => "`spineline check CASE` tells what is wrong with the marks",
+            Self::Nothing { .. } => {
+                "place the landmarks of a vertebra, or remove the reading from the case"
+            }
+            Self::Corner { .. } => {
+                "run `spineline check CASE` to list the problems of the landmarks"
+            }
             Self::Source(_) => "name the film's DICOM file as `file` of its `image` in the case",
-            Self::Encode(_) => "take unusual characters out of the names in the case",
+            Self::Encode(_) => "remove unusual characters from the names in the case",
         }
     }
 }

@@ -128,7 +128,7 @@ impl MarkedFilm {
             (Some(stated), Some(given)) if stated != given => {
                 return Err(LandmarkError::Ambiguous {
                     at: "the film".to_owned(),
-                    reason: format!("the file says {stated}, and it was given as {given}"),
+                    reason: format!("the file states {stated}, but {given} was given"),
                 });
             }
             (stated, given) => stated.or(given).ok_or(LandmarkError::Needs {

@@ -8,7 +8,7 @@
 use serde::Deserialize;
 use spineline::anatomy::ImageSide;
 use spineline::measure::{CornerName, Reading};
-use spineline::spatial::Pixel;
+use spineline::spatial::{Angle, Pixel};
 
 use super::film::{Points, from_image_sides, pixel};
 use super::json::parse_foreign;
@@ -105,16 +105,16 @@ fn corners_of(
     let height = |i: usize| points[i].row_px + points[(i + 1) % 4].row_px;
     let top = (0..4).min_by(|&a, &b| height(a).total_cmp(&height(b))).unwrap_or(0);
     let turned = |i: usize| points[(top + i) % 4];
-    let leans = |a: Pixel, b: Pixel| {
+    let is_steep = |a: Pixel, b: Pixel| {
         let (across, down) = ((b.column_px - a.column_px).abs(), (b.row_px - a.row_px).abs());
-        // Written so that two points in one place lean too far.
-        !(down <= STEEPEST_DEG.to_radians().tan() * across && across > 0.0)
+        // Written so that two points in one place count as steep.
+        !(down <= Angle::from_deg(STEEPEST_DEG).rad().tan() * across && across > 0.0)
     };
-    if leans(turned(0), turned(1)) || leans(turned(2), turned(3)) {
+    if is_steep(turned(0), turned(1)) || is_steep(turned(2), turned(3)) {
         return Err(LandmarkError::Ambiguous {
             at: at.to_owned(),
             reason: format!(
-                "its uppermost or lowest side leans more than {STEEPEST_DEG:.0}°, so which one is the superior endplate \
+                "its uppermost or lowest side is tilted by more than {STEEPEST_DEG:.0}°, so which one is the superior endplate \
                  is not certain; name its four points instead"
             ),
         });

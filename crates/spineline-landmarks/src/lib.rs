@@ -80,7 +80,7 @@ pub fn parse_landmarks(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile
         let outline: json::Outline = json::parse_foreign(bytes)?;
         return match outline {
             json::Outline { format: Some(_), .. } => Err(LandmarkError::Unrecognised {
-                reason: "it is a file of Spineline, and no file of landmarks".to_owned(),
+                reason: "it is a Spineline file, not a landmark file".to_owned(),
             }),
             json::Outline { markups: Some(_), .. } => parse_slicer(bytes, hint),
             json::Outline { shapes: Some(_), .. } => parse_labelme(bytes, hint),
@@ -94,7 +94,7 @@ pub fn parse_landmarks(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile
         return parse_csv(bytes, hint);
     }
     Err(LandmarkError::Unrecognised {
-        reason: "it is neither DICOM, nor MATLAB, nor JSON, nor a table with a column `vertebra`"
+        reason: "it is neither DICOM, MATLAB nor JSON, nor a table with a column `vertebra`"
             .to_owned(),
     })
 }

@@ -112,7 +112,7 @@ fn hint(name: &str) -> Option<&'static str> {
              count again from above",
         ),
         ("C", 1..=7) | ("S", 1..=5) => {
-            Some("cervical and sacral vertebrae are not read; leave it out")
+            Some("cervical and sacral vertebrae are not supported; remove it")
         }
         _ => None,
     }

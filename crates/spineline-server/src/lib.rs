@@ -1,7 +1,39 @@
-//! The browser app of Spineline over a study store.
-//!
-//! [`http`] serves a [`spineline_store::Store`] to a browser on the same machine; [`synthetic`] draws the films of its
-//! demonstration.
+//! The HTTP server of the browser app. It reads and writes a [`spineline_store::Store`], computes with the library, and answers
+//! in JSON and pictures; [`synthetic`] draws the films of its demonstration.
 
-pub mod http;
+mod access;
+mod accounts;
+pub mod api;
+mod app;
+mod assets;
+mod attachment;
+mod changes;
+mod channel;
+mod demo;
+pub mod extract;
+mod film_cache;
+mod films;
+mod grants;
+mod guard;
+mod guard_rate;
+mod guard_token;
+mod hosts;
+mod listen;
+mod overview_cache;
+mod problem;
+mod readings;
+mod result_cache;
+mod results;
+mod secret;
+mod session;
+mod state;
+mod studies;
 pub mod synthetic;
+mod words;
+
+pub use app::{app, openapi};
+pub use guard::LARGEST_UPLOAD_BYTES;
+pub use listen::Server;
+pub use problem::{Answer, Failure};
+pub use session::User;
+pub use state::{AppState, ServeOptions};

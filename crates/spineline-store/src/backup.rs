@@ -64,7 +64,7 @@ fn reserve(path: &Path) -> Result<(), StoreError> {
 
 fn fill(source: &Connection, part: &Path) -> Result<Verification, StoreError> {
     let mut copy = schema::connect(part, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
-    schema::settle(&copy)?;
+    schema::configure(&copy)?;
     {
         let backup = Backup::new(source, &mut copy)?;
         // All pages in one step are one snapshot.

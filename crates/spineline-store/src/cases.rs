@@ -57,9 +57,9 @@ impl fmt::Display for CaseRemark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Lateral => {
-                "the lateral film and its marks are not kept by a store: keep the case file"
+                "the study store does not hold the lateral film and its landmarks: keep the case file"
             }
-            Self::Subject => "sex, age and Lenke class are not kept by a store: keep the case file",
+            Self::Subject => "the study store does not hold sex, age and Lenke class: keep the case file",
         })
     }
 }
@@ -97,12 +97,12 @@ impl<E: fmt::Display> fmt::Display for CaseError<E> {
             Self::File(error) => error.fmt(f),
             Self::Name(error) => error.fmt(f),
             Self::NoPicture { posture } => {
-                write!(f, "{posture} film: it has locations from another program, and no picture")
+                write!(f, "{posture} film: it has locations from another program, but no picture")
             }
             Self::NotNamed { posture } => write!(f, "{posture} film: no picture is named"),
             Self::OtherPicture { posture } => write!(
                 f,
-                "{posture} film: its picture is not the one that the case was made with (SHA-256 differs)"
+                "{posture} film: the picture differs from the one of the case (SHA-256 differs)"
             ),
             Self::Picture(error) => error.fmt(f),
         }
@@ -116,10 +116,10 @@ impl<E> CaseError<E> {
         match self {
             Self::File(error) => error.help(),
             Self::Name(error) => error.help(),
-            Self::NoPicture { .. } => "a store holds pictures and what was marked on them",
+            Self::NoPicture { .. } => "a study store holds pictures and their landmarks",
             Self::NotNamed { .. } => "give `image.file`; `import` and `phantom --films` write it",
-            Self::OtherPicture { .. } => "find the original film, or make the case again",
-            Self::Picture(_) => "put the film beside its case",
+            Self::OtherPicture { .. } => "use the original film, or create the case again",
+            Self::Picture(_) => "put the film into the folder of the case",
         }
     }
 }

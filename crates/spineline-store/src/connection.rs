@@ -31,7 +31,7 @@ impl Store {
         let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_CREATE;
         let mut connection = schema::connect(path, flags)?;
         // What SQLite cannot read is a file of something else.
-        let created = schema::settle(&connection)
+        let created = schema::configure(&connection)
             .and_then(|()| schema::create(&mut connection, by))
             .map_err(|error| match error {
                 StoreError::Damaged { .. } => taken(),
@@ -51,7 +51,7 @@ impl Store {
         if connection.is_readonly(MAIN_DB)? {
             return Err(StoreError::ReadOnly);
         }
-        schema::settle(&connection)?;
+        schema::configure(&connection)?;
         schema::write_ahead(&connection)?;
         Ok(Self::over(connection))
     }

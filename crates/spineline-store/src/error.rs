@@ -31,7 +31,7 @@ pub enum StoreError {
         path: PathBuf,
     },
     /// Written by a newer program.
-    #[error("the store has schema {found}, and this program knows schemas up to {supported}")]
+    #[error("the study store has schema {found}; this program supports schemas up to {supported}")]
     NewerSchema {
         /// Schema of the file.
         found: i64,
@@ -78,7 +78,7 @@ pub enum StoreError {
     },
     /// An identifier that is none. The text is not repeated, since it might be a name.
     #[error(
-        "an identifier has 1 to 64 ASCII letters, digits, `.`, `-` or `_`, and this one of {characters} characters has not"
+        "an identifier must have 1 to 64 ASCII letters, digits, `.`, `-` or `_`; this one with {characters} characters does not"
     )]
     BadName {
         /// Its length.
@@ -121,7 +121,7 @@ pub enum StoreError {
         name: Name,
     },
     /// Something too large.
-    #[error("{what} has {found}, and the limit is {limit}")]
+    #[error("{what} has {found}; the limit is {limit}")]
     TooLarge {
         /// What.
         what: &'static str,
@@ -135,7 +135,7 @@ pub enum StoreError {
     ImageNotAnObject,
     /// The state on which a change was based is no longer the newest. The change was kept as a conflict.
     #[error(
-        "{object} is at revision {found}, not {expected}; what lost was kept as conflict {conflict}"
+        "{object} is at revision {found}, not {expected}; the rejected change was kept as conflict {conflict}"
     )]
     Conflict {
         /// Such as `reading/4`.
@@ -168,7 +168,7 @@ pub enum StoreError {
         reason: &'static str,
     },
     /// A step without any event.
-    #[error("a step has at least one event")]
+    #[error("a step needs at least one event")]
     NoEvent,
     /// A vertebra without all four corners.
     #[error("{reading}: {level} has {corners} of four corners")]
@@ -181,7 +181,7 @@ pub enum StoreError {
         corners: usize,
     },
     /// Films and readings of a planned study follow the plan.
-    #[error("study {study} has a reading plan, which fixes its films and who reads them when")]
+    #[error("study {study} has a reading plan; the plan determines films, observers and dates")]
     PlanGoverns {
         /// Study.
         study: Name,
@@ -196,7 +196,7 @@ pub enum StoreError {
     #[error("this film is not the next one of this observer")]
     OutOfTurn,
     /// A repeat before its washout is over.
-    #[error("this film is released on {until}")]
+    #[error("this film can be read from {until}")]
     Washout {
         /// When.
         until: Timestamp,
@@ -210,7 +210,7 @@ pub enum StoreError {
         posture: Posture,
     },
     /// What is stored does not make a case file.
-    #[error("the study does not make a case: {0}")]
+    #[error("the study cannot be exported as a case: {0}")]
     Case(#[from] spineline_files::FileError),
 }
 
@@ -234,40 +234,38 @@ impl StoreError {
             Self::AlreadyExists { .. } | Self::Exists { .. } => "choose another name",
             Self::NotAStore { .. } => "name a file that Spineline created as a store",
             Self::NewerSchema { .. } => "install a newer Spineline; the file was not touched",
-            Self::Damaged { .. } => {
-                "keep the file as evidence, look at what verifying it finds, and restore a backup"
-            }
+            Self::Damaged { .. } => "keep a copy of the file, verify it, and restore a backup",
             Self::ReadOnly | Self::CannotOpen => {
                 "give this user the right to write the file and its folder, or copy the store elsewhere"
             }
-            Self::Full => "make room on the disk and repeat the step",
+            Self::Full => "free disk space and repeat the step",
             Self::Busy => {
-                "try again; if it lasts, look for another program that has the store open"
+                "try again; if the error remains, close other programs that use the store"
             }
             Self::Disk { .. } | Self::File { .. } => {
                 "check the disk, its cable or its network, and repeat"
             }
             Self::Database { .. } => "report this as a bug, with the code",
             Self::BadName { .. } => "use a code such as `S-017`, without the patient's name",
-            Self::BadPassword { .. } => "use a sentence that nobody else would think of",
-            Self::LastAdmin { .. } => "make another account admin first",
-            Self::AlreadyKnown { .. } => "check whether one picture was exported under two names",
-            Self::TooLarge { .. } => "split it, or leave out what is not needed",
+            Self::BadPassword { .. } => "use a sentence that is hard to guess",
+            Self::LastAdmin { .. } => "give another account the role `admin` first",
+            Self::AlreadyKnown { .. } => "check whether one film was exported under two names",
+            Self::TooLarge { .. } => "split it, or remove parts that are not needed",
             Self::ImageNotAnObject => {
                 "give columns, rows, spacing and `patient_left` as a JSON object"
             }
             Self::Conflict { .. } => {
-                "look at both versions, and repeat the change on the newest one"
+                "compare both versions, and repeat the change on the newest one"
             }
-            Self::Finished { .. } => "a correction is a new repeat",
+            Self::Finished { .. } => "correct it in a new repeat",
             Self::NotYours { .. } => "open your own reading of this film",
-            Self::NoEvent => "send what was done",
-            Self::BadEvent { .. } => "look at the reading as it is now",
+            Self::NoEvent => "send at least one event",
+            Self::BadEvent { .. } => "reload the reading",
             Self::Incomplete { .. } => "place the missing corners, or remove the vertebra",
             Self::PlanGoverns { .. } => "ask for the observer's next film, or make a new study",
             Self::BadPlan { .. } => "give films first, then observers and repeats",
             Self::OutOfTurn => "ask for the next film again",
-            Self::Washout { .. } => "come back then",
+            Self::Washout { .. } => "read the film on or after that date",
             Self::PostureTwice { .. } => "correct the posture of one of them",
             Self::Case(error) => error.help(),
         }

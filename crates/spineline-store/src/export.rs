@@ -50,14 +50,14 @@ impl std::fmt::Display for ExportRemark {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Unfinished { reading } => {
-                write!(f, "{reading} is not finished, and not in the case")
+                write!(f, "{reading} is not finished; it is not in the case")
             }
             Self::ScaleLeftOut { reading } => write!(
                 f,
-                "{reading} holds a scale read off the film; the image's own spacing stands in the case"
+                "{reading} holds a scale measured on the film; the case has the spacing of the image"
             ),
             Self::OneCrest { reading } => {
-                write!(f, "{reading} has one iliac crest only, which is not in the case")
+                write!(f, "{reading} has only one iliac crest; it is not in the case")
             }
         }
     }

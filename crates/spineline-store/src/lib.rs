@@ -31,6 +31,7 @@ mod backup;
 mod cases;
 mod conflicts;
 mod connection;
+mod current_case;
 mod error;
 mod event;
 mod export;
@@ -41,11 +42,10 @@ mod plan;
 mod readings;
 mod schema;
 mod sessions;
-mod sight;
-mod standing;
 mod state;
 mod thumbnails;
 mod verify;
+mod visibility;
 
 #[cfg(test)]
 mod full_disk;
@@ -55,6 +55,7 @@ pub use audit::{AuditEntry, Head};
 pub use cases::{AddedCase, CaseError, CaseRemark, NewCase};
 pub use conflicts::{Acknowledged, LostChange};
 pub use connection::Store;
+pub use current_case::{CaseReadings, CurrentCase, CurrentFilm};
 pub use error::StoreError;
 pub use event::{Corner, CrestSide, Event};
 pub use export::{ExportRemark, ExportedCase};
@@ -63,11 +64,10 @@ pub use names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};
 pub use plan::{BlindFilm, FilmCode, Next, ObserverView, OwnReading, PlanDesign, VisibleReadings};
 pub use readings::ReadingRecord;
 pub use sessions::{Access, Session, SessionLimits};
-pub use sight::{LastChange, SeenReading, Sight};
-pub use standing::{Stand, StandingCase, StandingFilm};
 pub use state::{ReadingState, Scale, VertebraMarks};
 pub use thumbnails::Thumbnails;
 pub use verify::{Finding, Verification};
+pub use visibility::{LastChange, SeenReading, Visibility};
 
 // The session of the crash tests is one file, which unit tests use too.
 #[cfg(test)]

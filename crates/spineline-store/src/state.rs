@@ -123,7 +123,7 @@ impl ReadingState {
         let (sound, reason) = match event {
             Event::PlaceCorner { column_px, row_px, .. }
             | Event::PlaceIliacCrest { column_px, row_px, .. } => {
-                (on_film(&[*column_px, *row_px]), "a place is within a million pixels")
+                (on_film(&[*column_px, *row_px]), "coordinates must be within a million pixels")
             }
             Event::MoveCorner { level, corner, column_px, row_px } => {
                 let known = self.vertebrae.get(&level.0);
@@ -132,16 +132,17 @@ impl ReadingState {
             }
             Event::SetAxis { axis_deg, .. } => {
                 let turned = axis_deg.is_none_or(|deg| deg.is_finite() && deg.abs() <= 90.0);
-                (turned, "an axis is within 90° of the vertical")
+                (turned, "an axis must be within 90° of the vertical")
             }
-            Event::RemoveVertebra { level } => {
-                (self.vertebrae.contains_key(&level.0), "only a marked vertebra can be removed")
-            }
+            Event::RemoveVertebra { level } => (
+                self.vertebrae.contains_key(&level.0),
+                "only a vertebra with landmarks can be removed",
+            ),
             Event::Scale { from_px, to_px, length_mm } => {
                 let long = length_mm.is_finite() && *length_mm > 0.0 && from_px != to_px;
                 (
                     long && on_film(from_px) && on_film(to_px),
-                    "a scale has a length, in pixels and in mm",
+                    "a scale needs a length in pixels and in mm",
                 )
             }
             Event::Undo => (self.undoable > 0, "nothing to undo"),

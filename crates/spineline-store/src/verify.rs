@@ -82,28 +82,30 @@ impl std::fmt::Display for Finding {
         match self {
             Self::Integrity { message } => write!(f, "the file itself is damaged: {message}"),
             Self::ForeignKey { table } => {
-                write!(f, "a row of `{table}` refers to one that is not there")
+                write!(f, "a row of `{table}` refers to a missing row")
             }
-            Self::Unreadable { part } => write!(f, "{part} cannot be read at all"),
-            Self::Definition { name } => write!(f, "{name} is not the one of this schema"),
-            Self::EntryMissing { sequence } => write!(f, "entry {sequence} of the log is gone"),
+            Self::Unreadable { part } => write!(f, "{part} cannot be read"),
+            Self::Definition { name } => {
+                write!(f, "the definition of {name} differs from the schema")
+            }
+            Self::EntryMissing { sequence } => write!(f, "entry {sequence} of the log is missing"),
             Self::EntryChanged { sequence } => {
                 write!(f, "entry {sequence} of the log was edited, exchanged or moved")
             }
             Self::Length { expected, found } => {
-                write!(f, "the log has {found} entries, and should have {expected}")
+                write!(f, "the log has {found} entries instead of {expected}")
             }
-            Self::HeadChanged => f.write_str("the log does not end as its head says"),
-            Self::Rewritten => f.write_str(
-                "the log does not contain the head that was kept outside: it was rewritten since",
-            ),
-            Self::RowMissing { object } => write!(f, "{object} is gone"),
+            Self::HeadChanged => f.write_str("the end of the log differs from its head"),
+            Self::Rewritten => {
+                f.write_str("the log does not contain the given head: the log was rewritten")
+            }
+            Self::RowMissing { object } => write!(f, "{object} is missing"),
             Self::RowChanged { object } => {
-                write!(f, "{object} is not what the log says it was when it was written")
+                write!(f, "{object} differs from its entry in the log")
             }
             Self::RowUnknown { object } => write!(f, "{object} is in no entry of the log"),
             Self::ContentChanged { content } => {
-                write!(f, "the bytes of a film are not those of its hash {content}")
+                write!(f, "the bytes of a film do not match its hash {content}")
             }
         }
     }

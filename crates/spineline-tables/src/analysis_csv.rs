@@ -6,8 +6,8 @@ use spineline::anatomy::Level;
 use spineline::evaluate::Simulation;
 use spineline::measure::LengthScale;
 
+use crate::error::TableError;
 use crate::records::rows_to_csv;
-use crate::write::TableError;
 
 /// A length in millimetres; empty for a film without a spacing.
 fn length(scale: &LengthScale, length_mm: f64, places: usize) -> String {

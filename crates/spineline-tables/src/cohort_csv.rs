@@ -3,8 +3,8 @@
 use spineline::cohort::{Cohort, ErrorKind, LinePairTest};
 use spineline::evaluate::statistics::PairedT;
 
+use crate::error::TableError;
 use crate::records::rows_to_csv;
-use crate::write::TableError;
 
 const HEADING: [&str; 20] = [
     "first_line",

@@ -3,7 +3,7 @@
 use csv::Writer;
 use serde::Serialize;
 
-use crate::write::TableError;
+use crate::error::TableError;
 
 /// A heading and rows of cells. The name of the table is for the message of the error.
 ///

@@ -4,8 +4,8 @@ use spineline::reliability::{
     BlandAltman, Design, DesignReliability, QuantityReliability, Statistic,
 };
 
+use crate::error::TableError;
 use crate::records::rows_to_csv;
-use crate::write::TableError;
 
 const HEADING: [&str; 16] = [
     "synthetic",

@@ -9,33 +9,12 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::{Type, TypePtr};
 
+use crate::error::TableError;
 use crate::records::rows_to_csv;
 use crate::table::{Series, Table, Values};
 
 /// The tables' columns are those of this version; another number means that some mean something else.
 pub const SCHEMA_VERSION: u32 = 1;
-
-/// A table that could not be written.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum TableError {
-    /// As CSV.
-    #[error("the table {table} as CSV: {source}")]
-    Csv {
-        /// Which table.
-        table: &'static str,
-        /// Why.
-        source: csv::Error,
-    },
-    /// As Parquet.
-    #[error("the table {table} as Parquet: {source}")]
-    Parquet {
-        /// Which table.
-        table: &'static str,
-        /// Why.
-        source: parquet::errors::ParquetError,
-    },
-}
 
 impl Table {
     /// The table as CSV: a heading, a comma between, a dot in numbers, UTF-8, nothing where there is no value.

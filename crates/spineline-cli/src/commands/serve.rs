@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use chrono::Utc;
 use clap::Args;
-use spineline_server::http::{ServeOptions, Server};
+use spineline_server::{ServeOptions, Server};
 use spineline_store::{Access, Name, Role, Signature, Store};
 
 use crate::run::failure::{Ending, Failure};

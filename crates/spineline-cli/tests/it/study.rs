@@ -60,7 +60,7 @@ fn a_store_verifies_itself_and_tells_when_it_was_edited() {
     drop(connection);
     let (out, _, code) = run(here.path(), &["study", "verify", "copy.db"]);
     assert_eq!(code, 3);
-    assert!(out.contains("study/phantom-rod-01 is not what the log says"), "{out}");
+    assert!(out.contains("study/phantom-rod-01 differs from its entry in the log"), "{out}");
 }
 
 #[test]

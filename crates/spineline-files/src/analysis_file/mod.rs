@@ -36,14 +36,14 @@ const FORMAT: &str = "spineline-analysis";
 const VERSION: u32 = 1;
 
 /// Everything that an analysis found, and all that is needed to find it again. Lengths in mm of the films' plane, angles in degrees, frontal points `[y, z]` with y
-/// to the patient's left and z cranial; positive angles lean to the patient's right.
+/// to the patient's left and z cranial; positive angles tilt to the patient's right.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(title = "Spineline analysis, version 1")]
 pub struct AnalysisFile {
     format: String,
     version: u32,
     case_id: String,
-    /// Whether the films are made up: then every number here is.
+    /// Whether the films are synthetic: then all numbers here are, too.
     synthetic: bool,
     /// What the lengths of the erect film, of its chain and curves are: mm in the patient, on the detector or not stated
     /// where, or pixels.

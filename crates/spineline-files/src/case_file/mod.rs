@@ -34,7 +34,7 @@ pub struct CaseFile {
     version: u32,
     /// Identifier, without any name.
     case_id: String,
-    /// Whether the films are made up.
+    /// Whether the films are synthetic.
     #[serde(default)]
     synthetic: bool,
     /// Who was X-rayed.

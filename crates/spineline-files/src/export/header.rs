@@ -33,7 +33,7 @@ pub(super) fn header(model: &StoredModel, generator: &str, dialect: &Dialect) ->
         format!("Case: {}", model.case_id),
     ];
     if model.synthetic {
-        lines.push("SYNTHETIC: made from made-up films, not of a patient.".to_owned());
+        lines.push("SYNTHETIC: made from synthetic films, not of a patient.".to_owned());
     }
     lines.push(format!("Frame: {}", dialect.frame));
     lines.push("Units: m, kg, s, N, N m/rad, rad.".to_owned());
@@ -53,7 +53,7 @@ pub(super) fn header(model: &StoredModel, generator: &str, dialect: &Dialect) ->
         level(model.absolute)
     ));
     lines.push(format!(
-        "NOMINAL, of no patient, and of no influence on an equilibrium: mass {} kg and inertia {} kg m2 of a vertebra, damping {} s times the stiffness, and all shapes. Gravity is off.",
+        "NOMINAL, not measured, without influence on an equilibrium: mass {} kg and inertia {} kg m2 of a vertebra, damping {} s times the stiffness, and all shapes. Gravity is off.",
         number(NOMINAL_MASS_KG),
         number(NOMINAL_INERTIA_KG_M2),
         number(dialect.damping_s),
@@ -78,7 +78,7 @@ const fn level(absolute: bool) -> &'static str {
     if absolute {
         "Springs and forces are absolute."
     } else {
-        "Only ratios of springs and forces mean anything: all may be multiplied by one unknown number."
+        "Only ratios of springs and forces are meaningful: all have one unknown common factor."
     }
 }
 
@@ -89,7 +89,7 @@ fn load(load: &LoadRecord, unit: &str, dialect: &Dialect) -> String {
             let point_m = (dialect.from_global)(&(Vec3::from(load.point_mm) / 1000.0));
             format!("along the line fixed in space through {} m", vector(&point_m))
         }
-        Application::AtT2 => "at the midpoint, wherever that goes".to_owned(),
+        Application::AtT2 => "at the midpoint, and moves with it".to_owned(),
     };
     format!("  {}: {} ({unit}) {place} ({})", load.posture.0.key(), vector(&force_n), load.status)
 }

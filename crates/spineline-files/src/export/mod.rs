@@ -41,7 +41,7 @@ pub enum ExportError {
     },
     /// A spring that is no spring.
     #[error(
-        "joint {inferior}/{superior}: {axis} stiffness is {value} N·mm/rad, and must be positive and finite"
+        "joint {inferior}/{superior}: {axis} stiffness is {value} N·mm/rad; it must be positive and finite"
     )]
     Spring {
         /// Lower vertebra.
@@ -55,7 +55,7 @@ pub enum ExportError {
     },
     /// Hinges whose springs are coupled.
     #[error(
-        "joint {inferior}/{superior}: its springs couple the three hinges, which the format cannot hold"
+        "joint {inferior}/{superior}: its springs couple the three hinges; the format cannot describe this"
     )]
     Coupled {
         /// Lower vertebra.
@@ -64,7 +64,7 @@ pub enum ExportError {
         superior: Level,
     },
     /// A character that XML cannot hold, or not everywhere.
-    #[error("`{what}` has the character U+{:04X}, which XML cannot hold", u32::from(*character))]
+    #[error("`{what}` has the character U+{:04X}; XML does not allow it", u32::from(*character))]
     Text {
         /// Key of the model file.
         what: &'static str,
@@ -82,9 +82,9 @@ impl ExportError {
                 "write the model again with `spineline analyze CASE --model FILE`"
             }
             Self::Coupled { .. } => {
-                "leave `stiffness_matrix_nmm_per_rad` out of the model file; its three springs are then exported"
+                "remove `stiffness_matrix_nmm_per_rad` from the model file; then its three springs are exported"
             }
-            Self::Text { .. } => "take control characters out of that text in the model file",
+            Self::Text { .. } => "remove control characters from that text in the model file",
         }
     }
 }

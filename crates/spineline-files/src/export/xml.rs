@@ -48,11 +48,11 @@ impl Document {
 
     /// A comment. XML allows no two hyphens in a row in one, so a blank comes between them.
     pub(super) fn comment(&mut self, text: &str) {
-        let mut told = text.to_owned();
-        while told.contains("--") {
-            told = told.replace("--", "- -");
+        let mut escaped = text.to_owned();
+        while escaped.contains("--") {
+            escaped = escaped.replace("--", "- -");
         }
-        self.write(Event::Comment(BytesText::from_escaped(format!(" {told} "))));
+        self.write(Event::Comment(BytesText::from_escaped(format!(" {escaped} "))));
     }
 
     /// The whole text, all elements closed.

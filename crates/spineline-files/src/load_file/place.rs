@@ -142,7 +142,7 @@ impl LoadFile {
     ) -> Result<usize, FileError> {
         let found = model.levels.iter().position(|other| *other == level);
         found.ok_or_else(|| {
-            let reason = format!("{level} is not in the model, which goes {}", extent(model));
+            let reason = format!("{level} is not in the model, which extends {}", extent(model));
             self.refused(number, &reason, "name a vertebra of the model")
         })
     }
@@ -155,8 +155,10 @@ impl LoadFile {
         model: &StoredModel,
     ) -> Result<(), FileError> {
         if model.levels != Level::MODEL {
-            let reason =
-                format!("the weight is known from L4 to T2, and the model goes {}", extent(model));
+            let reason = format!(
+                "the weight is known from L4 to T2, but the model extends {}",
+                extent(model)
+            );
             return Err(self.refused(
                 number,
                 &reason,
@@ -164,16 +166,16 @@ impl LoadFile {
             ));
         }
         if !(body_weight_n > 0.0 && body_weight_n.is_finite()) {
-            let reason = format!("the body's weight is {body_weight_n} N, and must be positive");
+            let reason = format!("the body weight is {body_weight_n} N; it must be positive");
             return Err(self.refused(
                 number,
                 &reason,
-                "give the patient's whole weight in newtons: 9.81 times the kilograms",
+                "give the body weight of the patient in newtons: 9.81 times the mass in kg",
             ));
         }
         let length = Vec3::from(*down).norm();
         if (length - 1.0).abs() > UNIT_TOLERANCE || !length.is_finite() {
-            let reason = format!("`down` has length {length}, and must be a unit vector");
+            let reason = format!("`down` has length {length}; it must be a unit vector");
             return Err(self.refused(number, &reason, "divide `down` by its length"));
         }
         Ok(())
@@ -198,10 +200,10 @@ fn reason(fault: &LoadingFault, model: &StoredModel) -> String {
     let name = |vertebra: &usize| model.levels.get(*vertebra).map_or("?", |level| level.name());
     match fault {
         LoadingFault::Vertebra { vertebra, .. } => {
-            format!("{} is the fixed vertebra, and a load on it moves nothing", name(vertebra))
+            format!("{} is the fixed vertebra; a load on it has no effect", name(vertebra))
         }
         LoadingFault::RodEnds { inferior, superior, .. } => format!(
-            "a rod goes from a lower to an upper vertebra, and {} is not below {}",
+            "a rod needs a lower and an upper vertebra, but {} is not below {}",
             name(inferior),
             name(superior)
         ),

@@ -194,7 +194,7 @@ fn a_joint_in_another_joints_place_is_refused() {
     let mut json: serde_json::Value = serde_json::from_str(&model_text()).expect("JSON");
     json["joints"].as_array_mut().expect("joints").swap(3, 4);
     let error = parse_model(&json.to_string()).expect_err("joints out of order");
-    assert_eq!(error.to_string(), "joint T12/T11 stands where L1/T12 should");
+    assert_eq!(error.to_string(), "found joint T12/T11 where joint L1/T12 is expected");
 }
 
 #[test]

@@ -33,13 +33,13 @@ fn every_fault_of_a_row_names_its_line() {
         ("a,mm,1,B,1,1e999\n", "`value` is"),
         ("a,mm,1,B,1,\n", "`value` is ``"),
         ("a,mm,1,B,1,\"2,5\"\n", "decimal point"),
-        ("a,mm,1,B,0,2.5\n", "counts from 1"),
-        ("a,mm,1,B,-1,2.5\n", "counts from 1"),
+        ("a,mm,1,B,0,2.5\n", "whole number from 1"),
+        ("a,mm,1,B,-1,2.5\n", "whole number from 1"),
         ("a,mm,,B,1,2.5\n", "`subject` is empty"),
         ("a,mm,1,=cmd|x,1,2.5\n", "formula"),
-        ("a,deg,1,B,1,2.5\n", "`a` is in deg, and in mm above"),
-        ("a,mm,1,A,1,7\n", "is there twice"),
-        ("a,mm,1,B,1\n", "5 cells, and the heading has 6"),
+        ("a,deg,1,B,1,2.5\n", "`a` is in deg, but in mm above"),
+        ("a,mm,1,A,1,7\n", "is given twice"),
+        ("a,mm,1,B,1\n", "5 cells, but the heading has 6"),
     ] {
         let error = table(&format!("{good}{row}")).expect_err(words).to_string();
         assert!(error.starts_with("line 3: ") && error.contains(words), "{error}");
@@ -51,10 +51,10 @@ fn every_fault_of_a_row_names_its_line() {
 fn columns_that_are_unknown_twice_there_or_missing_are_refused() {
     for (heading, words) in [
         ("quantity,unit,subject,observer,repeat,values", "did you mean `value`?"),
-        ("quantity;unit;subject;observer;repeat;value", "parted by commas"),
-        ("quantity,unit,subject,observer,repeat", "there is no column `value`"),
+        ("quantity;unit;subject;observer;repeat;value", "separated by commas"),
+        ("quantity,unit,subject,observer,repeat", "column `value` is missing"),
         ("quantity,unit,subject,observer,repeat,value,value", "twice"),
-        ("", "no"),
+        ("", "column `quantity` is missing"),
     ] {
         let error = parse_readings(&format!("{heading}\n")).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");

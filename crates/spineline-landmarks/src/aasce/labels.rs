@@ -73,7 +73,7 @@ impl<'a> AasceRows<'a> {
             return Err(LandmarkError::TooLarge { what: "films", found, limit: MAX_ROWS });
         }
         if values.len() != 2 * CORNERS {
-            let reason = format!("{} numbers, and 136 make a film", values.len());
+            let reason = format!("{} numbers instead of 136 per film", values.len());
             return Err(LandmarkError::Syntax { at, reason });
         }
         let picture = String::from_utf8_lossy(&name[0]).into_owned();

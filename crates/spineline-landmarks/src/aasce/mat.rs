@@ -48,7 +48,7 @@ fn points(bytes: &[u8]) -> Result<[[f64; 2]; CORNERS], LandmarkError> {
             let mut inside = Vec::new();
             let limit = MAX_BYTES as u64;
             let read = ZlibDecoder::new(data).take(limit + 1).read_to_end(&mut inside);
-            read.map_err(|_| wrong("a compressed variable cannot be opened"))?;
+            read.map_err(|_| wrong("a compressed variable cannot be decompressed"))?;
             if inside.len() > MAX_BYTES {
                 let found = inside.len() as u64;
                 return Err(LandmarkError::TooLarge { what: "bytes of a variable", found, limit });
@@ -84,11 +84,11 @@ fn matrix(data: &[u8], little: bool) -> Result<Option<[[f64; 2]; CORNERS]>, Land
     let flags = word(flags, 0).unwrap_or_default();
     let (class, complex) = (flags & 0xff, flags & 0x800 != 0);
     if !(6..=15).contains(&class) || complex {
-        return Err(wrong("`p2` is no real matrix of numbers"));
+        return Err(wrong("`p2` is not a real numeric matrix"));
     }
     let size = (word(dimensions, 0), word(dimensions, 1), dimensions.len());
     if size != (Some(CORNERS as u32), Some(2), 8) {
-        return Err(wrong("`p2` has not 68 rows and 2 columns"));
+        return Err(wrong("`p2` must have 68 rows and 2 columns"));
     }
     let (kind, values) = part()?;
     let mut points = [[0.0; 2]; CORNERS];
@@ -96,7 +96,7 @@ fn matrix(data: &[u8], little: bool) -> Result<Option<[[f64; 2]; CORNERS]>, Land
     for (place, point) in points.iter_mut().enumerate() {
         for (column, value) in point.iter_mut().enumerate() {
             *value = value_at(values, kind, CORNERS * column + place, little)
-                .ok_or_else(|| wrong("`p2` has fewer values than it says"))?;
+                .ok_or_else(|| wrong("`p2` has fewer values than it declares"))?;
         }
     }
     Ok(Some(points))

@@ -136,8 +136,9 @@ impl Columns {
         if placed && (CORNERS.iter().any(|name| get(name).is_some()) || get(AXIS).is_some()) {
             return Err(LandmarkError::Ambiguous {
                 at: "line 1".to_owned(),
-                reason: "there are columns of corners and of locations; a table holds one kind"
-                    .to_owned(),
+                reason:
+                    "the table has columns of corners and of locations; only one kind is allowed"
+                        .to_owned(),
             });
         }
         let values = if placed {
@@ -184,7 +185,7 @@ impl Table<'_> {
             let (found, wanted) = (record.len(), self.columns.count);
             return Err(LandmarkError::Syntax {
                 at: format!("line {line}"),
-                reason: format!("{found} cells, and the heading has {wanted}"),
+                reason: format!("{found} cells, but the heading has {wanted}"),
             });
         }
         let posture = self.posture(record, line)?;
@@ -309,7 +310,7 @@ impl Table<'_> {
                 return Err(LandmarkError::Value {
                     at: place(line, OBSERVER),
                     value: shown(cell),
-                    expected: "the code of an observer: a spreadsheet takes it for a formula",
+                    expected: "the code of an observer: spreadsheets would read it as a formula",
                 });
             }
             // A quote guards a name that looks like a formula.
@@ -343,7 +344,7 @@ impl Table<'_> {
                 return Err(LandmarkError::Ambiguous {
                     at: at(),
                     reason: format!(
-                        "`{}`: commas and points are both used in numbers, and only one can be the decimal mark",
+                        "`{}`: numbers use both commas and points; use only one as the decimal separator",
                         shown(cell)
                     ),
                 });

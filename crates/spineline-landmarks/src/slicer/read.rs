@@ -168,7 +168,7 @@ fn signs(markup: &Markup, at: &str) -> Result<[f64; 3], LandmarkError> {
     match &markup.coordinate_system {
         None => Err(LandmarkError::Missing {
             at: at.to_owned(),
-            what: "`coordinateSystem`, without which left and right cannot be told,".to_owned(),
+            what: "`coordinateSystem`, which determines left and right,".to_owned(),
         }),
         Some(serde_json::Value::String(name)) if name == "LPS" => Ok([1.0, 1.0, 1.0]),
         Some(serde_json::Value::String(name)) if name == "RAS" => Ok([-1.0, -1.0, 1.0]),

@@ -42,7 +42,7 @@ pub const TILT: Code = Code("tilt", SCHEME, "Frontal tilt, positive to the patie
 pub const COLUMN: Code = Code("location-column", SCHEME, "Column of the crossing of the diagonals");
 pub const ROW: Code = Code("location-row", SCHEME, "Row of the crossing of the diagonals");
 pub const ILIAC_LEAN: Code =
-    Code("iliac-lean", SCHEME, "Lean of the iliac line's normal, positive to the right");
+    Code("iliac-lean", SCHEME, "Tilt of the iliac line's normal, positive to the right");
 pub const BY_HAND: Code = Code("axis-by-hand", SCHEME, "Axis of the body turned by hand");
 pub const BY_CORNERS: Code =
     Code("four-corners", SCHEME, "Line through the centres of the endplates");

@@ -20,13 +20,13 @@ use crate::{LandmarkError, LandmarkReadings, MarkedFilm};
 /// [`LandmarkError::Report`] for anything else; other [`LandmarkError`]s for its values.
 pub fn read_sr(bytes: &[u8]) -> Result<MarkedFilm, LandmarkError> {
     if bytes.get(128..132) != Some(b"DICM") {
-        return Err(foreign("it is no DICOM file"));
+        return Err(foreign("it is not a DICOM file"));
     }
     let document = &read_data_set(bytes).map_err(|error| foreign(&error.to_string()))?;
     if text(document, tags::SOP_CLASS_UID).as_deref() != Some(uids::COMPREHENSIVE_SR_STORAGE)
         || !is_named(document, codes::REPORT)
     {
-        return Err(foreign("it is no Comprehensive SR with a measurement report"));
+        return Err(foreign("it is not a Comprehensive SR with a measurement report"));
     }
     let content = children(document);
     let device = content.iter().find(|item| is_named(item, codes::DEVICE_NAME));

@@ -30,7 +30,7 @@ pub fn read_source(path: &Path) -> Result<SourceImage, LandmarkExportError> {
         study_instance_uid: text(tags::STUDY_INSTANCE_UID),
         series_instance_uid: text(tags::SERIES_INSTANCE_UID),
         modality: text(tags::MODALITY),
-        size: size.ok_or_else(|| unfit("it holds no picture"))?,
+        size: size.ok_or_else(|| unfit("it contains no picture"))?,
         patient_name: text(tags::PATIENT_NAME),
         patient_id: text(tags::PATIENT_ID),
         patient_birth_date: text(tags::PATIENT_BIRTH_DATE),

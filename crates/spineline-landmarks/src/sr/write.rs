@@ -80,7 +80,7 @@ fn check(report: &ReportOf<'_>) -> Result<(), LandmarkExportError> {
     let size = (report.image.columns, report.image.rows);
     if source.size != size {
         return unfit(format!(
-            "the case has a picture of {} × {} pixels, and its DICOM file one of {} × {}",
+            "the picture of the case has {} × {} pixels, but its DICOM file has {} × {}",
             size.0, size.1, source.size.0, source.size.1
         ));
     }
@@ -98,7 +98,7 @@ fn check(report: &ReportOf<'_>) -> Result<(), LandmarkExportError> {
     }
     if name.chars().any(|c| c.is_control() || matches!(c, '\\' | '^' | '=')) {
         let reason =
-            "a report has no place for control characters, backslashes, carets and equals signs";
+            "a report cannot contain control characters, backslashes, carets and equals signs";
         return Err(LandmarkExportError::Observer {
             name: name.escape_default().to_string(),
             reason,
@@ -272,7 +272,7 @@ fn iliac_line(report: &ReportOf<'_>) -> Result<Option<InMemDicomObject>, Landmar
     let Some(crests) = report.iliac_crests else { return Ok(None) };
     let outside = |_| {
         LandmarkExportError::Source(format!(
-            "{} film: the iliac crests do not both lie on the picture",
+            "{} film: both iliac crests must lie on the picture",
             report.posture
         ))
     };

@@ -341,7 +341,7 @@ fn keypoints_of_coco_are_named_in_either_way() {
 #[test]
 fn files_that_hold_no_landmarks_say_so() {
     for (text, part) in [
-        (r#"{"format":"spineline-case"}"#, "file of Spineline"),
+        (r#"{"format":"spineline-case"}"#, "it is a Spineline file"),
         (r#"{"a":1}"#, "none of"),
         ("{", "line 1"),
         ("0.1,0.2\n", "neither"),

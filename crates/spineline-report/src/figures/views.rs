@@ -3,7 +3,7 @@
 use spineline::analysis::{Analysis, LineModel};
 use spineline::multibody::{BodySize, Deformed};
 use spineline::response::erect_shape;
-use spineline::spatial::{Frontal, Vec3};
+use spineline::spatial::{Angle, Frontal, Vec3};
 
 use super::frontal::{Extent, frontal_panel};
 use super::page::{Page, Sample};
@@ -44,7 +44,7 @@ impl View {
 
     /// To the right of the picture, and up.
     fn place(self, point: Vec3) -> (f64, f64) {
-        let (sin, cos) = OBLIQUE_DEG.to_radians().sin_cos();
+        let (sin, cos) = Angle::from_deg(OBLIQUE_DEG).rad().sin_cos();
         let right = match self {
             Self::Behind => -point.y,
             Self::Right => point.x,

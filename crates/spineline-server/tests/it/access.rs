@@ -2,7 +2,7 @@
 
 use axum::http::StatusCode;
 use serde_json::json;
-use spineline_server::http::User;
+use spineline_server::User;
 use spineline_store::{Role, Store, Study};
 
 use crate::browser::{App, by, name};

@@ -8,7 +8,7 @@ use axum::body::{Body, to_bytes};
 use axum::http::{HeaderMap, Method, Request, StatusCode, header};
 use serde_json::{Value, json};
 use spineline::anatomy::Posture;
-use spineline_server::http::{AppState, ServeOptions, app};
+use spineline_server::{AppState, ServeOptions, app};
 use spineline_store::{
     Access, Account, Name, PasswordHash, Role, Signature, Store, Study, Timestamp,
 };

@@ -2,7 +2,7 @@
 
 use axum::http::{Method, StatusCode};
 use serde_json::{Value, json};
-use spineline_server::http::ServeOptions;
+use spineline_server::ServeOptions;
 use spineline_store::Access;
 
 use crate::browser::{App, Browser, options};
@@ -177,7 +177,7 @@ fn f59_a_stale_edit_of_a_film_is_refused_and_kept() {
     let stale = edit(0, json!({ "kind": "inverted", "inverted": true }));
     assert_eq!(stale.status, StatusCode::CONFLICT);
     let study = browser.get("/api/studies/demo-rod-01").json();
-    assert_eq!(study["conflicts"][0]["text"], "erect film: dark and bright exchanged");
+    assert_eq!(study["conflicts"][0]["text"], "erect film: grey values inverted");
     let case = browser.get("/api/studies/demo-rod-01/case");
     assert_eq!(case.header("content-disposition"), "attachment; filename=\"demo-rod-01.json\"");
     assert_eq!(case.json()["films"][0]["image"]["spacing_source"], "ball");

@@ -3,7 +3,7 @@
 use axum::body::Body;
 use axum::http::{Method, StatusCode, header};
 use serde_json::Value;
-use spineline_server::http::openapi;
+use spineline_server::openapi;
 
 use crate::browser::{Answer, App, Browser};
 use crate::example;

@@ -60,9 +60,9 @@ fn a_click_is_a_change_of_a_study_and_settles_nothing() {
     let study = name("S-1");
     (0..2).for_each(|step| run(&mut store, step).expect("a step"));
     for step in 2..STEPS {
-        let before = (store.last_change(&study), store.last_settled(&study));
+        let before = (store.last_change(&study), store.last_result_change(&study));
         run(&mut store, step).expect("a step");
-        let after = (store.last_change(&study), store.last_settled(&study));
+        let after = (store.last_change(&study), store.last_result_change(&study));
         let last = store.audit_log().expect("a log").pop().expect("an entry");
         let [before, after] = [before, after].map(|(change, settled)| {
             (change.expect("a change").sequence, settled.expect("a change").sequence)

@@ -2,6 +2,7 @@
 
 mod corruption;
 mod crash;
+mod current_case;
 mod history;
 mod journal;
 mod locks;
@@ -9,4 +10,3 @@ mod plan;
 mod schema;
 mod session;
 mod small_disk;
-mod standing;

@@ -56,7 +56,7 @@ impl Analysis {
         for bend in found.bends.iter().filter(|bend| bend.line_rejects()) {
             if let Some((test, p)) = bend.line_test.zip(bend.line_p) {
                 sentences.push(format!(
-                    "In the {} the line of best fit to the joint rotations is {:.0} mm from the midpoint of the inflections, at {:.0}° to the line through them (p {}, corrected for {} tests).",
+                    "In the {} the line of best fit to the rotations is {:.0} mm from the midpoint of the inflections, at {:.0}° to the line through them (p {}, corrected for {} tests).",
                     bend_name(bend.posture),
                     test.distance_mm,
                     test.angle.deg(),

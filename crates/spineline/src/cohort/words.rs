@@ -33,7 +33,7 @@ impl Cohort {
         let (rejected, tested) = self.line_rejected;
         if tested > 0 {
             all.push(format!(
-                "In {rejected} of {tested} bends, tested one by one, the line of best fit to the joint rotations does not run through the inflections; under the null hypothesis 5 % would be rejected."
+                "In {rejected} of {tested} bends, tested one by one, the line of best fit to the rotations does not run through the inflections; under the null hypothesis 5 % would be rejected."
             ));
         }
         all.extend(self.compared.sentences());

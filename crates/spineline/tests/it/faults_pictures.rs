@@ -1,6 +1,8 @@
 //! Films in pixels give angles and no lengths; lateral films give the sagittal profile; films that do not fit their names
 //! or were not stitched well are told.
 
+#![expect(clippy::disallowed_methods, reason = "the oracle has its own formulas")]
+
 use crate::common::{
     analyzed, assert_near, exact_case, film_mut, landmarks, on_a_table, phantom, spacing,
 };

@@ -1,0 +1,150 @@
+//! What a user may see: studies, films, readings and results.
+
+use std::sync::Arc;
+
+use axum::http::StatusCode;
+use spineline_store::{
+    CaseReadings, FilmId, FilmRecord, Name, ReadingId, Role, SeenReading, Store, StoreError, Study,
+    Visibility,
+};
+
+use crate::problem::{Answer, Failure};
+use crate::result_cache::{StudyResult, computed};
+use crate::session::User;
+use crate::state::AppState;
+
+/// A study's name in an address. A name that none can have is not there.
+pub fn study_name(text: &str) -> Answer<Name> {
+    Name::new(text).map_err(|_| Failure::not_found())
+}
+
+/// A film that this user may see.
+pub fn seen_film(store: &Store, user: &User, film: FilmId) -> Answer<FilmRecord> {
+    let film = store.film(film)?;
+    refuse_blinded(store, user, &film.study)?;
+    Ok(film)
+}
+
+/// A reading that this user may see; what is not theirs is not there.
+pub fn seen_reading(store: &Store, user: &User, reading: ReadingId) -> Answer<SeenReading> {
+    let seen = store.observer(&user.name).reading(reading).map_err(|error| match error {
+        StoreError::NotYours { .. } => Failure::not_found(),
+        other => other.into(),
+    })?;
+    user.on_study(store, &seen.study.id)?;
+    Ok(seen)
+}
+
+/// Refuses a film of a study of which this user may see codes only.
+fn refuse_blinded(store: &Store, user: &User, study: &Name) -> Answer<()> {
+    user.on_study(store, study)?;
+    match store.observer(&user.name).visibility(study)? {
+        Visibility::Reader => Err(Failure::not_found()),
+        Visibility::Open | Visibility::Apart => Ok(()),
+    }
+}
+
+/// What follows from the finished readings of a study; the store is free for others while it is computed.
+///
+/// # Errors
+/// As [`Store::current_case`].
+pub async fn study_result(state: &AppState, study: &Name) -> Answer<Arc<StudyResult>> {
+    let (cache, name) = (state.clone(), study.clone());
+    let found = state.store(move |store| {
+        let sequence = store.last_result_change(&name)?.sequence;
+        Ok(match cache.results().get(&name, sequence) {
+            Some(result) => Ok(result),
+            None => Err((sequence, store.current_case(&name, CaseReadings::Finished)?)),
+        })
+    });
+    match found.await? {
+        Ok(result) => Ok(result),
+        Err((sequence, current)) => {
+            let (state, name) = (state.clone(), study.clone());
+            computed(move || {
+                let result = Arc::new(StudyResult::of(&name, current));
+                state.results().keep(sequence, &result);
+                result
+            })
+            .await
+        }
+    }
+}
+
+/// Whether results of a study may be shown to somebody who may see it.
+///
+/// While a plan of blinded readings is incomplete, only those who lead and do not read see results.
+///
+/// # Errors
+/// Whatever the store refuses.
+pub fn sees_results(store: &Store, user: &User, study: &Name) -> Result<bool, StoreError> {
+    Ok(match store.observer(&user.name).visibility(study)? {
+        Visibility::Open => true,
+        Visibility::Reader => false,
+        Visibility::Apart => user.role == Role::Admin,
+    })
+}
+
+/// Results are hidden.
+pub fn blinded() -> Failure {
+    Failure::new(
+        StatusCode::FORBIDDEN,
+        "blinded",
+        "results are shown when all planned readings are finished",
+    )
+    .help("finish your readings first; until then the study is hidden from its observers")
+}
+
+/// A study whose results whoever asks may see.
+///
+/// # Errors
+/// A refusal: unknown, or blinded.
+pub async fn open_study(state: &AppState, user: &User, study: &str) -> Answer<Name> {
+    let name = study_name(study)?;
+    if shows_results(state, user, &name).await? { Ok(name) } else { Err(blinded()) }
+}
+
+/// As [`sees_results`], of a study that must be theirs to see.
+async fn shows_results(state: &AppState, user: &User, study: &Name) -> Answer<bool> {
+    let (user, study) = (user.clone(), study.clone());
+    let asked = state.ask(move |store| {
+        user.on_study(store, &study)?;
+        Ok(sees_results(store, &user, &study)?)
+    });
+    asked.await
+}
+
+/// Has the results of a study computed before the store is asked for them, so that it is free meanwhile; nothing where they
+/// are hidden. Errors of the computation are reported where the results are requested.
+///
+/// # Errors
+/// 404 where the study is not theirs to see.
+pub async fn prepare(state: &AppState, user: &User, study: &Name) -> Answer<()> {
+    if shows_results(state, user, study).await? {
+        let _ = study_result(state, study).await;
+    }
+    Ok(())
+}
+
+/// The studies that they may see, with what they may do there; the results that they see are computed, as by [`prepare`].
+///
+/// # Errors
+/// Whatever keeps the store from reading.
+pub async fn prepared(state: &AppState, user: &User) -> Answer<Vec<(Study, Role)>> {
+    let user = user.clone();
+    let found = state.ask(move |store| {
+        let studies = user.studies(store)?;
+        let mut open = Vec::new();
+        for (study, _) in &studies {
+            if sees_results(store, &user, &study.id)? {
+                open.push(study.id.clone());
+            }
+        }
+        Ok((studies, open))
+    });
+    let (studies, open) = found.await?;
+    for study in &open {
+        let _ = study_result(state, study).await;
+    }
+    Ok(studies)
+}

@@ -1,0 +1,87 @@
+//! Local accounts, for admins.
+
+use axum::extract::State;
+use axum::http::StatusCode;
+use spineline_store::{Account, AccountChange, Name, PasswordHash, Role, StoreError};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use crate::api::{AccountEdit, AccountView, Problem, Wire};
+use crate::extract::{Json, Path};
+use crate::problem::{Answer, Failure};
+use crate::session::User;
+use crate::state::AppState;
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new().routes(routes!(accounts)).routes(routes!(put_account))
+}
+
+/// All accounts, by name.
+#[utoipa::path(get, path = "/api/accounts", responses(
+    (status = 200, body = Vec<AccountView>),
+    (status = 401, body = Problem),
+    (status = 403, body = Problem),
+))]
+async fn accounts(State(state): State<AppState>, user: User) -> Answer<Json<Vec<AccountView>>> {
+    user.need(Role::Admin)?;
+    let accounts = state.store(|store| store.accounts()).await?;
+    Ok(Json(accounts.into_iter().map(view).collect()))
+}
+
+/// Makes an account, or changes one.
+#[utoipa::path(put, path = "/api/accounts/{name}", request_body = AccountEdit,
+    params(("name" = String, Path)),
+    responses(
+        (status = 200, body = AccountView),
+        (status = 401, body = Problem),
+        (status = 403, body = Problem),
+        (status = 409, body = Problem),
+        (status = 422, body = Problem),
+    ))]
+async fn put_account(
+    State(state): State<AppState>,
+    user: User,
+    Path(name): Path<String>,
+    Json(edit): Json<AccountEdit>,
+) -> Answer<Json<AccountView>> {
+    user.need(Role::Admin)?;
+    let name = Name::new(&name)?;
+    let AccountEdit { role, password, enabled } = edit;
+    let password = match password {
+        Some(text) => Some(state.with_password(move || PasswordHash::new(&text)).await?),
+        None => None,
+    };
+    let by = user.sign(state.now());
+    let change = AccountChange { role: role.map(|role| role.0), password, enabled };
+    let account = state
+        .ask(move |store| match store.account(&name) {
+            Ok(_) => Ok(store.edit_account(&name, &change, &by)?),
+            Err(StoreError::Unknown { .. }) => {
+                let (Some(role), Some(password)) = (change.role, &change.password) else {
+                    return Err(lacks());
+                };
+                let account = Account { name, role, enabled: change.enabled.unwrap_or(true) };
+                store.add_account(&account, password, &by)?;
+                Ok(account)
+            }
+            Err(error) => Err(error.into()),
+        })
+        .await?;
+    Ok(Json(view(account)))
+}
+
+fn lacks() -> Failure {
+    Failure::new(
+        StatusCode::UNPROCESSABLE_ENTITY,
+        "refused",
+        "a new account needs a role and a password",
+    )
+}
+
+fn view(account: Account) -> AccountView {
+    AccountView {
+        name: account.name.to_string(),
+        role: Wire(account.role),
+        enabled: account.enabled,
+    }
+}

@@ -1,0 +1,109 @@
+//! The browser app's server: thin. It asks the store and the library, and puts their answers into words and pixels.
+
+use std::any::Any;
+use std::time::Duration;
+
+use axum::extract::DefaultBodyLimit;
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Response};
+use axum::{Router, middleware, routing};
+use tower_http::catch_panic::CatchPanicLayer;
+use tower_http::timeout::RequestBodyTimeoutLayer;
+use utoipa::openapi::OpenApi;
+use utoipa_axum::router::OpenApiRouter;
+
+use crate::problem::Failure;
+use crate::session::User;
+use crate::state::AppState;
+use crate::{
+    accounts, assets, changes, demo, films, grants, guard, readings, results, session, studies,
+};
+
+/// Largest body of a request, in bytes. A route that takes films sets a limit of its own.
+const LARGEST_BODY_BYTES: usize = 1 << 20;
+/// Longest wait for the next piece of a body.
+const BODY_TIMEOUT: Duration = Duration::from_secs(30);
+
+/// The description of the interface, of which the browser's types are made.
+#[must_use]
+pub fn openapi() -> OpenApi {
+    let mut description = routes().into_openapi();
+    description.info = utoipa::openapi::Info::new("Spineline", env!("CARGO_PKG_VERSION"));
+    description
+}
+
+fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new()
+        .merge(session::routes())
+        .merge(accounts::routes())
+        .merge(grants::routes())
+        .merge(studies::routes())
+        .merge(demo::routes())
+        .merge(films::routes())
+        .merge(readings::routes())
+        .merge(changes::routes())
+        .merge(results::routes())
+}
+
+/// The whole app: what is asked of it in a test is asked of it in the same way by a browser.
+pub fn app(state: AppState) -> Router {
+    let (api, _) = routes().split_for_parts();
+    api.route("/api", routing::any(unknown))
+        .route("/api/{*unknown}", routing::any(unknown))
+        .fallback(assets::serve)
+        .method_not_allowed_fallback(wrong_method)
+        .layer(DefaultBodyLimit::max(LARGEST_BODY_BYTES))
+        .layer(RequestBodyTimeoutLayer::new(BODY_TIMEOUT))
+        .layer(middleware::from_fn_with_state(state.clone(), guard::guard))
+        .layer(CatchPanicLayer::custom(panicked))
+        .layer(middleware::from_fn(guard::headers))
+        .with_state(state)
+}
+
+async fn unknown(_user: User) -> Failure {
+    Failure::not_found()
+}
+
+async fn wrong_method() -> Failure {
+    Failure::new(
+        StatusCode::METHOD_NOT_ALLOWED,
+        "wrong_method",
+        "this address does not accept this HTTP method",
+    )
+}
+
+/// What a panic says may quote what was sent; the answer says nothing.
+fn panicked(_: Box<dyn Any + Send>) -> Response {
+    Failure::new(
+        StatusCode::INTERNAL_SERVER_ERROR,
+        "internal",
+        "internal error: the program has a bug",
+    )
+    .help("nothing of this step was saved; the terminal shows where the error occurred")
+    .into_response()
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::body::{Body, to_bytes};
+    use axum::http::Request;
+    use axum::{Router, routing};
+    use tower::ServiceExt;
+    use tower_http::catch_panic::CatchPanicLayer;
+
+    #[tokio::test]
+    async fn f71_a_bug_says_nothing_of_what_was_sent() {
+        async fn bug() -> &'static str {
+            panic!("a patient called Doe^Jane")
+        }
+        let app = Router::new()
+            .route("/", routing::get(bug))
+            .layer(CatchPanicLayer::custom(super::panicked));
+        let answer = app.oneshot(Request::new(Body::empty())).await.expect("an answer");
+        assert_eq!(answer.status(), 500);
+        let body = to_bytes(answer.into_body(), 1000).await.expect("a body");
+        let problem: crate::api::Problem = serde_json::from_slice(&body).expect("a problem");
+        assert_eq!(problem.code, "internal");
+        assert!(!format!("{problem:?}").contains("Doe"));
+    }
+}

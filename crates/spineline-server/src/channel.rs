@@ -1,0 +1,45 @@
+//! The channel by which changes of studies reach everybody who looks at them.
+
+use spineline_store::Name;
+use tokio::sync::broadcast;
+
+use crate::api::Change;
+
+/// Changes that a slow listener may lag behind before it misses some.
+const LAG: usize = 256;
+
+/// What listeners receive.
+#[derive(Clone)]
+pub enum Message {
+    /// A change of a study.
+    Change(Name, Change),
+    /// The server is shutting down.
+    End,
+}
+
+/// Sends changes to all listeners.
+pub struct Channel(broadcast::Sender<Message>);
+
+impl Default for Channel {
+    fn default() -> Self {
+        Self(broadcast::channel(LAG).0)
+    }
+}
+
+impl Channel {
+    /// Sends a change that is committed.
+    pub fn send(&self, study: &Name, change: Change) {
+        // Nobody may be listening.
+        let _ = self.0.send(Message::Change(study.clone(), change));
+    }
+
+    /// Ends all streams.
+    pub fn close(&self) {
+        let _ = self.0.send(Message::End);
+    }
+
+    /// Listens from now on.
+    pub fn subscribe(&self) -> broadcast::Receiver<Message> {
+        self.0.subscribe()
+    }
+}

@@ -1,0 +1,89 @@
+//! A study of a synthetic patient, to look around with.
+
+use std::collections::BTreeMap;
+
+use axum::extract::State;
+use axum::http::StatusCode;
+use spineline::anatomy::Posture;
+use spineline_films::{Encoding, FilmLimits, read_film};
+use spineline_phantom::{Readers, Truth, generate};
+use spineline_store::{Hash, Name, NewCase, Role, StoreError, Thumbnails};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use crate::api::{Problem, StudyDetail};
+use crate::extract::Json;
+use crate::film_cache::draw_thumbnails;
+use crate::films::keep_thumbnails;
+use crate::problem::{Answer, Failure};
+use crate::session::User;
+use crate::state::AppState;
+use crate::studies;
+use crate::synthetic::{DrawnFilm, case_file, draw_film};
+
+/// Pixels of 0.2 mm, as those of a computed radiograph of a whole spine; phantoms are drawn with a quarter of that area.
+const COARSER: u32 = 2;
+const SEED: u64 = 1;
+/// Names that are tried.
+const MOST_DEMOS: usize = 1000;
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new().routes(routes!(demo))
+}
+
+/// Adds a synthetic patient with films and finished readings.
+#[utoipa::path(post, path = "/api/studies/demo",
+    responses((status = 200, body = StudyDetail), (status = 403, body = Problem)))]
+async fn demo(State(state): State<AppState>, user: User) -> Answer<Json<StudyDetail>> {
+    user.need(Role::Editor)?;
+    let drawn = tokio::task::spawn_blocking(draw);
+    let (case, thumbnails) = drawn.await.expect("drawing does not panic")?;
+    let now = state.now();
+    let asker = state.clone();
+    let detail = state.ask(move |store| {
+        let mut case = case;
+        for number in 1..=MOST_DEMOS {
+            let name = if number == 1 { "demo-rod-01" } else { &format!("demo-rod-01-{number}") };
+            case = case.named(Name::new(name)?);
+            match store.add_own_case(&case, &user.sign(now)) {
+                Ok(added) => {
+                    for (content, small) in &thumbnails {
+                        keep_thumbnails(store, content, small);
+                    }
+                    asker.changes().send(&added.study, studies::of_study(&user));
+                    return studies::detail(&asker, store, &user, &added.study);
+                }
+                Err(StoreError::Exists { .. }) => {}
+                Err(other) => return Err(other.into()),
+            }
+        }
+        Err(StoreError::Exists { object: "study/demo-rod-01".to_owned() }.into())
+    });
+    detail.await.map(Json)
+}
+
+type Drawn = (NewCase, Vec<(Hash, Thumbnails)>);
+
+fn draw() -> Answer<Drawn> {
+    let internal = |text: String| Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "demo", text);
+    let phantom = generate(0, Truth::Rod, &Readers::default(), SEED)
+        .map_err(|error| internal(error.to_string()))?
+        .coarser(COARSER);
+    let mut films: BTreeMap<Posture, DrawnFilm> = BTreeMap::new();
+    let mut thumbnails = Vec::new();
+    for film in &phantom.films {
+        let drawn = draw_film(&phantom, film, Encoding::JpegLs)
+            .map_err(|error| internal(error.to_string()))?;
+        // It was written a moment ago, by this program.
+        let read = read_film(&drawn.bytes, &FilmLimits::default())?;
+        thumbnails.push((Hash::of(&drawn.bytes), draw_thumbnails(&read)));
+        films.insert(film.posture, drawn);
+    }
+    let text = spineline_files::to_text(&case_file(&phantom, &films));
+    let bytes_of = |file: &str| {
+        let film = films.values().find(|film| film.file == file);
+        film.map(|film| film.bytes.clone()).ok_or("a film that was not drawn")
+    };
+    let case = NewCase::read(&text, bytes_of).map_err(|error| internal(error.to_string()))?;
+    Ok((case.label("Demonstration: synthetic patient"), thumbnails))
+}

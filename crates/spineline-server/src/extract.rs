@@ -1,0 +1,96 @@
+//! Extractors that refuse with a [`Problem`](crate::api::Problem), as everything else here does. Axum's own refuse with a line of
+//! text that may quote what was sent.
+
+use std::time::Duration;
+
+use axum::body::Bytes;
+use axum::extract::rejection::BytesRejection;
+use axum::extract::{FromRequest, FromRequestParts, Request};
+use axum::http::request::Parts;
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::problem::Failure;
+use crate::state::AppState;
+
+/// How long a whole JSON body may take.
+const JSON_TIMEOUT: Duration = Duration::from_secs(30);
+
+/// A JSON body, of a request or of an answer.
+#[derive(Debug, Clone, Copy)]
+pub struct Json<T>(pub T);
+
+impl<T: Serialize> IntoResponse for Json<T> {
+    fn into_response(self) -> Response {
+        axum::Json(self.0).into_response()
+    }
+}
+
+impl<T: DeserializeOwned> FromRequest<AppState> for Json<T> {
+    type Rejection = Failure;
+
+    async fn from_request(request: Request, state: &AppState) -> Result<Self, Failure> {
+        if !is_json(request.headers()) {
+            return Err(Failure::new(
+                StatusCode::UNSUPPORTED_MEDIA_TYPE,
+                "not_json",
+                "the body must be JSON with Content-Type: application/json",
+            ));
+        }
+        let body = tokio::time::timeout(JSON_TIMEOUT, Bytes::from_request(request, state)).await;
+        let body = body.map_err(|_| slow())?.map_err(|refused| unread(&refused))?;
+        serde_json::from_slice(&body).map(Self).map_err(|error| bad(&error))
+    }
+}
+
+fn is_json(headers: &HeaderMap) -> bool {
+    let kind = headers.get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok());
+    let kind = kind.map(|kind| kind.split(';').next().unwrap_or_default().trim());
+    kind.is_some_and(|kind| kind.eq_ignore_ascii_case("application/json"))
+}
+
+fn slow() -> Failure {
+    Failure::new(StatusCode::REQUEST_TIMEOUT, "slow", "the body did not arrive in time")
+}
+
+fn unread(refused: &BytesRejection) -> Failure {
+    if refused.status() == StatusCode::PAYLOAD_TOO_LARGE {
+        return Failure::new(refused.status(), "too_large", "the body is too large");
+    }
+    Failure::new(StatusCode::BAD_REQUEST, "broken_off", "the body is incomplete")
+}
+
+/// Says where, and not what: serde's own words quote keys and values.
+fn bad(error: &serde_json::Error) -> Failure {
+    use serde_json::error::Category;
+    let (line, column) = (error.line(), error.column());
+    match error.classify() {
+        Category::Data => Failure::new(
+            StatusCode::UNPROCESSABLE_ENTITY,
+            "bad_request",
+            format!(
+                "line {line}, column {column} of the body: an unknown or missing key, or a value of another kind"
+            ),
+        ),
+        Category::Io | Category::Syntax | Category::Eof => Failure::new(
+            StatusCode::BAD_REQUEST,
+            "bad_json",
+            format!("line {line}, column {column} of the body: not JSON"),
+        ),
+    }
+}
+
+/// Parts of the path. What cannot be read as such names nothing.
+#[derive(Debug, Clone, Copy)]
+pub struct Path<T>(pub T);
+
+impl<T: DeserializeOwned + Send> FromRequestParts<AppState> for Path<T> {
+    type Rejection = Failure;
+
+    async fn from_request_parts(parts: &mut Parts, state: &AppState) -> Result<Self, Failure> {
+        let path = axum::extract::Path::from_request_parts(parts, state).await;
+        path.map(|path| Self(path.0)).map_err(|_| Failure::not_found())
+    }
+}

@@ -1,0 +1,116 @@
+//! Decoded films and uploads, kept in memory while there is room for them.
+
+mod uploads;
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use axum::body::Bytes;
+use axum::http::StatusCode;
+use spineline::measure::judge_spacing;
+use spineline_films::FilmFile;
+use spineline_store::{Hash, Thumbnails};
+use tokio::sync::{Semaphore, SemaphorePermit};
+
+use crate::problem::{Answer, Failure};
+use crate::words;
+
+pub use uploads::{Upload, Uploads};
+
+/// Room for decoded films.
+const ROOM_BYTES: usize = 300 << 20;
+/// Films that are decoded at a time; each may take a few hundred megabytes.
+const AT_A_TIME: usize = 2;
+/// Height of a small picture.
+const THUMBNAIL_ROWS: u32 = 220;
+
+/// A film as the browser draws it.
+#[derive(Debug)]
+pub struct Screen {
+    /// 16-bit little-endian words, row by row.
+    pub bytes: Bytes,
+    pub columns: u32,
+    pub rows: u32,
+    /// Centre and width in these values.
+    pub default_window: [f64; 2],
+    /// Greatest value.
+    pub max: u16,
+}
+
+/// The small pictures of a decoded film as PNG files, with the pixel aspect that its file states.
+pub fn draw_thumbnails(film: &FilmFile) -> Thumbnails {
+    let aspect = words::pixel_aspect(judge_spacing(&film.tags.spacing).spacing);
+    let draw = |inverted| film.display(None, inverted).thumbnail(THUMBNAIL_ROWS, aspect).to_png();
+    Thumbnails { plain: draw(false), inverted: draw(true) }
+}
+
+impl Screen {
+    /// The film as the browser draws it.
+    pub fn of(film: &FilmFile) -> Self {
+        let values = film.screen_values();
+        Self {
+            max: values.values.iter().copied().max().unwrap_or_default(),
+            bytes: values.values.into_iter().flat_map(u16::to_le_bytes).collect(),
+            columns: values.columns,
+            rows: values.rows,
+            default_window: values.default_window,
+        }
+    }
+}
+
+/// Decoded films, of which the least recently used is dropped first.
+pub struct FilmCache {
+    screens: Mutex<Screens>,
+    decoding: Semaphore,
+    pub uploads: Uploads,
+}
+
+type Screens = VecDeque<(Hash, Arc<Screen>)>;
+
+impl Default for FilmCache {
+    fn default() -> Self {
+        Self {
+            screens: Mutex::default(),
+            decoding: Semaphore::new(AT_A_TIME),
+            uploads: Uploads::default(),
+        }
+    }
+}
+
+impl FilmCache {
+    /// Waits until a film may be decoded.
+    pub async fn decoding(&self) -> Answer<SemaphorePermit<'_>> {
+        let closed = |_| {
+            Failure::new(StatusCode::SERVICE_UNAVAILABLE, "ending", "the server is shutting down")
+        };
+        self.decoding.acquire().await.map_err(closed)
+    }
+
+    fn screens(&self) -> MutexGuard<'_, Screens> {
+        self.screens.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A decoded film, if it is kept.
+    pub fn screen(&self, content: &Hash) -> Option<Arc<Screen>> {
+        let screens = &mut self.screens();
+        let at = screens.iter().position(|(known, _)| known == content)?;
+        let found = screens.remove(at)?;
+        let screen = found.1.clone();
+        screens.push_back(found);
+        Some(screen)
+    }
+
+    /// Keeps a decoded film, and drops the oldest ones where there is no room.
+    pub fn keep(&self, content: &Hash, screen: Arc<Screen>) {
+        let screens = &mut self.screens();
+        if screens.iter().all(|(known, _)| known != content) {
+            screens.push_back((content.clone(), screen));
+        }
+        let room = |screens: &Screens| -> usize {
+            screens.iter().map(|(_, screen)| screen.bytes.len()).sum()
+        };
+        while screens.len() > 1 && room(screens) > ROOM_BYTES {
+            screens.pop_front();
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Films: their pixels, their small pictures, and changes of their records.
+
+mod screen;
+mod uploads;
+
+use axum::extract::State;
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use spineline::measure::Calibration;
+use spineline::spatial::Pixel;
+use spineline_store::{FilmEdit, FilmId, FilmRecord, ReadingId, Role, StoreError};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use crate::access::{seen_film, seen_reading};
+use crate::api::{Change, FilmChange, FilmEditName, FilmSummary, Problem};
+use crate::extract::{Json, Path};
+use crate::problem::{Answer, Failure};
+use crate::session::User;
+use crate::state::AppState;
+use crate::{studies, words};
+
+pub use screen::keep_thumbnails;
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new()
+        .routes(routes!(film_pixels))
+        .routes(routes!(reading_pixels))
+        .routes(routes!(film_thumbnail))
+        .routes(routes!(reading_thumbnail))
+        .routes(routes!(edit))
+        .merge(uploads::routes())
+}
+
+/// Pixels of a film: 16-bit little-endian words row by row, of which greater ones are brighter.
+#[utoipa::path(get, path = "/api/films/{film}/pixels",
+    responses((status = 200, content_type = "application/octet-stream"),
+        (status = 404, body = Problem)))]
+async fn film_pixels(
+    State(state): State<AppState>,
+    user: User,
+    Path(film): Path<i64>,
+) -> Answer<Response> {
+    let film = state.ask(move |store| seen_film(store, &user, FilmId(film))).await?;
+    pixels(&state, &film).await
+}
+
+/// Pixels of the film of a reading, as those of a film.
+#[utoipa::path(get, path = "/api/readings/{reading}/pixels",
+    responses((status = 200, content_type = "application/octet-stream"),
+        (status = 404, body = Problem)))]
+async fn reading_pixels(
+    State(state): State<AppState>,
+    user: User,
+    Path(reading): Path<i64>,
+) -> Answer<Response> {
+    let seen = state.ask(move |store| seen_reading(store, &user, ReadingId(reading))).await?;
+    pixels(&state, &seen.film).await
+}
+
+/// A small picture of a film.
+#[utoipa::path(get, path = "/api/films/{film}/thumbnail",
+    responses((status = 200, content_type = "image/png"), (status = 404, body = Problem)))]
+async fn film_thumbnail(
+    State(state): State<AppState>,
+    user: User,
+    Path(film): Path<i64>,
+) -> Answer<Response> {
+    let film = state.ask(move |store| seen_film(store, &user, FilmId(film))).await?;
+    thumbnail(&state, &film).await
+}
+
+/// A small picture of the film of a reading.
+#[utoipa::path(get, path = "/api/readings/{reading}/thumbnail",
+    responses((status = 200, content_type = "image/png"), (status = 404, body = Problem)))]
+async fn reading_thumbnail(
+    State(state): State<AppState>,
+    user: User,
+    Path(reading): Path<i64>,
+) -> Answer<Response> {
+    let seen = state.ask(move |store| seen_reading(store, &user, ReadingId(reading))).await?;
+    thumbnail(&state, &seen.film).await
+}
+
+/// Changes a film's record.
+#[utoipa::path(post, path = "/api/films/{film}/edits", request_body = FilmChange,
+    responses((status = 200, body = FilmSummary), (status = 404, body = Problem),
+        (status = 409, body = Problem), (status = 422, body = Problem)))]
+async fn edit(
+    State(state): State<AppState>,
+    user: User,
+    Path(film): Path<i64>,
+    Json(change): Json<FilmChange>,
+) -> Answer<Json<FilmSummary>> {
+    let by = user.sign(state.now());
+    let asker = state.clone();
+    let summary = state.ask(move |store| {
+        let film = seen_film(store, &user, FilmId(film))?;
+        user.need_on_study(store, &film.study, Role::Editor)?;
+        let edit = film_edit(&film, change.edit)?;
+        let edited = store.edit_film(film.id, edit, change.expected_revision, &by);
+        // A lost edit is news too: it is kept.
+        let who = user.name.to_string();
+        let revision = edited.as_ref().ok().map(|edited| edited.revision);
+        let change = Change { who, film: Some(film.id.0), reading: None, revision };
+        asker.changes().send(&film.study, change);
+        edited?;
+        studies::film_summary(&asker, store, &user, film.id)
+    });
+    summary.await.map(Json)
+}
+
+fn film_edit(film: &FilmRecord, edit: FilmEditName) -> Answer<FilmEdit> {
+    Ok(match edit {
+        FilmEditName::Posture { posture } => FilmEdit::Posture(posture.0),
+        FilmEditName::Inverted { inverted } => FilmEdit::Inverted(inverted),
+        FilmEditName::Scale { from_px, to_px, length_mm, length_sd_mm, calibrator } => {
+            let image = spineline_files::parse_image(&film.image, film.posture)
+                .map_err(StoreError::from)?;
+            let calibration = Calibration {
+                calibrator: calibrator.0,
+                clicks: [from_px, to_px].map(|[column, row]| Pixel::new(column, row)),
+                length_mm,
+                length_sd_mm,
+                click_sd_px: Calibration::CLICK_SD_PX,
+                // A ball cannot tell how high a pixel is against its width.
+                pixel_aspect: words::pixel_aspect(image.spacing),
+            };
+            let spacing = calibration.spacing().map_err(|error| {
+                Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "scale", error.to_string())
+                    .help("place two points on an object of known length")
+            })?;
+            FilmEdit::Spacing(spacing)
+        }
+    })
+}
+
+async fn pixels(state: &AppState, film: &FilmRecord) -> Answer<Response> {
+    let screen = screen::screen(state, &film.content).await?;
+    let image =
+        spineline_files::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
+    let [center, width] = screen.default_window;
+    let numbers = [
+        ("x-spineline-columns", f64::from(screen.columns)),
+        ("x-spineline-rows", f64::from(screen.rows)),
+        ("x-spineline-pixel-aspect", words::pixel_aspect(image.spacing)),
+        ("x-spineline-window-center", center),
+        ("x-spineline-window-width", width),
+        ("x-spineline-max", f64::from(screen.max)),
+    ];
+    let mut response = screen.bytes.clone().into_response();
+    let headers = response.headers_mut();
+    for (name, number) in numbers {
+        headers.insert(name, HeaderValue::from_str(&number.to_string()).expect("digits"));
+    }
+    Ok(response)
+}
+
+async fn thumbnail(state: &AppState, film: &FilmRecord) -> Answer<Response> {
+    let thumbnails = screen::thumbnails(state, &film.content).await?;
+    Ok(png(if film.inverted { thumbnails.inverted } else { thumbnails.plain }))
+}
+
+/// An answer that is a PNG.
+pub fn png(bytes: Vec<u8>) -> Response {
+    ([(header::CONTENT_TYPE, "image/png")], bytes).into_response()
+}

@@ -1,0 +1,73 @@
+//! Films of the store, decoded once and kept.
+
+use std::sync::Arc;
+
+use spineline_films::{ChildLimits, FilmError, FilmFile, decode_in_child};
+use spineline_store::{Hash, Store, Thumbnails};
+
+use crate::film_cache::{Screen, draw_thumbnails};
+use crate::problem::Answer;
+use crate::state::AppState;
+
+/// A film of the store, decoded.
+pub async fn screen(state: &AppState, content: &Hash) -> Answer<Arc<Screen>> {
+    if let Some(screen) = state.films().screen(content) {
+        return Ok(screen);
+    }
+    let _permit = state.films().decoding().await?;
+    // Somebody may have had it decoded while this one waited.
+    if let Some(screen) = state.films().screen(content) {
+        return Ok(screen);
+    }
+    let film = stored(state, content).await?;
+    let made = tokio::task::spawn_blocking(move || Arc::new(Screen::of(&film)));
+    let screen = made.await.expect("drawing does not panic");
+    state.films().keep(content, screen.clone());
+    Ok(screen)
+}
+
+/// The small pictures of a film of the store.
+pub async fn thumbnails(state: &AppState, content: &Hash) -> Answer<Thumbnails> {
+    if let Some(known) = kept_thumbnails(state, content).await? {
+        return Ok(known);
+    }
+    let _permit = state.films().decoding().await?;
+    // Somebody may have had them drawn while this one waited.
+    if let Some(known) = kept_thumbnails(state, content).await? {
+        return Ok(known);
+    }
+    let film = stored(state, content).await?;
+    let drawn = tokio::task::spawn_blocking(move || draw_thumbnails(&film));
+    let (thumbnails, content) = (drawn.await.expect("drawing does not panic"), content.clone());
+    let keep = move |store: &mut Store| {
+        keep_thumbnails(store, &content, &thumbnails);
+        Ok(thumbnails)
+    };
+    state.store(keep).await
+}
+
+/// Keeps small pictures; where the store cannot be written now, they are drawn again another time.
+pub fn keep_thumbnails(store: &mut Store, content: &Hash, thumbnails: &Thumbnails) {
+    let _ = store.keep_thumbnails(content, thumbnails);
+}
+
+async fn kept_thumbnails(state: &AppState, content: &Hash) -> Answer<Option<Thumbnails>> {
+    let content = content.clone();
+    state.store(move |store| store.thumbnails(&content)).await
+}
+
+async fn stored(state: &AppState, content: &Hash) -> Answer<FilmFile> {
+    let content = content.clone();
+    let bytes = state.store(move |store| store.content(&content)).await?;
+    Ok(decode(state, bytes).await?)
+}
+
+/// Decodes a film in a process of its own.
+pub async fn decode(state: &AppState, bytes: Vec<u8>) -> Result<FilmFile, FilmError> {
+    let options = state.options().clone();
+    let decoded = tokio::task::spawn_blocking(move || {
+        let arguments: Vec<&str> = options.decoder_arguments.iter().map(String::as_str).collect();
+        decode_in_child(&options.decoder, &arguments, bytes, &ChildLimits::default())
+    });
+    decoded.await.expect("waiting for a process does not panic")
+}

@@ -1,0 +1,136 @@
+//! Uploading films that are not in a study yet.
+
+use spineline_store::Role;
+use std::sync::Arc;
+
+use axum::body::Bytes;
+use axum::extract::rejection::BytesRejection;
+use axum::extract::{DefaultBodyLimit, State};
+use axum::http::StatusCode;
+use axum::response::Response;
+use spineline::anatomy::Posture;
+use spineline::measure::{Stance, View, judge_spacing, judge_view};
+use spineline_files::sha256_hex;
+use spineline_films::{FilmFile, FilmLimits, FilmRemark};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::png;
+use super::screen::decode;
+use crate::api::{Notice, Problem, Severity, SpacingView, UploadView, Wire};
+use crate::extract::{Json, Path};
+use crate::film_cache::{Upload, draw_thumbnails};
+use crate::problem::{Answer, Failure};
+use crate::session::User;
+use crate::state::AppState;
+use crate::words;
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    let largest = usize::try_from(FilmLimits::default().file_bytes).unwrap_or(usize::MAX);
+    OpenApiRouter::new()
+        .routes(routes!(upload))
+        .layer(DefaultBodyLimit::max(largest))
+        .routes(routes!(thumbnail))
+}
+
+/// Takes one film's file: DICOM, PNG, JPEG or TIFF.
+#[utoipa::path(post, path = "/api/uploads",
+    request_body(content = Vec<u8>, content_type = "application/octet-stream"),
+    responses((status = 200, body = UploadView), (status = 401, body = Problem),
+        (status = 403, body = Problem), (status = 413, body = Problem),
+        (status = 422, body = Problem)))]
+async fn upload(
+    State(state): State<AppState>,
+    user: User,
+    body: Result<Bytes, BytesRejection>,
+) -> Answer<Json<UploadView>> {
+    user.need(Role::Editor)?;
+    let bytes: Vec<u8> = body.map_err(|refused| unread(&refused))?.into();
+    let _permit = state.films().decoding().await?;
+    let film = decode(&state, bytes.clone()).await?;
+    let looked = tokio::task::spawn_blocking(move || look(&film, bytes));
+    let (upload, mut view) = looked.await.expect("looking does not panic");
+    view.upload = state.films().uploads.keep(&user.name, state.now(), Arc::new(upload))?;
+    Ok(Json(view))
+}
+
+fn unread(refused: &BytesRejection) -> Failure {
+    let status = refused.status();
+    if status == StatusCode::PAYLOAD_TOO_LARGE {
+        let limit = FilmLimits::default().file_bytes >> 20;
+        let text = format!("the file exceeds the limit of {limit} MB");
+        return Failure::new(status, "too_large", text).help("export only the frontal film");
+    }
+    Failure::new(status, "unread", "the upload is incomplete").help("upload the file again")
+}
+
+/// A small picture of an upload.
+#[utoipa::path(get, path = "/api/uploads/{upload}/thumbnail",
+    responses((status = 200, content_type = "image/png"), (status = 401, body = Problem),
+        (status = 404, body = Problem)))]
+async fn thumbnail(
+    State(state): State<AppState>,
+    user: User,
+    Path(upload): Path<String>,
+) -> Answer<Response> {
+    let upload = state.films().uploads.get(&user.name, &upload, state.now())?;
+    Ok(png(upload.thumbnail.clone()))
+}
+
+/// What a film says of itself; nothing of it names the patient.
+fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
+    let spacing = judge_spacing(&film.tags.spacing);
+    let judged = judge_view(&film.tags.view, None);
+    let picture: Vec<u8> = film.stored.iter().flat_map(i32::to_le_bytes).collect();
+    let is_lateral = judged.view == Some(View::Lateral);
+    let remarks = film.remarks.iter().map(|remark| notice(code(remark), remark.to_string()));
+    let of_spacing =
+        spacing.remarks.iter().map(|remark| notice("spacing_remark", remark.to_string()));
+    let of_view = judged.questions.iter().map(|asked| notice("view_question", asked.to_string()));
+    let view = UploadView {
+        upload: String::new(),
+        format: match &film.tags.transfer_syntax {
+            Some(syntax) => format!("{}, {syntax}", film.kind),
+            None => film.kind.to_string(),
+        },
+        columns: film.columns,
+        rows: film.rows,
+        pixel_aspect: words::pixel_aspect(spacing.spacing),
+        // Bends and traction are taken lying down; only one film is taken erect.
+        posture: (film.tags.view.stance == Some(Stance::Erect)).then_some(Wire(Posture::Erect)),
+        is_lateral,
+        is_synthetic: film.tags.is_phantom,
+        patient_left: judged.patient_left.map(Wire),
+        spacing: spacing.spacing.map(|spacing| SpacingView {
+            column_mm: spacing.column_mm,
+            row_mm: spacing.row_mm,
+            plane: Wire(spacing.plane),
+            text: words::spacing_text(Some(spacing)),
+        }),
+        notices: remarks.chain(of_spacing).chain(of_view).collect(),
+    };
+    let upload = Upload {
+        bytes,
+        kind: film.kind,
+        columns: film.columns,
+        rows: film.rows,
+        spacing: spacing.spacing,
+        is_lateral,
+        is_synthetic: film.tags.is_phantom,
+        picture: sha256_hex(&picture),
+        thumbnail: draw_thumbnails(film).plain,
+    };
+    (upload, view)
+}
+
+fn code(remark: &FilmRemark) -> &'static str {
+    match remark {
+        FilmRemark::BurnedIn | FilmRemark::BurnedInUnknown => "burned_in_text",
+        _ => "film_remark",
+    }
+}
+
+fn notice(code: &str, text: String) -> Notice {
+    let severity = if code == "film_remark" { Severity::Note } else { Severity::Warning };
+    Notice { severity, code: code.to_owned(), posture: None, level: None, line: None, text }
+}

@@ -1,0 +1,146 @@
+//! What every request passes before a handler sees it, and what every answer carries.
+
+use axum::body::Body;
+use axum::extract::{Request, State};
+use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+use subtle::ConstantTimeEq;
+
+use crate::problem::{Answer, Failure};
+use crate::session;
+use crate::state::AppState;
+
+/// Largest body that any route may take, in bytes: a study's films in one archive.
+pub const LARGEST_UPLOAD_BYTES: usize = 600 << 20;
+/// Carries the session's token of every request that changes something.
+const CSRF: &str = "x-spineline-csrf";
+
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; font-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'self'";
+
+/// Goes with every answer, whatever it is.
+const HEADERS: [(&str, &str); 6] = [
+    ("content-security-policy", POLICY),
+    ("x-content-type-options", "nosniff"),
+    ("referrer-policy", "no-referrer"),
+    ("cross-origin-opener-policy", "same-origin"),
+    ("cross-origin-resource-policy", "same-origin"),
+    ("x-frame-options", "DENY"),
+];
+
+/// Adds the headers of every answer. No browser keeps what the interface said.
+pub async fn headers(request: Request, next: Next) -> Response {
+    let is_api = is_api(request.uri());
+    let mut answer = next.run(request).await;
+    let headers = answer.headers_mut();
+    for (name, value) in HEADERS {
+        headers.insert(name, HeaderValue::from_static(value));
+    }
+    if is_api {
+        headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    }
+    answer
+}
+
+/// Refuses what does not come from the app itself.
+pub async fn guard(State(state): State<AppState>, request: Request, next: Next) -> Response {
+    let Ok(_place) = state.in_flight().try_acquire() else {
+        return Failure::new(StatusCode::SERVICE_UNAVAILABLE, "busy", "too many requests at once")
+            .retry_after(1)
+            .into_response();
+    };
+    match check(&state, &request) {
+        Ok(()) => next.run(request).await,
+        Err(refusal) => refusal.into_response(),
+    }
+}
+
+fn check(state: &AppState, request: &Request<Body>) -> Answer<()> {
+    let headers = request.headers();
+    let host = host(request.uri(), headers).filter(|host| state.hosts().allow(host));
+    let host = host.ok_or_else(wrong_host)?;
+    if headers.get(header::CONTENT_ENCODING).is_some_and(|coding| coding != "identity") {
+        return Err(Failure::new(
+            StatusCode::UNSUPPORTED_MEDIA_TYPE,
+            "encoded",
+            "the body is compressed; only uncompressed bodies are accepted",
+        ));
+    }
+    if declared_bytes(headers).is_some_and(|bytes| bytes > LARGEST_UPLOAD_BYTES as u64) {
+        return Err(Failure::new(
+            StatusCode::PAYLOAD_TOO_LARGE,
+            "too_large",
+            format!("the body is larger than {} MB", LARGEST_UPLOAD_BYTES >> 20),
+        ));
+    }
+    let reads = matches!(*request.method(), Method::GET | Method::HEAD);
+    if !is_api(request.uri()) {
+        return Ok(());
+    }
+    if !comes_from_here(headers, &host, state.options().https, reads) {
+        return Err(Failure::new(
+            StatusCode::FORBIDDEN,
+            "wrong_origin",
+            "the request comes from another site",
+        )
+        .help("use the app in the window that it was opened in"));
+    }
+    let signs_in = request.method() == Method::POST && request.uri().path() == "/api/session";
+    if reads || signs_in { Ok(()) } else { csrf(state, headers) }
+}
+
+fn declared_bytes(headers: &HeaderMap) -> Option<u64> {
+    headers.get(header::CONTENT_LENGTH)?.to_str().ok()?.parse().ok()
+}
+
+fn is_api(uri: &Uri) -> bool {
+    uri.path() == "/api" || uri.path().starts_with("/api/")
+}
+
+fn wrong_host() -> Failure {
+    Failure::new(
+        StatusCode::MISDIRECTED_REQUEST,
+        "wrong_host",
+        "the program does not answer under this name",
+    )
+    .help("open the address that `spineline serve` printed, or start it with --host NAME")
+}
+
+/// The one host that a request names, in lower case.
+fn host(uri: &Uri, headers: &HeaderMap) -> Option<String> {
+    let mut named = headers.get_all(header::HOST).iter();
+    let host = named.next()?.to_str().ok()?.to_ascii_lowercase();
+    let agrees = uri.authority().is_none_or(|a| a.as_str().eq_ignore_ascii_case(&host));
+    (named.next().is_none() && agrees).then_some(host)
+}
+
+/// Browsers say where a request comes from. One that changes something must say so; one that reads must not say otherwise.
+fn comes_from_here(headers: &HeaderMap, host: &str, https: bool, reads: bool) -> bool {
+    let scheme = if https { "https" } else { "http" };
+    let site = headers.get("sec-fetch-site");
+    let site_is_own = site.map(|site| site == "same-origin" || (reads && site == "none"));
+    let own = format!("{scheme}://{host}");
+    let origin_is_own = headers
+        .get(header::ORIGIN)
+        .map(|origin| origin.as_bytes().eq_ignore_ascii_case(own.as_bytes()));
+    match (site_is_own, origin_is_own) {
+        (None, None) => reads,
+        (site, origin) => site != Some(false) && origin != Some(false),
+    }
+}
+
+/// Without a cookie nobody is signed in, which is for the handler to say.
+fn csrf(state: &AppState, headers: &HeaderMap) -> Answer<()> {
+    let Some(secret) = session::secret_of(state, headers) else { return Ok(()) };
+    let expected = session::csrf_of(&secret);
+    let given = headers.get(CSRF).map(HeaderValue::as_bytes).unwrap_or_default();
+    if bool::from(given.ct_eq(expected.as_bytes())) {
+        return Ok(());
+    }
+    Err(Failure::new(
+        StatusCode::FORBIDDEN,
+        "csrf",
+        "the request does not carry the token of its session",
+    )
+    .help("load the page again"))
+}

@@ -1,0 +1,30 @@
+//! The host names under which the program answers.
+
+/// The names under which the program answers. Any other is that of a site that had its name lead here.
+#[derive(Debug)]
+pub struct Hosts(Vec<String>);
+
+impl Hosts {
+    /// The address itself and the loopback names with its port; further names with that port, another one of their own, or
+    /// none, as a proxy asks for them.
+    pub fn new(address: std::net::SocketAddr, further: &[String]) -> Self {
+        let port = address.port();
+        let own = ["localhost", "127.0.0.1", "[::1]"].map(|name| format!("{name}:{port}"));
+        let mut hosts = Vec::from(own);
+        hosts.push(address.to_string());
+        if port == 80 {
+            hosts.extend(["localhost", "127.0.0.1", "[::1]"].map(str::to_owned));
+        }
+        for name in further {
+            let name = name.to_ascii_lowercase();
+            hosts.push(format!("{name}:{port}"));
+            hosts.push(name);
+        }
+        Self(hosts)
+    }
+
+    /// Whether the program answers under this host name, in lower case.
+    pub fn allow(&self, host: &str) -> bool {
+        self.0.iter().any(|allowed| allowed == host)
+    }
+}

@@ -1,0 +1,178 @@
+//! Listening, and connections that take their time.
+//!
+//! `axum::serve` cannot replace this loop: it sets no deadline for the head of a request and no limit of connections, and its
+//! graceful end waits for event streams that never end.
+
+use std::net::SocketAddr;
+use std::pin::pin;
+use std::sync::Arc;
+use std::time::Duration;
+
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::server::graceful::GracefulShutdown;
+use hyper_util::service::TowerToHyperService;
+use spineline_store::Store;
+use tokio::io::{AsyncRead, AsyncWrite};
+use tokio::net::TcpListener;
+use tokio::sync::{Semaphore, watch};
+
+use crate::app::app;
+use crate::state::{AppState, ServeOptions};
+
+/// Connections at once; further ones wait to be accepted.
+const MOST_CONNECTIONS: usize = 256;
+/// Longest wait for the whole head of the next request.
+const HEAD_TIMEOUT: Duration = Duration::from_secs(30);
+/// Most bytes of a request's head.
+const LARGEST_HEAD_BYTES: usize = 64 << 10;
+/// How long requests may go on after the end was asked for. Streams of events never end by themselves.
+const END_TIMEOUT: Duration = Duration::from_secs(3);
+/// Rest after a connection that could not be accepted, such as for want of file handles.
+const ACCEPT_REST: Duration = Duration::from_millis(100);
+
+/// A server that listens, and can be run.
+#[derive(Debug)]
+pub struct Server {
+    listener: TcpListener,
+    state: AppState,
+}
+
+impl Server {
+    /// Listens.
+    ///
+    /// # Errors
+    /// Whatever keeps a port from being listened on.
+    pub async fn bind(
+        store: Store,
+        address: SocketAddr,
+        options: ServeOptions,
+    ) -> std::io::Result<Self> {
+        Self::on(TcpListener::bind(address).await?, store, options)
+    }
+
+    /// Answers where somebody listens already.
+    ///
+    /// # Errors
+    /// Whatever keeps a listener from telling its address.
+    pub fn on(listener: TcpListener, store: Store, options: ServeOptions) -> std::io::Result<Self> {
+        let state = AppState::new(store, listener.local_addr()?, options);
+        Ok(Self { listener, state })
+    }
+
+    /// Where it listens.
+    #[must_use]
+    pub fn address(&self) -> SocketAddr {
+        self.state.address()
+    }
+
+    /// The tokens that sign in, one after the other: each is good once. It belongs behind `#` of the address, which browsers
+    /// send to nobody.
+    #[must_use]
+    pub fn tokens(&self) -> watch::Receiver<String> {
+        self.state.token().follow()
+    }
+
+    /// Answers until `end` comes, and then for a few seconds what was asked before.
+    ///
+    /// # Errors
+    /// None so far.
+    pub async fn run(self, end: impl Future<Output = ()> + Send + 'static) -> std::io::Result<()> {
+        let app = app(self.state.clone());
+        let open = GracefulShutdown::new();
+        let places = Arc::new(Semaphore::new(MOST_CONNECTIONS));
+        let mut end = pin!(end);
+        loop {
+            let accepted = async {
+                let place = Arc::clone(&places).acquire_owned().await;
+                (place, self.listener.accept().await)
+            };
+            let (place, accepted) = tokio::select! {
+                accepted = accepted => accepted,
+                () = &mut end => break,
+            };
+            let Ok((stream, _)) = accepted else {
+                tokio::time::sleep(ACCEPT_REST).await;
+                continue;
+            };
+            // Small answers are not held back for larger ones; without it they are slower and as right.
+            let _ = stream.set_nodelay(true);
+            let connection = open.watch(connection(stream, app.clone()));
+            tokio::spawn(async move {
+                // A client that goes away is no error of ours.
+                let _ = connection.await;
+                drop(place);
+            });
+        }
+        drop(self.listener);
+        self.state.changes().close();
+        // What is still open then is closed with the program.
+        let _ = tokio::time::timeout(END_TIMEOUT, open.shutdown()).await;
+        Ok(())
+    }
+}
+
+type Connection<I> = http1::Connection<TokioIo<I>, TowerToHyperService<axum::Router>>;
+
+fn connection<I: AsyncRead + AsyncWrite + Unpin + Send + 'static>(
+    stream: I,
+    app: axum::Router,
+) -> Connection<I> {
+    http1::Builder::new()
+        .timer(TokioTimer::new())
+        .header_read_timeout(HEAD_TIMEOUT)
+        .max_buf_size(LARGEST_HEAD_BYTES)
+        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(app))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use tokio::io::{AsyncReadExt, AsyncWriteExt};
+
+    use super::{AppState, ServeOptions, app, connection};
+
+    use spineline_store::{Access, Name, Signature, Store, Timestamp};
+
+    /// What a client reads that sends this and then nothing more, until the server has had enough. Time is made up.
+    async fn answer_to(sent: &str) -> String {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = Timestamp::from_unix_ms(1_750_000_000_000).expect("a moment");
+        let by = Signature::new(Name::new("lead").expect("a name"), at);
+        let store = Store::create(&folder.path().join("store"), &by).expect("a store");
+        let options = ServeOptions {
+            decoder: PathBuf::new(),
+            decoder_arguments: Vec::new(),
+            access: Access::Token,
+            hosts: Vec::new(),
+            https: false,
+        };
+        let address = "127.0.0.1:8765".parse().expect("an address");
+        let app = app(AppState::new(store, address, options));
+        let (mut client, server) = tokio::io::duplex(1 << 16);
+        let served = tokio::spawn(async move {
+            // What the client reads shows how it ends.
+            let _ = connection(server, app).await;
+        });
+        client.write_all(sent.as_bytes()).await.expect("sent");
+        let mut read = Vec::new();
+        client.read_to_end(&mut read).await.expect("the server ends the connection");
+        served.await.expect("served");
+        String::from_utf8(read).expect("text")
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn f65_a_head_that_never_ends_is_not_waited_for() {
+        for sent in ["", "GET / HT", "GET / HTTP/1.1\r\nHost: 127.0.0.1:8765\r\nX-Slow: "] {
+            assert!(!answer_to(sent).await.contains("200 OK"), "{sent}");
+        }
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn f65_a_body_that_never_ends_is_not_waited_for() {
+        let head = "POST /api/session HTTP/1.1\r\nHost: 127.0.0.1:8765\r\nOrigin: http://127.0.0.1:8765\r\nContent-Type: application/json\r\nContent-Length: 1000\r\n\r\n{\"kind\"";
+        let answer = answer_to(head).await;
+        assert!(answer.starts_with("HTTP/1.1 40"), "{answer}");
+    }
+}

@@ -1,0 +1,101 @@
+//! What the list of studies shows, kept until a study changes.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use spineline::anatomy::{Level, Posture};
+use spineline_store::{
+    FilmRecord, Name, ReadingId, ReadingRecord, ReadingState, Store, StoreError,
+};
+
+use crate::api::StudyStatus;
+
+/// Overviews of studies, each with the sequence number of the log that it belongs to.
+#[derive(Default)]
+pub struct OverviewCache(Mutex<HashMap<String, (i64, Arc<Overview>)>>);
+
+/// All that a list needs of a study, for any user.
+pub struct Overview {
+    /// Films.
+    pub films: Vec<FilmRecord>,
+    /// Readings.
+    pub readings: Vec<ReadingRecord>,
+    /// Vertebrae of L4 to T2 with four corners.
+    pub complete: BTreeMap<ReadingId, u32>,
+    /// Status by the landmarks alone, and the same in words.
+    pub status: (StudyStatus, String),
+}
+
+impl Overview {
+    /// The count of a reading that was finished already and so has not changed.
+    fn final_count(&self, reading: &ReadingRecord) -> Option<u32> {
+        let known = self.readings.iter().find(|known| known.id == reading.id)?;
+        known.finished_at?;
+        self.complete.get(&reading.id).copied()
+    }
+}
+
+impl OverviewCache {
+    /// The overview of a study at a sequence number of the log.
+    ///
+    /// # Errors
+    /// Whatever keeps the store from reading.
+    pub fn of(
+        &self,
+        store: &Store,
+        study: &Name,
+        sequence: i64,
+    ) -> Result<Arc<Overview>, StoreError> {
+        let known = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let before = known().get(study.as_str()).cloned();
+        if let Some((at, overview)) = &before
+            && *at == sequence
+        {
+            return Ok(overview.clone());
+        }
+        let (films, readings) = (store.films(study)?, store.readings(study)?);
+        let mut complete = BTreeMap::new();
+        for reading in &readings {
+            let counted = before.as_ref().and_then(|(_, overview)| overview.final_count(reading));
+            let count = match counted {
+                Some(count) => count,
+                None => complete_levels(&store.reading_state(reading.id)?),
+            };
+            complete.insert(reading.id, count);
+        }
+        let status = status_of(&films, &readings, &complete);
+        let overview = Arc::new(Overview { films, readings, complete, status });
+        known().insert(study.to_string(), (sequence, overview.clone()));
+        Ok(overview)
+    }
+}
+
+fn complete_levels(state: &ReadingState) -> u32 {
+    let of_model = state.vertebrae.iter().filter(|(level, _)| level.model_index().is_some());
+    of_model.filter(|(_, marks)| marks.is_complete()).count() as u32
+}
+
+/// The status of a study by its landmarks alone.
+fn status_of(
+    films: &[FilmRecord],
+    readings: &[ReadingRecord],
+    complete: &BTreeMap<ReadingId, u32>,
+) -> (StudyStatus, String) {
+    let all = Level::MODEL.len();
+    let erect = films.iter().filter(|film| film.posture == Posture::Erect);
+    let best = erect
+        .flat_map(|film| readings.iter().filter(|reading| reading.film == film.id))
+        .filter_map(|reading| complete.get(&reading.id).copied())
+        .max()
+        .unwrap_or(0);
+    if best as usize == all {
+        (
+            StudyStatus::Marking,
+            format!("all {all} vertebrae on the erect film; no finished reading"),
+        )
+    } else if best > 0 || complete.values().any(|&count| count > 0) {
+        (StudyStatus::Marking, format!("{best} of {all} vertebrae on the erect film"))
+    } else {
+        (StudyStatus::ToMark, "no vertebra has landmarks yet".to_owned())
+    }
+}

@@ -1,0 +1,61 @@
+//! Changes that lost a race, in words.
+
+use serde_json::Value;
+use spineline_store::{FilmRecord, LostChange, ReadingId, Store, StoreError};
+
+use crate::api::LostChangeView;
+
+pub fn of_reading(store: &Store, reading: ReadingId) -> Result<Vec<LostChangeView>, StoreError> {
+    Ok(store.conflicts_of_reading(reading)?.iter().map(view).collect())
+}
+
+pub fn of_film(store: &Store, film: &FilmRecord) -> Result<Vec<LostChangeView>, StoreError> {
+    let named = |lost: &LostChange| {
+        let lost = view(lost);
+        LostChangeView { text: format!("{} film: {}", film.posture, lost.text), ..lost }
+    };
+    Ok(store.conflicts_of_film(film.id)?.iter().map(named).collect())
+}
+
+fn view(lost: &LostChange) -> LostChangeView {
+    LostChangeView {
+        who: lost.who.to_string(),
+        at_ms: lost.at.unix_ms(),
+        text: serde_json::from_str(&lost.change).map_or_else(|_| String::new(), |c| words(&c)),
+        base_revision: lost.base_revision,
+        found_revision: lost.found_revision,
+    }
+}
+
+/// An event, edit or finish in words.
+fn words(change: &Value) -> String {
+    let word = |key: &str| change[key].as_str().unwrap_or_default().replace('_', " ");
+    let place = || format!("({}, {})", change["column_px"], change["row_px"]);
+    match change["kind"].as_str() {
+        Some("place_corner" | "move_corner") => {
+            format!("{} {} corner to {}", word("level"), word("corner"), place())
+        }
+        Some("set_axis") => match &change["axis_deg"] {
+            Value::Null => format!("{} axis reset to its corners", word("level")),
+            axis => format!("{} axis to {axis}°", word("level")),
+        },
+        Some("remove_vertebra") => format!("{} removed", word("level")),
+        Some("place_iliac_crest") => format!("{} iliac crest to {}", word("side"), place()),
+        Some("scale") => format!("a scale of {} mm", change["length_mm"]),
+        Some("invert") => inverted(&change["inverted"]),
+        Some("note") => format!("note: {}", change["text"].as_str().unwrap_or_default()),
+        Some(kind @ ("undo" | "redo" | "finish")) => kind.to_owned(),
+        _ if !change["posture"].is_null() => format!("posture to {}", word("posture")),
+        _ if !change["inverted"].is_null() => inverted(&change["inverted"]),
+        _ => {
+            let [column, row] = ["column_spacing_mm", "row_spacing_mm"]
+                .map(|key| change[key].as_f64().unwrap_or(f64::NAN));
+            format!("scale to {column:.3} mm × {row:.3} mm per pixel")
+        }
+    }
+}
+
+fn inverted(value: &Value) -> String {
+    let how = if *value == true { "inverted" } else { "as in the file" };
+    format!("grey values {how}")
+}

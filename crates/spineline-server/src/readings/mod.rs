@@ -1,0 +1,170 @@
+//! Readings: begun, marked, taken back, finished.
+
+mod lost;
+mod view;
+
+use axum::extract::State;
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Response};
+use spineline_store::{FilmCode, FilmId, ReadingId, Role, SeenReading, Store, StoreError};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use crate::access::{seen_film, seen_reading};
+use crate::api::{Change, ConflictAnswer, Finish, NewReading, Problem, ReadingView};
+use crate::extract::{Json, Path};
+use crate::problem::{Answer, Failure};
+use crate::session::User;
+use crate::state::AppState;
+
+pub use lost::{of_film as lost_of_film, of_reading as lost_of_reading};
+pub use view::view;
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new()
+        .routes(routes!(begin))
+        .routes(routes!(begin_planned))
+        .routes(routes!(reading))
+        .routes(routes!(finish))
+}
+
+/// Begins a reading of a film.
+#[utoipa::path(post, path = "/api/films/{film}/readings", request_body = NewReading,
+    responses((status = 200, body = ReadingView), (status = 404, body = Problem),
+        (status = 409, body = Problem)))]
+async fn begin(
+    State(state): State<AppState>,
+    user: User,
+    Path(film): Path<i64>,
+    Json(new): Json<NewReading>,
+) -> Answer<Json<ReadingView>> {
+    let by = user.sign(state.now());
+    let asker = state.clone();
+    let view = state.ask(move |store| {
+        let film = seen_film(store, &user, FilmId(film))?;
+        user.need_on_study(store, &film.study, Role::Editor)?;
+        let id = store.begin_reading(film.id, new.repeat, &by)?;
+        announced(&asker, store, &user, id)
+    });
+    view.await.map(Json)
+}
+
+/// Begins the planned reading of a code.
+#[utoipa::path(post, path = "/api/codes/{code}/readings",
+    responses((status = 200, body = ReadingView), (status = 404, body = Problem),
+        (status = 409, body = Problem)))]
+async fn begin_planned(
+    State(state): State<AppState>,
+    user: User,
+    Path(code): Path<String>,
+) -> Answer<Json<ReadingView>> {
+    let by = user.sign(state.now());
+    let asker = state.clone();
+    let view = state.ask(move |store| {
+        let code = FilmCode::new(&code);
+        let study = store.observer(&user.name).study_of(&code)?;
+        user.on_study(store, &study)?;
+        let id = store.begin_planned(&code, &by)?;
+        announced(&asker, store, &user, id)
+    });
+    view.await.map(Json)
+}
+
+/// A reading as it stands.
+#[utoipa::path(get, path = "/api/readings/{reading}",
+    responses((status = 200, body = ReadingView), (status = 404, body = Problem)))]
+async fn reading(
+    State(state): State<AppState>,
+    user: User,
+    Path(reading): Path<i64>,
+) -> Answer<Json<ReadingView>> {
+    let view = state.ask(move |store| {
+        let seen = seen_reading(store, &user, ReadingId(reading))?;
+        view(store, &user, &seen, &[])
+    });
+    view.await.map(Json)
+}
+
+/// Finishes a reading, which never changes from then on.
+#[utoipa::path(post, path = "/api/readings/{reading}/finish", request_body = Finish,
+    responses((status = 200, body = ReadingView), (status = 404, body = Problem),
+        (status = 409, body = ConflictAnswer), (status = 422, body = Problem)))]
+async fn finish(
+    State(state): State<AppState>,
+    user: User,
+    Path(reading): Path<i64>,
+    Json(new): Json<Finish>,
+) -> Answer<Response> {
+    let by = user.sign(state.now());
+    let asker = state.clone();
+    let answer = state.ask(move |store| {
+        let id = ReadingId(reading);
+        let known = may_mark(store, &user, id)?;
+        let before = known.state(&[])?;
+        // A finish whose acknowledgement was lost.
+        let is_repeated = before.finished && before.revision == new.expected_revision;
+        let finished = if is_repeated && known.record.observer == user.name {
+            Ok(())
+        } else {
+            store.finish_reading(id, new.expected_revision, &by).map(drop)
+        };
+        answer_of(&asker, store, &user, id, finished)
+    });
+    Ok(match answer.await? {
+        Ok(view) => Json(view).into_response(),
+        Err(lost) => conflict(lost),
+    })
+}
+
+/// A reading that this user may change: a planned one, or one of a study that they may edit.
+pub fn may_mark(store: &Store, user: &User, reading: ReadingId) -> Answer<SeenReading> {
+    let seen = seen_reading(store, user, reading)?;
+    if seen.code.is_none() {
+        user.need_on_study(store, &seen.study.id, Role::Editor)?;
+    }
+    Ok(seen)
+}
+
+/// The reading after a change, or as it stands where the change lost.
+pub fn answer_of(
+    state: &AppState,
+    store: &Store,
+    user: &User,
+    reading: ReadingId,
+    changed: Result<(), StoreError>,
+) -> Answer<Result<ReadingView, ConflictAnswer>> {
+    match changed {
+        Ok(()) => announced(state, store, user, reading).map(Ok),
+        Err(error @ StoreError::Conflict { .. }) => {
+            let problem = Failure::from(error).into_problem();
+            // A lost change is news too: it is kept.
+            let reading = announced(state, store, user, reading)?;
+            Ok(Err(ConflictAnswer { problem, reading }))
+        }
+        Err(other) => Err(other.into()),
+    }
+}
+
+/// The answer to a change that lost.
+pub fn conflict(lost: ConflictAnswer) -> Response {
+    (StatusCode::CONFLICT, Json(lost)).into_response()
+}
+
+/// The reading after a change; everybody who looks at its study is notified.
+fn announced(
+    state: &AppState,
+    store: &Store,
+    user: &User,
+    reading: ReadingId,
+) -> Answer<ReadingView> {
+    let seen = seen_reading(store, user, reading)?;
+    let view = view(store, user, &seen, &[])?;
+    let change = Change {
+        who: user.name.to_string(),
+        film: Some(seen.film.id.0),
+        reading: Some(reading.0),
+        revision: Some(view.revision),
+    };
+    state.changes().send(&seen.study.id, change);
+    Ok(view)
+}

@@ -1,0 +1,180 @@
+//! A reading as it stands, with what follows from it at once.
+
+use std::collections::BTreeMap;
+
+use spineline::anatomy::{Level, Side};
+use spineline::measure::{
+    CornerName, Corners, ImageGeometry, NextLandmark, PartialMark, PartialReading, ProposedVertebra,
+};
+use spineline::spatial::{Angle, Pixel};
+use spineline_store::{Corner, CrestSide, Event, ReadingState, SeenReading, Store, StoreError};
+
+use super::lost;
+use crate::api::{
+    AxisView, CornerView, CrestsView, LostChangeView, NextMark, Notice, PostureName,
+    Proposal as ProposalView, ReadingImage, ReadingView, Severity, VertebraView, Wire,
+};
+use crate::problem::Answer;
+use crate::session::User;
+use crate::words;
+
+/// A reading as this user may see it, after all its events and these, which are not recorded.
+pub fn view(
+    store: &Store,
+    user: &User,
+    seen: &SeenReading,
+    pending: &[Event],
+) -> Answer<ReadingView> {
+    let state = seen.state(pending)?;
+    let conflicts = lost::of_reading(store, seen.record.id)?;
+    view_of(seen, &state, conflicts, seen.record.observer == user.name)
+}
+
+fn view_of(
+    seen: &SeenReading,
+    state: &ReadingState,
+    conflicts: Vec<LostChangeView>,
+    mine: bool,
+) -> Answer<ReadingView> {
+    let (record, film) = (&seen.record, &seen.film);
+    let image =
+        spineline_files::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
+    let marks = marks(state);
+    let is_blinded = seen.code.is_some();
+    let posture = (!is_blinded).then_some(Wire(film.posture));
+    let crest = |side| state.iliac_crests_px.get(&side).copied();
+    Ok(ReadingView {
+        reading: record.id.0,
+        study: (!is_blinded).then(|| seen.study.id.to_string()),
+        film: (!is_blinded).then_some(film.id.0),
+        posture,
+        code: seen.code.as_ref().map(ToString::to_string),
+        observer: record.observer.to_string(),
+        repeat: (!is_blinded).then_some(record.repeat),
+        mine,
+        finished: state.finished,
+        synthetic: seen.study.synthetic,
+        image: ReadingImage {
+            columns: image.columns,
+            rows: image.rows,
+            pixel_aspect: words::pixel_aspect(image.spacing),
+            patient_left: Wire(image.patient_left),
+            plane: words::plane_of(&image),
+            spacing_text: words::spacing_text(image.spacing),
+            inverted: state.inverted.unwrap_or(film.inverted),
+        },
+        revision: state.revision,
+        undoable: state.undoable,
+        redoable: state.redoable,
+        vertebrae: marks.vertebrae.iter().map(|(&l, m)| vertebra(&image, l, m)).collect(),
+        crests: CrestsView { left_px: crest(Side::Left), right_px: crest(Side::Right) },
+        notes: state.notes.clone(),
+        order: PartialReading::order().map(|level| level.to_string()).to_vec(),
+        next: marks.next().map(next_mark),
+        proposal: marks.propose_next(&image).map(|proposal| proposal_view(&proposal)),
+        faults: faults(&marks, &image, posture),
+        conflicts,
+    })
+}
+
+/// What is marked, as the library takes it.
+fn marks(state: &ReadingState) -> PartialReading {
+    let vertebrae: BTreeMap<Level, PartialMark> = state
+        .vertebrae
+        .iter()
+        .map(|(&level, marks)| {
+            let corner =
+                |name| marks.corners.get(&name).map(|&[column, row]| Pixel::new(column, row));
+            let corners = Corners {
+                superior_left: corner(Corner::SuperiorLeft),
+                superior_right: corner(Corner::SuperiorRight),
+                inferior_left: corner(Corner::InferiorLeft),
+                inferior_right: corner(Corner::InferiorRight),
+            };
+            (level, PartialMark { corners, axis_clockwise: marks.axis_deg.map(Angle::from_deg) })
+        })
+        .collect();
+    let crests = [Side::Left, Side::Right]
+        .map(|side| state.iliac_crests_px.get(&side).map(|&[column, row]| Pixel::new(column, row)));
+    PartialReading { vertebrae, crests }
+}
+
+fn vertebra(image: &ImageGeometry, level: Level, mark: &PartialMark) -> VertebraView {
+    let corners = CornerName::ORDER.into_iter().filter_map(|name| {
+        let place = name.of(&mark.corners)?;
+        Some(CornerView { corner: corner(name), px: pair(place) })
+    });
+    let body = mark.body(image);
+    let axis = body.map(|body| AxisView {
+        from_px: pair(body.axis[0]),
+        to_px: pair(body.axis[1]),
+        axis_deg: spineline_files::written_axis_deg(body.axis_clockwise),
+        by_hand: mark.axis_clockwise.is_some(),
+        text: tilt_text(body.tilt),
+    });
+    VertebraView {
+        level: level.to_string(),
+        corners: corners.collect(),
+        complete: mark.complete().is_some(),
+        midpoint_px: body.map(|body| pair(body.midpoint)),
+        axis,
+    }
+}
+
+fn tilt_text(tilt: Angle) -> String {
+    match tilt.side() {
+        Some(side) if tilt.abs().to_string() != "0.0°" => {
+            format!("tilt {} to {}", tilt.abs(), words::patients(side))
+        }
+        _ => "tilt 0.0°".to_owned(),
+    }
+}
+
+fn next_mark(next: NextLandmark) -> NextMark {
+    match next {
+        NextLandmark::Corner(level, name) => {
+            NextMark::Corner { level: level.to_string(), corner: corner(name) }
+        }
+        NextLandmark::Crest(Side::Left) => NextMark::Crest { side: CrestSide::Left },
+        NextLandmark::Crest(Side::Right) => NextMark::Crest { side: CrestSide::Right },
+    }
+}
+
+fn proposal_view(proposal: &ProposedVertebra) -> ProposalView {
+    let corners = CornerName::ORDER.into_iter().map(|name| {
+        let place = name.of(&proposal.corners);
+        // Nobody places a corner to more than a hundredth of a pixel.
+        let px = pair(place).map(|px| (px * 100.0).round() / 100.0);
+        CornerView { corner: corner(name), px }
+    });
+    ProposalView { level: proposal.level.to_string(), corners: corners.collect() }
+}
+
+fn faults(
+    marks: &PartialReading,
+    image: &ImageGeometry,
+    posture: Option<PostureName>,
+) -> Vec<Notice> {
+    let notices = marks.faults(image).into_iter().map(|fault| Notice {
+        severity: if fault.is_error() { Severity::Error } else { Severity::Warning },
+        code: fault.code().to_owned(),
+        posture,
+        level: fault.level().map(|level| level.to_string()),
+        line: None,
+        text: fault.to_string(),
+    });
+    notices.collect()
+}
+
+fn corner(name: CornerName) -> Corner {
+    match name {
+        CornerName::SuperiorLeft => Corner::SuperiorLeft,
+        CornerName::SuperiorRight => Corner::SuperiorRight,
+        CornerName::InferiorRight => Corner::InferiorRight,
+        CornerName::InferiorLeft => Corner::InferiorLeft,
+    }
+}
+
+fn pair(place: Pixel) -> [f64; 2] {
+    [place.column_px, place.row_px]
+}

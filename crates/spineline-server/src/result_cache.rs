@@ -1,0 +1,139 @@
+//! Analyses of studies, kept until something changes from which they follow.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use axum::http::StatusCode;
+use spineline::analysis::{Analysis, AnalysisOptions, analyze};
+use spineline::anatomy::Posture;
+use spineline_store::{CaseReadings, CurrentCase, Name, Store, StoreError};
+
+use crate::problem::{Answer, Failure};
+use crate::words;
+
+/// The outcome of the analysis of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome {
+    /// The erect film is not complete.
+    Waiting,
+    /// The landmarks contradict one another.
+    Refused {
+        /// What is wrong.
+        text: String,
+        /// What to do about it.
+        help: String,
+    },
+    /// The analysis.
+    Analysed(Box<Analysis>),
+}
+
+/// Results from the readings of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StudyResult {
+    /// Study.
+    pub study: Name,
+    /// The case from which it is computed.
+    pub current: CurrentCase,
+    /// What follows.
+    pub outcome: Outcome,
+}
+
+impl StudyResult {
+    /// Analyses a case.
+    pub fn of(study: &Name, current: CurrentCase) -> Self {
+        let has_erect = current.film(Posture::Erect).is_some_and(|film| film.missing().is_empty());
+        let outcome = if has_erect {
+            match analyze(&current.complete_case(), &AnalysisOptions::default()) {
+                Ok(analysis) => Outcome::Analysed(Box::new(analysis)),
+                Err(error) => {
+                    Outcome::Refused { text: error.to_string(), help: error.help().to_owned() }
+                }
+            }
+        } else {
+            Outcome::Waiting
+        };
+        Self { study: study.clone(), current, outcome }
+    }
+
+    /// The analysis, where there is one.
+    pub fn analysis(&self) -> Option<&Analysis> {
+        match &self.outcome {
+            Outcome::Analysed(analysis) => Some(analysis),
+            Outcome::Waiting | Outcome::Refused { .. } => None,
+        }
+    }
+
+    /// The analysis, or why there is none.
+    ///
+    /// # Errors
+    /// A refusal for whoever asks for more than the films give.
+    pub fn analysed(&self) -> Answer<&Analysis> {
+        match &self.outcome {
+            Outcome::Analysed(analysis) => Ok(analysis),
+            Outcome::Waiting => {
+                let text = words::progress(&self.current);
+                Err(Failure::new(StatusCode::CONFLICT, "not_ready", text).help(
+                    "place the landmarks of all vertebrae from L4 to T2 on the erect film, and finish the reading",
+                ))
+            }
+            Outcome::Refused { text, help } => {
+                Err(Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text).help(help))
+            }
+        }
+    }
+}
+
+/// Results by study, each with the last change that it knows; events of unfinished readings do not count.
+#[derive(Default)]
+pub struct ResultCache(Mutex<BTreeMap<Name, (i64, Arc<StudyResult>)>>);
+
+impl fmt::Debug for ResultCache {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("ResultCache").finish_non_exhaustive()
+    }
+}
+
+impl ResultCache {
+    /// A result that is kept and knows this change.
+    pub fn get(&self, study: &Name, sequence: i64) -> Option<Arc<StudyResult>> {
+        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let (of, result) = kept.get(study)?;
+        (*of == sequence).then(|| Arc::clone(result))
+    }
+
+    /// Keeps a result, unless a newer one is kept.
+    pub fn keep(&self, sequence: i64, result: &Arc<StudyResult>) {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let newer = kept.get(&result.study).is_some_and(|(of, _)| *of > sequence);
+        if !newer {
+            kept.insert(result.study.clone(), (sequence, Arc::clone(result)));
+        }
+    }
+
+    /// What follows from the finished readings of a study, computed where nobody has yet.
+    ///
+    /// # Errors
+    /// As [`Store::current_case`].
+    pub fn result(&self, store: &Store, study: &Name) -> Result<Arc<StudyResult>, StoreError> {
+        let sequence = store.last_result_change(study)?.sequence;
+        if let Some(result) = self.get(study, sequence) {
+            return Ok(result);
+        }
+        let current = store.current_case(study, CaseReadings::Finished)?;
+        let result = Arc::new(StudyResult::of(study, current));
+        self.keep(sequence, &result);
+        Ok(result)
+    }
+}
+
+/// Computes beside the threads that answer. A request that is dropped before this begins computes nothing.
+///
+/// # Errors
+/// A refusal where the library gave up.
+pub async fn computed<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Answer<T> {
+    tokio::task::spawn_blocking(work).await.map_err(|_| {
+        Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", "the computation failed")
+            .help("the program has a bug: please report it with the case file")
+    })
+}

@@ -1,0 +1,247 @@
+//! Many studies together.
+
+use std::sync::Arc;
+
+use axum::extract::State;
+use spineline::action::LineKind;
+use spineline::analysis::Analysis;
+use spineline::cohort::{Clustered, Cohort};
+use spineline::evaluate::statistics::{Summary, box_summary};
+use spineline_store::StoreError;
+
+use super::curves::main_curve;
+use super::summary::{ResultSummary, known, of_result, summary};
+use super::{notices, reliability};
+use crate::access::{prepared, sees_results};
+use crate::api::{
+    BoxChart, BoxView, CohortCell, CohortRow, CohortView, ComparisonView, Notice, Severity,
+};
+use crate::extract::Json;
+use crate::problem::Answer;
+use crate::result_cache::{Outcome, StudyResult, computed};
+use crate::session::User;
+use crate::state::AppState;
+
+/// The bootstrap starts from here.
+const BOOTSTRAP_SEED: u64 = 1;
+const LINES: [LineKind; 3] = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
+const WHISKERS: &str = "box: quartiles and median; whiskers: last value within 1.5 interquartile ranges; circles: values beyond";
+
+/// A study as the cohort sees it.
+struct Member {
+    study: String,
+    synthetic: bool,
+    summary: ResultSummary,
+    result: Option<Arc<StudyResult>>,
+}
+
+/// All studies that the one who asks may see.
+#[utoipa::path(get, path = "/api/cohort", responses((status = 200, body = CohortView)))]
+pub async fn cohort(State(state): State<AppState>, user: User) -> Answer<Json<CohortView>> {
+    let studies = prepared(&state, &user).await?;
+    let shared = state.clone();
+    let members = state.store(move |store| {
+        let members = studies.into_iter().map(|(study, _)| {
+            let cache = shared.results();
+            let hidden = !sees_results(store, &user, &study.id)?;
+            let result = if hidden { None } else { known(cache, store, &study.id)?.ok() };
+            let line = match &result {
+                Some(result) => of_result(result),
+                None => summary(cache, store, &user, &study.id)?,
+            };
+            let id = study.id.to_string();
+            Ok(Member { study: id, synthetic: study.synthetic, summary: line, result })
+        });
+        members.collect::<Result<Vec<Member>, StoreError>>()
+    });
+    let members = members.await?;
+    computed(move || Json(view(&members))).await
+}
+
+fn view(members: &[Member]) -> CohortView {
+    let results: Vec<&StudyResult> = members.iter().filter_map(|m| m.result.as_deref()).collect();
+    let counted = members.iter().filter(|member| excluded(member).is_none());
+    let counted = counted.filter_map(|member| member.result.as_ref());
+    let analyses: Vec<&Analysis> = counted.filter_map(|result| result.analysis()).collect();
+    let mut found = CohortView {
+        synthetic: members.iter().any(|member| member.synthetic),
+        rows: members.iter().map(row).collect(),
+        charts: Vec::new(),
+        comparisons: Vec::new(),
+        reliability: reliability::of_studies(&results, "all studies"),
+        verdict: Vec::new(),
+        notices: cohort_notices(members),
+    };
+    for result in &results {
+        found.reliability.extend(reliability::of_studies(&[result], result.study.as_str()));
+    }
+    if !analyses.is_empty() {
+        let cohort = Cohort::of(&analyses, BOOTSTRAP_SEED);
+        found.charts = charts(&cohort);
+        found.comparisons = comparisons(&cohort);
+        found.verdict = cohort.sentences();
+    }
+    found
+}
+
+fn cohort_notices(members: &[Member]) -> Vec<Notice> {
+    let made_up = members.iter().filter(|member| member.synthetic).count();
+    let synthetic = (made_up > 0).then(|| {
+        let text = format!("{made_up} of {} studies are synthetic", members.len());
+        notices::notice(Severity::Note, "synthetic", text)
+    });
+    let mixed = (made_up > 0 && made_up < members.len()).then(|| {
+        let text = "all statistics of this page pool synthetic and real studies";
+        notices::notice(Severity::Warning, "synthetic_mixed", text)
+    });
+    notices::sorted(synthetic.into_iter().chain(mixed).collect())
+}
+
+/// Why a study takes no part in the statistics.
+fn excluded(member: &Member) -> Option<String> {
+    match member.result.as_ref().map(|result| &result.outcome) {
+        Some(Outcome::Analysed(analysis)) if analysis.warnings.has("no_spacing") => {
+            Some("a film has no spacing; its lengths are not comparable".to_owned())
+        }
+        Some(Outcome::Analysed(_)) => None,
+        _ => Some(member.summary.status_text.clone()),
+    }
+}
+
+fn row(member: &Member) -> CohortRow {
+    let analysis = member.result.as_ref().and_then(|result| result.analysis());
+    CohortRow {
+        study: member.study.clone(),
+        synthetic: member.synthetic,
+        status: member.summary.status,
+        excluded: excluded(member),
+        cells: cells(analysis),
+    }
+}
+
+fn cell(heading: &str, value: Option<f64>, places: usize) -> CohortCell {
+    CohortCell {
+        heading: heading.to_owned(),
+        text: value.map_or_else(|| "–".to_owned(), |value| format!("{value:.places$}")),
+        value,
+    }
+}
+
+/// The same headings for every study.
+fn cells(analysis: Option<&Analysis>) -> Vec<CohortCell> {
+    let of = |value: &dyn Fn(&Analysis) -> Option<f64>| analysis.and_then(value);
+    let cobb = of(&|a| Some(main_curve(a)?.cobb.first()?.1.abs().deg()));
+    let mut cells = vec![
+        cell("Lenke type", of(&|a| a.lenke.map(|lenke| f64::from(lenke.number))), 0),
+        cell("main Cobb (°)", cobb, 1),
+        cell("inflections", of(&|a| Some(a.inflections.all.len() as f64)), 0),
+        cell("segments", of(&|a| Some(a.chain.segments as f64)), 0),
+        cell("segment length (mm)", of(&|a| a.scale().mm(a.chain.segment_mm)), 4),
+        cell("rotation at inflection (m°)", of(&inflection_rotation_mdeg), 1),
+    ];
+    for kind in LINES {
+        for (films, fitted) in [("fitted", true), ("held out", false)] {
+            let heading = format!("{kind}, {films} (mm)");
+            let error =
+                of(&|a| a.models.iter().find(|m| m.kind == kind)?.mean_location_error_mm(fitted));
+            cells.push(cell(&heading, error, 2));
+        }
+    }
+    let warnings = of(&|a| Some(a.warnings.all().len() as f64));
+    cells.push(cell("warnings", warnings, 0));
+    cells
+}
+
+/// Mean rotation of the inflection segments over all films.
+fn inflection_rotation_mdeg(analysis: &Analysis) -> Option<f64> {
+    let estimates = analysis.postures.iter().filter_map(|p| p.inflection_estimates.as_ref());
+    let rotations: Vec<f64> =
+        estimates.flatten().map(|estimate| 1000.0 * estimate.rotation.deg()).collect();
+    (!rotations.is_empty()).then(|| Summary::of(&rotations).mean)
+}
+
+fn charts(cohort: &Cohort) -> Vec<BoxChart> {
+    let errors = |title: &str, held_out: bool| {
+        let boxes = cohort.lines.iter().filter_map(|line| {
+            let errors = if held_out { &line.held_out } else { &line.fitted };
+            box_of(&line.kind.to_string(), &errors.location_mm.values())
+        });
+        chart(title, "location error (mm)", boxes.collect())
+    };
+    let millidegrees = |values: &Clustered| -> Vec<f64> {
+        values.values().iter().map(|deg| 1000.0 * deg).collect()
+    };
+    let rotations = [
+        ("all segments", millidegrees(&cohort.rotation_deg)),
+        ("inflections", millidegrees(&cohort.inflection[0].rotation_deg)),
+        ("least-rotating", millidegrees(&cohort.least_rotation_deg)),
+    ];
+    let [bends, others] = [1, 2].map(|i| cohort.inflection[i].distance_segments.values());
+    vec![
+        errors("Location errors on fitted films", false),
+        errors("Location errors on held-out films", true),
+        chart(
+            "Rotation from the erect posture",
+            "rotation (m°)",
+            rotations.iter().filter_map(|(label, values)| box_of(label, values)).collect(),
+        ),
+        chart(
+            "Inflections to the least-rotating segments",
+            "distance (segments)",
+            [("bends", bends), ("neutral and traction", others)]
+                .iter()
+                .filter_map(|(label, values)| box_of(label, values))
+                .collect(),
+        ),
+    ]
+}
+
+fn chart(title: &str, axis: &str, boxes: Vec<BoxView>) -> BoxChart {
+    BoxChart {
+        title: title.to_owned(),
+        axis: axis.to_owned(),
+        whiskers_text: WHISKERS.to_owned(),
+        boxes,
+    }
+}
+
+/// None for an empty sample.
+fn box_of(label: &str, values: &[f64]) -> Option<BoxView> {
+    let summary = box_summary(values)?;
+    let ([low, high], [lower, median, upper]) = (summary.whiskers, summary.quartiles);
+    Some(BoxView {
+        label: label.to_owned(),
+        count: values.len(),
+        five: [low, lower, median, upper, high],
+        outliers: summary.outliers,
+    })
+}
+
+fn comparisons(cohort: &Cohort) -> Vec<ComparisonView> {
+    let [near_bends, near_others, turn_bends, turn_others] = &cohort.table_2;
+    let distance = "distance to the least-rotating segments, inflections against MMS_Mean";
+    let rotation = "rotation, inflections against MMS_Mean";
+    let all = [
+        (
+            "location error on fitted films, inflection against iliac line".to_owned(),
+            &cohort.location_test,
+            "mm",
+        ),
+        (
+            "Ferguson error on fitted films, inflection against iliac line".to_owned(),
+            &cohort.ferguson_test,
+            "°",
+        ),
+        (format!("{distance}, bends"), near_bends, "segments"),
+        (format!("{distance}, neutral and traction"), near_others, "segments"),
+        (format!("{rotation}, bends"), turn_bends, "°"),
+        (format!("{rotation}, neutral and traction"), turn_others, "°"),
+    ];
+    all.into_iter()
+        .map(|(label, comparison, unit)| ComparisonView {
+            label,
+            pooled_text: comparison.pooled_words(unit),
+            by_patient_text: comparison.patient_words(unit),
+        })
+        .collect()
+}

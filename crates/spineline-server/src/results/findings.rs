@@ -1,0 +1,87 @@
+//! Clinical angles and rotations of a study.
+
+use spineline::analysis::{Analysis, PostureAnalysis};
+use spineline::anatomy::Side;
+use spineline::clinical::ClinicalCurve;
+use spineline::motion::{Motion, SegmentEstimate};
+use spineline::spatial::Angle;
+
+use super::curves::cobb_of;
+use super::words::length_unit;
+use crate::api::{CurveAnglesFinding, CurveFinding, RotationFinding, StudyFindings, Wire};
+
+/// Most segments that are sent of one posture.
+const MOST_SEGMENTS: usize = 200;
+
+pub fn of_study(analysis: &Analysis) -> StudyFindings {
+    StudyFindings {
+        curves: analysis.clinical.iter().map(curve).collect(),
+        lenke_text: analysis.lenke_words(),
+        rotations: analysis.postures.iter().filter_map(|p| rotation(analysis, p)).collect(),
+        inflections_text: analysis.inflection_words(),
+        length_unit: length_unit(analysis.scale()).to_owned(),
+    }
+}
+
+fn curve(curve: &ClinicalCurve) -> CurveFinding {
+    let both = curve.cobb.iter().zip(&curve.ferguson);
+    let angles = both.filter_map(|((posture, _), (_, ferguson))| {
+        let cobb = cobb_of(curve, *posture)?;
+        // Both in the direction of the erect curve.
+        let sign = if curve.cobb[0].1.rad() < 0.0 { -1.0 } else { 1.0 };
+        Some(CurveAnglesFinding {
+            posture: Wire(*posture),
+            cobb_deg: cobb.deg(),
+            ferguson_deg: ferguson.deg() * sign,
+        })
+    });
+    CurveFinding {
+        region: curve.region.to_string(),
+        levels_text: format!("{} – {} – {}", curve.ends.inferior, curve.apex, curve.ends.superior),
+        convex: curve.convex.map(Wire),
+        angles: angles.collect(),
+        flexibility_text: curve.flexibility.zip(curve.convex).map(flexibility_text),
+    }
+}
+
+fn flexibility_text((part, convex): (f64, Side)) -> String {
+    format!("Cobb angle falls by {:.0} % when bending to the {convex}", 100.0 * part)
+}
+
+fn rotation(analysis: &Analysis, posture: &PostureAnalysis) -> Option<RotationFinding> {
+    let motion = posture.motion.as_ref()?;
+    let scale = analysis.scale();
+    let along = |segment: usize| {
+        let mm = segment as f64 * analysis.chain.segment_mm;
+        scale.px(mm).unwrap_or(mm)
+    };
+    let stride = motion.rotations.len().div_ceil(MOST_SEGMENTS).max(1);
+    let drawn: Vec<usize> = (0..motion.rotations.len()).step_by(stride).collect();
+    let millidegrees = |angle: Angle| 1000.0 * angle.deg();
+    Some(RotationFinding {
+        posture: Wire(posture.outline.posture),
+        mean_deg: motion.mean_rotation().deg(),
+        along_mm: drawn.iter().map(|&segment| along(segment)).collect(),
+        rotation_mdeg: drawn.iter().map(|&k| millidegrees(motion.rotations[k])).collect(),
+        texts: texts(motion, posture.inflection_estimates.as_ref()),
+        inflections_mm: analysis.inflection_segments.iter().flatten().map(|&k| along(k)).collect(),
+        least_mm: motion.least.iter().map(|&k| along(k)).collect(),
+    })
+}
+
+fn texts(motion: &Motion, inflections: Option<&[SegmentEstimate; 2]>) -> Vec<String> {
+    let places = ["L2–T9", "T7–T4"];
+    let windows = places.iter().zip(motion.least).enumerate();
+    let text = |(window, (name, least)): (usize, (&&str, usize))| {
+        let turns = motion.rotations.get(least).map_or(0.0, |angle| 1000.0 * angle.deg());
+        let beside = inflections.map_or_else(String::new, |pair| {
+            let SegmentEstimate { segment, distance_segments, rotation, .. } = pair[window];
+            format!(
+                "; the inflection is segment {segment}, at a distance of {distance_segments} segments, and rotates {:.1} m°",
+                1000.0 * rotation.deg()
+            )
+        });
+        format!("{name}: least-rotating segment {least}, {turns:.1} m°{beside}")
+    };
+    windows.map(text).collect()
+}

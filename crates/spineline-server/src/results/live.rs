@@ -1,0 +1,122 @@
+//! What follows from a reading at once, together with the other films of its study.
+
+use axum::extract::State;
+use spineline::anatomy::Posture;
+use spineline::measure::{MeasureError, check_marks};
+use spineline_store::{
+    CaseReadings, CurrentCase, CurrentFilm, Event, FilmId, Name, ReadingId, Store,
+};
+
+use super::{findings, notices, overlay};
+use crate::access::{blinded, seen_reading};
+use crate::api::{FilmOverlay, LiveStatus, LiveView, Notice, Problem, Severity, Wire};
+use crate::extract::{Json, Path};
+use crate::problem::Answer;
+use crate::result_cache::{Outcome, StudyResult, computed};
+use crate::session::User;
+use crate::state::AppState;
+use crate::words::{marked_text, progress};
+
+/// What follows from a reading as it stands.
+#[utoipa::path(get, path = "/api/readings/{reading}/live", params(("reading" = i64, Path)),
+    responses((status = 200, body = LiveView), (status = 403, body = Problem)))]
+pub async fn live(
+    State(state): State<AppState>,
+    user: User,
+    Path(reading): Path<i64>,
+) -> Answer<Json<LiveView>> {
+    let found = state.ask(move |store| in_hand(store, &user, ReadingId(reading), &[]));
+    followed(found.await?).await?.map(Json).ok_or_else(blinded)
+}
+
+/// The study of a reading in hand as it stands for results.
+pub struct InHand {
+    study: Name,
+    film: FilmId,
+    current: CurrentCase,
+}
+
+/// The study of a reading with events that are not recorded; `None` where results are hidden from whoever asks.
+pub fn in_hand(
+    store: &Store,
+    user: &User,
+    reading: ReadingId,
+    pending: &[Event],
+) -> Answer<Option<InHand>> {
+    let seen = seen_reading(store, user, reading)?;
+    if seen.code.is_some() {
+        return Ok(None);
+    }
+    let (study, film) = (seen.study.id, seen.film.id);
+    let current = store.current_case(&study, CaseReadings::InHand { reading, pending })?;
+    Ok(Some(InHand { study, film, current }))
+}
+
+/// What follows for the film in hand; the store is free for others while it is computed.
+pub async fn followed(hand: Option<InHand>) -> Answer<Option<LiveView>> {
+    let Some(InHand { study, film, current }) = hand else { return Ok(None) };
+    computed(move || of_film(&StudyResult::of(&study, current), film)).await.map(Some)
+}
+
+/// What follows for one film of a study.
+fn of_film(result: &StudyResult, film: FilmId) -> LiveView {
+    let hand = result.current.films.iter().find(|current| current.record.id == film);
+    let posture = hand.map_or(Posture::Erect, |hand| hand.record.posture);
+    let missing = hand.map(CurrentFilm::missing).unwrap_or_default();
+    let fault = result.current.marks(posture).and_then(|marks| check_marks(marks).err());
+    let (status, status_text) = status(result, &missing, fault.as_ref());
+    let study = result.analysis().map(findings::of_study);
+    let overlay = if missing.is_empty() && fault.is_none() {
+        overlay::of_film(result, posture)
+    } else {
+        None
+    };
+    let notices = film_notices(result, posture, fault.as_ref());
+    LiveView { status, status_text, overlay, study, notices }
+}
+
+fn status(
+    result: &StudyResult,
+    missing: &[spineline::anatomy::Level],
+    fault: Option<&MeasureError>,
+) -> (LiveStatus, String) {
+    if let Some(fault) = fault {
+        return (LiveStatus::Refused, fault.to_string());
+    }
+    let marked = marked_text(missing);
+    match &result.outcome {
+        Outcome::Refused { text, .. } => (LiveStatus::Refused, text.clone()),
+        _ if !missing.is_empty() => (LiveStatus::Partial, marked),
+        Outcome::Analysed(_) => (LiveStatus::Complete, marked),
+        Outcome::Waiting => {
+            let text =
+                format!("{marked}; no results of the study yet: {}", progress(&result.current));
+            (LiveStatus::Complete, text)
+        }
+    }
+}
+
+/// Notices of a study while one of its films is in hand: that this one is not complete, its status says.
+fn film_notices(
+    result: &StudyResult,
+    posture: Posture,
+    fault: Option<&MeasureError>,
+) -> Vec<Notice> {
+    let name = Wire(posture);
+    let mut notices = notices::of_result(result);
+    notices.retain(|n| !(n.code == "film_left_out" && n.posture == Some(name)));
+    if let Some(fault) = fault {
+        let text = format!("{fault}: {}", fault.help());
+        let mut notice = notices::notice(Severity::Error, "refused", text);
+        notice.posture = Some(name);
+        notices.retain(|other| other.code != "refused");
+        notices.insert(0, notice);
+    }
+    notices
+}
+
+/// An overlay of a film from the finished readings of its study.
+pub fn overlay_of(result: &StudyResult, film: FilmId) -> Option<FilmOverlay> {
+    let film = result.current.films.iter().find(|current| current.record.id == film)?;
+    film.missing().is_empty().then(|| overlay::of_film(result, film.record.posture)).flatten()
+}

@@ -1,0 +1,175 @@
+//! A force that is dragged: what the personalised spine would do under it.
+
+use std::ops::ControlFlow;
+
+use axum::extract::State;
+use axum::http::StatusCode;
+use spineline::analysis::{Analysis, LineModel};
+use spineline::anatomy::Level;
+use spineline::clinical::CurvePlaces;
+use spineline::multibody::{BodyLoad, Deformed, GeneralStatics, Goal, Loading};
+use spineline::response::{
+    SpineAngles, erect_shape, largest_displacement_mm, measure_angles, respond,
+};
+use spineline::spatial::{Angle, Mat3, Vec3, vector_words};
+
+use super::simulated::deformed_shape;
+use crate::access::open_study;
+use crate::access::study_result;
+use crate::api::{LoadAnswer, LoadRequest, Problem};
+use crate::extract::{Json, Path};
+use crate::problem::{Answer, Failure};
+use crate::result_cache::{StudyResult, computed};
+use crate::session::User;
+use crate::state::AppState;
+
+/// Beyond this, an arrow is a slip of the hand.
+const LONGEST_ARROW_MM: f64 = 5_000.0;
+
+/// The equilibrium under a dragged load.
+#[utoipa::path(post, path = "/api/studies/{study}/load", params(("study" = String, Path)),
+    request_body = LoadRequest,
+    responses((status = 200, body = LoadAnswer), (status = 422, body = Problem)))]
+pub async fn load(
+    State(state): State<AppState>,
+    user: User,
+    Path(study): Path<String>,
+    Json(request): Json<LoadRequest>,
+) -> Answer<Json<LoadAnswer>> {
+    let study = open_study(&state, &user, &study).await?;
+    let result = study_result(&state, &study).await?;
+    computed(move || answer(&result, &request)).await?.map(Json)
+}
+
+fn refused(text: impl Into<String>, help: &str) -> Failure {
+    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text).help(help)
+}
+
+fn answer(result: &StudyResult, request: &LoadRequest) -> Answer<LoadAnswer> {
+    let analysis = result.analysed()?;
+    let kind = request.kind.0;
+    let model = analysis.models.iter().find(|model| model.kind == kind).ok_or_else(|| {
+        refused(
+            format!("this study has no model with the {kind}"),
+            "choose a line that has a model",
+        )
+    })?;
+    let movable = Level::MODEL.iter().skip(1).position(|level| level.name() == request.level);
+    let vertebra = 1 + movable.ok_or_else(|| {
+        refused(
+            format!("{:?} cannot carry a load", request.level),
+            "loads act on the vertebrae above the fixed one, L3 to T2",
+        )
+    })?;
+    let force_n = Vec3::from(request.tip_mm) - analysis.spine.midpoints_mm[vertebra];
+    let size = force_n.norm();
+    if size.is_nan() || size > LONGEST_ARROW_MM {
+        let text = format!("the arrow is {size:.0} mm long; the limit is {LONGEST_ARROW_MM:.0} mm");
+        return Err(refused(text, "drag a shorter arrow"));
+    }
+    loaded(analysis, model, vertebra, force_n)
+}
+
+/// The shape, and how much of the load it carries.
+struct Found {
+    deformed: Deformed,
+    part: f64,
+    status_text: String,
+    converged: bool,
+}
+
+fn loaded(
+    analysis: &Analysis,
+    model: &LineModel,
+    vertebra: usize,
+    force_n: Vec3,
+) -> Answer<LoadAnswer> {
+    let spine = &analysis.spine;
+    let erect = erect_shape(spine);
+    let found = if force_n == Vec3::zeros() {
+        let status_text = "no load: the erect shape".to_owned();
+        Found { deformed: erect.clone(), part: 1.0, status_text, converged: true }
+    } else {
+        equilibrium(analysis, model, vertebra, force_n, &erect)?
+    };
+    Ok(LoadAnswer {
+        converged: found.converged,
+        status_text: found.status_text,
+        load_text: load_text(analysis, model, Level::MODEL[vertebra], force_n),
+        part: found.part,
+        texts: texts(analysis, &erect, &found.deformed),
+        shape: deformed_shape(spine, &found.deformed),
+    })
+}
+
+fn equilibrium(
+    analysis: &Analysis,
+    model: &LineModel,
+    vertebra: usize,
+    force_n: Vec3,
+    erect: &Deformed,
+) -> Answer<Found> {
+    let library = &analysis.options.library;
+    let springs = model.stiffness_nmm_per_rad(library);
+    let springs = springs.iter().map(|&joint| Mat3::from_diagonal(&Vec3::from(joint)));
+    let statics = GeneralStatics::new(&analysis.spine, springs, analysis.options.support)
+        .map_err(|error| refused(error.to_string(), "read the notices of the model"))?;
+    let load = BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };
+    let loading = Loading::single(vertebra, load);
+    let response =
+        respond(&statics, &loading, Goal::FullLoad, 1.0, &mut |_, _| ControlFlow::Continue(()))
+            .map_err(|error| refused(error.to_string(), error.help()))?;
+    if let Some(result) = response.result() {
+        let status_text = "equilibrium, reached from the erect spine".to_owned();
+        let deformed = result.deformed.clone();
+        return Ok(Found { deformed, part: 1.0, status_text, converged: true });
+    }
+    let (part, deformed) = response.last_reached().unwrap_or((0.0, erect));
+    let status_text = format!(
+        "NO RESULT: {}; the shape at {:.0} % of the load is shown",
+        response.ending.meaning(),
+        100.0 * part
+    );
+    Ok(Found { deformed: deformed.clone(), part, status_text, converged: false })
+}
+
+fn load_text(analysis: &Analysis, model: &LineModel, level: Level, force_n: Vec3) -> String {
+    let absolute = model.is_absolute(analysis.options.gauge);
+    let meaning = if absolute {
+        ""
+    } else {
+        "; no force was measured: the force is relative to the nominal stiffness, only shapes and ratios are meaningful"
+    };
+    format!(
+        "{:.0} N at the midpoint of {level}: {}{meaning}",
+        force_n.norm(),
+        vector_words(force_n.into())
+    )
+}
+
+fn texts(analysis: &Analysis, erect: &Deformed, shape: &Deformed) -> Vec<String> {
+    let (vertebra, moved_mm) = largest_displacement_mm(&analysis.spine, shape);
+    let level = Level::MODEL[vertebra];
+    let tilts: Vec<Angle> = (0..Level::MODEL.len()).map(|i| erect.tilt(i)).collect();
+    let places = analysis.regions.bounds.map(|bounds| CurvePlaces::choose(bounds, &tilts));
+    let [before, after] = [erect, shape].map(|shape| measure_angles(shape, &places));
+    let mut texts = vec![format!("{level} moves most: {moved_mm:.1} mm")];
+    texts.extend(curve_text(&before, &after));
+    texts.push(format!("lateral tilt of L4–T2: {}", after.lean.leaning()));
+    texts
+}
+
+/// The largest curve of the erect spine before and after.
+fn curve_text(before: &SpineAngles, after: &SpineAngles) -> Option<String> {
+    let both = before.curves.iter().zip(&after.curves);
+    let (before, after) =
+        both.max_by(|a, b| a.0.cobb.abs().rad().total_cmp(&b.0.cobb.abs().rad()))?;
+    // In the direction of the erect curve: a negative number has turned over.
+    let sign = if before.cobb.rad() < 0.0 { -1.0 } else { 1.0 };
+    Some(format!(
+        "{} curve: Cobb {} instead of {}",
+        before.region,
+        after.cobb * sign,
+        before.cobb * sign
+    ))
+}

@@ -1,0 +1,152 @@
+//! The personalised models of a study in three dimensions.
+
+use axum::extract::State;
+use spineline::analysis::{Analysis, Identification, LineModel, MultiplierVerdict};
+use spineline::anatomy::{Level, Posture};
+use spineline::measure::{LengthScale, SpacingPlane, body_widths};
+use spineline::personalize::FitStatus;
+
+use super::notices;
+use super::simulated::{deformed_shape, shape, simulated};
+use super::words::length_unit;
+use crate::access::open_study;
+use crate::access::study_result;
+use crate::api::{
+    BodySize, Identified, JointView, LineModelView, MeasuredShape, ModelView, MultiplierView,
+    Notice, PostureName, Problem, Severity, Wire,
+};
+use crate::extract::{Json, Path};
+use crate::problem::Answer;
+use crate::result_cache::{StudyResult, computed};
+use crate::session::User;
+use crate::state::AppState;
+
+/// The models of a study.
+#[utoipa::path(get, path = "/api/studies/{study}/model", params(("study" = String, Path)),
+    responses((status = 200, body = ModelView), (status = 409, body = Problem)))]
+pub async fn model(
+    State(state): State<AppState>,
+    user: User,
+    Path(study): Path<String>,
+) -> Answer<Json<ModelView>> {
+    let study = open_study(&state, &user, &study).await?;
+    let result = study_result(&state, &study).await?;
+    result.analysed()?;
+    computed(move || result.analysed().map(|analysis| view(&result, analysis))).await?.map(Json)
+}
+
+fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
+    let erect = spineline::response::erect_shape(&analysis.spine);
+    let moved = analysis.postures.iter().skip(1);
+    let relative = analysis.relative_stiffness();
+    let lines = analysis.models.iter().zip(&relative);
+    ModelView {
+        study: result.study.to_string(),
+        synthetic: analysis.synthetic,
+        profile_text: analysis.profile_words().to_owned(),
+        gauge_text: analysis.gauge_words().to_owned(),
+        length_unit: drawn_unit(analysis.scale()).to_owned(),
+        bodies: bodies(result, analysis),
+        erect: deformed_shape(&analysis.spine, &erect),
+        measured: moved
+            .map(|posture| {
+                let (midpoints_mm, axes) =
+                    analysis.spine.posed_on_film(&posture.outline, &analysis.erect().outline);
+                MeasuredShape {
+                    posture: Wire(posture.outline.posture),
+                    shape: shape(&analysis.spine, &midpoints_mm, &axes),
+                }
+            })
+            .collect(),
+        lines: lines.filter_map(|(model, relative)| line(analysis, model, relative)).collect(),
+        verdict: analysis.verdict(&analysis.compare_lines()),
+        notices: model_notices(result, analysis),
+    }
+}
+
+/// What the millimetres of the scene are: without a scale the spine is drawn as long as a usual one.
+const fn drawn_unit(scale: &LengthScale) -> &'static str {
+    match scale.plane {
+        SpacingPlane::Pixels => "mm, for a spine of typical length",
+        _ => length_unit(scale),
+    }
+}
+
+fn bodies(result: &StudyResult, analysis: &Analysis) -> Vec<BodySize> {
+    let scale = analysis.scale();
+    let widths = result.current.marks(Posture::Erect).and_then(body_widths);
+    let widths_mm: Option<Vec<f64>> = widths.map(|widths| {
+        widths.iter().map(|width| width / scale.pixels_per_mm.unwrap_or(1.0)).collect()
+    });
+    let sizes = analysis.spine.body_sizes(widths_mm.as_deref());
+    let body = |(level, size): (&Level, &spineline::multibody::BodySize)| BodySize {
+        level: level.to_string(),
+        width_mm: size.width_mm,
+        depth_mm: size.depth_mm,
+        height_mm: size.height_mm,
+    };
+    Level::MODEL.iter().zip(&sizes).map(body).collect()
+}
+
+fn line(analysis: &Analysis, model: &LineModel, relative: &[f64]) -> Option<LineModelView> {
+    let converged = model.fit.status == FitStatus::Converged
+        && model.postures.iter().all(spineline::evaluate::Simulation::is_usable);
+    Some(LineModelView {
+        kind: Wire::of(model.kind)?,
+        label: model.kind.to_string(),
+        converged,
+        status_text: analysis.fit_words(model),
+        multipliers: multipliers(analysis, model),
+        joints: joints(analysis, model, relative),
+        postures: model.postures.iter().map(|s| simulated(analysis, model, s)).collect(),
+        fitted_error_mm: model.mean_location_error_mm(true),
+        held_out_error_mm: model.mean_location_error_mm(false),
+    })
+}
+
+fn multipliers(analysis: &Analysis, model: &LineModel) -> Vec<MultiplierView> {
+    let verdicts = model.verdicts(analysis);
+    let named = model.groups.names().iter().zip(model.multipliers()).zip(&verdicts);
+    let view = |((name, factor), verdict): ((&String, f64), &MultiplierVerdict)| MultiplierView {
+        label: name.replace('_', " "),
+        factor: factor * model.fit.absolute_scale,
+        identified: match verdict.identification {
+            Identification::Absolute => Identified::Identified,
+            Identification::RatioOnly => Identified::RatioOnly,
+            Identification::AtBound(_) => Identified::Bound,
+            Identification::Contradicted => Identified::Contradicted,
+            Identification::NotConverged => Identified::NotConverged,
+        },
+        text: verdict.to_string(),
+    };
+    named.map(view).collect()
+}
+
+fn joints(analysis: &Analysis, model: &LineModel, relative: &[f64]) -> Vec<JointView> {
+    let stiffness = model.stiffness_nmm_per_rad(&analysis.options.library);
+    let pairs = Level::MODEL.windows(2).zip(&stiffness).zip(relative);
+    let view = |((pair, springs), &relative): ((&[Level], &[f64; 3]), &f64)| JointView {
+        label: format!("{}/{}", pair[0], pair[1]),
+        relative,
+        text: analysis.spring_words(model, *springs),
+        contradicted_in: contradicted_in(model, pair[0]),
+    };
+    pairs.map(view).collect()
+}
+
+fn contradicted_in(model: &LineModel, inferior: Level) -> Vec<PostureName> {
+    let turns = |s: &&spineline::evaluate::Simulation| {
+        s.contradicted.iter().any(|joint| joint.inferior == inferior)
+    };
+    model.postures.iter().filter(turns).map(|s| Wire(s.posture)).collect()
+}
+
+/// The notices of a study, and that millimetres of a spine without a scale are none.
+fn model_notices(result: &StudyResult, analysis: &Analysis) -> Vec<Notice> {
+    let mut notices = notices::of_result(result);
+    if analysis.scale().pixels_per_mm.is_some() {
+        let text = "the erect film has no spacing: the spine is drawn with a typical length";
+        notices.push(notices::notice(Severity::Contradiction, "drawn_typical", text));
+    }
+    notices::sorted(notices)
+}

@@ -1,0 +1,131 @@
+//! Warnings and contradictions for people.
+
+use spineline::analysis::Analysis;
+use spineline::anatomy::Posture;
+use spineline::measure::{LengthScale, SpacingPlane};
+use spineline::warning::{Severity as Kind, Warning};
+use spineline_store::CurrentCase;
+
+use crate::api::{Notice, Severity, Wire};
+use crate::result_cache::{Outcome, StudyResult};
+use crate::words::listed;
+
+/// A notice of a whole study.
+pub fn notice(severity: Severity, code: &str, text: impl Into<String>) -> Notice {
+    let code = code.to_owned();
+    Notice { severity, code, posture: None, level: None, line: None, text: text.into() }
+}
+
+/// Everything to be seen beside the results of a study, worst first.
+pub fn of_result(result: &StudyResult) -> Vec<Notice> {
+    let mut notices = left_out(&result.current);
+    match &result.outcome {
+        Outcome::Waiting => {}
+        Outcome::Refused { text, help } => {
+            notices.push(notice(Severity::Error, "refused", format!("{text}: {help}")));
+        }
+        Outcome::Analysed(analysis) => notices.extend(of_analysis(analysis)),
+    }
+    notices.extend(synthetic(result.current.case.synthetic));
+    sorted(notices)
+}
+
+/// Worst first, and otherwise in their order.
+pub fn sorted(mut notices: Vec<Notice>) -> Vec<Notice> {
+    notices.sort_by_key(|notice| std::cmp::Reverse(notice.severity));
+    notices
+}
+
+/// What an analysis warns of, and what its scale means.
+pub fn of_analysis(analysis: &Analysis) -> Vec<Notice> {
+    let mut notices: Vec<Notice> = analysis.warnings.all().iter().map(of_warning).collect();
+    notices.extend(of_scale(analysis.scale()));
+    notices
+}
+
+pub fn of_warning(warning: &Warning) -> Notice {
+    let line = warning.line.and_then(Wire::of);
+    Notice {
+        severity: match warning.severity() {
+            Kind::Note => Severity::Note,
+            Kind::Warning => Severity::Warning,
+            Kind::Contradiction => Severity::Contradiction,
+        },
+        code: warning.code.to_owned(),
+        posture: warning.posture.map(Wire),
+        level: warning.level.map(|level| level.to_string()),
+        line,
+        text: if line.is_some() { warning.message.clone() } else { warning.text() },
+    }
+}
+
+/// Lengths that are not the patient's. A film without any spacing has a warning of its own.
+pub fn of_scale(scale: &LengthScale) -> Option<Notice> {
+    let text = match scale.plane {
+        SpacingPlane::Patient | SpacingPlane::Pixels => return None,
+        SpacingPlane::Detector => {
+            "lengths are in millimetres on the detector; they exceed the patient's lengths by the magnification of the set-up"
+        }
+        SpacingPlane::Unknown => {
+            "the plane of the millimetres is unknown; lengths may exceed the patient's lengths by the magnification of the set-up"
+        }
+    };
+    Some(notice(Severity::Warning, "scale_not_the_patients", text))
+}
+
+pub fn synthetic(is_synthetic: bool) -> Option<Notice> {
+    is_synthetic.then(|| {
+        notice(Severity::Note, "synthetic", "synthetic films: made by the program, not measured")
+    })
+}
+
+/// Films that take no part.
+fn left_out(current: &CurrentCase) -> Vec<Notice> {
+    let notices = current.films.iter().filter_map(|film| {
+        let missing = film.missing();
+        let posture = film.record.posture;
+        let text = match film.readings {
+            _ if missing.is_empty() => return None,
+            0 => format!("the {posture} film is left out: it has no finished reading"),
+            _ => format!(
+                "the {posture} film is left out: {} without landmarks",
+                listed(&missing, "is", "are")
+            ),
+        };
+        let mut notice = notice(Severity::Warning, "film_left_out", text);
+        notice.posture = Some(Wire(posture));
+        Some(notice)
+    });
+    let no_erect = current.film(Posture::Erect).is_none().then(|| {
+        notice(
+            Severity::Warning,
+            "no_erect_film",
+            "there is no erect film; it is the reference of all other films",
+        )
+    });
+    notices.chain(no_erect).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use spineline::action::LineKind;
+    use spineline::warning::{Step, Warnings};
+
+    use super::*;
+
+    #[test]
+    fn a_line_is_named_once() {
+        let mut warnings = Warnings::default();
+        for kind in [LineKind::Iliac, LineKind::Given] {
+            let posture = Some(Posture::LeftBending);
+            warnings.line(Step::Evaluate, "force_not_found", kind, posture, "no force");
+        }
+        assert_eq!(warnings.all()[0].text(), "iliac line: no force");
+        let [iliac, given] = warnings.all() else { panic!("two lines, two warnings") };
+        let [iliac, given] = [of_warning(iliac), of_warning(given)];
+        assert_eq!((iliac.line, iliac.text.as_str()), (Some(Wire(LineKind::Iliac)), "no force"));
+        // A line that the interface has no name for keeps its own.
+        assert_eq!((given.line, given.text.as_str()), (None, "given line: no force"));
+        assert_eq!(iliac.severity, Severity::Contradiction);
+    }
+}

@@ -1,0 +1,41 @@
+//! Events recorded, with what follows from them in the same answer.
+
+use axum::extract::State;
+use axum::response::{IntoResponse, Response};
+use spineline_store::ReadingId;
+
+use super::live::{followed, in_hand};
+use crate::api::{ConflictAnswer, NewEvent, Preview, Problem};
+use crate::extract::{Json, Path};
+use crate::problem::Answer;
+use crate::readings;
+use crate::session::User;
+use crate::state::AppState;
+
+/// Records events, all or none; answers what follows. The same request once more is answered once more, and records nothing.
+#[utoipa::path(post, path = "/api/readings/{reading}/events", request_body = NewEvent,
+    responses((status = 200, body = Preview), (status = 404, body = Problem),
+        (status = 409, body = ConflictAnswer), (status = 422, body = Problem)))]
+pub async fn record(
+    State(state): State<AppState>,
+    user: User,
+    Path(reading): Path<i64>,
+    Json(new): Json<NewEvent>,
+) -> Answer<Response> {
+    let by = user.sign(state.now());
+    let (asker, reading) = (state.clone(), ReadingId(reading));
+    let answer = state.ask(move |store| {
+        readings::may_mark(store, &user, reading)?;
+        let recorded = store.record_all(reading, &new.events, new.expected_revision, &by);
+        let answer = readings::answer_of(&asker, store, &user, reading, recorded.map(drop))?;
+        // What is recorded is acknowledged, whatever keeps its results from being computed.
+        Ok(answer.map(|view| (view, in_hand(store, &user, reading, &[]).ok().flatten())))
+    });
+    Ok(match answer.await? {
+        Ok((reading, hand)) => {
+            let live = followed(hand).await.ok().flatten();
+            Json(Preview { reading, live }).into_response()
+        }
+        Err(lost) => readings::conflict(lost),
+    })
+}

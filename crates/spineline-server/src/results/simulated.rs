@@ -1,0 +1,91 @@
+//! Simulated films of one model.
+
+use spineline::action::Application;
+use spineline::analysis::{Analysis, LineModel};
+use spineline::evaluate::Simulation;
+use spineline::multibody::{Deformed, SpineModel};
+use spineline::personalize::evidence::ContradictedJoint;
+use spineline::spatial::{Angle, Mat3, Vec3};
+
+use crate::api::{LevelError, Shape, SimulatedPosture, Wire};
+
+/// Parts of a force whose shapes are shown: from none to all of it.
+const PARTS: [f64; 11] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
+
+/// A spine with these poses of its vertebrae.
+pub fn shape(spine: &SpineModel, midpoints_mm: &[Vec3], axes: &[Mat3]) -> Shape {
+    let points = |points: &[Vec3]| points.iter().map(|&point| point.into()).collect();
+    Shape {
+        midpoints_mm: points(midpoints_mm),
+        // Stored by columns, sent by rows.
+        rotations: axes.iter().map(|axes| std::array::from_fn(|i| axes[(i / 3, i % 3)])).collect(),
+        joints_mm: points(&spine.joint_centres_mm(midpoints_mm, axes)),
+    }
+}
+
+pub fn deformed_shape(spine: &SpineModel, deformed: &Deformed) -> Shape {
+    shape(spine, &deformed.midpoints_mm, &deformed.axes)
+}
+
+/// One simulated film.
+pub fn simulated(
+    analysis: &Analysis,
+    model: &LineModel,
+    simulation: &Simulation,
+) -> SimulatedPosture {
+    let path = analysis.force_shapes(model, simulation.posture, &PARTS).unwrap_or_default();
+    let line = &simulation.line;
+    let sign = if simulation.force_n < 0.0 { -1.0 } else { 1.0 };
+    let fixed = [simulation.depth_mm, line.point.y_mm, line.point.z_mm];
+    let top = path.last().and_then(|shape| shape.midpoints_mm.last());
+    let usable = simulation.is_usable();
+    SimulatedPosture {
+        posture: Wire(simulation.posture),
+        fitted: simulation.fitted,
+        converged: usable,
+        status_text: status_text(simulation),
+        force_text: analysis.force_words(model, simulation),
+        line_point_mm: match (line.application, top) {
+            (Application::AtT2, Some(&top)) => top.into(),
+            _ => fixed,
+        },
+        line_direction: [0.0, sign * line.direction.y_mm, sign * line.direction.z_mm],
+        path: path.iter().map(|part| deformed_shape(&analysis.spine, part)).collect(),
+        errors: Simulation::mobile_levels()
+            .iter()
+            .zip(&simulation.location_errors_mm)
+            .map(|(level, &error_mm)| LevelError { level: level.to_string(), error_mm })
+            .collect(),
+        mean_error_mm: usable.then(|| simulation.mean_location_error_mm()),
+        contradictions: simulation.contradicted.iter().map(contradiction_text).collect(),
+    }
+}
+
+fn status_text(simulation: &Simulation) -> String {
+    let left = if simulation.posture.bend().is_some() {
+        format!(
+            "{:.2}° from the measured lateral tilt",
+            Angle::from_rad(simulation.residual).abs().deg()
+        )
+    } else {
+        format!("T2 {:.1} mm from its measured location", simulation.residual.abs())
+    };
+    let status = simulation.status.key().replace('_', " ");
+    if simulation.is_usable() {
+        format!("{status}; {left}")
+    } else {
+        format!("{status}: the nearest shape is shown and is not a result; {left}")
+    }
+}
+
+fn contradiction_text(joint: &ContradictedJoint) -> String {
+    let noise = if joint.beyond_noise { "beyond noise" } else { "within noise" };
+    format!(
+        "{}/{} turns {}, counter-rotating: lever arm {:.0} mm, {:.0} % of the work, {noise}",
+        joint.inferior,
+        joint.superior,
+        joint.rotation.leaning(),
+        joint.lever_arm_mm.abs(),
+        100.0 * joint.weight
+    )
+}

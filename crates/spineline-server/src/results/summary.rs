@@ -1,0 +1,102 @@
+//! A study in the list.
+
+use spineline_store::{Name, Store, StoreError};
+use std::sync::Arc;
+
+use super::{curves, notices};
+use crate::User;
+use crate::access::sees_results;
+use crate::api::{CurveSummary, Severity, StudyStatus};
+use crate::result_cache::{Outcome, ResultCache, StudyResult};
+use crate::words::progress;
+
+/// A study's results as its line in the list shows them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResultSummary {
+    /// How far it has come.
+    pub status: StudyStatus,
+    /// The same in words.
+    pub status_text: String,
+    /// The largest curve.
+    pub curve: Option<CurveSummary>,
+    /// Notices that are warnings.
+    pub warnings: usize,
+    /// Notices that are contradictions.
+    pub contradictions: usize,
+}
+
+impl ResultSummary {
+    fn bare(status: StudyStatus, status_text: String) -> Self {
+        Self { status, status_text, curve: None, warnings: 0, contradictions: 0 }
+    }
+}
+
+/// A study's line in the list, from its finished readings; computed once per change of the study.
+///
+/// # Errors
+/// Whatever keeps a study from being looked at; marks that contradict one another are a status.
+pub fn summary(
+    cache: &ResultCache,
+    store: &Store,
+    user: &User,
+    study: &Name,
+) -> Result<ResultSummary, StoreError> {
+    if !sees_results(store, user, study)? {
+        let text =
+            "blinded readings: results are shown when all planned readings are finished".to_owned();
+        return Ok(ResultSummary::bare(StudyStatus::Blinded, text));
+    }
+    match known(cache, store, study)? {
+        Ok(result) => Ok(of_result(&result)),
+        Err(refusal) => Ok(ResultSummary::bare(StudyStatus::Refused, refusal.to_string())),
+    }
+}
+
+/// What follows from a study, or why its films make no case.
+///
+/// # Errors
+/// Whatever else the store refuses.
+pub fn known(
+    cache: &ResultCache,
+    store: &Store,
+    study: &Name,
+) -> Result<Result<Arc<StudyResult>, StoreError>, StoreError> {
+    match cache.result(store, study) {
+        Ok(result) => Ok(Ok(result)),
+        Err(refusal @ (StoreError::PostureTwice { .. } | StoreError::Case(_))) => Ok(Err(refusal)),
+        Err(error) => Err(error),
+    }
+}
+
+/// A result's line.
+pub fn of_result(result: &StudyResult) -> ResultSummary {
+    let notices = notices::of_result(result);
+    let count = |severity| notices.iter().filter(|notice| notice.severity == severity).count();
+    let (status, status_text) = status(result);
+    ResultSummary {
+        status,
+        status_text,
+        curve: result.analysis().and_then(curves::summary_of),
+        warnings: count(Severity::Warning),
+        contradictions: count(Severity::Contradiction),
+    }
+}
+
+fn status(result: &StudyResult) -> (StudyStatus, String) {
+    match &result.outcome {
+        Outcome::Refused { text, .. } => (StudyStatus::Refused, text.clone()),
+        Outcome::Waiting if result.current.films.iter().all(|film| film.readings == 0) => {
+            (StudyStatus::ToMark, "no finished reading".to_owned())
+        }
+        Outcome::Waiting => (StudyStatus::Marking, progress(&result.current)),
+        Outcome::Analysed(analysis) if analysis.models.is_empty() => {
+            (StudyStatus::Measured, "curve and angles; no model".to_owned())
+        }
+        Outcome::Analysed(analysis) if analysis.is_converged() => {
+            (StudyStatus::Modelled, format!("{} models, all converged", analysis.models.len()))
+        }
+        Outcome::Analysed(_) => {
+            (StudyStatus::NotConverged, "a fit or a simulation did not converge".to_owned())
+        }
+    }
+}

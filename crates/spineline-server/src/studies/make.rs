@@ -1,0 +1,222 @@
+//! New studies: of uploaded films, or of a case file with its films.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use axum::extract::State;
+use axum::http::StatusCode;
+use spineline::anatomy::Posture;
+use spineline::measure::{ImageGeometry, Spacing};
+use spineline_files::{FilmSource, image_value, sha256_hex};
+use spineline_films::{DeidOptions, FilmKind, FilmLimits, deidentify};
+use spineline_store::{CaseError, Name, NewCase, Role, Study};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::{detail, of_study};
+use crate::api::{CaseImport, NewFilm, NewStudy, Problem, ScaleChoice, StudyDetail};
+use crate::extract::Json;
+use crate::film_cache::Upload;
+use crate::problem::{Answer, Failure};
+use crate::session::User;
+use crate::state::AppState;
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new().routes(routes!(new_study)).routes(routes!(import_case))
+}
+
+/// Makes a study of uploaded films. What names the patient is taken out of them.
+#[utoipa::path(post, path = "/api/studies", request_body = NewStudy,
+    responses((status = 200, body = StudyDetail), (status = 401, body = Problem),
+        (status = 403, body = Problem), (status = 404, body = Problem),
+        (status = 409, body = Problem), (status = 422, body = Problem)))]
+async fn new_study(
+    State(state): State<AppState>,
+    user: User,
+    Json(new): Json<NewStudy>,
+) -> Answer<Json<StudyDetail>> {
+    user.need(Role::Editor)?;
+    let id = Name::new(&new.id)?;
+    let now = state.now();
+    let uploads = new
+        .films
+        .iter()
+        .map(|film| Ok((film.clone(), state.films().uploads.get(&user.name, &film.upload, now)?)));
+    let films = uploads.collect::<Answer<Vec<_>>>()?;
+    check(&films)?;
+    let synthetic = films.iter().all(|(_, upload)| upload.is_synthetic);
+    let study = Study { id, label: new.label, synthetic };
+    let prepared = tokio::task::spawn_blocking(move || {
+        let salt = salt()?;
+        let mut case = NewCase::of(study);
+        for (film, upload) in &films {
+            let (bytes, image) = prepared_film(case.id(), film, upload, salt)?;
+            case = case.film(film.posture.0, bytes, image);
+        }
+        Ok::<_, Failure>(case)
+    });
+    let case = prepared.await.expect("preparing films does not panic")?;
+    let used = new.films.into_iter().map(|film| film.upload).collect();
+    add(&state, user, case, used).await
+}
+
+/// Makes a study of a case file, its readings included, and the films that it names.
+#[utoipa::path(post, path = "/api/studies/case", request_body = CaseImport,
+    responses((status = 200, body = StudyDetail), (status = 401, body = Problem),
+        (status = 403, body = Problem), (status = 404, body = Problem),
+        (status = 409, body = Problem), (status = 422, body = Problem)))]
+async fn import_case(
+    State(state): State<AppState>,
+    user: User,
+    Json(import): Json<CaseImport>,
+) -> Answer<Json<StudyDetail>> {
+    user.need(Role::Editor)?;
+    let now = state.now();
+    let mut uploads = BTreeMap::new();
+    for film in &import.films {
+        let upload = state.films().uploads.get(&user.name, &film.upload, now)?;
+        uploads.insert(film.name.clone(), upload);
+    }
+    let used = import.films.iter().map(|film| film.upload.clone()).collect();
+    let read = tokio::task::spawn_blocking(move || {
+        let missing = "a film that the case names was not uploaded";
+        let bytes_of =
+            |file: &str| uploads.get(file).map(|upload| upload.bytes.clone()).ok_or(missing);
+        let case = NewCase::read(&import.text, bytes_of).map_err(|error| case_refused(&error))?;
+        for (posture, file, size) in case.pictures() {
+            let upload = uploads.get(file).ok_or_else(|| refused(missing))?;
+            check_picture(posture, size, upload)?;
+        }
+        let (id, salt) = (case.id().clone(), salt()?);
+        case.rewritten(|bytes| clean(&id, bytes, salt))
+    });
+    let case = read.await.expect("reading does not panic")?;
+    add(&state, user, case, used).await
+}
+
+async fn add(
+    state: &AppState,
+    user: User,
+    case: NewCase,
+    used: Vec<String>,
+) -> Answer<Json<StudyDetail>> {
+    let (asker, now) = (state.clone(), state.now());
+    let detail = state.ask(move |store| {
+        let added = store.add_own_case(&case, &user.sign(now))?;
+        asker.films().uploads.forget(used.iter().map(String::as_str));
+        asker.changes().send(&added.study, of_study(&user));
+        detail(&asker, store, &user, &added.study)
+    });
+    detail.await.map(Json)
+}
+
+/// What can be seen before anything is done.
+fn check(films: &[(NewFilm, Arc<Upload>)]) -> Answer<()> {
+    if films.is_empty() {
+        return Err(refused("a study needs at least one film"));
+    }
+    let (mut postures, mut pictures) = (BTreeSet::new(), BTreeSet::new());
+    for (film, upload) in films {
+        let posture = film.posture.0;
+        if upload.is_lateral {
+            let text = format!("{posture}: the file contains a lateral view");
+            return Err(refused(&text).help("choose the frontal film"));
+        }
+        if !postures.insert(film.posture) {
+            return Err(refused(&format!("the study has two {posture} films"))
+                .help("choose one film per posture"));
+        }
+        if !pictures.insert(&upload.picture) {
+            return Err(refused(&format!("{posture}: the same picture is used twice"))
+                .help("choose a different film for each posture"));
+        }
+    }
+    Ok(())
+}
+
+/// Whether an upload can be the picture that a case was made with.
+fn check_picture(posture: Posture, [columns, rows]: [u64; 2], upload: &Upload) -> Answer<()> {
+    if [u64::from(upload.columns), u64::from(upload.rows)] != [columns, rows] {
+        let text = format!(
+            "{posture}: the case needs a picture of {columns} × {rows} pixels, and this one has {} × {}",
+            upload.columns, upload.rows
+        );
+        return Err(refused(&text).help("choose the original film"));
+    }
+    if upload.is_lateral {
+        let text = format!("{posture}: the file contains a lateral view");
+        return Err(refused(&text).help("choose the frontal film"));
+    }
+    Ok(())
+}
+
+/// A film's de-identified bytes, and its description for the study.
+fn prepared_film(
+    id: &Name,
+    film: &NewFilm,
+    upload: &Upload,
+    salt: [u8; 32],
+) -> Answer<(Vec<u8>, serde_json::Value)> {
+    let bytes = clean(id, &upload.bytes, salt)?;
+    let spacing = match film.scale {
+        ScaleChoice::File => upload.spacing,
+        ScaleChoice::Pixels => {
+            // Without a spacing pixels count as square, and then every angle would be wrong.
+            if upload.spacing.is_some_and(|spacing| !spacing.is_square()) {
+                let posture = film.posture.0;
+                let text = format!("{posture}: the pixels of this file are not square");
+                return Err(refused(&text).help("use the scale of the file, or state a scale"));
+            }
+            None
+        }
+        ScaleChoice::Stated { column_mm, row_mm, plane } => {
+            let stated = Spacing::stated(column_mm, row_mm, plane.0);
+            if !stated.is_plausible() {
+                let text = format!("a spacing of {column_mm} mm × {row_mm} mm is not plausible");
+                return Err(refused(&text).help("state the distance between pixel centres in mm"));
+            }
+            Some(stated)
+        }
+    };
+    let geometry = ImageGeometry {
+        columns: upload.columns,
+        rows: upload.rows,
+        spacing,
+        patient_left: film.patient_left.0,
+    };
+    let extension = if upload.kind == FilmKind::Dicom { "dcm" } else { "png" };
+    let posture = film.posture.0.key();
+    let source = FilmSource {
+        file: Some(format!("{id}-{posture}.{extension}")),
+        sha256: Some(sha256_hex(&bytes)),
+        inverted: film.inverted,
+    };
+    Ok((bytes, image_value(&geometry, source)))
+}
+
+/// A film's file without what names its patient.
+fn clean(id: &Name, bytes: &[u8], salt: [u8; 32]) -> Answer<Vec<u8>> {
+    let options = DeidOptions { case_id: id.to_string(), salt, retain_sex_and_age: false };
+    Ok(deidentify(bytes, &options, &FilmLimits::default())?.bytes)
+}
+
+/// Films of one study stay together; nobody can find the old identifiers.
+fn salt() -> Answer<[u8; 32]> {
+    let mut salt = [0; 32];
+    getrandom::fill(&mut salt).map_err(|_| {
+        Failure::new(
+            StatusCode::INTERNAL_SERVER_ERROR,
+            "random",
+            "the operating system provides no random numbers",
+        )
+    })?;
+    Ok(salt)
+}
+
+fn case_refused(error: &CaseError<&str>) -> Failure {
+    refused(&error.to_string()).help(error.help())
+}
+
+fn refused(text: &str) -> Failure {
+    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text)
+}

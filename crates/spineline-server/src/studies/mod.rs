@@ -1,0 +1,152 @@
+//! Studies: listed, made, looked at, exported.
+
+mod make;
+mod summary;
+
+use axum::extract::State;
+use axum::response::Response;
+use spineline_store::{Name, Next, PlanDesign, Role, Store, Timestamp, Visibility};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use crate::access::{self, study_name};
+use crate::api::{Change, NewPlan, NextReading, PlanView, Problem, StudyDetail, StudySummary};
+use crate::attachment::attachment;
+use crate::extract::{Json, Path};
+use crate::problem::Answer;
+use crate::readings;
+use crate::session::User;
+use crate::state::AppState;
+
+pub use summary::{film_summary, study_summary};
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new()
+        .routes(routes!(list))
+        .routes(routes!(study))
+        .routes(routes!(plan))
+        .routes(routes!(case_file))
+        .merge(make::routes())
+}
+
+/// The studies that the one who asks may see.
+#[utoipa::path(get, path = "/api/studies", responses((status = 200, body = [StudySummary])))]
+async fn list(State(state): State<AppState>, user: User) -> Answer<Json<Vec<StudySummary>>> {
+    let studies = access::prepared(&state, &user).await?;
+    let asker = state.clone();
+    let list = state.ask(move |store| {
+        let summaries = studies.iter();
+        summaries.map(|(study, role)| study_summary(&asker, store, &user, *role, study)).collect()
+    });
+    list.await.map(Json)
+}
+
+/// One study.
+#[utoipa::path(get, path = "/api/studies/{study}",
+    responses((status = 200, body = StudyDetail), (status = 404, body = Problem)))]
+async fn study(
+    State(state): State<AppState>,
+    user: User,
+    Path(study): Path<String>,
+) -> Answer<Json<StudyDetail>> {
+    let (study, asker) = (study_name(&study)?, state.clone());
+    access::prepare(&state, &user, &study).await?;
+    state.ask(move |store| detail(&asker, store, &user, &study)).await.map(Json)
+}
+
+/// A study with its lost changes and its plan.
+pub fn detail(state: &AppState, store: &Store, user: &User, study: &Name) -> Answer<StudyDetail> {
+    let role = user.on_study(store, study)?;
+    let record = store.study(study)?;
+    let summary = study_summary(state, store, user, role, &record)?;
+    let visibility = store.observer(&user.name).visibility(study)?;
+    let mut conflicts = Vec::new();
+    if visibility != Visibility::Reader {
+        for film in store.films(study)? {
+            conflicts.extend(readings::lost_of_film(store, &film)?);
+        }
+    }
+    if visibility == Visibility::Open {
+        for reading in store.readings(study)? {
+            conflicts.extend(readings::lost_of_reading(store, reading.id)?);
+        }
+    }
+    Ok(StudyDetail {
+        summary,
+        conflicts,
+        plan: plan_view(store, user, study, visibility, state.now())?,
+    })
+}
+
+fn plan_view(
+    store: &Store,
+    user: &User,
+    study: &Name,
+    visibility: Visibility,
+    now: Timestamp,
+) -> Answer<Option<PlanView>> {
+    if !store.has_plan(study)? {
+        return Ok(None);
+    }
+    let next = match store.observer(&user.name).next_film_for(study, now)? {
+        Next::Begin(film) => NextReading::Begin { code: film.code.to_string() },
+        Next::Continue(film, reading) => {
+            NextReading::Continue { code: film.code.to_string(), reading: reading.0 }
+        }
+        Next::Wait(until) => NextReading::Wait { until_ms: until.unix_ms() },
+        Next::Done => NextReading::Done,
+    };
+    Ok(Some(PlanView { blinded: visibility != Visibility::Open, next }))
+}
+
+/// Plans blinded readings.
+#[utoipa::path(post, path = "/api/studies/{study}/plan", request_body = NewPlan,
+    responses((status = 200, body = StudyDetail), (status = 403, body = Problem),
+        (status = 404, body = Problem), (status = 409, body = Problem),
+        (status = 422, body = Problem)))]
+async fn plan(
+    State(state): State<AppState>,
+    user: User,
+    Path(study): Path<String>,
+    Json(new): Json<NewPlan>,
+) -> Answer<Json<StudyDetail>> {
+    let (study, now) = (study_name(&study)?, state.now());
+    let asker = state.clone();
+    let detail = state.ask(move |store| {
+        user.need_on_study(store, &study, Role::Admin)?;
+        let observers = new.observers.iter().map(|name| Name::new(name));
+        let observers = observers.collect::<Result<Vec<_>, _>>()?;
+        let NewPlan { repeats, washout_days, seed, .. } = new;
+        let design = PlanDesign { repeats, washout_days, seed };
+        store.reading_plan(&study, &observers, design, &user.sign(now))?;
+        asker.changes().send(&study, of_study(&user));
+        detail(&asker, store, &user, &study)
+    });
+    detail.await.map(Json)
+}
+
+/// A change of the study as a whole.
+pub fn of_study(user: &User) -> Change {
+    Change { who: user.name.to_string(), film: None, reading: None, revision: None }
+}
+
+/// The case file of a study, with its finished readings.
+#[utoipa::path(get, path = "/api/studies/{study}/case",
+    responses((status = 200, content_type = "application/json"), (status = 404, body = Problem),
+        (status = 422, body = Problem)))]
+async fn case_file(
+    State(state): State<AppState>,
+    user: User,
+    Path(study): Path<String>,
+) -> Answer<Response> {
+    let study = study_name(&study)?;
+    let file = format!("{study}.json");
+    let case = state.ask(move |store| {
+        user.on_study(store, &study)?;
+        if store.observer(&user.name).visibility(&study)? != Visibility::Open {
+            return Err(access::blinded());
+        }
+        Ok(store.export_case(&study)?)
+    });
+    Ok(attachment(&file, case.await?.text))
+}

@@ -1,0 +1,104 @@
+//! Studies and films as the list of studies shows them.
+
+use spineline::anatomy::ImageSide;
+use spineline::measure::ImageGeometry;
+use spineline_store::{FilmId, FilmRecord, Role, Store, Study, Visibility};
+
+use crate::api::{FilmSummary, ReadingSummary, StudyStatus, StudySummary, Wire};
+use crate::overview_cache::Overview;
+use crate::problem::Answer;
+use crate::session::User;
+use crate::state::AppState;
+use crate::{results, words};
+
+/// A study in the list, as this user may see it.
+pub fn study_summary(
+    state: &AppState,
+    store: &Store,
+    user: &User,
+    role: Role,
+    study: &Study,
+) -> Answer<StudySummary> {
+    let changed = store.last_change(&study.id)?;
+    let overview = state.overviews().of(store, &study.id, changed.sequence)?;
+    let visibility = store.observer(&user.name).visibility(&study.id)?;
+    let found = results::summary(state.results(), store, user, &study.id)?;
+    let (status, status_text) = match found.status {
+        // Landmarks of unfinished readings count as progress.
+        StudyStatus::ToMark | StudyStatus::Marking => overview.status.clone(),
+        status => (status, found.status_text),
+    };
+    let films = match visibility {
+        // Postures would unblind.
+        Visibility::Reader => Vec::new(),
+        Visibility::Open | Visibility::Apart => overview
+            .films
+            .iter()
+            .map(|film| summary_of(film, &overview, user, visibility))
+            .collect(),
+    };
+    Ok(StudySummary {
+        id: study.id.to_string(),
+        label: study.label.clone(),
+        synthetic: study.synthetic,
+        role: Wire(role),
+        status,
+        status_text,
+        films,
+        curve: found.curve,
+        warnings: found.warnings,
+        contradictions: found.contradictions,
+        changed_ms: changed.at.unix_ms(),
+    })
+}
+
+/// One film of a study in which readings are not hidden from this user, or are left out.
+pub fn film_summary(
+    state: &AppState,
+    store: &Store,
+    user: &User,
+    film: FilmId,
+) -> Answer<FilmSummary> {
+    let film = store.film(film)?;
+    let changed = store.last_change(&film.study)?;
+    let overview = state.overviews().of(store, &film.study, changed.sequence)?;
+    let visibility = store.observer(&user.name).visibility(&film.study)?;
+    Ok(summary_of(&film, &overview, user, visibility))
+}
+
+const UNREADABLE: ImageGeometry =
+    ImageGeometry { columns: 0, rows: 0, spacing: None, patient_left: ImageSide::Left };
+
+fn summary_of(
+    film: &FilmRecord,
+    overview: &Overview,
+    user: &User,
+    visibility: Visibility,
+) -> FilmSummary {
+    // One film that another program described must not hide all studies.
+    let image = spineline_files::parse_image(&film.image, film.posture).unwrap_or(UNREADABLE);
+    let readings = overview.readings.iter().filter(|reading| reading.film == film.id);
+    let readings =
+        readings.filter(|_| visibility == Visibility::Open).map(|reading| ReadingSummary {
+            reading: reading.id.0,
+            observer: reading.observer.to_string(),
+            repeat: reading.repeat,
+            mine: reading.observer == user.name,
+            finished: reading.finished_at.is_some(),
+            complete_levels: overview.complete.get(&reading.id).copied().unwrap_or(0),
+        });
+    FilmSummary {
+        film: film.id.0,
+        posture: Wire(film.posture),
+        columns: image.columns,
+        rows: image.rows,
+        pixel_aspect: words::pixel_aspect(image.spacing),
+        plane: words::plane_of(&image),
+        row_mm: image.spacing.map(|spacing| spacing.row_mm),
+        spacing_text: words::spacing_text(image.spacing),
+        patient_left: Wire(image.patient_left),
+        inverted: film.inverted,
+        revision: film.revision,
+        readings: readings.collect(),
+    }
+}

@@ -1,0 +1,70 @@
+//! The library's values in words.
+
+use spineline::anatomy::{Level, Posture, Side};
+use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
+use spineline_store::CurrentCase;
+
+use crate::api::{PlaneName, Wire};
+
+/// What lengths on a picture are measured in.
+pub fn plane_of(image: &ImageGeometry) -> PlaneName {
+    Wire(image.spacing.map_or(SpacingPlane::Pixels, |spacing| spacing.plane))
+}
+
+/// Height of a pixel over its width, 1 where nobody knows.
+pub fn pixel_aspect(spacing: Option<Spacing>) -> f64 {
+    spacing.map_or(1.0, |spacing| spacing.row_mm / spacing.column_mm)
+}
+
+/// A spacing in words, with its source and uncertainty.
+pub fn spacing_text(spacing: Option<Spacing>) -> String {
+    let Some(spacing) = spacing else { return "no scale: angles only".to_owned() };
+    let Spacing { column_mm, row_mm, plane, source, relative_sd } = spacing;
+    let mut text = format!("{column_mm:.3} mm × {row_mm:.3} mm, {}", plane.unit());
+    if source != SpacingSource::Stated {
+        text.push_str(&format!(", {source}"));
+    }
+    if let Some(sd) = relative_sd {
+        text.push_str(&format!(" (± {:.1} %)", 100.0 * sd));
+    }
+    text
+}
+
+/// The patient's side in words, such as `the patient's right`.
+pub fn patients(side: Side) -> String {
+    format!("the patient's {side}")
+}
+
+/// Vertebrae and their verb, such as `T4, T3 and T2 are`.
+pub fn listed(levels: &[Level], one: &str, many: &str) -> String {
+    let names: Vec<&str> = levels.iter().map(|level| level.name()).collect();
+    match names.split_last() {
+        None => format!("none {one}"),
+        Some((last, [])) => format!("{last} {one}"),
+        Some((last, others)) => format!("{} and {last} {many}", others.join(", ")),
+    }
+}
+
+/// Number of vertebrae in words, such as `12 of 15 vertebrae; T4, T3 and T2 are missing`.
+pub fn marked_text(missing: &[Level]) -> String {
+    let all = Level::MODEL.len();
+    if missing.is_empty() {
+        return format!("all {all} vertebrae");
+    }
+    let list = if missing.len() <= 5 {
+        listed(missing, "is missing", "are missing")
+    } else {
+        let (first, last) = (missing[0], missing[missing.len() - 1]);
+        format!("{} of {first} to {last} are missing", missing.len())
+    };
+    format!("{} of {all} vertebrae; {list}", all - missing.len())
+}
+
+/// How far the erect film is, on which all results wait.
+pub fn progress(current: &CurrentCase) -> String {
+    match current.film(Posture::Erect) {
+        None => "there is no erect film".to_owned(),
+        Some(film) if film.readings == 0 => "no finished reading of the erect film".to_owned(),
+        Some(film) => format!("the erect film has {}", marked_text(&film.missing())),
+    }
+}

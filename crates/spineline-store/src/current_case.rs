@@ -1,0 +1,164 @@
+//! The current case of a study, from which results are computed.
+
+use std::collections::BTreeSet;
+
+use rusqlite::Connection;
+use spineline::analysis::Case;
+use spineline::anatomy::{Level, Posture};
+use spineline::measure::Film;
+
+use crate::assembly;
+use crate::connection::Store;
+use crate::error::StoreError;
+use crate::event::Event;
+use crate::films::{self, FilmRecord};
+use crate::journal;
+use crate::names::{Name, ReadingId};
+use crate::readings::{self, ReadingRecord};
+use crate::state::{ReadingState, VertebraMarks};
+
+/// Which readings of a study the current case uses.
+#[derive(Debug, Clone, Copy)]
+pub enum CaseReadings<'a> {
+    /// All finished ones.
+    Finished,
+    /// On the film of a reading in hand that one alone, with events that are not recorded yet. On every other film the
+    /// same observer's newest reading that is complete, or else all finished ones.
+    InHand {
+        /// The reading in hand.
+        reading: ReadingId,
+        /// Events upon it as it stands.
+        pending: &'a [Event],
+    },
+}
+
+/// A film of the current case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CurrentFilm {
+    /// The film.
+    pub record: FilmRecord,
+    /// Number of readings that are used for it.
+    pub readings: usize,
+    /// Vertebrae of the model with four corners in one of them.
+    pub marked: BTreeSet<Level>,
+}
+
+impl CurrentFilm {
+    /// Vertebrae of the model without landmarks in any of its readings, caudal first.
+    #[must_use]
+    pub fn missing(&self) -> Vec<Level> {
+        Level::MODEL.into_iter().filter(|level| !self.marked.contains(level)).collect()
+    }
+}
+
+/// The current case of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CurrentCase {
+    /// Its films, the erect one first.
+    pub films: Vec<CurrentFilm>,
+    /// What is marked on the films that have readings, of any vertebra.
+    pub case: Case,
+}
+
+impl CurrentCase {
+    /// What is known of one film.
+    #[must_use]
+    pub fn film(&self, posture: Posture) -> Option<&CurrentFilm> {
+        self.films.iter().find(|film| film.record.posture == posture)
+    }
+
+    /// What is marked on one film.
+    #[must_use]
+    pub fn marks(&self, posture: Posture) -> Option<&Film> {
+        self.case.films.iter().find(|film| film.posture == posture)
+    }
+
+    /// The case of the films on which every vertebra of the model is marked.
+    #[must_use]
+    pub fn complete_case(&self) -> Case {
+        let complete =
+            |film: &&Film| self.film(film.posture).is_some_and(|f| f.missing().is_empty());
+        let films = self.case.films.iter().filter(complete).cloned().collect();
+        Case { films, ..self.case.clone() }
+    }
+}
+
+impl Store {
+    /// A study as it stands for results.
+    ///
+    /// # Errors
+    /// As [`Store::export_case`]; [`StoreError::BadEvent`] for a pending event that makes no sense.
+    pub fn current_case(
+        &self,
+        study: &Name,
+        choice: CaseReadings<'_>,
+    ) -> Result<CurrentCase, StoreError> {
+        let snapshot = self.connection.unchecked_transaction()?;
+        let synthetic = films::study(&snapshot, study)?.synthetic;
+        let readings = readings::of_study(&snapshot, study)?;
+        let (mut films, mut marks) = (Vec::new(), Vec::new());
+        for film in assembly::by_posture(&snapshot, study)?.into_values() {
+            let of_film: Vec<&ReadingRecord> =
+                readings.iter().filter(|reading| reading.film == film.id).collect();
+            let chosen = match choice {
+                CaseReadings::Finished => self.finished(&snapshot, &of_film)?,
+                CaseReadings::InHand { reading, pending } => {
+                    let hand = readings.iter().find(|record| record.id == reading);
+                    let object = || reading.to_string();
+                    let hand = hand.ok_or_else(|| StoreError::Unknown { object: object() })?;
+                    self.beside(&snapshot, hand, pending, &of_film)?
+                }
+            };
+            let complete = |state: &ReadingState| -> BTreeSet<Level> {
+                let marked = state.vertebrae.iter().filter(|(_, marks)| marks.is_complete());
+                let levels = marked.map(|(&level, _)| level);
+                levels.filter(|level| level.model_index().is_some()).collect()
+            };
+            let marked: BTreeSet<Level> =
+                chosen.iter().flat_map(|(_, state)| complete(state)).collect();
+            if !marked.is_empty() {
+                marks.push(assembly::film(&film, &chosen)?);
+            }
+            films.push(CurrentFilm { record: film, readings: chosen.len(), marked });
+        }
+        let case = assembly::case(study, synthetic, marks);
+        Ok(CurrentCase { films, case })
+    }
+
+    fn finished<'r>(
+        &self,
+        connection: &Connection,
+        of_film: &[&'r ReadingRecord],
+    ) -> Result<Read<'r>, StoreError> {
+        let finished = of_film.iter().filter(|reading| reading.finished_at.is_some());
+        finished.map(|&reading| Ok((reading, self.state_of(connection, reading)?))).collect()
+    }
+
+    /// What stands for a film beside a reading in hand, which may be of this very film.
+    fn beside<'r>(
+        &self,
+        connection: &Connection,
+        hand: &ReadingRecord,
+        pending: &[Event],
+        of_film: &[&'r ReadingRecord],
+    ) -> Result<Read<'r>, StoreError> {
+        if let Some(&own) = of_film.iter().find(|reading| reading.id == hand.id) {
+            let events = journal::events(connection, own.id)?;
+            return Ok(vec![(own, journal::replayed(own, events, pending)?)]);
+        }
+        let mut own: Vec<&'r ReadingRecord> =
+            of_film.iter().copied().filter(|reading| reading.observer == hand.observer).collect();
+        own.sort_by_key(|reading| std::cmp::Reverse(reading.id));
+        for reading in own {
+            let state = self.state_of(connection, reading)?;
+            let complete =
+                |level: &Level| state.vertebrae.get(level).is_some_and(VertebraMarks::is_complete);
+            if Level::MODEL.iter().all(complete) {
+                return Ok(vec![(reading, state)]);
+            }
+        }
+        self.finished(connection, of_film)
+    }
+}
+
+type Read<'r> = Vec<(&'r ReadingRecord, ReadingState)>;

@@ -1,0 +1,146 @@
+//! How much of a study somebody may see, and when it changed last.
+
+use rusqlite::OptionalExtension;
+
+use crate::connection::Store;
+use crate::error::StoreError;
+use crate::event::Event;
+use crate::films::{self, FilmRecord, Study};
+use crate::journal;
+use crate::names::{Name, ReadingId, Timestamp};
+use crate::plan::{self, FilmCode, ObserverView};
+use crate::readings::{self, ReadingRecord};
+use crate::state::ReadingState;
+
+/// How much of a study an observer may see.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Visibility {
+    /// Everything: there is no plan, or nothing of it is left to finish.
+    Open,
+    /// The plan is incomplete and has readings of this observer: codes, and their own readings.
+    Reader,
+    /// The plan is incomplete and has nothing for them: films, and no readings.
+    Apart,
+}
+
+/// A reading as its observer, or anybody after a plan, may see it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SeenReading {
+    /// The reading.
+    pub record: ReadingRecord,
+    /// Its film.
+    pub film: FilmRecord,
+    /// Its study.
+    pub study: Study,
+    /// The film's code, where the reading is blinded: then nothing else of film and study may be shown.
+    pub code: Option<FilmCode>,
+    events: Vec<Event>,
+}
+
+impl SeenReading {
+    /// The reading after all its events and these.
+    ///
+    /// # Errors
+    /// [`StoreError::BadEvent`].
+    pub fn state(&self, pending: &[Event]) -> Result<ReadingState, StoreError> {
+        journal::replayed(&self.record, self.events.clone(), pending)
+    }
+}
+
+impl ObserverView<'_> {
+    /// How much of a study this observer may see.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`].
+    pub fn visibility(&self, study: &Name) -> Result<Visibility, StoreError> {
+        let snapshot = self.store.connection.unchecked_transaction()?;
+        if !films::is_planned(&snapshot, study)? || plan::is_open(&snapshot, study)? {
+            return Ok(Visibility::Open);
+        }
+        let own = plan::slots_of(&snapshot, study, Some(self.who))?;
+        Ok(if own.is_empty() { Visibility::Apart } else { Visibility::Reader })
+    }
+
+    /// A reading: an own one, or any where the study is open.
+    ///
+    /// # Errors
+    /// [`StoreError::NotYours`], [`StoreError::Unknown`].
+    pub fn reading(&self, reading: ReadingId) -> Result<SeenReading, StoreError> {
+        let snapshot = self.store.connection.unchecked_transaction()?;
+        let record = readings::reading(&snapshot, reading)?;
+        let film = films::film(&snapshot, record.film)?;
+        let study = films::study(&snapshot, &film.study)?;
+        let mut code = None;
+        if films::is_planned(&snapshot, &film.study)? && !plan::is_open(&snapshot, &film.study)? {
+            if record.observer != *self.who {
+                return Err(StoreError::NotYours { reading });
+            }
+            let slots = plan::slots_of(&snapshot, &film.study, Some(self.who))?;
+            let slot = slots.into_iter().find(|slot| slot.is(&record));
+            code = Some(slot.ok_or(StoreError::NotYours { reading })?.code);
+        }
+        let events = journal::events(&snapshot, reading)?;
+        Ok(SeenReading { record, film, study, code, events })
+    }
+}
+
+/// The last entry of the log about a study or anything of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct LastChange {
+    /// Its number.
+    pub sequence: i64,
+    /// Its time.
+    pub at: Timestamp,
+}
+
+/// Objects of a study whose changes may move what follows from its finished readings.
+const RESULT_OBJECTS: &str = "SELECT 'study/' || ?1
+    UNION ALL SELECT 'film/' || id FROM own_films
+    UNION ALL SELECT 'reading/' || id FROM own_readings";
+/// The other objects of a study: its plan, the last click of every reading, and lost changes.
+const OTHER_OBJECTS: &str = "SELECT 'plan/' || id FROM plans WHERE study = ?1
+    UNION ALL SELECT 'event/' || (SELECT sequence FROM events
+        WHERE reading = own_readings.id ORDER BY revision DESC LIMIT 1) FROM own_readings
+    UNION ALL SELECT 'conflict/' || (SELECT max(id) FROM conflicts
+        WHERE object = 'film/' || own_films.id) FROM own_films
+    UNION ALL SELECT 'conflict/' || (SELECT max(id) FROM conflicts
+        WHERE object = 'reading/' || own_readings.id) FROM own_readings";
+
+impl Store {
+    /// When a study, its films, readings, plan or lost changes changed last; a few look-ups, however long its journals are.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`].
+    pub fn last_change(&self, study: &Name) -> Result<LastChange, StoreError> {
+        self.last_entry(study, &format!("{RESULT_OBJECTS} UNION ALL {OTHER_OBJECTS}"))
+    }
+
+    /// When a study, a film of it, or the beginning or end of a reading changed last. Clicks in between move nothing that
+    /// follows from finished readings.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`].
+    pub fn last_result_change(&self, study: &Name) -> Result<LastChange, StoreError> {
+        self.last_entry(study, RESULT_OBJECTS)
+    }
+
+    fn last_entry(&self, study: &Name, objects: &str) -> Result<LastChange, StoreError> {
+        let query = format!(
+            "WITH own_films AS (SELECT id FROM films WHERE study = ?1),
+            own_readings AS (SELECT id FROM readings WHERE film IN (SELECT id FROM own_films)),
+            objects (object) AS ({objects})
+            SELECT sequence, time_ms FROM audit WHERE sequence = (
+                SELECT max((SELECT max(sequence) FROM audit WHERE audit.object = objects.object))
+                FROM objects WHERE object IS NOT NULL)"
+        );
+        let mut statement = self.connection.prepare(&query)?;
+        let found: Option<(i64, i64)> = statement
+            .query_row([study.as_str()], |row| Ok((row.get(0)?, row.get(1)?)))
+            .optional()?;
+        let unknown = || StoreError::Unknown { object: format!("study/{study}") };
+        let (sequence, time_ms) = found.ok_or_else(unknown)?;
+        let at = Timestamp::from_unix_ms(time_ms);
+        let at = at.ok_or_else(|| StoreError::damaged(format!("study/{study}")))?;
+        Ok(LastChange { sequence, at })
+    }
+}

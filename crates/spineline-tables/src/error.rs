@@ -1,0 +1,23 @@
+//! What stops a table from being written.
+
+/// A table that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TableError {
+    /// As CSV.
+    #[error("the table {table} as CSV: {source}")]
+    Csv {
+        /// Which table.
+        table: &'static str,
+        /// Why.
+        source: csv::Error,
+    },
+    /// As Parquet.
+    #[error("the table {table} as Parquet: {source}")]
+    Parquet {
+        /// Which table.
+        table: &'static str,
+        /// Why.
+        source: parquet::errors::ParquetError,
+    },
+}
