@@ -1,6 +1,6 @@
 use crate::define::{Definition, text};
 use crate::table::Table;
-use crate::{Asked, tables_of};
+use crate::{OptionalTables, tables_of};
 
 /// One column of one table.
 struct Entry {
@@ -13,8 +13,8 @@ struct Entry {
 
 /// What every column of every table means, as a table.
 #[must_use]
-pub fn dictionary(asked: Asked) -> Table {
-    let entries: Vec<Entry> = tables_of(&[], asked)
+pub fn dictionary(optional: OptionalTables) -> Table {
+    let entries: Vec<Entry> = tables_of(&[], optional)
         .into_iter()
         .flat_map(|table| {
             table.columns.into_iter().map(move |column| Entry {
@@ -48,7 +48,7 @@ pub fn dictionary(asked: Asked) -> Table {
 #[must_use]
 pub fn dictionary_markdown() -> String {
     let mut text = String::new();
-    for table in tables_of(&[], Asked::ALL) {
+    for table in tables_of(&[], OptionalTables::ALL) {
         text.push_str(&format!("## {}\n\nOne row per {}.\n\n", table.name, table.row));
         text.push_str("| column | unit | type | meaning |\n|---|---|---|---|\n");
         for column in &table.columns {

@@ -2,9 +2,9 @@
 //! rows are. Units end the names of columns, a dictionary says what every column means, and what has no value is empty.
 //!
 //! ```
-//! use spineline_tables::{dictionary, Asked};
+//! use spineline_tables::{dictionary, OptionalTables};
 //!
-//! let text = dictionary(Asked::ALL).to_csv().expect("a table of texts");
+//! let text = dictionary(OptionalTables::ALL).to_csv().expect("a table of texts");
 //! assert!(text.contains("vertebrae,location_error_mm,mm,number,"));
 //! ```
 
@@ -55,14 +55,14 @@ pub struct Patient<'a> {
 
 /// Which optional tables are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Asked {
+pub struct OptionalTables {
     /// Distribution of every quantity.
     pub uncertainty: bool,
     /// Other loads and bases.
     pub hypotheses: bool,
 }
 
-impl Asked {
+impl OptionalTables {
     /// Everything.
     pub const ALL: Self = Self { uncertainty: true, hypotheses: true };
 
@@ -79,10 +79,10 @@ impl Asked {
 /// All tables of some patients, in the order of the dictionary.
 #[must_use]
 pub fn tables(patients: &[Patient<'_>]) -> Vec<Table> {
-    tables_of(patients, Asked::of(patients))
+    tables_of(patients, OptionalTables::of(patients))
 }
 
-fn tables_of(patients: &[Patient<'_>], asked: Asked) -> Vec<Table> {
+fn tables_of(patients: &[Patient<'_>], optional: OptionalTables) -> Vec<Table> {
     let mut all = vec![
         patients::table(patients),
         postures::table(patients),
@@ -96,10 +96,10 @@ fn tables_of(patients: &[Patient<'_>], asked: Asked) -> Vec<Table> {
         reliability::table(patients),
         warnings::table(patients),
     ];
-    if asked.hypotheses {
+    if optional.hypotheses {
         all.push(models::hypotheses(patients));
     }
-    if asked.uncertainty {
+    if optional.uncertainty {
         all.push(uncertainty::table(patients));
     }
     all

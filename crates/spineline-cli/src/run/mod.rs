@@ -5,7 +5,7 @@ pub mod film_decoder;
 pub mod inputs;
 pub mod interrupt;
 pub mod outputs;
-#[cfg(feature = "pdf")]
+#[cfg_attr(not(feature = "pdf"), path = "without_pdf.rs")]
 pub mod pdf;
 pub mod progress;
 pub mod provenance;

@@ -4,7 +4,7 @@ use chrono::{DateTime, Datelike, Timelike, Utc};
 use spineline_pdf::{Made, PdfError};
 use spineline_report::Document;
 
-use super::failure::Failure;
+use crate::run::failure::Failure;
 
 /// The bytes of the PDF.
 ///
@@ -35,6 +35,22 @@ fn made(date_utc: &str) -> Result<Made, Failure> {
         minute: small(date.minute()),
         second: small(date.second()),
     })
+}
+
+/// The analysis JSON that is attached to a report.
+///
+/// # Errors
+/// None in a build with the typesetter.
+pub fn attached(bytes: &[u8]) -> Result<Option<String>, Failure> {
+    Ok(spineline_pdf::embedded(bytes))
+}
+
+/// Refuses before any work is done what this build cannot write.
+///
+/// # Errors
+/// None in a build with the typesetter.
+pub const fn check_is_built() -> Result<(), Failure> {
+    Ok(())
 }
 
 #[cfg(test)]

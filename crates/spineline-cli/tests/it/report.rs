@@ -62,6 +62,17 @@ fn markdown_has_its_figures_beside_it() {
     assert_eq!((count(".svg"), count(".png")), (figures, figures));
 }
 
+#[cfg(not(feature = "pdf"))]
+#[test]
+fn a_program_without_typesetter_says_how_to_get_one_before_any_work() {
+    let here = phantoms(&["1"]);
+    let (_, error, code) = run(here.path(), &["report", "no-such-case", "--to", "pdf"]);
+    assert!(code == 2 && error.contains("--features pdf"), "{code} {error}");
+    fs::write(here.path().join("report.pdf"), "%PDF-1.7").expect("a file");
+    let (_, error, code) = run(here.path(), &["rerun", "report.pdf"]);
+    assert!(code == 2 && error.contains("--features pdf"), "{code} {error}");
+}
+
 #[cfg(feature = "pdf")]
 #[test]
 fn a_typeset_report_holds_its_analysis_and_is_repeated_from_itself_alone() {

@@ -86,7 +86,7 @@ struct SpreadRecord {
 impl UncertaintyRecord {
     pub fn new(found: &Uncertainty, analysis: &Analysis) -> Self {
         Self {
-            replicates: found.asked,
+            replicates: found.requested,
             done: found.done,
             failed: found.failed,
             seed: found.seed,

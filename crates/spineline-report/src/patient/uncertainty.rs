@@ -111,8 +111,8 @@ pub fn numbers(analysis: &Analysis, found: &Uncertainty) -> Section {
         section.paragraph(words);
     }
     section.notice(Notice::new(NoticeKind::Note, Uncertainty::CAVEAT));
-    if found.done < found.asked {
-        let text = format!("Interrupted: {} replicates were requested.", found.asked);
+    if found.done < found.requested {
+        let text = format!("Interrupted: {} replicates were requested.", found.requested);
         section.notice(Notice::new(NoticeKind::Warning, text));
     }
     section.table(places(analysis, found));

@@ -9,7 +9,9 @@ use spineline::anatomy::{Level, Posture};
 use spineline::hypothesis::{Hypothesis, LoadShape};
 use spineline::uncertainty::{LandmarkNoise, MonteCarlo};
 use spineline_phantom::{Readers, Truth, generate};
-use spineline_tables::{Asked, Patient, Table, Values, dictionary, dictionary_markdown, tables};
+use spineline_tables::{
+    OptionalTables, Patient, Table, Values, dictionary, dictionary_markdown, tables,
+};
 
 fn case(subject: usize) -> Case {
     generate(subject, Truth::Rod, &Readers::default(), 5).expect("a subject").case
@@ -141,7 +143,7 @@ fn csv_and_parquet_read_back_as_the_table() {
 #[test]
 fn the_dictionary_knows_every_column_and_no_other() {
     let all = everything(&case(2));
-    let told = dictionary(Asked::ALL);
+    let told = dictionary(OptionalTables::ALL);
     let [tables, columns, units, kinds, meanings] =
         ["table", "column", "unit", "type", "meaning"].map(|column| texts(&told, column));
     let told: Vec<(&str, &str)> =

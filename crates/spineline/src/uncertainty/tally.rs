@@ -81,7 +81,7 @@ pub struct Uncertainty {
     /// Seed of the random streams.
     pub seed: u64,
     /// Requested replicates.
-    pub asked: u64,
+    pub requested: u64,
     /// Replicates that were run.
     pub done: u64,
     /// Replicates whose analysis stopped with an error.
@@ -140,7 +140,7 @@ impl<'a> Tally<'a> {
 
     /// The result, of so many requested replicates.
     #[must_use]
-    pub fn finish(self, asked: u64) -> Uncertainty {
+    pub fn finish(self, requested: u64) -> Uncertainty {
         let spread = |(counted, &quantity): (Counted, &AnalysisQuantity)| {
             let differences = counted.differences;
             let reference = counted.reference.unwrap_or_default();
@@ -156,7 +156,7 @@ impl<'a> Tally<'a> {
         let failure = |((code, line, posture), count)| FailureCount { code, line, posture, count };
         Uncertainty {
             seed: self.of.seed,
-            asked,
+            requested,
             done: self.done,
             failed: self.failed,
             failures: self.failures.into_iter().map(failure).collect(),

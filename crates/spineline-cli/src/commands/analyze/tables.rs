@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
-use spineline_tables::{Asked, Patient, Table, dictionary, tables};
+use spineline_tables::{OptionalTables, Patient, Table, dictionary, tables};
 
 use crate::run::failure::Failure;
 use crate::run::outputs::write_file;
@@ -59,7 +59,7 @@ pub fn write(
             folder.add(&table, "parquet", &bytes?)?;
         }
     }
-    let meanings = dictionary(Asked::of(patients));
+    let meanings = dictionary(OptionalTables::of(patients));
     folder.add(&meanings, "csv", meanings.to_csv()?.as_bytes())?;
     let file = ProvenanceFile::new(folder.files, provenance.clone());
     write_file(&folder.path.join("provenance.json"), to_text(&file))

@@ -27,8 +27,7 @@ pub enum FormName {
     Html,
     /// Markdown, with figures as SVG in a folder beside it
     Md,
-    /// One typeset file (PDF/A-3b) with the analysis attached
-    #[cfg(feature = "pdf")]
+    /// One typeset file (PDF/A-3b) with the analysis attached; only in a program built with `--features pdf`
     Pdf,
 }
 
@@ -38,7 +37,6 @@ impl FormName {
         match self {
             Self::Html => "html",
             Self::Md => "md",
-            #[cfg(feature = "pdf")]
             Self::Pdf => "pdf",
         }
     }

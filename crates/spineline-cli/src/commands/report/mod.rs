@@ -8,10 +8,15 @@ mod write;
 
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::case_files;
+use crate::run::pdf;
+use args::FormName;
 
 pub use args::{EXAMPLES, ReportArgs};
 
 pub fn run(args: &ReportArgs) -> Result<Ending, Failure> {
+    if args.to == FormName::Pdf {
+        pdf::check_is_built()?;
+    }
     let paths = case_files(&args.cases)?;
     match &paths[..] {
         [one] => patient::run(one, args),

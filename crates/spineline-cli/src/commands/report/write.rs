@@ -9,6 +9,7 @@ use spineline_report::{Document, html, markdown, png};
 use super::args::{FormName, ReportArgs};
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{print, print_notices, write_file};
+use crate::run::pdf;
 use crate::run::threads::map_all;
 
 /// Pixels of a PNG per unit of its SVG.
@@ -21,9 +22,6 @@ pub fn all(
     date_utc: &str,
     args: &ReportArgs,
 ) -> Result<Ending, Failure> {
-    // Other forms have their date within the analysis.
-    #[cfg(not(feature = "pdf"))]
-    let _ = date_utc;
     let out = match &args.out {
         Some(out) => out.clone(),
         None => PathBuf::from(format!("{stem}.{}", args.to.ending())),
@@ -31,8 +29,7 @@ pub fn all(
     match args.to {
         FormName::Html => write_file(&out, html(document))?,
         FormName::Md => write_markdown(document, &out)?,
-        #[cfg(feature = "pdf")]
-        FormName::Pdf => write_file(&out, crate::run::pdf::pdf(document, date_utc)?)?,
+        FormName::Pdf => write_file(&out, pdf::pdf(document, date_utc)?)?,
     }
     // A PDF says it itself; a browser looks for letters where it is.
     if args.figures.is_some() {

@@ -19,6 +19,7 @@ use crate::analysis::figures::draw_figures;
 use crate::options::values::{number, threads};
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{print, write_or_print};
+use crate::run::pdf::attached;
 use crate::run::provenance::this_run;
 use difference::{Difference, Found, differences};
 
@@ -114,8 +115,10 @@ fn stored(path: &Path) -> Result<Stored, Failure> {
 fn analysis_text(path: &Path, bytes: &[u8]) -> Result<String, Failure> {
     let text = std::str::from_utf8(bytes).ok().map(|text| text.trim_start_matches('\u{feff}'));
     let is_json = |text: &&str| text.trim_start().starts_with(['{', '[']);
-    let within = || embedded(bytes).or_else(|| attached(bytes));
-    match text.filter(is_json).map(str::to_owned).or_else(within) {
+    if let Some(text) = text.filter(is_json).map(str::to_owned).or_else(|| embedded(bytes)) {
+        return Ok(text);
+    }
+    match attached(bytes)? {
         Some(text) => Ok(text),
         None => Err(Failure::input(
             &path.display().to_string(),
@@ -123,17 +126,6 @@ fn analysis_text(path: &Path, bytes: &[u8]) -> Result<String, Failure> {
             "give a file from `spineline analyze CASE --json FILE` or from `spineline report CASE`",
         )),
     }
-}
-
-/// The analysis JSON that is attached to a typeset report.
-#[cfg(feature = "pdf")]
-fn attached(bytes: &[u8]) -> Option<String> {
-    spineline_pdf::embedded(bytes)
-}
-
-#[cfg(not(feature = "pdf"))]
-const fn attached(_: &[u8]) -> Option<String> {
-    None
 }
 
 /// One analysis again.
