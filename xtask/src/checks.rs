@@ -9,9 +9,6 @@ use crate::{cargo, python, run, tools};
 const WITHOUT_PDF: [&str; 4] = ["--locked", "--workspace", "--exclude", "spineline-pdf"];
 const WITH_PDF: [&str; 4] = ["--locked", "--workspace", "--features", "spineline-cli/pdf"];
 
-/// Tests that are slow because they are studies; they run by themselves.
-const SLOW_STUDIES: &str = "package(spineline-phantom)";
-
 /// The crates of all cargo commands of a plan. They are always the same: another choice would ask for other features of
 /// what they depend on, and build all of it once more.
 fn crates(plan: &Plan<'_>) -> &'static [&'static str] {
@@ -53,16 +50,12 @@ pub fn test(plan: &Plan<'_>) -> Result<(), String> {
     }
 }
 
-/// Studies of minutes over thousands of synthetic patients, which are ignored by other runs.
+/// Studies of minutes over thousands of synthetic patients, which are ignored by other runs. They compute for so long that
+/// a release build pays.
 pub fn slow_studies(plan: &Plan<'_>) -> Result<(), String> {
-    let only = ["--run-ignored", "only", "--filterset", SLOW_STUDIES];
-    if tools::has_nextest() {
-        cargo_on(plan, &["nextest", "run"], &only, &[])
-    } else {
-        let arguments =
-            ["test", "--locked", "--package", "spineline-phantom", "--tests", "--", "--ignored"];
-        cargo(plan.root, &arguments)
-    }
+    let arguments =
+        ["test", "--release", "--locked", "--package", "spineline-phantom", "--test", "it"];
+    cargo(plan.root, &[&arguments[..], &["--", "--ignored"]].concat())
 }
 
 pub fn doctest(plan: &Plan<'_>) -> Result<(), String> {

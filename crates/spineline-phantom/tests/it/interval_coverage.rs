@@ -87,7 +87,7 @@ fn intervals_of_a_few_patients_hold_what_marks_without_noise_give() {
 
 /// The study behind the rows in `validation/README.md`.
 #[test]
-#[ignore = "minutes: cargo test --release -p spineline-phantom --test interval_coverage -- --ignored --nocapture"]
+#[ignore = "minutes: cargo test --release -p spineline-phantom --test it interval_coverage -- --ignored --nocapture"]
 fn over_hundreds_of_patients() {
     let patients: Vec<(usize, u64)> =
         (1..=10).flat_map(|seed| (0..SUBJECTS.len()).map(move |index| (index, seed))).collect();

@@ -154,7 +154,7 @@ fn regions_hold_the_true_line_and_tests_keep_their_size() {
 /// The study behind the rows in `validation/README.md`: some minutes in a release build. The priors of deviations were chosen
 /// with sets 1 to 168 and 1001 to 1168 in view; these are others.
 #[test]
-#[ignore = "over 2,000 patients per truth: cargo test --release -p spineline-phantom --test line_regions -- --ignored --nocapture"]
+#[ignore = "over 2,000 patients per truth: cargo test --release -p spineline-phantom --test it line_regions -- --ignored --nocapture"]
 fn over_two_thousand_patients() {
     for (truth, joint_log_sd) in
         [Truth::Rod, Truth::Pull].into_iter().flat_map(|truth| [(truth, 0.0), (truth, 0.1)])
