@@ -1,6 +1,7 @@
 //! The checks that cargo runs.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::plan::Plan;
 use crate::{cargo, python, run, tools};
@@ -25,8 +26,14 @@ fn cargo_on(
 }
 
 /// The program and its examples as the tests have built them.
+///
+/// They are built once in a run: a step beside others would wait for the build folder, which those use.
 pub fn built(plan: &Plan<'_>, name: &str) -> Result<PathBuf, String> {
-    cargo_on(plan, &["test", "--quiet", "--no-run"], &[], &[])?;
+    static IS_BUILT: AtomicBool = AtomicBool::new(false);
+    if !IS_BUILT.load(Ordering::Acquire) {
+        cargo_on(plan, &["test", "--quiet", "--no-run"], &[], &[])?;
+        IS_BUILT.store(true, Ordering::Release);
+    }
     Ok(python::target()?.join("debug").join(name).with_extension(std::env::consts::EXE_EXTENSION))
 }
 
@@ -40,6 +47,7 @@ pub fn lint(plan: &Plan<'_>) -> Result<(), String> {
 
 /// All tests but slow studies, with nextest where it is installed.
 pub fn test(plan: &Plan<'_>) -> Result<(), String> {
+    built(plan, "spineline")?;
     // What changes the machine for a moment is asked for.
     let variables: &[(&str, &str)] =
         if plan.is_full() { &[("SPINELINE_MOUNT_SMALL_DISKS", "1")] } else { &[] };

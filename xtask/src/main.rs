@@ -25,13 +25,14 @@ cargo xtask COMMAND
 
   test [--full]
            format, tidy, lints, all tests, documentation and its examples, the browser app in Chromium, other programs.
-           --full adds slow studies, typeset reports and full small disks, and fails where a tool is missing
+           --full adds typeset reports, exchange formats and full small disks, and fails where a tool is missing
   quick [--base REV]
            format, tidy, lints, and the quick tests of the crates that a change touches and of those that depend on them;
            the change is what differs from REV (the last commit, unless told otherwise)
   setup    install what the tests need: Debian packages, cargo-nextest, npm packages, Python environments
   check    format, tidy and lints
   tidy     house rules that no compiler knows
+  studies  run the slow studies over thousands of synthetic patients, in a release build (many minutes)
   web      check, test and build the browser app, which the program then embeds
   browser  drive the browser app in Chromium
   engines  compare exported models with MuJoCo, Pinocchio and OpenSim
@@ -107,16 +108,16 @@ fn steps(command: &str) -> Option<Vec<Step>> {
             tidy,
             web,
             Step::new("tests", &[], checks::test),
+            browser.beside(),
             Step::new("doc examples", &[], checks::doctest),
             lint,
             Step::new("docs", &[], checks::rustdoc),
-            browser,
             engines,
             reliability,
             films,
             exchange,
-            Step::new("slow studies", &[], checks::slow_studies).full(),
         ],
+        "studies" => vec![Step::new("studies", &[], checks::slow_studies)],
         "check" => vec![format, tidy, lint],
         "tidy" => vec![tidy],
         "web" => vec![web],
@@ -145,12 +146,11 @@ fn run(
     variables: &[(&str, &str)],
 ) -> Result<(), String> {
     println!("» {program} {}", arguments.join(" "));
-    let status = Command::new(program)
-        .args(arguments)
-        .envs(variables.iter().copied())
-        .current_dir(root)
-        .status()
-        .map_err(|error| format!("`{program}` could not be started: {error}"))?;
+    let mut command = Command::new(program);
+    command.args(arguments).envs(variables.iter().copied()).current_dir(root);
+    plan::direct_output(&mut command);
+    let status =
+        command.status().map_err(|error| format!("`{program}` could not be started: {error}"))?;
     if status.success() {
         Ok(())
     } else {

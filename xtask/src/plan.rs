@@ -1,15 +1,20 @@
-//! Steps in their order: which tools they need, what is left out, and how long each took.
+//! Steps in their order: which tools they need, what runs beside others, what is left out, and how long each took.
 
+use std::cell::RefCell;
+use std::fs::{self, File};
 use std::io::{IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::thread::{self, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
+use crate::python;
 use crate::tools::{self, Tool};
 
 /// How much is run.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
-    /// All but slow studies, typeset reports and what changes the machine for a moment.
+    /// All but typeset reports, exchange formats and what changes the machine for a moment.
     Usual,
     /// Everything; a missing tool is an error.
     Full,
@@ -23,17 +28,32 @@ pub struct Step {
     name: &'static str,
     tools: &'static [Tool],
     extent: Extent,
+    place: Place,
     check: Check,
+}
+
+/// When a step runs.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    /// After the step before it.
+    InTurn,
+    /// Beside the steps after it, with its output in a file, since it leaves a core free.
+    Beside,
 }
 
 impl Step {
     pub fn new(name: &'static str, tools: &'static [Tool], check: Check) -> Self {
-        Self { name, tools, extent: Extent::Usual, check }
+        Self { name, tools, extent: Extent::Usual, place: Place::InTurn, check }
     }
 
     /// The same step, run by `--full` alone.
     pub fn full(self) -> Self {
         Self { extent: Extent::Full, ..self }
+    }
+
+    /// The same step, run beside those after it.
+    pub fn beside(self) -> Self {
+        Self { place: Place::Beside, ..self }
     }
 
     /// The same step, run always.
@@ -54,6 +74,35 @@ struct Ended {
     time: Duration,
     /// Why it was left out, if it was.
     left_out: Option<String>,
+    result: Result<(), String>,
+}
+
+thread_local! {
+    /// Where the programs that this thread starts write, if not to the terminal.
+    static OUTPUT: RefCell<Option<File>> = const { RefCell::new(None) };
+}
+
+/// Lets a program write where the step that starts it writes.
+pub fn direct_output(command: &mut Command) {
+    OUTPUT.with_borrow(|output| {
+        let copies =
+            output.as_ref().and_then(|file| Some([file.try_clone().ok()?, file.try_clone().ok()?]));
+        if let Some([out, err]) = copies {
+            command.stdout(Stdio::from(out)).stderr(Stdio::from(err));
+        }
+    });
+}
+
+fn joined(handle: ScopedJoinHandle<'_, Ended>) -> Ended {
+    handle.join().expect("a step returns its faults")
+}
+
+/// A new file for the output of a step, below the target folder.
+fn output_file(name: &str) -> Result<(PathBuf, File), String> {
+    let folder = python::target()?.join("xtask");
+    let path = folder.join(format!("{name}.log"));
+    let file = fs::create_dir_all(&folder).and_then(|()| File::create(&path));
+    file.map(|file| (path.clone(), file)).map_err(|error| format!("{}: {error}", path.display()))
 }
 
 impl<'a> Plan<'a> {
@@ -74,23 +123,55 @@ impl<'a> Plan<'a> {
             steps.iter().filter(|step| self.is_full() || step.extent == Extent::Usual).collect();
         self.provide_tools(&steps)?;
         let mut ended = Vec::new();
-        let mut result = Ok(());
-        for step in steps {
-            let missing: Vec<&str> =
-                step.tools.iter().filter(|tool| !tool.is_there()).map(|tool| tool.name()).collect();
-            let start = Instant::now();
-            if missing.is_empty() {
-                println!("\n━━ {}", step.name);
-                result = (step.check)(self).map_err(|reason| format!("{}: {reason}", step.name));
+        let result = thread::scope(|scope| {
+            let mut beside: Vec<ScopedJoinHandle<'_, Ended>> = Vec::new();
+            for step in steps {
+                if ended.iter().any(|step: &Ended| step.result.is_err()) {
+                    break;
+                }
+                if step.place == Place::Beside {
+                    beside.push(scope.spawn(move || self.run_beside(step)));
+                } else {
+                    println!("\n━━ {}", step.name);
+                    ended.push(self.run_step(step));
+                }
             }
-            let left_out = (!missing.is_empty()).then(|| missing.join(", "));
-            ended.push(Ended { name: step.name, time: start.elapsed(), left_out });
-            if result.is_err() {
-                break;
-            }
-        }
+            ended.extend(beside.into_iter().map(joined));
+            ended.iter().find_map(|step| step.result.clone().err()).map_or(Ok(()), Err)
+        });
         print_times(&ended);
         result
+    }
+
+    fn run_step(&self, step: &Step) -> Ended {
+        let missing: Vec<&str> =
+            step.tools.iter().filter(|tool| !tool.is_there()).map(|tool| tool.name()).collect();
+        let start = Instant::now();
+        let mut result = Ok(());
+        if missing.is_empty() {
+            result = (step.check)(self).map_err(|reason| format!("{}: {reason}", step.name));
+        }
+        let left_out = (!missing.is_empty()).then(|| missing.join(", "));
+        Ended { name: step.name, time: start.elapsed(), left_out, result }
+    }
+
+    /// Runs a step with its output in a file, and shows that when it has ended.
+    fn run_beside(&self, step: &Step) -> Ended {
+        let log = match output_file(step.name) {
+            Ok(log) => log,
+            Err(reason) => {
+                let result = Err(format!("{}: {reason}", step.name));
+                return Ended { name: step.name, time: Duration::ZERO, left_out: None, result };
+            }
+        };
+        let (path, file) = log;
+        println!("\n━━ {} (beside the next steps; its output is in {})", step.name, path.display());
+        OUTPUT.set(Some(file));
+        let ended = self.run_step(step);
+        OUTPUT.set(None);
+        let output = fs::read_to_string(&path).unwrap_or_default();
+        println!("\n━━ {}, which ran beside\n{output}", step.name);
+        ended
     }
 
     fn provide_tools(&self, steps: &[&Step]) -> Result<(), String> {
