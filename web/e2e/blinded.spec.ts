@@ -27,7 +27,9 @@ test("a plan hides films, readers and results until all is read", async ({ app, 
   const told = answers(bob);
   await app.open(bob, "bob");
   const row = bob.getByRole("article").filter({ hasText: STUDY });
-  await expect(row).toContainText("blinded readings: results are shown when all planned readings are finished");
+  await expect(row).toContainText(
+    "blinded readings: results are shown when all planned readings are finished",
+  );
   await expect(row.getByRole("img")).toHaveCount(0);
   await shot(bob, "blinded-list");
   await row.getByRole("link", { name: `Read ${STUDY}` }).click();
@@ -69,7 +71,9 @@ test("a plan hides films, readers and results until all is read", async ({ app, 
   await expect(bob.getByRole("heading", { name: /all films are read/i })).toBeVisible();
   // What is finished does not open what others still read.
   await bob.getByRole("link", { name: "Studies", exact: true }).click();
-  await expect(row).toContainText("blinded readings: results are shown when all planned readings are finished");
+  await expect(row).toContainText(
+    "blinded readings: results are shown when all planned readings are finished",
+  );
   for (const address of addresses) {
     expect([403, 404], address).toContain((await get(bob, address)).status);
   }
