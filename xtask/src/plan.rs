@@ -39,6 +39,8 @@ enum Place {
     InTurn,
     /// Beside the steps after it, with its output in a file, since it leaves a core free.
     Beside,
+    /// After all steps before it have ended, since it waits for a browser, which a busy machine slows down.
+    Alone,
 }
 
 impl Step {
@@ -54,6 +56,11 @@ impl Step {
     /// The same step, run beside those after it.
     pub fn beside(self) -> Self {
         Self { place: Place::Beside, ..self }
+    }
+
+    /// The same step, run when nothing else runs.
+    pub fn alone(self) -> Self {
+        Self { place: Place::Alone, ..self }
     }
 
     /// The same step, run always.
@@ -126,6 +133,9 @@ impl<'a> Plan<'a> {
         let result = thread::scope(|scope| {
             let mut beside: Vec<ScopedJoinHandle<'_, Ended>> = Vec::new();
             for step in steps {
+                if step.place == Place::Alone {
+                    ended.extend(beside.drain(..).map(joined));
+                }
                 if ended.iter().any(|step: &Ended| step.result.is_err()) {
                     break;
                 }
