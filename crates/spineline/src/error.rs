@@ -76,6 +76,7 @@ impl Error {
             Self::Curve(CurveError::Singular { .. }) => "curve_singular",
             Self::Chain(ChainError::Window { .. }) => "segment_window",
             Self::Chain(ChainError::TooShort { .. }) => "curve_too_short",
+            Self::Chain(ChainError::NoLength { .. }) => "curve_without_length",
             Self::Stiffness(_) => "stiffness",
         }
     }
@@ -94,7 +95,7 @@ impl Error {
             Self::Measure(error) => error.help(),
             Self::Curve(_) => "use an order from 4 to 12, or `leave-one-out`",
             Self::Chain(ChainError::Window { .. }) => {
-                "give a window that contains at least one number of segments"
+                "give a window from at least 1 to at most 100,000 segments, such as 993 to 1003"
             }
             Self::Chain(_) => {
                 "check the spacing of the films: their curves should be about equally long"

@@ -205,9 +205,26 @@ fn geometric_line(
             }
         }
         LineKind::Given => {
-            options.given_lines.iter().find(|(p, _)| *p == name).map(|(_, line)| *line)
+            let (_, line) = options.given_lines.iter().find(|(p, _)| *p == name)?;
+            warn_of_distance(line, posture, warnings);
+            Some(*line)
         }
         LineKind::Estimated => None,
+    }
+}
+
+/// A line that passes the whole spine further away than a trunk reaches was perhaps given in another unit or frame.
+fn warn_of_distance(line: &LineOfAction, posture: &PostureAnalysis, warnings: &mut Warnings) {
+    /// More than half of the breadth of any trunk.
+    const FAR_MM: f64 = 300.0;
+    let arms = posture.outline.locations().map(|location| line.lever_arm_mm(location).abs());
+    let nearest_mm = arms.fold(f64::INFINITY, f64::min);
+    if nearest_mm > FAR_MM {
+        let text = format!(
+            "the given line passes {nearest_mm:.0} mm from the nearest vertebra, and a trunk reaches less than {FAR_MM:.0} mm: \
+             check that it is in mm from L4's midpoint, to the patient's left and cranial"
+        );
+        warnings.film(Step::Action, "given_line_far", posture.outline.posture, text);
     }
 }
 

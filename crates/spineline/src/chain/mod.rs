@@ -22,6 +22,9 @@ use crate::spatial::{Angle, Frontal};
 /// The number of segments that the erect curve may have.
 pub const SEGMENT_WINDOW: RangeInclusive<u32> = 993..=1003;
 
+/// The largest number of segments: a link of 4 µm on a spine of 400 mm.
+pub const MAX_SEGMENTS: u32 = 100_000;
+
 /// The segment length that all postures of one patient share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chain {
@@ -63,13 +66,21 @@ pub struct DenavitHartenberg {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ChainError {
-    /// A window that holds no number of segments.
-    #[error("the window of segments {from} to {to} is empty or starts at zero")]
+    /// A window that holds no number of segments, or too large ones.
+    #[error(
+        "the window of segments {from} to {to} is empty, starts at zero or exceeds {MAX_SEGMENTS}"
+    )]
     Window {
         /// Its start.
         from: u32,
         /// Its end.
         to: u32,
+    },
+    /// An erect curve without length.
+    #[error("the erect curve is {erect_mm} mm long, and no chain can be laid on it")]
+    NoLength {
+        /// Its length.
+        erect_mm: f64,
     },
     /// A curve shorter than a tenth of the erect one.
     #[error("a curve is {length_mm:.1} mm long, and the erect curve {erect_mm:.1} mm")]
@@ -87,7 +98,7 @@ impl Chain {
     /// Lengths are arc lengths of the curves in mm, from L4 to T2; `window` holds the number of segments of the erect one.
     ///
     /// # Errors
-    /// [`ChainError`]: an empty window, or a curve that is far shorter than the erect one.
+    /// [`ChainError`]: an empty window, an erect curve without length, or a curve that is far shorter than the erect one.
     ///
     /// ```
     /// use spineline::chain::{Chain, SEGMENT_WINDOW};
@@ -101,8 +112,11 @@ impl Chain {
         others_mm: &[f64],
         window: RangeInclusive<u32>,
     ) -> Result<Self, ChainError> {
-        if window.is_empty() || *window.start() == 0 {
+        if window.is_empty() || *window.start() == 0 || *window.end() > MAX_SEGMENTS {
             return Err(ChainError::Window { from: *window.start(), to: *window.end() });
+        }
+        if !erect_mm.is_normal() || erect_mm < 0.0 {
+            return Err(ChainError::NoLength { erect_mm });
         }
         if let Some(&length_mm) =
             others_mm.iter().find(|other| other.is_nan() || **other <= 0.1 * erect_mm)

@@ -353,9 +353,9 @@ fn an_order_beyond_four_to_twelve_is_refused() {
 
 #[test]
 fn a_window_without_segments_is_refused() {
-    // Oracle: no whole number lies in it, or a chain without segments would.
+    // Oracle: no whole number lies in it, a chain without segments would, or links are finer than any film.
     #[allow(clippy::reversed_empty_ranges, reason = "this is the fault")]
-    let windows = [10..=9, 0..=5];
+    let windows = [10..=9, 0..=5, 1..=u32::MAX];
     for segment_window in windows {
         let (from, to) = (*segment_window.start(), *segment_window.end());
         let options = AnalysisOptions { segment_window, ..on_a_table() };

@@ -4,6 +4,7 @@ mod common;
 mod curves;
 mod faults;
 mod faults_films;
+mod faults_lines;
 mod faults_models;
 mod faults_pictures;
 mod film_evidence;
