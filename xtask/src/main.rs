@@ -25,7 +25,8 @@ cargo xtask COMMAND
 
   test [--full]
            format, tidy, lints, all tests, documentation and its examples, the browser app in Chromium, other programs.
-           --full adds typeset reports, exchange formats and full small disks, and fails where a tool is missing
+           --full adds typeset reports, exchange formats, full small disks and the slow studies, and fails where a tool is
+           missing
   quick [--base REV]
            format, tidy, lints, and the quick tests of the crates that a change touches and of those that depend on them;
            the change is what differs from REV (the last commit, unless told otherwise)
@@ -102,6 +103,7 @@ fn steps(command: &str) -> Option<Vec<Step>> {
     let reliability = Step::new("reliability", &[Tool::Python], outside::reliability);
     let films = Step::new("films", &[Tool::Python], outside::films);
     let exchange = Step::new("exchange", &[Tool::Python, Tool::Dcmtk], outside::exchange).full();
+    let studies = Step::new("studies", &[], checks::slow_studies).full();
     Some(match command {
         "test" => vec![
             format,
@@ -116,8 +118,9 @@ fn steps(command: &str) -> Option<Vec<Step>> {
             lint,
             Step::new("docs", &[], checks::rustdoc),
             browser.alone(),
+            studies,
         ],
-        "studies" => vec![Step::new("studies", &[], checks::slow_studies)],
+        "studies" => vec![studies.usual()],
         "check" => vec![format, tidy, lint],
         "tidy" => vec![tidy],
         "web" => vec![web],

@@ -63,6 +63,7 @@ mod tests {
     fn a_quaternion_turns_the_axes_as_the_matrix_does() {
         for r in samples() {
             let [w, x, y, z] = quaternion(&r);
+            assert!((w * w + x * x + y * y + z * z - 1.0).abs() < ROUNDING, "no unit quaternion");
             let v = Vec3::new(x, y, z);
             for axis in [Vec3::x(), Vec3::y(), Vec3::z()] {
                 let turned = axis + 2.0 * w * v.cross(&axis) + 2.0 * v.cross(&v.cross(&axis));

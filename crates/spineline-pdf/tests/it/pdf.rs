@@ -102,6 +102,32 @@ fn long_tables_go_on_over_pages() {
 }
 
 #[test]
+fn f54_a_report_of_five_hundred_pages_is_typeset() {
+    // Oracle: every section begins a table of its own; a page holds fewer than sixty rows.
+    let mut document = document("cohort");
+    document.sections = (0..10)
+        .map(|number| {
+            let mut section = Section::new("part", "A part of the cohort");
+            section.paragraph(format!("Part {number}."));
+            section.table(tall(3700));
+            section
+        })
+        .collect();
+    let bytes = pdf(&document, MADE).expect("it can be typeset");
+    assert!(pages(&bytes) >= 500, "{} pages", pages(&bytes));
+    assert_eq!(embedded(&bytes).as_deref(), Some(document.analysis.as_str()));
+}
+
+#[test]
+fn f54_names_in_chinese_and_in_arabic_are_kept_whole_in_the_attached_analysis() {
+    for subject in ["病例一", "مريض ٧", "רחל", "Łukasz Ñandú", "👩🏽‍⚕️"] {
+        let document = document(subject);
+        let bytes = pdf(&document, MADE).expect("it can be typeset");
+        assert_eq!(embedded(&bytes).as_deref(), Some(document.analysis.as_str()));
+    }
+}
+
+#[test]
 fn letters_that_no_font_has_do_not_stop_it() {
     // One private letter in a text and in a figure; controls and marks of order beside it.
     let subject = "P\u{10fffd}07\u{202e}\u{7}\u{feff}";
