@@ -1,5 +1,6 @@
 //! The project's own commands: `cargo xtask test` runs what must hold.
 
+mod advisories;
 mod book;
 mod checks;
 mod fuzz;
@@ -33,6 +34,8 @@ cargo xtask COMMAND
   setup    install what the tests need: Debian packages, cargo-nextest, npm packages, Python environments
   check    format, tidy and lints
   tidy     house rules that no compiler knows
+  advisories
+           check dependencies for known faults and their licences (needs cargo-deny, and the network for the faults)
   studies  run the slow studies over thousands of synthetic patients, in a release build (many minutes)
   web      check, test and build the browser app, which the program then embeds
   browser  drive the browser app in Chromium
@@ -41,6 +44,7 @@ cargo xtask COMMAND
            compare ICC, errors and correlations with pingouin and scipy
   films    compare films of phantoms with pydicom
   exchange compare landmarks with highdicom, pydicom and DCMTK, tables with pyarrow and pandas, typeset reports with qpdf
+  attack   give the program damaged files, bombs, full disks, interruptions and kills
   docs     make the guide as a book, with the pages of credibility and of the paper's numbers
   fuzz [SECONDS]
            run every parser on random input, 60 seconds each (needs a nightly compiler and cargo-fuzz)
@@ -94,6 +98,7 @@ fn main() -> ExitCode {
 /// The steps of a command that has nothing but steps.
 fn steps(command: &str) -> Option<Vec<Step>> {
     let format = Step::new("format", &[], checks::format);
+    let advisories = Step::new("advisories", &[], advisories::check);
     let tidy = Step::new("tidy", &[], |plan| tidy::run(plan.root));
     let lint = Step::new("lints", &[], checks::lint);
     // Before the program is built, which embeds it.
@@ -103,11 +108,13 @@ fn steps(command: &str) -> Option<Vec<Step>> {
     let reliability = Step::new("reliability", &[Tool::Python], outside::reliability);
     let films = Step::new("films", &[Tool::Python], outside::films);
     let exchange = Step::new("exchange", &[Tool::Python, Tool::Dcmtk], outside::exchange).full();
+    let attack = Step::new("attack", &[Tool::Python], outside::attack).full();
     let studies = Step::new("studies", &[], checks::slow_studies).full();
     Some(match command {
         "test" => vec![
             format,
             tidy,
+            advisories,
             web,
             Step::new("tests", &[], checks::test),
             engines.beside(),
@@ -118,11 +125,14 @@ fn steps(command: &str) -> Option<Vec<Step>> {
             lint,
             Step::new("docs", &[], checks::rustdoc),
             browser.alone(),
+            attack,
             studies,
         ],
+        "attack" => vec![attack.usual()],
         "studies" => vec![studies.usual()],
         "check" => vec![format, tidy, lint],
         "tidy" => vec![tidy],
+        "advisories" => vec![advisories],
         "web" => vec![web],
         "browser" => vec![web, browser],
         "engines" => vec![engines],

@@ -28,9 +28,18 @@ pub fn exchange(plan: &Plan<'_>) -> Result<(), String> {
     compare(&full, "exchange")
 }
 
+/// Damaged files, bombs, full disks, interruptions and kills: how every run of the program ends.
+pub fn attack(plan: &Plan<'_>) -> Result<(), String> {
+    let seeds = built(plan, "examples/seeds")?;
+    let seeds = seeds.to_str().ok_or("the target folder's name is not UTF-8")?;
+    let passed_on = ["--seeds".to_owned(), seeds.to_owned()];
+    let script = project(plan.root, "attack").join("attack.py");
+    python::project(plan.root, "attack", &script, Path::new("debug/spineline"), &passed_on)
+}
+
 /// Makes the Python environments of all checks.
 pub fn provide_environments(root: &Path) -> Result<(), String> {
-    for name in ["engines", "reliability", "films", "exchange"] {
+    for name in ["engines", "reliability", "films", "exchange", "attack"] {
         python::environment(root, name, &project(root, name).join("requirements.txt"))?;
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! House rules that no compiler knows.
 
+mod faults;
 mod imports;
 mod order;
 
@@ -41,6 +42,7 @@ pub fn run(root: &Path) -> Result<(), String> {
         }
     }
     check_changelog(root, &mut faults)?;
+    faults::check(root, &mut faults)?;
     if faults.is_empty() {
         println!("» tidy");
         return Ok(());

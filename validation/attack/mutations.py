@@ -1,0 +1,93 @@
+"""Damaged files of every kind that the program reads: each ends in a code of the guide, without a panic, in bounded memory."""
+
+from __future__ import annotations
+
+import random
+import shutil
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from damage import damaged
+from program import Run, parts, run, temporary
+
+
+# Seeds of one format and much the same content.
+TWINS = {f"Slicer-{number}" for number in range(1, 5)}
+
+
+@dataclass
+class Kind:
+    """A kind of file, and the command that reads it."""
+
+    name: str
+    seed: Path
+    # The command, in which FILE stands for the damaged files.
+    command: list[str]
+    # How many files one run reads.
+    batch: int = 1
+    results: list[Run] = field(default_factory=list)
+
+
+def kinds(samples: Path) -> list[Kind]:
+    """Every kind, with its sample."""
+    model, case, film = samples / "model.json", samples / "case.json", samples / "seeds" / "film"
+    landmarks = samples / "seeds" / "landmarks"
+    into = ["import", str(film / "rle"), "--case-id", "P07", "--out", "out", "--film", "erect=1"]
+    into += ["--patient-left", "image-left", "--landmarks", "FILE"]
+    return [
+        Kind("case", case, ["check", "FILE"], batch=25),
+        Kind("case, analysed", case, ["analyze", "FILE", "--json", "-"]),
+        Kind("analysis", samples / "analysis.json", ["rerun", "FILE"]),
+        Kind("report", samples / "report.html", ["rerun", "FILE"]),
+        Kind("model", model, ["simulate", "FILE", "--push", "left", "--force", "10"]),
+        Kind("model, exported", model, ["export", "FILE", "--to", "mjcf", "--out", "-"]),
+        Kind("load", samples / "load.json", ["simulate", str(model), "--load", "FILE"]),
+        Kind("stiffness table", samples / "stiffness.csv", ["analyze", str(case), "--stiffness", "FILE"]),
+        Kind("readings table", samples / "readings.csv", ["reliability", "FILE"]),
+        *(Kind(f"film, {seed}", film / seed, ["film", "FILE"], batch=50) for seed in ("jpegls", "rle", "plain", "png")),
+        *(Kind(f"landmarks, {seed.name}", seed, into) for seed in sorted(landmarks.iterdir()) if seed.name not in TWINS),
+        Kind("store", samples / "study.spineline", ["study", "verify", "FILE"]),
+        Kind("archive", samples / "films.zip", ["import", "FILE", "--list"]),
+    ]
+
+
+def attack(program: Path, samples: Path, copies: int, seed: int) -> Iterator[str]:
+    """Faults over all kinds; prints the counts of each."""
+    for kind in kinds(samples):
+        dice = random.Random(f"{seed} {kind.name}")
+        with temporary() as folder, ThreadPoolExecutor(2) as pool:
+            batches = list(files(kind, Path(folder), copies, dice))
+            ends = list(pool.map(lambda batch: run_on(program, kind, batch), batches))
+        codes = sorted({end.code for end in ends})
+        largest = max(end.resident_mb for end in ends)
+        print(f"{copies:4} damaged: {kind.name:16} codes {codes}, at most {largest:.0f} MB")
+        for end in ends:
+            yield from end.faults()
+
+
+def files(kind: Kind, folder: Path, copies: int, dice: random.Random) -> Iterator[list[Path]]:
+    """Folders of damaged copies, one per run."""
+    data = kind.seed.read_bytes()
+    for start in range(0, copies, kind.batch):
+        place = folder / f"{start:04}"
+        place.mkdir()
+        batch = []
+        for number in range(start, min(copies, start + kind.batch)):
+            path = place / f"{number:04}{kind.seed.suffix}"
+            path.write_bytes(damaged(data, dice))
+            batch.append(path)
+        yield batch
+
+
+def run_on(program: Path, kind: Kind, batch: list[Path]) -> Run:
+    """One run over a batch, which is removed after it."""
+    words: list[str] = []
+    for word in kind.command:
+        words.extend([path.name for path in batch] if word == "FILE" else [word])
+    folder = batch[0].parent
+    end = run(program, words, folder)
+    end.left = parts(folder)
+    shutil.rmtree(folder)
+    return end

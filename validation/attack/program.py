@@ -1,0 +1,120 @@
+"""Runs of the program with limits of time, memory and file size, and what each of them left behind."""
+
+from __future__ import annotations
+
+import os
+import resource
+import signal
+import subprocess
+import tempfile
+import threading
+from dataclasses import dataclass, field
+from pathlib import Path
+
+# Codes of the table in the guide (docs/guide/src/start.md); 130 is an interruption before any result.
+EXIT_CODES = {0, 1, 2, 3, 4, 130}
+MAX_RESIDENT_MB = 1024
+MAX_SECONDS = 120
+PARTS = (".part", ".tmp")
+
+
+@dataclass
+class Run:
+    """How a run ended."""
+
+    arguments: list[str]
+    code: int
+    resident_mb: float
+    output: str
+    errors: str
+    # Files that it began and did not finish.
+    left: list[str] = field(default_factory=list)
+
+    def faults(self) -> list[str]:
+        """What no run may do, whatever it was given."""
+        found = []
+        if self.code not in EXIT_CODES:
+            found.append(f"ended with {self.code}")
+        if "panicked" in self.errors or "RUST_BACKTRACE" in self.errors:
+            found.append("panicked")
+        if self.code not in (0, 130) and not (self.errors + self.output).strip():
+            found.append(f"ended with {self.code} and no word")
+        if self.left:
+            found.append(f"left {', '.join(self.left)}")
+        if self.resident_mb > MAX_RESIDENT_MB:
+            found.append(f"took {self.resident_mb:.0f} MB")
+        return [f"{' '.join(self.arguments)}: {fault}" for fault in found]
+
+
+def run(
+    program: Path,
+    arguments: list[str],
+    folder: Path,
+    *,
+    largest_file: int | None = None,
+    interrupt_after_s: float | None = None,
+) -> Run:
+    """Runs the program in a folder; a file may grow to a size, and Ctrl-C may come after a time."""
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        if largest_file is not None:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (largest_file, largest_file))
+
+    # Outputs lie outside of the limit of file sizes: pipes have none.
+    with subprocess.Popen(
+        [program, *arguments],
+        cwd=folder,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        preexec_fn=limit,
+        # Python ignores the signal of a file that is too large, and so must its child: it sees an error, as of a full disk.
+        restore_signals=False,
+        env=os.environ | {"NO_COLOR": "1", "HOME": str(folder)},
+    ) as child:
+        texts: dict[str, bytes] = {}
+        readers = [
+            threading.Thread(target=lambda name, pipe: texts.__setitem__(name, pipe.read()), args=(name, pipe))
+            for name, pipe in (("output", child.stdout), ("errors", child.stderr))
+        ]
+        for reader in readers:
+            reader.start()
+        timers = [threading.Timer(MAX_SECONDS, child.kill)]
+        if interrupt_after_s is not None:
+            timers.append(threading.Timer(interrupt_after_s, lambda: send_interrupt(child)))
+        for timer in timers:
+            timer.start()
+        _, status, usage = os.wait4(child.pid, 0)
+        # As a shell says it: 130 where Ctrl-C came before the program listened for it.
+        code = os.waitstatus_to_exitcode(status)
+        child.returncode = code if code >= 0 else 128 - code
+        for timer in timers:
+            timer.cancel()
+        for reader in readers:
+            reader.join()
+    return Run(
+        arguments,
+        child.returncode,
+        usage.ru_maxrss / 1024,
+        texts["output"].decode(errors="replace"),
+        texts["errors"].decode(errors="replace"),
+    )
+
+
+def send_interrupt(child: subprocess.Popen[bytes]) -> None:
+    """Ctrl-C, if the program still runs."""
+    try:
+        os.kill(child.pid, signal.SIGINT)
+    except ProcessLookupError:
+        pass
+
+
+def parts(folder: Path) -> list[str]:
+    """Files that a run began and did not finish."""
+    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.name.endswith(PARTS))
+
+
+def temporary() -> tempfile.TemporaryDirectory[str]:
+    """A folder that is removed at the end."""
+    return tempfile.TemporaryDirectory(prefix="spineline-attack-")
