@@ -12,12 +12,32 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+use commands::{Cli, Command};
+use run::failure::{Ending, Failure};
+use run::messages::{guarded, say};
+use run::{interrupt, outputs};
+
 fn main() -> ExitCode {
-    match commands::run(commands::Cli::parse().command) {
-        Ok(ending) => ending.into(),
-        Err(failure) => {
-            eprintln!("{failure}");
+    match guarded(run) {
+        Ok(Ok(ending)) => ending.into(),
+        Ok(Err(failure)) => {
+            say(&format!("{failure}\n"));
             failure.into()
         }
+        Err(bug) => bug.into(),
     }
+}
+
+fn run() -> Result<Ending, Failure> {
+    let command = match Cli::try_parse() {
+        Ok(line) => line.command,
+        // Help and version are results; all else is a refusal, whose code it knows.
+        Err(words) if !words.use_stderr() => return outputs::shown(words.print()),
+        Err(words) => words.exit(),
+    };
+    // The decoder of films is ended by its parent.
+    if !matches!(command, Command::DecodeFilm) {
+        interrupt::catch()?;
+    }
+    commands::run(command)
 }

@@ -40,6 +40,14 @@ fn without_mark(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
+/// Reads any JSON; a mark of the byte order at its beginning is skipped.
+///
+/// # Errors
+/// [`FileError::Syntax`], for a number beyond the largest one too.
+pub fn parse_json(text: &str) -> Result<serde_json::Value, FileError> {
+    parse_value(without_mark(text))
+}
+
 /// Reads a part of a file.
 pub(crate) fn parse_value<T: DeserializeOwned>(text: &str) -> Result<T, FileError> {
     let mut reader = serde_json::Deserializer::from_str(text);

@@ -42,7 +42,7 @@ pub use described::Described;
 pub use digest::sha256_hex;
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};
-pub use json::nearest;
+pub use json::{nearest, parse_json};
 pub use keys::{Key, LevelKey};
 pub use load_file::{AppliedLoad, LoadFile, PlacedLoads, parse_load};
 pub use model_file::{LoadRecord, ModelFile, StoredModel, parse_model};
@@ -102,4 +102,13 @@ pub fn to_text<T: serde::Serialize>(file: &T) -> String {
     let mut text = serde_json::to_string_pretty(file).expect("string keys only");
     text.push('\n');
     text
+}
+
+/// The text of a file that is embedded in another one: JSON on one line.
+///
+/// # Panics
+/// Never, as [`to_text`].
+#[must_use]
+pub fn to_line<T: serde::Serialize>(file: &T) -> String {
+    serde_json::to_string(file).expect("string keys only")
 }

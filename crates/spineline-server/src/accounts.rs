@@ -48,7 +48,7 @@ async fn put_account(
     let name = Name::new(&name)?;
     let AccountEdit { role, password, enabled } = edit;
     let password = match password {
-        Some(text) => Some(state.with_password(move || PasswordHash::new(&text)).await?),
+        Some(text) => Some(state.with_password(move || PasswordHash::new(&text)).await??),
         None => None,
     };
     let by = user.sign(state.now());

@@ -16,6 +16,7 @@ use crate::extract::Json;
 use crate::film_cache::draw_thumbnails;
 use crate::films::keep_thumbnails;
 use crate::problem::{Answer, Failure};
+use crate::result_cache::computed;
 use crate::session::User;
 use crate::state::AppState;
 use crate::studies;
@@ -36,8 +37,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
     responses((status = 200, body = StudyDetail), (status = 403, body = Problem)))]
 async fn demo(State(state): State<AppState>, user: User) -> Answer<Json<StudyDetail>> {
     user.need(Role::Editor)?;
-    let drawn = tokio::task::spawn_blocking(draw);
-    let (case, thumbnails) = drawn.await.expect("drawing does not panic")?;
+    let (case, thumbnails) = computed(draw).await??;
     let now = state.now();
     let asker = state.clone();
     let detail = state.ask(move |store| {

@@ -137,3 +137,16 @@ pub async fn computed<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'stat
             .help("the program has a bug: please report it with the case file")
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn a_bug_in_the_work_is_a_refusal_that_says_nothing_of_the_case() {
+        let refused = computed::<()>(|| panic!("a patient called Doe^Jane")).await;
+        let problem = refused.expect_err("a refusal").into_problem();
+        assert_eq!(problem.code, "internal");
+        assert!(!format!("{problem:?}").contains("Doe"));
+    }
+}

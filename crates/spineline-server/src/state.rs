@@ -15,7 +15,7 @@ use crate::guard_token::OneTimeToken;
 use crate::hosts::Hosts;
 use crate::overview_cache::OverviewCache;
 use crate::problem::Answer;
-use crate::result_cache::ResultCache;
+use crate::result_cache::{ResultCache, computed};
 
 /// Requests that are answered at once. Each may hold a body of some megabytes.
 const MOST_IN_FLIGHT: usize = 64;
@@ -140,10 +140,7 @@ impl AppState {
     /// Asks the store on a thread that may wait for the disk.
     ///
     /// # Errors
-    /// Whatever the store refuses.
-    ///
-    /// # Panics
-    /// If the question panics.
+    /// Whatever the store refuses, and where the question panics.
     pub async fn store<T: Send + 'static>(
         &self,
         ask: impl FnOnce(&mut Store) -> Result<T, StoreError> + Send + 'static,
@@ -154,29 +151,29 @@ impl AppState {
     /// Asks the store a question that may be refused for other reasons too, such as [`User::on_study`](crate::session::User::on_study).
     ///
     /// # Errors
-    /// Whatever the question refuses.
-    ///
-    /// # Panics
-    /// If the question panics.
+    /// Whatever the question refuses, and where it panics.
     pub async fn ask<T: Send + 'static>(
         &self,
         ask: impl FnOnce(&mut Store) -> Answer<T> + Send + 'static,
     ) -> Answer<T> {
         let state = self.clone();
-        let asked = tokio::task::spawn_blocking(move || {
+        let asked = computed(move || {
             // A panic in a question leaves no half-written store: its transaction is rolled back.
             ask(&mut state.shared.store.lock().unwrap_or_else(PoisonError::into_inner))
         });
-        asked.await.expect("the question does not panic")
+        asked.await?
     }
 
     /// Hashes or compares a password, without keeping the store from others.
+    ///
+    /// # Errors
+    /// Where the work panics.
     pub(crate) async fn with_password<T: Send + 'static>(
         &self,
         work: impl FnOnce() -> T + Send + 'static,
-    ) -> T {
+    ) -> Answer<T> {
         let _place = self.shared.passwords.acquire().await.expect("it is never closed");
-        tokio::task::spawn_blocking(work).await.expect("passwords do not panic")
+        computed(work).await
     }
 
     /// What time it is.

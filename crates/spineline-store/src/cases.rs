@@ -147,7 +147,7 @@ impl NewCase {
         mut bytes_of: impl FnMut(&str) -> Result<Vec<u8>, E>,
     ) -> Result<Self, CaseError<E>> {
         let case = spineline_files::parse_case(text).map_err(CaseError::File)?;
-        let written: Value = serde_json::from_str(text).expect("a case that was just read");
+        let written = spineline_files::parse_json(text).map_err(CaseError::File)?;
         let id = Name::new(&case.id).map_err(CaseError::Name)?;
         let mut films = Vec::new();
         let records = written["films"].as_array().into_iter().flatten();

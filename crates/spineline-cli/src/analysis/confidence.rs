@@ -4,6 +4,7 @@ use spineline::analysis::{Analysis, Case};
 use spineline::personalize::Identifiability;
 use spineline::uncertainty::Uncertainty;
 use spineline_files::{AnalysisFile, Request};
+use spineline_report::document::{Notice, NoticeKind};
 use spineline_report::patient::Patient as ReportedPatient;
 use spineline_tables::Patient;
 
@@ -37,6 +38,32 @@ impl Confidence {
             identifiability: identifiability.transpose()?,
             uncertainty: uncertainty.transpose()?,
         })
+    }
+
+    /// Whether Ctrl-C has ended the replicates early.
+    pub fn is_cut_short(&self) -> bool {
+        self.uncertainty.as_ref().is_some_and(|found| found.done < found.requested)
+    }
+
+    /// How many replicates count, where they were ended early.
+    pub fn interruption(&self, analysis: &Analysis) -> Option<Notice> {
+        let found = self.uncertainty.as_ref().filter(|_| self.is_cut_short())?;
+        Some(Notice {
+            kind: NoticeKind::Warning,
+            place: analysis.case_id.clone(),
+            text: format!("interrupted: {} of {} replicates count", found.done, found.requested),
+            code: "interrupted".to_owned(),
+        })
+    }
+
+    /// Refuses to go on where Ctrl-C came before the first replicate of all patients.
+    ///
+    /// # Errors
+    /// [`Failure::interrupted`].
+    pub fn check_any_counts(all: &[Self]) -> Result<(), Failure> {
+        let none = |one: &Self| one.uncertainty.as_ref().is_none_or(|found| found.done == 0);
+        let is_cut_short = all.iter().any(Self::is_cut_short);
+        if is_cut_short && all.iter().all(none) { Err(Failure::interrupted()) } else { Ok(()) }
     }
 
     /// The patient as reports take it; images of films and the file to embed are left to who has them.

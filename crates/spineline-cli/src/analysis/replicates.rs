@@ -10,10 +10,10 @@ use crate::run::failure::Failure;
 use crate::run::threads::pool;
 use crate::run::{interrupt, progress};
 
-/// Replicates that are computed before they are added in order; more would only take memory.
-const BLOCK: u64 = 256;
+/// Replicates per thread that are computed before they are added in order: few, because Ctrl-C waits for them.
+const BLOCK: u64 = 16;
 
-/// Runs the replicates that were asked for. Ctrl-C ends them early, with what is done.
+/// Runs the replicates that were asked for. Ctrl-C ends them early, and those that are done count.
 ///
 /// # Errors
 /// If the noise cannot be applied to this case.
@@ -25,14 +25,15 @@ pub fn run_replicates(
 ) -> Result<Uncertainty, Failure> {
     let monte_carlo = MonteCarlo::new(case, nominal, asked.noise, asked.seed)
         .map_err(|error| Failure::input(&case.id, &error, error.help()))?;
-    interrupt::catch()?;
+    let _stops_by_itself = interrupt::defer();
     let pool = pool(threads)?;
+    let block_size = BLOCK.saturating_mul(pool.current_num_threads() as u64);
     let asked = asked.count;
     let bar = progress::bar("replicates", usize::try_from(asked).unwrap_or(usize::MAX));
     let mut tally = monte_carlo.tally();
     let mut next = 0;
     while next < asked && !interrupt::is_requested() {
-        let end = asked.min(next + BLOCK);
+        let end = asked.min(next.saturating_add(block_size));
         let block = pool.install(|| block(&monte_carlo, next..end, &bar));
         // In their order, so that the bytes are the same for any number of threads.
         block.iter().for_each(|replicate| tally.add(replicate));

@@ -11,6 +11,7 @@ use spineline_report::terminal;
 use crate::analysis::case::analyze_file;
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::case_files;
+use crate::run::messages::say;
 use crate::run::outputs::print;
 
 #[derive(Args)]
@@ -28,7 +29,7 @@ pub fn run(args: &CheckArgs) -> Result<Ending, Failure> {
                 print(&text(&path, &analysis))?;
             }
             Err(failure) => {
-                eprintln!("{failure}");
+                say(&format!("{failure}\n"));
                 ending = Ending::BadInput;
             }
         }

@@ -13,6 +13,7 @@ use spineline_landmarks::{LandmarkTarget, SourceImage, export_landmarks, read_so
 use crate::options::values::posture;
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::read_model;
+use crate::run::messages::say;
 use crate::run::outputs::{write_file, write_or_print};
 use crate::run::provenance::generator;
 
@@ -185,7 +186,7 @@ fn curves_of(case: &Case) -> Vec<(Region, CobbEnds)> {
     match analyze(case, &AnalysisOptions::default()) {
         Ok(analysis) => analysis.clinical.iter().map(|curve| (curve.region, curve.ends)).collect(),
         Err(error) => {
-            eprintln!("note: the reports have no Cobb angles: {error}");
+            say(&format!("note: the reports have no Cobb angles: {error}\n"));
             Vec::new()
         }
     }

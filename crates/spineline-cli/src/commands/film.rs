@@ -12,6 +12,7 @@ use spineline_films::{FilmError, FilmFile, ModalityTransform, Voi, Window, Windo
 use crate::options::values::number;
 use crate::run::failure::{Ending, Failure};
 use crate::run::film_decoder::Decoder;
+use crate::run::messages::say;
 use crate::run::outputs::{print, write_file};
 
 #[derive(Args)]
@@ -53,7 +54,7 @@ pub fn run(args: &FilmArgs) -> Result<Ending, Failure> {
             Ok(film) => film,
             Err(error) => {
                 let place = path.display().to_string();
-                eprintln!("{}", Failure::input(&place, &error, error.help()));
+                say(&format!("{}\n", Failure::input(&place, &error, error.help())));
                 ending = Ending::BadInput;
                 continue;
             }

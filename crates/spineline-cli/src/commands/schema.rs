@@ -14,6 +14,8 @@ pub struct SchemaArgs {
 }
 
 pub fn run(args: &SchemaArgs) -> Result<Ending, Failure> {
-    let schema = spineline_files::schema(&args.name).expect("only known names pass the parser");
-    print(&spineline_files::to_text(&schema))
+    match spineline_files::schema(&args.name) {
+        Some(schema) => print(&spineline_files::to_text(&schema)),
+        None => Err(Failure::usage(format!("there is no file format {}", args.name))),
+    }
 }

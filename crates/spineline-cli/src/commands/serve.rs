@@ -9,6 +9,8 @@ use spineline_server::{ServeOptions, Server};
 use spineline_store::{Access, Name, Role, Signature, Store};
 
 use crate::run::failure::{Ending, Failure};
+use crate::run::interrupt;
+use crate::run::messages::say;
 use crate::run::outputs::print;
 
 /// What a user types.
@@ -67,7 +69,6 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
         hosts: args.hosts.clone(),
         https: args.https,
     };
-    report_panics_without_messages();
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
         .build()
@@ -106,10 +107,10 @@ fn check(args: &ServeArgs, store: &Store, access: Access) -> Result<(), Failure>
         )));
     }
     if !args.bind.is_loopback() && !args.https {
-        eprintln!(
-            "warning: films, names and passwords are not encrypted between {} and the browsers: others can read and\n  change them; use a TLS proxy, and start with --https",
+        say(&format!(
+            "warning: films, names and passwords are not encrypted between {} and the browsers: others can read and\n  change them; use a TLS proxy, and start with --https\n",
             args.bind
-        );
+        ));
     }
     Ok(())
 }
@@ -122,11 +123,13 @@ async fn serve(args: &ServeArgs, store: Store, options: ServeOptions) -> Result<
     };
     let listener = match tokio::net::TcpListener::bind(address).await {
         Err(error) if args.port.is_none() && error.kind() == std::io::ErrorKind::AddrInUse => {
-            eprintln!("note: port {PORT} is in use; a free port is used instead");
+            say(&format!("note: port {PORT} is in use; a free port is used instead\n"));
             tokio::net::TcpListener::bind(SocketAddr::new(args.bind, 0)).await
         }
         other => other,
     };
+    // Its ordinary end.
+    let _stopped_by_signal = interrupt::defer();
     let server = Server::on(listener.map_err(fail)?, store, options).map_err(fail)?;
     let base = base(args, server.address(), https);
     if access == Access::Token {
@@ -147,8 +150,10 @@ async fn serve(args: &ServeArgs, store: Store, options: ServeOptions) -> Result<
             "Open this address in a browser and sign in with an account. Press Ctrl-C to stop.\n",
         )?;
     }
-    let end = async { tokio::signal::ctrl_c().await.unwrap_or_default() };
-    server.run(end).await.map_err(|error| Failure::internal(error.to_string()))?;
+    server
+        .run(interrupt::requested())
+        .await
+        .map_err(|error| Failure::internal(error.to_string()))?;
     Ok(Ending::Done)
 }
 
@@ -161,12 +166,4 @@ fn base(args: &ServeArgs, address: SocketAddr, https: bool) -> String {
         }
         _ => format!("http://{address}/"),
     }
-}
-
-/// Reports panics by their place only: the message may quote a request.
-fn report_panics_without_messages() {
-    std::panic::set_hook(Box::new(|panic| {
-        let place = panic.location().map_or_else(String::new, ToString::to_string);
-        eprintln!("error: a bug at {place}; please report it");
-    }));
 }

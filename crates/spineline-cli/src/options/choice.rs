@@ -30,7 +30,7 @@ pub fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
         }
     };
     PossibleValuesParser::new(T::ALL.iter().map(possible))
-        .map(|text| of_spelling(&text).expect("only known spellings pass the parser"))
+        .try_map(|text| of_spelling(&text).ok_or("expected one of the possible values"))
 }
 
 /// The value of a spelling.

@@ -1,12 +1,25 @@
 //! How a command ends, and why it stopped.
 
 use std::fmt;
+use std::io::{self, ErrorKind};
 use std::path::Path;
 use std::process::ExitCode;
 
 use spineline_films::intake::IntakeError;
 use spineline_store::StoreError;
 use spineline_tables::TableError;
+
+use super::interrupt;
+use super::messages::Bug;
+
+/// Exit code of a fault of the program.
+const INTERNAL: u8 = 1;
+/// Exit code of a wrong command line.
+const USAGE: u8 = 2;
+/// Exit code of an input that cannot be used, or an output that cannot be written.
+const FILES: u8 = 3;
+/// Exit code of a finished command with less than what was asked.
+const LESS: u8 = 4;
 
 /// How a finished command ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,14 +32,16 @@ pub enum Ending {
     NotConverged,
     /// A repeated analysis differs.
     Differs,
+    /// Ctrl-C ended it early; the results so far were written.
+    Interrupted,
 }
 
 impl From<Ending> for ExitCode {
     fn from(ending: Ending) -> Self {
         Self::from(match ending {
             Ending::Done => 0,
-            Ending::BadInput => 3,
-            Ending::NotConverged | Ending::Differs => 4,
+            Ending::BadInput => FILES,
+            Ending::NotConverged | Ending::Differs | Ending::Interrupted => LESS,
         })
     }
 }
@@ -42,17 +57,24 @@ pub struct Failure {
 impl Failure {
     /// The command line is wrong.
     pub fn usage(what: impl Into<String>) -> Self {
-        Self { code: 2, what: what.into(), help: None }
+        Self { code: USAGE, what: what.into(), help: None }
     }
 
     /// A file or its content cannot be used.
     pub fn input(place: &str, error: &dyn fmt::Display, help: &str) -> Self {
-        Self { code: 3, what: format!("{place}: {error}"), help: Some(help.to_owned()) }
+        Self { code: FILES, what: format!("{place}: {error}"), help: Some(help.to_owned()) }
     }
 
     /// An output could not be written.
-    pub fn write(place: &str, error: &dyn fmt::Display) -> Self {
-        Self { code: 1, what: format!("{place} could not be written: {error}"), help: None }
+    pub fn write(place: &str, error: &io::Error) -> Self {
+        let what = format!("{place} could not be written: {error}");
+        Self { code: FILES, what, help: Some(write_help(error.kind()).to_owned()) }
+    }
+
+    /// Ctrl-C or SIGTERM came before there was any result.
+    pub fn interrupted() -> Self {
+        let what = "interrupted before a result was written".to_owned();
+        Self { code: interrupt::EXIT_CODE, what, help: None }
     }
 
     /// A file that cannot be read as its format.
@@ -62,19 +84,18 @@ impl Failure {
             spineline_files::FileError::Read { .. } => error.to_string(),
             _ => format!("{}: {error}", path.display()),
         };
-        Self { code: 3, what, help: Some(error.help().to_owned()) }
+        Self { code: FILES, what, help: Some(error.help().to_owned()) }
     }
 
     /// A store that refused.
     pub fn store(path: &Path, error: &StoreError) -> Self {
-        let code = if matches!(error, StoreError::Full | StoreError::Disk { .. }) { 1 } else { 3 };
         let what = format!("{}: {error}", path.display());
-        Self { code, what, help: Some(error.help().to_owned()) }
+        Self { code: FILES, what, help: Some(error.help().to_owned()) }
     }
 
     /// Films that could not be found or read.
     pub fn intake(error: &IntakeError) -> Self {
-        Self { code: 3, what: error.to_string(), help: Some(error.help().to_owned()) }
+        Self { code: FILES, what: error.to_string(), help: Some(error.help().to_owned()) }
     }
 
     /// What went wrong, without what to do.
@@ -84,7 +105,29 @@ impl Failure {
 
     /// Something that should not happen.
     pub fn internal(what: impl Into<String>) -> Self {
-        Self { code: 1, what: what.into(), help: None }
+        Self { code: INTERNAL, what: what.into(), help: None }
+    }
+}
+
+/// What to do about an output that could not be written.
+const fn write_help(kind: ErrorKind) -> &'static str {
+    match kind {
+        ErrorKind::PermissionDenied => {
+            "you may not write there: change the permissions, or name another folder"
+        }
+        ErrorKind::ReadOnlyFilesystem => "the disk is read-only: name a folder on another disk",
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
+            "there is no room: free some space, or name a folder on another disk"
+        }
+        ErrorKind::NotFound => "the folder is missing and could not be made: check the path",
+        ErrorKind::NotADirectory | ErrorKind::AlreadyExists => {
+            "a part of this path is a file where a folder is needed: name another path"
+        }
+        ErrorKind::IsADirectory => "this is a folder: name a file",
+        ErrorKind::InvalidFilename => {
+            "the name is too long, or has characters that are not allowed here"
+        }
+        _ => "check the path and the disk, or name another folder",
     }
 }
 
@@ -107,5 +150,33 @@ impl fmt::Display for Failure {
 impl From<Failure> for ExitCode {
     fn from(failure: Failure) -> Self {
         Self::from(failure.code)
+    }
+}
+
+impl From<Bug> for ExitCode {
+    fn from(_said: Bug) -> Self {
+        Self::from(INTERNAL)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_advice_on_an_output_fits_its_fault() {
+        for (kind, word) in [
+            (ErrorKind::PermissionDenied, "permissions"),
+            (ErrorKind::StorageFull, "space"),
+            (ErrorKind::NotFound, "missing"),
+            (ErrorKind::IsADirectory, "name a file"),
+        ] {
+            let failure = Failure::write("out.json", &io::Error::from(kind));
+            assert_eq!(failure.code, FILES);
+            let text = failure.to_string();
+            assert!(text.starts_with("error: out.json could not be written"), "{text}");
+            assert!(text.contains(&format!("help: {}", write_help(kind))), "{text}");
+            assert!(text.contains(word), "{text}");
+        }
     }
 }

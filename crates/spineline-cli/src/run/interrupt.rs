@@ -1,31 +1,121 @@
-//! Ctrl-C stops long work after its present step; a second one ends the program.
+//! Ctrl-C (SIGINT) and SIGTERM, by one rule for all commands.
+//!
+//! The first one ends the program with code 130, before any result is written. Two kinds of work are completed instead: work whose
+//! parts count by themselves, such as replicates, stops after its present step ([`defer`]), and results that are being written
+//! are written to the end ([`begin_writing`]). The second one ends the program at once.
 
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use tokio::sync::Notify;
 
 use super::failure::Failure;
+use super::messages::say;
 
-static STOP: AtomicBool = AtomicBool::new(false);
+/// The exit code that shells use for Ctrl-C.
+pub const EXIT_CODE: u8 = 130;
 
-/// Catches Ctrl-C from now on. A program can do so once.
-///
-/// # Errors
-/// If it cannot be caught.
-pub fn catch() -> Result<(), Failure> {
-    static CAUGHT: OnceLock<Result<(), String>> = OnceLock::new();
-    let caught = CAUGHT.get_or_init(|| {
-        ctrlc::set_handler(|| {
-            if STOP.swap(true, Ordering::SeqCst) {
-                std::process::exit(130);
-            }
-        })
-        .map_err(|error| error.to_string())
-    });
-    let failed = |error| Failure::internal(format!("Ctrl-C cannot be caught: {error}"));
-    caught.clone().map_err(failed)
+struct State {
+    /// Whether a signal has come.
+    requested: bool,
+    /// Parts of the program that look at it themselves.
+    deferred: usize,
+    /// Whether the first result is on its way.
+    is_writing: bool,
 }
 
-/// Whether Ctrl-C was pressed.
+static STATE: Mutex<State> = Mutex::new(State { requested: false, deferred: 0, is_writing: false });
+static REQUEST: Notify = Notify::const_new();
+
+fn state() -> MutexGuard<'static, State> {
+    // Numbers and flags are sound whoever panicked.
+    STATE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Catches both signals from now on; to be called once, before a command begins.
+///
+/// # Errors
+/// If they cannot be caught.
+pub fn catch() -> Result<(), Failure> {
+    let failed = |error| Failure::internal(format!("signals cannot be caught: {error}"));
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+    let runtime = runtime.map_err(failed)?;
+    let watch = {
+        let _inside = runtime.enter();
+        watch().map_err(failed)?
+    };
+    let thread = std::thread::Builder::new().name("signals".to_owned());
+    thread.spawn(move || runtime.block_on(watch)).map(|_| ()).map_err(failed)
+}
+
+#[cfg(unix)]
+fn watch() -> std::io::Result<impl Future<Output = ()>> {
+    use tokio::signal::unix::{SignalKind, signal};
+    let mut terminate = signal(SignalKind::terminate())?;
+    let mut interrupt = signal(SignalKind::interrupt())?;
+    Ok(async move {
+        tokio::spawn(async move {
+            while terminate.recv().await.is_some() {
+                on_signal();
+            }
+        });
+        while interrupt.recv().await.is_some() {
+            on_signal();
+        }
+    })
+}
+
+#[cfg(not(unix))]
+fn watch() -> std::io::Result<impl Future<Output = ()>> {
+    Ok(async {
+        while tokio::signal::ctrl_c().await.is_ok() {
+            on_signal();
+        }
+    })
+}
+
+fn on_signal() {
+    let mut state = state();
+    let is_first = !std::mem::replace(&mut state.requested, true);
+    if is_first && (state.deferred > 0 || state.is_writing) {
+        drop(state);
+        REQUEST.notify_one();
+        say("stopping after the present step; Ctrl-C again ends the program at once\n");
+        return;
+    }
+    if is_first {
+        say(&format!("{}\n", Failure::interrupted()));
+    }
+    // The state stays locked, so that nothing begins to be written now.
+    std::process::exit(EXIT_CODE.into());
+}
+
+/// Work that looks at [`is_requested`] itself, as long as this lives.
+#[must_use]
+pub struct Deferred(());
+
+impl Drop for Deferred {
+    fn drop(&mut self) {
+        state().deferred -= 1;
+    }
+}
+
+/// Leaves it to the caller to stop, where the results so far count.
+pub fn defer() -> Deferred {
+    state().deferred += 1;
+    Deferred(())
+}
+
+/// From now on, the first signal lets the program write all of its results.
+pub fn begin_writing() {
+    state().is_writing = true;
+}
+
+/// Whether a signal has come.
 pub fn is_requested() -> bool {
-    STOP.load(Ordering::SeqCst)
+    state().requested
+}
+
+/// Waits for a signal; for one waiting part of the program.
+pub async fn requested() {
+    REQUEST.notified().await;
 }

@@ -1,7 +1,7 @@
 //! The one way in which results leave the program: whole files, or the standard output.
 
 use std::fs;
-use std::io::{ErrorKind, Write};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
@@ -9,6 +9,8 @@ use spineline_report::document::Notice;
 use spineline_report::terminal;
 
 use super::failure::{Ending, Failure};
+use super::interrupt;
+use super::messages::say;
 
 /// Whether a path stands for the standard output.
 pub fn is_stdout(path: &Path) -> bool {
@@ -20,7 +22,17 @@ pub fn is_stdout(path: &Path) -> bool {
 /// # Errors
 /// If it cannot be written.
 pub fn print(text: &str) -> Result<Ending, Failure> {
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
+    let mut output = io::stdout().lock();
+    // What is still held back at the end of the program is lost without a word where the disk is full.
+    shown(output.write_all(text.as_bytes()).and_then(|()| output.flush()))
+}
+
+/// Whether what was written to the standard output is there; a closed pipe is no error.
+///
+/// # Errors
+/// If it could not be written.
+pub fn shown(written: io::Result<()>) -> Result<Ending, Failure> {
+    match written {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Failure::write("standard output", &error))
         }
@@ -31,7 +43,7 @@ pub fn print(text: &str) -> Result<Ending, Failure> {
 /// Writes notices to the standard error, one line each, so that other programs can read them by line.
 pub fn print_notices(notices: &[Notice]) {
     for notice in notices {
-        eprint!("{}", terminal::notice(notice, usize::MAX));
+        say(&terminal::notice(notice, usize::MAX));
     }
 }
 
@@ -42,7 +54,8 @@ pub fn print_notices(notices: &[Notice]) {
 /// # Errors
 /// If it cannot be written.
 pub fn write_file(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Failure> {
-    let failed = |error: &std::io::Error| Failure::write(&path.display().to_string(), error);
+    interrupt::begin_writing();
+    let failed = |error: &io::Error| Failure::write(&path.display().to_string(), error);
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));
     fs::create_dir_all(folder).map_err(|error| failed(&error))?;

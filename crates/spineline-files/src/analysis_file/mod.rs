@@ -226,9 +226,10 @@ impl AnalysisFile {
         found: &[Option<Identifiability>],
     ) -> Self {
         for (model, found) in analysis.models.iter().zip(found) {
-            let record = self.models.get_mut(model.kind.key()).expect("made from the same models");
-            record.identifiability =
-                found.as_ref().map(|found| IdentifiabilityRecord::new(found, &model.groups));
+            if let Some(record) = self.models.get_mut(model.kind.key()) {
+                record.identifiability =
+                    found.as_ref().map(|found| IdentifiabilityRecord::new(found, &model.groups));
+            }
         }
         self
     }

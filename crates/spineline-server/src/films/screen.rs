@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use spineline_films::{ChildLimits, FilmError, FilmFile, decode_in_child};
+use spineline_films::{ChildLimits, FilmFile, decode_in_child};
 use spineline_store::{Hash, Store, Thumbnails};
 
 use crate::film_cache::{Screen, draw_thumbnails};
 use crate::problem::Answer;
+use crate::result_cache::computed;
 use crate::state::AppState;
 
 /// A film of the store, decoded.
@@ -20,8 +21,7 @@ pub async fn screen(state: &AppState, content: &Hash) -> Answer<Arc<Screen>> {
         return Ok(screen);
     }
     let film = stored(state, content).await?;
-    let made = tokio::task::spawn_blocking(move || Arc::new(Screen::of(&film)));
-    let screen = made.await.expect("drawing does not panic");
+    let screen = computed(move || Arc::new(Screen::of(&film))).await?;
     state.films().keep(content, screen.clone());
     Ok(screen)
 }
@@ -37,8 +37,8 @@ pub async fn thumbnails(state: &AppState, content: &Hash) -> Answer<Thumbnails> 
         return Ok(known);
     }
     let film = stored(state, content).await?;
-    let drawn = tokio::task::spawn_blocking(move || draw_thumbnails(&film));
-    let (thumbnails, content) = (drawn.await.expect("drawing does not panic"), content.clone());
+    let thumbnails = computed(move || draw_thumbnails(&film)).await?;
+    let content = content.clone();
     let keep = move |store: &mut Store| {
         keep_thumbnails(store, &content, &thumbnails);
         Ok(thumbnails)
@@ -59,15 +59,15 @@ async fn kept_thumbnails(state: &AppState, content: &Hash) -> Answer<Option<Thum
 async fn stored(state: &AppState, content: &Hash) -> Answer<FilmFile> {
     let content = content.clone();
     let bytes = state.store(move |store| store.content(&content)).await?;
-    Ok(decode(state, bytes).await?)
+    decode(state, bytes).await
 }
 
 /// Decodes a film in a process of its own.
-pub async fn decode(state: &AppState, bytes: Vec<u8>) -> Result<FilmFile, FilmError> {
+pub async fn decode(state: &AppState, bytes: Vec<u8>) -> Answer<FilmFile> {
     let options = state.options().clone();
-    let decoded = tokio::task::spawn_blocking(move || {
+    let decoded = computed(move || {
         let arguments: Vec<&str> = options.decoder_arguments.iter().map(String::as_str).collect();
         decode_in_child(&options.decoder, &arguments, bytes, &ChildLimits::default())
     });
-    decoded.await.expect("waiting for a process does not panic")
+    Ok(decoded.await??)
 }

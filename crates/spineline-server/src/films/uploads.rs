@@ -21,6 +21,7 @@ use crate::api::{Notice, Problem, Severity, SpacingView, UploadView, Wire};
 use crate::extract::{Json, Path};
 use crate::film_cache::{Upload, draw_thumbnails};
 use crate::problem::{Answer, Failure};
+use crate::result_cache::computed;
 use crate::session::User;
 use crate::state::AppState;
 use crate::words;
@@ -48,8 +49,7 @@ async fn upload(
     let bytes: Vec<u8> = body.map_err(|refused| unread(&refused))?.into();
     let _permit = state.films().decoding().await?;
     let film = decode(&state, bytes.clone()).await?;
-    let looked = tokio::task::spawn_blocking(move || look(&film, bytes));
-    let (upload, mut view) = looked.await.expect("looking does not panic");
+    let (upload, mut view) = computed(move || look(&film, bytes)).await?;
     view.upload = state.films().uploads.keep(&user.name, state.now(), Arc::new(upload))?;
     Ok(Json(view))
 }

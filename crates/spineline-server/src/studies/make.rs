@@ -18,6 +18,7 @@ use crate::api::{CaseImport, NewFilm, NewStudy, Problem, ScaleChoice, StudyDetai
 use crate::extract::Json;
 use crate::film_cache::Upload;
 use crate::problem::{Answer, Failure};
+use crate::result_cache::computed;
 use crate::session::User;
 use crate::state::AppState;
 
@@ -46,7 +47,7 @@ async fn new_study(
     check(&films)?;
     let synthetic = films.iter().all(|(_, upload)| upload.is_synthetic);
     let study = Study { id, label: new.label, synthetic };
-    let prepared = tokio::task::spawn_blocking(move || {
+    let prepared = computed(move || {
         let salt = salt()?;
         let mut case = NewCase::of(study);
         for (film, upload) in &films {
@@ -55,7 +56,7 @@ async fn new_study(
         }
         Ok::<_, Failure>(case)
     });
-    let case = prepared.await.expect("preparing films does not panic")?;
+    let case = prepared.await??;
     let used = new.films.into_iter().map(|film| film.upload).collect();
     add(&state, user, case, used).await
 }
@@ -78,7 +79,7 @@ async fn import_case(
         uploads.insert(film.name.clone(), upload);
     }
     let used = import.films.iter().map(|film| film.upload.clone()).collect();
-    let read = tokio::task::spawn_blocking(move || {
+    let read = computed(move || {
         let missing = "a film that the case names was not uploaded";
         let bytes_of =
             |file: &str| uploads.get(file).map(|upload| upload.bytes.clone()).ok_or(missing);
@@ -90,7 +91,7 @@ async fn import_case(
         let (id, salt) = (case.id().clone(), salt()?);
         case.rewritten(|bytes| clean(&id, bytes, salt))
     });
-    let case = read.await.expect("reading does not panic")?;
+    let case = read.await??;
     add(&state, user, case, used).await
 }
 

@@ -114,5 +114,5 @@ impl AccountCommand {
 
 fn role(allowed: &[Role]) -> impl TypedValueParser<Value = Role> {
     PossibleValuesParser::new(allowed.iter().map(|role| role.key()))
-        .map(|word| Role::from_key(&word).expect("one of the possible values"))
+        .try_map(|word| Role::from_key(&word).ok_or("expected one of the possible values"))
 }

@@ -20,6 +20,7 @@ use crate::analysis::figures::draw_figures;
 use crate::analysis::record::RunRecord;
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{CaseInput, case_files};
+use crate::run::messages::say;
 use crate::run::outputs::{is_stdout, print, print_notices, write_or_print, write_table};
 use crate::run::provenance::generator;
 use crate::run::threads::map_all;
@@ -30,9 +31,11 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     let to_stdout = check_outputs(args, &paths)?;
     let is_one = paths.len() == 1;
     let (analyses, confidences, mut ending) = analyze_all(args, &paths, &mut record)?;
+    Confidence::check_any_counts(&confidences)?;
     print_notices(&record.warnings());
-    for analysis in &analyses {
+    for (analysis, confidence) in analyses.iter().zip(&confidences) {
         print_notices(&patient::warnings(analysis));
+        print_notices(confidence.interruption(analysis).as_slice());
     }
     let cohort = (!is_one || args.cohort.is_some()).then(|| cohort::of(&analyses));
     let results = Results {
@@ -47,6 +50,9 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     }
     if ending == Ending::Done && !analyses.iter().all(Analysis::is_converged) {
         ending = Ending::NotConverged;
+    }
+    if confidences.iter().any(Confidence::is_cut_short) {
+        ending = Ending::Interrupted;
     }
     Ok(ending)
 }
@@ -93,7 +99,7 @@ fn analyze_all(
             }
             Err(failure) if paths.len() == 1 => return Err(failure),
             Err(failure) => {
-                eprintln!("{failure}");
+                say(&format!("{failure}\n"));
                 ending = Ending::BadInput;
             }
         }

@@ -11,6 +11,7 @@ use super::resolve::{About, Question};
 use super::role::Role;
 use super::text;
 use crate::run::failure::Failure;
+use crate::run::messages::say;
 
 /// Whether there is anybody to ask.
 pub fn possible() -> bool {
@@ -22,7 +23,7 @@ pub fn choose_films(
     candidates: &Candidates,
     chosen: &mut Vec<(Role, usize)>,
 ) -> Result<(), Failure> {
-    eprintln!("{}", text::list(candidates));
+    say(&format!("{}\n", text::list(candidates)));
     for posture in Posture::ALL {
         let role = Role::Frontal(posture);
         let has_one = chosen.iter().any(|(other, _)| *other == role);

@@ -9,6 +9,7 @@ use spineline_landmarks::{LandmarkError, LandmarkHint, read_landmarks};
 use super::args::ImportArgs;
 use super::resolve::ResolvedFilm;
 use crate::run::failure::Failure;
+use crate::run::messages::say;
 
 /// What was marked, by posture.
 pub type LandmarksByPosture = BTreeMap<Posture, FilmMarks>;
@@ -46,7 +47,7 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksB
         };
         let file = read_landmarks(&of.value, &hint).map_err(|error| fail(&error))?;
         for remark in &file.remarks {
-            eprintln!("note: {}: {remark}", of.value.display());
+            say(&format!("note: {}: {remark}\n", of.value.display()));
         }
         for marked in file.films {
             let posture = marked.posture.or(hint.posture);

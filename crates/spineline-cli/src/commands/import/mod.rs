@@ -19,6 +19,7 @@ use resolve::{Question, ResolvedFilm, check_films, resolve, same_identifier};
 use role::Role;
 
 use crate::run::failure::{Ending, Failure};
+use crate::run::messages::say;
 use crate::run::outputs::print;
 
 pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
@@ -37,7 +38,7 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
         dialogue::choose_films(&candidates, &mut chosen)?;
     }
     if chosen.is_empty() {
-        eprint!("{}", text::list(&candidates));
+        say(&text::list(&candidates));
         return Err(Failure::usage(
             "which film shows which posture? Give their numbers, as in --film erect=1 --film left-bending=2",
         ));

@@ -18,6 +18,7 @@ use super::landmarks::LandmarksByPosture;
 use super::resolve::ResolvedFilm;
 use super::role::Role;
 use crate::run::failure::Failure;
+use crate::run::messages::say;
 use crate::run::outputs::write_file;
 use crate::run::provenance::generator;
 
@@ -238,7 +239,10 @@ fn secret(args: &ImportArgs) -> Result<[u8; 32], Failure> {
     std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
     let mut file = options.open(&path).map_err(|error| failed(&error))?;
     file.write_all(&secret).and_then(|()| file.sync_all()).map_err(|error| failed(&error))?;
-    eprintln!("new secret for identifiers: {} (keep it, and do not pass it on)", path.display());
+    say(&format!(
+        "new secret for identifiers: {} (keep it, and do not pass it on)\n",
+        path.display()
+    ));
     Ok(secret)
 }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use spineline::analysis::{Analysis, AnalysisOptions};
-use spineline_files::AnalysisFile;
+use spineline_files::{AnalysisFile, to_line};
 use spineline_report::cohort::{Patients, Refusal, Refused, report};
 
 use super::args::ReportArgs;
@@ -13,6 +13,7 @@ use crate::analysis::cohort;
 use crate::analysis::record::RunRecord;
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::CaseInput;
+use crate::run::messages::say;
 use crate::run::outputs::print_notices;
 use crate::run::provenance::generator;
 use crate::run::threads::map_all;
@@ -38,7 +39,7 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs) -> Result<Ending, Failure> {
                 record.cases.push(source);
             }
             Err((refusal, failure)) => {
-                eprintln!("{failure}");
+                say(&format!("{failure}\n"));
                 let name = path.file_name().unwrap_or(path.as_os_str());
                 let name = name.to_string_lossy().into_owned();
                 refused.push(Refused { name, refusal, why: failure.what().to_owned() });
@@ -52,8 +53,7 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs) -> Result<Ending, Failure> {
     let pairs: Vec<(&Analysis, &CaseInput)> = analyses.iter().zip(&record.cases).collect();
     let files = map_all("writing", &pairs, args.threads, |(analysis, source)| {
         let provenance = record.provenance_of(std::slice::from_ref(*source));
-        let file = AnalysisFile::new(analysis, source.file.clone(), provenance);
-        serde_json::to_string(&file).expect("string keys only")
+        to_line(&AnalysisFile::new(analysis, source.file.clone(), provenance))
     })?;
     let document = report(&Patients {
         analyses: &analyses,

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use spineline_files::AnalysisFile;
+use spineline_files::{AnalysisFile, to_line};
 use spineline_report::document::{Notice, NoticeKind};
 use spineline_report::file_stem;
 use spineline_report::patient::{Patient, report};
@@ -24,12 +24,14 @@ pub fn run(path: &Path, args: &ReportArgs) -> Result<Ending, Failure> {
     let CaseInput { file, case, .. } = &record.cases[0];
     let analysis = analyze_case(path, case, &record.request.options)?;
     let confidence = Confidence::compute(case, &analysis, &record.request, args.threads)?;
+    Confidence::check_any_counts(std::slice::from_ref(&confidence))?;
+    print_notices(confidence.interruption(&analysis).as_slice());
     let (pictures, hidden) = films::pictures(path, file, case, args.threads)?;
     let json = AnalysisFile::new(&analysis, file.clone(), record.provenance_of(&record.cases));
     let json = confidence.add_to(&analysis, json);
     let mut document = report(&Patient {
         pictures: &pictures,
-        json: &serde_json::to_string(&json).expect("string keys only"),
+        json: &to_line(&json),
         ..confidence.report(&analysis, case, &generator())
     });
     if let Some(films) = document.sections.iter_mut().find(|section| section.id == "films") {
@@ -41,5 +43,11 @@ pub fn run(path: &Path, args: &ReportArgs) -> Result<Ending, Failure> {
         }
     }
     write::all(&document, &file_stem(&document.subject), record.date_utc(), args)?;
-    Ok(if analysis.is_converged() { Ending::Done } else { Ending::NotConverged })
+    Ok(if confidence.is_cut_short() {
+        Ending::Interrupted
+    } else if analysis.is_converged() {
+        Ending::Done
+    } else {
+        Ending::NotConverged
+    })
 }

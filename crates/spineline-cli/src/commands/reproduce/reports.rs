@@ -4,7 +4,7 @@ use std::path::Path;
 
 use spineline::analysis::{Analysis, Case, Subject};
 use spineline::multibody::Support;
-use spineline_files::Provenance;
+use spineline_files::{Provenance, to_line};
 use spineline_report::cohort::Patients;
 use spineline_report::patient::Patient;
 use spineline_report::{Document, cohort, html, patient};
@@ -44,7 +44,7 @@ fn of_cohort(run: &Run, provenance: &Provenance) -> Document {
         together: &run.cohort,
         refused: &[],
         generator: &generator(),
-        json: &serde_json::to_string(&files).expect("string keys only"),
+        json: &to_line(&files),
     })
 }
 
@@ -57,6 +57,6 @@ fn of_patient(case: &Case, analysis: &Analysis, provenance: &Provenance) -> Docu
         identifiability: None,
         uncertainty: None,
         generator: &generator(),
-        json: &serde_json::to_string(&file).expect("string keys only"),
+        json: &to_line(&file),
     })
 }

@@ -73,8 +73,9 @@ impl Walk {
         if then == now {
             return;
         }
-        let value = |number: &serde_json::Number| number.as_f64().expect("no arbitrary precision");
-        let (a, b) = (value(then), value(now));
+        let (Some(a), Some(b)) = (then.as_f64(), now.as_f64()) else {
+            return self.add(path, then.to_string(), now.to_string(), None);
+        };
         let (apart, larger) = ((a - b).abs(), a.abs().max(b.abs()));
         if apart > self.tolerance * larger.max(1.0) {
             self.add(path, then.to_string(), now.to_string(), Some(apart / larger));

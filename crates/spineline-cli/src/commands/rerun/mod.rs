@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::Value;
 use spineline::analysis::Analysis;
 use spineline_files::{
-    AnalysisFile, InputFile, Provenance, StoredAnalysis, parse_analysis, to_text,
+    AnalysisFile, InputFile, Provenance, StoredAnalysis, parse_analysis, parse_json, to_text,
 };
 use spineline_report::document::{Column, Table};
 use spineline_report::{embedded, terminal};
@@ -27,7 +27,7 @@ pub const EXAMPLES: &str = "\
 The case and the options come from FILE alone; films, case files and stiffness tables are not needed. Where these files still
 exist, their hashes are compared, and changes are reported.
 
-Exit codes: 0 no differences, 4 differences, 3 FILE cannot be repeated.
+Exit codes: 0 no differences, 4 differences, 3 FILE cannot be repeated, 130 interrupted.
 
 Examples:
   spineline rerun analysis.json
@@ -70,13 +70,16 @@ pub fn run(args: &RerunArgs) -> Result<Ending, Failure> {
         let repeated = Repeated::of(args, old)?;
         same &= repeated.found.all.is_empty();
         texts.push(repeated.text(args));
-        if let Some(folder) = &args.figures {
+        again.push(repeated);
+    }
+    if let Some(folder) = &args.figures {
+        for repeated in &again {
             draw_figures(&repeated.analysis, &repeated.provenance, folder)?;
         }
-        again.push(repeated.new);
     }
     if let Some(path) = &args.json {
-        let text = match &again[..] {
+        let files: Vec<&Value> = again.iter().map(|repeated| &repeated.new).collect();
+        let text = match &files[..] {
             [one] if !stored.is_list => to_text(one),
             all => to_text(&all),
         };
@@ -99,15 +102,10 @@ fn stored(path: &Path) -> Result<Stored, Failure> {
         .map_err(|source| spineline_files::FileError::Read { path: path.to_owned(), source })
         .map_err(|error| Failure::file(path, &error))?;
     let text = analysis_text(path, &bytes)?;
-    // Says where it is no analysis; a list has no header to say it.
-    let value = serde_json::from_str(&text);
+    let value = parse_json(&text).map_err(|error| Failure::file(path, &error))?;
     Ok(match value {
-        Ok(Value::Array(analyses)) => Stored { analyses, is_list: true },
-        Ok(one) => Stored { analyses: vec![one], is_list: false },
-        Err(_) => {
-            let error = parse_analysis(&text).expect_err("it is not JSON");
-            return Err(Failure::file(path, &error));
-        }
+        Value::Array(analyses) => Stored { analyses, is_list: true },
+        one => Stored { analyses: vec![one], is_list: false },
     })
 }
 
@@ -143,12 +141,16 @@ impl Repeated {
         let StoredAnalysis { case, request, .. } = &stored;
         let analysis = analyze_case(&args.file, case, &request.options)?;
         let confidence = Confidence::compute(case, &analysis, request, args.threads)?;
+        if confidence.is_cut_short() {
+            // Fewer replicates than then would only look like a difference.
+            return Err(Failure::interrupted());
+        }
         let inputs = stored.provenance.inputs().to_vec();
         let provenance =
             Provenance::new(this_run()?, stored.provenance.films(), inputs).asking(request);
         let file = AnalysisFile::new(&analysis, stored.case_file.clone(), provenance.clone());
         let file = to_text(&confidence.add_to(&analysis, file));
-        let new = serde_json::from_str(&file).expect("our own file");
+        let new = parse_json(&file).map_err(|error| Failure::internal(error.to_string()))?;
         let found = differences(old, &new, args.tolerance);
         Ok(Self { stored, analysis, provenance, new, found })
     }

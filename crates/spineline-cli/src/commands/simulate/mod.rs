@@ -49,11 +49,11 @@ pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
     Ok(if outcome.response.ending.is_usable() { Ending::Done } else { Ending::NotConverged })
 }
 
-/// Shows the progress of a search, and interrupts it at Ctrl-C; a second Ctrl-C ends the program.
+/// Shows the progress of a search, and interrupts it at Ctrl-C; the path so far is kept.
 fn with_progress<T>(
     search: impl FnOnce(&mut dyn FnMut(ForceSign, &PathPoint) -> ControlFlow<()>) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
-    interrupt::catch()?;
+    let _stops_by_itself = interrupt::defer();
     let spinner = ProgressBar::new_spinner();
     let style = ProgressStyle::with_template("{spinner} {msg}");
     spinner.set_style(style.expect("the template is well-formed"));

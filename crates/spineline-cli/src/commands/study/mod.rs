@@ -19,6 +19,7 @@ use args::StudyCommand;
 
 use crate::options::values::store_name;
 use crate::run::failure::{Ending, Failure};
+use crate::run::messages::say;
 use crate::run::outputs::{print, write_or_print};
 
 pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
@@ -62,7 +63,7 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
         StudyCommand::Export { study, out, .. } => {
             let exported = view(path)?.export_case(&store_name(study)?).map_err(fail)?;
             for remark in &exported.remarks {
-                eprintln!("note: {remark}");
+                say(&format!("note: {remark}\n"));
             }
             write_or_print(out, &exported.text)?;
             Ok(Ending::Done)

@@ -1,0 +1,27 @@
+//! Messages on the standard error. A message that nobody can get, because the stream is full or closed, changes nothing else:
+//! the macros of the standard library would panic.
+
+use std::io::Write;
+use std::panic;
+
+/// Writes a text to the standard error.
+pub fn say(text: &str) {
+    // Nobody is left to be told.
+    let _ = std::io::stderr().lock().write_all(text.as_bytes());
+}
+
+/// Runs the program so that a bug ends it with a failure. The message of a panic may quote a file, so only its place is shown.
+///
+/// # Errors
+/// If it panics.
+pub fn guarded<T>(run: impl FnOnce() -> T) -> Result<T, Bug> {
+    panic::set_hook(Box::new(|panic| {
+        let place = panic.location().map_or_else(String::new, |place| format!(" at {place}"));
+        say(&format!("error: a bug{place}; please report it\n"));
+    }));
+    panic::catch_unwind(panic::AssertUnwindSafe(run)).map_err(|_| Bug)
+}
+
+/// The program panicked, and has said so.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Bug;
