@@ -8,7 +8,7 @@ use spineline_files::Provenance;
 use spineline_report::figures;
 
 use crate::run::failure::Failure;
-use crate::run::outputs::write_file;
+use crate::run::outputs::Outputs;
 use crate::run::provenance::in_svg;
 
 /// Draws the figures of one patient as SVG into a folder.
@@ -19,9 +19,10 @@ pub fn draw_figures(
     analysis: &Analysis,
     provenance: &Provenance,
     folder: &Path,
+    outputs: &Outputs,
 ) -> Result<(), Failure> {
     let save = |name: &str, svg: &str| {
-        write_file(
+        outputs.write(
             &folder.join(format!("{}-{name}.svg", analysis.case_id.replace(['/', '\\'], "_"))),
             in_svg(svg, provenance),
         )

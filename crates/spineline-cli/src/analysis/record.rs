@@ -34,11 +34,6 @@ impl RunRecord {
         Ok(Self { run: this_run()?, request, shared, cases: Vec::new() })
     }
 
-    /// When this run began, as in the provenance of its outputs.
-    pub fn date_utc(&self) -> &str {
-        &self.run.date_utc
-    }
-
     /// Refuses a case whose identifier was read before: a cohort would count its patient twice.
     ///
     /// # Errors

@@ -7,15 +7,20 @@ use clap::{Args, ValueEnum};
 use spineline::analysis::{AnalysisOptions, Case, analyze};
 use spineline::anatomy::{Posture, Region};
 use spineline::clinical::CobbEnds;
-use spineline_files::{CaseFile, ExportFormat, FileError, export, parse_case_file, read_text};
-use spineline_landmarks::{LandmarkTarget, SourceImage, export_landmarks, read_source};
+use spineline_files::{
+    CaseFile, ExportFormat, FileError, FilmOrigin, InputFile, Provenance, ProvenanceFile, export,
+    parse_case_file, read_text, to_text,
+};
+use spineline_landmarks::{
+    ExportedFile, LandmarkTarget, SourceImage, export_landmarks, read_source,
+};
 
 use crate::options::values::posture;
 use crate::run::failure::{Ending, Failure};
-use crate::run::inputs::read_model;
+use crate::run::inputs::{read_input, read_model};
 use crate::run::messages::say;
-use crate::run::outputs::{write_file, write_or_print};
-use crate::run::provenance::generator;
+use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout};
+use crate::run::provenance::{generator, this_run};
 
 /// How to make a model file, and how each program opens the result.
 pub const EXAMPLES: &str = "\
@@ -58,6 +63,8 @@ pub struct ExportArgs {
     /// Date and time of a DICOM report in UTC, as YYYYMMDDhhmmss [default: now]
     #[arg(long, value_name = "TIME", value_parser = moment)]
     written: Option<[String; 2]>,
+    #[command(flatten)]
+    overwrite: OverwriteArgs,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -93,11 +100,13 @@ pub fn run(args: &ExportArgs) -> Result<Ending, Failure> {
     if args.posture.is_some() {
         return Err(Failure::usage("--posture is for landmarks only"));
     }
+    let outputs = Outputs::new(args.overwrite, [args.file.as_path()]);
+    outputs.file(&args.out)?;
     let model = read_model(&args.file)?;
     let text = export(&model, format, &generator())
         .map_err(|error| Failure::input(&args.file.display().to_string(), &error, error.help()))?;
-    write_or_print(&args.out, &text)?;
-    Ok(Ending::Done)
+    outputs.write(&args.out, &text)?;
+    outputs.commit().map(|()| Ending::Done)
 }
 
 fn landmarks(args: &ExportArgs) -> Result<Ending, Failure> {
@@ -121,27 +130,37 @@ fn landmarks(args: &ExportArgs) -> Result<Ending, Failure> {
     };
     let files = export_landmarks(&case, args.posture, target)
         .map_err(|error| Failure::input(&place, &error, error.help()))?;
-    if let [only] = &files[..] {
-        return match std::str::from_utf8(&only.bytes) {
-            Ok(text) if args.out.as_os_str() == "-" => {
-                write_or_print(&args.out, text).map(|()| Ending::Done)
-            }
-            _ if args.out.as_os_str() == "-" => {
-                Err(Failure::usage("a DICOM report is not text; give a file with --out"))
-            }
-            _ => write_file(&args.out, &only.bytes).map(|()| Ending::Done),
-        };
+    write_landmarks(args, &case, &files)
+}
+
+/// One file by the name that the user gave, several in a folder; their provenance beside them.
+fn write_landmarks(
+    args: &ExportArgs,
+    case: &Case,
+    files: &[ExportedFile],
+) -> Result<Ending, Failure> {
+    let outputs = Outputs::new(args.overwrite, [args.file.as_path()]);
+    let origin = FilmOrigin::of([case.synthetic]);
+    let provenance = Provenance::new(this_run()?, origin, vec![read_input(&args.file)?]);
+    if let [only] = files {
+        outputs.table(&args.out)?;
+        outputs.write_table(&args.out, &only.bytes, &provenance)?;
+        return outputs.commit().map(|()| Ending::Done);
     }
-    if args.out.as_os_str() == "-" {
+    if is_stdout(&args.out) {
         return Err(Failure::usage(format!(
             "there are {} files to write; give a folder with --out, or one film with --posture",
             files.len()
         )));
     }
-    for exported in &files {
-        write_file(&args.out.join(&exported.name), &exported.bytes)?;
+    outputs.folder(&args.out)?;
+    for exported in files {
+        outputs.write(&args.out.join(&exported.name), &exported.bytes)?;
     }
-    Ok(Ending::Done)
+    let list = files.iter().map(|file| InputFile::of(&*file.name, &file.bytes)).collect();
+    let list = to_text(&ProvenanceFile::new(list, provenance));
+    outputs.write(&args.out.join("provenance.json"), list)?;
+    outputs.commit().map(|()| Ending::Done)
 }
 
 fn read_case_file(path: &Path) -> Result<CaseFile, Failure> {

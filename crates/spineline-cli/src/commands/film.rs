@@ -13,7 +13,7 @@ use crate::options::values::number;
 use crate::run::failure::{Ending, Failure};
 use crate::run::film_decoder::Decoder;
 use crate::run::messages::say;
-use crate::run::outputs::{print, write_file};
+use crate::run::outputs::{Outputs, OverwriteArgs, print};
 
 #[derive(Args)]
 pub struct FilmArgs {
@@ -32,6 +32,8 @@ pub struct FilmArgs {
     /// Print one JSON object per film instead of text
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    overwrite: OverwriteArgs,
 }
 
 fn window(text: &str) -> Result<Window, String> {
@@ -46,6 +48,10 @@ fn window(text: &str) -> Result<Window, String> {
 pub fn run(args: &FilmArgs) -> Result<Ending, Failure> {
     if args.png.is_some() && args.files.len() > 1 {
         return Err(Failure::usage("--png takes one film"));
+    }
+    let outputs = Outputs::new(args.overwrite, args.files.iter().map(PathBuf::as_path));
+    if let Some(out) = &args.png {
+        outputs.declare(out)?;
     }
     let decoder = Decoder::new()?;
     let mut ending = Ending::Done;
@@ -66,9 +72,10 @@ pub fn run(args: &FilmArgs) -> Result<Ending, Failure> {
         })?;
         if let Some(out) = &args.png {
             let png = film.display(args.window.as_ref(), args.invert).to_png();
-            write_file(out, png)?;
+            outputs.write(out, png)?;
         }
     }
+    outputs.commit()?;
     Ok(ending)
 }
 

@@ -71,6 +71,12 @@ impl Failure {
         Self { code: FILES, what, help: Some(write_help(error.kind()).to_owned()) }
     }
 
+    /// An output that must not be written.
+    pub fn target(path: &Path, why: &str, help: &str) -> Self {
+        let what = format!("{} is not written: {why}", path.display());
+        Self { code: FILES, what, help: Some(help.to_owned()) }
+    }
+
     /// Ctrl-C or SIGTERM came before there was any result.
     pub fn interrupted() -> Self {
         let what = "interrupted before a result was written".to_owned();

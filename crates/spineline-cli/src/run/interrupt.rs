@@ -4,6 +4,8 @@
 //! parts count by themselves, such as replicates, stops after its present step ([`defer`]), and results that are being written
 //! are written to the end ([`begin_writing`]). The second one ends the program at once.
 
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::Notify;
@@ -21,9 +23,19 @@ struct State {
     deferred: usize,
     /// Whether the first result is on its way.
     is_writing: bool,
+    /// Files that are not whole yet, to be removed with the program.
+    parts: Vec<PathBuf>,
+    /// Folders that were made for them, the outer one first.
+    folders: Vec<PathBuf>,
 }
 
-static STATE: Mutex<State> = Mutex::new(State { requested: false, deferred: 0, is_writing: false });
+static STATE: Mutex<State> = Mutex::new(State {
+    requested: false,
+    deferred: 0,
+    is_writing: false,
+    parts: Vec::new(),
+    folders: Vec::new(),
+});
 static REQUEST: Notify = Notify::const_new();
 
 fn state() -> MutexGuard<'static, State> {
@@ -85,6 +97,13 @@ fn on_signal() {
     if is_first {
         say(&format!("{}\n", Failure::interrupted()));
     }
+    for part in &state.parts {
+        let _ = fs::remove_file(part);
+    }
+    for folder in state.folders.iter().rev() {
+        // A folder that holds results stays.
+        let _ = fs::remove_dir(folder);
+    }
     // The state stays locked, so that nothing begins to be written now.
     std::process::exit(EXIT_CODE.into());
 }
@@ -108,6 +127,21 @@ pub fn defer() -> Deferred {
 /// From now on, the first signal lets the program write all of its results.
 pub fn begin_writing() {
     state().is_writing = true;
+}
+
+/// A file that is removed if a signal ends the program.
+pub fn remember_part(part: &Path) {
+    state().parts.push(part.to_owned());
+}
+
+/// A file that has got its own name, or is gone.
+pub fn forget_part(part: &Path) {
+    state().parts.retain(|other| other != part);
+}
+
+/// A folder that is removed if a signal ends the program while it is empty.
+pub fn remember_folder(folder: &Path) {
+    state().folders.push(folder.to_owned());
 }
 
 /// Whether a signal has come.

@@ -8,6 +8,7 @@ mod import;
 #[path = "../../../spineline-films/tests/it/maker.rs"]
 mod maker;
 mod noise_study;
+mod outputs;
 mod program;
 mod reliability;
 mod report;

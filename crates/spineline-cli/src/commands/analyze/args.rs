@@ -10,6 +10,7 @@ use crate::options::choice::{Choice, choice};
 use crate::options::method::MethodArgs;
 use crate::options::uncertainty::UncertaintyArgs;
 use crate::options::values::threads;
+use crate::run::outputs::OverwriteArgs;
 
 #[derive(Args)]
 pub struct AnalyzeArgs {
@@ -41,6 +42,8 @@ pub struct AnalyzeArgs {
     /// Threads for a cohort and for replicates; 0: all cores. The number does not change the results
     #[arg(long, default_value = "0", value_parser = threads)]
     pub threads: usize,
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
     #[command(flatten)]
     pub tables: TablesArgs,
     #[command(flatten)]

@@ -21,14 +21,15 @@ use crate::analysis::record::RunRecord;
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{CaseInput, case_files};
 use crate::run::messages::say;
-use crate::run::outputs::{is_stdout, print, print_notices, write_or_print, write_table};
+use crate::run::outputs::{Outputs, is_stdout, print, print_notices};
 use crate::run::provenance::generator;
 use crate::run::threads::map_all;
 
 pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     let mut record = RunRecord::new(&args.method, &args.uncertainty)?;
     let paths = case_files(&args.cases)?;
-    let to_stdout = check_outputs(args, &paths)?;
+    let to_stdout = check_streams(args, &paths)?;
+    let outputs = check_outputs(args, &paths)?;
     let is_one = paths.len() == 1;
     let (analyses, confidences, mut ending) = analyze_all(args, &paths, &mut record)?;
     Confidence::check_any_counts(&confidences)?;
@@ -44,7 +45,8 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
         cohort: cohort.as_ref(),
         record: &record,
     };
-    results.write(args, !is_one)?;
+    results.write(args, !is_one, &outputs)?;
+    outputs.commit()?;
     if !to_stdout {
         print(&results.text(is_one))?;
     }
@@ -58,7 +60,7 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
 }
 
 /// Refuses outputs that exclude each other; says whether one goes to the standard output.
-fn check_outputs(args: &AnalyzeArgs, paths: &[PathBuf]) -> Result<bool, Failure> {
+fn check_streams(args: &AnalyzeArgs, paths: &[PathBuf]) -> Result<bool, Failure> {
     let outputs = [&args.json, &args.csv, &args.chain, &args.cohort].into_iter().flatten();
     let to_stdout = outputs.filter(|path| is_stdout(path)).count();
     if to_stdout > 1 {
@@ -70,6 +72,29 @@ fn check_outputs(args: &AnalyzeArgs, paths: &[PathBuf]) -> Result<bool, Failure>
         return Err(Failure::usage("--model writes the model of one case; give one case file"));
     }
     Ok(to_stdout == 1)
+}
+
+/// Checks every output before any work.
+fn check_outputs(args: &AnalyzeArgs, paths: &[PathBuf]) -> Result<Outputs, Failure> {
+    let inputs = paths.iter().chain(&args.method.stiffness).map(PathBuf::as_path);
+    let outputs = Outputs::new(args.overwrite, inputs);
+    for path in [&args.json, &args.model].into_iter().flatten() {
+        outputs.file(path)?;
+    }
+    for path in [&args.csv, &args.chain].into_iter().flatten() {
+        outputs.table(path)?;
+    }
+    if let Some(path) = &args.cohort {
+        if is_csv(path) { outputs.table(path)? } else { outputs.file(path)? }
+    }
+    for folder in [&args.tables.folder, &args.figures].into_iter().flatten() {
+        outputs.folder(folder)?;
+    }
+    Ok(outputs)
+}
+
+fn is_csv(path: &Path) -> bool {
+    path.extension().is_some_and(|end| end == "csv")
 }
 
 /// Analyses all cases; in a cohort, a case that fails is reported and left out.
@@ -134,33 +159,39 @@ impl Results<'_> {
         documents.iter().map(|document| terminal(document, terminal::WIDTH)).collect()
     }
 
-    fn write(&self, args: &AnalyzeArgs, is_list: bool) -> Result<(), Failure> {
+    fn write(&self, args: &AnalyzeArgs, is_list: bool, outputs: &Outputs) -> Result<(), Failure> {
         if let Some(path) = &args.json {
-            write_or_print(path, &self.json(is_list))?;
+            outputs.write(path, self.json(is_list))?;
         }
         if let Some(path) = &args.csv {
-            write_table(path, &vertebrae_csv(self.analyses)?, &self.record.provenance())?;
+            outputs.write_table(path, vertebrae_csv(self.analyses)?, &self.record.provenance())?;
         }
         if let Some(path) = &args.chain {
-            write_table(path, &chain_csv(self.analyses)?, &self.record.provenance())?;
+            outputs.write_table(path, chain_csv(self.analyses)?, &self.record.provenance())?;
         }
         if let (Some(path), Some(cohort)) = (&args.cohort, self.cohort) {
-            self.write_cohort(path, cohort)?;
+            self.write_cohort(path, cohort, outputs)?;
         }
         if let (Some(path), [analysis]) = (&args.model, self.analyses) {
-            self.write_model(path, args, analysis)?;
+            self.write_model(path, args, analysis, outputs)?;
         }
         if let Some(folder) = &args.tables.folder {
             let patients: Vec<Patient<'_>> = self
                 .patients()
                 .map(|((analysis, confidence), input)| confidence.patient(analysis, &input.case))
                 .collect();
-            tables::write(folder, &args.tables.formats, &patients, &self.record.provenance())?;
+            tables::write(
+                folder,
+                &args.tables.formats,
+                &patients,
+                &self.record.provenance(),
+                outputs,
+            )?;
         }
         if let Some(folder) = &args.figures {
             for ((analysis, _), input) in self.patients() {
                 let provenance = self.record.provenance_of(std::slice::from_ref(input));
-                draw_figures(analysis, &provenance, folder)?;
+                draw_figures(analysis, &provenance, folder, outputs)?;
             }
         }
         Ok(())
@@ -184,13 +215,13 @@ impl Results<'_> {
         }
     }
 
-    fn write_cohort(&self, path: &Path, cohort: &Cohort) -> Result<(), Failure> {
+    fn write_cohort(&self, path: &Path, cohort: &Cohort, outputs: &Outputs) -> Result<(), Failure> {
         let provenance = self.record.provenance();
-        if path.extension().is_some_and(|end| end == "csv") {
-            return write_table(path, &cohort_csv(cohort)?, &provenance);
+        if is_csv(path) {
+            return outputs.write_table(path, cohort_csv(cohort)?, &provenance);
         }
         let file = cohort::file(self.analyses, cohort, &generator()).with_provenance(provenance);
-        write_or_print(path, &to_text(&file))
+        outputs.write(path, to_text(&file))
     }
 
     fn write_model(
@@ -198,6 +229,7 @@ impl Results<'_> {
         path: &Path,
         args: &AnalyzeArgs,
         analysis: &Analysis,
+        outputs: &Outputs,
     ) -> Result<(), Failure> {
         let kind = args.model_line;
         let Some(model) = analysis.models.iter().find(|model| model.kind == kind) else {
@@ -210,6 +242,6 @@ impl Results<'_> {
             ));
         };
         let file = ModelFile::new(analysis, model, &generator());
-        write_or_print(path, &to_text(&file.with_provenance(self.record.provenance())))
+        outputs.write(path, to_text(&file.with_provenance(self.record.provenance())))
     }
 }

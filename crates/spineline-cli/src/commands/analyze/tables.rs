@@ -7,7 +7,7 @@ use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
 use spineline_tables::{OptionalTables, Patient, Table, dictionary, tables};
 
 use crate::run::failure::Failure;
-use crate::run::outputs::write_file;
+use crate::run::outputs::Outputs;
 
 /// Tables for pandas, R, Excel and others.
 #[derive(Args)]
@@ -47,8 +47,9 @@ pub fn write(
     formats: &[TableFormat],
     patients: &[Patient<'_>],
     provenance: &Provenance,
+    outputs: &Outputs,
 ) -> Result<(), Failure> {
-    let mut folder = Folder { path: folder, files: Vec::new() };
+    let mut folder = Folder { path: folder, files: Vec::new(), outputs };
     let origin = to_text(provenance);
     for table in tables(patients) {
         if formats.contains(&TableFormat::Csv) {
@@ -62,19 +63,20 @@ pub fn write(
     let meanings = dictionary(OptionalTables::of(patients));
     folder.add(&meanings, "csv", meanings.to_csv()?.as_bytes())?;
     let file = ProvenanceFile::new(folder.files, provenance.clone());
-    write_file(&folder.path.join("provenance.json"), to_text(&file))
+    outputs.write(&folder.path.join("provenance.json"), to_text(&file))
 }
 
 /// A folder of tables, and what was written into it.
 struct Folder<'a> {
     path: &'a Path,
     files: Vec<InputFile>,
+    outputs: &'a Outputs,
 }
 
 impl Folder<'_> {
     fn add(&mut self, table: &Table, end: &str, bytes: &[u8]) -> Result<(), Failure> {
         let name = format!("{}.{end}", table.name);
-        write_file(&self.path.join(&name), bytes)?;
+        self.outputs.write(&self.path.join(&name), bytes)?;
         self.files.push(InputFile::of(name, bytes));
         Ok(())
     }

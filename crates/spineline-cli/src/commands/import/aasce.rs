@@ -14,7 +14,7 @@ use spineline_tables::rows_to_csv;
 
 use super::args::ImportArgs;
 use crate::run::failure::{Ending, Failure};
-use crate::run::outputs::{print, write_file};
+use crate::run::outputs::{Outputs, OverwriteArgs, print};
 
 /// Columns of the verdicts.
 const HEADING: [&str; 5] = ["row", "case_id", "verdict", "main_angle_deg", "faults"];
@@ -45,6 +45,10 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
         let what = "a set of this name was imported here already";
         return Err(Failure::input(&there.display().to_string(), &what, help));
     }
+    let outputs = Outputs::new(OverwriteArgs { overwrite: false }, []);
+    if let Some(out) = &args.out {
+        outputs.folder(out)?;
+    }
     let (mut table, mut clean, mut text) = (Vec::new(), 0, String::new());
     for row in rows(args, folder, side)? {
         let case_id = format!("{name}-{:04}", row.row);
@@ -53,7 +57,8 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
             AasceVerdict::Clean { main_angle } => {
                 clean += 1;
                 if let Some(out) = args.out.as_ref().filter(|_| !args.list) {
-                    write_case(out, &case_id, &row, side)?;
+                    let path = out.join(format!("{case_id}.json"));
+                    outputs.write(&path, case_text(folder, &case_id, &row, side)?)?;
                 }
                 ["clean".to_owned(), format!("{:.4}", main_angle.deg()), String::new()]
             }
@@ -74,9 +79,10 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
         table.len()
     ));
     if let Some(verdicts) = verdicts {
-        write_file(&verdicts, rows_to_csv("verdicts", HEADING, &table)?)?;
+        outputs.write(&verdicts, rows_to_csv("verdicts", HEADING, &table)?)?;
         text.push_str(&format!("Verdicts on every row: {}\n", verdicts.display()));
     }
+    outputs.commit()?;
     print(&text).map(|_| ())
 }
 
@@ -104,19 +110,19 @@ fn fail(folder: &Path, error: &LandmarkError) -> Failure {
 }
 
 /// A case of one erect film in pixels: the set knows no spacing.
-fn write_case(
-    out: &Path,
+fn case_text(
+    folder: &Path,
     id: &str,
     row: &AasceRow,
     patient_left: ImageSide,
-) -> Result<(), Failure> {
+) -> Result<String, Failure> {
     let (columns, rows) = row.film.size.unwrap_or_default();
     let image = ImageGeometry { columns, rows, spacing: None, patient_left };
     let film = row
         .film
         .clone()
         .into_film(Some(Posture::Erect), Some(image))
-        .map_err(|error| fail(out, &error))?;
+        .map_err(|error| fail(folder, &error))?;
     let case = Case {
         id: id.to_owned(),
         synthetic: false,
@@ -124,6 +130,5 @@ fn write_case(
         films: vec![film],
         lateral: None,
     };
-    let text = spineline_files::to_text(&CaseFile::from_case(&case));
-    write_file(&out.join(format!("{id}.json")), text)
+    Ok(spineline_files::to_text(&CaseFile::from_case(&case)))
 }

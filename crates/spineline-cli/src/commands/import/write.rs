@@ -19,7 +19,7 @@ use super::resolve::ResolvedFilm;
 use super::role::Role;
 use crate::run::failure::Failure;
 use crate::run::messages::say;
-use crate::run::outputs::write_file;
+use crate::run::outputs::{Outputs, OverwriteArgs};
 use crate::run::provenance::generator;
 
 /// What was removed from a film, and remarks on it.
@@ -98,11 +98,15 @@ pub fn write(
     films: &[ResolvedFilm],
     marks: &LandmarksByPosture,
 ) -> Result<(), Failure> {
+    // Films and landmarks are never overwritten: `check_free` found the folder without them.
+    let outputs = Outputs::new(OverwriteArgs { overwrite: false }, []);
+    outputs.folder(folder)?;
     let secret = secret(args)?;
     let mut reports = Vec::new();
     let mut sources = Vec::new();
     for film in films {
-        let (source, report) = write_film(args, folder, case_id, candidates, film, &secret)?;
+        let (bytes, source, report) = cleaned_film(args, case_id, candidates, film, &secret)?;
+        outputs.write(&folder.join(&report.file), &bytes)?;
         sources.push((film.role, source));
         reports.push(report);
     }
@@ -121,19 +125,20 @@ pub fn write(
         identity_kept: args.keep_identity,
         films: reports,
     };
-    write_file(&folder.join("import.json"), spineline_files::to_text(&report))?;
+    outputs.write(&folder.join("import.json"), spineline_files::to_text(&report))?;
     // The case comes last: where it is, everything that it names is.
-    write_file(&folder.join("case.json"), spineline_files::to_text(&case))
+    outputs.write(&folder.join("case.json"), spineline_files::to_text(&case))?;
+    outputs.commit()
 }
 
-fn write_film(
+/// A film as it is written, its source for the case, and what was done with it.
+fn cleaned_film(
     args: &ImportArgs,
-    folder: &Path,
     case_id: &str,
     candidates: &Candidates,
     film: &ResolvedFilm,
     secret: &[u8; 32],
-) -> Result<(FilmSource, FilmReport), Failure> {
+) -> Result<(Vec<u8>, FilmSource, FilmReport), Failure> {
     let found = &candidates.films[film.index].found;
     let bytes =
         read(&found.place, &IntakeLimits::default()).map_err(|error| Failure::intake(&error))?;
@@ -159,7 +164,6 @@ fn write_film(
         (clean.bytes, kind, Some(DeidRecord::of(&clean.report)))
     };
     let file = file_name(film.role, kind);
-    write_file(&folder.join(&file), &bytes)?;
     let sha256 = sha256_hex(&bytes);
     let source = FilmSource {
         file: Some(file.clone()),
@@ -167,7 +171,7 @@ fn write_film(
         inverted: film.inverted,
     };
     let notes = film.notes.clone();
-    Ok((source, FilmReport { film: film.role.key(), file, sha256, notes, deidentification }))
+    Ok((bytes, source, FilmReport { film: film.role.key(), file, sha256, notes, deidentification }))
 }
 
 const fn extension(kind: FilmKind) -> &'static str {

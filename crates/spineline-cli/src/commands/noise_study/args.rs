@@ -9,6 +9,7 @@ use spineline_phantom::Truth;
 use crate::options::choice::{Choice, choice};
 use crate::options::phantoms::ScenarioName;
 use crate::options::values::threads;
+use crate::run::outputs::OverwriteArgs;
 
 /// The command line.
 #[derive(Args)]
@@ -37,6 +38,8 @@ pub struct NoiseStudyArgs {
     /// Quantity that the stiffness is fitted to; the paper fitted Ferguson angles
     #[arg(long, value_parser = choice::<FitTarget>(), default_value = FitTarget::Ferguson.spelling())]
     pub fit: FitTarget,
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
 }
 
 impl NoiseStudyArgs {

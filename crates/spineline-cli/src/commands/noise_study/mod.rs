@@ -15,17 +15,22 @@ pub use args::NoiseStudyArgs;
 use spineline_files::{FilmOrigin, Provenance};
 
 use crate::run::failure::{Ending, Failure};
-use crate::run::outputs::{print, write_file, write_table};
+use crate::run::outputs::{Outputs, print};
 use crate::run::provenance::{in_svg, this_run};
 
 pub fn run(args: &NoiseStudyArgs) -> Result<Ending, Failure> {
-    let points = study::study(args)?;
     let table = args.out.join("noise-study.csv");
     let figure = args.out.join("noise-study.svg");
+    let outputs = Outputs::new(args.overwrite, []);
+    outputs.folder(&args.out)?;
+    outputs.table(&table)?;
+    outputs.file(&figure)?;
+    let points = study::study(args)?;
     let provenance =
         Provenance::new(this_run()?, FilmOrigin::Synthetic, Vec::new()).with_seed(args.seed);
-    write_table(&table, &rows::csv_text(&points)?, &provenance)?;
-    write_file(&figure, in_svg(&drawing::svg(&points, args), &provenance))?;
+    outputs.write_table(&table, rows::csv_text(&points)?, &provenance)?;
+    outputs.write(&figure, in_svg(&drawing::svg(&points, args), &provenance))?;
+    outputs.commit()?;
     print(&text::report(&points, args))?;
     print(&format!(
         "\nTable   {}\nFigure  {} (open it in a browser)\n",

@@ -7,6 +7,7 @@ use spineline_phantom::Truth;
 
 use crate::options::phantoms::ScenarioName;
 use crate::options::values::threads;
+use crate::run::outputs::OverwriteArgs;
 
 #[derive(Args)]
 pub struct PhantomArgs {
@@ -34,6 +35,8 @@ pub struct PhantomArgs {
     /// Threads for `--films`; 0: all cores. The number does not change the files
     #[arg(long, default_value = "0", value_parser = threads, requires = "films")]
     pub threads: usize,
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
 }
 
 #[derive(Clone, Copy, ValueEnum)]

@@ -1,8 +1,6 @@
 //! `spineline phantom --films`: drawn films as DICOM files beside their cases.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::path::Path;
 
 use serde::Serialize;
 use spineline::anatomy::{ImageSide, Level, Posture, Side};
@@ -13,7 +11,7 @@ use spineline_server::synthetic::{DrawnFilm, draw_film};
 
 use super::args::{EncodingName, PhantomArgs};
 use crate::run::failure::Failure;
-use crate::run::outputs::write_file;
+use crate::run::outputs::Outputs;
 use crate::run::threads::map_all;
 
 /// The films of one case by posture.
@@ -47,15 +45,14 @@ pub(super) struct FilmRecord {
 pub(super) fn write(
     phantoms: &[Phantom],
     args: &PhantomArgs,
+    outputs: &Outputs,
 ) -> Result<BTreeMap<String, Listing>, Failure> {
-    fs::create_dir_all(&args.out)
-        .map_err(|error| Failure::write(&args.out.display().to_string(), &error))?;
     let films: Vec<(&Phantom, &TrueFilm)> = phantoms
         .iter()
         .flat_map(|phantom| phantom.films.iter().map(move |f| (phantom, f)))
         .collect();
     let written = map_all("drawing films", &films, args.threads, |&(phantom, film)| {
-        write_film(phantom, film, args.film_encoding, &args.out)
+        write_film(phantom, film, args, outputs)
     })?;
     let mut listings: BTreeMap<String, Listing> = BTreeMap::new();
     for (record, (phantom, film)) in written.into_iter().zip(films) {
@@ -68,10 +65,10 @@ pub(super) fn write(
 fn write_film(
     phantom: &Phantom,
     film: &TrueFilm,
-    encoding: EncodingName,
-    folder: &Path,
+    args: &PhantomArgs,
+    outputs: &Outputs,
 ) -> Result<FilmRecord, Failure> {
-    let encoding = match encoding {
+    let encoding = match args.film_encoding {
         EncodingName::Mixed if film.posture == Posture::Neutral => Encoding::Rle,
         EncodingName::Mixed | EncodingName::JpegLs => Encoding::JpegLs,
         EncodingName::Rle => Encoding::Rle,
@@ -80,7 +77,7 @@ fn write_film(
     let drawn =
         draw_film(phantom, film, encoding).map_err(|error| Failure::internal(error.to_string()))?;
     let DrawnFilm { file, bytes, photometric_interpretation, pixels_sha256 } = drawn;
-    write_file(&folder.join(&file), &bytes)?;
+    outputs.write(&args.out.join(&file), &bytes)?;
     let image = film.image;
     Ok(FilmRecord {
         file,

@@ -14,7 +14,7 @@ use spineline_phantom::{Phantom, SUBJECTS, generate};
 
 use crate::options::phantoms::readers;
 use crate::run::failure::{Ending, Failure};
-use crate::run::outputs::{print, write_file};
+use crate::run::outputs::{Outputs, print};
 
 pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
     let truth = args.truth.0;
@@ -34,7 +34,9 @@ pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
         .map(|number| generate(number - 1, truth, &readers, args.seed))
         .collect::<Result<_, _>>()
         .map_err(|error| Failure::internal(error.to_string()))?;
-    let films = if args.films { films::write(&phantoms, args)? } else { BTreeMap::new() };
+    let outputs = Outputs::new(args.overwrite, []);
+    outputs.folder(&args.out)?;
+    let films = if args.films { films::write(&phantoms, args, &outputs)? } else { BTreeMap::new() };
     let mut text = String::new();
     for phantom in &phantoms {
         let path = args.out.join(format!("{}.json", phantom.case.id));
@@ -44,11 +46,12 @@ pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
             Some(own) => films::with_files(case, own),
             None => case,
         };
-        write_file(&path, spineline_files::to_text(&case))?;
+        outputs.write(&path, spineline_files::to_text(&case))?;
         let truth = TruthFile { films: own.cloned(), ..TruthFile::new(phantom) };
-        write_file(&path.with_extension("truth.json"), spineline_files::to_text(&truth))?;
+        outputs.write(&path.with_extension("truth.json"), spineline_files::to_text(&truth))?;
         text.push_str(&format!("{} (synthetic; its true values are beside it)\n", path.display()));
     }
+    outputs.commit()?;
     let all: Vec<_> = films.values().flat_map(BTreeMap::values).collect();
     if !all.is_empty() {
         let mb = all.iter().map(|film| film.bytes).sum::<usize>() as f64 / 1e6;

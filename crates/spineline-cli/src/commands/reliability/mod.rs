@@ -12,7 +12,7 @@ use spineline_tables::reliability_csv;
 
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{CaseInput, case_files, input_of};
-use crate::run::outputs::{is_stdout, print, write_file, write_or_print, write_table};
+use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print};
 use crate::run::provenance::{generator, in_svg, this_run};
 
 pub const EXAMPLES: &str = "\
@@ -45,33 +45,57 @@ pub struct ReliabilityArgs {
     /// Draw Bland-Altman plots as SVG into this folder
     #[arg(long, value_name = "DIR")]
     figure: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArgs,
 }
 
 pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
-    let outputs = [&args.json, &args.csv].into_iter().flatten();
-    let to_stdout = outputs.filter(|path| is_stdout(path)).count();
+    let paths = [&args.json, &args.csv].into_iter().flatten();
+    let to_stdout = paths.filter(|path| is_stdout(path)).count();
     if to_stdout > 1 {
         return Err(Failure::usage("only one of --json and --csv can go to the standard output"));
     }
+    let outputs = check_outputs(args)?;
     let Readings { quantities, synthetic, inputs } = read(&args.inputs)?;
     let provenance = Provenance::new(this_run()?, FilmOrigin::of([synthetic]), inputs);
     let found: Vec<QuantityReliability> = quantities.iter().map(assess).collect();
     if let Some(path) = &args.json {
         let file = ReliabilityFile::new(&found, synthetic, &generator())
             .with_provenance(provenance.clone());
-        write_or_print(path, &spineline_files::to_text(&file))?;
+        outputs.write(path, spineline_files::to_text(&file))?;
     }
     if let Some(path) = &args.csv {
-        write_table(path, &reliability_csv(&found, synthetic)?, &provenance)?;
+        outputs.write_table(path, reliability_csv(&found, synthetic)?, &provenance)?;
     }
     if let Some(folder) = &args.figure {
-        draw(&found, synthetic, &provenance, folder)?;
+        draw(&found, synthetic, &provenance, folder, &outputs)?;
     }
+    outputs.commit()?;
     if to_stdout == 0 {
         let document = summary(&found, synthetic, &generator());
         print(&terminal(&document, terminal::WIDTH))?;
     }
     Ok(Ending::Done)
+}
+
+/// Checks every output before any work.
+fn check_outputs(args: &ReliabilityArgs) -> Result<Outputs, Failure> {
+    let inputs = if args.inputs.iter().any(|path| path.is_dir()) {
+        case_files(&args.inputs)?
+    } else {
+        args.inputs.clone()
+    };
+    let outputs = Outputs::new(args.overwrite, inputs.iter().map(PathBuf::as_path));
+    if let Some(path) = &args.json {
+        outputs.file(path)?;
+    }
+    if let Some(path) = &args.csv {
+        outputs.table(path)?;
+    }
+    if let Some(folder) = &args.figure {
+        outputs.folder(folder)?;
+    }
+    Ok(outputs)
 }
 
 /// What was read.
@@ -125,6 +149,7 @@ fn draw(
     synthetic: bool,
     provenance: &Provenance,
     folder: &Path,
+    outputs: &Outputs,
 ) -> Result<(), Failure> {
     let plain = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
     for (i, quantity) in found.iter().enumerate() {
@@ -132,7 +157,7 @@ fn draw(
             let Some(svg) = figures::bland_altman(quantity, design, synthetic) else { continue };
             let name: String = quantity.key.chars().map(plain).take(40).collect();
             let file = format!("{:02}-{name}-{}-{}.svg", i + 1, j + 1, design.design.key());
-            write_file(&folder.join(file), in_svg(&svg, provenance))?;
+            outputs.write(&folder.join(file), in_svg(&svg, provenance))?;
         }
     }
     Ok(())

@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use crate::options::method::MethodArgs;
 use crate::options::uncertainty::UncertaintyArgs;
 use crate::options::values::threads;
+use crate::run::outputs::OverwriteArgs;
 
 /// Shown below the options.
 pub const EXAMPLES: &str = "Examples:
@@ -61,6 +62,8 @@ pub struct ReportArgs {
     #[arg(long, default_value = "0", value_parser = threads)]
     pub threads: usize,
     /// For the report of one patient.
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
     #[command(flatten)]
     pub uncertainty: UncertaintyArgs,
     #[command(flatten)]

@@ -14,16 +14,20 @@ use crate::analysis::record::RunRecord;
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::CaseInput;
 use crate::run::messages::say;
-use crate::run::outputs::print_notices;
+use crate::run::outputs::{Outputs, print_notices};
 use crate::run::provenance::generator;
 use crate::run::threads::map_all;
 
-pub fn run(paths: &[PathBuf], args: &ReportArgs) -> Result<Ending, Failure> {
+/// Beginning of the names of files of a cohort.
+const STEM: &str = "cohort";
+
+pub fn run(paths: &[PathBuf], args: &ReportArgs, outputs: Outputs) -> Result<Ending, Failure> {
     if args.uncertainty.identifiability || args.uncertainty.replicates.is_some() {
         return Err(Failure::usage(
             "--identifiability and --replicates are for the report of one patient; give one case",
         ));
     }
+    let out = write::target(STEM, args, &outputs)?;
     let mut record = RunRecord::new(&args.method, &args.uncertainty)?;
     let options = &record.request.options;
     let results = map_all("analysing", paths, args.threads, |path| one(path, options))?;
@@ -63,7 +67,9 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs) -> Result<Ending, Failure> {
         generator: &generator(),
         json: &format!("[{}]", files.join(",")),
     });
-    write::all(&document, "cohort", record.date_utc(), args)?;
+    let provenance = record.provenance();
+    let report = write::Report { document: &document, stem: STEM, provenance: &provenance };
+    report.write(&out, args, outputs)?;
     Ok(match (refused.is_empty(), analyses.iter().all(Analysis::is_converged)) {
         (false, _) => Ending::BadInput,
         (true, false) => Ending::NotConverged,

@@ -6,8 +6,11 @@ mod films;
 mod patient;
 mod write;
 
+use std::path::PathBuf;
+
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::case_files;
+use crate::run::outputs::Outputs;
 use crate::run::pdf;
 use args::FormName;
 
@@ -18,8 +21,16 @@ pub fn run(args: &ReportArgs) -> Result<Ending, Failure> {
         pdf::check_is_built()?;
     }
     let paths = case_files(&args.cases)?;
+    let inputs = paths.iter().chain(&args.method.stiffness).map(PathBuf::as_path);
+    let outputs = Outputs::new(args.overwrite, inputs);
+    if let Some(out) = &args.out {
+        outputs.file(out)?;
+    }
+    if let Some(folder) = &args.figures {
+        outputs.folder(folder)?;
+    }
     match &paths[..] {
-        [one] => patient::run(one, args),
-        many => cohort::run(many, args),
+        [one] => patient::run(one, args, outputs),
+        many => cohort::run(many, args, outputs),
     }
 }

@@ -14,12 +14,14 @@ use crate::analysis::confidence::Confidence;
 use crate::analysis::record::RunRecord;
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::CaseInput;
-use crate::run::outputs::print_notices;
+use crate::run::outputs::{Outputs, print_notices};
 use crate::run::provenance::generator;
 
-pub fn run(path: &Path, args: &ReportArgs) -> Result<Ending, Failure> {
+pub fn run(path: &Path, args: &ReportArgs, outputs: Outputs) -> Result<Ending, Failure> {
     let mut record = RunRecord::new(&args.method, &args.uncertainty)?;
     record.cases.push(CaseInput::read(path)?);
+    let stem = file_stem(&record.cases[0].case.id);
+    let out = write::target(&stem, args, &outputs)?;
     print_notices(&record.warnings());
     let CaseInput { file, case, .. } = &record.cases[0];
     let analysis = analyze_case(path, case, &record.request.options)?;
@@ -42,7 +44,9 @@ pub fn run(path: &Path, args: &ReportArgs) -> Result<Ending, Failure> {
             films.notice(Notice::new(NoticeKind::Note, text));
         }
     }
-    write::all(&document, &file_stem(&document.subject), record.date_utc(), args)?;
+    let provenance = record.provenance_of(&record.cases);
+    let report = write::Report { document: &document, stem: &stem, provenance: &provenance };
+    report.write(&out, args, outputs)?;
     Ok(if confidence.is_cut_short() {
         Ending::Interrupted
     } else if analysis.is_converged() {

@@ -2,69 +2,125 @@
 
 use std::path::{Path, PathBuf};
 
+use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
 use spineline_report::document::{Figure, Notice, NoticeKind};
 use spineline_report::fonts::Fonts;
 use spineline_report::{Document, html, markdown, png};
 
 use super::args::{FormName, ReportArgs};
 use crate::run::failure::{Ending, Failure};
-use crate::run::outputs::{print, print_notices, write_file};
+use crate::run::outputs::{Outputs, print, print_notices};
 use crate::run::pdf;
 use crate::run::threads::map_all;
 
 /// Pixels of a PNG per unit of its SVG.
 const PNG_SCALE: f32 = 2.0;
 
-/// Writes the report in the requested format, and every figure if requested; prints what was written.
-pub fn all(
-    document: &Document,
-    stem: &str,
-    date_utc: &str,
-    args: &ReportArgs,
-) -> Result<Ending, Failure> {
-    let out = match &args.out {
-        Some(out) => out.clone(),
-        None => PathBuf::from(format!("{stem}.{}", args.to.ending())),
-    };
-    match args.to {
-        FormName::Html => write_file(&out, html(document))?,
-        FormName::Md => write_markdown(document, &out)?,
-        FormName::Pdf => write_file(&out, pdf::pdf(document, date_utc)?)?,
+/// The file of a report, checked before any work; named after its subject unless the user names it.
+///
+/// # Errors
+/// If it must not be written.
+pub fn target(stem: &str, args: &ReportArgs, outputs: &Outputs) -> Result<PathBuf, Failure> {
+    if let Some(out) = &args.out {
+        return Ok(out.clone());
     }
-    // A PDF says it itself; a browser looks for letters where it is.
-    if args.figures.is_some() {
-        let texts = document.figures().map(|figure| figure.svg.as_str());
+    let out = PathBuf::from(format!("{stem}.{}", args.to.ending()));
+    outputs.file(&out)?;
+    Ok(out)
+}
+
+/// A report as it is written.
+pub struct Report<'a> {
+    pub document: &'a Document,
+    /// Beginning of the names of its figures.
+    pub stem: &'a str,
+    pub provenance: &'a Provenance,
+}
+
+impl Report<'_> {
+    /// Writes the report in the requested format, and every figure if requested; prints what was written.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn write(
+        &self,
+        out: &Path,
+        args: &ReportArgs,
+        outputs: Outputs,
+    ) -> Result<Ending, Failure> {
+        let document = self.document;
+        match args.to {
+            FormName::Html => outputs.write(out, html(document))?,
+            FormName::Md => self.write_markdown(out, &outputs)?,
+            FormName::Pdf => outputs.write(out, pdf::pdf(document, self.provenance.date_utc())?)?,
+        }
+        let mut said = format!("Report   {}\n", out.display());
+        if let Some(folder) = &args.figures {
+            self.warn_of_letters();
+            self.write_figures(folder, args.threads, &outputs)?;
+            said.push_str(&format!("Figures  {} (SVG and PNG)\n", folder.display()));
+        }
+        outputs.commit()?;
+        print(&said)
+    }
+
+    /// A PDF says itself which letters no font has; a browser looks for letters where it is.
+    fn warn_of_letters(&self) {
+        let texts = self.document.figures().map(|figure| figure.svg.as_str());
         if let Some(words) = Fonts::for_texts(texts).missing_words() {
             print_notices(&[Notice {
                 kind: NoticeKind::Warning,
-                place: document.subject.clone(),
+                place: self.document.subject.clone(),
                 text: words,
                 code: "letters_missing".to_owned(),
             }]);
         }
     }
-    let mut said = format!("Report   {}\n", out.display());
-    if let Some(folder) = &args.figures {
-        let figures: Vec<&Figure> = document.figures().collect();
-        let written = map_all("figures", &figures, args.threads, |figure| {
-            let file = |ending: &str| folder.join(format!("{stem}-{}.{ending}", figure.name));
-            write_file(&file("svg"), &figure.svg)?;
+
+    /// Every figure as SVG and PNG, and a list of them with their provenance.
+    fn write_figures(
+        &self,
+        folder: &Path,
+        threads: usize,
+        outputs: &Outputs,
+    ) -> Result<(), Failure> {
+        let figures: Vec<&Figure> = self.document.figures().collect();
+        let written = map_all("figures", &figures, threads, |figure| {
             let pixels = png(&figure.svg, PNG_SCALE)
                 .map_err(|error| Failure::internal(format!("{}: {error}", figure.name)))?;
-            write_file(&file("png"), pixels)
+            let add = |ending: &str, content: &[u8]| {
+                let name = format!("{}-{}.{ending}", self.stem, figure.name);
+                outputs.write(&folder.join(&name), content)?;
+                Ok::<_, Failure>(InputFile::of(name, content))
+            };
+            Ok([add("svg", figure.svg.as_bytes())?, add("png", &pixels)?])
         })?;
-        written.into_iter().collect::<Result<(), Failure>>()?;
-        said.push_str(&format!("Figures  {} (SVG and PNG)\n", folder.display()));
+        let written = written.into_iter().collect::<Result<Vec<_>, Failure>>()?;
+        let name = format!("{}-figures.provenance.json", self.stem);
+        self.write_list(&folder.join(name), written.into_iter().flatten().collect(), outputs)
     }
-    print(&said)
-}
 
-/// The text, and its figures in a folder beside it.
-fn write_markdown(document: &Document, out: &Path) -> Result<(), Failure> {
-    let name = out.file_stem().unwrap_or_default().to_string_lossy();
-    let folder = format!("{}-figures", spineline_report::file_stem(&name));
-    for figure in document.figures() {
-        write_file(&out.with_file_name(&folder).join(format!("{}.svg", figure.name)), &figure.svg)?;
+    /// The text, and its figures in a folder beside it.
+    fn write_markdown(&self, out: &Path, outputs: &Outputs) -> Result<(), Failure> {
+        let name = out.file_stem().unwrap_or_default().to_string_lossy();
+        let name = format!("{}-figures", spineline_report::file_stem(&name));
+        let folder = out.with_file_name(&name);
+        let mut written = Vec::new();
+        for figure in self.document.figures() {
+            let file = format!("{}.svg", figure.name);
+            outputs.write(&folder.join(&file), &figure.svg)?;
+            written.push(InputFile::of(file, figure.svg.as_bytes()));
+        }
+        self.write_list(&folder.join("provenance.json"), written, outputs)?;
+        outputs.write(out, markdown(self.document, &name))
     }
-    write_file(out, markdown(document, &folder))
+
+    fn write_list(
+        &self,
+        path: &Path,
+        files: Vec<InputFile>,
+        outputs: &Outputs,
+    ) -> Result<(), Failure> {
+        outputs.write(path, to_text(&ProvenanceFile::new(files, self.provenance.clone())))
+    }
 }

@@ -7,6 +7,7 @@ use spineline::personalize::FitTarget;
 
 use crate::options::choice::{Choice, choice};
 use crate::options::values::threads;
+use crate::run::outputs::OverwriteArgs;
 
 #[derive(Args)]
 pub struct ReproduceArgs {
@@ -25,4 +26,6 @@ pub struct ReproduceArgs {
     /// Quantity that the stiffness is fitted to; the paper fitted Ferguson angles
     #[arg(long, value_parser = choice::<FitTarget>(), default_value = FitTarget::Ferguson.spelling())]
     pub fit: FitTarget,
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
 }

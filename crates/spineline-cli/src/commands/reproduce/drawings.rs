@@ -13,15 +13,20 @@ use spineline_report::figures::{
 
 use super::runs::Run;
 use crate::run::failure::Failure;
-use crate::run::outputs::write_file;
+use crate::run::outputs::Outputs;
 use crate::run::provenance::in_svg;
 
 /// The patient that stands for all in figures of one patient.
 pub const EXAMPLE: usize = 0;
 
-pub fn write(folder: &Path, runs: &[Run], provenance: &Provenance) -> Result<(), Failure> {
+pub fn write(
+    outputs: &Outputs,
+    folder: &Path,
+    runs: &[Run],
+    provenance: &Provenance,
+) -> Result<(), Failure> {
     let save = |name: String, svg: &str| {
-        write_file(&folder.join(format!("{name}.svg")), in_svg(svg, provenance))
+        outputs.write(&folder.join(format!("{name}.svg")), in_svg(svg, provenance))
     };
     for run in runs.iter().filter(|run| run.support == Support::Free) {
         let (truth, example) = (run.truth.key(), &run.analyses[EXAMPLE]);

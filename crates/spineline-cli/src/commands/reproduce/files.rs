@@ -1,7 +1,5 @@
 //! Tables of a reproduction.
 
-use std::path::Path;
-
 use serde::Serialize;
 use spineline::analysis::{Analysis, Case};
 use spineline::multibody::Support;
@@ -12,20 +10,21 @@ use super::args::ReproduceArgs;
 use super::row::Section;
 use super::runs::Run;
 use crate::run::failure::Failure;
-use crate::run::outputs::{write_file, write_table};
+use crate::run::outputs::Outputs;
 use crate::run::provenance::generator;
 
 /// `summary.csv` and `summary.json` hold the table; `errors.csv` every vertebra; `analyses/` every patient.
 pub fn write(
-    out: &Path,
+    outputs: &Outputs,
     runs: &[Run],
     sections: &[Section],
     args: &ReproduceArgs,
     provenance: &Provenance,
 ) -> Result<(), Failure> {
-    write_table(
+    let out = &args.out;
+    outputs.write_table(
         &out.join("summary.csv"),
-        &records_to_csv("summary", sections.iter().flat_map(records))?,
+        records_to_csv("summary", sections.iter().flat_map(records))?,
         provenance,
     )?;
     let summary = Summary {
@@ -38,15 +37,16 @@ pub fn write(
         noise: args.noise,
         rows: sections.iter().flat_map(records).collect(),
     };
-    write_file(&out.join("summary.json"), spineline_files::to_text(&summary))?;
+    outputs.write(&out.join("summary.json"), spineline_files::to_text(&summary))?;
     for run in runs {
         let support = run.support.key();
         let name = format!("errors-{}-{support}.csv", run.truth.key());
-        write_table(&out.join("errors").join(name), &vertebrae_csv(&run.analyses)?, provenance)?;
+        let path = out.join("errors").join(name);
+        outputs.write_table(&path, vertebrae_csv(&run.analyses)?, provenance)?;
         for (case, analysis) in run.cases.iter().zip(&run.analyses) {
             let name = format!("{}-{support}.json", analysis.case_id);
             let file = analysis_file(case, analysis, provenance);
-            write_file(&out.join("analyses").join(name), spineline_files::to_text(&file))?;
+            outputs.write(&out.join("analyses").join(name), spineline_files::to_text(&file))?;
         }
     }
     Ok(())

@@ -23,20 +23,25 @@ use spineline_report::terminal;
 
 use crate::options::phantoms::readers;
 use crate::run::failure::{Ending, Failure};
-use crate::run::outputs::print;
+use crate::run::outputs::{Outputs, print};
 use crate::run::provenance::this_run;
 use row::Section;
 
 pub fn run(args: &ReproduceArgs) -> Result<Ending, Failure> {
     let readers = readers(args.noise)?;
+    let outputs = Outputs::new(args.overwrite, []);
+    outputs.folder(&args.out)?;
+    outputs.table(&args.out.join("summary.csv"))?;
+    outputs.file(&args.out.join("summary.json"))?;
     let runs = runs::all_runs(args, &readers)?;
     let sections = sections::sections(&runs);
     print(&text(&sections, args))?;
     let provenance =
         Provenance::new(this_run()?, FilmOrigin::Synthetic, Vec::new()).with_seed(args.seed);
-    files::write(&args.out, &runs, &sections, args, &provenance)?;
-    drawings::write(&args.out.join("figures"), &runs, &provenance)?;
-    reports::write(&args.out.join("reports"), &runs, &provenance)?;
+    files::write(&outputs, &runs, &sections, args, &provenance)?;
+    drawings::write(&outputs, &args.out.join("figures"), &runs, &provenance)?;
+    reports::write(&outputs, &args.out.join("reports"), &runs, &provenance)?;
+    outputs.commit()?;
     print(&closing(&args.out))?;
     // A model without result in a scenario that contradicts it is a finding: the table counts it.
     Ok(Ending::Done)

@@ -13,22 +13,27 @@ use super::drawings::EXAMPLE;
 use super::files::analysis_file;
 use super::runs::Run;
 use crate::run::failure::Failure;
-use crate::run::outputs::write_file;
+use crate::run::outputs::Outputs;
 use crate::run::provenance::generator;
 
 /// `cohort-SCENARIO.html` for every scenario, and `patient-SCENARIO.html` and `.pdf` of the first subject.
-pub fn write(folder: &Path, runs: &[Run], provenance: &Provenance) -> Result<(), Failure> {
+pub fn write(
+    outputs: &Outputs,
+    folder: &Path,
+    runs: &[Run],
+    provenance: &Provenance,
+) -> Result<(), Failure> {
     for run in runs.iter().filter(|run| run.support == Support::Free) {
         let truth = run.truth.key();
         let cohort = of_cohort(run, provenance);
-        write_file(&folder.join(format!("cohort-{truth}.html")), html(&cohort))?;
+        outputs.write(&folder.join(format!("cohort-{truth}.html")), html(&cohort))?;
         let (case, analysis) = (&run.cases[EXAMPLE], &run.analyses[EXAMPLE]);
         let patient = of_patient(case, analysis, provenance);
-        write_file(&folder.join(format!("patient-{truth}.html")), html(&patient))?;
+        outputs.write(&folder.join(format!("patient-{truth}.html")), html(&patient))?;
         #[cfg(feature = "pdf")]
         {
             let pdf = crate::run::pdf::pdf(&patient, provenance.date_utc())?;
-            write_file(&folder.join(format!("patient-{truth}.pdf")), pdf)?;
+            outputs.write(&folder.join(format!("patient-{truth}.pdf")), pdf)?;
         }
     }
     Ok(())

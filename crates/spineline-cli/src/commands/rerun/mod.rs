@@ -18,7 +18,7 @@ use crate::analysis::confidence::Confidence;
 use crate::analysis::figures::draw_figures;
 use crate::options::values::{number, threads};
 use crate::run::failure::{Ending, Failure};
-use crate::run::outputs::{print, write_or_print};
+use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print};
 use crate::run::pdf::attached;
 use crate::run::provenance::this_run;
 use difference::{Difference, Found, differences};
@@ -53,6 +53,8 @@ pub struct RerunArgs {
     /// Threads for replicates; 0: all cores. The number does not change the results
     #[arg(long, default_value = "0", value_parser = threads)]
     threads: usize,
+    #[command(flatten)]
+    overwrite: OverwriteArgs,
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {
@@ -63,8 +65,15 @@ fn tolerance(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(args: &RerunArgs) -> Result<Ending, Failure> {
+    let outputs = Outputs::new(args.overwrite, [args.file.as_path()]);
+    if let Some(path) = &args.json {
+        outputs.file(path)?;
+    }
+    if let Some(folder) = &args.figures {
+        outputs.folder(folder)?;
+    }
     let stored = stored(&args.file)?;
-    let to_stdout = args.json.as_ref().is_some_and(|path| path.as_os_str() == "-");
+    let to_stdout = args.json.as_ref().is_some_and(|path| is_stdout(path));
     let (mut same, mut texts, mut again) = (true, Vec::new(), Vec::new());
     for old in &stored.analyses {
         let repeated = Repeated::of(args, old)?;
@@ -74,7 +83,7 @@ pub fn run(args: &RerunArgs) -> Result<Ending, Failure> {
     }
     if let Some(folder) = &args.figures {
         for repeated in &again {
-            draw_figures(&repeated.analysis, &repeated.provenance, folder)?;
+            draw_figures(&repeated.analysis, &repeated.provenance, folder, &outputs)?;
         }
     }
     if let Some(path) = &args.json {
@@ -83,8 +92,9 @@ pub fn run(args: &RerunArgs) -> Result<Ending, Failure> {
             [one] if !stored.is_list => to_text(one),
             all => to_text(&all),
         };
-        write_or_print(path, &text)?;
+        outputs.write(path, &text)?;
     }
+    outputs.commit()?;
     if !to_stdout {
         print(&texts.join("\n"))?;
     }

@@ -8,6 +8,7 @@ use spineline::multibody::Support;
 
 use crate::options::choice::choice;
 use crate::options::values::{number, posture};
+use crate::run::outputs::OverwriteArgs;
 
 /// Shown below the options.
 pub const EXAMPLES: &str = "\
@@ -84,6 +85,8 @@ pub struct SimulateArgs {
     /// Draw the spine from behind and from the right, erect and loaded, as SVG (`-`: standard output)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub svg: Option<PathBuf>,
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
 }
 
 /// Direction of a force.

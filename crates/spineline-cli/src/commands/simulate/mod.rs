@@ -11,6 +11,7 @@ mod words;
 pub use args::{EXAMPLES, SimulateArgs};
 
 use std::ops::ControlFlow;
+use std::path::PathBuf;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use spineline::multibody::{ForceSign, PathPoint};
@@ -19,34 +20,46 @@ use spineline_files::{FilmOrigin, Provenance, to_text};
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{read_input, read_model};
 use crate::run::interrupt;
-use crate::run::outputs::{print, print_notices, write_or_print, write_table};
+use crate::run::outputs::{Outputs, is_stdout, print, print_notices};
 use crate::run::provenance::{in_svg, this_run};
 use outcome::Outcome;
 
 pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
-    let to_stdout = |path: &Option<std::path::PathBuf>| {
-        path.as_ref().is_some_and(|path| path.as_os_str() == "-")
-    };
-    let outputs = [&args.json, &args.csv, &args.svg];
-    let streams = outputs.into_iter().filter(|path| to_stdout(path)).count();
+    let paths = [&args.json, &args.csv, &args.svg].into_iter().flatten();
+    let streams = paths.filter(|path| is_stdout(path)).count();
     if streams > 1 {
         return Err(Failure::usage(
             "only one of --json, --csv and --svg can go to the standard output",
         ));
     }
+    let outputs = check_outputs(args)?;
     let mut model = read_model(&args.model)?;
     if let Some(support) = args.support {
         model.support = support;
     }
     let (loads, notes) = loads::of(args, &model)?;
     let outcome = with_progress(|on_point| Outcome::of(args, model, loads, notes, on_point))?;
-    outcome.write(args)?;
+    outcome.write(args, &outputs)?;
+    outputs.commit()?;
     if streams == 0 {
         print(&text::report(&outcome))?;
     } else {
         print_notices(&text::notices(&outcome));
     }
     Ok(if outcome.response.ending.is_usable() { Ending::Done } else { Ending::NotConverged })
+}
+
+/// Checks every output before any work.
+fn check_outputs(args: &SimulateArgs) -> Result<Outputs, Failure> {
+    let inputs = std::iter::once(&args.model).chain(&args.load).map(PathBuf::as_path);
+    let outputs = Outputs::new(args.overwrite, inputs);
+    for path in [&args.json, &args.svg].into_iter().flatten() {
+        outputs.file(path)?;
+    }
+    if let Some(path) = &args.csv {
+        outputs.table(path)?;
+    }
+    Ok(outputs)
 }
 
 /// Shows the progress of a search, and interrupts it at Ctrl-C; the path so far is kept.
@@ -69,19 +82,19 @@ fn with_progress<T>(
 }
 
 impl Outcome {
-    fn write(&self, args: &SimulateArgs) -> Result<(), Failure> {
+    fn write(&self, args: &SimulateArgs, outputs: &Outputs) -> Result<(), Failure> {
         let inputs = std::iter::once(&args.model).chain(&args.load);
         let inputs = inputs.map(|path| read_input(path)).collect::<Result<_, _>>()?;
         let films = FilmOrigin::of([self.model.synthetic]);
         let provenance = Provenance::new(this_run()?, films, inputs);
         if let Some(path) = &args.json {
-            write_or_print(path, &to_text(&self.file().with_provenance(provenance.clone())))?;
+            outputs.write(path, to_text(&self.file().with_provenance(provenance.clone())))?;
         }
         if let Some(path) = &args.csv {
-            write_table(path, &path_rows::csv_text(self)?, &provenance)?;
+            outputs.write_table(path, path_rows::csv_text(self)?, &provenance)?;
         }
         if let Some(path) = &args.svg {
-            write_or_print(path, &in_svg(&self.svg(), &provenance))?;
+            outputs.write(path, in_svg(&self.svg(), &provenance))?;
         }
         Ok(())
     }

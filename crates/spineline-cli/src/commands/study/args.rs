@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 use spineline_store::Head;
 
+use crate::run::outputs::OverwriteArgs;
+
 /// Shown below the options.
 pub const EXAMPLES: &str = "\
 Examples:
@@ -86,6 +88,8 @@ pub enum StudyCommand {
         /// File to write (`-`: standard output)
         #[arg(long, value_name = "FILE", default_value = "-")]
         out: PathBuf,
+        #[command(flatten)]
+        overwrite: OverwriteArgs,
     },
     /// Print the log of all changes
     Log {

@@ -20,7 +20,7 @@ use args::StudyCommand;
 use crate::options::values::store_name;
 use crate::run::failure::{Ending, Failure};
 use crate::run::messages::say;
-use crate::run::outputs::{print, write_or_print};
+use crate::run::outputs::{Outputs, print};
 
 pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
     let path = args.command.store();
@@ -60,12 +60,15 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
                 .map_err(fail)?;
             print(&next_text(&next))
         }
-        StudyCommand::Export { study, out, .. } => {
+        StudyCommand::Export { study, out, overwrite, .. } => {
+            let outputs = Outputs::new(*overwrite, [path]);
+            outputs.declare(out)?;
             let exported = view(path)?.export_case(&store_name(study)?).map_err(fail)?;
             for remark in &exported.remarks {
                 say(&format!("note: {remark}\n"));
             }
-            write_or_print(out, &exported.text)?;
+            outputs.write(out, &exported.text)?;
+            outputs.commit()?;
             Ok(Ending::Done)
         }
         StudyCommand::Log { .. } => print(&log(&view(path)?).map_err(fail)?),

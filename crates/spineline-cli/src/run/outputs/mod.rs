@@ -1,0 +1,46 @@
+//! The one way in which results leave the program: whole files, all or none of a command's; streams; the standard output.
+
+mod origin;
+mod staged;
+mod target;
+
+pub use staged::{Outputs, OverwriteArgs};
+pub use target::is_stdout;
+
+use std::io::{self, ErrorKind, Write};
+
+use spineline_report::document::Notice;
+use spineline_report::terminal;
+
+use super::failure::{Ending, Failure};
+use super::messages::say;
+
+/// Writes to the standard output; a closed pipe is no error.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn print(text: &str) -> Result<Ending, Failure> {
+    let mut output = io::stdout().lock();
+    // What is still held back at the end of the program is lost without a word where the disk is full.
+    shown(output.write_all(text.as_bytes()).and_then(|()| output.flush()))
+}
+
+/// Whether what was written to the standard output is there; a closed pipe is no error.
+///
+/// # Errors
+/// If it could not be written.
+pub fn shown(written: io::Result<()>) -> Result<Ending, Failure> {
+    match written {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::write("standard output", &error))
+        }
+        _ => Ok(Ending::Done),
+    }
+}
+
+/// Writes notices to the standard error, one line each, so that other programs can read them by line.
+pub fn print_notices(notices: &[Notice]) {
+    for notice in notices {
+        say(&terminal::notice(notice, usize::MAX));
+    }
+}

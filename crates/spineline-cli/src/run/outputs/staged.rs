@@ -1,0 +1,294 @@
+//! Results of one command: their targets are checked before any work, and they appear together at its end.
+
+use std::fs::{self, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use clap::Args;
+use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
+use tempfile::{NamedTempFile, TempPath};
+
+use super::origin::is_result;
+use super::print;
+use super::target::{Identity, Target};
+use crate::run::failure::Failure;
+use crate::run::interrupt;
+
+/// What replacing files needs.
+#[derive(Args, Debug, Clone, Copy)]
+pub struct OverwriteArgs {
+    /// Replace output files that this program did not write; inputs and study stores are never replaced
+    #[arg(long)]
+    pub overwrite: bool,
+}
+
+/// The outputs of one command.
+///
+/// Files are written beside their targets under temporary names, and get their own names in [`Outputs::commit`]. Without that,
+/// such as after a failure, every target is as it was and nothing is left behind.
+pub struct Outputs {
+    overwrite: bool,
+    inputs: Vec<Identity>,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    declared: Vec<Identity>,
+    staged: Vec<Staged>,
+    /// Folders that were made, the outer one first.
+    folders: Vec<PathBuf>,
+    is_committed: bool,
+}
+
+enum Staged {
+    Printed(String),
+    Into(PathBuf, Vec<u8>),
+    File { part: TempPath, file: PathBuf, shown: PathBuf },
+}
+
+impl Outputs {
+    /// For a command that reads these files, whichever of them are there.
+    pub fn new<'a>(args: OverwriteArgs, inputs: impl IntoIterator<Item = &'a Path>) -> Self {
+        let inputs = inputs.into_iter().map(Identity::of).collect();
+        Self { overwrite: args.overwrite, inputs, state: Mutex::default() }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        // Lists are whole between any two pushes.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Checks a file before any work.
+    ///
+    /// # Errors
+    /// If it is an input, a store or another output, cannot be written, or would replace what this program did not write.
+    pub fn file(&self, path: &Path) -> Result<(), Failure> {
+        self.declare(path)?;
+        if let Target::File(file) = Target::of(path)? {
+            self.check_replaceable(path, &file)?;
+        }
+        Ok(())
+    }
+
+    /// Checks a file whose content may be that which is there already: it is compared when it is written.
+    ///
+    /// # Errors
+    /// As [`Outputs::file`], but for what it replaces.
+    pub fn declare(&self, path: &Path) -> Result<(), Failure> {
+        let Target::File(file) = Target::of(path)? else { return Ok(()) };
+        let identity = self.check_own(path, &file)?;
+        if self.state().declared.iter().any(|other| other.is(&identity)) {
+            return Err(Failure::target(
+                path,
+                "it is named for two outputs of this command",
+                "give each output a file of its own",
+            ));
+        }
+        check_folder(path, file.parent().unwrap_or(Path::new("")))?;
+        self.state().declared.push(identity);
+        Ok(())
+    }
+
+    /// Checks a table, which has its provenance beside it.
+    ///
+    /// # Errors
+    /// As [`Outputs::file`].
+    pub fn table(&self, path: &Path) -> Result<(), Failure> {
+        self.file(path)?;
+        match Target::of(path)? {
+            Target::File(_) => self.file(&beside(path)),
+            Target::StandardOutput | Target::Into(_) => Ok(()),
+        }
+    }
+
+    /// Checks a folder of results, which may be there already.
+    ///
+    /// # Errors
+    /// If it is a file, or cannot be made or written.
+    pub fn folder(&self, path: &Path) -> Result<(), Failure> {
+        check_folder(path, path)
+    }
+
+    /// Keeps a result for its path; a file beside its target, so that there is room for it.
+    ///
+    /// # Errors
+    /// As [`Outputs::file`], unless the same content is there; or if it cannot be written.
+    pub fn write(&self, path: &Path, content: impl AsRef<[u8]>) -> Result<(), Failure> {
+        let content = content.as_ref();
+        let staged = match Target::of(path)? {
+            Target::StandardOutput => {
+                let text = std::str::from_utf8(content).map_err(|_| {
+                    Failure::usage("this result is not text; name a file and not `-`")
+                })?;
+                Staged::Printed(text.to_owned())
+            }
+            Target::Into(stream) => Staged::Into(stream, content.to_vec()),
+            Target::File(file) => {
+                self.check_own(path, &file)?;
+                let is_same = || fs::read(&file).is_ok_and(|there| there == content);
+                if self.check_replaceable(path, &file).is_err() && !is_same() {
+                    return self.check_replaceable(path, &file);
+                }
+                self.make_folder(path, file.parent().unwrap_or(Path::new("")))?;
+                let part = part(path, &file, content)?;
+                Staged::File { part, file, shown: path.to_owned() }
+            }
+        };
+        self.state().staged.push(staged);
+        Ok(())
+    }
+
+    /// A table, and in a file beside it its provenance, so that other programs read the table unchanged. The standard output and
+    /// pipes get the table alone.
+    ///
+    /// # Errors
+    /// As [`Outputs::write`].
+    pub fn write_table(
+        &self,
+        path: &Path,
+        content: impl AsRef<[u8]>,
+        provenance: &Provenance,
+    ) -> Result<(), Failure> {
+        let content = content.as_ref();
+        self.write(path, content)?;
+        if !matches!(Target::of(path)?, Target::File(_)) {
+            return Ok(());
+        }
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let file = ProvenanceFile::new(vec![InputFile::of(&*name, content)], provenance.clone());
+        self.write(&beside(path), to_text(&file))
+    }
+
+    /// Gives all results their names, and prints what goes to the standard output.
+    ///
+    /// # Errors
+    /// If one cannot be written; those before it are.
+    pub fn commit(self) -> Result<(), Failure> {
+        interrupt::begin_writing();
+        let mut state = self.state();
+        state.is_committed = true;
+        let staged = std::mem::take(&mut state.staged);
+        let mut printed = String::new();
+        for one in staged {
+            match one {
+                Staged::Printed(text) => printed.push_str(&text),
+                Staged::Into(stream, content) => write_into(&stream, &content)?,
+                Staged::File { part, file, shown } => {
+                    interrupt::forget_part(&part);
+                    part.persist(&file).map_err(|error| failed(&shown)(error.error))?;
+                }
+            }
+        }
+        if !printed.is_empty() {
+            print(&printed)?;
+        }
+        Ok(())
+    }
+
+    /// Refuses an input of this command.
+    fn check_own(&self, path: &Path, file: &Path) -> Result<Identity, Failure> {
+        let identity = Identity::of(file);
+        if self.inputs.iter().any(|input| input.is(&identity)) {
+            return Err(Failure::target(
+                path,
+                "it is an input of this command, which would be destroyed",
+                "name another file",
+            ));
+        }
+        Ok(identity)
+    }
+
+    /// Refuses to replace what this program did not write.
+    fn check_replaceable(&self, path: &Path, file: &Path) -> Result<(), Failure> {
+        if self.overwrite || !file.exists() || is_result(path, file) {
+            return Ok(());
+        }
+        Err(Failure::target(
+            path,
+            "it exists, and is not a result that this program can make again",
+            "name another file, or add `--overwrite` to replace it",
+        ))
+    }
+
+    /// Makes a folder and those around it.
+    fn make_folder(&self, path: &Path, folder: &Path) -> Result<(), Failure> {
+        let mut state = self.state();
+        let missing =
+            folder.ancestors().take_while(|one| !one.as_os_str().is_empty() && !one.exists());
+        let missing: Vec<PathBuf> = missing.map(Path::to_owned).collect();
+        fs::create_dir_all(folder_or_here(folder)).map_err(failed(path))?;
+        for made in missing.into_iter().rev() {
+            interrupt::remember_folder(&made);
+            state.folders.push(made);
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Outputs {
+    /// Removes what a command that failed began.
+    fn drop(&mut self) {
+        let state = self.state.get_mut().unwrap_or_else(PoisonError::into_inner);
+        for staged in state.staged.drain(..) {
+            if let Staged::File { part, .. } = staged {
+                interrupt::forget_part(&part);
+            }
+        }
+        if !state.is_committed {
+            for folder in state.folders.iter().rev() {
+                // A folder in which somebody else has put a file stays.
+                let _ = fs::remove_dir(folder);
+            }
+        }
+    }
+}
+
+fn failed(path: &Path) -> impl Fn(io::Error) -> Failure {
+    let place = path.display().to_string();
+    move |error| Failure::write(&place, &error)
+}
+
+fn folder_or_here(folder: &Path) -> &Path {
+    if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
+}
+
+/// Whether a file can be made in a folder, or in the nearest one around it that is there.
+fn check_folder(path: &Path, folder: &Path) -> Result<(), Failure> {
+    let there = folder.ancestors().find(|one| one.as_os_str().is_empty() || one.exists());
+    let there = folder_or_here(there.unwrap_or(Path::new("")));
+    tempfile::tempfile_in(there).map(|_| ()).map_err(failed(path))
+}
+
+/// A file with the content, in the folder of its target.
+fn part(path: &Path, file: &Path, content: &[u8]) -> Result<TempPath, Failure> {
+    let folder = folder_or_here(file.parent().unwrap_or(Path::new("")));
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".spineline-").suffix(".part");
+    // A temporary file is its owner's alone; a result has the permissions of an ordinary new file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut part: NamedTempFile = builder.tempfile_in(folder).map_err(failed(path))?;
+    interrupt::remember_part(part.path());
+    part.write_all(content).and_then(|()| part.flush()).map_err(failed(path))?;
+    Ok(part.into_temp_path())
+}
+
+/// A pipe or device gets the content and stays what it is.
+fn write_into(stream: &Path, content: &[u8]) -> Result<(), Failure> {
+    let opened = OpenOptions::new().append(true).open(stream);
+    let written = opened.and_then(|mut stream| stream.write_all(content));
+    match written {
+        // A reader that has gone is no error, as with the standard output.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        written => written.map_err(failed(stream)),
+    }
+}
+
+/// `errors.csv` has `errors.csv.provenance.json` beside it.
+fn beside(path: &Path) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(".provenance.json");
+    path.with_file_name(name)
+}

@@ -1,0 +1,326 @@
+//! Where results go: what is replaced, what never is, and what is left after a failure.
+
+use std::fs;
+use std::path::Path;
+
+use tempfile::TempDir;
+
+use crate::program::run;
+
+/// A folder with everything that the commands below read.
+fn samples() -> TempDir {
+    let here = tempfile::tempdir().expect("a temporary folder");
+    let make = |arguments: &[&str]| {
+        let (_, error, code) = run(here.path(), arguments);
+        assert!(code == 0 || code == 4, "{arguments:?}: {code} {error}");
+    };
+    make(&["phantom", "--truth", "rod", "--subject", "1", "--noise", "0", "--out", "p"]);
+    fs::rename(here.path().join("p/phantom-rod-01.json"), here.path().join("case.json"))
+        .expect("a case");
+    make(&["analyze", "case.json", "--json", "analysis.json", "--model", "model.json"]);
+    make(&["study", "create", "study.spineline"]);
+    fs::write(here.path().join("readings.csv"), READINGS).expect("a table");
+    here
+}
+
+const READINGS: &str = "quantity,unit,subject,observer,repeat,value,synthetic
+t,deg,P1,A,1,1.0,true\nt,deg,P1,B,1,1.5,true\nt,deg,P2,A,1,3.0,true\nt,deg,P2,B,1,3.4,true
+t,deg,P3,A,1,5.0,true\nt,deg,P3,B,1,5.3,true\n";
+
+/// Every command with an output of one file; the file comes last.
+const TO_FILE: [&[&str]; 18] = [
+    &["analyze", "case.json", "--json"],
+    &["analyze", "case.json", "--csv"],
+    &["analyze", "case.json", "--chain"],
+    &["analyze", "case.json", "--cohort"],
+    &["analyze", "case.json", "--model"],
+    &["report", "case.json", "--out"],
+    &["report", "case.json", "--to", "md", "--out"],
+    &["rerun", "analysis.json", "--json"],
+    &["simulate", "model.json", "--push", "left", "--force", "10", "--json"],
+    &["simulate", "model.json", "--push", "left", "--force", "10", "--csv"],
+    &["simulate", "model.json", "--push", "left", "--force", "10", "--svg"],
+    &["export", "model.json", "--to", "mjcf", "--out"],
+    &["export", "model.json", "--to", "osim", "--out"],
+    &["export", "model.json", "--to", "urdf", "--out"],
+    &["export", "case.json", "--to", "csv", "--out"],
+    &["export", "case.json", "--to", "slicer", "--posture", "erect", "--out"],
+    &["reliability", "readings.csv", "--json"],
+    &["reliability", "readings.csv", "--csv"],
+];
+
+/// Every command with an output of a folder that is quick enough to run here; the folder comes last.
+const TO_FOLDER: [&[&str]; 8] = [
+    &["analyze", "case.json", "--figures"],
+    &["analyze", "case.json", "--tables"],
+    &["report", "case.json", "--out", "r.html", "--figures"],
+    &["rerun", "analysis.json", "--figures"],
+    &["export", "case.json", "--to", "slicer", "--out"],
+    &["reliability", "readings.csv", "--figure"],
+    &["phantom", "--truth", "rod", "--subject", "1", "--out"],
+    &["noise-study", "--phantoms", "2", "--out"],
+];
+
+fn with<'a>(command: &[&'a str], last: &'a str) -> Vec<&'a str> {
+    command.iter().copied().chain([last]).collect()
+}
+
+/// What is in a folder, with what is in the files.
+fn content(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let name = path.display().to_string();
+        if path.is_dir() {
+            found.extend(content(&path));
+            found.push((name, Vec::new()));
+        } else {
+            found.push((name, fs::read(&path).unwrap_or_default()));
+        }
+    }
+    found.sort();
+    found
+}
+
+/// A refused command leaves every file as it is, and says which one it would have destroyed.
+#[track_caller]
+fn refuses(here: &TempDir, arguments: &[&str], name: &str, why: &str) {
+    let before = content(here.path());
+    let (out, error, code) = run(here.path(), arguments);
+    assert_eq!(code, 3, "{arguments:?}: {out}{error}");
+    assert!(error.contains(name) && error.contains(why), "{arguments:?}: {error}");
+    assert!(error.contains("help: "), "{arguments:?}: {error}");
+    assert!(before == content(here.path()), "{arguments:?} changed files");
+}
+
+#[test]
+fn no_command_replaces_its_input() {
+    let here = samples();
+    for command in TO_FILE {
+        refuses(&here, &with(command, command[1]), command[1], "input");
+    }
+    // Through another spelling, a link and a second name.
+    fs::hard_link(here.path().join("case.json"), here.path().join("hard.json")).expect("a link");
+    let mut names = vec!["./p/../case.json", "hard.json"];
+    if cfg!(unix) {
+        #[cfg(unix)]
+        std::os::unix::fs::symlink("case.json", here.path().join("soft.json")).expect("a link");
+        names.push("soft.json");
+    }
+    for name in names {
+        refuses(&here, &["analyze", "case.json", "--json", name, "--overwrite"], name, "input");
+    }
+    let stiffness = run(here.path(), &["stiffness"]).0;
+    fs::write(here.path().join("stiffness.csv"), stiffness).expect("a table");
+    let arguments =
+        ["analyze", "case.json", "--stiffness", "stiffness.csv", "--csv", "stiffness.csv"];
+    refuses(&here, &arguments, "stiffness.csv", "input");
+}
+
+#[test]
+fn no_command_replaces_a_store() {
+    let here = samples();
+    for command in TO_FILE {
+        for more in [&[][..], &["--overwrite"]] {
+            let arguments = [&with(command, "study.spineline")[..], more].concat();
+            refuses(&here, &arguments, "study.spineline", "store");
+        }
+        refuses(&here, &with(command, "study.spineline-wal"), "study.spineline-wal", "store");
+    }
+}
+
+#[test]
+fn what_others_wrote_is_replaced_only_when_asked() {
+    let here = samples();
+    for command in TO_FILE {
+        fs::write(here.path().join("mine.txt"), "notes of a week").expect("a file");
+        refuses(&here, &with(command, "mine.txt"), "mine.txt", "--overwrite");
+        let arguments = [&with(command, "mine.txt")[..], &["--overwrite"]].concat();
+        let (_, error, code) = run(here.path(), &arguments);
+        assert!(code == 0 || code == 4, "{arguments:?}: {error}");
+        let now = fs::read(here.path().join("mine.txt")).expect("a file");
+        assert_ne!(now, b"notes of a week", "{arguments:?}");
+        fs::remove_file(here.path().join("mine.txt")).expect("a file");
+        let _ = fs::remove_file(here.path().join("mine.txt.provenance.json"));
+    }
+    // A case holds landmarks, whichever program wrote it.
+    fs::copy(here.path().join("case.json"), here.path().join("other.json")).expect("a copy");
+    refuses(&here, &["analyze", "case.json", "--json", "other.json"], "other.json", "--overwrite");
+}
+
+#[test]
+fn a_command_replaces_its_own_results() {
+    let here = samples();
+    for command in TO_FILE.iter().chain(&TO_FOLDER).filter(|command| command[0] != "noise-study") {
+        for _ in 0..2 {
+            let arguments = with(command, "result");
+            let (_, error, code) = run(here.path(), &arguments);
+            assert!(code == 0 || code == 4, "{arguments:?}: {error}");
+        }
+        let result = here.path().join("result");
+        let removed =
+            if result.is_dir() { fs::remove_dir_all(&result) } else { fs::remove_file(&result) };
+        removed.expect("a result");
+        let _ = fs::remove_file(here.path().join("result.provenance.json"));
+    }
+}
+
+#[test]
+fn two_outputs_need_two_files() {
+    let here = samples();
+    let arguments = ["analyze", "case.json", "--json", "out.x", "--csv", "./out.x"];
+    refuses(&here, &arguments, "out.x", "two outputs");
+    let beside = ["analyze", "case.json", "--csv", "a.csv", "--json", "a.csv.provenance.json"];
+    refuses(&here, &beside, "a.csv.provenance.json", "two outputs");
+    let (_, error, code) = run(here.path(), &["analyze", "case.json", "--json", "-", "--csv", "-"]);
+    assert_eq!(code, 2, "{error}");
+}
+
+#[test]
+fn a_place_that_cannot_be_written_is_refused_before_any_work() {
+    let here = samples();
+    // A file where a folder is needed; the second case does not exist, so that reading it would be told first.
+    for command in [TO_FILE.as_slice(), TO_FOLDER.as_slice()].concat() {
+        refuses(
+            &here,
+            &with(command, "readings.csv/result"),
+            "readings.csv",
+            "could not be written",
+        );
+    }
+    // An hour of work, if it were begun.
+    let long = ["noise-study", "--phantoms", "1000", "--out", "readings.csv"];
+    refuses(&here, &long, "readings.csv", "could not be written");
+    let long = ["reproduce", "--out", "readings.csv"];
+    refuses(&here, &long, "readings.csv", "could not be written");
+    let long = ["analyze", "case.json", "--replicates", "1000000", "--json", "p"];
+    refuses(&here, &long, "p ", "name a file");
+}
+
+#[test]
+fn the_standard_output_takes_any_one_file() {
+    let here = samples();
+    for command in TO_FILE.iter().filter(|command| !command.contains(&"--figures")) {
+        let before = content(here.path());
+        let (out, error, code) = run(here.path(), &with(command, "-"));
+        assert!(code == 0 || code == 4, "{command:?}: {error}");
+        assert!(!out.is_empty(), "{command:?}");
+        let here = content(here.path());
+        let more: Vec<&String> =
+            here.iter().filter(|file| !before.contains(file)).map(|(name, _)| name).collect();
+        // Markdown has its figures beside it.
+        assert!(more.is_empty() || command.contains(&"md"), "{command:?} wrote {more:?}");
+    }
+}
+
+#[cfg(unix)]
+mod unix {
+    use std::os::unix::fs::{FileTypeExt, symlink};
+    use std::process::{Command, Stdio};
+    use std::thread;
+
+    use super::*;
+
+    fn is_pipe(path: &Path) -> bool {
+        fs::symlink_metadata(path).is_ok_and(|found| found.file_type().is_fifo())
+    }
+
+    #[test]
+    fn a_device_is_written_into_and_stays_one() {
+        let here = samples();
+        symlink("/dev/null", here.path().join("null")).expect("a link");
+        for command in TO_FILE {
+            let (_, error, code) = run(here.path(), &with(command, "null"));
+            assert!(code == 0 || code == 4, "{command:?}: {error}");
+            let link = fs::symlink_metadata(here.path().join("null")).expect("a link");
+            assert!(link.is_symlink(), "{command:?}");
+            let device = fs::metadata("/dev/null").expect("a device");
+            assert!(device.file_type().is_char_device(), "{command:?}");
+        }
+    }
+
+    #[test]
+    fn a_pipe_is_written_into_and_stays_one() {
+        let here = samples();
+        let pipe = here.path().join("pipe");
+        let made = Command::new("mkfifo").arg(&pipe).status().expect("mkfifo");
+        assert!(made.success());
+        for command in [TO_FILE[0], TO_FILE[1], TO_FILE[11]] {
+            let reader = thread::spawn({
+                let pipe = pipe.clone();
+                move || fs::read_to_string(pipe).expect("text")
+            });
+            let (_, error, code) = run(here.path(), &with(command, "pipe"));
+            assert!(code == 0 || code == 4, "{command:?}: {error}");
+            assert!(!reader.join().expect("read").is_empty(), "{command:?}");
+            assert!(is_pipe(&pipe), "{command:?}");
+        }
+    }
+
+    #[test]
+    fn the_device_of_the_standard_output_is_the_standard_output() {
+        let here = samples();
+        let (dash, ..) = run(here.path(), &["export", "model.json", "--to", "mjcf", "--out", "-"]);
+        for name in ["/dev/stdout", "/proc/self/fd/1"] {
+            let log = fs::File::create(here.path().join("log")).expect("a file");
+            let status = Command::new(assert_cmd::cargo::cargo_bin("spineline"))
+                .args(["export", "model.json", "--to", "mjcf", "--out", name])
+                .current_dir(here.path())
+                .stdout(Stdio::from(log))
+                .status()
+                .expect("the program starts");
+            assert!(status.success());
+            assert_eq!(fs::read_to_string(here.path().join("log")).expect("a log"), dash);
+        }
+    }
+
+    #[test]
+    fn a_link_stays_and_what_it_leads_to_is_replaced() {
+        let here = samples();
+        fs::create_dir(here.path().join("far")).expect("a folder");
+        symlink("far/result", here.path().join("link")).expect("a link");
+        for command in TO_FILE {
+            // The first time, the link leads to nothing.
+            for _ in 0..2 {
+                let (_, error, code) = run(here.path(), &with(command, "link"));
+                assert!(code == 0 || code == 4, "{command:?}: {error}");
+                let link = fs::symlink_metadata(here.path().join("link")).expect("a link");
+                assert!(link.is_symlink(), "{command:?}");
+                let target = fs::metadata(here.path().join("far/result")).expect("a file");
+                assert!(target.is_file() && target.len() > 0, "{command:?}");
+            }
+            for name in ["far/result", "link.provenance.json"] {
+                let _ = fs::remove_file(here.path().join(name));
+            }
+        }
+        symlink("round", here.path().join("round")).expect("a link");
+        let (_, error, code) = run(here.path(), &["analyze", "case.json", "--json", "round"]);
+        assert_eq!(code, 3, "{error}");
+        assert!(error.contains("circle"), "{error}");
+    }
+
+    #[test]
+    fn a_folder_is_complete_or_as_it_was() {
+        let here = samples();
+        for command in TO_FOLDER {
+            let (_, error, code) = run(here.path(), &with(command, "whole"));
+            assert!(code == 0 || code == 4, "{command:?}: {error}");
+            let whole = here.path().join("whole");
+            let mut files: Vec<_> = fs::read_dir(&whole)
+                .expect("a folder")
+                .map(|entry| entry.expect("an entry").file_name())
+                .collect();
+            files.sort();
+            fs::remove_dir_all(&whole).expect("a folder");
+            // Something of the user's lies where the last file goes.
+            let last = files.pop().expect("files");
+            fs::create_dir(&whole).expect("a folder");
+            fs::write(whole.join(&last), "notes of a week").expect("a file");
+            fs::write(whole.join("beside.txt"), "more notes").expect("a file");
+            let name = last.to_string_lossy().into_owned();
+            refuses(&here, &with(command, "whole"), &name, "--overwrite");
+            fs::remove_dir_all(&whole).expect("a folder");
+            let _ = fs::remove_file(here.path().join("r.html"));
+        }
+    }
+}
