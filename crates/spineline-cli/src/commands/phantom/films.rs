@@ -1,8 +1,8 @@
 //! `spineline phantom --films`: drawn films as DICOM files beside their cases.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
+use std::{fs, io};
 
 use serde::Serialize;
 use spineline::anatomy::{ImageSide, Level, Posture, Side};
@@ -13,7 +13,7 @@ use spineline_server::synthetic::{DrawnFilm, draw_film};
 
 use super::args::{EncodingName, PhantomArgs};
 use crate::run::failure::Failure;
-use crate::run::outputs::write_file;
+use crate::run::interrupt;
 use crate::run::threads::map_all;
 
 /// The films of one case by posture.
@@ -43,24 +43,37 @@ pub(super) struct FilmRecord {
     pub(super) bytes: usize,
 }
 
-/// Draws and writes every film, several at once. The result is by case.
+/// Draws and writes every film, several at once. The result is by case. Until all of them are drawn they lie in a folder that is
+/// removed when something stops the work.
 pub(super) fn write(
     phantoms: &[Phantom],
     args: &PhantomArgs,
 ) -> Result<BTreeMap<String, Listing>, Failure> {
-    fs::create_dir_all(&args.out)
-        .map_err(|error| Failure::write(&args.out.display().to_string(), &error))?;
+    let failed = |error: io::Error| Failure::write(&args.out.display().to_string(), &error);
+    fs::create_dir_all(&args.out).map_err(failed)?;
+    let mut builder = tempfile::Builder::new();
+    let drawn = builder.prefix(".spineline-").suffix(".part").tempdir_in(&args.out);
+    let drawn = drawn.map_err(failed)?;
+    let _stops_by_itself = interrupt::defer();
     let films: Vec<(&Phantom, &TrueFilm)> = phantoms
         .iter()
         .flat_map(|phantom| phantom.films.iter().map(move |f| (phantom, f)))
         .collect();
     let written = map_all("drawing films", &films, args.threads, |&(phantom, film)| {
-        write_film(phantom, film, args.film_encoding, &args.out)
+        if interrupt::is_requested() {
+            return Err(Failure::interrupted());
+        }
+        write_film(phantom, film, args.film_encoding, drawn.path())
     })?;
+    let written = written.into_iter().collect::<Result<Vec<FilmRecord>, Failure>>()?;
+    interrupt::begin_writing();
+    for record in &written {
+        fs::rename(drawn.path().join(&record.file), args.out.join(&record.file)).map_err(failed)?;
+    }
     let mut listings: BTreeMap<String, Listing> = BTreeMap::new();
     for (record, (phantom, film)) in written.into_iter().zip(films) {
         let listing = listings.entry(phantom.case.id.clone()).or_default();
-        listing.insert(film.posture.key(), record?);
+        listing.insert(film.posture.key(), record);
     }
     Ok(listings)
 }
@@ -80,7 +93,9 @@ fn write_film(
     let drawn =
         draw_film(phantom, film, encoding).map_err(|error| Failure::internal(error.to_string()))?;
     let DrawnFilm { file, bytes, photometric_interpretation, pixels_sha256 } = drawn;
-    write_file(&folder.join(&file), &bytes)?;
+    let path = folder.join(&file);
+    fs::write(&path, &bytes)
+        .map_err(|error| Failure::write(&path.display().to_string(), &error))?;
     let image = film.image;
     Ok(FilmRecord {
         file,
