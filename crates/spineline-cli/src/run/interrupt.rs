@@ -77,9 +77,10 @@ fn on_signal() {
     let mut state = state();
     let is_first = !std::mem::replace(&mut state.requested, true);
     if is_first && (state.deferred > 0 || state.is_writing) {
-        let what = match state.is_writing {
-            true => "the results are being written, and will be complete",
-            false => "stopping after the present step",
+        let what = if state.is_writing {
+            "the results are being written, and will be complete"
+        } else {
+            "stopping after the present step"
         };
         drop(state);
         REQUEST.notify_one();

@@ -87,6 +87,11 @@ fn commands_without_partial_results_write_nothing() {
             let here = tempfile::tempdir().expect("a place for files");
             let Ended { code, error } = signalled(here.path(), arguments, signal, moment);
             let at = format!("{arguments:?} {signal} after {moment} ms: {code:?} {error}");
+            if code == Some(0) {
+                // It was faster, or wrote already.
+                assert_nothing_is_half_written(here.path());
+                continue;
+            }
             assert!(matches!(code, None | Some(130)), "{at}");
             assert!(code.is_none() || error.contains("interrupted before a result"), "{at}");
             assert_eq!(files(here.path()), [PathBuf::new(); 0], "{at}");
@@ -180,7 +185,12 @@ fn a_second_signal_ends_the_program_at_once() {
     // Until it is in the work that stops by itself, the first one ends it.
     sleep(Duration::from_millis(2000));
     send(&child, "INT");
-    let line = lines.next().expect("a message").expect("text");
+    let Some(line) = lines.next() else {
+        // The program had not begun to catch signals.
+        assert_eq!(child.wait().expect("an end").code(), None);
+        return;
+    };
+    let line = line.expect("text");
     send(&child, "INT");
     let code = child.wait().expect("an end").code();
     let expected = if line.starts_with("stopping") { &[130, 4][..] } else { &[130] };
