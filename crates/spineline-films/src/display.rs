@@ -28,6 +28,8 @@ impl Display {
             .expect("pixels fill the picture");
         let shape = f64::from(self.columns) / (f64::from(self.rows) * pixel_aspect);
         let columns = (f64::from(rows) * shape).round().clamp(1.0, 4.0 * f64::from(rows)) as u32;
+        // No spacing may make it empty.
+        let columns = columns.max(1);
         let small = image::imageops::thumbnail(&picture, columns, rows);
         Self { columns, rows, grey: small.into_raw() }
     }

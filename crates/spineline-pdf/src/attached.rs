@@ -9,6 +9,11 @@ pub(crate) const PATH: &str = "/spineline-analysis.json";
 /// The analysis that a PDF of a report holds, as it was given to its writer; `None` where there is none.
 #[must_use]
 pub fn embedded(pdf: &[u8]) -> Option<String> {
+    // A damaged file may end its reader by a panic.
+    std::panic::catch_unwind(|| attachment(pdf)).ok().flatten()
+}
+
+fn attachment(pdf: &[u8]) -> Option<String> {
     // Without this, any file would be searched through for lost objects.
     if !pdf.starts_with(b"%PDF-") {
         return None;

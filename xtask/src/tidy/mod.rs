@@ -3,6 +3,7 @@
 mod faults;
 mod imports;
 mod order;
+mod panics;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -34,6 +35,7 @@ pub fn run(root: &Path) -> Result<(), String> {
         check_purity(&core, &file, &mut faults)?;
     }
     order::check(root, &mut faults)?;
+    panics::check(root, &mut faults)?;
     check_core_dependencies(root, &mut faults)?;
     let folders = ["benchmarks", "crates", "fuzz/fuzz_targets", "xtask", "web/src", "web/e2e"];
     for folder in folders {

@@ -24,12 +24,20 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::run::failure::{Ending, Failure};
 
+/// How every command ends.
+const EXIT_CODES: &str = "\
+Exit codes: 0 done; 1 internal error; 2 wrong usage; 3 bad input, or an output that cannot be written; 4 finished with less than \
+what was asked; 130 interrupted.
+
+Ctrl-C and SIGTERM end a command with 130 and without results. Where replicates or shapes count already, they are written, and the \
+exit code is 4. The second one ends the program at once.";
+
 /// Turns frontal radiographs of a scoliotic spine into a personalised multibody model.
 ///
 /// Research software, not a medical device. Start with `spineline reproduce`, or make a synthetic patient with
 /// `spineline phantom` and analyse it with `spineline analyze`.
 #[derive(Parser)]
-#[command(name = "spineline", version, arg_required_else_help = true)]
+#[command(name = "spineline", version, arg_required_else_help = true, after_help = EXIT_CODES)]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,

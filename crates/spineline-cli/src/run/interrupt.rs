@@ -89,9 +89,14 @@ fn on_signal() {
     let mut state = state();
     let is_first = !std::mem::replace(&mut state.requested, true);
     if is_first && (state.deferred > 0 || state.is_writing) {
+        let what = if state.is_writing {
+            "the results are being written, and will be complete"
+        } else {
+            "stopping after the present step"
+        };
         drop(state);
         REQUEST.notify_one();
-        say("stopping after the present step; Ctrl-C again ends the program at once\n");
+        say(&format!("{what}; Ctrl-C again ends the program at once\n"));
         return;
     }
     if is_first {

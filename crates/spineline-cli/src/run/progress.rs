@@ -12,9 +12,15 @@ pub fn spinner(what: &str) -> ProgressBar {
     styled(ProgressBar::no_length(), "{msg} {spinner} {pos}", what)
 }
 
+/// A message that changes, for work that has no steps to count.
+pub fn status() -> ProgressBar {
+    styled(ProgressBar::new_spinner(), "{spinner} {msg}", "")
+}
+
 fn styled(bar: ProgressBar, template: &str, what: &str) -> ProgressBar {
-    let style = ProgressStyle::with_template(template);
-    bar.set_style(style.expect("the template is well-formed"));
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
     bar.set_message(what.to_owned());
     bar
 }

@@ -15,6 +15,8 @@ mod report;
 mod rerun;
 mod results;
 mod serve;
+mod signals;
 mod simulate;
+mod streams;
 mod study;
 mod tables;

@@ -1,5 +1,7 @@
 //! The seeds of the fuzz targets, whole and damaged, on a stable compiler.
 
+mod numbers;
+
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use spineline_fuzz_checks::{CHECKS, Check, Seed, seeds};

@@ -6,6 +6,7 @@ mod browser;
 mod example;
 mod films;
 mod guards;
+mod numbers;
 mod openapi;
 mod results;
 mod routes;

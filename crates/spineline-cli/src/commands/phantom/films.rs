@@ -41,7 +41,8 @@ pub(super) struct FilmRecord {
     pub(super) bytes: usize,
 }
 
-/// Draws and writes every film, several at once. The result is by case.
+/// Draws and writes every film, several at once. The result is by case. Until all of them are drawn they lie in a folder that is
+/// removed when something stops the work.
 pub(super) fn write(
     phantoms: &[Phantom],
     args: &PhantomArgs,
@@ -54,10 +55,11 @@ pub(super) fn write(
     let written = map_all("drawing films", &films, args.threads, |&(phantom, film)| {
         write_film(phantom, film, args, outputs)
     })?;
+    let written = written.into_iter().collect::<Result<Vec<FilmRecord>, Failure>>()?;
     let mut listings: BTreeMap<String, Listing> = BTreeMap::new();
     for (record, (phantom, film)) in written.into_iter().zip(films) {
         let listing = listings.entry(phantom.case.id.clone()).or_default();
-        listing.insert(film.posture.key(), record?);
+        listing.insert(film.posture.key(), record);
     }
     Ok(listings)
 }

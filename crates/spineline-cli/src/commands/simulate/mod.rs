@@ -13,15 +13,14 @@ pub use args::{EXAMPLES, SimulateArgs};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use indicatif::{ProgressBar, ProgressStyle};
 use spineline::multibody::{ForceSign, PathPoint};
 use spineline_files::{FilmOrigin, Provenance, to_text};
 
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{read_input, read_model};
-use crate::run::interrupt;
 use crate::run::outputs::{Outputs, is_stdout, print, print_notices};
 use crate::run::provenance::{in_svg, this_run};
+use crate::run::{interrupt, progress};
 use outcome::Outcome;
 
 pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
@@ -67,9 +66,7 @@ fn with_progress<T>(
     search: impl FnOnce(&mut dyn FnMut(ForceSign, &PathPoint) -> ControlFlow<()>) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
     let _stops_by_itself = interrupt::defer();
-    let spinner = ProgressBar::new_spinner();
-    let style = ProgressStyle::with_template("{spinner} {msg}");
-    spinner.set_style(style.expect("the template is well-formed"));
+    let spinner = progress::status();
     let mut points = 0_usize;
     let result = search(&mut |_, point| {
         points += 1;

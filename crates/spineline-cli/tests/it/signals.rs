@@ -1,0 +1,211 @@
+//! Ctrl-C and SIGTERM at any moment: the exit code, what is said, and that files are whole or absent.
+//!
+//! No test relies on what a command has done by a certain time: whatever it was, the rule holds.
+#![cfg(unix)]
+
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+use serde_json::Value;
+
+use crate::program::run;
+
+/// Moments after the start.
+const MOMENTS_MS: [u64; 4] = [0, 30, 300, 1500];
+
+struct Ended {
+    /// `None`: the signal came before the program could catch it.
+    code: Option<i32>,
+    error: String,
+}
+
+fn start(folder: &Path, arguments: &[&str]) -> Child {
+    Command::new(assert_cmd::cargo::cargo_bin("spineline"))
+        .current_dir(folder)
+        .args(arguments)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts")
+}
+
+fn send(child: &Child, signal: &str) {
+    let kill = format!("kill -{signal} {}", child.id());
+    let sent = Command::new("sh").args(["-c", &kill]).status().expect("a shell");
+    assert!(sent.success(), "{kill}");
+}
+
+/// A command that gets a signal so long after its start.
+fn signalled(folder: &Path, arguments: &[&str], signal: &str, after_ms: u64) -> Ended {
+    let child = start(folder, arguments);
+    sleep(Duration::from_millis(after_ms));
+    send(&child, signal);
+    let output = child.wait_with_output().expect("an end");
+    let error = String::from_utf8(output.stderr).expect("UTF-8");
+    Ended { code: output.status.code(), error }
+}
+
+/// All files below a folder.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let all = walkdir::WalkDir::new(folder).into_iter().filter_map(Result::ok);
+    all.filter(|entry| entry.file_type().is_file()).map(walkdir::DirEntry::into_path).collect()
+}
+
+fn assert_nothing_is_half_written(folder: &Path) {
+    for path in files(folder) {
+        let name = path.display().to_string();
+        assert!(!name.contains(".part"), "{name}");
+        if name.ends_with(".json") {
+            let text = fs::read_to_string(&path).expect("a file");
+            serde_json::from_str::<Value>(&text).expect(&name);
+        }
+    }
+}
+
+const CASE: &str = "cases/phantom-rod-01.json";
+
+fn folder_with_phantom() -> tempfile::TempDir {
+    let here = tempfile::tempdir().expect("a place for files");
+    let (_, error, code) = run(here.path(), &["phantom", "--subject", "1", "--out", "cases"]);
+    assert_eq!(code, 0, "{error}");
+    here
+}
+
+#[test]
+fn commands_without_partial_results_write_nothing() {
+    for arguments in [
+        &["noise-study", "--out", "out", "--phantoms", "60"][..],
+        &["reproduce", "--out", "out"],
+        &["phantom", "--films", "--out", "out"],
+    ] {
+        for (moment, signal) in MOMENTS_MS.into_iter().zip(["INT", "TERM"].into_iter().cycle()) {
+            let here = tempfile::tempdir().expect("a place for files");
+            let Ended { code, error } = signalled(here.path(), arguments, signal, moment);
+            let at = format!("{arguments:?} {signal} after {moment} ms: {code:?} {error}");
+            if code == Some(0) {
+                // It was faster, or wrote already.
+                assert_nothing_is_half_written(here.path());
+                continue;
+            }
+            assert!(matches!(code, None | Some(130)), "{at}");
+            assert!(code.is_none() || error.contains("interrupted before a result"), "{at}");
+            assert_eq!(files(here.path()), [PathBuf::new(); 0], "{at}");
+        }
+    }
+}
+
+/// More replicates than any test waits for.
+const REPLICATES: [&str; 4] = ["--replicates", "1000000", "--seed", "1"];
+
+/// A command with replicates that gets a signal later and later, until some replicates count.
+fn cut_short(arguments: &[&str], output: &str, signal: &str) -> (tempfile::TempDir, String, u64) {
+    let arguments = [arguments, &REPLICATES].concat();
+    let mut moment = 0;
+    loop {
+        let here = folder_with_phantom();
+        let Ended { code, error } = signalled(here.path(), &arguments, signal, moment);
+        assert_nothing_is_half_written(here.path());
+        let at = format!("{arguments:?} after {moment} ms: {code:?} {error}");
+        if code == Some(4) {
+            let words: Vec<&str> = error.split_whitespace().collect();
+            let of = words.windows(3).find(|next| next[1..] == ["of", "1000000"]).expect(&at);
+            let counted = of[0].parse().expect(&at);
+            assert!(error.contains("replicates count") && counted > 0, "{at}");
+            return (here, error, counted);
+        }
+        assert!(matches!(code, None | Some(130)), "{at}");
+        assert!(!here.path().join(output).exists(), "{at}");
+        moment = 2 * moment + 200;
+    }
+}
+
+#[test]
+fn an_analysis_says_how_many_replicates_count() {
+    for signal in ["INT", "TERM"] {
+        let arguments = ["analyze", CASE, "--json", "a.json"];
+        let (here, _, counted) = cut_short(&arguments, "a.json", signal);
+        let text = fs::read_to_string(here.path().join("a.json")).expect("the analysis");
+        let file: Value = serde_json::from_str(&text).expect("JSON");
+        assert_eq!(file["uncertainty"]["done"], counted);
+        assert_eq!(file["uncertainty"]["replicates"], 1_000_000);
+    }
+}
+
+#[test]
+fn a_report_says_how_many_replicates_count() {
+    let arguments = ["report", CASE, "--out", "report.html"];
+    let (here, ..) = cut_short(&arguments, "report.html", "INT");
+    let page = fs::read_to_string(here.path().join("report.html")).expect("the report");
+    assert!(page.contains("1000000 replicates were requested"));
+}
+
+#[test]
+fn a_repeated_analysis_compares_nothing_that_was_cut_short() {
+    let here = folder_with_phantom();
+    let whole = ["analyze", CASE, "--json", "a.json", "--replicates", "2", "--seed", "1"];
+    assert_eq!(run(here.path(), &whole).2, 0);
+    let path = here.path().join("a.json");
+    let mut file: Value =
+        serde_json::from_str(&fs::read_to_string(&path).expect("a file")).expect("JSON");
+    file["provenance"]["replicates"]["count"] = 1_000_000.into();
+    fs::write(&path, file.to_string()).expect("written");
+    for moment in MOMENTS_MS {
+        let rerun = ["rerun", "a.json", "--json", "again.json"];
+        let Ended { code, error } = signalled(here.path(), &rerun, "INT", moment);
+        assert!(matches!(code, None | Some(130)), "{code:?} {error}");
+        assert!(!here.path().join("again.json").exists());
+    }
+}
+
+#[test]
+fn a_simulation_leaves_whole_files_or_none() {
+    let here = folder_with_phantom();
+    assert_eq!(run(here.path(), &["analyze", CASE, "--model", "m.json"]).2, 0);
+    for moment in [0, 20, 60, 120, 250] {
+        let arguments =
+            ["simulate", "m.json", "--push", "left", "--force", "50", "--json", "s.json"];
+        let Ended { code, error } = signalled(here.path(), &arguments, "INT", moment);
+        assert!(matches!(code, None | Some(0 | 4 | 130)), "{code:?} {error}");
+        assert_nothing_is_half_written(here.path());
+        let written = fs::remove_file(here.path().join("s.json")).is_ok();
+        assert_eq!(written, matches!(code, Some(0 | 4)), "{code:?} {error}");
+    }
+}
+
+#[test]
+fn a_second_signal_ends_the_program_at_once() {
+    let here = folder_with_phantom();
+    let mut child = start(here.path(), &[&["analyze", CASE], &REPLICATES[..]].concat());
+    let mut lines = BufReader::new(child.stderr.take().expect("its messages")).lines();
+    // Until it is in the work that stops by itself, the first one ends it.
+    sleep(Duration::from_millis(2000));
+    send(&child, "INT");
+    let Some(line) = lines.next() else {
+        // The program had not begun to catch signals.
+        assert_eq!(child.wait().expect("an end").code(), None);
+        return;
+    };
+    let line = line.expect("text");
+    send(&child, "INT");
+    let code = child.wait().expect("an end").code();
+    let expected = if line.starts_with("stopping") { &[130, 4][..] } else { &[130] };
+    assert!(code.is_some_and(|code| expected.contains(&code)), "{code:?} {line}");
+}
+
+#[test]
+fn a_signal_is_the_ordinary_end_of_the_server() {
+    for signal in ["INT", "TERM"] {
+        let here = tempfile::tempdir().expect("a place for files");
+        let mut child = start(here.path(), &["serve", "s.spineline", "--port", "0"]);
+        let mut output = BufReader::new(child.stdout.take().expect("its output"));
+        output.read_line(&mut String::new()).expect("an address");
+        send(&child, signal);
+        assert_eq!(child.wait().expect("an end").code(), Some(0), "{signal}");
+        assert_eq!(run(here.path(), &["study", "verify", "s.spineline"]).2, 0);
+    }
+}
