@@ -7,9 +7,9 @@ const LONGEST_WAIT_MS = 10_000;
 
 /** Whether the program answers. */
 class Connection {
-  /** The last request had no answer; pages keep what they could not send. */
+  /** The last request had no answer. Pages keep unsent changes. */
   lost = $state(false);
-  /** It is being asked again at this moment. */
+  /** A request to the program is running. */
   asking = $state(false);
 
   #wait_ms = SHORTEST_WAIT_MS;
@@ -25,13 +25,13 @@ class Connection {
     });
   }
 
-  /** Settles when the program answers again; at once while it does. */
+  /** Resolves when the program answers again; at once if it does. */
   back(): Promise<void> {
     if (!this.lost) return Promise.resolve();
     return new Promise((resolve) => this.#waiting.push(resolve));
   }
 
-  /** Asks now, not when the wait is over. */
+  /** Sends a request now and does not wait. */
   async retry(): Promise<void> {
     clearTimeout(this.#timer);
     if (this.asking) return;
@@ -39,7 +39,7 @@ class Connection {
     try {
       await readSignInPage();
     } catch (error) {
-      // A refusal is an answer too.
+      // An error response is an answer too.
       if (error instanceof Unreachable) this.#again();
     } finally {
       this.asking = false;
