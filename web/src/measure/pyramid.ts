@@ -8,7 +8,7 @@ export interface Plane {
 /** Rows that are averaged per step. */
 const ROWS_AT_ONCE = 256;
 /** Smaller levels are not worth keeping. */
-const SMALLEST = 64;
+const MIN_SIDE = 64;
 
 /** Halves a picture: the mean of each 2 × 2 pixels; an odd last column or row is averaged with itself. */
 export function* halved(plane: Plane): Generator<void, Plane> {
@@ -50,7 +50,7 @@ export class Pyramid {
   /** Builds the smaller sizes, step by step. */
   *build(): Generator<void, void> {
     let plane = this.levels[0]!;
-    while (Math.min(plane.columns, plane.rows) > SMALLEST) {
+    while (Math.min(plane.columns, plane.rows) > MIN_SIDE) {
       plane = yield* halved(plane);
       this.levels.push(plane);
       yield;

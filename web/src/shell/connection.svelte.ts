@@ -2,8 +2,8 @@ import { Unreachable, listen } from "../api/client";
 import { readSignInPage } from "../api/session";
 import { session } from "./session.svelte";
 
-const SHORTEST_WAIT_MS = 1_000;
-const LONGEST_WAIT_MS = 10_000;
+const MIN_WAIT_MS = 1_000;
+const MAX_WAIT_MS = 10_000;
 
 /** Whether the program answers. */
 class Connection {
@@ -12,7 +12,7 @@ class Connection {
   /** A request to the program is running. */
   asking = $state(false);
 
-  #wait_ms = SHORTEST_WAIT_MS;
+  #wait_ms = MIN_WAIT_MS;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #waiting: (() => void)[] = [];
 
@@ -49,14 +49,14 @@ class Connection {
   #lose(): void {
     if (this.lost) return;
     this.lost = true;
-    this.#wait_ms = SHORTEST_WAIT_MS;
+    this.#wait_ms = MIN_WAIT_MS;
     this.#again();
   }
 
   #again(): void {
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => void this.retry(), this.#wait_ms);
-    this.#wait_ms = Math.min(LONGEST_WAIT_MS, this.#wait_ms * 1.5);
+    this.#wait_ms = Math.min(MAX_WAIT_MS, this.#wait_ms * 1.5);
   }
 
   #found(): void {

@@ -50,7 +50,7 @@ fn spacing(image: &ImageGeometry) -> Spacing {
 }
 
 const BITS_STORED: u16 = 12;
-const GREATEST: f32 = 4095.0;
+const MAX_VALUE: f32 = 4095.0;
 /// Part of soft tissue's contrast that is left after compression.
 const SOFT_CONTRAST: f32 = 0.42;
 /// Stored values per unit of attenuation.
@@ -76,7 +76,7 @@ impl Radiograph {
             marks.burn(row, line);
             if film.polarity == Polarity::Monochrome1 {
                 for value in line {
-                    *value = GREATEST as u16 - *value;
+                    *value = MAX_VALUE as u16 - *value;
                 }
             }
         });
@@ -113,7 +113,7 @@ impl Beam<'_> {
         quanta.scatter(&soft, &mut bone);
         for ((value, &bone), &soft) in line.iter_mut().zip(&bone).zip(&soft) {
             let seen = bone + SOFT_CONTRAST * soft - FLOOR;
-            *value = (GAIN * seen).round().clamp(0.0, GREATEST - 1.0) as u16;
+            *value = (GAIN * seen).round().clamp(0.0, MAX_VALUE - 1.0) as u16;
         }
     }
 }

@@ -63,7 +63,7 @@ const FORCE_ARROW_MM = 55;
 /** Distance from the lowest body to the grid. */
 const GROUND_MM = 12;
 const MARGIN_MM = 26;
-const SHORTEST_LINE_MM = 160;
+const MIN_LINE_MM = 160;
 /** Pixels of the picture per CSS pixel: more than on the screen, for smooth edges. */
 const PIXEL_RATIO = 2;
 /** Time without changes after which a slow machine draws the full picture. */
@@ -287,7 +287,7 @@ export class Stage {
       const along = new Vector3(...line.direction).multiplyScalar(upward);
       rod.mesh.material.color.set(line.colour);
       // A line across the spine meets both ends at the same place and is still visible.
-      const short = Math.max(0, SHORTEST_LINE_MM - foot.distanceTo(head)) / 2;
+      const short = Math.max(0, MIN_LINE_MM - foot.distanceTo(head)) / 2;
       rod.set(
         foot.clone().addScaledVector(along, -20 - short),
         head.clone().addScaledVector(along, 25 + short),
