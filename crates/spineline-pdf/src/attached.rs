@@ -9,7 +9,7 @@ pub(crate) const PATH: &str = "/spineline-analysis.json";
 /// The analysis that a PDF of a report holds, as it was given to its writer; `None` where there is none.
 #[must_use]
 pub fn embedded(pdf: &[u8]) -> Option<String> {
-    // Without this, any file would be searched through for lost objects.
+    // Without this check, any file would be searched for lost objects.
     if !pdf.starts_with(b"%PDF-") {
         return None;
     }

@@ -1,4 +1,4 @@
-//! How a table fits on the page: the size of its letters, and the width of each column.
+//! Layout of a table on the page: size of type, and width of each column.
 
 /// Between the margins of the page.
 const PAGE_PT: f64 = 481.0;
@@ -10,7 +10,7 @@ const SIZES_PT: [f64; 4] = [7.5, 6.5, 5.5, 4.5];
 const COMMON_COLUMNS: usize = 9;
 /// Heads are bold.
 const BOLD: f64 = 1.15;
-/// Widths of letters are known roughly.
+/// Widths of letters are estimates.
 const SLACK: f64 = 1.03;
 
 /// A table's measures.
@@ -67,7 +67,7 @@ pub(crate) fn fit(heads: &[String], rows: &[Vec<String>]) -> Fit {
     Fit { size_pt, widths_pt: widths }
 }
 
-/// Shares room out: to everyone the same, but to no one more than is wanted.
+/// Distributes room equally, but gives no column more than it needs.
 fn shared(room: f64, wanted: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..wanted.len()).collect();
     order.sort_by(|&a, &b| wanted[a].total_cmp(&wanted[b]));

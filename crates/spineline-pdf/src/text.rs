@@ -1,4 +1,4 @@
-//! Texts as they can be set: only letters that a font has, and long words with places to break.
+//! Texts for typesetting: only letters that a font has, and long words with places to break.
 
 use std::collections::BTreeSet;
 

@@ -1,8 +1,9 @@
-//! Radiographs: a true film as a detector would see it.
+//! Simulated radiographs of true films.
 //!
 //! The picture is a sum of attenuation along the beam. Soft tissue, ribs and pelvis are smooth and are drawn on a grid of
 //! 0.4 mm; vertebrae are drawn pixel by pixel from their true corners, so that an endplate's edge lies where it truly is.
-//! The beam weakens with that sum, its quanta scatter, the detector takes the logarithm, and the wide range of soft tissue
+//! The beam is attenuated by that sum, its quanta have Poisson noise, the detector takes the logarithm, and the wide range of
+//! soft tissue
 //! is compressed as present systems do. All places are millimetres, so pixels need not be square. The spine is planar: the
 //! phantom's vertebrae do not turn about their own axes, and their pedicles stay symmetric.
 //!
