@@ -63,7 +63,7 @@ impl<T: Described> ToSchema for Wire<T> {
     }
 }
 
-/// Position of the patient on a film.
+/// Posture of the patient on a film.
 pub type PostureName = Wire<Posture>;
 /// The patient's side.
 pub type SideName = Wire<Side>;
@@ -92,34 +92,34 @@ impl Described for Side {
 
 impl Described for ImageSide {
     const SCHEMA: &'static str = "ImageSideName";
-    const DESCRIPTION: &'static str = "A side of the picture, as it is seen.";
+    const DESCRIPTION: &'static str = "A side of the picture as seen.";
 }
 
 impl Described for SpacingPlane {
     const SCHEMA: &'static str = "PlaneName";
-    const DESCRIPTION: &'static str = "What a film's lengths are measured in.";
+    const DESCRIPTION: &'static str = "Plane of a film's lengths.";
 }
 
 impl Described for LineKind {
     const SCHEMA: &'static str = "LineName";
-    const DESCRIPTION: &'static str = "How a line of action was chosen.";
+    const DESCRIPTION: &'static str = "Kind of a line of action.";
     /// The interface has no line given by hand.
     const VALUES: &'static [Self] = &[Self::Inflection, Self::Iliac, Self::Estimated];
 }
 
 impl Described for Calibrator {
     const SCHEMA: &'static str = "CalibratorName";
-    const DESCRIPTION: &'static str = "An object of known size in the picture.";
+    const DESCRIPTION: &'static str = "Object of known size in the picture.";
 }
 
 impl Described for Role {
     const SCHEMA: &'static str = "RoleName";
-    const DESCRIPTION: &'static str = "What an account may do at most; a study may grant less.";
+    const DESCRIPTION: &'static str = "Highest permission of an account; a study may grant less.";
 }
 
 impl Described for Access {
     const SCHEMA: &'static str = "AccessName";
-    const DESCRIPTION: &'static str = "How people show who they are.";
+    const DESCRIPTION: &'static str = "Way of signing in.";
 }
 
 #[cfg(test)]
