@@ -3,10 +3,10 @@ import { defineConfig } from "@playwright/test";
 export default defineConfig({
   testDir: "e2e",
   outputDir: "test-results",
-  // Every test starts a server and a store of its own; two at once leave a core to each.
+  // Every test starts its own server and store; two at a time leave one core for each.
   workers: 2,
   fullyParallel: true,
-  // A busy machine is slow, which is no fault of the program.
+  // Long timeouts for busy machines.
   timeout: 240_000,
   expect: { timeout: 30_000 },
   // A second try records a trace, which slows a test by half; a test that passes then is reported as flaky.
@@ -14,7 +14,7 @@ export default defineConfig({
   reporter: [["list"]],
   use: {
     viewport: { width: 1280, height: 800 },
-    // Debian's browser: one of Playwright's own cannot be downloaded everywhere.
+    // Debian's browser, because Playwright's browsers cannot be downloaded everywhere.
     channel: undefined,
     launchOptions: {
       executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",

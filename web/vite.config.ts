@@ -5,6 +5,6 @@ export default defineConfig({
   plugins: [svelte()],
   build: { target: "es2023", chunkSizeWarningLimit: 900 },
   test: { include: ["src/**/*.test.ts"], setupFiles: ["src/api/page.setup.ts"] },
-  // While pages are being written: the program answers beside them.
+  // During development the program answers the requests.
   server: { proxy: { "/api": process.env.SPINELINE_SERVER ?? "http://127.0.0.1:8765" } },
 });

@@ -18,8 +18,8 @@ from scipy.linalg.lapack import dtrtrs
 from scipy.optimize import least_squares
 
 LAST_STEP_RAD = 1e-7  # Newton converges quadratically: what is left after such a step is rounding
-LARGEST_TURN_RAD = 0.25  # of a hinge, from one force to the next
-MOST_STEPS = 60
+MAX_TURN_RAD = 0.25  # of a hinge, from one force to the next
+MAX_STEPS = 60
 
 
 class NotFound(Exception):
@@ -61,7 +61,7 @@ class Statics:
     def equilibrium(self, wrench, q):
         """Newton from `q`; returns hinge angles, and screws and tangent of the last step."""
         rate = load_rate(wrench)
-        for _ in range(MOST_STEPS):
+        for _ in range(MAX_STEPS):
             screws, residual, tangent = self.system(q, wrench, rate)
             step = self.solve(tangent, residual)
             q = q - step
@@ -81,14 +81,14 @@ class Statics:
         unit_rate = load_rate(unit)
         q, force = np.zeros_like(self.stiffness), 0.0
         before = None
-        for _ in range(MOST_STEPS):
+        for _ in range(MAX_STEPS):
             q, screws, tangent = self.equilibrium(force * unit, q)
             by_force = self.solve(tangent, unit @ screws)
             now, rate = self.lean(screws)
             miss, slope = now - lean, rate @ by_force
             if before is not None and miss * before < 0.0:
                 return self.polish(unit, unit_rate, lean, q, force)
-            longest = LARGEST_TURN_RAD / np.abs(by_force).max()
+            longest = MAX_TURN_RAD / np.abs(by_force).max()
             newton = -miss / slope
             if 0.0 < newton < longest:
                 try:
@@ -103,7 +103,7 @@ class Statics:
 
         Returns force and hinge angles, and screws and tangent of the last step.
         """
-        for _ in range(MOST_STEPS):
+        for _ in range(MAX_STEPS):
             screws, residual, tangent = self.system(q, force * unit, force * unit_rate)
             both = self.solve(tangent, np.column_stack([residual, unit @ screws]))
             now, rate = self.lean(screws)

@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 
 from statics import NotFound, Observed, Statics, load_rate
 
-LARGEST_STEP_RAD = 1.0  # of a hinge, in one step from a nearby shape: beyond, the search starts again from zero
+MAX_STEP_RAD = 1.0  # of a hinge, in one step from a nearby shape: beyond, the search starts again from zero
 
 
 class UsualStatics(Statics):
@@ -62,7 +62,7 @@ class UsualFit:
             force, q = self.last[i]
             try:
                 found = self.statics.polish(bend.unit, load_rate(bend.unit), bend.lean, q, force)
-                if found[0] > 0.0 and np.abs(found[1] - q).max() < LARGEST_STEP_RAD:
+                if found[0] > 0.0 and np.abs(found[1] - q).max() < MAX_STEP_RAD:
                     return found
             except NotFound:
                 pass

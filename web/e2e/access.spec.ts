@@ -9,7 +9,7 @@ const LEAD = {
   version: "0.1.0",
 } as const;
 
-test("the address of the terminal signs in, under the name of who reads", async ({ app, page }) => {
+test("the printed address signs in under the reader's name", async ({ app, page }) => {
   await usePages(page);
   await page.goto(app.address);
   await expect(page.getByLabel("Your reader name")).toBeVisible();
@@ -23,10 +23,10 @@ test("the address of the terminal signs in, under the name of who reads", async 
   await expect(page.getByLabel("Your reader name")).toHaveValue("reader-1");
 });
 
-test("without a token, or with a wrong one, the page says where to look", async ({ app, page }) => {
+test("without a valid token the page says where to find the address", async ({ app, page }) => {
   await usePages(page);
   await page.goto(new URL("/", app.address).href);
-  await expect(page.getByText("look at the terminal")).toBeVisible();
+  await expect(page.getByText("Find the address in the terminal")).toBeVisible();
   await page.getByLabel("Your reader name").fill("reader-1");
   await page
     .getByLabel("Address that the program printed")
@@ -39,7 +39,7 @@ test("without a token, or with a wrong one, the page says where to look", async 
   await expect(page.getByRole("heading", { name: "Studies", level: 1 })).toBeVisible();
 });
 
-test("a session that ends is taken up again without losing the page", async ({ app, page }) => {
+test("a new sign-in after the end of a session keeps the page", async ({ app, page }) => {
   await app.open(page);
   await page.goto(new URL("#/new", app.address).href);
   await answerWith(
@@ -62,7 +62,7 @@ test("a session that ends is taken up again without losing the page", async ({ a
   await expect(page.getByRole("heading", { name: "erect.png" })).toBeVisible();
 });
 
-test("a program that ends is waited for, and the page goes on by itself", async ({ app, page }) => {
+test("the page waits for a stopped program and continues by itself", async ({ app, page }) => {
   await app.open(page);
   await app.kill();
   await page.getByRole("link", { name: "Cohort" }).click();
@@ -73,7 +73,7 @@ test("a program that ends is waited for, and the page goes on by itself", async 
   await expect(banner).toBeHidden({ timeout: 30_000 });
 });
 
-test("without accounts the page says how to begin them", async ({ app, page }) => {
+test("without accounts the page says how to add them", async ({ app, page }) => {
   await app.open(page);
   await page.getByRole("link", { name: "Access" }).click();
   await expect(page.getByText("spineline account add")).toBeVisible();
@@ -85,14 +85,14 @@ test("accounts sign in with a password", async ({ app, page }) => {
   await usePages(page);
   await page.goto(new URL("/", app.address).href);
   await page.getByRole("textbox", { name: "Account" }).fill("lead");
-  await page.getByLabel("Password").fill("not the right one");
+  await page.getByLabel("Password", { exact: true }).fill("not the right one");
   await page.getByRole("button", { name: "Sign in" }).click();
   await expect(page.getByRole("alert")).toBeVisible();
   await expect(page.getByLabel("Password")).toHaveValue("");
   await shot(page, "sign-in-account");
 });
 
-test("the last admin stays admin, and the page says why", async ({ app, page }) => {
+test("the last admin stays admin, and the page gives the reason", async ({ app, page }) => {
   await answerWith(page, "/api/session", LEAD);
   await answerWith(page, "/api/studies", [study("S-003")]);
   await answerWith(page, "/api/accounts", [
@@ -125,11 +125,11 @@ test("admins add accounts and grant studies", async ({ app, page }) => {
   const dialog = page.getByRole("dialog", { name: "New account" });
   await dialog.getByLabel("Name").fill("cd");
   await dialog.getByLabel("Role").selectOption("Editor");
-  await dialog.getByLabel("Password").fill("too short");
+  await dialog.getByLabel("Password", { exact: true }).fill("too short");
   await expect(dialog.getByText(/at least 12 characters/)).toBeVisible();
   await shot(page, "access-add");
-  await dialog.getByLabel("Password").fill("long enough for anyone");
-  await dialog.getByLabel("The same again").fill("long enough for anyone");
+  await dialog.getByLabel("Password", { exact: true }).fill("long enough for anyone");
+  await dialog.getByLabel("Repeat the password").fill("long enough for anyone");
   const added = page.waitForRequest("**/api/accounts/cd");
   await answerWith(page, "/api/accounts/cd", { name: "cd", role: "editor", enabled: true });
   await dialog.getByRole("button", { name: "Add the account" }).click();
@@ -140,12 +140,12 @@ test("admins add accounts and grant studies", async ({ app, page }) => {
   const granted = page.waitForRequest(
     (request) => request.method() === "PUT" && request.url().endsWith("/grants"),
   );
-  await page.getByLabel("What ab may do in S-003").selectOption("Editor: view and edit");
+  await page.getByLabel("Permission of ab for S-003").selectOption("Editor: view and edit");
   expect((await granted).postDataJSON()).toEqual([{ name: "ab", role: "editor" }]);
   await shot(page, "access");
 });
 
-test("with accounts of the program itself: the lead adds an editor and lets them see one study", async ({
+test("accounts on the real program: the admin adds an editor and grants one study", async ({
   app,
   page,
 }) => {
@@ -158,7 +158,7 @@ test("with accounts of the program itself: the lead adds an editor and lets them
 
   const signIn = async (name: string): Promise<void> => {
     await page.getByRole("textbox", { name: "Account" }).fill(name);
-    await page.getByLabel("Password").fill(PASSWORD);
+    await page.getByLabel("Password", { exact: true }).fill(PASSWORD);
     await page.getByRole("button", { name: "Sign in" }).click();
     await expect(page.getByRole("heading", { name: "Studies", level: 1 })).toBeVisible();
   };
@@ -176,8 +176,8 @@ test("with accounts of the program itself: the lead adds an editor and lets them
   const dialog = page.getByRole("dialog", { name: "New account" });
   await dialog.getByLabel("Name").fill("ab");
   await dialog.getByLabel("Role").selectOption("Editor");
-  await dialog.getByLabel("Password").fill(PASSWORD);
-  await dialog.getByLabel("The same again").fill(PASSWORD);
+  await dialog.getByLabel("Password", { exact: true }).fill(PASSWORD);
+  await dialog.getByLabel("Repeat the password").fill(PASSWORD);
   await dialog.getByRole("button", { name: "Add the account" }).click();
   await expect(page.getByRole("rowheader", { name: "ab", exact: true })).toBeVisible();
   await shot(page, "access-accounts");
@@ -192,7 +192,7 @@ test("with accounts of the program itself: the lead adds an editor and lets them
   await signIn("lead");
   await page.getByRole("link", { name: "Access" }).click();
   await page.getByRole("combobox", { name: "Study", exact: true }).selectOption(study);
-  await page.getByLabel(`What ab may do in ${study}`).selectOption("Reader: view only");
+  await page.getByLabel(`Permission of ab for ${study}`).selectOption("Reader: view only");
   await signOut.click();
   await signIn("ab");
   await expect(page.getByRole("article")).toContainText("Reader: view only");

@@ -42,10 +42,10 @@ test("a new study: no films, then films with open questions", async ({ app, page
       files.map((name) => ({ name, mimeType: "image/png", buffer: Buffer.from("x") })),
     );
   await expect(page.getByRole("article")).toHaveCount(5);
-  await page.getByRole("radio", { name: "stated by me" }).first().check();
+  await page.getByRole("radio", { name: "entered by hand" }).first().check();
   await expectAccessible(page);
-  await page.getByRole("button", { name: "Make the study" }).click();
-  await expect(page.getByText(/Still open/)).toBeVisible();
+  await page.getByRole("button", { name: "Create the study" }).click();
+  await expect(page.getByText(/To do:/)).toBeVisible();
   await expectAccessible(page);
 });
 
@@ -59,7 +59,7 @@ test("the import of a case", async ({ app, page }) => {
     .setInputFiles([
       { name: "case.json", mimeType: "application/json", buffer: Buffer.from(text) },
     ]);
-  await expect(page.getByText("missing: drop it here too")).toBeVisible();
+  await expect(page.getByText("missing: drop it here")).toBeVisible();
   await expectAccessible(page);
 });
 
@@ -86,7 +86,7 @@ test("access, with accounts and without", async ({ app, page }) => {
   await answerWith(page, "/api/studies/S-003/grants", []);
   await page.reload();
   await page.getByRole("combobox", { name: "Study", exact: true }).selectOption("S-003");
-  await expect(page.getByLabel("What ab may do in S-003")).toBeVisible();
+  await expect(page.getByLabel("Permission of ab for S-003")).toBeVisible();
   await expectAccessible(page);
   await page.getByRole("button", { name: "Add an account" }).click();
   await expect(page.getByRole("dialog", { name: "New account" })).toBeVisible();

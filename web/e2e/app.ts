@@ -10,7 +10,7 @@ import { test as base, expect, type Page } from "@playwright/test";
 /** The program under test. */
 const PROGRAM = process.env.SPINELINE_PROGRAM ?? path.resolve("../target/debug/spineline");
 
-/** Folder of pages built apart from the program, while they are being written; else the program's own are tested. */
+/** Folder of separately built pages; without it the program's embedded pages are tested. */
 const PAGES = process.env.SPINELINE_PAGES;
 
 const KINDS: Record<string, string> = {
@@ -20,7 +20,7 @@ const KINDS: Record<string, string> = {
   ".svg": "image/svg+xml",
 };
 
-/** A server with a store in a folder of its own. */
+/** A server with its own store in its own folder. */
 export class App {
   private process: ChildProcess | null = null;
   /** Address with the token, as `serve` prints it. */
@@ -32,7 +32,7 @@ export class App {
     return path.join(this.folder, "studies.spineline");
   }
 
-  /** Starts the program; on the same port again after it was killed. */
+  /** Starts the program; after a kill on the same port. */
   async start(...more: string[]): Promise<void> {
     const port = this.address === "" ? "0" : new URL(this.address).port;
     const child = spawn(PROGRAM, ["serve", this.store, "--port", port, ...more], {
@@ -43,7 +43,7 @@ export class App {
       let text = "";
       child.stdout.on("data", (part: Buffer) => {
         text += part.toString();
-        // An address is good once; after that the program prints another one.
+        // An address is valid once; then the program prints another one.
         const last = [...text.matchAll(/(http:\/\/\S+)\n/g)].at(-1)?.[1];
         if (!last) return;
         this.address = last;
@@ -53,7 +53,7 @@ export class App {
     });
   }
 
-  /** Ends the program as a power cut would. */
+  /** Kills the program, as a power failure would. */
   async kill(): Promise<void> {
     const child = this.process;
     if (!child || child.exitCode !== null || child.signalCode !== null) return;
@@ -72,12 +72,12 @@ export class App {
   }
 }
 
-/** Runs the program to its end, such as to make phantoms. */
+/** Runs a command of the program to its end, such as to make phantoms. */
 export async function runProgram(...args: string[]): Promise<void> {
   await promisify(execFile)(PROGRAM, args);
 }
 
-/** The same, with something to read, such as a password. */
+/** The same with standard input, such as a password. */
 export async function runProgramWith(input: string, ...args: string[]): Promise<void> {
   const run = promisify(execFile)(PROGRAM, args);
   run.child.stdin?.end(input);
@@ -95,7 +95,7 @@ export const test = base.extend<{ app: App }>({
   },
 });
 
-/** Puts the pages of `SPINELINE_PAGES`, if there are any, in the place of the program's, under its headers. */
+/** Replaces the program's pages by those of `SPINELINE_PAGES`, if set, with the same headers. */
 export async function usePages(page: Page): Promise<void> {
   if (!PAGES) return;
   await page.route(
@@ -114,7 +114,7 @@ export async function usePages(page: Page): Promise<void> {
   );
 }
 
-/** Fails on whatever axe finds wrong with the page as it stands. */
+/** Fails on every violation that axe finds on the page. */
 export async function expectAccessible(page: Page): Promise<void> {
   const { violations } = await new AxeBuilder({ page })
     .withTags(["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"])
@@ -127,7 +127,7 @@ export async function expectAccessible(page: Page): Promise<void> {
   expect(found).toEqual([]);
 }
 
-/** Keeps a picture of the page, to be looked at. */
+/** Stores a screenshot of the page. */
 export async function shot(page: Page, name: string): Promise<void> {
   await page.screenshot({ path: `e2e/shots/${name}.png` });
 }

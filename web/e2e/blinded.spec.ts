@@ -10,10 +10,13 @@ import { FilmPage } from "./marking";
 import { answers, get, send } from "./wire";
 
 const STUDY = "blind-1";
-/** What would tell a blinded reader which film it is, who else reads, or what came of it. */
+/** Texts that would reveal film, other readers or results to a blinded reader. */
 const TELLING = /erect|bending|neutral|traction|"eve"|cobb|lenke|phantom-rod/i;
 
-test("a plan hides films, readers and results until all is read", async ({ app, page }) => {
+test("a plan hides films, readers and results until all readings are finished", async ({
+  app,
+  page,
+}) => {
   test.setTimeout(240_000);
   await app.open(page, "lead");
   await makeStudy(page);
@@ -40,7 +43,7 @@ test("a plan hides films, readers and results until all is read", async ({ app, 
   await film.markSquare(await image(film));
   await shot(bob, "blinded-reading");
 
-  // A reload goes on with the same film.
+  // A reload continues with the same film.
   await bob.reload();
   await expect(bob.getByRole("heading", { name: `Film ${first}` })).toBeVisible();
   await expect(film.target).toContainText("L3");
@@ -54,7 +57,7 @@ test("a plan hides films, readers and results until all is read", async ({ app, 
   const second = await beginNext(bob);
   expect(second).not.toBe(first);
   await film.painted();
-  // Half a vertebra is no reading: it says which one.
+  // A reading with an incomplete vertebra is refused with its name.
   await film.viewer.focus();
   await bob.keyboard.press("c");
   await bob.keyboard.press("Enter");
@@ -64,12 +67,12 @@ test("a plan hides films, readers and results until all is read", async ({ app, 
   await dialog.getByRole("button", { name: "Finish", exact: true }).click();
   await expect(dialog.getByRole("alert")).toContainText("L4");
   await shot(bob, "blinded-finish-refused");
-  await dialog.getByRole("button", { name: "Go on marking" }).click();
+  await dialog.getByRole("button", { name: "Continue reading" }).click();
   await bob.getByRole("button", { name: "Undo" }).click();
   await film.saved();
   await finish(bob);
   await expect(bob.getByRole("heading", { name: /all films are read/i })).toBeVisible();
-  // What is finished does not open what others still read.
+  // A finished reading does not reveal films that others have not finished.
   await bob.getByRole("link", { name: "Studies", exact: true }).click();
   await expect(row).toContainText(
     "blinded readings: results are shown when all planned readings are finished",
@@ -90,7 +93,7 @@ test("a plan hides films, readers and results until all is read", async ({ app, 
     await finish(eve);
   }
   await expect(eve.getByRole("heading", { name: /all films are read/i })).toBeVisible();
-  // All is read: postures and readings are everybody's, also without signing in again.
+  // All readings are finished: postures and readings are visible, without a new sign-in.
   await bob.reload();
   await row.getByRole("link", { name: `Measure ${STUDY}` }).click();
   await expect(bob.getByRole("link", { name: /left bending/i })).toBeVisible();
@@ -115,15 +118,15 @@ async function makeStudy(page: Page): Promise<void> {
   await rm(phantom, { recursive: true });
   for (const film of await page.getByRole("article").all()) {
     const sides = film.getByRole("group", { name: "The patient's left is on the" });
-    if (!(await sides.getByText("as the file says").isVisible()))
+    if (!(await sides.getByText("from the file").isVisible()))
       await sides.getByRole("radio", { name: "right of the picture" }).check();
   }
   await page.getByRole("textbox", { name: "Identifier" }).fill(STUDY);
-  await page.getByRole("button", { name: "Make the study" }).click();
+  await page.getByRole("button", { name: "Create the study" }).click();
   await expect(page).toHaveURL(new RegExp(`#/studies/${STUDY}/measure`), { timeout: 60_000 });
 }
 
-/** Begins the film that is next, and returns its code. */
+/** Begins the next film and returns its code. */
 async function beginNext(page: Page): Promise<string> {
   const heading = page.getByRole("heading", { name: /next film/i });
   await expect(heading).toBeVisible();
@@ -140,14 +143,14 @@ async function finish(page: Page): Promise<void> {
   await expect(dialog).toBeHidden();
 }
 
-/** The picture of the reading that is under way. */
+/** Picture of the current reading. */
 async function image(film: FilmPage): Promise<Api<"ReadingImage">> {
   const next = (await film.detail()).plan?.next;
   if (next?.kind !== "continue") throw new Error("no reading was begun");
   return (await film.get<Api<"ReadingView">>(`/api/readings/${next.reading}`)).image;
 }
 
-/** Whatever says more of a study and its films than their codes. */
+/** Values that reveal more about a study and its films than their codes. */
 function forbidden(films: Api<"FilmSummary">[]): string[] {
   const ofStudy = ["findings", "model", "analysis.json", "case", "reliability"];
   return [
@@ -160,7 +163,7 @@ function forbidden(films: Api<"FilmSummary">[]): string[] {
   ];
 }
 
-test("who has read all films is told so, and who has to wait sees until when", async ({
+test("a reader who has finished sees so, and a reader who must wait sees until when", async ({
   app,
   page,
 }) => {

@@ -1,7 +1,7 @@
 import { expect, shot, test } from "./app";
 import { answerWith, cohort } from "./made";
 
-test("the cohort is a table that sorts, with charts, comparisons and agreement", async ({
+test("the cohort shows a sortable table, charts, comparisons and agreement", async ({
   app,
   page,
 }) => {
@@ -19,7 +19,7 @@ test("the cohort is a table that sorts, with charts, comparisons and agreement",
     "descending",
   );
   await expect(table.getByRole("row").nth(1)).toContainText("50.0");
-  // A study without a value is last, whichever way.
+  // A study without a value is last in both directions.
   await expect(table.getByRole("row").last()).toContainText("–");
   await expect(table.getByText("the erect film lacks T4, T3 and T2").first()).toBeVisible();
   await expect(page.getByText(/joints turn against the force/)).toBeVisible();
@@ -42,7 +42,7 @@ test("the cohort is a table that sorts, with charts, comparisons and agreement",
   await shot(page, "cohort-tablet");
 });
 
-test("an empty cohort says what is missing", async ({ app, page }) => {
+test("an empty cohort says which studies are needed", async ({ app, page }) => {
   await app.open(page);
   await page.getByRole("link", { name: "Cohort" }).click();
   await expect(page.getByRole("heading", { name: "No studies to compare yet" })).toBeVisible();

@@ -1,7 +1,7 @@
 import { expect, shot, test, usePages } from "./app";
 import { FilmPage, cornerOf } from "./marking";
 
-test("two windows never overwrite each other: the later change is kept aside", async ({
+test("two windows never overwrite each other: the later change is kept separately", async ({
   app,
   page,
   context,
@@ -12,7 +12,7 @@ test("two windows never overwrite each other: the later change is kept aside", a
   const place = cornerOf(truth, "L4", "superior_left");
   const other = await context.newPage();
   await usePages(other);
-  // The second window hears nothing of the first, as on a slow line.
+  // The second window gets no change events, as on a slow connection.
   await other.route("**/changes", (route) => route.abort());
   await other.goto(page.url());
   const second = new FilmPage(other);
@@ -25,7 +25,7 @@ test("two windows never overwrite each other: the later change is kept aside", a
   const dialog = other.getByRole("dialog", { name: /changed elsewhere/i });
   await expect(dialog).toContainText("L4 – superior endplate");
   await shot(other, "conflict");
-  // What was first stands, on both screens.
+  // The first change is kept on both screens.
   const stands = cornerOf(await second.reading(), "L4", "superior_left");
   expect(Math.hypot(stands[0] - place[0], stands[1] - place[1])).toBeLessThan(0.01);
   expect((await second.reading()).conflicts).toHaveLength(1);
@@ -34,12 +34,12 @@ test("two windows never overwrite each other: the later change is kept aside", a
   await second.saved();
   const applied = cornerOf(await second.reading(), "L4", "superior_left");
   expect(Math.hypot(applied[0] - place[0] - 40, applied[1] - place[1] - 40)).toBeLessThan(0.01);
-  // The first window hears of it, says so, and shows it.
+  // The first window gets the change event, reports it and shows it.
   await expect(page.getByText(/changed in another window/i)).toBeVisible();
   await expect(other.getByText(/lost changes \(1\)/i)).toBeVisible();
 });
 
-test("a duplicated window does not send what the other one keeps", async ({
+test("a duplicated window does not send the other window's unsaved changes", async ({
   app,
   page,
   context,

@@ -3,7 +3,7 @@ import { EVIL, expectHarmless, poisonAnswers } from "./hostile";
 import { FilmPage } from "./marking";
 import { requestsElsewhere } from "./wire";
 
-test("on Measure and Model texts are texts, and no request leaves the machine", async ({
+test("Measure and Model show hostile texts as text, and no request leaves the machine", async ({
   app,
   page,
 }) => {
@@ -12,7 +12,7 @@ test("on Measure and Model texts are texts, and no request leaves the machine", 
   await app.open(page);
   const film = await FilmPage.ofDemo(page);
 
-  // A note as a person writes it, kept and brought back by the program itself.
+  // A note that a person writes, stored and returned by the program.
   const notes = page.locator("details").filter({ hasText: "Notes (" });
   for (const [index, text] of EVIL.entries()) {
     if (index === 0) await notes.getByText("Notes (0)").click();
@@ -27,7 +27,7 @@ test("on Measure and Model texts are texts, and no request leaves the machine", 
   await shot(page, "hostile-notes");
   await expectHarmless(page);
 
-  // Then every word of every answer.
+  // Then every text of every answer.
   await poisonAnswers(page);
   await page.reload();
   await film.painted();
@@ -37,7 +37,7 @@ test("on Measure and Model texts are texts, and no request leaves the machine", 
   await shot(page, "hostile-measure");
   await expectHarmless(page);
 
-  // Without a reading of one's own the results of finished ones are drawn over the film.
+  // Without an own reading, the results of finished readings are drawn over the film.
   await page.getByRole("link", { name: /left bending/i }).click();
   await film.painted();
   await expect(page.getByTestId("findings")).toContainText("window.ran=1");

@@ -2,7 +2,7 @@ import type { Page } from "@playwright/test";
 
 import { expect } from "./app";
 
-/** Texts that would run as a program if a page took them for more than texts. */
+/** Texts that would run as code if a page did not escape them. */
 export const EVIL = [
   `<img src=x onerror="window.ran=1">`,
   `<svg onload="window.ran=1">`,
@@ -10,11 +10,11 @@ export const EVIL = [
   `javascript:window.ran=1`,
 ];
 
-/** Fields that hold what somebody wrote, or words made of it. */
+/** Fields with text written by people, or derived from it. */
 const WORDS =
   /^(label|title|observer|who|region|axis|notes|texts|verdict|observers|message|help|(.*_)?(text|unit))$/;
 
-/** Whatever texts an answer has, replaced by hostile ones; no two are the same. */
+/** An answer with all texts replaced by different hostile ones. */
 function poisoned(value: unknown, field: string, count: { of: number }): unknown {
   if (Array.isArray(value)) return value.map((one) => poisoned(one, field, count));
   if (value !== null && typeof value === "object") {
@@ -26,7 +26,7 @@ function poisoned(value: unknown, field: string, count: { of: number }): unknown
   return `${EVIL[count.of % EVIL.length]} ${count.of}`;
 }
 
-/** Puts hostile texts into everything that the program answers about studies and readings. */
+/** Puts hostile texts into all answers about studies and readings. */
 export async function poisonAnswers(page: Page): Promise<void> {
   const count = { of: 0 };
   await page.route(/\/api\/(studies|readings|films)\b/, async (route) => {
@@ -40,7 +40,7 @@ export async function poisonAnswers(page: Page): Promise<void> {
   });
 }
 
-/** Nothing of the hostile texts has become part of the page, or has run. */
+/** Checks that no hostile text became an element of the page or ran. */
 export async function expectHarmless(page: Page): Promise<void> {
   expect(await page.evaluate(() => "ran" in window)).toBe(false);
   const parts = "img[src=x], script:not([src]), [onload], [onerror], a[href^='javascript:' i]";

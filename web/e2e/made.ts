@@ -2,7 +2,7 @@ import type { Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
 
-/** Answers made up for pages that are hard to reach with the program itself. */
+/** Synthetic answers for page states that are hard to reach with the program. */
 const POSTURES: Api<"PostureName">[] = [
   "erect",
   "left_bending",
@@ -69,7 +69,7 @@ const STATUSES: [Api<"StudyStatus">, string][] = [
   ["blinded", "7 of 20 readings are done"],
 ];
 
-/** As many studies as a group has after some years. */
+/** A large list of studies. */
 export function manyStudies(count: number): Api<"StudySummary">[] {
   return Array.from({ length: count }, (_, index) => {
     const [status, status_text] = STATUSES[index % STATUSES.length] ?? STATUSES[0]!;
@@ -113,7 +113,7 @@ export async function answerWith(
   );
 }
 
-/** What the program may find in five files: all said, little said, nothing said, no picture, a view from the side. */
+/** Answers for five files: complete, partial, empty, not a picture, lateral view. */
 export function uploads(): (Api<"UploadView"> | Api<"Problem">)[] {
   const film = (upload: string, more: Partial<Api<"UploadView">>): Api<"UploadView"> => ({
     upload,

@@ -15,11 +15,11 @@ export const CORNERS: readonly Corner[] = [
   "inferior_left",
 ];
 
-/** The page on which a film is marked, as a person uses it. */
+/** The measuring page, used like a person does. */
 export class FilmPage {
   constructor(readonly page: Page) {}
 
-  /** Makes the demo study, and begins a reading of its erect film. */
+  /** Creates the demo study and begins a reading of its erect film. */
   static async ofDemo(page: Page): Promise<FilmPage> {
     await page.getByRole("button", { name: /demo/i }).first().click();
     const film = new FilmPage(page);
@@ -45,7 +45,7 @@ export class FilmPage {
     await expect(this.page.getByTestId("saving")).toHaveAttribute("data-state", "saved");
   }
 
-  /** Waits until the film is on the canvas: black alone would be no film. */
+  /** Waits until the film is on the canvas, which is black before. */
   async painted(): Promise<void> {
     const isDrawn = (): Promise<boolean> =>
       this.page.getByTestId("film").evaluate((element) => {
@@ -63,14 +63,14 @@ export class FilmPage {
     return JSON.parse((await this.viewer.getAttribute("data-view"))!) as Viewport;
   }
 
-  /** Where a place of the film is on the page. */
+  /** Place on the page of a point of the film. */
   async where(place: FilmPoint): Promise<[number, number]> {
     const [view, box] = [await this.view(), (await this.viewer.boundingBox())!];
     const [x, y] = cssOf(view, place);
     return [box.x + x, box.y + y];
   }
 
-  /** Enlarges with the wheel until a film pixel is as wide as asked, with a place in the middle. */
+  /** Zooms with the wheel to the requested width of a film pixel, centred on a place. */
   async lookAt(place: FilmPoint, scale: number): Promise<void> {
     await this.page.getByRole("button", { name: "Fit" }).click();
     while ((await this.view()).scale < scale) {
@@ -79,7 +79,7 @@ export class FilmPage {
       await this.page.mouse.wheel(0, -200);
       await expect.poll(async () => (await this.view()).scale).toBeGreaterThan(before);
     }
-    // Into the middle, so that its neighbours are in sight too.
+    // To the middle, so that its neighbours are visible too.
     const box = (await this.viewer.boundingBox())!;
     await this.page.mouse.move(...(await this.where(place)));
     await this.page.mouse.down({ button: "middle" });
@@ -94,7 +94,7 @@ export class FilmPage {
     return filmOf(await this.view(), [x - box.x, y - box.y]);
   }
 
-  /** Marks a vertebra with the corners of another reading, corner by corner as asked for. */
+  /** Places the corners of a vertebra from another reading in the requested order. */
   async mark(truth: ReadingView, level: string): Promise<void> {
     for (const corner of CORNERS) {
       await expect(this.target).toContainText(level);
@@ -103,7 +103,7 @@ export class FilmPage {
     }
   }
 
-  /** Marks L4, the first vertebra that is asked for, as a square in the middle of the film. */
+  /** Places L4, the first requested vertebra, as a square in the middle of the film. */
   async markSquare(image: Api<"ReadingImage">): Promise<void> {
     const left = image.patient_left === "image_left" ? -1 : 1;
     for (const corner of CORNERS) {
@@ -116,7 +116,7 @@ export class FilmPage {
     await this.saved();
   }
 
-  /** Takes hold of a place, and lets go of it at another one. */
+  /** Drags from one place to another. */
   async drag(from: FilmPoint, to: FilmPoint): Promise<void> {
     await this.page.mouse.move(...(await this.where(from)));
     await this.page.mouse.down();
@@ -124,7 +124,7 @@ export class FilmPage {
     await this.page.mouse.up();
   }
 
-  /** The reading on the screen, as the program has it. */
+  /** The current reading as the program has it. */
   async reading(): Promise<ReadingView> {
     const detail = await this.detail();
     const number = Number(/measure\/(\d+)/.exec(this.page.url())?.[1] ?? Number.NaN);
@@ -135,7 +135,7 @@ export class FilmPage {
     return this.get(`/api/readings/${mine[0]!.reading}`);
   }
 
-  /** What one of the demo's made-up readers has marked on the erect film. */
+  /** A reading of the erect film by one of the demo's virtual readers. */
   async truth(): Promise<ReadingView> {
     const detail = await this.detail();
     const erect = detail.summary.films.find(({ posture }) => posture === "erect")!;
@@ -165,7 +165,7 @@ function wordsOf(corner: Corner): RegExp {
   return new RegExp(`${endplate} endplate, patient.s ${side}`);
 }
 
-/** The greatest distance between corners of two readings, over the levels of the first. */
+/** Maximum distance between corners of two readings, over the levels of the first. */
 export function farthest(a: ReadingView, b: ReadingView): number {
   const distances = a.vertebrae.flatMap(({ level, corners }) =>
     corners.map(({ corner, px }) => {

@@ -4,10 +4,10 @@ import type { Api } from "../src/api/types";
 import { expect, expectAccessible, shot, test, type App } from "./app";
 import { CORNERS, FilmPage, LEVELS, cornerOf, farthest } from "./marking";
 
-/** What a mark may be beside the click that made it: places are kept to a thousandth of a pixel. */
+/** Tolerance between a landmark and its click: places are rounded to 0.001 px. */
 const CLOSE_PX = 0.01;
 
-/** A new reading of the demo's erect film, with L4 in the middle, and another reading to mark it by. */
+/** A new reading of the demo's erect film with L4 in the middle, and another reading as reference. */
 async function atL4(app: App, page: Page): Promise<{ film: FilmPage; truth: Api<"ReadingView"> }> {
   await app.open(page);
   const film = await FilmPage.ofDemo(page);
@@ -16,7 +16,7 @@ async function atL4(app: App, page: Page): Promise<{ film: FilmPage; truth: Api<
   return { film, truth };
 }
 
-test("a film is marked from nothing, and what follows from it appears", async ({ app, page }) => {
+test("landmarks of a whole film are placed, and results appear", async ({ app, page }) => {
   test.slow();
   await app.open(page);
   const film = await FilmPage.ofDemo(page);
@@ -31,7 +31,7 @@ test("a film is marked from nothing, and what follows from it appears", async ({
   await film.saved();
   expect(farthest(await film.reading(), truth)).toBeLessThan(CLOSE_PX);
   await expect(page.getByRole("link", { name: /erect/i })).toContainText("15 of 15");
-  // The optional levels are passed over, and the crests are marked.
+  // The optional levels are skipped, and the crests are placed.
   await page.keyboard.press("f");
   await page.keyboard.press("n");
   const { left_px, right_px } = truth.crests;
@@ -39,7 +39,7 @@ test("a film is marked from nothing, and what follows from it appears", async ({
     await expect(film.target).toContainText(/iliac crest/i);
     await film.click([px[0]!, px[1]!]);
   }
-  await expect(film.target).toContainText("All marked");
+  await expect(film.target).toContainText("All landmarks placed");
   await expect(page.getByTestId("curve")).toBeVisible();
   await expect(page.getByTestId("live-status")).not.toContainText("missing");
   await expect(page.getByRole("table").first()).toContainText("°");
@@ -51,13 +51,13 @@ for (const deviceScaleFactor of [1, 1.25, 2]) {
   test.describe(`at ${deviceScaleFactor} device pixels per CSS pixel`, () => {
     test.use({ deviceScaleFactor });
 
-    test("what is painted and what is clicked is where the film has it", async ({ app, page }) => {
+    test("painted pixels and clicks agree with film coordinates", async ({ app, page }) => {
       const { film, truth } = await atL4(app, page);
       await film.mark(truth, "L4");
       await film.saved();
       expect(farthest(await film.reading(), truth)).toBeLessThan(CLOSE_PX);
 
-      // Enlarged, the middle of a film pixel has the grey of its brightness.
+      // When zoomed in, the middle of a film pixel has the grey of its brightness.
       await film.lookAt(cornerOf(truth, "L4", "superior_left"), 9);
       const view = await film.view();
       const number = (await film.reading()).film!;
@@ -90,14 +90,17 @@ for (const deviceScaleFactor of [1, 1.25, 2]) {
         },
         { view, number },
       );
-      // A device pixel may lie half a one beside the middle, where a neighbour has its share.
+      // A device pixel may lie half a pixel beside the middle, where a neighbour contributes.
       expect(worst).toBeLessThan(12);
       await shot(page, `measure-pixels-${deviceScaleFactor}`);
     });
   });
 }
 
-test("the film stays as it was put while its study is read again", async ({ app, page }) => {
+test("the view of the film does not change while its study is loaded again", async ({
+  app,
+  page,
+}) => {
   await app.open(page);
   const film = await FilmPage.ofDemo(page);
   const place = cornerOf(await film.truth(), "L4", "superior_left");
@@ -107,7 +110,7 @@ test("the film stays as it was put while its study is read again", async ({ app,
   page.on("request", (request) => {
     if (request.url().endsWith("/pixels")) pixels.push(request.url());
   });
-  // The rail hears of every mark, and asks how the study stands.
+  // The list of films gets every change and loads the status of the study.
   const again = page.waitForResponse((response) => /studies\/[^/]+$/.test(response.url()));
   await film.click(place);
   await film.saved();
@@ -117,14 +120,11 @@ test("the film stays as it was put while its study is read again", async ({ app,
   expect(pixels).toEqual([]);
 });
 
-test("a reload in the middle keeps everything, and undo goes on behind it", async ({
-  app,
-  page,
-}) => {
+test("a reload keeps all landmarks, and undo still works", async ({ app, page }) => {
   const { film, truth } = await atL4(app, page);
   await film.mark(truth, "L4");
   await film.click(cornerOf(truth, "L3", "superior_left"));
-  // At once, while the last clicks may still be on their way.
+  // At once, while the last clicks may still be being sent.
   await page.reload();
   await expect(film.target).toContainText(/superior endplate, patient.s right/);
   await film.saved();
@@ -147,7 +147,7 @@ test("a reload in the middle keeps everything, and undo goes on behind it", asyn
   expect(farthest(await film.reading(), truth)).toBeLessThan(CLOSE_PX);
 });
 
-test("a swapped corner is flagged as it happens, and undone", async ({ app, page }) => {
+test("swapped corners are reported at once and can be undone", async ({ app, page }) => {
   await app.open(page);
   const film = await FilmPage.ofDemo(page);
   const truth = await film.truth();
@@ -166,14 +166,14 @@ test("a swapped corner is flagged as it happens, and undone", async ({ app, page
   await expect(page.locator("[data-level='L4'].faulty")).toBeVisible();
   await page.mouse.up();
   await film.saved();
-  await expect(page.getByRole("button", { name: /^L4.*has a fault/ })).toBeVisible();
+  await expect(page.getByRole("button", { name: /^L4.*has an error/ })).toBeVisible();
   await shot(page, "measure-fault");
   await page.keyboard.press("Control+z");
   await expect(page.getByTestId("faults")).toBeEmpty();
   await expect(page.getByRole("button", { name: /^L4.*four corners/ })).toBeVisible();
 });
 
-test("a vertebra is marked and corrected with keys alone", async ({ app, page }) => {
+test("a vertebra is placed and corrected with keys alone", async ({ app, page }) => {
   await app.open(page);
   const film = await FilmPage.ofDemo(page);
   await film.viewer.focus();
@@ -230,7 +230,10 @@ test("a vertebra is marked and corrected with keys alone", async ({ app, page })
   }
 });
 
-test("a proposal counts only once somebody has touched it", async ({ app, page }) => {
+test("a proposal is recorded only after a person has accepted or moved it", async ({
+  app,
+  page,
+}) => {
   await app.open(page);
   const film = await FilmPage.ofDemo(page);
   const truth = await film.truth();
@@ -251,7 +254,7 @@ test("a proposal counts only once somebody has touched it", async ({ app, page }
     true,
   ]);
 
-  // The next one is dragged by a corner to its place; its others come along.
+  // The next one is dragged by a corner; its other corners are accepted too.
   const proposed = accepted.proposal!.corners.find(({ corner }) => corner === "superior_left")!;
   const place = cornerOf(truth, "L1", "superior_left");
   await page.keyboard.press("f");
@@ -266,7 +269,7 @@ test("a proposal counts only once somebody has touched it", async ({ app, page }
   }
 });
 
-test("clicks while the program is away are saved when it is back", async ({ app, page }) => {
+test("clicks without a connection are saved afterwards", async ({ app, page }) => {
   const { film, truth } = await atL4(app, page);
   await film.click(cornerOf(truth, "L4", "superior_left"));
   await film.saved();
@@ -284,11 +287,7 @@ test("clicks while the program is away are saved when it is back", async ({ app,
   expect((await film.reading()).revision).toBe(4);
 });
 
-test("a window that died with unsaved clicks does not lose them", async ({
-  app,
-  page,
-  context,
-}) => {
+test("unsaved clicks of a crashed window are not lost", async ({ app, page, context }) => {
   const { film, truth } = await atL4(app, page);
   await page.route("**/events", (route) => route.abort());
   await film.click(cornerOf(truth, "L4", "superior_left"));
@@ -305,7 +304,7 @@ test("a window that died with unsaved clicks does not lose them", async ({
   expect(farthest(await back.reading(), truth)).toBeLessThan(CLOSE_PX);
 });
 
-test("the scale is read off two clicks and belongs to the film", async ({ app, page }) => {
+test("the scale is set by two clicks and holds for the film", async ({ app, page }) => {
   await app.open(page);
   await FilmPage.ofDemo(page);
   await page.getByRole("button", { name: "Scale" }).click();
@@ -321,7 +320,7 @@ test("the scale is read off two clicks and belongs to the film", async ({ app, p
   await expect(page.getByTestId("spacing")).toContainText("ball");
 });
 
-test("a finished reading never changes again", async ({ app, page }) => {
+test("a finished reading cannot be changed", async ({ app, page }) => {
   const { film, truth } = await atL4(app, page);
   await film.mark(truth, "L4");
   await film.saved();
@@ -338,7 +337,7 @@ test("a finished reading never changes again", async ({ app, page }) => {
   expect((await film.reading()).repeat).toBe(2);
 });
 
-test("a bar says how long things on the film are, at every enlargement", async ({ app, page }) => {
+test("a scale bar shows lengths at every zoom", async ({ app, page }) => {
   const row_mm = 0.2;
   await page.route("**/api/studies/*", async (route) => {
     const response = await route.fetch();
@@ -370,10 +369,7 @@ test("a bar says how long things on the film are, at every enlargement", async (
   }
 });
 
-test("marks are recorded where the browser keeps nothing, which is told once", async ({
-  app,
-  page,
-}) => {
+test("landmarks are recorded without browser storage, with one message", async ({ app, page }) => {
   await page.addInitScript(() => {
     Storage.prototype.setItem = () => {
       throw new DOMException("full", "QuotaExceededError");
@@ -383,9 +379,9 @@ test("marks are recorded where the browser keeps nothing, which is told once", a
   await film.mark(truth, "L4");
   await film.saved();
   expect(farthest(await film.reading(), truth)).toBeLessThan(CLOSE_PX);
-  const told = page.getByText("This browser keeps nothing for this page");
+  const told = page.getByText("This browser cannot store data for this page");
   await expect(told).toBeVisible();
   await expectAccessible(page);
-  await page.getByRole("button", { name: "Seen" }).click();
+  await page.getByRole("button", { name: "Dismiss" }).click();
   await expect(told).toHaveCount(0);
 });

@@ -28,7 +28,7 @@ const HEIGHTS = [
 ];
 const PITCHES = [-17, -7, -2, 2, 3, 1, -2, -3, -2, 2, 6, 10, 13, 15, 16];
 
-/** A made-up spine whose tilts are given by a function of the level's place, from 0 at L4 to 1 at T2. */
+/** A synthetic spine whose tilts are given by a function of the level's place, from 0 at L4 to 1 at T2. */
 export function spine(tilt_deg: (place: number) => number): Shape {
   const shape: Shape = { midpoints_mm: [], rotations: [], joints_mm: [] };
   let at = [0, 0, 0];
@@ -55,7 +55,7 @@ export function spine(tilt_deg: (place: number) => number): Shape {
   return shape;
 }
 
-/** Main thoracic curve to the right with a lumbar one to the left; `bend` leans the whole spine. */
+/** Main thoracic curve to the right with a lumbar one to the left; `bend` bends the whole spine. */
 function curved(size: number, bend: number): Shape {
   return spine((u) => size * (Math.sin(2 * Math.PI * u * 1.05) - 0.1 * u) + bend * u);
 }
@@ -164,7 +164,7 @@ function line(kind: Api<"LineName">, label: string, shift: number): Api<"LineMod
   };
 }
 
-/** A model view with everything that can be wrong: a contradiction, a bound, a line without a result. */
+/** A model view with a contradiction, a bound and a line without a result. */
 export function modelView(): Api<"ModelView"> {
   const failed = line("iliac_line", "iliac line, through T2", 3);
   failed.converged = false;
@@ -228,7 +228,7 @@ export function modelView(): Api<"ModelView"> {
   };
 }
 
-/** An answer to a load: the spine leans towards the arrow; beyond 120 N there is no equilibrium. */
+/** Response to a load: the spine bends towards the arrow; above 120 N there is no equilibrium. */
 export function loadAnswer(request: Api<"LoadRequest">): Api<"LoadAnswer"> {
   const from = ERECT.midpoints_mm[LEVELS.indexOf(request.level)]!;
   const force = request.tip_mm.map((v, i) => v - from[i]!);

@@ -6,7 +6,7 @@ import { loadAnswer, modelView } from "./model.fixture";
 
 const ADDRESS = "#/studies/phantom-rod-01/model";
 
-/** What the program answers about a model that has everything that can be wrong. */
+/** Answers with a model that has a contradiction, a bound and a line without a result. */
 async function pretend(page: Page, view = modelView(), patient_left = "image_left"): Promise<void> {
   const detail = { summary: { films: [{ posture: "erect", patient_left }] } };
   await page.route("**/api/studies/phantom-rod-01", (route) => route.fulfill({ json: detail }));
@@ -22,7 +22,7 @@ async function openModel(app: App, page: Page): Promise<void> {
   await expect(page.getByRole("heading", { level: 1, name: /^Model/ })).toBeVisible();
 }
 
-/** The picture, once it stands still. */
+/** The picture when it no longer changes. */
 async function picture(page: Page): Promise<Locator> {
   const view = page.getByRole("application", { name: "Spine in three dimensions" });
   await expect(view.getByText(/^Seen /)).toBeVisible();
@@ -30,7 +30,7 @@ async function picture(page: Page): Promise<Locator> {
   return view;
 }
 
-/** Waits until two pictures in a row are the same. */
+/** Waits until two consecutive screenshots are equal. */
 async function steady(page: Page, view: Locator): Promise<Buffer> {
   let last = await view.screenshot();
   for (let tries = 0; tries < 40; tries += 1) {
@@ -39,10 +39,10 @@ async function steady(page: Page, view: Locator): Promise<Buffer> {
     if (next.equals(last)) return next;
     last = next;
   }
-  throw new Error("the picture does not stand still");
+  throw new Error("the picture does not stop changing");
 }
 
-/** How many pixels of a picture are near each of some colours, `#rrggbb`. */
+/** Number of pixels near each of some colours, `#rrggbb`. */
 async function pixelsNear(page: Page, png: Buffer, colours: string[]): Promise<number[]> {
   return page.evaluate(
     async ({ base64, colours }) => {
@@ -94,7 +94,7 @@ test("a model is drawn, with its stiffness, its line and its force", async ({ ap
   await expect(page.getByText("Synthetic films: no patient")).toBeVisible();
   await expect(view.getByText("Seen from behind")).toBeVisible();
   await expect(view.getByText("100 patient mm")).toBeVisible();
-  // Contradictions stand before the numbers.
+  // Contradictions come before the numbers.
   const findings = page.getByRole("complementary", { name: "Findings" });
   const words = await findings.innerText();
   expect(words).toContain("1 contradiction, 1 warning");
@@ -107,7 +107,7 @@ test("a model is drawn, with its stiffness, its line and its force", async ({ ap
   await shot(page, "model-left-bending");
 });
 
-test("the demo's model is computed and drawn, and follows a load", async ({ app, page }) => {
+test("the demo's model is computed and drawn, and responds to a load", async ({ app, page }) => {
   await app.open(page);
   await page.getByRole("button", { name: "Open a demo" }).first().click();
   await page.waitForURL(/#\/studies\/[^/]+\/measure/);
@@ -134,14 +134,14 @@ test("the demo's model is computed and drawn, and follows a load", async ({ app,
   await page.mouse.down();
   await page.mouse.move(x - 45, y, { steps: 20 });
   await page.mouse.up();
-  // Nothing moved under the hand: the load is level.
+  // The picture did not move during the drag: the load is horizontal.
   await expect(page.getByLabel("Up or down, in N")).toHaveValue("0");
   await expect(page.getByText("Equilibrium", { exact: true })).toBeVisible();
   expect((await steady(page, view)).equals(rest)).toBe(false);
   await shot(page, "model-of-the-demo-load");
 });
 
-test("the model is seen first as its erect film is", async ({ app, page }) => {
+test("the first view of the model matches its erect film", async ({ app, page }) => {
   await pretend(page, modelView(), "image_right");
   await openModel(app, page);
   const view = await picture(page);
@@ -152,20 +152,17 @@ test("the model is seen first as its erect film is", async ({ app, page }) => {
   await shot(page, "model-from-the-left");
   await page.getByRole("button", { name: "Top", exact: true }).click();
   await expect(view.getByText("Seen from above")).toBeVisible();
-  // The keyboard turns it too.
+  // The keyboard rotates it too.
   const before = await steady(page, view);
   await view.focus();
   await page.keyboard.press("ArrowDown");
   await page.keyboard.press("ArrowDown");
   await page.keyboard.press("ArrowRight");
-  await expect(page.getByText(/Seen turned, mostly from above/)).toBeVisible();
+  await expect(page.getByText(/Seen oblique, mainly from above/)).toBeVisible();
   expect((await steady(page, view)).equals(before)).toBe(false);
 });
 
-test("another posture and another line change the picture and what is said", async ({
-  app,
-  page,
-}) => {
+test("another posture and another line change picture and texts", async ({ app, page }) => {
   await pretend(page);
   await openModel(app, page);
   const view = await picture(page);
@@ -188,7 +185,7 @@ test("another posture and another line change the picture and what is said", asy
   await shot(page, "model-side-by-side");
 });
 
-test("a held-out film is marked as such, a fitted one as fitted", async ({ app, page }) => {
+test("held-out and fitted films are labelled", async ({ app, page }) => {
   await pretend(page);
   await openModel(app, page);
   const postures = page.getByRole("group", { name: "Posture" });
@@ -199,13 +196,13 @@ test("a held-out film is marked as such, a fitted one as fitted", async ({ app, 
   await expect(table.getByRole("row", { name: /Inflection line/ })).toContainText("3.4 patient mm");
 });
 
-test("what did not converge is never shown as a result", async ({ app, page }) => {
+test("a fit that did not converge is never shown as a result", async ({ app, page }) => {
   await pretend(page);
   await openModel(app, page);
   await page.getByRole("button", { name: /^Iliac line/ }).click();
   await expect(page.getByText("Not a result.").first()).toBeVisible();
   const view = await picture(page);
-  // No force, and no colour of stiffness.
+  // Neither force nor colours of stiffness are shown.
   const [stiff] = await pixelsNear(page, await steady(page, view), [STIFF]);
   expect(stiff).toBe(0);
   await expect(view.getByText(/pull of/)).toHaveCount(0);
@@ -214,7 +211,7 @@ test("what did not converge is never shown as a result", async ({ app, page }) =
   ).toBeVisible();
   await expectAccessible(page);
   await shot(page, "model-not-a-result");
-  // Nor while it is turned, which a machine without a graphics card draws in outlines.
+  // The same holds during a rotation, which is drawn in outlines without a graphics card.
   const box = (await view.boundingBox())!;
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
   await page.mouse.down();
@@ -225,10 +222,7 @@ test("what did not converge is never shown as a result", async ({ app, page }) =
   await page.mouse.up();
 });
 
-test("the force grows from none to all, step by step where motion is unwelcome", async ({
-  app,
-  page,
-}) => {
+test("the force increases from 0 to 100 %, in steps with reduced motion", async ({ app, page }) => {
   await page.emulateMedia({ reducedMotion: "reduce" });
   await pretend(page);
   await openModel(app, page);
@@ -245,7 +239,7 @@ test("the force grows from none to all, step by step where motion is unwelcome",
   expect((await steady(page, view)).equals(full)).toBe(true);
 });
 
-test("a joint's number is read by pressing it, in the list too", async ({ app, page }) => {
+test("a press on a joint shows its values, in the list too", async ({ app, page }) => {
   await pretend(page);
   await openModel(app, page);
   await picture(page);
@@ -258,7 +252,7 @@ test("a joint's number is read by pressing it, in the list too", async ({ app, p
   await shot(page, "model-joint");
 });
 
-test("the spine follows a load that is dragged", async ({ app, page }) => {
+test("the spine follows a dragged load", async ({ app, page }) => {
   await pretend(page);
   await openModel(app, page);
   await page.getByRole("button", { name: "Load by hand" }).click();
@@ -271,7 +265,7 @@ test("the spine follows a load that is dragged", async ({ app, page }) => {
   await page.mouse.down();
   await page.mouse.move(x - 70, y, { steps: 15 });
   await expect(page.getByText("Equilibrium", { exact: true })).toBeVisible();
-  // Seen from behind, the left of the picture is the patient's left.
+  // From behind, the left of the picture is the patient's left.
   await expect(page.getByText(/\d+ N to the patient's left on T7 · largest/)).toBeVisible();
   await page.mouse.up();
   expect((await steady(page, view)).equals(rest)).toBe(false);
@@ -301,7 +295,7 @@ test("the spine follows a load that is dragged", async ({ app, page }) => {
   expect((await steady(page, view)).equals(rest)).toBe(true);
 });
 
-test("a load is put on by the keyboard alone, and said aloud", async ({ app, page }) => {
+test("a load is applied by keyboard alone and announced", async ({ app, page }) => {
   await pretend(page);
   await openModel(app, page);
   await page.getByRole("button", { name: "Load by hand" }).press("Enter");
@@ -322,7 +316,7 @@ test("a load is put on by the keyboard alone, and said aloud", async ({ app, pag
   await expect(page.getByText(/35 N to the patient's right on T2 ·/)).toBeVisible();
 });
 
-test("a tablet has the whole page", async ({ app, page }) => {
+test("the whole page is usable on a tablet", async ({ app, page }) => {
   await page.setViewportSize({ width: 1024, height: 768 });
   await pretend(page);
   await openModel(app, page);
@@ -336,7 +330,7 @@ test("a tablet has the whole page", async ({ app, page }) => {
   await shot(page, "model-tablet-load");
 });
 
-test("without WebGL the same model is shown flat, and says so", async ({ app }) => {
+test("without WebGL the model is shown in two dimensions with a message", async ({ app }) => {
   const browser = await chromium.launch({
     executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
     args: ["--no-sandbox", "--disable-3d-apis", "--disable-quic"],
@@ -345,7 +339,7 @@ test("without WebGL the same model is shown flat, and says so", async ({ app }) 
   const page = await context.newPage();
   await pretend(page);
   await openModel(app, page);
-  await expect(page.getByText(/cannot draw in three dimensions/)).toBeVisible();
+  await expect(page.getByText(/cannot draw in 3D/)).toBeVisible();
   const frontal = page.getByRole("img", { name: /^Frontal, seen from behind/ });
   await expect(frontal).toBeVisible();
   await expect(page.getByRole("img", { name: /^Sagittal/ })).toBeVisible();

@@ -12,10 +12,7 @@ import { get, send } from "./wire";
 const PASSWORD = "a password that is long enough";
 const [SHARED, OTHER] = ["phantom-rod-01", "of-ab-alone"];
 
-test("two editors of one study hear each other, and neither overwrites the other", async ({
-  app,
-  browser,
-}) => {
+test("two editors see each other's changes and do not overwrite them", async ({ app, browser }) => {
   test.setTimeout(300_000);
   await twoStudies(app);
   await account(app, "lead", "admin");
@@ -31,7 +28,7 @@ test("two editors of one study hear each other, and neither overwrites the other
   await app.start("--accounts");
   const [ab, cd] = [await signedIn(browser, app, "ab"), await signedIn(browser, app, "cd")];
 
-  // A study without a grant is not there, neither in the list nor by its address.
+  // A study without a grant is neither in the list nor at its address.
   await expect(ab.getByRole("article")).toHaveCount(2);
   await expect(cd.getByRole("article")).toHaveCount(1);
   await expect(cd.getByRole("article")).toContainText(SHARED);
@@ -48,7 +45,7 @@ test("two editors of one study hear each other, and neither overwrites the other
   for (const page of [ab, cd, ef]) await page.context().close();
 });
 
-/** Each finishes a reading, and the other one's list of readings tells so by itself. */
+/** Each finishes a reading, and the other one's list of readings is updated. */
 async function readAtOnce(app: App, ab: Page, cd: Page): Promise<void> {
   for (const page of [ab, cd]) {
     await page.goto(new URL(`#/studies/${SHARED}/measure`, app.address).href);
@@ -75,7 +72,7 @@ async function readAtOnce(app: App, ab: Page, cd: Page): Promise<void> {
   await onTablet(ab, () => expectSidesClear(ab, "cd has changed this study."));
 }
 
-/** What is told over a film must not hide which side of it is which. */
+/** Messages over a film must not cover the side labels. */
 async function expectSidesClear(page: Page, told: string): Promise<void> {
   const { y: top } = (await page.getByText(told).boundingBox())!;
   const sides = page.locator(".sides text");
@@ -87,7 +84,7 @@ async function expectSidesClear(page: Page, told: string): Promise<void> {
   }
 }
 
-/** Both record a scale from the same state of the film: the first stands, the second is kept. */
+/** Both record a scale on the same revision of the film: the first is applied, the second is kept as a conflict. */
 async function scaleAtOnce(ab: Page, cd: Page): Promise<void> {
   for (const [page, length_mm] of [
     [ab, "25"],
@@ -100,7 +97,7 @@ async function scaleAtOnce(ab: Page, cd: Page): Promise<void> {
     const dialog = page.getByRole("dialog", { name: /scale of this film/i });
     await dialog.getByLabel(/true diameter/i).fill(length_mm);
   }
-  // The second one's is on its way while the first one's is recorded.
+  // The second is being sent while the first is recorded.
   let letGo = (): void => undefined;
   const recorded = new Promise<void>((resolve) => (letGo = resolve));
   await cd.route("**/edits", async (route) => {
@@ -135,7 +132,7 @@ async function scaleAtOnce(ab: Page, cd: Page): Promise<void> {
   expect(erect).toMatchObject({ revision: 1, spacing_text: stands });
 }
 
-/** A reader has nothing that changes a study, and the program would not take it either. */
+/** A reader has no controls that change a study, and the program refuses such requests. */
 async function expectLooking(app: App, ef: Page): Promise<void> {
   await ef.goto(new URL(`#/studies/${SHARED}/measure`, app.address).href);
   await new FilmPage(ef).painted();
@@ -155,7 +152,7 @@ async function expectLooking(app: App, ef: Page): Promise<void> {
   await expect(ef.getByRole("link", { name: "New study" })).toHaveCount(0);
 }
 
-/** Puts a phantom into the store twice, under two names, while the program is down. */
+/** Imports a phantom into the store under two names while the program is stopped. */
 async function twoStudies(app: App): Promise<void> {
   await app.kill();
   const folder = await mkdtemp(path.join(tmpdir(), "spineline-phantom-"));
@@ -172,13 +169,13 @@ async function account(app: App, name: string, role: string): Promise<void> {
   await runProgramWith(`${PASSWORD}\n`, ...words);
 }
 
-/** A browser of their own, signed in with an account. */
+/** A separate browser context, signed in with an account. */
 async function signedIn(browser: Browser, app: App, name: string): Promise<Page> {
   const page = await (await browser.newContext()).newPage();
   await usePages(page);
   await page.goto(app.address);
   await page.getByRole("textbox", { name: "Account" }).fill(name);
-  await page.getByLabel("Password").fill(PASSWORD);
+  await page.getByLabel("Password", { exact: true }).fill(PASSWORD);
   await page.getByRole("button", { name: "Sign in" }).click();
   await expect(page.getByRole("heading", { name: "Studies", level: 1 })).toBeVisible();
   return page;

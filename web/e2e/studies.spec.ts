@@ -28,7 +28,7 @@ test.describe("with films of one phantom", () => {
   const films = (): string[] =>
     POSTURES.map((posture) => path.join(phantom, `${CASE}-${posture}.dcm`));
 
-  test("five DICOM files and one of garbage become a study of five films", async ({
+  test("five DICOM files and one invalid file give a study of five films", async ({
     app,
     page,
   }) => {
@@ -44,18 +44,18 @@ test.describe("with films of one phantom", () => {
     await shot(page, "new-study-garbage");
     await refused.getByRole("button", { name: /remove/i }).click();
 
-    // What the files say is there already; no side is guessed where one says nothing.
+    // Values of the files are filled in; a missing side is not assumed.
     for (const posture of POSTURES) {
       const film = page.getByRole("article", { name: `${CASE}-${posture}.dcm` });
       await expect(film.getByLabel("Posture")).toHaveValue(posture);
       const sides = film.getByRole("group", { name: "The patient's left is on the" });
-      if (!(await sides.getByText("as the file says").isVisible()))
+      if (!(await sides.getByText("from the file").isVisible()))
         await sides.getByRole("radio", { name: "right of the picture" }).check();
     }
     await page.getByRole("textbox", { name: "Identifier" }).fill("first-study");
     await page.getByRole("textbox", { name: /label/i }).fill("five films of a phantom");
     await shot(page, "new-study-confirm");
-    await page.getByRole("button", { name: "Make the study" }).click();
+    await page.getByRole("button", { name: "Create the study" }).click();
     await expect(page).toHaveURL(/#\/studies\/first-study\/measure/, { timeout: 60_000 });
 
     await page.getByRole("link", { name: "Studies", exact: true }).click();
@@ -66,14 +66,14 @@ test.describe("with films of one phantom", () => {
     await shot(page, "studies");
   });
 
-  test("a case file comes with the pictures that it names", async ({ app, page }) => {
+  test("a case file is imported with its films", async ({ app, page }) => {
     await app.open(page);
     await page.getByRole("link", { name: "Import a case file" }).first().click();
     await page.locator("input[type=file]").setInputFiles([path.join(phantom, `${CASE}.json`)]);
-    await expect(page.getByText("missing: drop it here too")).toHaveCount(5);
+    await expect(page.getByText("missing: drop it here")).toHaveCount(5);
     await shot(page, "import-missing");
     await page.locator("input[type=file]").setInputFiles(films());
-    await expect(page.getByText("All pictures are here.")).toBeVisible({ timeout: 120_000 });
+    await expect(page.getByText("All films are uploaded.")).toBeVisible({ timeout: 120_000 });
     await shot(page, "import-ready");
     await page.getByRole("button", { name: "Import", exact: true }).click();
     await expect(page).toHaveURL(new RegExp(`#/studies/${CASE}/measure`), { timeout: 60_000 });
@@ -85,7 +85,7 @@ test.describe("with films of one phantom", () => {
 });
 
 async function expectThumbnails(page: Page, count: number): Promise<void> {
-  // The first look at a film decodes all of it.
+  // The first view of a film decodes the whole file.
   const loaded = (): Promise<number> =>
     page
       .locator("article img")
@@ -93,7 +93,7 @@ async function expectThumbnails(page: Page, count: number): Promise<void> {
   await expect.poll(loaded, { timeout: 60_000 }).toBe(count);
 }
 
-test("an empty store offers a demo, which is one click away", async ({ app, page }) => {
+test("an empty store offers a demo with one click", async ({ app, page }) => {
   await app.open(page);
   await expect(page.getByRole("heading", { name: "No study yet" })).toBeVisible();
   await shot(page, "studies-empty");
@@ -108,7 +108,7 @@ test("an empty store offers a demo, which is one click away", async ({ app, page
   await shot(page, "studies-demo");
 });
 
-test("fifty studies are searched, sorted and walked through by keyboard", async ({ app, page }) => {
+test("fifty studies are searched, sorted and opened by keyboard", async ({ app, page }) => {
   await answerWith(page, "/api/studies", manyStudies(50));
   await app.open(page);
   const rows = page.getByRole("article");
@@ -119,7 +119,7 @@ test("fifty studies are searched, sorted and walked through by keyboard", async 
   for (const text of await rows.allTextContents()) expect(text).toContain("main thoracic");
   await shot(page, "studies-search");
 
-  // From the search to the first row, one on, one back, and open it.
+  // From the search to the first row, one down, one up, and open it.
   await page.keyboard.press("ArrowDown");
   await page.keyboard.press("ArrowDown");
   await page.keyboard.press("ArrowUp");
@@ -140,7 +140,7 @@ test("fifty studies are searched, sorted and walked through by keyboard", async 
   await expect(rows).toHaveCount(50);
 });
 
-test("a tablet has room for the list", async ({ browser, app }) => {
+test("the list fits on a tablet", async ({ browser, app }) => {
   const context = await browser.newContext({
     viewport: { width: 1024, height: 768 },
     hasTouch: true,
@@ -159,7 +159,10 @@ test("a tablet has room for the list", async ({ browser, app }) => {
   await context.close();
 });
 
-test("what cannot be read says why and can be tried again", async ({ app, page }) => {
+test("a list that cannot be loaded gives the reason and can be tried again", async ({
+  app,
+  page,
+}) => {
   const problem = {
     code: "store",
     message: "the store studies.spineline is damaged at page 12",
@@ -177,7 +180,7 @@ test("what cannot be read says why and can be tried again", async ({ app, page }
   await expect(page.getByRole("heading", { name: "No study yet" })).toBeVisible();
 });
 
-test("texts that people wrote are shown as text and run nothing", async ({ app, page }) => {
+test("hostile texts are shown as text and do not run", async ({ app, page }) => {
   const evil = study("S-1", {
     label: EVIL[0] ?? "",
     status_text: EVIL[1] ?? "",

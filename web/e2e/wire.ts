@@ -2,14 +2,14 @@ import type { Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
 
-/** What the program answered to a page: whatever is hidden must not be in it either. */
+/** Records the program's answers to a page: hidden values must not be in them. */
 export interface Answers {
   readonly texts: Promise<{ address: string; text: string }>[];
   readonly kinds: Set<string>;
   read(): Promise<{ address: string; text: string }[]>;
 }
 
-/** Keeps all answers of the interface to a page from now on. */
+/** Records all answers of the interface to a page from now on. */
 export function answers(page: Page): Answers {
   const texts: Answers["texts"] = [];
   const kinds = new Set<string>();
@@ -19,7 +19,7 @@ export function answers(page: Page): Answers {
     const kind = response.headers()["content-type"] ?? "";
     kinds.add(kind);
     const headers = JSON.stringify(response.headers());
-    // Streams never end, and pictures have no words.
+    // Streams never end, and pictures contain no text.
     const body = /json/.test(kind) ? response.text().catch(() => "") : Promise.resolve("");
     texts.push(body.then((text) => ({ address: pathname, text: headers + text })));
   });
@@ -31,7 +31,7 @@ export interface Answer<T> {
   body: T;
 }
 
-/** Asks the program as the page itself could. */
+/** Sends a request like the page. */
 export function get<T = unknown>(page: Page, address: string): Promise<Answer<T>> {
   return page.evaluate(async (address) => {
     const response = await fetch(address);
@@ -42,7 +42,7 @@ export function get<T = unknown>(page: Page, address: string): Promise<Answer<T>
   }, address);
 }
 
-/** Changes something in the name of whoever is signed in. */
+/** Sends a change in the name of the signed-in person. */
 export async function send<T = unknown>(
   page: Page,
   method: "POST" | "PUT",
@@ -60,7 +60,7 @@ export async function send<T = unknown>(
   );
 }
 
-/** Requests that go anywhere but to the program, and whatever carries its token, from now on. */
+/** Records requests to other hosts, and requests with the token, from now on. */
 export function requestsElsewhere(page: Page, address: string): string[] {
   const elsewhere: string[] = [];
   page.on("request", (request) => {

@@ -5,6 +5,6 @@ import "./theme/tokens.css";
 import "./theme/base.css";
 
 const target = document.getElementById("app");
-if (!target) throw new Error("the page has no place for the app");
+if (!target) throw new Error("the page has no element with the id app");
 
 export default mount(App, { target });

@@ -1,4 +1,4 @@
-//! What many patients say together of the lines of action, as a file.
+//! The file of a cohort: lines of action over many patients.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ pub struct CohortFile {
     version: u32,
     /// Program that wrote it.
     generator: String,
-    /// Where it comes from.
+    /// Provenance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     provenance: Option<Provenance>,
     /// Whether any patient is synthetic.
@@ -26,9 +26,9 @@ pub struct CohortFile {
     case_ids: Vec<String>,
     /// Seed of resampling and, beyond 20 patients, of the drawn sign flips.
     seed: u64,
-    /// Which number to believe, and why.
+    /// Which number is valid, and why.
     believe: String,
-    /// What Holm's correction is over.
+    /// Family of tests of Holm's correction.
     family: String,
     /// Number of tests in it.
     family_tests: usize,
@@ -96,7 +96,7 @@ struct TestRecord {
     sign_flip_p: Option<f64>,
     /// Whether all flips were counted.
     sign_flip_exact: Option<bool>,
-    /// To believe: the same after Holm's correction.
+    /// The same after Holm's correction; this is the valid one.
     holm_p: Option<f64>,
     /// Paired t over one mean per patient, two-sided.
     patient_t: Option<PairedRecord>,
@@ -142,7 +142,7 @@ impl CohortFile {
         }
     }
 
-    /// The same file with where it comes from.
+    /// The same file with its provenance.
     #[must_use]
     pub fn with_provenance(mut self, provenance: Provenance) -> Self {
         self.provenance = Some(provenance);

@@ -1,4 +1,4 @@
-//! What the schemas of files say of named values.
+//! Descriptions of named values in schemas.
 
 use spineline::action::Application;
 use spineline::analysis::{Grouping, Sex};
@@ -11,10 +11,10 @@ use spineline::personalize::FitTarget;
 pub trait Described: Named {
     /// Name of its definition in a schema.
     const DEFINITION: &'static str;
-    /// What the values are; empty where the name of the definition says it.
+    /// Description of the values; empty where the name of the definition is sufficient.
     const DESCRIPTION: &'static str = "";
 
-    /// What this value means; empty where its name says it.
+    /// Meaning of this value; empty where its name is sufficient.
     fn meaning(self) -> &'static str {
         ""
     }
@@ -50,11 +50,11 @@ impl Described for Region {
 
 impl Described for Support {
     const DEFINITION: &'static str = "SupportKey";
-    const DESCRIPTION: &'static str = "What holds a patient.";
+    const DESCRIPTION: &'static str = "Support of the patient.";
 
     fn meaning(self) -> &'static str {
         match self {
-            Self::Free => "Nothing but L4.",
+            Self::Free => "Free above L4.",
             Self::Frontal => "A table: flexion and axial hinges are locked.",
         }
     }
@@ -62,7 +62,7 @@ impl Described for Support {
 
 impl Described for Application {
     const DEFINITION: &'static str = "ApplicationKey";
-    const DESCRIPTION: &'static str = "How a force is applied.";
+    const DESCRIPTION: &'static str = "Kind of application of a force.";
 
     fn meaning(self) -> &'static str {
         match self {
@@ -74,13 +74,13 @@ impl Described for Application {
 
 impl Described for Timing {
     const DEFINITION: &'static str = "TimingKey";
-    const DESCRIPTION: &'static str = "When a load comes.";
+    const DESCRIPTION: &'static str = "Timing of a load.";
 
     fn meaning(self) -> &'static str {
         match self {
-            Self::Held => "Before the growing ones, and then it stays.",
+            Self::Held => "Constant: applied before the proportional loads, and then constant.",
             Self::Growing => {
-                "After the held ones, together with the other growing ones; this is what the path follows."
+                "Proportional: increases with the load factor, after the constant loads."
             }
         }
     }

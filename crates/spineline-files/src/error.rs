@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use spineline::anatomy::{Level, Posture, Region};
 
-/// A file that cannot be read as what it should be.
+/// Error of reading a file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {
@@ -14,7 +14,7 @@ pub enum FileError {
         /// Why.
         source: std::io::Error,
     },
-    /// The text is no JSON.
+    /// The text is not JSON.
     #[error("line {line}, column {column}: not JSON: {reason}")]
     Syntax {
         /// Line, from 1.
@@ -36,7 +36,7 @@ pub enum FileError {
         /// The known key that it resembles most.
         nearest: Option<String>,
     },
-    /// A value that does not fit.
+    /// An invalid value.
     #[error("line {line}, {place}: {reason}")]
     Value {
         /// Line, from 1.
@@ -46,18 +46,18 @@ pub enum FileError {
         /// Why.
         reason: String,
     },
-    /// The file says that it is something else.
+    /// The file has another format.
     #[error("its format is `{found}`, and should be `{expected}`")]
     Format {
-        /// What it says.
+        /// Value in the file.
         found: String,
-        /// What it should say.
+        /// Expected value.
         expected: &'static str,
     },
     /// A newer file, or one of no known version.
     #[error("its version is {found}, and this program reads version {supported}")]
     Version {
-        /// What it says.
+        /// Value in the file.
         found: u32,
         /// What can be read.
         supported: u32,
@@ -76,7 +76,7 @@ pub enum FileError {
         /// Film.
         posture: Posture,
     },
-    /// Corners without a picture to lie on.
+    /// Corners without a picture.
     #[error("{posture} film: corners need an `image` with its spacing and `patient_left`")]
     NoImage {
         /// Film.
@@ -90,13 +90,13 @@ pub enum FileError {
         /// Film.
         posture: Posture,
     },
-    /// A spacing in millimetres for a film that is said to have none.
+    /// A spacing in millimetres for a film in pixels.
     #[error("{posture} film: `spacing_plane` is `pixels`, but a spacing in mm is given")]
     SpacingOfPixels {
         /// Film.
         posture: Posture,
     },
-    /// An analysis that does not hold what it was made from.
+    /// An analysis without its inputs.
     #[error("it has no `{part}`, so its inputs are unknown")]
     NotRepeatable {
         /// What is missing.
@@ -130,16 +130,16 @@ pub enum FileError {
     /// A joint of a model that does not lie between its two vertebrae.
     #[error("found joint {inferior}/{superior} where joint {lower}/{upper} is expected")]
     ModelJoint {
-        /// What it says.
+        /// Value in the file.
         inferior: Level,
-        /// What it says.
+        /// Value in the file.
         superior: Level,
         /// The vertebra below it.
         lower: Level,
         /// The vertebra above it.
         upper: Level,
     },
-    /// Axes of a vertebra that are no rotation.
+    /// Axes of a vertebra that do not form a rotation.
     #[error(
         "{level}: its axes depart from unit length and right angles by {departure:.2e}{}; a vertebra's pose needs a rotation",
         if *right_handed { "" } else { " and are left-handed" }
@@ -168,13 +168,13 @@ pub enum FileError {
         /// Region.
         region: Region,
     },
-    /// A table whose heading does not fit.
+    /// A table with an invalid heading.
     #[error("line 1: {reason}")]
     Column {
         /// Why.
         reason: String,
     },
-    /// A row of a table that does not fit.
+    /// An invalid row of a table.
     #[error("line {line}: {reason}")]
     Row {
         /// Line, from 1.
@@ -192,17 +192,17 @@ pub enum FileError {
         number: usize,
         /// Its kind.
         kind: &'static str,
-        /// Where it acts.
+        /// Place of action.
         place: String,
         /// Why.
         reason: String,
-        /// What to do about it.
+        /// Remedy.
         help: &'static str,
     },
 }
 
 impl FileError {
-    /// What the user can do about it.
+    /// Remedy.
     #[must_use]
     pub fn help(&self) -> &'static str {
         match self {

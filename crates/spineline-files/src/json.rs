@@ -1,4 +1,4 @@
-//! Reading JSON with errors that say where, what, and what was probably meant.
+//! Reading JSON, with errors that name the place, the value and the nearest known key.
 
 use serde::de::DeserializeOwned;
 
@@ -60,7 +60,7 @@ fn syntax(error: &serde_json::Error) -> FileError {
     FileError::Syntax { line: error.line(), column: error.column(), reason: reason(error) }
 }
 
-/// The message without the place, which is told apart.
+/// The message without the place, which is reported separately.
 fn reason(error: &serde_json::Error) -> String {
     let text = error.to_string();
     text.rsplit_once(" at line ").map_or(text.clone(), |(reason, _)| reason.to_owned())

@@ -1,4 +1,4 @@
-//! Names that stand in files.
+//! Names in files.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -72,7 +72,7 @@ impl JsonSchema for JointKey {
     }
 }
 
-/// A named value, which stands in files by its name.
+/// A named value, stored by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct Key<T>(pub T);
 
@@ -206,11 +206,11 @@ mod tests {
     use crate::json::parse_value;
     use crate::to_text;
 
-    /// What holds a patient.
+    /// Support of the patient.
     #[derive(Debug, Serialize, Deserialize, JsonSchema)]
     #[serde(rename_all = "snake_case")]
     enum SupportKey {
-        /// Nothing but L4.
+        /// Free above L4.
         Free,
         /// A table: flexion and axial hinges are locked.
         Frontal,
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn a_key_is_what_the_derives_make_of_an_enum() {
+    fn a_key_equals_that_of_a_derived_enum() {
         let schemas = [schema_for!(Key<Support>), schema_for!(SupportKey)].map(|s| to_text(&s));
         assert_eq!(schemas[0], schemas[1]);
         let schemas = [schema_for!(Key<Grouping>), schema_for!(GroupingKey)].map(|s| to_text(&s));

@@ -14,7 +14,7 @@ use crate::keys::{Key, LevelKey};
 
 const FORMAT: &str = "spineline-model";
 const VERSION: u32 = 1;
-/// How far the axes of a vertebra may be from those of a rotation.
+/// Tolerance of a vertebra's axes as a rotation.
 const AXES_TOLERANCE: f64 = 1e-6;
 
 /// A personalised model alone: vertebrae, joints, springs, and the loads that were found. `G`: x anterior, y left, z
@@ -37,9 +37,9 @@ pub struct ModelFile {
     line: String,
     /// `free` or `frontal` (flexion and axial hinges locked).
     support: Key<Support>,
-    /// What fixes the level of stiffness and force.
+    /// Scale constraint of stiffness and force.
     gauge: String,
-    /// Whether forces and springs are absolute; else only their ratios mean anything.
+    /// Whether forces and springs are absolute; else only their ratios are meaningful.
     absolute: bool,
     /// From the fixed L4 to T2, erect and unloaded.
     vertebrae: Vec<VertebraRecord>,
@@ -50,7 +50,7 @@ pub struct ModelFile {
     /// Where Cobb and Ferguson angles are measured, caudal first; the usual places if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     regions: Option<Vec<RegionRecord>>,
-    /// Where it comes from.
+    /// Provenance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     provenance: Option<Provenance>,
 }
@@ -125,7 +125,7 @@ pub struct LoadRecord {
     pub application: Key<Application>,
 }
 
-/// A model as read back: what a simulation needs.
+/// A model read from its file, for a simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredModel {
     /// Case that it was made from.
@@ -134,7 +134,7 @@ pub struct StoredModel {
     pub synthetic: bool,
     /// Line of action that the stiffness was fitted with.
     pub line: String,
-    /// Whether forces and springs are absolute; else only their ratios mean anything.
+    /// Whether forces and springs are absolute; else only their ratios are meaningful.
     pub absolute: bool,
     /// The vertebrae by name, as many as the spine has.
     pub levels: Vec<Level>,
@@ -146,14 +146,14 @@ pub struct StoredModel {
     pub stiffness: Vec<Mat3>,
     /// Where Cobb and Ferguson angles are measured; `None` where the file does not say.
     pub curves: Option<Vec<CurvePlaces>>,
-    /// What holds the patient.
+    /// Support of the patient.
     pub support: Support,
     /// Loads that were found.
     pub loads: Vec<LoadRecord>,
 }
 
 impl StoredModel {
-    /// What forces are given in: `N`, or words that warn where only ratios are known.
+    /// Unit of forces: `N`, or a text that warns where only ratios are known.
     #[must_use]
     pub const fn force_unit(&self) -> &'static str {
         if self.absolute { "N" } else { "relative units, not newtons" }
@@ -227,7 +227,7 @@ impl ModelFile {
         }
     }
 
-    /// The same file with where it comes from.
+    /// The same file with its provenance.
     #[must_use]
     pub fn with_provenance(mut self, provenance: Provenance) -> Self {
         self.provenance = Some(provenance);

@@ -1,4 +1,4 @@
-//! Every choice of an analysis, as a file has it: enough to analyse again.
+//! The options of an analysis in files, sufficient to repeat it.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -15,30 +15,30 @@ use crate::FileError;
 use crate::keys::{Key, LevelKey};
 use crate::stiffness_file::{StiffnessFile, border};
 
-/// Every choice of an analysis.
+/// The options of an analysis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct OptionsRecord {
     /// `leave_one_out`, `paper`, or an order.
     order_rule: OrderRuleKey,
     /// Picked by hand, caudal first; `null` where they come from the erect curve.
     inflections: Option<[SiteRecord; 2]>,
-    /// A lobe of the erect curve counts from so many degrees on.
+    /// Minimum angle of a curve between inflections of the erect curve, in degrees.
     min_lobe_deg: f64,
     /// Fewest and most segments of the erect chain.
     segment_window: [u32; 2],
     support: Key<Support>,
-    /// What fixes the level of stiffness and force.
+    /// Scale constraint of stiffness and force.
     gauge: GaugeKey,
     /// The force of the gauge `known_force`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     known_force: Option<KnownForceRecord>,
     fit: Key<FitTarget>,
     multipliers: Key<Grouping>,
-    /// Deviation of `ln α` that nature has before any film is seen; `null` for no prior.
+    /// Standard deviation of `ln α` in the prior; `null` without a prior.
     prior_log_sd: Option<f64>,
     /// Lines that the user gave.
     given_lines: Vec<GivenLineRecord>,
-    /// Other loads and bases that were asked for, such as `couple+free_base`.
+    /// Other requested loads and bases, such as `couple+free_base`.
     compared_models: Vec<HypothesisKey>,
     /// Of the spine where no lateral film is marked.
     sagittal_profile: ProfileRecord,

@@ -1,4 +1,4 @@
-//! Where an output comes from.
+//! Provenance of outputs.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,7 @@ use crate::FileError;
 use crate::options_record::OptionsRecord;
 use crate::request::{Replicates, Request};
 
-/// The run of a program, as only the program knows it: nothing here reads a clock or a command line.
+/// The run of a program, given by the program: no function here reads a clock or a command line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ProgramRun {
     /// Name and version.
@@ -36,7 +36,7 @@ impl InputFile {
     }
 }
 
-/// Whether patients or programs made the films.
+/// Whether the films are synthetic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FilmOrigin {
@@ -75,7 +75,7 @@ impl FilmOrigin {
     }
 }
 
-/// Everything that an output depends on, and when it was made.
+/// Everything on which an output depends, and the time of its making.
 ///
 /// The options name the gauge, the order rule and, joint by joint, the source of the stiffness.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -93,10 +93,10 @@ pub struct Provenance {
     /// Of everything random; absent where nothing is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     seed: Option<u64>,
-    /// Whether it was asked which multipliers the films identify; absent where nobody asked.
+    /// Whether it was asked which multipliers the films identify; absent if not requested.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     identifiability: bool,
-    /// Replicates on moved landmarks; absent where nobody asked.
+    /// Replicates on moved landmarks; absent if not requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     replicates: Option<ReplicatesRecord>,
     /// Choices of the analysis; absent where nothing was analysed.
@@ -112,7 +112,7 @@ struct ReplicatesRecord {
 }
 
 impl Provenance {
-    /// What a program made of files.
+    /// Provenance of a program's output from files.
     #[must_use]
     pub fn new(run: ProgramRun, films: FilmOrigin, inputs: Vec<InputFile>) -> Self {
         let ProgramRun { program, command, date_utc } = run;
@@ -129,7 +129,7 @@ impl Provenance {
         }
     }
 
-    /// The same with what was asked of every case.
+    /// The same with the request for every case.
     #[must_use]
     pub fn asking(mut self, request: &Request) -> Self {
         self.options = Some(OptionsRecord::from(&request.options));
@@ -176,13 +176,13 @@ impl Provenance {
         &self.inputs
     }
 
-    /// Whether patients or programs made the films.
+    /// Whether the films are synthetic.
     #[must_use]
     pub const fn films(&self) -> FilmOrigin {
         self.films
     }
 
-    /// What was asked of every case; `None` where nothing was analysed.
+    /// The request for every case; `None` where nothing was analysed.
     ///
     /// # Errors
     /// [`FileError::Stiffness`], [`FileError::NoSeed`].

@@ -1,4 +1,4 @@
-//! Readings of anything by anybody as a table: CSV, one reading per row.
+//! Tables of readings of any quantity: CSV, one reading per row.
 
 use std::collections::BTreeMap;
 
@@ -11,10 +11,10 @@ use crate::json::nearest;
 /// Columns of the table, in any order; the last may be absent.
 const COLUMNS: [&str; 7] =
     ["quantity", "unit", "subject", "observer", "repeat", "value", "synthetic"];
-/// A table with more readings is another kind of study.
-const MOST_ROWS: usize = 1_000_000;
-/// A longer name is no name.
-const LONGEST_NAME: usize = 200;
+/// Maximum number of readings.
+const MAX_ROWS: usize = 1_000_000;
+/// Maximum length of a name.
+const MAX_NAME: usize = 200;
 
 /// Readings from a table.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,8 +51,8 @@ pub fn parse_readings(text: &str) -> Result<ReadingsTable, FileError> {
         let record = record.map_err(|error| row_error(&error, count as u64 + 2))?;
         let line = record.position().map_or(count as u64 + 2, csv::Position::line);
         let fault = |reason: String| FileError::Row { line, reason };
-        if count == MOST_ROWS {
-            return Err(fault(format!("more than {MOST_ROWS} readings")));
+        if count == MAX_ROWS {
+            return Err(fault(format!("more than {MAX_ROWS} readings")));
         }
         synthetic |= insert(&record, &places, &mut quantities).map_err(fault)?;
     }
@@ -87,7 +87,7 @@ fn places(heading: &StringRecord) -> Result<BTreeMap<&'static str, usize>, FileE
     }
 }
 
-/// Puts one row into its quantity, and says whether it is of a synthetic film.
+/// Adds one row to its quantity, and returns whether it is of a synthetic film.
 fn insert(
     record: &StringRecord,
     places: &BTreeMap<&'static str, usize>,
@@ -98,8 +98,8 @@ fn insert(
     };
     let name = |column: &str| match cell(column) {
         "" => Err(format!("`{column}` is empty")),
-        text if text.chars().count() > LONGEST_NAME => {
-            Err(format!("`{column}` has more than {LONGEST_NAME} letters"))
+        text if text.chars().count() > MAX_NAME => {
+            Err(format!("`{column}` has more than {MAX_NAME} letters"))
         }
         text if text.chars().any(char::is_control) => {
             Err(format!("`{column}` holds a control character"))

@@ -1,4 +1,4 @@
-//! How well readings repeat, as a file, and as a part of an analysis file.
+//! Reliability of readings, as a file and as a part of an analysis file.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -16,7 +16,7 @@ pub struct ReliabilityFile {
     version: u32,
     /// Program that wrote it.
     generator: String,
-    /// Where it comes from.
+    /// Provenance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     provenance: Option<Provenance>,
     /// Whether any reading is of synthetic films.
@@ -29,7 +29,7 @@ pub struct ReliabilityFile {
 pub(crate) struct QuantityRecord {
     quantity: String,
     unit: String,
-    /// What it is, and what its subjects are.
+    /// Description of the quantity and of its subjects.
     meaning: String,
     designs: Vec<DesignRecord>,
 }
@@ -47,7 +47,7 @@ struct DesignRecord {
     repeats: Vec<usize>,
     /// Subjects that all raters rated.
     subjects: usize,
-    /// Subjects that are left out because somebody did not read them.
+    /// Subjects that are left out because not all raters read them.
     dropped: usize,
     statistics: Vec<StatisticRecord>,
     bland_altman: Vec<BlandAltmanRecord>,
@@ -95,7 +95,7 @@ struct ReasonRecord {
 type RemarkRecord = ReasonRecord;
 
 impl ReliabilityFile {
-    /// The file of what was found.
+    /// The file of the results.
     #[must_use]
     pub fn new(quantities: &[QuantityReliability], synthetic: bool, generator: &str) -> Self {
         Self {
@@ -108,7 +108,7 @@ impl ReliabilityFile {
         }
     }
 
-    /// The same file with where it comes from.
+    /// The same file with its provenance.
     #[must_use]
     pub fn with_provenance(mut self, provenance: Provenance) -> Self {
         self.provenance = Some(provenance);

@@ -1,25 +1,25 @@
-//! What is asked of a case.
+//! The request for a case.
 
 use spineline::analysis::AnalysisOptions;
 use spineline::uncertainty::LandmarkNoise;
 
-/// Everything beside a case that its analysis file depends on.
+/// Everything on which an analysis file depends, except for the case.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Request {
-    /// Choices of the analysis.
+    /// Options of the analysis.
     pub options: AnalysisOptions,
-    /// Analyses on moved landmarks.
+    /// Monte Carlo replicates.
     pub replicates: Option<Replicates>,
-    /// Whether to tell which multipliers the films identify.
+    /// Whether identifiability is requested.
     pub identifiability: bool,
 }
 
-/// Landmarks moved at random, so many times.
+/// Monte Carlo replicates with perturbed landmarks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Replicates {
-    /// How many.
+    /// Number of replicates.
     pub count: u64,
-    /// How far.
+    /// Size of the noise.
     pub noise: LandmarkNoise,
     /// Seed of all of them.
     pub seed: u64,

@@ -13,7 +13,7 @@ use spineline::spatial::{Mat3, Vec3};
 use crate::keys::{ByLevel, JointKey, Key, LevelKey};
 use crate::{AppliedLoad, LoadFile, PlacedLoads, Provenance, StoredModel};
 
-/// What a personalised model does under loads. `G`: x anterior, y left, z cranial, origin at L4's midpoint; mm, N, N·mm,
+/// The response of a personalised model to loads. `G`: x anterior, y left, z cranial, origin at L4's midpoint; mm, N, N·mm,
 /// rad, angles for people in degrees. A positive lateral tilt is to the patient's right, positive Cobb and Ferguson angles are
 /// convex to the left. Numbers have full precision.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -25,11 +25,11 @@ pub struct SimulationFile {
     version: u32,
     /// Program that wrote it.
     generator: String,
-    /// Where it comes from.
+    /// Provenance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     provenance: Option<Provenance>,
     case_id: String,
-    /// Whether the films of the model are synthetic: then all numbers here are, too.
+    /// Whether the films of the model, and so all results, are synthetic.
     synthetic: bool,
     /// Whether forces are in newtons; else they are relative, and only their ratios mean anything.
     absolute: bool,
@@ -38,17 +38,17 @@ pub struct SimulationFile {
     /// `converged`, `several_equilibria`, `limit_point`, `branch_point`, `unreachable`, `not_converged` or `interrupted`.
     /// Only the first two have a result.
     status: String,
-    /// What was sought.
+    /// What was sought: the target.
     goal: GoalRecord,
-    /// No factor beyond this one was looked at.
+    /// Limit of the load factor in the search.
     largest_factor: f64,
     loads: Vec<AppliedLoad>,
     erect: AnglesRecord,
-    /// Every shape that meets the goal, the reached one first.
+    /// Every equilibrium that meets the target, the reached one first.
     equilibria: Vec<EquilibriumRecord>,
     /// Singular points, in the order of the path.
     events: Vec<EventRecord>,
-    /// Every shape on the way.
+    /// Every equilibrium on the path.
     path: Vec<PathRecord>,
     warnings: Vec<SimulationWarning>,
 }
@@ -62,18 +62,18 @@ enum GoalRecord {
     Lean { lean_right_deg: f64 },
 }
 
-/// A soft problem of a simulation.
+/// A warning of a simulation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SimulationWarning {
     /// Stable name, such as `pad_pulls`.
     pub code: String,
-    /// What happened and what to do, in words.
+    /// What happened and what to do, as text.
     pub message: String,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct AnglesRecord {
-    /// Lean of the line from L4 to T2; positive to the patient's right.
+    /// Lateral tilt of the line from L4 to T2; positive to the patient's right.
     lean_right_deg: f64,
     /// Positive where convex to the left.
     cobb_deg: BTreeMap<Key<Region>, f64>,
@@ -85,16 +85,16 @@ struct AnglesRecord {
 struct EquilibriumRecord {
     /// `along` or `against` the loads.
     direction: String,
-    /// Of the growing loads; negative where they act against themselves.
+    /// Load factor of the proportional loads; negative where they are reversed.
     factor: f64,
     /// `reached`, `later`, `beyond_limit_point` or `beyond_branch_point`.
     verdict: String,
     on_erect_branch: bool,
     limit_points: usize,
     branch_points: usize,
-    /// Largest angle by which a hinge misses the one that its moment asks for.
+    /// Largest difference of a hinge's angle from the angle of its moment.
     residual_rad: f64,
-    /// Of the scaled tangent: one for the unloaded spine, zero where the branch turns or splits.
+    /// Of the scaled tangent: one for the unloaded spine, zero at limit and branch points.
     smallest_singular_value: f64,
     midpoints_mm: ByLevel<[f64; 3]>,
     /// Unit vectors in `G`: anterior, left, cranial axis of the vertebra.
@@ -120,7 +120,7 @@ struct SpringForceRecord {
 struct RodReactionRecord {
     /// Which load, from 1.
     load: usize,
-    /// On the upper vertebra, at its midpoint; the lower one feels the opposite.
+    /// On the upper vertebra, at its midpoint; the opposite acts on the lower one.
     force_n: [f64; 3],
     moment_nmm: [f64; 3],
 }
@@ -154,7 +154,7 @@ struct PathRecord {
 }
 
 impl SimulationFile {
-    /// The file of what a model did under loads, its angles measured between given places.
+    /// The file of a model's response to loads, with angles measured between given vertebrae.
     #[must_use]
     pub fn new(
         model: &StoredModel,
@@ -191,7 +191,7 @@ impl SimulationFile {
         }
     }
 
-    /// The same file with where it comes from.
+    /// The same file with its provenance.
     #[must_use]
     pub fn with_provenance(mut self, provenance: Provenance) -> Self {
         self.provenance = Some(provenance);
@@ -209,7 +209,7 @@ fn events(signed: &SignedPath) -> impl Iterator<Item = EventRecord> {
     })
 }
 
-/// What all records need to know.
+/// Data for all records.
 struct Writer<'a> {
     model: &'a StoredModel,
     placed: &'a PlacedLoads,

@@ -61,8 +61,8 @@ fn newton_millimetres(newton_metres: f64) -> f64 {
     1000.0 * newton_metres
 }
 
-/// A number in a file's unit that reading turns into the same bits again, where one of the neighbours of the rounded one
-/// does; so an analysis is repeated from its file to the last bit.
+/// A number in a file's unit that is read back to the same bits, if a neighbour of the rounded one is; so an analysis is
+/// repeated from its file to the last bit.
 pub(crate) fn border(inside: f64, rounded: f64, read: impl Fn(f64) -> f64) -> f64 {
     let neighbours = [rounded, rounded.next_up(), rounded.next_down()];
     neighbours.into_iter().find(|&written| read(written) == inside).unwrap_or(rounded)

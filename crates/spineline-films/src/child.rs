@@ -1,5 +1,5 @@
-//! Films decoded in another process, with caps on memory, time and files. Whatever a film does to its decoder, the parent
-//! gets a [`FilmError`].
+//! Decoding in another process with limits of memory, time and files. Every failure of a decoder is a [`FilmError`] for the
+//! parent.
 //!
 //! The parent gives the film as the standard input and its [`ChildLimits`] in one environment variable, the only one that
 //! the child has. The child answers on the standard output: `SPLNFILM`, a version (16 bits), the length of a header (32
@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use super::error::{FilmError, Measure};
 use super::{FilmFile, FilmKind, FilmLimits, FilmRemark, FilmTags, Look, StoredPixels, read_film};
 
-/// What a decoder may take at most.
+/// Limits of a decoder.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChildLimits {
@@ -42,10 +42,10 @@ const VARIABLE: &str = "SPINELINE_DECODER_LIMITS";
 const MAGIC: &[u8; 8] = b"SPLNFILM";
 const VERSION: u16 = 1;
 /// Two tables of 65536 entries are less than one MiB of JSON.
-const MOST_HEADER_BYTES: u32 = 4 << 20;
-/// How often the parent looks whether the child is gone.
+const MAX_HEADER_BYTES: u32 = 4 << 20;
+/// Interval of checks whether the child has ended.
 const POLL: Duration = Duration::from_millis(2);
-/// How long a child may live on after its answer.
+/// Time that a child may run after its answer.
 const GRACE: Duration = Duration::from_secs(2);
 
 #[derive(Serialize, Deserialize)]
@@ -68,7 +68,7 @@ struct FilmHeader {
 /// Decodes a film in a process of `program`, which must call [`serve_child`].
 ///
 /// # Errors
-/// What reading the film ends with, and `FilmError::Decoder…` for what happens to the process.
+/// Errors of reading the film, and `FilmError::Decoder…` for failures of the process.
 pub fn decode_in_child(
     program: &Path,
     arguments: &[&str],
@@ -92,9 +92,9 @@ pub fn decode_in_child(
         .spawn()
         .map_err(|error| FilmError::DecoderStart { kind: error.kind().to_string() })?;
     let pipe = child.stdin.take();
-    // In a thread of its own: a child that does not read must not hold its parent.
+    // In a separate thread: a child that does not read must not block its parent.
     thread::spawn(move || {
-        // A child that is gone, or has seen enough, closes the pipe; its answer says why.
+        // A child that has ended closes the pipe; its answer gives the reason.
         pipe.map(|mut pipe| pipe.write_all(&bytes))
     });
     await_answer(child, start, limits)
@@ -106,7 +106,7 @@ fn await_answer(
     limits: &ChildLimits,
 ) -> Result<FilmFile, FilmError> {
     let limit =
-        limits.film.pixels.saturating_mul(2).saturating_add(u64::from(MOST_HEADER_BYTES) + 64);
+        limits.film.pixels.saturating_mul(2).saturating_add(u64::from(MAX_HEADER_BYTES) + 64);
     let answer = drain(child.stdout.take(), limit.saturating_add(1));
     let complaint = drain(child.stderr.take(), 1 << 16);
     let wall = Duration::try_from_secs_f64(limits.wall_s).unwrap_or(Duration::MAX);
@@ -137,16 +137,16 @@ fn drain(pipe: Option<impl Read + Send + 'static>, limit: u64) -> mpsc::Receiver
     thread::spawn(move || {
         let mut bytes = Vec::new();
         if let Some(pipe) = pipe {
-            // A broken pipe ends like a closed one: what was read is too short to be an answer.
+            // A broken pipe ends like a closed one: the answer is too short.
             let _ = pipe.take(limit).read_to_end(&mut bytes);
         }
-        // Nobody listens any more after a time-out.
+        // After a time-out the result is not used.
         let _ = send.send(bytes);
     });
     receive
 }
 
-/// Waits for a child that has closed its output; ends it if it lives on.
+/// Waits for a child that has closed its output; kills it after a time.
 fn wait(child: &mut Child) -> Option<ExitStatus> {
     let start = Instant::now();
     loop {
@@ -162,7 +162,7 @@ fn wait(child: &mut Child) -> Option<ExitStatus> {
 }
 
 fn end(child: &mut Child) {
-    // It may be gone already.
+    // It may have ended already.
     let _ = child.kill();
     let _ = child.wait();
 }
@@ -198,7 +198,7 @@ fn parse(bytes: &[u8]) -> Result<FilmFile, FilmError> {
         let (version, rest) = rest.split_first_chunk::<2>()?;
         let (length, rest) = rest.split_first_chunk::<4>()?;
         let length = u32::from_le_bytes(*length);
-        let fits = u16::from_le_bytes(*version) == VERSION && length <= MOST_HEADER_BYTES;
+        let fits = u16::from_le_bytes(*version) == VERSION && length <= MAX_HEADER_BYTES;
         rest.split_at_checked(usize::try_from(length).ok().filter(|_| fits)?)
     };
     let (header, pixels) = split().ok_or(FilmError::DecoderAnswer)?;
@@ -221,7 +221,7 @@ fn parse(bytes: &[u8]) -> Result<FilmFile, FilmError> {
     Ok(FilmFile { kind, columns, rows, stored, tags, look, remarks })
 }
 
-/// The child's side: caps itself, reads a film, answers.
+/// The child's side: sets limits, reads a film, answers.
 ///
 /// # Errors
 /// If the caps cannot be set, or input or output fail. A film that cannot be read is an answer.

@@ -1,4 +1,4 @@
-//! What surrounds a data set: preamble, file meta information, transfer syntax and file-wide compression.
+//! The container of a data set: preamble, file meta information, transfer syntax and file-wide compression.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -70,7 +70,7 @@ const SYNTAXES: [Syntax; 13] = [
     packed("1.2.840.10008.1.2.5", "RLE Lossless", Codec::Rle),
 ];
 
-/// A DICOM file taken apart.
+/// Parts of a DICOM file.
 pub(super) struct Container<'a> {
     pub syntax: Syntax,
     pub body: Cow<'a, [u8]>,
@@ -139,7 +139,7 @@ fn guess_encoding(bytes: &[u8]) -> Option<Syntax> {
     (little && fits).then_some(IMPLICIT)
 }
 
-/// Takes a DICOM file apart and undoes its file-wide compression.
+/// Splits a DICOM file and undoes its file-wide compression.
 pub(super) fn open<'a>(bytes: &'a [u8], limits: &FilmLimits) -> Result<Container<'a>, FilmError> {
     let mut remarks = Vec::new();
     let start = if bytes.get(128..132) == Some(b"DICM".as_slice()) {

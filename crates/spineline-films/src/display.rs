@@ -64,7 +64,7 @@ pub struct ScreenValues {
     pub modality_offset: f64,
     /// The device's difference between neighbouring values; negative where small ones are bright.
     pub modality_step: f64,
-    /// Brightness of every value from 0 to the largest one, by the file's own table or window.
+    /// Brightness of every value from 0 to the largest one, by the file's table or window.
     pub default_grey: Vec<u8>,
     /// Centre and width of the file's own window in these values; for a table, of the values that it does not show as
     /// black or as white.
@@ -79,8 +79,7 @@ impl FilmFile {
         self.tags.photometric == Photometric::Monochrome1
     }
 
-    /// What is shown where the user asks for nothing else: the first table or window of the file, or the whole range of
-    /// values but for padding.
+    /// The default display: the first table or window of the file, or the full range of values without padding.
     #[must_use]
     pub fn default_voi(&self) -> Voi {
         self.look.voi.first().cloned().unwrap_or_else(|| Voi::Window(self.whole_range()))
@@ -110,7 +109,7 @@ impl FilmFile {
     /// The picture as the standard orders it: modality, values of interest, polarity.
     ///
     /// `window` is used instead of the file's own where it is given and valid; `inverted` turns black and white around
-    /// once more, for eyes and for devices that lie about their polarity.
+    /// once more, for display, and for devices that state a wrong polarity.
     #[must_use]
     pub fn display(&self, window: Option<&Window>, inverted: bool) -> Display {
         let voi = match window.filter(|window| window.is_valid()) {
@@ -126,7 +125,7 @@ impl FilmFile {
         Display { columns: self.columns, rows: self.rows, grey }
     }
 
-    /// Values for a viewer that sets window and level by itself, and the file's own look for it.
+    /// Values for a viewer that sets window and level, and the file's default display.
     #[must_use]
     pub fn screen_values(&self) -> ScreenValues {
         let (low, high) = self.stored.range();

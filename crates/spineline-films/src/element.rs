@@ -1,4 +1,4 @@
-//! The attributes of a data set, as dicom-rs reads them once the scan has found nothing in the way.
+//! The attributes of a data set, read by dicom-rs after the scan.
 
 use dicom_core::value::{PrimitiveValue, Value};
 use dicom_core::{Tag, VR};
@@ -12,7 +12,7 @@ use super::error::{ElementFault, FilmError, Place};
 use super::scan::{Encoding, Native, Scan, scan};
 use super::{Attribute, FilmLimits, FilmRemark};
 
-/// A data set: all of it but uncompressed pixels, which stay where they are, and what nobody needs.
+/// A data set: all of it but uncompressed pixels, which stay where they are, and unused elements.
 pub(super) struct DataSet<'a> {
     pub object: InMemDicomObject,
     pub native: Option<Native<'a>>,
@@ -70,7 +70,7 @@ impl From<Attribute> for Tag {
     }
 }
 
-/// What films need of a data set or an item.
+/// Access to attributes of a data set or an item.
 pub(super) trait Attributes {
     fn primitive(&self, attribute: Attribute) -> Option<(VR, &PrimitiveValue)>;
 

@@ -2,7 +2,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Attribute;
 
-/// What a file that is no radiograph looks like.
+/// Likely format of a file that is not a radiograph.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Lookalike {
@@ -76,7 +76,7 @@ impl std::fmt::Display for Codec {
     }
 }
 
-/// What is wrong with compressed pixels. The text of a decoding library is never passed on: it may quote the file.
+/// Errors of compressed pixels. The message of a decoding library is never passed on, because it may quote the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum CodecFault {
@@ -105,7 +105,7 @@ pub enum CodecFault {
     Unsupported,
     /// Data that the decoder refuses.
     Corrupt,
-    /// The decoding library gave up in a way that it should not.
+    /// The decoding library panicked.
     Panicked,
 }
 
@@ -135,15 +135,15 @@ impl std::fmt::Display for CodecFault {
     }
 }
 
-/// A file that cannot be read as a film. Texts hold attributes, numbers and words of our own; never a value that may
-/// name a patient.
+/// A file that cannot be read as a film. Messages contain attributes, numbers and fixed texts; never a value that may name a
+/// patient.
 #[derive(Debug, Clone, PartialEq, thiserror::Error, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum FilmError {
     /// Another kind of file.
     #[error("not a radiograph: the file {looks_like}")]
     NotAFilm {
-        /// What it looks like.
+        /// Likely format.
         looks_like: Lookalike,
     },
     /// A limit of [`FilmLimits`](super::FilmLimits).
@@ -151,9 +151,9 @@ pub enum FilmError {
     TooLarge {
         /// What is too large.
         what: Measure,
-        /// How large it is, or at least is.
+        /// Size, or a lower bound of it.
         found: u64,
-        /// How large it may be.
+        /// Limit.
         limit: u64,
     },
     /// The file ends before its data set does.
@@ -169,9 +169,9 @@ pub enum FilmError {
     Length {
         /// Which.
         attribute: Attribute,
-        /// What it claims.
+        /// Declared length.
         length: u64,
-        /// What there is.
+        /// Actual size.
         remaining: u64,
     },
     /// An element whose form contradicts the standard.
@@ -191,7 +191,7 @@ pub enum FilmError {
         /// The UID, if it is one of the standard's.
         uid: Option<String>,
     },
-    /// No radiograph, by its modality.
+    /// Not a radiograph, by its modality.
     #[error("its modality is {}, but a radiograph is needed", .modality.as_deref().unwrap_or("unknown"))]
     Modality {
         /// The modality, if the standard knows it.
@@ -228,7 +228,7 @@ pub enum FilmError {
     PixelsMissing {
         /// Rows by columns by bytes of a sample.
         needed: u64,
-        /// What there is.
+        /// Actual size.
         found: u64,
     },
     /// Compressed pixels that cannot be undone.
@@ -246,10 +246,10 @@ pub enum FilmError {
     /// The decoder could not be started.
     #[error("the decoder cannot be started ({kind})")]
     DecoderStart {
-        /// The system's word for it.
+        /// Error of the operating system.
         kind: String,
     },
-    /// The decoder died on this film.
+    /// The decoder crashed on this film.
     #[error("the decoder crashed on this film ({})", .signal.map_or_else(|| "no answer".to_owned(), |s| format!("signal {s}")))]
     DecoderDied {
         /// The signal that ended it, where there was one.
@@ -267,7 +267,7 @@ pub enum FilmError {
         /// The limit.
         limit_bytes: u64,
     },
-    /// The decoder's answer is no answer.
+    /// The decoder's answer is invalid.
     #[error("the decoder's answer cannot be understood")]
     DecoderAnswer,
 }

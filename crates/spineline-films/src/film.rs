@@ -1,4 +1,4 @@
-//! What a radiograph is once it is read.
+//! A radiograph after reading.
 
 use std::borrow::Cow;
 
@@ -79,7 +79,7 @@ pub enum PresentationShape {
     Inverse,
 }
 
-/// Identifiers that a report needs to point at its film. They are unique to the film, though they name nobody:
+/// Identifiers that a report needs to point at its film. They are unique to the film without a name:
 /// [`deidentify`](super::deidentify) exchanges them.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FilmUids {
@@ -93,7 +93,7 @@ pub struct FilmUids {
     pub series_instance: Option<String>,
 }
 
-/// What a film's attributes say.
+/// Values of a film's attributes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FilmTags {
     /// Modality (0008,0060); one of the radiographic ones, or `None`.
@@ -110,7 +110,7 @@ pub struct FilmTags {
     pub presentation_lut_shape: Option<PresentationShape>,
     /// Burned In Annotation (0028,0301), where it is stated.
     pub burned_in_annotation: Option<bool>,
-    /// Whether the file says that its picture is of a phantom: Quality Control Image (0028,0300). Films of synthetic
+    /// Whether the file states that its picture is of a phantom: Quality Control Image (0028,0300). Films of synthetic
     /// patients say so.
     pub is_phantom: bool,
     /// Identifiers of the film.
@@ -169,7 +169,7 @@ impl StoredPixels {
     }
 }
 
-/// A radiograph: its pixels, what its file says about it, and everything odd.
+/// A radiograph: pixels, values of attributes, and remarks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FilmFile {
     /// What the file is.
@@ -180,10 +180,10 @@ pub struct FilmFile {
     pub rows: u32,
     /// Pixels as stored.
     pub stored: StoredPixels,
-    /// What the attributes say.
+    /// Values of the attributes.
     pub tags: FilmTags,
     /// How values become grey.
     pub look: Look,
-    /// What is odd, and what was done about it.
+    /// Remarks.
     pub remarks: Vec<FilmRemark>,
 }

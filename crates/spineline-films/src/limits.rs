@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-/// What a film may take at most. Every limit is checked before anything of that size is allocated.
+/// Limits of a film. Every limit is checked before anything of that size is allocated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FilmLimits {

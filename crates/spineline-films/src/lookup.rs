@@ -77,7 +77,7 @@ pub struct Window {
 }
 
 impl Window {
-    /// Whether centre and width can be meant: finite, and a width of at least 1, or above 0 where the function allows.
+    /// Whether centre and width are valid: finite, and a width of at least 1, or above 0 where the function allows.
     #[must_use]
     pub fn is_valid(&self) -> bool {
         let least = match self.function {
@@ -126,7 +126,7 @@ pub struct Look {
 }
 
 impl Look {
-    /// Of a picture that says nothing.
+    /// For a picture without tables or windows.
     #[must_use]
     pub const fn plain() -> Self {
         Self { modality: ModalityTransform::IDENTITY, voi: Vec::new(), padding: None }
@@ -146,7 +146,7 @@ const REPRESENTATION: Attribute = Attribute(0x0028, 0x0103);
 const PADDING: Attribute = Attribute(0x0028, 0x0120);
 const PADDING_LIMIT: Attribute = Attribute(0x0028, 0x0121);
 
-/// Reads the tables and windows of a data set; what cannot be meant gets a remark.
+/// Reads the tables and windows of a data set; invalid ones get a remark.
 pub(super) fn look(data: &InMemDicomObject, remarks: &mut Vec<FilmRemark>) -> Look {
     let signed = matches!(data.word(REPRESENTATION), Ok(Some(1)));
     let modality = modality(data, signed, remarks);

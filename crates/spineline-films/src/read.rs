@@ -5,7 +5,7 @@ use dicom_object::InMemDicomObject;
 use super::error::{FilmError, Measure};
 use super::{FilmFile, FilmKind, FilmLimits, container, element, pixels, raster, tags};
 
-/// Reads a film, whatever it is.
+/// Reads a film of any supported format.
 ///
 /// # Errors
 /// [`FilmError`]; never a panic, and never more memory than `limits` and a few times the file's size.
@@ -24,7 +24,7 @@ pub fn read_film(bytes: &[u8], limits: &FilmLimits) -> Result<FilmFile, FilmErro
 /// The data set of any DICOM file, without uncompressed pixels, after the same checks as a film.
 ///
 /// # Errors
-/// [`FilmError`] for what is no DICOM file, or not a sound one.
+/// [`FilmError`] for files that are not DICOM, or invalid.
 pub fn read_data_set(bytes: &[u8]) -> Result<InMemDicomObject, FilmError> {
     let limits = FilmLimits::default();
     let container::Container { syntax, body, .. } = container::open(bytes, &limits)?;

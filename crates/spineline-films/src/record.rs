@@ -1,4 +1,4 @@
-//! What the core's evidence looks like in a decoder's answer.
+//! The core's evidence types in a decoder's answer.
 
 pub(super) mod spacing {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};

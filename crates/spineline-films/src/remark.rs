@@ -5,20 +5,20 @@ use serde::{Deserialize, Serialize};
 
 use super::Attribute;
 
-/// Something odd about a film's file, and what was done about it. Holds no text of the file.
+/// A remark on a film's file. Contains no text of the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum FilmRemark {
     /// The file has no DICOM preamble.
     NoPreamble,
-    /// The file does not say how it is encoded; this is what fits its first bytes.
+    /// The file does not state its encoding; this one fits its first bytes.
     TransferSyntaxGuessed {
         /// Name of the transfer syntax.
         name: Cow<'static, str>,
     },
     /// The file does not say by which kind of device it was made.
     NoModality,
-    /// An attribute whose value cannot be meant; it is not used.
+    /// An attribute with an implausible value; it is not used.
     Unusable {
         /// Which.
         attribute: Attribute,
@@ -30,7 +30,7 @@ pub enum FilmRemark {
     },
     /// The picture was compressed with losses at some time.
     Lossy,
-    /// Raw data FOR PROCESSING: a detector's, not yet a picture for eyes.
+    /// Raw data FOR PROCESSING of a detector, not for display.
     ForProcessing,
     /// More bytes of pixels than declared; the surplus is not used.
     PixelsLeftOver {
@@ -46,16 +46,16 @@ pub enum FilmRemark {
     PolarityContradicted,
     /// Neither MONOCHROME1 nor MONOCHROME2 is stated: large values are taken as bright.
     PolarityNotStated,
-    /// A table or window that cannot be meant; the whole range of values is shown instead.
+    /// An invalid table or window; the full range of values is shown instead.
     LookupUnusable {
         /// Which.
         attribute: Attribute,
     },
-    /// Pixels are said not to be square, without a spacing; it is not used.
+    /// Non-square pixels without a spacing; the aspect is not used.
     AspectNotUsed,
-    /// Somebody says that text is burned into the picture: it may name the patient.
+    /// The file states that text is burned into the picture: it may contain the patient's name.
     BurnedIn,
-    /// Nobody says whether text is burned into the picture: look at it before it is passed on.
+    /// The file does not state whether text is burned into the picture: inspect it before passing it on.
     BurnedInUnknown,
     /// The picture was turned or mirrored as its camera's orientation tag asks.
     CameraOrientation,

@@ -25,9 +25,9 @@ pub(super) fn encode(pixels: &[u16], columns: usize) -> Vec<u8> {
 
 /// Runs of three or more equal bytes as a count and a byte, everything else as a count and the bytes themselves.
 fn pack(bytes: &[u8], out: &mut Vec<u8>) {
-    const MOST: usize = 128;
+    const MAX_RUN: usize = 128;
     let run = |from: usize| {
-        bytes[from..].iter().take(MOST).take_while(|&&byte| byte == bytes[from]).count()
+        bytes[from..].iter().take(MAX_RUN).take_while(|&&byte| byte == bytes[from]).count()
     };
     let mut at = 0;
     while at < bytes.len() {
@@ -39,7 +39,7 @@ fn pack(bytes: &[u8], out: &mut Vec<u8>) {
             continue;
         }
         let start = at;
-        while at < bytes.len() && at - start < MOST && run_below_three(&bytes[at..]) {
+        while at < bytes.len() && at - start < MAX_RUN && run_below_three(&bytes[at..]) {
             at += 1;
         }
         out.push((at - start - 1) as u8);
@@ -58,7 +58,7 @@ mod tests {
 
     /// Packed and unpacked bytes of the description in PS3.5 G.3.1.
     #[test]
-    fn runs_and_literals_are_packed_as_the_standard_says() {
+    fn runs_and_literals_are_packed_as_in_the_standard() {
         let packed = |bytes: &[u8]| {
             let mut out = Vec::new();
             pack(bytes, &mut out);

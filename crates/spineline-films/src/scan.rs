@@ -1,7 +1,7 @@
-//! What is checked of a data set before dicom-rs reads it, which believes lengths and recurses as deep as a file says: each
+//! Checks of a data set before dicom-rs reads it, which trusts lengths and recurses without limit: each
 //! length against the bytes that are there, the depth of sequences, the number of elements. Headers are read by its own
-//! decoders, so that both see the same elements. Values are nobody's business here, but for the place of uncompressed
-//! pixels, which are not copied.
+//! decoders, so that both see the same elements. Values are not read here, except for the place of uncompressed pixels, which
+//! are not copied.
 
 use std::collections::BTreeSet;
 
@@ -17,7 +17,7 @@ use dicom_encoding::decode::implicit_le::StandardImplicitVRLittleEndianDecoder;
 use super::error::{ElementFault, FilmError, Measure, Place};
 use super::{Attribute, FilmLimits};
 
-/// How elements are written down.
+/// Encoding of elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Encoding {
     pub explicit: bool,
@@ -38,13 +38,13 @@ pub(super) struct Native<'a> {
     pub bytes: &'a [u8],
 }
 
-/// A data set that may be read.
+/// A checked data set.
 #[derive(Default)]
 pub(super) struct Scan<'a> {
     /// Elements that dicom-rs reads as they are meant.
     pub parts: Vec<&'a [u8]>,
     pub native: Option<Native<'a>>,
-    /// Elements that it would misread, and those that are there for a second time. Nothing here needs them.
+    /// Elements that it would misread, and those that are there for a second time. They are not needed.
     pub left_out: Vec<Attribute>,
 }
 
@@ -161,7 +161,7 @@ impl<'a> Scanner<'a, '_> {
             return Ok(None);
         };
         let end = self.end(tag, length, self.data.len())?;
-        // What is left over of a value would be taken for the next element.
+        // The rest of a value would be read as the next element.
         self.unfit |= length % unit(tag, vr) != 0;
         if vr == VR::SQ {
             self.items(tag, encoding, Some(end), depth)?;

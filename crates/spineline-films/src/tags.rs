@@ -1,4 +1,4 @@
-//! What a film's attributes say, as far as measuring needs it.
+//! Values of a film's attributes for measuring.
 
 use dicom_core::value::Value;
 use dicom_object::InMemDicomObject;
@@ -48,7 +48,7 @@ pub(super) fn is_radiograph(modality: &str) -> bool {
     RADIOGRAPHS.contains(&modality)
 }
 
-/// Reads the attributes, and refuses what is no single grey radiograph.
+/// Reads the attributes, and refuses everything except for a single grey radiograph.
 pub(super) fn read(
     data: &DataSet<'_>,
     syntax_name: &'static str,

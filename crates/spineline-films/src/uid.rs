@@ -1,4 +1,4 @@
-//! Unique identifiers of DICOM that are always the same for the same thing.
+//! Deterministic unique identifiers of DICOM.
 
 use sha2::{Digest, Sha256};
 
@@ -24,7 +24,7 @@ mod tests {
     use super::from_name;
 
     #[test]
-    fn a_name_has_one_uid_and_another_name_another() {
+    fn equal_names_have_equal_uids_and_different_names_different_ones() {
         assert_eq!(from_name("study a"), from_name("study a"));
         assert_ne!(from_name("study a"), from_name("study b"));
     }

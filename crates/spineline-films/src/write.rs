@@ -16,7 +16,7 @@ use spineline::measure::{ImageGeometry, SpacingPlane};
 
 use super::uid;
 
-/// What large stored values stand for.
+/// Meaning of large stored values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FilmPolarity {
     /// Shown dark.
@@ -48,7 +48,7 @@ impl Encoding {
     }
 }
 
-/// From where the beam comes.
+/// Direction of the beam.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum View {
     /// From the front to the back.
@@ -62,17 +62,17 @@ pub enum View {
 pub struct DicomFilm<'a> {
     /// Identifier of the case, such as `phantom-rod-01`; the patient's identifier and, in capitals, name.
     pub case_id: &'a str,
-    /// Who it stands for.
+    /// Data of the synthetic patient.
     pub subject: &'a Subject,
     /// The posture.
     pub posture: Posture,
-    /// From where the beam comes.
+    /// Direction of the beam.
     pub view: View,
     /// How the picture lies. Where its spacing is the patient's, the detector's is larger by `magnification`.
     pub image: ImageGeometry,
     /// How much larger the detector shows the patient: 1 or more.
     pub magnification: f64,
-    /// What large values stand for.
+    /// Meaning of large values.
     pub polarity: FilmPolarity,
     /// Bits that a value uses, 2 to 16.
     pub bits_stored: u16,
@@ -120,7 +120,7 @@ pub enum WriteFilmError {
         /// Bits stated.
         bits_stored: u16,
     },
-    /// A spacing or magnification that is none.
+    /// An invalid spacing or magnification.
     #[error("{posture} film: {quantity} of {value} {limit}")]
     Length {
         /// Film.
@@ -129,7 +129,7 @@ pub enum WriteFilmError {
         quantity: &'static str,
         /// Its value.
         value: f64,
-        /// What it should be.
+        /// Expected value.
         limit: &'static str,
     },
     /// The encoder or the writer of the data set failed.
@@ -375,7 +375,7 @@ impl DicomFilm<'_> {
         text(object, tags::DERIVATION_DESCRIPTION, VR::ST, "SYNTHETIC: drawn from a phantom");
         empty(object, tags::CONTENT_DATE, VR::DA);
         empty(object, tags::CONTENT_TIME, VR::TM);
-        // The word and the lead marker in the picture identify nobody.
+        // The word and the lead marker in the picture do not identify a person.
         // An image of a phantom, in the standard's words.
         text(object, tags::QUALITY_CONTROL_IMAGE, VR::CS, "YES");
         text(object, tags::BURNED_IN_ANNOTATION, VR::CS, "NO");

@@ -1,4 +1,4 @@
-//! What must hold for any input of the parsers: no panic, and what was read is written and read again.
+//! Checks for any input of the parsers: no panic, and a round trip of every value read.
 //!
 //! `cargo xtask fuzz` drives each check with random input. The tests of this crate replay the seeds, whole and damaged.
 
@@ -12,7 +12,7 @@ use spineline_files::{CaseFile, parse_case, to_text};
 use spineline_films::{DeidOptions, FilmLimits, deidentify, read_film};
 use spineline_landmarks::{LandmarkHint, parse_landmarks};
 
-/// A check of one parser; it panics where something does not hold.
+/// A check of one parser; it panics if the check fails.
 pub type Check = fn(&[u8]);
 
 /// Every check with the name of its target.

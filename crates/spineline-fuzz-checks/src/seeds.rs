@@ -18,7 +18,7 @@ pub struct Seed {
     pub target: &'static str,
     /// Its own name.
     pub name: String,
-    /// What it holds.
+    /// Content.
     pub bytes: Vec<u8>,
 }
 

@@ -1,8 +1,8 @@
 //! Keypoints in the format of COCO.
 //!
 //! A category is a vertebra with the keypoints `superior_left`, `superior_right`, `inferior_left` and `inferior_right`, or
-//! one thing with keypoints named as in Slicer's lists, such as `T12_superior_left`. Sides are the patient's. Places count
-//! from the centre of the first pixel, as ours do. Keypoints of visibility 0 were not marked.
+//! one thing with keypoints named as in Slicer's lists, such as `T12_superior_left`. Sides are the patient's. Places count from
+//! the centre of the first pixel, as in Spineline. Keypoints of visibility 0 were not placed.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ use super::{
 };
 
 /// Names that one category may have: four corners of 17 vertebrae and two crests.
-const MOST_KEYPOINTS: usize = 70;
+const MAX_KEYPOINTS: usize = 70;
 
 #[derive(Deserialize)]
 struct Dataset {
@@ -122,11 +122,11 @@ pub fn parse_coco(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, Lan
 
 fn names(category: &Category, at: &str) -> Result<Vec<PointName>, LandmarkError> {
     let count = category.keypoints.len();
-    if count > MOST_KEYPOINTS {
+    if count > MAX_KEYPOINTS {
         return Err(LandmarkError::TooLarge {
             what: "keypoints of a category",
             found: count as u64,
-            limit: MOST_KEYPOINTS as u64,
+            limit: MAX_KEYPOINTS as u64,
         });
     }
     let corners: Vec<CornerName> =

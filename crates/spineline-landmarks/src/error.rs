@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use spineline::anatomy::Level;
 use spineline::measure::MeasureError;
 
-/// A file of landmarks that cannot be read as one.
+/// Error of reading a file of landmarks.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LandmarkError {
@@ -15,23 +15,23 @@ pub enum LandmarkError {
         /// Why.
         source: std::io::Error,
     },
-    /// More than any file of landmarks holds.
+    /// Above a limit.
     #[error("{what}: {found}; the limit is {limit}")]
     TooLarge {
-        /// What there is too much of.
+        /// What exceeds the limit.
         what: &'static str,
-        /// How much there is, as far as it was counted.
+        /// Number found, as far as counted.
         found: u64,
-        /// How much is read.
+        /// Limit.
         limit: u64,
     },
-    /// Nothing in the file says which format it has.
+    /// The format of the file is unknown.
     #[error("unknown landmark format: {reason}")]
     Unrecognised {
         /// What was looked for.
         reason: String,
     },
-    /// The text is not what its format asks for.
+    /// The text does not follow its format.
     #[error("{at}: {reason}")]
     Syntax {
         /// Where in the file.
@@ -51,7 +51,7 @@ pub enum LandmarkError {
         /// The known one that it resembles most.
         nearest: Option<String>,
     },
-    /// Something that the format needs is not there.
+    /// A required part is missing.
     #[error("{at}: {what} is missing")]
     Missing {
         /// Where in the file.
@@ -59,27 +59,27 @@ pub enum LandmarkError {
         /// What is missing.
         what: String,
     },
-    /// A cell or value that is no number, or none that can be meant.
+    /// A cell or value that is not a number, or is implausible.
     #[error("{at}: `{value}` is not {expected}")]
     Value {
         /// Where in the file.
         at: String,
-        /// What stands there.
+        /// Value found.
         value: String,
-        /// What should stand there.
+        /// Expected value.
         expected: &'static str,
     },
-    /// A name that is no vertebra from T1 to L5.
+    /// A name that is not a vertebra from T1 to L5.
     #[error("{at}: `{name}` is not a vertebra from T1 to L5{}", hint.map(|hint| format!(": {hint}")).unwrap_or_default())]
     Vertebra {
         /// Where in the file.
         at: String,
         /// The name.
         name: String,
-        /// What it probably is.
+        /// The nearest known name.
         hint: Option<&'static str>,
     },
-    /// Something given twice within one reading of one film.
+    /// A repeated part within one reading of one film.
     #[error("{at}: {what} is given twice{}", first.as_ref().map(|first| format!(", first at {first}")).unwrap_or_default())]
     Duplicate {
         /// Where it stands for the second time.
@@ -94,7 +94,7 @@ pub enum LandmarkError {
     Incomplete {
         /// Reading and vertebra.
         what: String,
-        /// Points that are not there.
+        /// Missing points.
         missing: Vec<String>,
     },
     /// The file can be understood in more than one way.
@@ -102,10 +102,10 @@ pub enum LandmarkError {
     Ambiguous {
         /// Where in the file.
         at: String,
-        /// Which ways.
+        /// The possible meanings.
         reason: String,
     },
-    /// Something about the picture that the file does not say and the caller did not.
+    /// Missing data on the picture that neither the file nor the caller gives.
     #[error("{format} needs {what}; the file does not contain it")]
     Needs {
         /// Format of the file.
@@ -113,7 +113,7 @@ pub enum LandmarkError {
         /// What is needed.
         what: &'static str,
     },
-    /// The picture that the points lie on is another one.
+    /// The points belong to another picture.
     #[error(
         "the landmarks belong to a picture of {} × {} pixels, and this one has {} × {}", stated.0, stated.1, given.0, given.1
     )]
@@ -123,7 +123,7 @@ pub enum LandmarkError {
         /// Columns and rows of the picture.
         given: (u32, u32),
     },
-    /// Points in space that lie in no plane of a frontal film.
+    /// Points in space outside of any plane of a frontal film.
     #[error("{at}: {reason}")]
     Plane {
         /// Markups node.
@@ -131,19 +131,19 @@ pub enum LandmarkError {
         /// What their coordinates are like.
         reason: String,
     },
-    /// A DICOM object that is no report of landmarks of ours.
+    /// A DICOM object that is not a landmark report of Spineline.
     #[error("the DICOM object is not a report of landmarks by Spineline: {reason}")]
     Report {
         /// Why.
         reason: String,
     },
-    /// Marks from which no measurement can be made.
+    /// Landmarks from which no measurement can be made.
     #[error(transparent)]
     Marks(#[from] MeasureError),
 }
 
 impl LandmarkError {
-    /// What the user can do about it.
+    /// Remedy.
     #[must_use]
     pub fn help(&self) -> &'static str {
         match self {
@@ -175,7 +175,7 @@ impl LandmarkError {
     }
 }
 
-/// A case that a format of landmarks cannot hold.
+/// A case that a landmark format cannot represent.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LandmarkExportError {
@@ -188,7 +188,7 @@ pub enum LandmarkExportError {
     /// Films with corners and films with locations do not go into one table.
     #[error("some films hold corners and some hold locations; a table holds only one kind")]
     MixedKinds,
-    /// The name of an observer that a format cannot hold.
+    /// The name of an observer that a format cannot represent.
     #[error("the observer `{name}` cannot be written: {reason}")]
     Observer {
         /// The name.
@@ -202,7 +202,7 @@ pub enum LandmarkExportError {
         /// Film and reading.
         what: String,
     },
-    /// A coordinate that a format cannot hold.
+    /// A coordinate that a format cannot represent.
     #[error("{what}, {level}: a corner is not a number, or lies outside of the picture")]
     Corner {
         /// Film and reading.
@@ -210,7 +210,7 @@ pub enum LandmarkExportError {
         /// Vertebra.
         level: Level,
     },
-    /// The picture that the landmarks were marked on does not go with them.
+    /// The picture does not match the landmarks.
     #[error("{0}")]
     Source(String),
     /// The DICOM writer refused.
@@ -219,7 +219,7 @@ pub enum LandmarkExportError {
 }
 
 impl LandmarkExportError {
-    /// What the user can do about it.
+    /// Remedy.
     #[must_use]
     pub fn help(&self) -> &'static str {
         match self {

@@ -9,7 +9,7 @@ use spineline::measure::{Film, FilmMarks};
 
 use super::{LandmarkExportError, ReportOf, SourceImage, csv, slicer, write_sr};
 
-/// What landmarks are written as.
+/// Formats for writing landmarks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LandmarkTarget<'a> {
     /// One table of all films.
@@ -18,7 +18,7 @@ pub enum LandmarkTarget<'a> {
     Slicer,
     /// DICOM reports, one per reading: a report is by one observer.
     DicomSr {
-        /// The radiographs that the films were marked on.
+        /// The radiographs on which the landmarks were placed.
         sources: &'a BTreeMap<Posture, SourceImage>,
         /// Between which vertebrae Cobb angles are measured.
         curves: &'a [(Region, CobbEnds)],

@@ -1,4 +1,4 @@
-//! What every format is read into.
+//! The common type into which every format is read.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ use super::names::{PointName, coordinate};
 /// A format of landmarks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LandmarkFormat {
-    /// Our own table.
+    /// The table of Spineline.
     Csv,
     /// Point lists of 3D Slicer.
     Slicer,
@@ -28,7 +28,7 @@ pub enum LandmarkFormat {
     AasceMat,
     /// A folder of AASCE.
     AasceFolder,
-    /// A DICOM report of ours.
+    /// A DICOM report of Spineline.
     DicomSr,
 }
 
@@ -39,18 +39,18 @@ pub struct LandmarkFile {
     pub format: LandmarkFormat,
     /// Films, at least one.
     pub films: Vec<MarkedFilm>,
-    /// What was passed over, in words.
+    /// Text on skipped parts.
     pub remarks: Vec<String>,
 }
 
-/// The landmarks of one radiograph as some file holds them; sides are the patient's.
+/// The landmarks of one radiograph from a file; sides are the patient's.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MarkedFilm {
-    /// Position of the patient, where the file says it.
+    /// Posture, if the file contains it.
     pub posture: Option<Posture>,
-    /// Name of the picture, where the file says it.
+    /// Name of the picture, if the file contains it.
     pub picture: Option<String>,
-    /// Columns and rows of the picture, where the file says them.
+    /// Columns and rows of the picture, if the file contains them.
     pub size: Option<(u32, u32)>,
     /// Tips of the iliac crests, in pixels.
     pub iliac_crests: Option<IliacCrests>,
@@ -58,7 +58,7 @@ pub struct MarkedFilm {
     pub marks: LandmarkReadings,
 }
 
-/// What was read of the vertebrae of a film.
+/// Landmarks of the vertebrae of a film.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LandmarkReadings {
     /// Corners in pixels.
@@ -67,30 +67,30 @@ pub enum LandmarkReadings {
     Placements(Vec<Reading<Placement>>),
 }
 
-/// In which plane the points of a list lie.
+/// Plane of the points of a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SlicerFrame {
     /// A picture without a position in the patient, as DX and CR films are: the first pixel is the origin, the columns run
-    /// along `L` and the rows along `P` of LPS, each by its spacing, or by 1 mm where the picture has none. These
-    /// directions are nominal: they say nothing of the patient.
+    /// along `L` and the rows along `P` of LPS, each by its spacing, or by 1 mm where the picture has none. These directions
+    /// are nominal and not those of the patient.
     Image,
     /// A coronal plane of the patient: `L` of LPS is the patient's left, `S` is cranial.
     Patient,
 }
 
-/// What the caller knows of landmarks that their file may not hold.
+/// Data on landmarks from the caller, for files without them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LandmarkHint {
-    /// Position of the patient.
+    /// Posture.
     pub posture: Option<Posture>,
     /// Side of the picture on which the patient's left is: needed by formats that name sides of the picture.
     pub patient_left: Option<ImageSide>,
     /// The picture, where there is one.
     pub image: Option<ImageGeometry>,
-    /// Who marked, for formats without a word on it.
+    /// Observer, for formats without one.
     pub reading: ReadingId,
-    /// Frame of a file of Slicer that does not say it.
+    /// Frame of a Slicer file without one.
     pub slicer_frame: Option<SlicerFrame>,
 }
 
@@ -117,8 +117,8 @@ impl MarkedFilm {
     /// The film of a case. Corners need the picture, for its size and sides; `posture` counts where the file has none.
     ///
     /// # Errors
-    /// [`LandmarkError::Needs`], [`LandmarkError::OtherPicture`], [`LandmarkError::Ambiguous`] for another posture, and
-    /// whatever the core finds wrong with the marks ([`LandmarkError::Marks`]).
+    /// [`LandmarkError::Needs`], [`LandmarkError::OtherPicture`], [`LandmarkError::Ambiguous`] for another posture, and errors
+    /// of the core in the landmarks ([`LandmarkError::Marks`]).
     pub fn into_film(
         self,
         posture: Option<Posture>,
@@ -257,7 +257,7 @@ impl Points<Pixel> {
     }
 }
 
-/// A pixel whose coordinates can be meant.
+/// A pixel with plausible coordinates.
 pub(super) fn pixel(column: f64, row: f64, at: &str) -> Result<Pixel, LandmarkError> {
     Ok(Pixel::new(coordinate(column, at)?, coordinate(row, at)?))
 }

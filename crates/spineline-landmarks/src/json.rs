@@ -1,4 +1,4 @@
-//! JSON of other programs: keys that we do not need are theirs.
+//! JSON of other programs: unknown keys are ignored.
 
 use serde::de::DeserializeOwned;
 

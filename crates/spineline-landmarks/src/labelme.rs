@@ -2,7 +2,7 @@
 //!
 //! labelme counts from the corner of the first pixel, so its places are moved by half a pixel. A quadrilateral names no
 //! corner: its superior endplate is its uppermost side, and which side of the picture is the patient's left has to be known.
-//! One whose uppermost side leans more than 40° could be meant in two ways, and is refused; so is a mixture of points and
+//! One whose uppermost side has a tilt of more than 40° could be meant in two ways, and is refused; so is a mixture of points and
 //! quadrilaterals for one vertebra.
 
 use serde::Deserialize;

@@ -2,7 +2,7 @@
 //!
 //! Everything is read into one intermediate, [`MarkedFilm`]: corners in pixels, named by the **patient's** sides, or, where a
 //! file knows no picture, locations and tilts. [`MarkedFilm::into_film`] makes a film of a case of it and lets the core check
-//! it. Nothing is guessed: what a file does not say comes from the caller ([`LandmarkHint`]) or is an error.
+//! it. Nothing is assumed: data that a file does not contain come from the caller ([`LandmarkHint`]) or are an error.
 //!
 //! Every reader takes bytes, never panics, and allocates no more than in proportion to them.
 
@@ -36,12 +36,12 @@ pub use labelme::parse_labelme;
 pub use slicer::parse_slicer;
 pub use sr::{ReportOf, SourceImage, read_source, read_sr, write_sr};
 
-/// Largest file of landmarks that is read.
+/// Maximum size of a file of landmarks.
 pub const MAX_BYTES: u64 = 64 << 20;
 
-/// The formats that are read, for people.
+/// Text with the formats that are read.
 pub const LANDMARK_FORMATS: &str = "\
-Landmark files, told apart by their content:
+Landmark files, detected by their content:
   CSV           one row per vertebra: posture, observer, repeat, vertebra, superior_left_column_px, superior_left_row_px,
                 and so on for superior_right, inferior_left, inferior_right; axis_clockwise_deg if set by hand. A row whose
                 vertebra is iliac_crests has the left and right tip in the superior columns. Commas, or semicolons with
@@ -52,10 +52,10 @@ Landmark files, told apart by their content:
   COCO          keypoints: a category per vertebra (superior_left, …), or names such as T12_superior_left.
   AASCE         a .mat file with p2, or the folder with filenames.csv, landmarks.csv and image_sizes.csv.
   DICOM SR      a report that `spineline export --to dicom-sr` wrote.
-Left and right are the patient's. AASCE and polygons name sides of the picture, so they need to be told on which side of it
+Left and right are the patient's. AASCE and polygons name sides of the picture, so they need the side of it
 the patient's left is. Pixels count from the centre of the first pixel, which is 0.";
 
-/// Reads landmarks of any known format from the bytes of a file, by what they look like.
+/// Reads landmarks of any known format from the bytes of a file, detected from the content.
 ///
 /// # Errors
 /// [`LandmarkError`].

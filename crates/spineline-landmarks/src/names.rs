@@ -8,10 +8,10 @@ use spineline_files::nearest;
 
 use super::LandmarkError;
 
-/// No coordinate is larger, in pixels or millimetres: a point beyond it was not meant.
-const LARGEST: f64 = 1e6;
-/// Longest name of an observer.
-const LONGEST_NAME: usize = 64;
+/// Maximum coordinate in pixels or millimetres; a larger one is an error.
+const MAX_COORDINATE: f64 = 1e6;
+/// Maximum length of an observer's name.
+const MAX_NAME: usize = 64;
 
 /// The short name of a corner.
 const fn short(corner: CornerName) -> &'static str {
@@ -84,7 +84,7 @@ impl PointName {
     }
 }
 
-/// The vertebra of a name; a name that is none says what it probably is.
+/// The vertebra of a name; an unknown name gives the nearest known one.
 pub(super) fn parse_level(text: &str, at: &str) -> Result<Level, LandmarkError> {
     let trimmed = text.trim();
     let found = trimmed.parse::<Level>().or_else(|_| {
@@ -118,9 +118,9 @@ fn hint(name: &str) -> Option<&'static str> {
     }
 }
 
-/// A finite number of a size that can be meant.
+/// A finite number of plausible size.
 pub(super) fn coordinate(value: f64, at: &str) -> Result<f64, LandmarkError> {
-    if value.is_finite() && value.abs() <= LARGEST {
+    if value.is_finite() && value.abs() <= MAX_COORDINATE {
         Ok(value)
     } else {
         Err(LandmarkError::Value {
@@ -131,25 +131,25 @@ pub(super) fn coordinate(value: f64, at: &str) -> Result<f64, LandmarkError> {
     }
 }
 
-/// The name of an observer, as a code may look.
+/// The name of an observer, checked as a code.
 pub(super) fn observer(text: &str, at: &str) -> Result<String, LandmarkError> {
     let refused =
         |expected| Err(LandmarkError::Value { at: at.to_owned(), value: shown(text), expected });
     if text.trim().is_empty() {
         return refused("the code of an observer");
     }
-    if text.chars().count() > LONGEST_NAME || text.chars().any(char::is_control) {
+    if text.chars().count() > MAX_NAME || text.chars().any(char::is_control) {
         return refused("a code of at most 64 plain characters");
     }
     Ok(text.to_owned())
 }
 
-/// Text from a file as it may be shown: its beginning, without control characters.
+/// The beginning of a text from a file without control characters, for display.
 pub(super) fn shown(text: &str) -> String {
-    const LONGEST: usize = 40;
+    const MAX_SHOWN: usize = 40;
     let clean: String =
-        text.chars().take(LONGEST).map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if text.chars().nth(LONGEST).is_some() { clean + "…" } else { clean }
+        text.chars().take(MAX_SHOWN).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if text.chars().nth(MAX_SHOWN).is_some() { clean + "…" } else { clean }
 }
 
 #[cfg(test)]
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_that_is_none_says_what_was_meant() {
+    fn an_unknown_name_is_reported_with_the_nearest_one() {
         let error = PointName::parse("T12_superior_lfet", "point 3").expect_err("misspelt");
         let text = error.to_string();
         assert!(text.contains("point 3") && text.contains("`T12_superior_left`?"), "{text}");
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_cannot_be_meant_are_refused() {
+    fn implausible_numbers_are_refused() {
         for value in [f64::NAN, f64::INFINITY, 1e308, -2e6] {
             assert!(coordinate(value, "here").is_err(), "{value}");
         }

@@ -14,7 +14,7 @@ pub fn embedded(pdf: &[u8]) -> Option<String> {
 }
 
 fn attachment(pdf: &[u8]) -> Option<String> {
-    // Without this, any file would be searched through for lost objects.
+    // Without this check, any file would be searched for lost objects.
     if !pdf.starts_with(b"%PDF-") {
         return None;
     }

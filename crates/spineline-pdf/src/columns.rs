@@ -1,4 +1,4 @@
-//! How a table fits on the page: the size of its letters, and the width of each column.
+//! Layout of a table on the page: size of type, and width of each column.
 
 /// Between the margins of the page.
 const PAGE_PT: f64 = 481.0;
@@ -10,7 +10,7 @@ const SIZES_PT: [f64; 4] = [7.5, 6.5, 5.5, 4.5];
 const COMMON_COLUMNS: usize = 9;
 /// Heads are bold.
 const BOLD: f64 = 1.15;
-/// Widths of letters are known roughly.
+/// Widths of letters are estimates.
 const SLACK: f64 = 1.03;
 
 /// A table's measures.
@@ -67,7 +67,7 @@ pub(crate) fn fit(heads: &[String], rows: &[Vec<String>]) -> Fit {
     Fit { size_pt, widths_pt: widths }
 }
 
-/// Shares room out: to everyone the same, but to no one more than is wanted.
+/// Distributes room equally, but gives no column more than it needs.
 fn shared(room: f64, wanted: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..wanted.len()).collect();
     order.sort_by(|&a, &b| wanted[a].total_cmp(&wanted[b]));
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn a_small_table_is_as_wide_as_its_lines() {
+    fn a_small_table_is_as_wide_as_its_text() {
         let found = fit(&texts(&["Film", "mean (mm)"]), &[texts(&["left bending", "1.25"])]);
         assert_eq!(found.size_pt, SIZES_PT[0]);
         assert!(found.widths_pt.iter().sum::<f64>() < 0.5 * PAGE_PT, "{found:?}");
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn many_columns_have_smaller_letters_and_stay_on_the_page() {
+    fn many_columns_have_smaller_type_and_fit_the_page() {
         let heads: Vec<String> = (0..14).map(|i| format!("column {i} of many")).collect();
         let row: Vec<String> = (0..14).map(|i| format!("-12.3456 ± 0.12{i}")).collect();
         let found = fit(&heads, &[row]);
@@ -145,14 +145,14 @@ mod tests {
     }
 
     #[test]
-    fn nobody_is_given_more_than_is_wanted() {
+    fn no_column_is_wider_than_it_needs() {
         assert_eq!(shared(10.0, &[1.0, 20.0, 2.0]), [1.0, 7.0, 2.0]);
         assert_eq!(shared(-1.0, &[1.0, 2.0]), [0.0, 0.0]);
         assert_eq!(shared(9.0, &[]), Vec::<f64>::new());
     }
 
     #[test]
-    fn a_piece_ends_where_a_line_may() {
+    fn pieces_end_at_possible_line_breaks() {
         assert!((longest_piece_em("ab cde") - 3.0 * 0.64).abs() < 1e-12);
         assert!((longest_piece_em("ab\u{200b}cde") - 3.0 * 0.64).abs() < 1e-12);
         assert!((longest_piece_em("病例一") - 1.05).abs() < 1e-12);

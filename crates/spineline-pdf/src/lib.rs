@@ -53,7 +53,7 @@ pub enum PdfError {
     /// Not in the calendar, such as a 30th of February.
     #[error("the time of the report, {0}, is not a valid date")]
     Date(Made),
-    /// The template or a figure is at fault.
+    /// The template or a figure is invalid.
     #[error("the report could not be typeset: {0}")]
     Typeset(String),
     /// It contains something that PDF/A-3b forbids.
@@ -74,11 +74,11 @@ pub fn pdf(document: &Document, made: Made) -> Result<Vec<u8>, PdfError> {
     let found = Fonts::for_texts(page::texts(document)).fonts;
     let is_more = found.len() > within.len();
     let bytes = match typeset(document, found, date) {
-        // A font of the machine that may not be embedded, say: boxes are better than no report.
+        // For example a font that may not be embedded: boxes are better than no report.
         Err(PdfError::Export(_)) if is_more => typeset(document, within, date),
         done => done,
     };
-    // The typesetter remembers what it laid out, and no other report has any of it.
+    // Free the typesetter's cache, which later reports do not use.
     typst::comemo::evict(0);
     bytes
 }

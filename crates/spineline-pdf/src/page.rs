@@ -129,7 +129,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn missing_letters_are_told_after_the_banners() {
+    fn missing_letters_are_reported_after_the_banners() {
         let document = Document {
             title: "Report".to_owned(),
             subject: "a_b".to_owned(),
@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn a_footer_has_room_for_what_it_says() {
+    fn a_footer_has_room_for_its_text() {
         assert_eq!(shortened("P07"), "P07");
         assert_eq!(shortened(&"病".repeat(200)).chars().count(), FOOTER);
     }

@@ -1,4 +1,4 @@
-//! Texts as they can be set: only letters that a font has, and long words with places to break.
+//! Texts for typesetting: only letters that a font has, and long words with places to break.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +9,7 @@ const BOX: char = '\u{25a1}';
 /// Where a line may break without a sign.
 const BREAK: char = '\u{200b}';
 /// A longer word is broken wherever it has to be.
-const LONGEST_WORD: usize = 20;
+const MAX_WORD: usize = 20;
 /// Letters between two such places.
 const PIECE: usize = 12;
 
@@ -73,7 +73,7 @@ fn is_drawn(c: char) -> bool {
 fn breakable(text: &str) -> String {
     let mut broken = String::with_capacity(text.len() + text.len() / 8);
     for word in text.split_inclusive(char::is_whitespace) {
-        let is_long = word.trim_end().chars().count() > LONGEST_WORD;
+        let is_long = word.trim_end().chars().count() > MAX_WORD;
         let mut since = 0;
         let mut letters = word.chars().peekable();
         while let Some(letter) = letters.next() {
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn short_words_stay_and_long_ones_may_break() {
+    fn long_words_may_break_and_short_ones_not() {
         assert_eq!(breakable("mean 12.5 mm"), "mean 12.5 mm");
         assert_eq!(breakable("left_bending a/b"), "left_\u{200b}bending a/\u{200b}b");
         assert_eq!(breakable("a_ b/"), "a_ b/");
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mark_stays_with_its_letter() {
+    fn a_combining_mark_stays_with_its_letter() {
         let word = "a".repeat(12) + "\u{301}" + &"b".repeat(12);
         assert_eq!(breakable(&word), "a".repeat(12) + "\u{301}\u{200b}" + &"b".repeat(12));
         let joined = "\u{645}".repeat(12) + "\u{200d}" + &"\u{645}".repeat(12);
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_left_that_cannot_be_set() {
+    fn characters_that_cannot_be_set_are_removed() {
         let letters = lacking("\u{10fffd}病");
         assert_eq!(letters.plain("a\u{10fffd}病\n\u{0}b"), "a□□  b");
         assert_eq!(letters.plain("\u{202e}abc\u{2066}\u{feff}\u{fe0f}"), "abc");

@@ -1,4 +1,4 @@
-//! All that the typesetter may see: one template, texts and figures in memory, and fonts.
+//! The typesetter's input: one template, texts and figures in memory, and fonts.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -31,7 +31,7 @@ impl AsRef<[u8]> for FontFile {
 }
 
 impl Paper {
-    /// With nothing on it but the template.
+    /// With the template only.
     pub(crate) fn new(fonts: &[spineline_report::fonts::Font]) -> Self {
         let loaded = |font: &spineline_report::fonts::Font| {
             Font::new(Bytes::new(FontFile(font.data.clone())), font.index)

@@ -1,6 +1,6 @@
-//! Counter-examples: movements that a force through the inflections did not make.
+//! Counter-examples: movements without a force through the inflections.
 //!
-//! They show which findings of the paper follow from its hypothesis, and which would be found without it too. Sizes are those
+//! They show which findings of the paper depend on its hypothesis. Sizes are those
 //! of the rod, so that noise has the same effect in all scenarios.
 
 use rand_chacha::ChaCha12Rng;
@@ -25,7 +25,7 @@ fn prescribed(posture: Posture, shape: ChainShape) -> Moved {
     Moved::at(posture, shape, 0.0)
 }
 
-/// Every segment's turn is scaled by one factor per posture.
+/// The rotation of every segment is scaled by one factor per posture.
 pub(crate) fn flatten(spine: &ErectSpine, erect: &ChainShape, rng: &mut ChaCha12Rng) -> Vec<Moved> {
     let vary = usual_variation();
     let straight = ChainShape::with_turns(spine, |_| 0.0);
@@ -66,8 +66,8 @@ pub(crate) fn spread(
     let mut moved = Vec::new();
     for (posture, change) in leans(rng) {
         let sense = change.rad().signum();
-        let goal = erect_lean + change;
-        let reached = |shape: &ChainShape| (shape.top().lean() - goal).rad() * sense >= 0.0;
+        let target = erect_lean + change;
+        let reached = |shape: &ChainShape| (shape.top().lean() - target).rad() * sense >= 0.0;
         let left = solve(Frontal::new(1.0, 0.0));
         let (force_n, shape, ()) =
             force_for(-4.0 * sense, 4000.0, 0.0, left, reached).ok_or(posture)?;
@@ -82,7 +82,7 @@ pub(crate) fn spread(
     Ok(moved)
 }
 
-/// Normal turns of the joints between vertebrae, spread over the segments of each, scaled to the rod's sums.
+/// Normal rotations of the joints between vertebrae, spread over the segments of each, scaled to the rod's sums.
 pub(crate) fn random(spine: &ErectSpine, erect: &ChainShape, rng: &mut ChaCha12Rng) -> Vec<Moved> {
     let vary = usual_variation();
     let ends = &spine.vertebra_s_mm;
@@ -92,7 +92,7 @@ pub(crate) fn random(spine: &ErectSpine, erect: &ChainShape, rng: &mut ChaCha12R
     };
     let joints: Vec<usize> = (0..SEGMENTS).map(joint_of).collect();
     in_order(std::array::from_fn(|i| {
-        let goal = Angle::from_deg(TOTAL_DEG[i] * vary.sample(rng));
+        let target = Angle::from_deg(TOTAL_DEG[i] * vary.sample(rng));
         let turns: Vec<f64> = ends
             .windows(2)
             .map(|pair| {
@@ -101,7 +101,7 @@ pub(crate) fn random(spine: &ErectSpine, erect: &ChainShape, rng: &mut ChaCha12R
             })
             .collect();
         let unit = ChainShape::with_turns(spine, |k| spine.turns_rad[k] + 1e-3 * turns[joints[k]]);
-        let scale = 1e-3 * goal.rad() / unit.rotation_from(erect).rad();
+        let scale = 1e-3 * target.rad() / unit.rotation_from(erect).rad();
         let shape =
             ChainShape::with_turns(spine, |k| spine.turns_rad[k] + scale * turns[joints[k]]);
         prescribed(FIRST_NAMES[i], shape)

@@ -13,7 +13,7 @@ pub(crate) const SEGMENTS: usize = 998;
 pub(crate) struct ErectSpine {
     /// Length of the curve from L4 to T2.
     pub length_mm: f64,
-    /// Turn of every segment against the one below.
+    /// Rotation of every segment against the one below.
     pub turns_rad: Vec<f64>,
     /// Arc length of the vertebrae.
     pub vertebra_s_mm: Vec<f64>,
@@ -25,8 +25,7 @@ pub(crate) struct ErectSpine {
     pub joint_multipliers: [f64; Level::MODEL.len() - 1],
 }
 
-/// `y''` of the erect curve is `-A (z + a)(z - z1)(z - z2)(b - z)` on `z` in 0…1: lobes convex to the left, right and
-/// left, as most adolescent curves are, and a polynomial of degree 6.
+/// `y''` of the erect curve is `-A (z + a)(z - z1)(z - z2)(b - z)` on `z` in 0…1: curves convex to the left, right and left, as most adolescent curves are, and a polynomial of degree 6.
 #[derive(Debug, Clone, Copy)]
 struct Shape {
     amplitude: f64,
@@ -92,7 +91,7 @@ impl Shape {
     /// The shape whose curves have given angles: Newton with differences from a usual shape.
     fn with_lobes(target_rad: [f64; 3]) -> Option<Self> {
         let mut shape = Self { amplitude: 20.0 * target_rad[1], inflections: [0.33, 0.73] };
-        // The curves alternate: the first turns right as the spine rises.
+        // The curves alternate: the first bends to the right in cranial direction.
         let goal = Vec3::new(target_rad[0], -target_rad[1], target_rad[2]);
         for _ in 0..200 {
             let now = shape.lobes();

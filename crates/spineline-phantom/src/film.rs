@@ -26,9 +26,9 @@ pub enum Polarity {
     Monochrome2,
 }
 
-/// One film as it truly lies: what a reader without error would mark on it, and what its radiograph shows.
+/// One film with true places: the landmarks of a reader without error, and the content of its radiograph.
 ///
-/// Vertebrae of the model have the places of their posture; L5 and T1, which no reader marks, are carried on from their
+/// Vertebrae of the model have the places of their posture; L5 and T1, which are not read, are extrapolated from their
 /// neighbours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrueFilm {
@@ -42,9 +42,9 @@ pub struct TrueFilm {
     pub vertebrae: BTreeMap<Level, Corners<Pixel>>,
     /// Meaning of large stored values.
     pub polarity: Polarity,
-    /// The patient's side that the lead marker names and lies on.
+    /// The patient's side of the lead marker.
     pub marker: Side,
-    /// Of everything in the radiograph that is drawn at random.
+    /// Seed of everything random in the radiograph.
     pub seed: u64,
 }
 
@@ -60,7 +60,7 @@ impl TrueFilm {
     }
 }
 
-/// Marks of a film whose pixels became larger.
+/// Landmarks of a film with larger pixels.
 pub(crate) fn coarsen_marks(marks: &mut FilmMarks, factor: u32) {
     let FilmMarks::Landmarks { image, iliac_crests, readings } = marks else { return };
     *image = coarse_image(image, factor);
@@ -91,7 +91,7 @@ fn coarse_image(image: &ImageGeometry, factor: u32) -> ImageGeometry {
     ImageGeometry { columns: image.columns / factor, rows: image.rows / factor, spacing, ..*image }
 }
 
-/// Takes a film of every posture and has it read.
+/// Makes a film of every posture and its readings.
 ///
 /// The readers draw from `rng`, the radiographs' seeds come from `look`.
 pub(crate) fn photograph(
@@ -146,7 +146,7 @@ impl Placed {
         posture: &TruePosture,
         rng: &mut ChaCha12Rng,
     ) -> Self {
-        // Patients never stand exactly upright in front of the detector.
+        // Patients do not stand exactly upright in front of the detector.
         let chance = Angle::from_deg(Uniform::new(-3.0, 3.0).expect("a range").sample(rng));
         let pose = posture.l4_on_film.unwrap_or(chance);
         let on_film = |point: Frontal| point.rotated(pose);
@@ -238,7 +238,7 @@ fn picture(row: &TableRow, bodies: &[Body], crests: [Frontal; 2]) -> (ImageGeome
     (image, Frontal::new(corner_y, high.z_mm + MARGIN_MM))
 }
 
-/// L5 and T1, which the model does not have: one typical distance on, L5 as tilted as L4, T1 turning on as T2 does.
+/// L5 and T1, which the model does not have: one typical distance on, L5 with the tilt of L4, T1 with the rotation of T2.
 fn neighbours(stands: &[(Frontal, Angle)], spine: &ErectSpine) -> [Body; 2] {
     let scale = body_scale(spine);
     let last = stands.len() - 1;

@@ -48,7 +48,7 @@ use spineline::analysis::Case;
 use spineline::anatomy::Posture;
 use spineline::spatial::{Angle, Frontal};
 
-/// What moved the synthetic spine.
+/// Loading scenario of the synthetic spine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Truth {
     /// A force through the inflections (the paper's hypothesis).
@@ -57,13 +57,13 @@ pub enum Truth {
     Bend,
     /// A horizontal force at T2 (Petit's hypothesis).
     Pull,
-    /// All segments turn in proportion to their erect curvature: no force, yet nothing turns at the inflections.
+    /// All segments rotate in proportion to their erect curvature: no force, and no rotation at the inflections.
     Flatten,
     /// A force as in [`Truth::Rod`] along a line that crosses the spine caudal of its inflections.
     Offset,
     /// A load of the same size on every millimetre of the spine: horizontal for bends, cranial for traction.
     Spread,
-    /// Every joint turns at random.
+    /// Random rotation of every joint.
     Random,
     /// The weight of trunk, head and arms along the film's vertical, which is tilted relative to L4.
     Weight,
@@ -73,12 +73,12 @@ pub enum Truth {
     Couple,
     /// A force through the inflections and a horizontal one at the apex of the main thoracic curve.
     TwoForces,
-    /// As the rod, with the axis of L4 turned on the bends: all above it is rotated in its frame.
+    /// As the rod, with the axis of L4 rotated on the bends: all above it is rotated in its frame.
     TurnedBase,
 }
 
 impl Truth {
-    /// The three hypotheses that `spineline reproduce` lays beside the paper.
+    /// The three scenarios that `spineline reproduce` compares with the paper.
     pub const ALL: [Self; 3] = [Self::Rod, Self::Bend, Self::Pull];
     /// These and the counter-examples.
     pub const EVERY: [Self; 7] = [
@@ -114,7 +114,7 @@ impl Truth {
         }
     }
 
-    /// What it means, in a few words.
+    /// Short description.
     #[must_use]
     pub const fn meaning(self) -> &'static str {
         match self {
@@ -134,7 +134,7 @@ impl Truth {
     }
 }
 
-/// One posture of a phantom as it truly is, in the global frame.
+/// True values of one posture of a phantom, in the global frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TruePosture {
     /// The posture.
@@ -151,22 +151,22 @@ pub struct TruePosture {
     pub force_n: f64,
     /// L4's tilt on the film, where the load depends on it; else the patient's tilt is random.
     pub l4_on_film: Option<Angle>,
-    /// By how much all above L4 is rotated in L4's frame, beyond what the load does.
+    /// Rotation of all above L4 in L4's frame, in addition to the load's effect.
     pub base_turn: Angle,
 }
 
-/// A synthetic patient: the films as readers see them, and the truth behind them.
+/// A synthetic patient: the read films, and the true values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Phantom {
     /// The case that the readers made.
     pub case: Case,
-    /// What moved it.
+    /// Loading scenario.
     pub truth: Truth,
     /// True postures, the erect one first.
     pub postures: Vec<TruePosture>,
     /// True lateral stiffness multipliers per region, caudal first.
     pub multipliers: [f64; 3],
-    /// How the postures truly lie on their films, in the same order.
+    /// True places on the films, in the same order.
     pub films: Vec<TrueFilm>,
 }
 
@@ -191,7 +191,7 @@ pub enum PhantomError {
     NoForce {
         /// Number of the subject, from 1.
         number: usize,
-        /// Truth.
+        /// Loading scenario.
         truth: &'static str,
         /// Posture.
         posture: Posture,
@@ -236,7 +236,7 @@ pub fn generate_varied(
 /// Makes one phantom and lets several kinds of readers read its films, each beginning with the same random numbers.
 ///
 /// `copy` is 0 for the phantom of [`generate`]; every other number makes another patient of the same row of Table 1.
-/// Readers who differ in their deviations alone err in the same directions, by different amounts.
+/// Readers who differ in their standard deviations alone have errors in the same directions, of different size.
 ///
 /// # Errors
 /// [`PhantomError`].
@@ -250,7 +250,7 @@ pub fn generate_read(
     generate_patient(&Patient { index, copy, joint_log_sd: 0.0 }, truth, readers, seed)
 }
 
-/// Who is made.
+/// Selection of a phantom.
 struct Patient {
     /// Row of Table 1, from 0.
     index: usize,
@@ -273,7 +273,7 @@ fn generate_patient(
     let (movement, look) = streams(place, truth);
     let mut rng = stream(seed, movement);
     let (postures, multipliers) = truth::postures(row, truth, &spine, &mut rng)?;
-    // What radiographs draw at random moves no landmark.
+    // Random parts of radiographs do not change landmarks.
     let phantoms = readers.iter().map(|readers| {
         let (mut case, films) = film::photograph(
             row,
@@ -338,7 +338,7 @@ impl Phantom {
         self.postures.iter().find(|p| p.posture == posture)
     }
 
-    /// How a posture truly lies on its film.
+    /// True places of a posture on its film.
     #[must_use]
     pub fn film(&self, posture: Posture) -> Option<&TrueFilm> {
         self.films.iter().find(|film| film.posture == posture)

@@ -1,4 +1,4 @@
-//! Loads that no single line describes, on the same rod; and a base that is turned.
+//! Loads that no single line describes, on the same rod; and a rotated base.
 
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, Uniform};
@@ -33,11 +33,11 @@ pub(crate) fn move_by(
     sizes
         .into_iter()
         .map(|(posture, total_deg, sense)| {
-            let goal = Angle::from_deg(total_deg * vary.sample(rng));
+            let target = Angle::from_deg(total_deg * vary.sample(rng));
             let lean = Angle::from_deg(25.0 * sense);
             // A tilted vertical; the film of every posture shows it.
             let l4_on_film = (truth == Truth::Weight).then_some(lean);
-            let reached = |shape: &ChainShape| shape.rotation_from(erect) >= goal;
+            let reached = |shape: &ChainShape| shape.rotation_from(erect) >= target;
             let solve = |size: f64, shape: &mut ChainShape| {
                 *shape = rod.bend_by(shape, couple(truth, size, sense), |now| {
                     forces(truth, spine, now, size, (sense, lean))
@@ -105,7 +105,7 @@ fn apex(spine: &ErectSpine) -> usize {
     inside.max_by(|a, b| off(a).total_cmp(&off(b))).expect("a curve has vertebrae")
 }
 
-/// Turns all above L4 by one angle on a bend, as a turned axis of L4 does.
+/// Rotates all above L4 by one angle on a bend, like a rotated axis of L4.
 pub(crate) fn turn_base(posture: &mut TruePosture, rng: &mut ChaCha12Rng) {
     let size = Uniform::new(4.0, 8.0).expect("4 is below 8").sample(rng);
     let turn = match posture.posture {

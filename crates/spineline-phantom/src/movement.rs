@@ -1,4 +1,4 @@
-//! Movements of the fine chain from the erect posture, which every loading scenario is made of.
+//! Movements of the fine chain from the erect posture, used by every loading scenario.
 
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, Uniform};
@@ -25,7 +25,7 @@ impl Moved {
         Self { posture, shape, line: None, force_n, l4_on_film: None }
     }
 
-    /// What a perfect film would show of it.
+    /// True values on a film.
     pub fn observed(self, spine: &ErectSpine) -> TruePosture {
         let s = &spine.vertebra_s_mm;
         TruePosture {
@@ -41,15 +41,15 @@ impl Moved {
     }
 }
 
-/// Turn of the main thoracic curve.
+/// Rotation of the main thoracic curve.
 pub(crate) fn main_turn(spine: &ErectSpine, shape: &ChainShape) -> f64 {
     let [low, high] = spine.inflection_s_mm.map(|s| shape.tilt(s).rad());
     high - low
 }
 
-/// Steps a force from zero until a measure of the shape reaches a goal, then halves the last step.
+/// Steps a force from zero until a measure of the shape reaches a target, then halves the last step.
 ///
-/// `solve` continues from the force before; `None` where the goal is not reached.
+/// `solve` continues from the force before; `None` if the target is not reached.
 pub(crate) fn force_for<S: Clone, L>(
     step_n: f64,
     most_n: f64,
@@ -77,7 +77,7 @@ pub(crate) fn force_for<S: Clone, L>(
                     step_n *= 0.5;
                 }
             }
-            // No equilibrium so far ahead: a smaller step.
+            // No equilibrium at this step: a smaller one.
             None => step_n *= 0.5,
         }
     }
@@ -86,7 +86,7 @@ pub(crate) fn force_for<S: Clone, L>(
 
 /// Two bends, neutral and traction by a force along the line through the chain at two arc lengths.
 ///
-/// Forces are sized by how far all segments turn in sum; the paper's mean rotation makes 42° per movement, of which
+/// Forces are sized by the sum of all segments' rotations; the paper's mean rotation makes 42° per movement, of which
 /// neutral and the push take less (assumption).
 pub(crate) fn through(
     spine: &ErectSpine,
@@ -98,8 +98,8 @@ pub(crate) fn through(
     let rod = Rod::new(spine);
     let start = s_mm.map(|s| erect.point(s).y_mm);
     let mut at = |total_deg: f64, step_n: f64, posture: Posture| {
-        let goal = Angle::from_deg(total_deg * vary.sample(rng));
-        let reached = |shape: &ChainShape| shape.rotation_from(erect) >= goal;
+        let target = Angle::from_deg(total_deg * vary.sample(rng));
+        let reached = |shape: &ChainShape| shape.rotation_from(erect) >= target;
         let solve =
             |force_n: f64, places: &mut [f64; 2]| rod.bend_through(s_mm, force_n, erect, places);
         let (force_n, shape, line) =

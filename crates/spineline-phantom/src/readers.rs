@@ -13,7 +13,7 @@ use spineline::spatial::{Angle, Frontal, Pixel};
 pub struct Readers {
     /// Number of observers.
     pub observers: u32,
-    /// Times that each observer marks a film.
+    /// Number of readings per observer.
     pub repeats: u32,
     /// Deviation of a corner coordinate from repeat to repeat.
     pub corner_sd_mm: f64,
@@ -28,7 +28,7 @@ pub struct Readers {
 }
 
 impl Readers {
-    /// One reader who sees the truth, to the last bit.
+    /// One reader without error.
     #[must_use]
     pub const fn exact() -> Self {
         Self {
@@ -103,7 +103,7 @@ impl Default for Readers {
     }
 }
 
-/// How far a reader is off at one vertebra.
+/// Error of a reader at one vertebra.
 #[derive(Debug, Clone)]
 pub(crate) struct Deviation {
     corners: [Frontal; 4],

@@ -1,4 +1,4 @@
-//! Planar statics of the fine chain: independent of the library's march, so that it can judge it.
+//! Planar statics of the fine chain, independent of the library's march, which is tested against it.
 
 use spineline::action::{Application, LineOfAction};
 use spineline::anatomy::Level;
@@ -18,7 +18,7 @@ pub(crate) struct ChainShape {
 }
 
 impl ChainShape {
-    /// The shape with given turns.
+    /// The shape with given rotations.
     pub fn with_turns(spine: &ErectSpine, turn_rad: impl Fn(usize) -> f64) -> Self {
         Self::grow(spine.segment_mm(), |k, _| turn_rad(k))
     }

@@ -1,4 +1,4 @@
-//! Loading scenarios: what moves a spine from the erect posture to the others.
+//! Loading scenarios: movements of a spine from the erect posture to the others.
 
 use rand_chacha::ChaCha12Rng;
 use rand_distr::Distribution;
@@ -136,8 +136,8 @@ fn pull(
     let mut moved = Vec::new();
     for (posture, change) in leans(rng) {
         let sense = change.rad().signum();
-        let goal = erect_lean + change;
-        let reached = |shape: &ChainShape| (shape.top().lean() - goal).rad() * sense >= 0.0;
+        let target = erect_lean + change;
+        let reached = |shape: &ChainShape| (shape.top().lean() - target).rad() * sense >= 0.0;
         let (force_n, shape, line) =
             force_for(-2.0 * sense, 2000.0, erect.top(), solve(left), reached).ok_or(posture)?;
         moved.push(Moved { line: Some(line), ..Moved::at(posture, shape, force_n) });

@@ -1,6 +1,6 @@
-//! A report before a writer gives it a form: words, notices, tables and figures in their order.
+//! A report without format: texts, notices, tables and figures in their order.
 //!
-//! All text here is plain: no writer's markup stands in it, and every writer escapes what it is given.
+//! All text is plain, without markup; every writer escapes it.
 
 use serde::Serialize;
 use spineline::warning::{Severity, Warning};
@@ -8,13 +8,13 @@ use spineline::warning::{Severity, Warning};
 /// A whole report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Document {
-    /// What kind of report it is.
+    /// Kind of report.
     pub title: String,
-    /// Whom it is about: the case's identifier, or the size of the cohort.
+    /// Subject: the case's identifier, or the size of the cohort.
     pub subject: String,
     /// Program that made it.
     pub generator: String,
-    /// What a reader must know before anything else.
+    /// Notices before all sections.
     pub banners: Vec<Notice>,
     /// The report.
     pub sections: Vec<Section>,
@@ -26,15 +26,15 @@ pub struct Document {
 /// A part of a report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Section {
-    /// A name for links, the same in every report.
+    /// Name for links, equal in every report.
     pub id: &'static str,
     /// Its heading.
     pub title: String,
-    /// What it holds.
+    /// Content.
     pub blocks: Vec<Block>,
 }
 
-/// One piece of a section.
+/// A block of a section.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", content = "of", rename_all = "snake_case")]
 pub enum Block {
@@ -42,7 +42,7 @@ pub enum Block {
     Heading(String),
     /// Running text.
     Paragraph(String),
-    /// Something that may not be overlooked.
+    /// A notice.
     Notice(Notice),
     /// Rows and columns.
     Table(Table),
@@ -50,17 +50,17 @@ pub enum Block {
     Figure(Box<Figure>),
 }
 
-/// How much a notice weighs.
+/// Severity of a notice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum NoticeKind {
     /// What applies to the whole report: synthetic data, or no medical device.
     Banner,
-    /// The data contradict the model, or a number is no result.
+    /// The data contradict the model, or a number is not a result.
     Contradiction,
-    /// Something may be wrong.
+    /// A value is doubtful.
     Warning,
-    /// Worth knowing.
+    /// Information.
     Note,
 }
 
@@ -98,12 +98,12 @@ impl From<Severity> for NoticeKind {
     }
 }
 
-/// Something that may not be overlooked.
+/// A notice.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Notice {
-    /// Its weight.
+    /// Severity.
     pub kind: NoticeKind,
-    /// What it is about, such as `left bending film, T9`; may be empty.
+    /// Subject, such as `left bending film, T9`; may be empty.
     pub place: String,
     /// What happened, and what to do.
     pub text: String,
@@ -137,7 +137,7 @@ impl From<&Warning> for Notice {
 pub struct Column {
     /// Its head, with the unit where it has one.
     pub head: String,
-    /// Whether it holds numbers, which stand on the right.
+    /// Whether it contains numbers, which are aligned right.
     pub numeric: bool,
 }
 
@@ -164,7 +164,7 @@ pub struct Table {
     pub columns: Vec<Column>,
     /// The rows, each with one cell per column.
     pub rows: Vec<Vec<String>>,
-    /// How to read it; may be empty.
+    /// Note on the table; may be empty.
     pub note: String,
 }
 
@@ -195,7 +195,7 @@ pub struct Figure {
     /// The picture as SVG text.
     #[serde(skip)]
     pub svg: String,
-    /// The same in space, where a writer can let its reader turn it.
+    /// The same in 3D, for writers with rotatable views.
     #[serde(skip)]
     pub space: Option<Space>,
 }
@@ -306,7 +306,7 @@ mod tests {
     use super::file_stem;
 
     #[test]
-    fn names_of_files_are_plain_and_apart() {
+    fn file_names_are_plain_and_unique() {
         assert_eq!(file_stem("phantom-rod-01"), "phantom-rod-01");
         for hostile in ["../../etc/passwd", "病例一", "病例二", "<script>", "", ".", "a/b", "a\\b"]
         {

@@ -1,4 +1,4 @@
-//! The analysis inside a report: how it is put there, and how it is got back.
+//! Embedding of the analysis in a report, and its extraction.
 
 /// The mark of the embedded analysis in HTML and Markdown.
 pub(crate) const ELEMENT_ID: &str = "spineline-analysis";
@@ -53,7 +53,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn any_json_comes_back_from_html() {
+    fn any_json_round_trips_through_html() {
         for json in [r#"{"a":"</script><!--"}"#, r#"["\\u003c","\\<","\"<\""]"#, "[]", r#""\\""#] {
             let safe = for_html(json);
             assert!(!safe.contains('<'));

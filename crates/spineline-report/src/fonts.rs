@@ -126,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_scripts_of_europe_and_the_near_east_are_within() {
+    fn the_fonts_cover_scripts_of_europe_and_the_near_east() {
         let fonts = Fonts::for_texts(["Größe ½ ≤ → ± °, αβγ, Жук, שלום, مرحبا, T9/T10"]);
         assert!(fonts.missing.is_empty() && fonts.fonts.len() == 3);
         assert_eq!(fonts.missing_words(), None);

@@ -1,4 +1,4 @@
-//! Reports and pictures of what Spineline found.
+//! Reports and figures of results.
 //!
 //! [`figures`] turns an analysis, or samples of a cohort, into SVG text. [`patient::report`] and [`cohort::report`] make a
 //! [`Document`] of them, which [`html()`], [`markdown()`] and, in a crate of its own, a typesetter write. [`patient::summary`],

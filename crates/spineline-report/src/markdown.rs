@@ -115,7 +115,7 @@ mod tests {
     use super::plain;
 
     #[test]
-    fn nothing_in_text_is_markup() {
+    fn text_is_escaped_in_markdown() {
         assert_eq!(plain("<b>|*x*|</b>"), "&lt;b&gt;\\|\\*x\\*\\|&lt;/b&gt;");
         assert_eq!(plain("- a\n# b"), "\\- a \\# b");
         assert_eq!(plain("1. a 1.5 - 2.5"), "1\\. a 1.5 - 2.5");

@@ -2,17 +2,17 @@
 
 use spineline::analysis::{FilmRole, FreeNumbers};
 
-/// What errors on held-out films are worth.
+/// Note on errors on held-out films.
 pub const HELD_OUT: &str = "No model was fitted to these films.";
-/// What errors on fitted films are worth.
+/// Note on errors on fitted films.
 pub const FITTED: &str = "The stiffness was fitted to these films: a small error here shows how well a line adapts to the data, and is no evidence for it.";
 
-/// What stands where there is no number.
+/// Text in place of a missing number.
 pub fn none() -> String {
     "–".to_owned()
 }
 
-/// What a line takes from films, in words.
+/// Text of the numbers that a line takes from films.
 pub fn numbers(numbers: &FreeNumbers, role: FilmRole) -> String {
     let FreeNumbers { multipliers, forces, line, per_predicted_film } = *numbers;
     match role {

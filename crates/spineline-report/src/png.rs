@@ -1,4 +1,4 @@
-//! Figures as pictures of pixels.
+//! Figures as PNG.
 
 use std::sync::Arc;
 

@@ -7,7 +7,7 @@ use spineline::reliability::{
 use crate::document::{Column, Document, Notice, NoticeKind, Section, Table};
 use crate::phrases::none;
 
-/// What the numbers speak of.
+/// Note on the statistics.
 pub(crate) const NOTE: &str = "SEM, MDC95 and limits of agreement describe the readers alone. Every correlation also increases with the spread of the subjects. Intervals treat the subjects as independent; vertebrae of one film are not, so true intervals are wider.";
 
 /// One table per quantity and design, the errors first, without figures; a terminal shows it.

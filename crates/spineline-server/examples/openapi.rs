@@ -1,4 +1,4 @@
-//! Prints the description of the interface, of which the browser's types are made.
+//! Prints the description of the interface, from which the browser's types are generated.
 
 fn main() {
     let description = spineline_server::openapi();

@@ -1,4 +1,4 @@
-//! What a user may see: studies, films, readings and results.
+//! Access of a user to studies, films, readings and results.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::result_cache::{StudyResult, computed};
 use crate::session::User;
 use crate::state::AppState;
 
-/// A study's name in an address. A name that none can have is not there.
+/// A study's name in an address. An impossible name is answered as not found.
 pub fn study_name(text: &str) -> Answer<Name> {
     Name::new(text).map_err(|_| Failure::not_found())
 }
@@ -25,7 +25,7 @@ pub fn seen_film(store: &Store, user: &User, film: FilmId) -> Answer<FilmRecord>
     Ok(film)
 }
 
-/// A reading that this user may see; what is not theirs is not there.
+/// A reading that this user may see; a reading of others is answered as not found.
 pub fn seen_reading(store: &Store, user: &User, reading: ReadingId) -> Answer<SeenReading> {
     let seen = store.observer(&user.name).reading(reading).map_err(|error| match error {
         StoreError::NotYours { .. } => Failure::not_found(),
@@ -44,7 +44,7 @@ fn refuse_blinded(store: &Store, user: &User, study: &Name) -> Answer<()> {
     }
 }
 
-/// What follows from the finished readings of a study; the store is free for others while it is computed.
+/// Results of the finished readings of a study; the store is not locked during the computation.
 ///
 /// # Errors
 /// As [`Store::current_case`].
@@ -76,7 +76,7 @@ pub async fn study_result(state: &AppState, study: &Name) -> Answer<Arc<StudyRes
 /// While a plan of blinded readings is incomplete, only those who lead and do not read see results.
 ///
 /// # Errors
-/// Whatever the store refuses.
+/// Errors of the store.
 pub fn sees_results(store: &Store, user: &User, study: &Name) -> Result<bool, StoreError> {
     Ok(match store.observer(&user.name).visibility(study)? {
         Visibility::Open => true,
@@ -95,7 +95,7 @@ pub fn blinded() -> Failure {
     .help("finish your readings first; until then the study is hidden from its observers")
 }
 
-/// A study whose results whoever asks may see.
+/// A study whose results the requester may see.
 ///
 /// # Errors
 /// A refusal: unknown, or blinded.
@@ -104,7 +104,7 @@ pub async fn open_study(state: &AppState, user: &User, study: &str) -> Answer<Na
     if shows_results(state, user, &name).await? { Ok(name) } else { Err(blinded()) }
 }
 
-/// As [`sees_results`], of a study that must be theirs to see.
+/// As [`sees_results`], for a study that the user must be allowed to see.
 async fn shows_results(state: &AppState, user: &User, study: &Name) -> Answer<bool> {
     let (user, study) = (user.clone(), study.clone());
     let asked = state.ask(move |store| {
@@ -129,7 +129,7 @@ pub async fn prepare(state: &AppState, user: &User, study: &Name) -> Answer<()> 
 /// The studies that they may see, with what they may do there; the results that they see are computed, as by [`prepare`].
 ///
 /// # Errors
-/// Whatever keeps the store from reading.
+/// Errors of reading the store.
 pub async fn prepared(state: &AppState, user: &User) -> Answer<Vec<(Study, Role)>> {
     let user = user.clone();
     let found = state.ask(move |store| {

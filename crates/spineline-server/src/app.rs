@@ -1,4 +1,4 @@
-//! The browser app's server: thin. It asks the store and the library, and puts their answers into words and pixels.
+//! The browser app's server. It calls the store and the library, and converts their answers to text and pixels.
 
 use std::any::Any;
 use std::time::Duration;
@@ -20,11 +20,11 @@ use crate::{
 };
 
 /// Largest body of a request, in bytes. A route that takes films sets a limit of its own.
-const LARGEST_BODY_BYTES: usize = 1 << 20;
+const MAX_BODY_BYTES: usize = 1 << 20;
 /// Longest wait for the next piece of a body.
 const BODY_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// The description of the interface, of which the browser's types are made.
+/// The description of the interface, from which the browser's types are generated.
 #[must_use]
 pub fn openapi() -> OpenApi {
     let mut description = routes().into_openapi();
@@ -45,14 +45,14 @@ fn routes() -> OpenApiRouter<AppState> {
         .merge(results::routes())
 }
 
-/// The whole app: what is asked of it in a test is asked of it in the same way by a browser.
+/// The whole app, for the server and for tests.
 pub fn app(state: AppState) -> Router {
     let (api, _) = routes().split_for_parts();
     api.route("/api", routing::any(unknown))
         .route("/api/{*unknown}", routing::any(unknown))
         .fallback(assets::serve)
         .method_not_allowed_fallback(wrong_method)
-        .layer(DefaultBodyLimit::max(LARGEST_BODY_BYTES))
+        .layer(DefaultBodyLimit::max(MAX_BODY_BYTES))
         .layer(RequestBodyTimeoutLayer::new(BODY_TIMEOUT))
         .layer(middleware::from_fn_with_state(state.clone(), guard::guard))
         .layer(CatchPanicLayer::custom(panicked))
@@ -72,7 +72,7 @@ async fn wrong_method() -> Failure {
     )
 }
 
-/// What a panic says may quote what was sent; the answer says nothing.
+/// A panic message may quote the request, so the answer does not contain it.
 fn panicked(_: Box<dyn Any + Send>) -> Response {
     Failure::new(
         StatusCode::INTERNAL_SERVER_ERROR,
@@ -92,7 +92,7 @@ mod tests {
     use tower_http::catch_panic::CatchPanicLayer;
 
     #[tokio::test]
-    async fn f71_a_bug_says_nothing_of_what_was_sent() {
+    async fn f71_the_answer_to_a_panic_does_not_quote_the_request() {
         async fn bug() -> &'static str {
             panic!("a patient called Doe^Jane")
         }

@@ -1,4 +1,4 @@
-//! The pages inside the program.
+//! The embedded pages.
 
 use axum::http::{StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
@@ -13,7 +13,7 @@ pub async fn serve(uri: Uri) -> Response {
     let path = uri.path().trim_start_matches('/');
     let path = if path.is_empty() { "index.html" } else { path };
     let Some(page) = Pages::get(path) else { return StatusCode::NOT_FOUND.into_response() };
-    // Names of built files carry a hash of their content; the page that names them does not.
+    // Names of built files contain a hash of their content, except for the page itself.
     let keep = if path.starts_with("assets/") { "max-age=31536000, immutable" } else { "no-cache" };
     let kind = page.metadata.mimetype().to_owned();
     ([(header::CONTENT_TYPE, kind), (header::CACHE_CONTROL, keep.to_owned())], page.data)

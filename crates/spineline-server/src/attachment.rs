@@ -3,7 +3,7 @@
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
 
-/// JSON that a browser keeps as a file. A study's name has no character that a file's name may not have.
+/// JSON that a browser saves as a file. A study's name is always a valid file name.
 pub fn attachment(file: &str, json: String) -> Response {
     let headers = [
         (header::CONTENT_TYPE, "application/json".to_owned()),

@@ -23,7 +23,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(changes))
 }
 
-/// Server-sent events `change` with a `Change`. A blinded reader is told of own changes only.
+/// Server-sent events `change` with a `Change`. A blinded reader receives own changes only.
 #[utoipa::path(get, path = "/api/studies/{study}/changes",
     responses((status = 200, content_type = "text/event-stream", body = Change),
         (status = 404, body = Problem)))]
@@ -34,7 +34,7 @@ async fn changes(
 ) -> Answer<Sse<impl Stream<Item = Result<Event, Infallible>>>> {
     let study = study_name(&study)?;
     let (asked, who) = (study.clone(), user.clone());
-    // Listening begins before anything is looked up, so that nothing falls in between.
+    // Listening begins before the lookup, so that no change is missed.
     let messages = BroadcastStream::new(state.changes().subscribe());
     state.ask(move |store| who.on_study(store, &asked)).await?;
     let messages = messages

@@ -1,11 +1,11 @@
-//! The channel by which changes of studies reach everybody who looks at them.
+//! The channel that sends changes of studies to all open pages.
 
 use spineline_store::Name;
 use tokio::sync::broadcast;
 
 use crate::api::Change;
 
-/// Changes that a slow listener may lag behind before it misses some.
+/// Capacity of the channel; a slower listener misses changes.
 const LAG: usize = 256;
 
 /// What listeners receive.
@@ -29,7 +29,7 @@ impl Default for Channel {
 impl Channel {
     /// Sends a change that is committed.
     pub fn send(&self, study: &Name, change: Change) {
-        // Nobody may be listening.
+        // There may be no listeners.
         let _ = self.0.send(Message::Change(study.clone(), change));
     }
 

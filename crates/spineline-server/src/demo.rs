@@ -1,4 +1,4 @@
-//! A study of a synthetic patient, to look around with.
+//! A demonstration study of a synthetic patient.
 
 use std::collections::BTreeMap;
 
@@ -26,7 +26,7 @@ use crate::synthetic::{DrawnFilm, case_file, draw_film};
 const COARSER: u32 = 2;
 const SEED: u64 = 1;
 /// Names that are tried.
-const MOST_DEMOS: usize = 1000;
+const MAX_DEMOS: usize = 1000;
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(demo))
@@ -42,7 +42,7 @@ async fn demo(State(state): State<AppState>, user: User) -> Answer<Json<StudyDet
     let asker = state.clone();
     let detail = state.ask(move |store| {
         let mut case = case;
-        for number in 1..=MOST_DEMOS {
+        for number in 1..=MAX_DEMOS {
             let name = if number == 1 { "demo-rod-01" } else { &format!("demo-rod-01-{number}") };
             case = case.named(Name::new(name)?);
             match store.add_own_case(&case, &user.sign(now)) {
@@ -74,7 +74,7 @@ fn draw() -> Answer<Drawn> {
     for film in &phantom.films {
         let drawn = draw_film(&phantom, film, Encoding::JpegLs)
             .map_err(|error| internal(error.to_string()))?;
-        // It was written a moment ago, by this program.
+        // The program has just written it.
         let read = read_film(&drawn.bytes, &FilmLimits::default())?;
         thumbnails.push((Hash::of(&drawn.bytes), draw_thumbnails(&read)));
         films.insert(film.posture, drawn);

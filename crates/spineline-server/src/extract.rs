@@ -1,5 +1,4 @@
-//! Extractors that refuse with a [`Problem`](crate::api::Problem), as everything else here does. Axum's own refuse with a line of
-//! text that may quote what was sent.
+//! Extractors that refuse with a [`Problem`](crate::api::Problem). Axum's extractors refuse with text that may quote the request.
 
 use std::time::Duration;
 
@@ -62,7 +61,7 @@ fn unread(refused: &BytesRejection) -> Failure {
     Failure::new(StatusCode::BAD_REQUEST, "broken_off", "the body is incomplete")
 }
 
-/// Says where, and not what: serde's own words quote keys and values.
+/// Reports the place and not the content, because serde's messages quote keys and values.
 fn bad(error: &serde_json::Error) -> Failure {
     use serde_json::error::Category;
     let (line, column) = (error.line(), error.column());
@@ -82,7 +81,7 @@ fn bad(error: &serde_json::Error) -> Failure {
     }
 }
 
-/// Parts of the path. What cannot be read as such names nothing.
+/// Parts of the path. An invalid part is answered as not found.
 #[derive(Debug, Clone, Copy)]
 pub struct Path<T>(pub T);
 

@@ -1,4 +1,4 @@
-//! Who may do what in a study, for admins.
+//! Permissions in a study, for admins.
 
 use axum::extract::State;
 use axum::http::StatusCode;
@@ -17,7 +17,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(grants, put_grants))
 }
 
-/// The grants of a study, by name. Admins need none.
+/// The grants of a study, by name. Admins need no grant.
 #[utoipa::path(get, path = "/api/studies/{id}/grants", params(("id" = String, Path)), responses(
     (status = 200, body = Vec<Grant>),
     (status = 401, body = Problem),
@@ -39,7 +39,7 @@ async fn grants(
     Ok(Json(grants))
 }
 
-/// Makes these the grants of a study: who is not among them may no longer see it.
+/// Replaces the grants of a study. Accounts that are not listed can no longer see it.
 #[utoipa::path(put, path = "/api/studies/{id}/grants", request_body = Vec<Grant>,
     params(("id" = String, Path)),
     responses(

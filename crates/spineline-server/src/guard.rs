@@ -1,4 +1,4 @@
-//! What every request passes before a handler sees it, and what every answer carries.
+//! Checks of every request before its handler, and headers of every answer.
 
 use axum::body::Body;
 use axum::extract::{Request, State};
@@ -12,13 +12,13 @@ use crate::session;
 use crate::state::AppState;
 
 /// Largest body that any route may take, in bytes: a study's films in one archive.
-pub const LARGEST_UPLOAD_BYTES: usize = 600 << 20;
-/// Carries the session's token of every request that changes something.
+pub const MAX_UPLOAD_BYTES: usize = 600 << 20;
+/// Header with the session's token, required by every request that changes something.
 const CSRF: &str = "x-spineline-csrf";
 
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; font-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'self'";
 
-/// Goes with every answer, whatever it is.
+/// Header of every answer.
 const HEADERS: [(&str, &str); 6] = [
     ("content-security-policy", POLICY),
     ("x-content-type-options", "nosniff"),
@@ -28,7 +28,7 @@ const HEADERS: [(&str, &str); 6] = [
     ("x-frame-options", "DENY"),
 ];
 
-/// Adds the headers of every answer. No browser keeps what the interface said.
+/// Adds the headers of every answer. Browsers must not cache answers of the interface.
 pub async fn headers(request: Request, next: Next) -> Response {
     let is_api = is_api(request.uri());
     let mut answer = next.run(request).await;
@@ -42,7 +42,7 @@ pub async fn headers(request: Request, next: Next) -> Response {
     answer
 }
 
-/// Refuses what does not come from the app itself.
+/// Refuses requests that do not come from the app.
 pub async fn guard(State(state): State<AppState>, request: Request, next: Next) -> Response {
     let Ok(_place) = state.in_flight().try_acquire() else {
         return Failure::new(StatusCode::SERVICE_UNAVAILABLE, "busy", "too many requests at once")
@@ -66,11 +66,11 @@ fn check(state: &AppState, request: &Request<Body>) -> Answer<()> {
             "the body is compressed; only uncompressed bodies are accepted",
         ));
     }
-    if declared_bytes(headers).is_some_and(|bytes| bytes > LARGEST_UPLOAD_BYTES as u64) {
+    if declared_bytes(headers).is_some_and(|bytes| bytes > MAX_UPLOAD_BYTES as u64) {
         return Err(Failure::new(
             StatusCode::PAYLOAD_TOO_LARGE,
             "too_large",
-            format!("the body is larger than {} MB", LARGEST_UPLOAD_BYTES >> 20),
+            format!("the body is larger than {} MB", MAX_UPLOAD_BYTES >> 20),
         ));
     }
     let reads = matches!(*request.method(), Method::GET | Method::HEAD);
@@ -129,7 +129,7 @@ fn comes_from_here(headers: &HeaderMap, host: &str, https: bool, reads: bool) ->
     }
 }
 
-/// Without a cookie nobody is signed in, which is for the handler to say.
+/// Without a cookie there is no session; the handler reports it.
 fn csrf(state: &AppState, headers: &HeaderMap) -> Answer<()> {
     let Some(secret) = session::secret_of(state, headers) else { return Ok(()) };
     let expected = session::csrf_of(&secret);

@@ -1,4 +1,4 @@
-//! How often somebody may try to sign in.
+//! Limit of attempts to sign in.
 //!
 //! Rate limiters such as `governor` count requests of an address; here failures count alone, by account name, with locks that
 //! double and end with quiet, and by the clock that the caller gives.
@@ -16,9 +16,9 @@ const FREE_IN_ALL: u32 = 50;
 /// The first lock; each further failure doubles it.
 const FIRST_LOCK_MS: i64 = 60_000;
 /// The longest lock, and the quiet after which failures are forgotten.
-const LONGEST_LOCK_MS: i64 = 15 * 60_000;
+const MAX_LOCK_MS: i64 = 15 * 60_000;
 /// Names that are remembered. Failures of further ones count for all of them together.
-const MOST_NAMES: usize = 1000;
+const MAX_NAMES: usize = 1000;
 
 #[derive(Debug, Default, Clone, Copy)]
 struct Failures {
@@ -32,14 +32,14 @@ impl Failures {
         self.count = self.count.saturating_add(1);
         self.last_ms = now_ms;
         if let Some(above) = self.count.checked_sub(free) {
-            let lock_ms = (FIRST_LOCK_MS << above.min(8)).min(LONGEST_LOCK_MS);
+            let lock_ms = (FIRST_LOCK_MS << above.min(8)).min(MAX_LOCK_MS);
             self.locked_until_ms = now_ms.saturating_add(lock_ms);
         }
     }
 
-    /// A clock that went back forgets too: nobody is locked out until a day that was never meant.
+    /// If the clock went back, failures are dropped too, so that no lock lasts longer than intended.
     fn is_over(&self, now_ms: i64) -> bool {
-        now_ms < self.last_ms || now_ms - self.last_ms >= LONGEST_LOCK_MS
+        now_ms < self.last_ms || now_ms - self.last_ms >= MAX_LOCK_MS
     }
 }
 
@@ -68,7 +68,7 @@ impl Attempts {
                 *failures = Failures::default();
             }
         }
-        let is_full = names.len() >= MOST_NAMES && !names.contains_key(name);
+        let is_full = names.len() >= MAX_NAMES && !names.contains_key(name);
         let own = if is_full { others } else { names.entry(name.to_owned()).or_default() };
         let wait_ms = own.locked_until_ms.max(all.locked_until_ms) - now_ms;
         if wait_ms > 0 {
@@ -79,7 +79,7 @@ impl Attempts {
         Ok(())
     }
 
-    /// The attempt was right.
+    /// Records that the attempt succeeded.
     pub fn succeeded(&self, name: &str) {
         let mut counted = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let failures = counted.names.remove(name).map_or(0, |failures| failures.count);
@@ -102,12 +102,12 @@ fn locked(wait_ms: i64) -> Failure {
 
 #[cfg(test)]
 mod tests {
-    use super::{Attempts, FREE, FREE_IN_ALL, LONGEST_LOCK_MS};
+    use super::{Attempts, FREE, FREE_IN_ALL, MAX_LOCK_MS};
 
     const NOW_MS: i64 = 1_760_000_000_000;
 
     #[test]
-    fn a_name_is_locked_for_longer_and_longer() {
+    fn the_lock_of_a_name_doubles() {
         let attempts = Attempts::default();
         for _ in 0..FREE {
             attempts.begin("A", NOW_MS).expect("free");
@@ -117,12 +117,12 @@ mod tests {
         attempts.begin("A", NOW_MS + 60_000).expect("after a minute");
         assert!(attempts.begin("A", NOW_MS + 60_000 + 119_999).is_err());
         attempts.begin("A", NOW_MS + 60_000 + 120_000).expect("after two");
-        attempts.begin("A", NOW_MS + 180_000 + LONGEST_LOCK_MS).expect("forgotten");
-        attempts.begin("A", NOW_MS + 180_000 + LONGEST_LOCK_MS).expect("and free again");
+        attempts.begin("A", NOW_MS + 180_000 + MAX_LOCK_MS).expect("forgotten");
+        attempts.begin("A", NOW_MS + 180_000 + MAX_LOCK_MS).expect("and free again");
     }
 
     #[test]
-    fn success_is_no_failure() {
+    fn a_successful_attempt_does_not_count_as_a_failure() {
         let attempts = Attempts::default();
         for _ in 0..FREE_IN_ALL * 3 {
             attempts.begin("A", NOW_MS).expect("free");
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn guessing_under_many_names_locks_all() {
+    fn failures_under_many_names_lock_all_names() {
         let attempts = Attempts::default();
         for guess in 0..FREE_IN_ALL {
             attempts.begin(&format!("N{guess}"), NOW_MS).expect("free");
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn a_clock_that_went_back_locks_nobody_out() {
+    fn a_clock_that_goes_back_keeps_no_lock() {
         let attempts = Attempts::default();
         for _ in 0..FREE {
             attempts.begin("A", NOW_MS).expect("free");

@@ -1,11 +1,11 @@
-//! The token of the terminal: whoever has it reads the terminal, and so may do whatever its user may.
+//! The token printed in the terminal: a person who can read the terminal has all permissions of its user.
 
 use subtle::ConstantTimeEq;
 use tokio::sync::watch;
 
 use crate::secret::secret;
 
-/// A token that signs one browser in. The next one takes its place.
+/// A token that signs in one browser and is then replaced by the next.
 #[derive(Debug)]
 pub struct OneTimeToken(watch::Sender<String>);
 
@@ -19,7 +19,7 @@ impl OneTimeToken {
         self.0.subscribe()
     }
 
-    /// Whether this is the token; if so, it no longer is.
+    /// Whether this is the current token; a match uses it up.
     pub fn use_up(&self, given: &str) -> bool {
         self.0.send_if_modified(|token| {
             let right = bool::from(given.as_bytes().ct_eq(token.as_bytes()));
@@ -36,7 +36,7 @@ mod tests {
     use super::OneTimeToken;
 
     #[test]
-    fn a_token_is_good_once() {
+    fn a_token_is_valid_once() {
         let token = OneTimeToken::new();
         let first = token.follow().borrow().clone();
         assert!(!token.use_up(""));

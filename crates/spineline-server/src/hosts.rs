@@ -1,6 +1,6 @@
 //! The host names under which the program answers.
 
-/// The names under which the program answers. Any other is that of a site that had its name lead here.
+/// The host names under which the program answers. Other names may come from DNS rebinding and are refused.
 #[derive(Debug)]
 pub struct Hosts(Vec<String>);
 

@@ -32,7 +32,7 @@ pub mod synthetic;
 mod words;
 
 pub use app::{app, openapi};
-pub use guard::LARGEST_UPLOAD_BYTES;
+pub use guard::MAX_UPLOAD_BYTES;
 pub use listen::Server;
 pub use problem::{Answer, Failure};
 pub use session::User;

@@ -1,4 +1,4 @@
-//! Listening, and connections that take their time.
+//! The listener, with limits for slow connections.
 //!
 //! `axum::serve` cannot replace this loop: it sets no deadline for the head of a request and no limit of connections, and its
 //! graceful end waits for event streams that never end.
@@ -21,14 +21,14 @@ use crate::app::app;
 use crate::state::{AppState, ServeOptions};
 
 /// Connections at once; further ones wait to be accepted.
-const MOST_CONNECTIONS: usize = 256;
+const MAX_CONNECTIONS: usize = 256;
 /// Longest wait for the whole head of the next request.
 const HEAD_TIMEOUT: Duration = Duration::from_secs(30);
 /// Most bytes of a request's head.
-const LARGEST_HEAD_BYTES: usize = 64 << 10;
-/// How long requests may go on after the end was asked for. Streams of events never end by themselves.
+const MAX_HEAD_BYTES: usize = 64 << 10;
+/// Time for running requests after a shutdown was requested. Event streams never end by themselves.
 const END_TIMEOUT: Duration = Duration::from_secs(3);
-/// Rest after a connection that could not be accepted, such as for want of file handles.
+/// Pause after a connection could not be accepted, for example without free file handles.
 const ACCEPT_REST: Duration = Duration::from_millis(100);
 
 /// A server that listens, and can be run.
@@ -42,7 +42,7 @@ impl Server {
     /// Listens.
     ///
     /// # Errors
-    /// Whatever keeps a port from being listened on.
+    /// Errors of binding the port.
     pub async fn bind(
         store: Store,
         address: SocketAddr,
@@ -51,10 +51,10 @@ impl Server {
         Self::on(TcpListener::bind(address).await?, store, options)
     }
 
-    /// Answers where somebody listens already.
+    /// Uses an existing listener.
     ///
     /// # Errors
-    /// Whatever keeps a listener from telling its address.
+    /// Errors of reading the listener's address.
     pub fn on(listener: TcpListener, store: Store, options: ServeOptions) -> std::io::Result<Self> {
         let state = AppState::new(store, listener.local_addr()?, options);
         Ok(Self { listener, state })
@@ -66,21 +66,20 @@ impl Server {
         self.state.address()
     }
 
-    /// The tokens that sign in, one after the other: each is good once. It belongs behind `#` of the address, which browsers
-    /// send to nobody.
+    /// The successive sign-in tokens, each valid once. A token belongs after `#` of the address, which browsers do not send.
     #[must_use]
     pub fn tokens(&self) -> watch::Receiver<String> {
         self.state.token().follow()
     }
 
-    /// Answers until `end` comes, and then for a few seconds what was asked before.
+    /// Answers requests until `end` completes, and then waits a few seconds for running ones.
     ///
     /// # Errors
     /// None so far.
     pub async fn run(self, end: impl Future<Output = ()> + Send + 'static) -> std::io::Result<()> {
         let app = app(self.state.clone());
         let open = GracefulShutdown::new();
-        let places = Arc::new(Semaphore::new(MOST_CONNECTIONS));
+        let places = Arc::new(Semaphore::new(MAX_CONNECTIONS));
         let mut end = pin!(end);
         loop {
             let accepted = async {
@@ -95,18 +94,18 @@ impl Server {
                 tokio::time::sleep(ACCEPT_REST).await;
                 continue;
             };
-            // Small answers are not held back for larger ones; without it they are slower and as right.
+            // Small answers are sent at once. An error here only makes them slower.
             let _ = stream.set_nodelay(true);
             let connection = open.watch(connection(stream, app.clone()));
             tokio::spawn(async move {
-                // A client that goes away is no error of ours.
+                // A closed connection is not an error of the server.
                 let _ = connection.await;
                 drop(place);
             });
         }
         drop(self.listener);
         self.state.changes().close();
-        // What is still open then is closed with the program.
+        // Remaining connections are closed with the program.
         let _ = tokio::time::timeout(END_TIMEOUT, open.shutdown()).await;
         Ok(())
     }
@@ -121,7 +120,7 @@ fn connection<I: AsyncRead + AsyncWrite + Unpin + Send + 'static>(
     http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEAD_TIMEOUT)
-        .max_buf_size(LARGEST_HEAD_BYTES)
+        .max_buf_size(MAX_HEAD_BYTES)
         .serve_connection(TokioIo::new(stream), TowerToHyperService::new(app))
 }
 
@@ -135,7 +134,7 @@ mod tests {
 
     use spineline_store::{Access, Name, Signature, Store, Timestamp};
 
-    /// What a client reads that sends this and then nothing more, until the server has had enough. Time is made up.
+    /// Answer to a client that sends this and then stops, until the server closes the connection. Time is simulated.
     async fn answer_to(sent: &str) -> String {
         let folder = tempfile::tempdir().expect("a folder");
         let at = Timestamp::from_unix_ms(1_750_000_000_000).expect("a moment");
@@ -152,7 +151,7 @@ mod tests {
         let app = app(AppState::new(store, address, options));
         let (mut client, server) = tokio::io::duplex(1 << 16);
         let served = tokio::spawn(async move {
-            // What the client reads shows how it ends.
+            // The answer shows how the connection ends.
             let _ = connection(server, app).await;
         });
         client.write_all(sent.as_bytes()).await.expect("sent");
@@ -163,14 +162,14 @@ mod tests {
     }
 
     #[tokio::test(start_paused = true)]
-    async fn f65_a_head_that_never_ends_is_not_waited_for() {
+    async fn f65_a_request_head_that_never_ends_times_out() {
         for sent in ["", "GET / HT", "GET / HTTP/1.1\r\nHost: 127.0.0.1:8765\r\nX-Slow: "] {
             assert!(!answer_to(sent).await.contains("200 OK"), "{sent}");
         }
     }
 
     #[tokio::test(start_paused = true)]
-    async fn f65_a_body_that_never_ends_is_not_waited_for() {
+    async fn f65_a_request_body_that_never_ends_times_out() {
         let head = "POST /api/session HTTP/1.1\r\nHost: 127.0.0.1:8765\r\nOrigin: http://127.0.0.1:8765\r\nContent-Type: application/json\r\nContent-Length: 1000\r\n\r\n{\"kind\"";
         let answer = answer_to(head).await;
         assert!(answer.starts_with("HTTP/1.1 40"), "{answer}");

@@ -1,4 +1,4 @@
-//! What the list of studies shows, kept until a study changes.
+//! Cache of the list of studies, valid until a study changes.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,7 +14,7 @@ use crate::api::StudyStatus;
 #[derive(Default)]
 pub struct OverviewCache(Mutex<HashMap<String, (i64, Arc<Overview>)>>);
 
-/// All that a list needs of a study, for any user.
+/// Data of a study for the list, for any user.
 pub struct Overview {
     /// Films.
     pub films: Vec<FilmRecord>,
@@ -22,7 +22,7 @@ pub struct Overview {
     pub readings: Vec<ReadingRecord>,
     /// Vertebrae of L4 to T2 with four corners.
     pub complete: BTreeMap<ReadingId, u32>,
-    /// Status by the landmarks alone, and the same in words.
+    /// Status from the landmarks alone, and its text.
     pub status: (StudyStatus, String),
 }
 
@@ -39,7 +39,7 @@ impl OverviewCache {
     /// The overview of a study at a sequence number of the log.
     ///
     /// # Errors
-    /// Whatever keeps the store from reading.
+    /// Errors of reading the store.
     pub fn of(
         &self,
         store: &Store,
@@ -75,7 +75,7 @@ fn complete_levels(state: &ReadingState) -> u32 {
     of_model.filter(|(_, marks)| marks.is_complete()).count() as u32
 }
 
-/// The status of a study by its landmarks alone.
+/// The status of a study from its landmarks alone.
 fn status_of(
     films: &[FilmRecord],
     readings: &[ReadingRecord],

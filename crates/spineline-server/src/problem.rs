@@ -1,4 +1,4 @@
-//! Refusals, as whoever asked can understand them.
+//! Refusals and their messages.
 
 use axum::Json;
 use axum::http::{StatusCode, header};
@@ -9,7 +9,7 @@ use spineline_store::StoreError;
 
 use crate::api::Problem;
 
-/// What a handler gives back.
+/// Result of a handler.
 pub type Answer<T> = Result<T, Failure>;
 
 /// A refusal.
@@ -21,14 +21,14 @@ pub struct Failure {
 }
 
 impl Failure {
-    /// A refusal with words of its own.
+    /// A refusal with its own message.
     #[must_use]
     pub fn new(status: StatusCode, code: &str, message: impl Into<String>) -> Self {
         let problem = Problem { code: code.to_owned(), message: message.into(), help: None };
         Self { status, problem, retry_after_s: None }
     }
 
-    /// With what to do about it.
+    /// Adds the remedy.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.problem.help = Some(help.into());
@@ -48,7 +48,7 @@ impl Failure {
         self
     }
 
-    /// What is not there, or not for whoever asks; nobody can tell which.
+    /// Not found, or not permitted; the answer does not say which.
     #[must_use]
     pub fn not_found() -> Self {
         Self::new(
@@ -83,7 +83,7 @@ impl From<StoreError> for Failure {
     }
 }
 
-/// What the store says, without the names that only it uses.
+/// The store's message without its internal names.
 fn words(error: &StoreError) -> String {
     match error {
         StoreError::Conflict { .. } => {

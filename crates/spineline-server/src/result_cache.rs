@@ -1,4 +1,4 @@
-//! Analyses of studies, kept until something changes from which they follow.
+//! Cache of analyses of studies, valid until their data change.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -17,7 +17,7 @@ use crate::words;
 pub enum Outcome {
     /// The erect film is not complete.
     Waiting,
-    /// The landmarks contradict one another.
+    /// Landmarks contradict each other.
     Refused {
         /// What is wrong.
         text: String,
@@ -35,7 +35,7 @@ pub struct StudyResult {
     pub study: Name,
     /// The case from which it is computed.
     pub current: CurrentCase,
-    /// What follows.
+    /// Outcome.
     pub outcome: Outcome,
 }
 
@@ -64,10 +64,10 @@ impl StudyResult {
         }
     }
 
-    /// The analysis, or why there is none.
+    /// The analysis, or the reason for its absence.
     ///
     /// # Errors
-    /// A refusal for whoever asks for more than the films give.
+    /// A refusal if the films do not allow the analysis.
     pub fn analysed(&self) -> Answer<&Analysis> {
         match &self.outcome {
             Outcome::Analysed(analysis) => Ok(analysis),
@@ -84,7 +84,7 @@ impl StudyResult {
     }
 }
 
-/// Results by study, each with the last change that it knows; events of unfinished readings do not count.
+/// Results by study, each with its last change; events of unfinished readings do not count.
 #[derive(Default)]
 pub struct ResultCache(Mutex<BTreeMap<Name, (i64, Arc<StudyResult>)>>);
 
@@ -95,7 +95,7 @@ impl fmt::Debug for ResultCache {
 }
 
 impl ResultCache {
-    /// A result that is kept and knows this change.
+    /// A cached result that includes this change.
     pub fn get(&self, study: &Name, sequence: i64) -> Option<Arc<StudyResult>> {
         let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let (of, result) = kept.get(study)?;
@@ -111,7 +111,7 @@ impl ResultCache {
         }
     }
 
-    /// What follows from the finished readings of a study, computed where nobody has yet.
+    /// Results of the finished readings of a study, computed if not cached.
     ///
     /// # Errors
     /// As [`Store::current_case`].
@@ -127,10 +127,10 @@ impl ResultCache {
     }
 }
 
-/// Computes beside the threads that answer. A request that is dropped before this begins computes nothing.
+/// Computes on a separate thread. A request that is dropped before the start computes nothing.
 ///
 /// # Errors
-/// A refusal where the library gave up.
+/// A refusal if the computation failed.
 pub async fn computed<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Answer<T> {
     tokio::task::spawn_blocking(work).await.map_err(|_| {
         Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", "the computation failed")

@@ -1,4 +1,4 @@
-//! Signing in, and who asks.
+//! Sessions, and the user of a request.
 
 use axum::extract::{FromRequestParts, State};
 use axum::http::request::Parts;
@@ -18,30 +18,30 @@ use crate::problem::{Answer, Failure};
 use crate::secret::secret;
 use crate::state::AppState;
 
-/// Sessions end after 12 hours of rest and after 7 days in any case.
+/// Sessions end after 12 hours without use, and after 7 days in any case.
 const LIMITS: SessionLimits =
     SessionLimits { idle_ms: 12 * 60 * 60 * 1000, whole_ms: 7 * 24 * 60 * 60 * 1000 };
 
-/// Who asks.
+/// The user of a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct User {
     /// Observer or account.
     pub name: Name,
-    /// What they may do at most.
+    /// Highest permission.
     pub role: Role,
 }
 
 impl User {
-    /// Their signature under a change.
+    /// Author of a change, for the journal.
     #[must_use]
     pub fn sign(&self, at: Timestamp) -> Signature {
         Signature::new(self.name.clone(), at)
     }
 
-    /// What they may do in a study.
+    /// Permission in a study.
     ///
     /// # Errors
-    /// 404 where there is no such study, and as well where it is not theirs to see.
+    /// 404 if the study does not exist or the user may not see it.
     pub fn on_study(&self, store: &Store, study: &Name) -> Answer<Role> {
         let granted = store.granted(study, &self.name)?;
         match (self.role, granted) {
@@ -51,17 +51,17 @@ impl User {
         }
     }
 
-    /// Demands at least this role in a study.
+    /// Requires at least this role in a study.
     ///
     /// # Errors
-    /// As [`User::on_study`], and 403 where they may do less.
+    /// As [`User::on_study`], and 403 if the role is lower.
     pub fn need_on_study(&self, store: &Store, study: &Name, least: Role) -> Answer<Role> {
         let role = self.on_study(store, study)?;
         enough(role, least)?;
         Ok(role)
     }
 
-    /// Demands at least this role of the account itself.
+    /// Requires at least this role of the account.
     ///
     /// # Errors
     /// 403.
@@ -69,10 +69,10 @@ impl User {
         enough(self.role, least)
     }
 
-    /// The studies that they may see, with what they may do there, by identifier.
+    /// The studies that the user may see, with the permission in each, by identifier.
     ///
     /// # Errors
-    /// Whatever keeps the store from reading.
+    /// Errors of reading the store.
     pub fn studies(&self, store: &Store) -> Answer<Vec<(Study, Role)>> {
         let studies = store.studies()?.into_iter();
         if self.role == Role::Admin {
@@ -104,23 +104,23 @@ impl FromRequestParts<AppState> for User {
 
     async fn from_request_parts(parts: &mut Parts, state: &AppState) -> Answer<Self> {
         let access = state.options().access;
-        let secret = secret_of(state, &parts.headers).ok_or_else(|| nobody(access))?;
+        let secret = secret_of(state, &parts.headers).ok_or_else(|| not_signed_in(access))?;
         let now = state.now();
         state.ask(move |store| user(store, &secret, access, now)).await
     }
 }
 
-/// A session is good for the way of signing in that the program was started with.
+/// A session is valid only for the way of signing in with which the program was started.
 fn user(store: &mut Store, secret: &str, access: Access, now: Timestamp) -> Answer<User> {
     let session = store.session(secret, now, LIMITS)?;
     let session = session.filter(|session| session.access == access);
-    let name = session.ok_or_else(|| nobody(access))?.name;
+    let name = session.ok_or_else(|| not_signed_in(access))?.name;
     let role = match access {
         Access::Token => Role::Admin,
         Access::Accounts => {
             let account = store.account(&name)?;
             if !account.enabled {
-                return Err(nobody(access));
+                return Err(not_signed_in(access));
             }
             account.role
         }
@@ -128,15 +128,15 @@ fn user(store: &mut Store, secret: &str, access: Access, now: Timestamp) -> Answ
     Ok(User { name, role })
 }
 
-fn nobody(access: Access) -> Failure {
+fn not_signed_in(access: Access) -> Failure {
     let help = match access {
         Access::Token => "open the newest address that `spineline serve` printed",
         Access::Accounts => "sign in with your account",
     };
-    Failure::new(StatusCode::UNAUTHORIZED, "not_signed_in", "nobody is signed in").help(help)
+    Failure::new(StatusCode::UNAUTHORIZED, "not_signed_in", "no session: sign in").help(help)
 }
 
-/// Cookies do not know ports: two programs on one machine keep their sessions apart by name.
+/// Cookies are shared between ports, so the name of the cookie contains the port.
 fn cookie_name(state: &AppState) -> String {
     format!("spineline_session_{}", state.address().port())
 }
@@ -147,7 +147,7 @@ pub fn secret_of(state: &AppState, headers: &HeaderMap) -> Option<String> {
     jar.get(&cookie_name(state)).map(|cookie| cookie.value().to_owned())
 }
 
-/// What a request must carry beside the cookie: it follows from the secret, and the secret does not follow from it.
+/// The token that a request needs beside the cookie. It is a hash of the secret, which cannot be derived from it.
 pub fn csrf_of(secret: &str) -> String {
     Hash::of(format!("spineline csrf {secret}").as_bytes()).to_string()
 }
@@ -156,14 +156,14 @@ pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(sign_in_page)).routes(routes!(session, sign_in, sign_out))
 }
 
-/// What the sign-in page needs to know.
+/// Data of the sign-in page.
 #[utoipa::path(get, path = "/api/sign-in", responses((status = 200, body = SignInPage)))]
 async fn sign_in_page(State(state): State<AppState>) -> Json<SignInPage> {
     let version = env!("CARGO_PKG_VERSION").to_owned();
     Json(SignInPage { access: Wire(state.options().access), version })
 }
 
-/// Who is signed in.
+/// The current session.
 #[utoipa::path(get, path = "/api/session",
     responses((status = 200, body = SessionView), (status = 401, body = Problem)))]
 async fn session(
@@ -172,11 +172,11 @@ async fn session(
     headers: HeaderMap,
 ) -> Answer<Json<SessionView>> {
     let access = state.options().access;
-    let secret = secret_of(&state, &headers).ok_or_else(|| nobody(access))?;
+    let secret = secret_of(&state, &headers).ok_or_else(|| not_signed_in(access))?;
     Ok(Json(view(&user, access, &secret)))
 }
 
-/// Signs in. A session that the browser had before ends.
+/// Signs in. An earlier session of the browser ends.
 #[utoipa::path(post, path = "/api/session", request_body = SignIn,
     responses(
         (status = 200, body = SessionView),
@@ -195,7 +195,7 @@ async fn sign_in(
         (Access::Accounts, SignIn::Account { name, password }) => {
             by_account(&state, &name, password).await?
         }
-        _ => return Err(nobody(access)),
+        _ => return Err(not_signed_in(access)),
     };
     let id = secret();
     let session = Session { name: user.name.clone(), access };
@@ -215,7 +215,7 @@ async fn sign_in(
 
 fn by_token(state: &AppState, token: &str, observer: &str) -> Answer<User> {
     let name = Name::new(observer)?;
-    // 192 random bits are not guessed, however often somebody tries, and who tries must not lock the owner out.
+    // 192 random bits cannot be guessed, and failed attempts must not lock out the owner, so no limit of attempts applies.
     if !state.token().use_up(token) {
         return Err(wrong("this address was used already, or is not the one in the terminal")
             .help("open the newest address that `spineline serve` printed"));

@@ -1,4 +1,4 @@
-//! What all requests share.
+//! State shared by all requests.
 
 use std::fmt;
 use std::net::SocketAddr;
@@ -17,27 +17,27 @@ use crate::overview_cache::OverviewCache;
 use crate::problem::Answer;
 use crate::result_cache::{ResultCache, computed};
 
-/// Requests that are answered at once. Each may hold a body of some megabytes.
-const MOST_IN_FLIGHT: usize = 64;
-/// Passwords that are compared at once, at 19 MB each.
-const MOST_PASSWORDS: usize = 2;
+/// Concurrent requests. Each may hold a body of some megabytes.
+const MAX_IN_FLIGHT: usize = 64;
+/// Concurrent comparisons of passwords, of 19 MB each.
+const MAX_PASSWORDS: usize = 2;
 
-/// Choices of whoever starts the server.
+/// Options of the server.
 #[derive(Debug, Clone)]
 pub struct ServeOptions {
-    /// Program that decodes films in a process of its own.
+    /// Program that decodes films in a separate process.
     pub decoder: PathBuf,
     /// Its arguments.
     pub decoder_arguments: Vec<String>,
-    /// How people show who they are.
+    /// Way of signing in.
     pub access: Access,
     /// Names under which the program answers, beside its address and the loopback names.
     pub hosts: Vec<String>,
-    /// Whether a proxy serves it by TLS, so that cookies travel there only.
+    /// Whether a proxy serves it by TLS; cookies are then sent by TLS only.
     pub https: bool,
 }
 
-/// What all requests share; cheap to clone.
+/// State shared by all requests; cheap to clone.
 #[derive(Clone)]
 pub struct AppState {
     shared: Arc<Shared>,
@@ -66,7 +66,7 @@ impl fmt::Debug for AppState {
 }
 
 impl AppState {
-    /// What the requests to a server at this address share.
+    /// State of a server at this address.
     #[must_use]
     pub fn new(store: Store, address: SocketAddr, options: ServeOptions) -> Self {
         let hosts = Hosts::new(address, &options.hosts);
@@ -77,8 +77,8 @@ impl AppState {
             hosts,
             token: OneTimeToken::new(),
             attempts: Attempts::default(),
-            in_flight: Semaphore::new(MOST_IN_FLIGHT),
-            passwords: Semaphore::new(MOST_PASSWORDS),
+            in_flight: Semaphore::new(MAX_IN_FLIGHT),
+            passwords: Semaphore::new(MAX_PASSWORDS),
             films: FilmCache::default(),
             overviews: OverviewCache::default(),
             changes: Channel::default(),
@@ -137,10 +137,10 @@ impl AppState {
         self.shared.token.follow().borrow().clone()
     }
 
-    /// Asks the store on a thread that may wait for the disk.
+    /// Runs a query of the store on a thread that may wait for the disk.
     ///
     /// # Errors
-    /// Whatever the store refuses, and where the question panics.
+    /// Errors of the store, or a panic of the query.
     pub async fn store<T: Send + 'static>(
         &self,
         ask: impl FnOnce(&mut Store) -> Result<T, StoreError> + Send + 'static,
@@ -148,26 +148,27 @@ impl AppState {
         self.ask(|store| Ok(ask(store)?)).await
     }
 
-    /// Asks the store a question that may be refused for other reasons too, such as [`User::on_study`](crate::session::User::on_study).
+    /// Runs a query of the store that may also be refused for other reasons, such as
+    /// [`User::on_study`](crate::session::User::on_study).
     ///
     /// # Errors
-    /// Whatever the question refuses, and where it panics.
+    /// Errors of the query, or its panic.
     pub async fn ask<T: Send + 'static>(
         &self,
         ask: impl FnOnce(&mut Store) -> Answer<T> + Send + 'static,
     ) -> Answer<T> {
         let state = self.clone();
         let asked = computed(move || {
-            // A panic in a question leaves no half-written store: its transaction is rolled back.
+            // After a panic in a query its transaction is rolled back, so the store stays valid.
             ask(&mut state.shared.store.lock().unwrap_or_else(PoisonError::into_inner))
         });
         asked.await?
     }
 
-    /// Hashes or compares a password, without keeping the store from others.
+    /// Hashes or compares a password without a lock on the store.
     ///
     /// # Errors
-    /// Where the work panics.
+    /// If the work panics.
     pub(crate) async fn with_password<T: Send + 'static>(
         &self,
         work: impl FnOnce() -> T + Send + 'static,
@@ -176,7 +177,7 @@ impl AppState {
         computed(work).await
     }
 
-    /// What time it is.
+    /// Current time.
     #[must_use]
     pub fn now(&self) -> Timestamp {
         chrono::Utc::now().into()

@@ -9,19 +9,19 @@ use spineline_films::{
 };
 use spineline_phantom::{Phantom, Polarity, Radiograph, TrueFilm};
 
-/// How much larger the films' detector is said to show the patient.
+/// Magnification in the films' files.
 const MAGNIFICATION: f64 = 1.1;
 
-/// A film as it was drawn and written.
+/// A rendered and written film.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnFilm {
     /// Name of its file, beside the case.
     pub file: String,
     /// The DICOM file.
     pub bytes: Vec<u8>,
-    /// DICOM's name of the polarity.
+    /// Polarity in DICOM's terms.
     pub photometric_interpretation: &'static str,
-    /// Of the stored values as 16-bit little-endian words, row by row.
+    /// Hash of the stored values as 16-bit little-endian words, row by row.
     pub pixels_sha256: String,
 }
 
@@ -39,7 +39,7 @@ pub fn draw_film(
         Polarity::Monochrome1 => (FilmPolarity::Monochrome1, "MONOCHROME1"),
         Polarity::Monochrome2 => (FilmPolarity::Monochrome2, "MONOCHROME2"),
     };
-    // Seen from behind, the patient's left is on the picture's.
+    // From behind, the patient's left is on the left of the picture.
     let view = match radiograph.image.patient_left {
         ImageSide::Left => View::Posteroanterior,
         ImageSide::Right => View::Anteroposterior,

@@ -1,4 +1,4 @@
-//! The library's values in words.
+//! Texts of the library's values.
 
 use spineline::anatomy::{Level, Posture, Side};
 use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
@@ -11,12 +11,12 @@ pub fn plane_of(image: &ImageGeometry) -> PlaneName {
     Wire(image.spacing.map_or(SpacingPlane::Pixels, |spacing| spacing.plane))
 }
 
-/// Height of a pixel over its width, 1 where nobody knows.
+/// Height of a pixel over its width, 1 where unknown.
 pub fn pixel_aspect(spacing: Option<Spacing>) -> f64 {
     spacing.map_or(1.0, |spacing| spacing.row_mm / spacing.column_mm)
 }
 
-/// A spacing in words, with its source and uncertainty.
+/// Text of a spacing with source and uncertainty.
 pub fn spacing_text(spacing: Option<Spacing>) -> String {
     let Some(spacing) = spacing else { return "no scale: angles only".to_owned() };
     let Spacing { column_mm, row_mm, plane, source, relative_sd } = spacing;
@@ -30,7 +30,7 @@ pub fn spacing_text(spacing: Option<Spacing>) -> String {
     text
 }
 
-/// The patient's side in words, such as `the patient's right`.
+/// Text of the patient's side, such as `the patient's right`.
 pub fn patients(side: Side) -> String {
     format!("the patient's {side}")
 }
@@ -45,7 +45,7 @@ pub fn listed(levels: &[Level], one: &str, many: &str) -> String {
     }
 }
 
-/// Number of vertebrae in words, such as `12 of 15 vertebrae; T4, T3 and T2 are missing`.
+/// Text of the number of vertebrae, such as `12 of 15 vertebrae; T4, T3 and T2 are missing`.
 pub fn marked_text(missing: &[Level]) -> String {
     let all = Level::MODEL.len();
     if missing.is_empty() {
@@ -60,7 +60,7 @@ pub fn marked_text(missing: &[Level]) -> String {
     format!("{} of {all} vertebrae; {list}", all - missing.len())
 }
 
-/// How far the erect film is, on which all results wait.
+/// Progress of the erect film, which all results need.
 pub fn progress(current: &CurrentCase) -> String {
     match current.film(Posture::Erect) {
         None => "there is no erect film".to_owned(),

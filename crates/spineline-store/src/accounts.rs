@@ -1,4 +1,4 @@
-//! Accounts, their passwords, and who may do what in which study.
+//! Accounts, passwords, and permissions per study.
 
 use std::fmt;
 use std::sync::OnceLock;
@@ -16,19 +16,19 @@ use crate::films::{self, Study};
 use crate::names::{Name, Signature};
 use crate::sessions;
 
-/// Fewest characters of a password.
-const LEAST_CHARACTERS: usize = 12;
-/// Most bytes of a password.
-const MOST_BYTES: usize = 1024;
+/// Minimum number of characters of a password.
+const MIN_CHARACTERS: usize = 12;
+/// Maximum number of bytes of a password.
+const MAX_BYTES: usize = 1024;
 
-/// What somebody may do, from the least to the most; each includes those before it.
+/// Permissions in increasing order; each includes those before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Role {
-    /// Looks.
+    /// May view.
     Reader,
-    /// Marks films and makes studies.
+    /// May place landmarks and create studies.
     Editor,
-    /// Leads: accounts, grants, plans, every study.
+    /// May manage accounts, grants, plans and every study.
     Admin,
 }
 
@@ -49,13 +49,13 @@ impl Named for Role {
 pub struct Account {
     /// Its name, which is also the observer's.
     pub name: Name,
-    /// What it may do at most.
+    /// Highest permission.
     pub role: Role,
     /// Whether it may sign in.
     pub enabled: bool,
 }
 
-/// A change of an account: what is absent stays.
+/// A change of an account; absent values do not change.
 #[derive(Debug, Clone, Default)]
 pub struct AccountChange {
     /// Role.
@@ -66,7 +66,7 @@ pub struct AccountChange {
     pub enabled: Option<bool>,
 }
 
-/// Somebody's right to a study.
+/// Permission of an account in a study.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StudyGrant {
     /// Study.
@@ -77,8 +77,8 @@ pub struct StudyGrant {
     pub role: Role,
 }
 
-/// What is kept of a password: a salted Argon2id hash. Making one takes time and memory on purpose, so make it before
-/// the store is asked.
+/// Stored form of a password: a salted Argon2id hash. Hashing takes time and memory by design, so hash before the store is
+/// locked.
 #[derive(Clone)]
 pub struct PasswordHash(String);
 
@@ -97,8 +97,8 @@ impl PasswordHash {
     /// # Panics
     /// If the system has no random numbers.
     pub fn new(password: &str) -> Result<Self, StoreError> {
-        if password.chars().count() < LEAST_CHARACTERS || password.len() > MOST_BYTES {
-            let (least, most_bytes) = (LEAST_CHARACTERS, MOST_BYTES);
+        if password.chars().count() < MIN_CHARACTERS || password.len() > MAX_BYTES {
+            let (least, most_bytes) = (MIN_CHARACTERS, MAX_BYTES);
             return Err(StoreError::BadPassword { least, most_bytes });
         }
         Ok(Self::of_any(password))
@@ -119,7 +119,8 @@ impl PasswordHash {
     }
 }
 
-/// What a password is compared with. The comparison takes time and memory on purpose, so do it after the store was asked.
+/// Hash with which a password is compared. The comparison takes time and memory by design, so compare after the store is
+/// released.
 #[derive(Debug)]
 pub struct Credential {
     account: Option<Account>,
@@ -130,7 +131,7 @@ impl Credential {
     /// The account, if the password is its own and it may sign in. An unknown name takes as long as a wrong password.
     #[must_use]
     pub fn check(self, password: &str) -> Option<Account> {
-        let right = password.len() <= MOST_BYTES && self.password.is_of(password);
+        let right = password.len() <= MAX_BYTES && self.password.is_of(password);
         self.account.filter(|account| right && account.enabled)
     }
 }
@@ -159,10 +160,10 @@ impl Store {
         })
     }
 
-    /// Changes an account. A new password, and being disabled, end its sessions.
+    /// Changes an account. A new password or a disabled account ends its sessions.
     ///
     /// # Errors
-    /// [`StoreError::Unknown`]; [`StoreError::LastAdmin`] where nobody could lead any more.
+    /// [`StoreError::Unknown`]; [`StoreError::LastAdmin`] where no enabled admin would remain.
     pub fn edit_account(
         &mut self,
         name: &Name,
@@ -212,7 +213,7 @@ impl Store {
         account(&self.connection, name)
     }
 
-    /// What a password for this name is to be compared with, whether or not there is such an account.
+    /// Hash with which a password for this name is compared, whether or not the account exists.
     ///
     /// # Errors
     /// [`StoreError::Damaged`].
@@ -229,7 +230,7 @@ impl Store {
         }))
     }
 
-    /// Adds a study and grants its maker to edit it, in one step.
+    /// Adds a study and grants its creator to edit it, in one transaction.
     ///
     /// # Errors
     /// As [`Store::add_study`].
@@ -240,7 +241,7 @@ impl Store {
         })
     }
 
-    /// Makes these the grants of a study, and takes back all others. Admins need none.
+    /// Replaces the grants of a study. Admins need no grant.
     ///
     /// # Errors
     /// [`StoreError::Unknown`] for the study or an account.
@@ -266,7 +267,7 @@ impl Store {
         })
     }
 
-    /// Lets an account into a study, or changes what it may do there.
+    /// Adds or changes a grant.
     ///
     /// # Errors
     /// [`StoreError::Unknown`] for the study or the account.
@@ -284,7 +285,7 @@ impl Store {
         })
     }
 
-    /// Takes a grant back.
+    /// Removes a grant.
     ///
     /// # Errors
     /// [`StoreError::Unknown`] where there is none.
@@ -307,7 +308,7 @@ impl Store {
         grants(&self.connection, "study", study)
     }
 
-    /// What somebody is granted in a study.
+    /// The grant of an account in a study.
     ///
     /// # Errors
     /// [`StoreError::Unknown`] where there is no such study, [`StoreError::Damaged`].
@@ -349,7 +350,7 @@ pub(crate) fn account(connection: &Connection, name: &Name) -> Result<Account, S
     accounts(connection, Some(name))?.pop().ok_or_else(unknown)
 }
 
-/// A name may be given rights if there is such an account; who has them by the terminal's token keeps them.
+/// A grant needs an account; names of the terminal's token keep their permissions.
 fn granted_before_or_account(
     connection: &Connection,
     study: &Name,
@@ -377,7 +378,7 @@ fn grants(
     })
 }
 
-/// Writes a grant, or takes it back; does nothing where it stands already.
+/// Writes or removes a grant; no effect if it is unchanged.
 pub(crate) fn set_grant(
     ledger: &Ledger<'_>,
     study: &Name,

@@ -1,4 +1,4 @@
-//! What the store holds of a study as the core's types: the one way from readings to a [`Case`].
+//! Conversion of a study to the core's types: the only way from readings to a [`Case`].
 
 use std::collections::BTreeMap;
 
@@ -38,7 +38,7 @@ pub(crate) fn case(study: &Name, synthetic: bool, films: Vec<Film>) -> Case {
     Case { id, synthetic, subject, films, lateral: None }
 }
 
-/// A film with the readings that stand for it: the vertebrae with four corners, and the mean of the pairs of crests.
+/// A film with its readings: the vertebrae with four corners, and the mean of the pairs of crests.
 ///
 /// # Errors
 /// [`StoreError::Case`] where the image's description is not that of a case file.
@@ -61,7 +61,7 @@ fn marked(reading: &ReadingRecord, state: &ReadingState) -> Reading<Mark> {
     }
 }
 
-/// The mark of a vertebra, if all four corners are placed.
+/// The landmarks of a vertebra, if all four corners are placed.
 fn mark(marks: &VertebraMarks) -> Option<Mark> {
     let corner = |corner| marks.corners.get(&corner).copied().map(pixel);
     Some(Mark {

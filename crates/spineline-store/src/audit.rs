@@ -2,8 +2,9 @@
 //!
 //! An entry's hash is SHA-256 over the hash of the entry before it (64 hexadecimal digits; empty for the first) followed
 //! by the entry as compact JSON, `{"sequence":1,"time_ms":0,"actor":"A","action":"begin","object":"reading/1",
-//! "digest":"…"}`. The digest is SHA-256 of the changed row as it then stands: a JSON array of its key and then of all its
-//! columns in their order, with bytes as the hash of the bytes. So the log does not only tell what happened; it also says what every row of
+//! "digest":"…"}`. The digest is SHA-256 of the changed row after the change: a JSON array of its key and then of all its
+//! columns in their order, with bytes as the hash of the bytes. So the log does not only tell what happened; it also says what
+//! every row of
 //! the store must look like now, which is what [`Store::verify`](crate::Store::verify) checks.
 
 use rusqlite::types::ValueRef;
@@ -29,10 +30,10 @@ pub(crate) const TABLES: [(&str, &str, &str); 10] = [
     ("grants", "grant", "id"),
 ];
 
-/// What an entry without a row of its own speaks about.
+/// Object of an entry without a row.
 const WHOLE_STORE: &str = "store";
 
-/// How long the log is, and the hash of its last entry. Kept outside of the store, it convicts even someone who rewrote all of it.
+/// Length of the log and hash of its last entry. A copy outside of the store reveals even a log that was rewritten as a whole.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Head {
     /// Number of entries.
@@ -42,7 +43,7 @@ pub struct Head {
 }
 
 impl Head {
-    /// A head as it was kept outside of the store: a number and 64 hexadecimal digits.
+    /// Parses a stored head: a number and 64 hexadecimal digits.
     #[must_use]
     pub fn parse(entries: &str, hash: &str) -> Option<Self> {
         let digits = hash.len() == 64 && hash.bytes().all(|byte| byte.is_ascii_hexdigit());
@@ -62,13 +63,13 @@ impl std::fmt::Display for Head {
 pub struct AuditEntry {
     /// Place in the log, from 1.
     pub sequence: i64,
-    /// When, as the caller's clock had it, in milliseconds since 1970-01-01 UTC.
+    /// Time of the caller's clock in milliseconds since 1970-01-01 UTC.
     pub time_ms: i64,
     /// Who.
     pub actor: String,
-    /// What was done.
+    /// Action.
     pub action: String,
-    /// To which object, such as `film/3`; `store` for the store as a whole.
+    /// Object, such as `film/3`; `store` for the whole store.
     pub object: String,
     /// SHA-256 of the object's row after it; empty for the store as a whole.
     pub digest: String,
@@ -112,7 +113,7 @@ pub(crate) fn digest(row: &Row<'_>) -> Result<Hash, StoreError> {
     Ok(Hash::of(Value::from(cells).to_string().as_bytes()))
 }
 
-/// What the log says last of an object, as one statement for many objects.
+/// Statement for the last entry on an object.
 struct Seals<'a>(Statement<'a>);
 
 impl<'a> Seals<'a> {
@@ -136,14 +137,14 @@ pub(crate) fn head(connection: &Connection) -> Result<(Head, i64), StoreError> {
     Ok((Head { entries: entries.unsigned_abs(), hash: Hash(hash) }, last_ms))
 }
 
-/// A change under way: the transaction, and who signs for it.
+/// A running change: its transaction and its author.
 pub(crate) struct Ledger<'a> {
     pub transaction: &'a Transaction<'a>,
     pub by: &'a Signature,
 }
 
 impl Ledger<'_> {
-    /// Notes a clock that went back since the last change. Order is by sequence, so nothing else follows from it.
+    /// Records a clock that went back since the last change. The order is by sequence and is not affected.
     pub fn notice_clock(&self) -> Result<(), StoreError> {
         let (_, last_ms) = head(self.transaction)?;
         if self.by.at.unix_ms() < last_ms {
@@ -152,12 +153,12 @@ impl Ledger<'_> {
         Ok(())
     }
 
-    /// Notes something about the store as a whole.
+    /// Records an entry on the whole store.
     pub fn note(&self, action: &str) -> Result<(), StoreError> {
         self.append(action, WHOLE_STORE, "").map(drop)
     }
 
-    /// Seals a row of a table as it now is; returns the entry's sequence number.
+    /// Records the current state of a row; returns the entry's sequence number.
     pub fn seal(
         &self,
         action: &str,
@@ -206,7 +207,7 @@ pub(crate) fn object_of(word: &str, row: &Row<'_>) -> Result<String, StoreError>
     }
 }
 
-/// Rows of a table, each compared with its last entry in the log: what is read is what was written, or an error.
+/// Rows of a table, each checked against its last entry in the log; a difference is an error.
 pub(crate) fn load<T>(
     connection: &Connection,
     table: &str,

@@ -1,4 +1,4 @@
-//! Copies of a store, whole, flushed and verified, which never replace a file.
+//! Complete, flushed and verified copies of a store, which never replace a file.
 
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
@@ -16,7 +16,7 @@ use crate::verify::{Verification, verify};
 impl Store {
     /// Copies the store, as it is at this moment, into a new file, flushes it to the disk and verifies the copy.
     ///
-    /// A damaged store is copied too: what the copy's verification says is for the caller to look at.
+    /// A damaged store is copied too; the caller checks the result of the verification.
     ///
     /// # Errors
     /// [`StoreError::AlreadyExists`]; [`StoreError::Full`], [`StoreError::File`] and the like, which leave no file.
@@ -26,7 +26,7 @@ impl Store {
 }
 
 /// The final name is reserved first and filled last, by renaming: under that name there is never half a copy. A process
-/// that is killed here leaves an empty file of that name and a `.part` beside it, which nobody mistakes for a store.
+/// that is killed here leaves an empty file of that name and a `.part` beside it, which is not a valid store.
 fn copy(source: &Connection, target: &Path) -> Result<Verification, StoreError> {
     let mut part = OsString::from(target);
     part.push(".part");
@@ -44,7 +44,7 @@ fn copy(source: &Connection, target: &Path) -> Result<Verification, StoreError> 
         Ok(verification)
     });
     if filled.is_err() {
-        // What failed is told; that its remains cannot be removed either would hide it.
+        // The first error is reported; a failed clean-up must not hide it.
         let _ = fs::remove_file(&part);
         let _ = fs::remove_file(target);
     }
@@ -79,7 +79,7 @@ fn fill(source: &Connection, part: &Path) -> Result<Verification, StoreError> {
     Ok(verification)
 }
 
-/// Makes a new name outlive a loss of power, where folders can be flushed.
+/// Flushes a folder, so that a new name survives a power failure, where the system allows it.
 fn sync_folder(path: &Path) -> std::io::Result<()> {
     #[cfg(unix)]
     {

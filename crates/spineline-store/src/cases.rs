@@ -1,4 +1,4 @@
-//! A case file with its films, as a study: all of it, or nothing.
+//! Import of a case file with its films as a study, completely or not at all.
 
 use std::fmt;
 
@@ -19,7 +19,7 @@ use crate::names::{FilmId, Name, Signature};
 use crate::readings;
 use crate::state::ReadingState;
 
-/// A case that is to become a study.
+/// A case to be imported as a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NewCase {
     study: Study,
@@ -35,7 +35,7 @@ struct CaseFilm {
     readings: Vec<CaseReading>,
 }
 
-/// A reading as if it had been clicked.
+/// A reading as events.
 #[derive(Debug, Clone, PartialEq)]
 struct CaseReading {
     observer: Name,
@@ -43,7 +43,7 @@ struct CaseReading {
     events: Vec<Event>,
 }
 
-/// What a store does not keep of a case.
+/// Parts of a case that a store does not hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CaseRemark {
@@ -64,7 +64,7 @@ impl fmt::Display for CaseRemark {
     }
 }
 
-/// Why a case cannot become a study. `E` is what kept a film's file from being read.
+/// Why a case cannot be imported. `E` is the error of reading a film's file.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum CaseError<E> {
@@ -82,7 +82,7 @@ pub enum CaseError<E> {
         /// Film.
         posture: Posture,
     },
-    /// A picture is not the one that was marked.
+    /// A picture differs from the one of the case.
     OtherPicture {
         /// Film.
         posture: Posture,
@@ -110,7 +110,7 @@ impl<E: fmt::Display> fmt::Display for CaseError<E> {
 }
 
 impl<E> CaseError<E> {
-    /// What the user can do about it; for [`CaseError::Picture`], whoever gave the error knows better.
+    /// Remedy; none for [`CaseError::Picture`], whose source has its own.
     #[must_use]
     pub fn help(&self) -> &'static str {
         match self {
@@ -124,7 +124,7 @@ impl<E> CaseError<E> {
     }
 }
 
-/// What became of a case.
+/// Result of an import.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AddedCase {
     /// Its study.
@@ -133,7 +133,7 @@ pub struct AddedCase {
     pub films: Vec<FilmId>,
     /// Number of readings, all finished.
     pub readings: usize,
-    /// What is not kept.
+    /// Parts that are not stored.
     pub remarks: Vec<CaseRemark>,
 }
 
@@ -184,7 +184,7 @@ impl NewCase {
         Self { study, films: Vec::new(), remarks: Vec::new() }
     }
 
-    /// With one film more, which nobody has read.
+    /// With one more film, without readings.
     #[must_use]
     pub fn film(mut self, posture: Posture, bytes: Vec<u8>, image: Value) -> Self {
         self.films.push(CaseFilm { posture, bytes, image, readings: Vec::new() });
@@ -215,7 +215,7 @@ impl NewCase {
     ) -> Result<Self, E> {
         for film in &mut self.films {
             film.bytes = rewrite(&film.bytes)?;
-            // The old name may be a patient's.
+            // The old name may be that of a patient.
             let end = if film.bytes.get(128..132) == Some(b"DICM") { "dcm" } else { "png" };
             film.image["file"] = format!("{}-{}.{end}", self.study.id, film.posture.key()).into();
             film.image["sha256"] = spineline_files::sha256_hex(&film.bytes).into();
@@ -223,7 +223,7 @@ impl NewCase {
         Ok(self)
     }
 
-    /// With a text for the one who leads the study.
+    /// With a label.
     #[must_use]
     pub fn label(mut self, label: &str) -> Self {
         self.study.label = Some(label.to_owned());
@@ -264,7 +264,7 @@ impl CaseReading {
 }
 
 impl Store {
-    /// Adds a case with its films and its readings, which are finished: all of it, or nothing.
+    /// Adds a case with its films and its finished readings in one transaction.
     ///
     /// # Errors
     /// As [`Store::add_study`], [`Store::add_film`], [`Store::record_all`] and [`Store::finish_reading`].
@@ -272,7 +272,7 @@ impl Store {
         self.write(by, |ledger| insert_case(ledger, case))
     }
 
-    /// Adds a case as [`Store::add_case`] does, and grants its maker to edit it, in one step.
+    /// As [`Store::add_case`], and grants the creator to edit the study, in the same transaction.
     ///
     /// # Errors
     /// As [`Store::add_case`].
@@ -310,7 +310,7 @@ fn insert_case(ledger: &Ledger<'_>, case: &NewCase) -> Result<AddedCase, StoreEr
     Ok(AddedCase { study, films, readings, remarks: case.remarks.clone() })
 }
 
-/// A whole reading, finished. Its observer signs, at the time of whoever brings it.
+/// A complete finished reading, signed by its observer at the time of the import.
 fn add_reading(ledger: &Ledger<'_>, film: FilmId, reading: &CaseReading) -> Result<(), StoreError> {
     let by = Signature::new(reading.observer.clone(), ledger.by.at);
     let ledger = Ledger { transaction: ledger.transaction, by: &by };

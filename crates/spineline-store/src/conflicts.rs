@@ -1,4 +1,4 @@
-//! Acknowledged changes, and the changes that lost a race, which are kept too.
+//! Acknowledged changes, and refused changes, which are kept too.
 
 use rusqlite::{Connection, params};
 
@@ -16,7 +16,7 @@ pub struct Acknowledged {
     pub revision: u64,
 }
 
-/// A change that was based on an old revision, kept beside the one that won.
+/// A change that was based on an old revision: kept, not applied.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LostChange {
     /// Number.
@@ -25,16 +25,16 @@ pub struct LostChange {
     pub who: Name,
     /// When.
     pub at: Timestamp,
-    /// Revision that they saw.
+    /// Revision on which the change was based.
     pub base_revision: u64,
-    /// Revision that there was.
+    /// Current revision at that time.
     pub found_revision: u64,
     /// The [`Event`](crate::Event), edit or finish, as JSON.
     pub change: String,
 }
 
 impl Store {
-    /// The changes of a reading that lost a race, oldest first.
+    /// The refused changes of a reading, oldest first.
     ///
     /// # Errors
     /// [`StoreError::Damaged`].
@@ -42,7 +42,7 @@ impl Store {
         lost_changes(&self.connection, &reading.to_string())
     }
 
-    /// The edits of a film that lost a race, oldest first.
+    /// The refused edits of a film, oldest first.
     ///
     /// # Errors
     /// [`StoreError::Damaged`].
@@ -51,7 +51,7 @@ impl Store {
     }
 }
 
-/// Keeps changes that lost; returns the error that says so and names the first.
+/// Stores refused changes; returns the error that names the first.
 pub(crate) fn keep_lost(
     ledger: &Ledger<'_>,
     object: String,

@@ -25,12 +25,12 @@ impl Store {
     /// Makes a new store in a file that does not exist yet, or is empty.
     ///
     /// # Errors
-    /// [`StoreError::AlreadyExists`], [`StoreError::CannotOpen`] and whatever disks do.
+    /// [`StoreError::AlreadyExists`], [`StoreError::CannotOpen`] and errors of the file system.
     pub fn create(path: &Path, by: &Signature) -> Result<Self, StoreError> {
         let taken = || StoreError::AlreadyExists { path: path.to_owned() };
         let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_CREATE;
         let mut connection = schema::connect(path, flags)?;
-        // What SQLite cannot read is a file of something else.
+        // A file that SQLite cannot read is not a store.
         let created = schema::configure(&connection)
             .and_then(|()| schema::create(&mut connection, by))
             .map_err(|error| match error {
@@ -47,7 +47,7 @@ impl Store {
     /// none of them has changed the file.
     pub fn open(path: &Path) -> Result<Self, StoreError> {
         let connection = connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
-        // SQLite falls back to reading where it may not write.
+        // SQLite opens for reading where it may not write.
         if connection.is_readonly(MAIN_DB)? {
             return Err(StoreError::ReadOnly);
         }
@@ -80,7 +80,7 @@ impl Store {
         Ok(self.connection.busy_timeout(timeout.min(longest))?)
     }
 
-    /// The end of the audit log: a number of entries and a hash, worth keeping outside of the store.
+    /// The head of the audit log (number of entries and hash), to be kept outside of the store.
     ///
     /// # Errors
     /// [`StoreError::Damaged`].
@@ -88,7 +88,7 @@ impl Store {
         Ok(audit::head(&self.connection)?.0)
     }
 
-    /// The audit log, oldest first. [`Store::verify`] says whether it can be believed.
+    /// The audit log, oldest first. [`Store::verify`] checks it.
     ///
     /// # Errors
     /// [`StoreError::Damaged`].
@@ -98,7 +98,7 @@ impl Store {
         Ok(entries.collect::<Result<_, _>>()?)
     }
 
-    /// One change and its entries in the log: all of it, flushed, or nothing.
+    /// Commits one change with its log entries and flushes it, or rolls it back.
     pub(crate) fn write<T>(
         &mut self,
         by: &Signature,

@@ -22,12 +22,12 @@ use crate::state::{ReadingState, VertebraMarks};
 pub enum CaseReadings<'a> {
     /// All finished ones.
     Finished,
-    /// On the film of a reading in hand that one alone, with events that are not recorded yet. On every other film the
+    /// On the film of an open reading that reading alone, with unrecorded events. On every other film the
     /// same observer's newest reading that is complete, or else all finished ones.
     InHand {
-        /// The reading in hand.
+        /// The open reading.
         reading: ReadingId,
-        /// Events upon it as it stands.
+        /// Unrecorded events on it.
         pending: &'a [Event],
     },
 }
@@ -56,24 +56,24 @@ impl CurrentFilm {
 pub struct CurrentCase {
     /// Its films, the erect one first.
     pub films: Vec<CurrentFilm>,
-    /// What is marked on the films that have readings, of any vertebra.
+    /// Landmarks on the films with readings, of any vertebra.
     pub case: Case,
 }
 
 impl CurrentCase {
-    /// What is known of one film.
+    /// State of one film.
     #[must_use]
     pub fn film(&self, posture: Posture) -> Option<&CurrentFilm> {
         self.films.iter().find(|film| film.record.posture == posture)
     }
 
-    /// What is marked on one film.
+    /// Landmarks on one film.
     #[must_use]
     pub fn marks(&self, posture: Posture) -> Option<&Film> {
         self.case.films.iter().find(|film| film.posture == posture)
     }
 
-    /// The case of the films on which every vertebra of the model is marked.
+    /// The case of the films with landmarks of every vertebra of the model.
     #[must_use]
     pub fn complete_case(&self) -> Case {
         let complete =
@@ -84,10 +84,10 @@ impl CurrentCase {
 }
 
 impl Store {
-    /// A study as it stands for results.
+    /// The current case of a study.
     ///
     /// # Errors
-    /// As [`Store::export_case`]; [`StoreError::BadEvent`] for a pending event that makes no sense.
+    /// As [`Store::export_case`]; [`StoreError::BadEvent`] for an invalid pending event.
     pub fn current_case(
         &self,
         study: &Name,
@@ -134,7 +134,7 @@ impl Store {
         finished.map(|&reading| Ok((reading, self.state_of(connection, reading)?))).collect()
     }
 
-    /// What stands for a film beside a reading in hand, which may be of this very film.
+    /// The readings used for a film beside an open reading, which may be of the same film.
     fn beside<'r>(
         &self,
         connection: &Connection,

@@ -1,4 +1,4 @@
-//! What can go wrong in a store. Errors name identifiers and numbers, never labels, notes or the contents of films.
+//! Errors of a store. They contain identifiers and numbers, never labels, notes or the contents of films.
 
 use std::path::PathBuf;
 
@@ -7,8 +7,8 @@ use spineline::anatomy::{Level, Posture};
 
 use crate::names::{FilmId, Name, ReadingId, Timestamp};
 
-/// Why the store refused or failed. Whatever was refused has changed nothing, except that a
-/// [`Conflict`](Self::Conflict) has kept the event that lost.
+/// Why the store refused or failed. A refusal changes no state, except that a [`Conflict`](Self::Conflict) stores the refused
+/// event.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoreError {
@@ -24,7 +24,7 @@ pub enum StoreError {
         /// Which file.
         path: PathBuf,
     },
-    /// A file of something else.
+    /// The file is not a store.
     #[error("{}: not a Spineline store", path.display())]
     NotAStore {
         /// Which file.
@@ -50,7 +50,7 @@ pub enum StoreError {
     /// Another program holds the store.
     #[error("another program is writing to the store, and did not finish in time")]
     Busy,
-    /// The file is not what was written.
+    /// The file was changed or damaged.
     #[error("the store is damaged{}", object.as_ref().map(|o| format!(" at {o}")).unwrap_or_default())]
     Damaged {
         /// Which object, where it is known.
@@ -76,7 +76,7 @@ pub enum StoreError {
         /// SQLite's extended result code; 0 where the library and not SQLite refused.
         extended_code: i32,
     },
-    /// An identifier that is none. The text is not repeated, since it might be a name.
+    /// An invalid identifier. The text is not repeated, because it might be a name.
     #[error(
         "an identifier must have 1 to 64 ASCII letters, digits, `.`, `-` or `_`; this one with {characters} characters does not"
     )]
@@ -96,7 +96,7 @@ pub enum StoreError {
         /// Such as `study/S1`.
         object: String,
     },
-    /// The same bytes already serve another posture, or the same one, of this study.
+    /// The study already contains the same bytes.
     #[error("the same picture is already {film}, the {posture} film of study {study}")]
     AlreadyKnown {
         /// Study.
@@ -106,7 +106,7 @@ pub enum StoreError {
         /// Posture that it shows.
         posture: Posture,
     },
-    /// A password that is none.
+    /// An invalid password.
     #[error("a password has {least} characters at least and {most_bytes} bytes at most")]
     BadPassword {
         /// Fewest characters.
@@ -114,7 +114,7 @@ pub enum StoreError {
         /// Most bytes.
         most_bytes: usize,
     },
-    /// Nobody could lead the store any more.
+    /// No enabled admin would remain.
     #[error("account {name} is the last enabled admin")]
     LastAdmin {
         /// Account.
@@ -153,13 +153,13 @@ pub enum StoreError {
         /// Reading.
         reading: ReadingId,
     },
-    /// A reading is written by its own observer only.
+    /// A reading can be changed by its observer only.
     #[error("{reading} belongs to another observer")]
     NotYours {
         /// Reading.
         reading: ReadingId,
     },
-    /// An event that makes no sense after those before it.
+    /// An event that is invalid after those before it.
     #[error("{reading}: {reason}")]
     BadEvent {
         /// Reading.
@@ -238,7 +238,7 @@ impl StoreError {
             Self::ReadOnly | Self::CannotOpen => {
                 "give this user the right to write the file and its folder, or copy the store elsewhere"
             }
-            Self::Full => "free disk space and repeat the step",
+            Self::Full => "free disk space and repeat the command",
             Self::Busy => {
                 "try again; if the error remains, close other programs that use the store"
             }
@@ -276,13 +276,13 @@ impl StoreError {
     }
 }
 
-/// Refuses what is larger than a limit.
+/// Refuses values above a limit.
 pub(crate) fn limit(what: &'static str, found: usize, limit: usize) -> Result<(), StoreError> {
     if found > limit { Err(StoreError::TooLarge { what, found, limit }) } else { Ok(()) }
 }
 
 impl From<rusqlite::Error> for StoreError {
-    /// Keeps the code and drops the text, which may quote what was stored.
+    /// Keeps the code and drops the text, which may quote stored values.
     fn from(error: rusqlite::Error) -> Self {
         use rusqlite::Error as E;
         let Some(failure) = error.sqlite_error() else {

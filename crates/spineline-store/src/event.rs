@@ -1,4 +1,4 @@
-//! What a reader did: the entries of a reading's journal.
+//! Events: the entries of a reading's journal.
 
 use serde::{Deserialize, Serialize};
 use spineline_files::LevelKey;
@@ -45,11 +45,11 @@ pub enum CrestSide {
     Right,
 }
 
-/// One thing that a reader did, as JSON with a `kind`. Places are in pixels of the film, column and row, sub-pixel.
+/// One action of a reader, as JSON with a `kind`. Places are in pixels of the film, column and row, sub-pixel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Event {
-    /// A corner set, wherever it was before.
+    /// Place a corner, with or without an earlier place.
     PlaceCorner {
         /// Vertebra.
         #[schema(value_type = String)]
@@ -61,7 +61,7 @@ pub enum Event {
         /// Row.
         row_px: f64,
     },
-    /// A placed corner moved.
+    /// Move a placed corner.
     MoveCorner {
         /// Vertebra.
         #[schema(value_type = String)]
@@ -73,7 +73,7 @@ pub enum Event {
         /// Row.
         row_px: f64,
     },
-    /// An axis turned by hand, or given back to the corners.
+    /// Set an axis by hand, or reset it to the corners.
     SetAxis {
         /// Vertebra.
         #[schema(value_type = String)]
@@ -81,7 +81,7 @@ pub enum Event {
         /// Against the image's vertical, positive clockwise as seen; none to follow the corners.
         axis_deg: Option<f64>,
     },
-    /// A vertebra taken off the film.
+    /// Remove the landmarks of a vertebra.
     RemoveVertebra {
         /// Vertebra.
         #[schema(value_type = String)]
@@ -105,16 +105,16 @@ pub enum Event {
         /// Length.
         length_mm: f64,
     },
-    /// Dark and bright exchanged for this reading, or not.
+    /// Invert grey levels for this reading, or not.
     Invert {
-        /// Whether they are.
+        /// Whether they are inverted.
         inverted: bool,
     },
-    /// The last edit taken back; notes are not edits.
+    /// Undo the last edit; notes are not edits.
     Undo,
-    /// What was taken back last, done again.
+    /// Redo the last undone edit.
     Redo,
-    /// Free text, which leaves the store in the reading's state only.
+    /// Free text, part of the reading's state only.
     Note {
         /// Text.
         text: String,

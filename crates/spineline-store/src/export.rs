@@ -16,16 +16,16 @@ use crate::names::{Name, ReadingId};
 use crate::readings;
 use crate::state::ReadingState;
 
-/// A case file and what it could not hold.
+/// A case file and the omitted parts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ExportedCase {
     /// Text of the case file, which `spineline_files::parse_case` has read.
     pub text: String,
-    /// What was left out.
+    /// Omitted parts.
     pub remarks: Vec<ExportRemark>,
 }
 
-/// Something of the study that is not in its case file.
+/// A part of the study that is not in its case file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ExportRemark {
@@ -34,7 +34,7 @@ pub enum ExportRemark {
         /// Reading.
         reading: ReadingId,
     },
-    /// A scale read off the film. The image's own spacing stands.
+    /// A scale measured on the film; the case has the spacing of the image.
     ScaleLeftOut {
         /// Reading.
         reading: ReadingId,
@@ -66,7 +66,8 @@ impl std::fmt::Display for ExportRemark {
 impl Store {
     /// The case of a study: its finished readings, by posture, observer and repeat. The same store gives the same bytes.
     ///
-    /// A case file has one pair of iliac crests per film; it gets the mean of the pairs of all readings. Labels and notes stay in the store.
+    /// A case file has one pair of iliac crests per film; it gets the mean of the pairs of all readings. Labels and notes stay
+    /// in the store.
     ///
     /// # Errors
     /// [`StoreError::PostureTwice`]; [`StoreError::Case`] where the images' descriptions are not those of a case file;

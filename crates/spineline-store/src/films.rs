@@ -12,20 +12,20 @@ use crate::error::{StoreError, limit};
 use crate::names::{FilmId, Hash, Name, Signature};
 
 /// Largest film, in bytes; a frontal radiograph has some tens of millions.
-const LARGEST_FILM_BYTES: usize = 512 << 20;
+const MAX_FILM_BYTES: usize = 512 << 20;
 /// Longest description of an image, in bytes of JSON.
-const LARGEST_IMAGE_BYTES: usize = 1 << 20;
+const MAX_IMAGE_BYTES: usize = 1 << 20;
 /// Longest label, in characters.
-const LONGEST_LABEL: usize = 200;
+const MAX_LABEL: usize = 200;
 
 /// A study: the films of one subject.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Study {
     /// Identifier, without the patient's name.
     pub id: Name,
-    /// Free text for the one who leads the study. It appears in no error, log, export or blinded view.
+    /// Free text. It appears in no error, log, export or blinded view.
     pub label: Option<String>,
-    /// Whether the films are made up.
+    /// Whether the films are synthetic.
     pub synthetic: bool,
 }
 
@@ -40,15 +40,15 @@ pub struct FilmRecord {
     pub posture: Posture,
     /// Its bytes, for [`Store::content`].
     pub content: Hash,
-    /// The `image` of a case file: size, spacing, sides. The store does not look into it.
+    /// The `image` of a case file: size, spacing, sides. The store does not parse it.
     pub image: Value,
-    /// Whether it is shown with dark and bright exchanged.
+    /// Whether it is shown with inverted grey levels.
     pub inverted: bool,
     /// Number of edits so far.
     pub revision: u64,
 }
 
-/// A film as it was added.
+/// Result of adding a film.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AddedFilm {
     /// The new film.
@@ -62,11 +62,11 @@ pub struct AddedFilm {
 /// A change of a film's record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FilmEdit {
-    /// The film shows another posture than was said.
+    /// Correct the posture.
     Posture(Posture),
-    /// Dark and bright are exchanged on the screen, or not.
+    /// Invert grey levels on the screen, or not.
     Inverted(bool),
-    /// The distances between its pixels became known otherwise than before.
+    /// Set the spacing.
     Spacing(Spacing),
 }
 
@@ -142,7 +142,7 @@ impl Store {
         films(&self.connection, study)
     }
 
-    /// Changes a film's record, if it still is at the expected revision.
+    /// Changes a film's record, if it has the expected revision.
     ///
     /// # Errors
     /// [`StoreError::Conflict`], and then the edit is among [`Store::conflicts_of_film`]; [`StoreError::Unknown`];
@@ -178,8 +178,8 @@ impl Store {
         })?
     }
 
-    /// The bytes of a film, compared with their hash. They are the file as it was given, which may name the patient and the
-    /// posture: a blinded reader is shown a picture made of them.
+    /// The bytes of a film, compared with their hash. They are the original file, which may contain the patient's name and the
+    /// posture: blinded readers must get the decoded picture instead.
     ///
     /// # Errors
     /// [`StoreError::Unknown`], [`StoreError::Damaged`].
@@ -193,7 +193,7 @@ impl Store {
     }
 }
 
-/// A film that is to be added.
+/// A film to be added.
 pub(crate) struct NewFilm<'a> {
     pub posture: Posture,
     pub bytes: &'a [u8],
@@ -203,7 +203,7 @@ pub(crate) struct NewFilm<'a> {
 
 pub(crate) fn insert_study(ledger: &Ledger<'_>, study: &Study) -> Result<(), StoreError> {
     let characters = study.label.as_ref().map_or(0, |label| label.chars().count());
-    limit("the label", characters, LONGEST_LABEL)?;
+    limit("the label", characters, MAX_LABEL)?;
     let id = study.id.as_str();
     if !study_rows(ledger.transaction, Some(&study.id))?.is_empty() {
         return Err(StoreError::Exists { object: format!("study/{id}") });
@@ -220,12 +220,12 @@ pub(crate) fn add_film(
     study: &Name,
     new: &NewFilm<'_>,
 ) -> Result<AddedFilm, StoreError> {
-    limit("the film (in bytes)", new.bytes.len(), LARGEST_FILM_BYTES)?;
+    limit("the film (in bytes)", new.bytes.len(), MAX_FILM_BYTES)?;
     if !new.image.is_object() {
         return Err(StoreError::ImageNotAnObject);
     }
     let image = new.image.to_string();
-    limit("the image's description (in bytes)", image.len(), LARGEST_IMAGE_BYTES)?;
+    limit("the image's description (in bytes)", image.len(), MAX_IMAGE_BYTES)?;
     let content = Hash::of(new.bytes);
     let transaction = ledger.transaction;
     self::study(transaction, study)?;
@@ -247,7 +247,7 @@ pub(crate) fn add_film(
     Ok(AddedFilm { film: FilmId(film), content, bytes_are_new })
 }
 
-/// Stores bytes unless they are there; says whether they were new.
+/// Stores bytes unless they exist; returns whether they were new.
 fn keep(ledger: &Ledger<'_>, content: &Hash, bytes: &[u8]) -> Result<bool, StoreError> {
     let hash = content.as_str();
     if ledger.transaction.prepare("SELECT 1 FROM contents WHERE hash = ?1")?.exists([hash])? {

@@ -1,4 +1,5 @@
-//! Disks that fill up at every page of a session. SQLite's limit of pages belongs to a connection, hence a test inside.
+//! Disks that are full at any page of a session. SQLite's limit of pages belongs to a connection, so the test is inside the
+//! crate.
 
 #[path = "../tests/it/session.rs"]
 mod session;
@@ -11,7 +12,7 @@ fn limit_pages(store: &Store, pages: i64) {
 }
 
 #[test]
-fn a_full_disk_loses_nothing_acknowledged_and_the_session_goes_on_when_there_is_room() {
+fn a_full_disk_loses_no_acknowledged_change_and_work_continues_with_room() {
     let folder = tempfile::tempdir().expect("a folder");
     let reference = session::reference(&folder.path().join("reference"));
     let first = session::create(&folder.path().join("first"));

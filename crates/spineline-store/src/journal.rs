@@ -1,4 +1,4 @@
-//! Every click, kept; and the end of a reading.
+//! The journal of a reading: records events, and finishes readings.
 
 use rusqlite::{Connection, params};
 
@@ -11,13 +11,13 @@ use crate::names::{ReadingId, Signature};
 use crate::readings::{self, ReadingRecord};
 use crate::state::ReadingState;
 
-/// Longest note, in characters.
-const LONGEST_NOTE: usize = 4_000;
-/// Most events in one step; a whole film has fewer than a hundred.
-const MOST_EVENTS: usize = 500;
+/// Maximum length of a note in characters.
+const MAX_NOTE: usize = 4_000;
+/// Maximum number of events in one step; a whole film has fewer than a hundred.
+const MAX_EVENTS: usize = 500;
 
 impl Store {
-    /// Adds an event to a reading, if it still is at the expected revision. What is acknowledged is on the disk.
+    /// Adds an event to a reading, if it has the expected revision. An acknowledged event is on the disk.
     ///
     /// # Errors
     /// As [`Store::record_all`].
@@ -31,10 +31,8 @@ impl Store {
         self.record_all(reading, std::slice::from_ref(event), expected_revision, by)
     }
 
-    /// Adds events to a reading, all of them or none, if it still is at the expected revision.
-    ///
-    /// Whoever sends the same events for the same revision once more has missed the acknowledgement, and is given it
-    /// again: nothing is recorded twice.
+    /// Adds all events to a reading, or none, if it has the expected revision.
+    /// A repeated request with the same events and revision gets the same acknowledgement and records no event.
     ///
     /// # Errors
     /// [`StoreError::Conflict`], and then every event is among [`Store::conflicts_of_reading`]; [`StoreError::NotYours`],
@@ -66,7 +64,7 @@ impl Store {
         })?
     }
 
-    /// Finishes a reading, which is immutable from then on.
+    /// Finishes a reading, which is then immutable.
     ///
     /// # Errors
     /// [`StoreError::Incomplete`] where a vertebra lacks a corner; [`StoreError::Conflict`], [`StoreError::NotYours`],
@@ -88,7 +86,7 @@ impl Store {
         })?
     }
 
-    /// A reading after all its events, for the one who leads the study; readers look through [`Store::observer`].
+    /// A reading after all its events, without blinding; for readers use [`Store::observer`].
     ///
     /// # Errors
     /// [`StoreError::Unknown`], [`StoreError::Damaged`].
@@ -116,8 +114,8 @@ impl Store {
     }
 }
 
-/// The reading that someone wants to finish, if it is theirs, at the revision that they saw, and not finished.
-/// The inner error is a conflict, which has been kept.
+/// The reading to be finished, if it belongs to the author, has the expected revision and is not finished. The inner error is a
+/// conflict, which has been stored.
 fn current(
     ledger: &Ledger<'_>,
     reading: ReadingId,
@@ -136,7 +134,7 @@ fn current(
     Ok(Ok(state))
 }
 
-/// A reading of whoever signs, and its events.
+/// A reading of the author, and its events.
 fn own(ledger: &Ledger<'_>, reading: ReadingId) -> Result<(ReadingRecord, Vec<Event>), StoreError> {
     let record = readings::reading(ledger.transaction, reading)?;
     if record.observer != ledger.by.who {
@@ -146,21 +144,21 @@ fn own(ledger: &Ledger<'_>, reading: ReadingId) -> Result<(ReadingRecord, Vec<Ev
     Ok((record, events))
 }
 
-/// Checks what needs no reading to be checked.
+/// Checks that need no reading.
 fn check(events: &[Event]) -> Result<(), StoreError> {
     if events.is_empty() {
         return Err(StoreError::NoEvent);
     }
-    limit("one step (in events)", events.len(), MOST_EVENTS)?;
+    limit("one step (in events)", events.len(), MAX_EVENTS)?;
     for event in events {
         if let Event::Note { text } = event {
-            limit("the note (in characters)", text.chars().count(), LONGEST_NOTE)?;
+            limit("the note (in characters)", text.chars().count(), MAX_NOTE)?;
         }
     }
     Ok(())
 }
 
-/// The revision after these events, where a reading has them at that place already.
+/// The revision after these events, if the reading contains them at that place already.
 fn known_before(known: &[Event], events: &[Event], expected: u64) -> Option<u64> {
     let start = usize::try_from(expected).ok()?;
     let end = start.checked_add(events.len())?;
@@ -181,7 +179,7 @@ fn acknowledge(
     Ok(Acknowledged { sequence: sequence.unsigned_abs(), revision })
 }
 
-/// Adds events that were checked for themselves to a reading with these events.
+/// Adds checked events to a reading with the given events.
 pub(crate) fn append(
     ledger: &Ledger<'_>,
     reading: ReadingId,
@@ -234,7 +232,7 @@ pub(crate) fn events(
     })
 }
 
-/// A reading after its events and these, which are not recorded.
+/// A reading after its events and the given unrecorded ones.
 pub(crate) fn replayed(
     record: &ReadingRecord,
     mut events: Vec<Event>,

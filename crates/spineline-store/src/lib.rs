@@ -1,15 +1,17 @@
-//! One file that holds studies, their films, who read them, and every click.
+//! The study store: one file with studies, films, readings and every event.
 //!
 //! A [`Store`] is one SQLite file. Everything that is acknowledged is committed and flushed to the disk. Readings are
 //! append-only journals of [`Event`]s; their state is a fold over the journal, so that undo survives a reload. Nothing is
-//! overwritten: a change based on an old revision is refused **and kept** ([`StoreError::Conflict`], [`Store::conflicts_of_reading`]).
+//! overwritten: a change based on an old revision is refused **and kept** ([`StoreError::Conflict`],
+//! [`Store::conflicts_of_reading`]).
 //! Every change has an entry in a hash-chained log. A row that is read is compared with its entry, so that a damaged row
 //! is an error and never another reading; rows that are gone, and the log itself, are the business of [`Store::verify`].
 //!
 //! The bytes of films lie in the database too, once for all films that share them: one file is one thing to copy, to back up
 //! and to lock, and no crash can part a film from its record.
 //!
-//! The store reads no clock. It keeps who may do what ([`Account`], [`StudyGrant`]) and leaves it to its callers to ask. They say who
+//! The store reads no clock. It keeps who may do what ([`Account`], [`StudyGrant`]) and leaves it to its callers to ask. They
+//! say who
 //! does what and when ([`Signature`]); a blinded reader is given an [`ObserverView`] and nothing else.
 //!
 //! ```

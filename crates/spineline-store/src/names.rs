@@ -1,4 +1,4 @@
-//! Identifiers, times and signatures: who did what, to which object, when.
+//! Identifiers, times and signatures.
 
 use std::fmt;
 
@@ -30,7 +30,7 @@ impl fmt::Display for Name {
     }
 }
 
-/// A moment in UTC, to the millisecond. The store never reads a clock: callers say what time it is.
+/// A moment in UTC, to the millisecond. The store never reads a clock: callers give the time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Timestamp(DateTime<Utc>);
 
@@ -47,7 +47,7 @@ impl Timestamp {
         self.0.timestamp_millis()
     }
 
-    /// The moment of so many milliseconds since 1970-01-01 UTC, if the calendar reaches it.
+    /// The moment of so many milliseconds since 1970-01-01 UTC, if it is in the calendar's range.
     #[must_use]
     pub fn from_unix_ms(unix_ms: i64) -> Option<Self> {
         DateTime::from_timestamp_millis(unix_ms).map(Self)
@@ -66,7 +66,7 @@ impl fmt::Display for Timestamp {
     }
 }
 
-/// Who changes something, and when, as the caller vouches for it.
+/// Author and time of a change, given by the caller.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Signature {
     /// Who.

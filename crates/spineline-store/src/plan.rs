@@ -1,4 +1,4 @@
-//! Blinded, randomised, dated reading: who reads which film when, and what a blinded reader may see.
+//! Plans of blinded readings: order, interval, and what a blinded reader may see.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -18,13 +18,13 @@ use crate::names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};
 use crate::readings::{self, ReadingRecord};
 use crate::state::ReadingState;
 
-/// Most readings in one plan.
-const MOST_SLOTS: usize = 100_000;
+/// Maximum number of readings in one plan.
+const MAX_SLOTS: usize = 100_000;
 
-/// How often, how far apart and in which order films are read.
+/// Number, interval and order of readings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PlanDesign {
-    /// How often every observer reads every film.
+    /// Readings per film and observer.
     pub repeats: u32,
     /// Days of 24 hours between two readings of a film by one observer.
     pub washout_days: u32,
@@ -32,12 +32,12 @@ pub struct PlanDesign {
     pub seed: u64,
 }
 
-/// The name of a film in one reading of one observer. It says nothing of study, posture, repeat or any other reading.
+/// The name of a film in one reading of one observer. It does not reveal study, posture, repeat or other readings.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct FilmCode(String);
 
 impl FilmCode {
-    /// A code as an observer gives it back; whether there is such a one, [`Store::begin_planned`] finds out.
+    /// A code from an observer; [`Store::begin_planned`] checks whether it exists.
     #[must_use]
     pub fn new(text: &str) -> Self {
         Self(text.to_owned())
@@ -56,25 +56,25 @@ impl fmt::Display for FilmCode {
     }
 }
 
-/// All that a blinded reader is told of a film.
+/// The data of a film that a blinded reader may see.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BlindFilm {
-    /// Its name, for this reading only.
+    /// Its code, for this reading only.
     pub code: FilmCode,
-    /// Where its pixels are. It is the same for every reading of the film: show pixels, and keep the hash to the program.
+    /// Hash of its bytes, equal for every reading of the film: do not send it to the reader.
     pub content: Hash,
 }
 
-/// What an observer is to read next.
+/// The next reading of an observer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Next {
-    /// This film, which waits to be begun.
+    /// Begin this film.
     Begin(BlindFilm),
-    /// This film, which was begun and not finished.
+    /// Continue this film.
     Continue(BlindFilm, ReadingId),
-    /// Nothing before that day.
+    /// No reading before that day.
     Wait(Timestamp),
-    /// Nothing more.
+    /// No more readings.
     Done,
 }
 
@@ -85,16 +85,16 @@ pub struct OwnReading {
     pub id: ReadingId,
     /// Code of its film.
     pub code: FilmCode,
-    /// When it was finished.
+    /// Time of the end.
     pub finished_at: Option<Timestamp>,
 }
 
 /// The readings that an observer may see.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum VisibleReadings {
-    /// While the plan is incomplete: the own ones.
+    /// The own readings, while the plan is incomplete.
     Blinded(Vec<OwnReading>),
-    /// Where the plan is complete, or there is none: all.
+    /// All readings, if the plan is complete or there is none.
     Open(Vec<ReadingRecord>),
 }
 
@@ -109,7 +109,7 @@ pub(crate) struct Slot {
 
 impl Store {
     /// Plans the readings of a study: every observer reads every film once, in an order of their own, then every film
-    /// again, and so on. Within a round the order is strict, so that a wait never makes it less random.
+    /// again, and so on. The order within a round is strict, so that waiting does not make it less random.
     ///
     /// Returns the number of readings.
     ///
@@ -166,7 +166,7 @@ impl Store {
         films::is_planned(&self.connection, study)
     }
 
-    /// Begins the planned reading of a code. The observer is who signs.
+    /// Begins the planned reading of a code. The observer is the author.
     ///
     /// # Errors
     /// [`StoreError::OutOfTurn`] for any code but the observer's next; [`StoreError::Washout`]; [`StoreError::Exists`]
@@ -200,7 +200,7 @@ impl Store {
     }
 }
 
-/// The store as one observer may see it: while a plan is incomplete, nothing but codes and own readings.
+/// The store as one observer may see it: only codes and own readings while a plan is incomplete.
 #[derive(Debug, Clone, Copy)]
 pub struct ObserverView<'a> {
     pub(crate) store: &'a Store,
@@ -208,7 +208,7 @@ pub struct ObserverView<'a> {
 }
 
 impl ObserverView<'_> {
-    /// The study of one of this observer's codes, for whoever asks what they may do there; a reader is not told.
+    /// The study of one of this observer's codes, for checks of permissions; it must not be sent to the reader.
     ///
     /// # Errors
     /// [`StoreError::OutOfTurn`] for a code that is not theirs.
@@ -217,7 +217,7 @@ impl ObserverView<'_> {
         Ok(films::film(&self.store.connection, slot.film)?.study)
     }
 
-    /// What this observer is to read next, if it is this late.
+    /// The next reading of this observer at the given time.
     ///
     /// # Errors
     /// [`StoreError::Unknown`] for a study without a plan.
@@ -271,7 +271,7 @@ fn check(films: usize, observers: usize, repeats: u32) -> Result<usize, StoreErr
     let rounds = usize::try_from(repeats).unwrap_or(usize::MAX);
     match films.saturating_mul(observers).saturating_mul(rounds) {
         0 => Err(StoreError::BadPlan { needs: "at least one film, one observer and one repeat" }),
-        slots if slots > MOST_SLOTS => {
+        slots if slots > MAX_SLOTS => {
             Err(StoreError::BadPlan { needs: "at most 100 000 readings" })
         }
         slots => Ok(slots),
@@ -303,7 +303,7 @@ fn order_of(
     order
 }
 
-/// Six letters and digits that are not mistaken for one another, and that no slot of the store has.
+/// Six unambiguous letters and digits that no slot of the store has.
 fn draw_code(random: &mut ChaCha12Rng, taken: &mut BTreeSet<String>) -> FilmCode {
     const LETTERS: [u8; 32] = *b"23456789ABCDEFGHJKLMNPQRSTUVWXYZ";
     loop {
@@ -349,7 +349,7 @@ fn slot(row: &Row<'_>) -> Result<Slot, StoreError> {
     })
 }
 
-/// Whether everyone may see everything: no plan, or nothing of it left to finish.
+/// Whether there is no blinding: no plan, or all its readings are finished.
 pub(crate) fn is_open(connection: &Connection, study: &Name) -> Result<bool, StoreError> {
     let readings = readings::of_study(connection, study)?;
     let finished: BTreeSet<_> = readings

@@ -10,7 +10,7 @@ use crate::films;
 use crate::names::{FilmId, Name, ReadingId, Signature, Timestamp};
 use crate::state::ReadingState;
 
-/// A reading, without what was marked.
+/// A reading without its landmarks.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ReadingRecord {
     /// Reading.
@@ -19,18 +19,18 @@ pub struct ReadingRecord {
     pub film: FilmId,
     /// Who reads.
     pub observer: Name,
-    /// 1 for the first time.
+    /// Number of the repeat, from 1.
     pub repeat: u32,
-    /// When it was begun.
+    /// Time of the beginning.
     pub begun_at: Timestamp,
-    /// When it was finished.
+    /// Time of the end.
     pub finished_at: Option<Timestamp>,
     /// For a finished reading, the latest time at which it was worked on: from here a washout counts.
     pub rest_from: Option<Timestamp>,
 }
 
 impl Store {
-    /// Begins a reading of a study without a plan. The observer is who signs.
+    /// Begins a reading of a study without a plan. The observer is the author.
     ///
     /// # Errors
     /// [`StoreError::PlanGoverns`], [`StoreError::Exists`], [`StoreError::Unknown`]; [`StoreError::BadPlan`] for repeat 0.
@@ -52,7 +52,7 @@ impl Store {
         })
     }
 
-    /// A reading, without what was marked.
+    /// A reading without its landmarks.
     ///
     /// # Errors
     /// [`StoreError::Unknown`], [`StoreError::Damaged`].
@@ -60,8 +60,7 @@ impl Store {
         self::reading(&self.connection, id)
     }
 
-    /// All readings of a study, by film, observer and repeat, for the one who leads it; readers look through
-    /// [`Store::observer`].
+    /// All readings of a study, by film, observer and repeat, without blinding; for readers use [`Store::observer`].
     ///
     /// # Errors
     /// [`StoreError::Unknown`], [`StoreError::Damaged`].

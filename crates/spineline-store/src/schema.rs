@@ -1,6 +1,6 @@
-//! The tables of a store, and how a file shows that it is one.
+//! The tables of a store, and the recognition of a store file.
 //!
-//! There is one schema, version 1. A version 2 would come as a second script beside `schema.sql`, which leads from 1 to 2: a
+//! There is one schema, version 1. A version 2 would be a second script beside `schema.sql`, which leads from 1 to 2: a
 //! new store runs both, and [`Store::open`](crate::Store::open) verifies an older store, copies it, and runs the second
 //! script with new log entries for all rows that it changed, in one transaction.
 
@@ -14,7 +14,7 @@ use crate::audit::Ledger;
 use crate::error::StoreError;
 use crate::names::Signature;
 
-/// `SpSt`, which marks the file as ours.
+/// `SpSt`, the application identifier of store files.
 const APPLICATION_ID: i64 = 0x5370_5374;
 
 /// The definition of every table.
@@ -23,10 +23,10 @@ const SCHEMA: &str = include_str!("schema.sql");
 /// Its version, which this program reads and writes.
 const VERSION: i64 = 1;
 
-/// How long a write waits for another program, unless told otherwise.
+/// Default time that a write waits for another program.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Opens a file that is there, without looking at what it holds.
+/// Opens an existing file without checks of its content.
 pub(crate) fn connect(path: &Path, flags: OpenFlags) -> Result<Connection, StoreError> {
     let connection = Connection::open_with_flags(path, flags | OpenFlags::SQLITE_OPEN_NO_MUTEX)?;
     connection.busy_timeout(BUSY_TIMEOUT)?;
@@ -40,7 +40,7 @@ pub(crate) fn configure(connection: &Connection) -> Result<(), StoreError> {
     connection.pragma_update(None, "cell_size_check", true)?;
     connection.pragma_update(None, "foreign_keys", true)?;
     connection.pragma_update(None, "synchronous", "FULL")?;
-    // Without these, an Apple disk may confirm what only its cache holds.
+    // Without these, a disk under macOS may confirm data that are only in its cache.
     connection.pragma_update(None, "fullfsync", true)?;
     connection.pragma_update(None, "checkpoint_fullfsync", true)?;
     Ok(())
@@ -81,7 +81,7 @@ pub(crate) fn number(connection: &Connection, pragma: &str) -> Result<i64, Store
     Ok(connection.pragma_query_value(None, pragma, |row| row.get(0))?)
 }
 
-/// Refuses a file that is no store of this schema.
+/// Refuses a file that is not a store of this schema.
 ///
 /// # Errors
 /// [`StoreError::NotAStore`], [`StoreError::NewerSchema`].

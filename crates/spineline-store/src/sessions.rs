@@ -1,4 +1,4 @@
-//! Who is signed in. Sessions lie in the store so that a server that was killed goes on with them; they are no record.
+//! Sessions. They are in the store so that they survive a restart of the server; they are not part of the audit log.
 
 use rusqlite::{Connection, OptionalExtension, params};
 use spineline::anatomy::Named;
@@ -7,10 +7,10 @@ use crate::connection::Store;
 use crate::error::StoreError;
 use crate::names::{Hash, Name, Timestamp};
 
-/// How old a session's last use may be in the store: less often written, the disk rests.
+/// Minimum interval between writes of a session's last use, to save disk writes.
 const TOUCH_MS: i64 = 60_000;
 
-/// How somebody showed who they are.
+/// Way of signing in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Access {
     /// By the token of the terminal.
@@ -30,12 +30,12 @@ impl Named for Access {
     }
 }
 
-/// Somebody who is signed in.
+/// A session.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Session {
     /// Observer or account.
     pub name: Name,
-    /// How they signed in.
+    /// Way of signing in.
     pub access: Access,
 }
 
@@ -49,10 +49,10 @@ pub struct SessionLimits {
 }
 
 impl Store {
-    /// Begins a session with a secret that only its cookie keeps, and forgets those that have ended.
+    /// Begins a session with a secret that only its cookie contains, and deletes ended sessions.
     ///
     /// # Errors
-    /// Whatever keeps the store from writing.
+    /// Errors of writing to the store.
     pub fn begin_session(
         &mut self,
         secret: &str,
@@ -73,7 +73,7 @@ impl Store {
         Ok(transaction.commit()?)
     }
 
-    /// Whose session it is, if it has not ended; it counts as used.
+    /// The session of a secret, if it has not ended; updates its last use.
     ///
     /// # Errors
     /// [`StoreError::Damaged`].
@@ -97,7 +97,7 @@ impl Store {
         }
         if now_ms.saturating_sub(used_ms) >= TOUCH_MS {
             let touch = "UPDATE sessions SET used_ms = ?2 WHERE secret_hash = ?1";
-            // A full or read-only disk ends the session early, and must not keep anybody from looking meanwhile.
+            // On a full or read-only disk the session ends early, but reading must still work.
             let _ = self.connection.execute(touch, params![secret_hash, now_ms]);
         }
         let access = Access::from_key(&access).ok_or_else(|| StoreError::damaged("session"))?;
@@ -107,7 +107,7 @@ impl Store {
     /// Ends a session.
     ///
     /// # Errors
-    /// Whatever keeps the store from writing.
+    /// Errors of writing to the store.
     pub fn end_session(&mut self, secret: &str) -> Result<(), StoreError> {
         let end = "DELETE FROM sessions WHERE secret_hash = ?1";
         self.connection.execute(end, [hash(secret)])?;

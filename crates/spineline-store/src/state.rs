@@ -1,4 +1,4 @@
-//! The state of a reading: a fold over its events.
+//! The state of a reading, computed from its events.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use spineline::anatomy::{Level, Side};
 
 use crate::event::{Corner, CrestSide, Event};
 
-/// What is marked of a vertebra.
+/// Landmarks of a vertebra.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct VertebraMarks {
     /// Corners placed so far, `[column, row]` in pixels.
@@ -37,7 +37,7 @@ pub struct Scale {
 /// A reading after all its events.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ReadingState {
-    /// Number of events: what the next one is to be based on.
+    /// Number of events, which is the revision for the next one.
     pub revision: u64,
     /// Vertebrae with at least a corner or an axis.
     pub vertebrae: BTreeMap<Level, VertebraMarks>,
@@ -45,13 +45,13 @@ pub struct ReadingState {
     pub iliac_crests_px: BTreeMap<Side, [f64; 2]>,
     /// The scale tool, where it was used.
     pub scale: Option<Scale>,
-    /// How the reader wanted the film shown, if other than the film's record says.
+    /// Inversion of grey levels in this reading, if other than in the film's record.
     pub inverted: Option<bool>,
     /// Notes, oldest first; undo does not touch them.
     pub notes: Vec<String>,
-    /// How many changes can be undone.
+    /// Number of changes that can be undone.
     pub undoable: usize,
-    /// How many can be done again.
+    /// Number of changes that can be redone.
     pub redoable: usize,
     /// Whether the reading is finished.
     pub finished: bool,
@@ -112,14 +112,15 @@ impl ReadingState {
                 self.scale = Some(Scale { from_px, to_px, length_mm });
             }
             Event::Invert { inverted } => self.inverted = Some(inverted),
-            // Replaying has taken these apart already.
+            // These have been handled above.
             Event::Undo | Event::Redo | Event::Note { .. } => {}
         }
     }
 
-    /// Why an event makes no sense now, if it does not.
+    /// Why an event is invalid in this state, if it is.
     pub(crate) fn objection(&self, event: &Event) -> Option<&'static str> {
-        let on_film = |place: &[f64]| place.iter().all(|x| x.is_finite() && x.abs() <= FARTHEST_PX);
+        let on_film =
+            |place: &[f64]| place.iter().all(|x| x.is_finite() && x.abs() <= MAX_COORDINATE_PX);
         let (sound, reason) = match event {
             Event::PlaceCorner { column_px, row_px, .. }
             | Event::PlaceIliacCrest { column_px, row_px, .. } => {
@@ -153,5 +154,5 @@ impl ReadingState {
     }
 }
 
-/// Beyond any film; a bound against slips of units.
-const FARTHEST_PX: f64 = 1e6;
+/// Larger than any film; catches errors of units.
+const MAX_COORDINATE_PX: f64 = 1e6;

@@ -1,4 +1,4 @@
-//! Small pictures of films, kept so that none is decoded again for a list.
+//! Thumbnails of films, stored so that no film is decoded for a list.
 
 use rusqlite::{OptionalExtension, params};
 
@@ -6,17 +6,17 @@ use crate::connection::Store;
 use crate::error::StoreError;
 use crate::names::Hash;
 
-/// A film's small pictures, as picture files.
+/// A film's thumbnails as picture files.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Thumbnails {
-    /// As the film is.
+    /// Not inverted.
     pub plain: Vec<u8>,
-    /// With dark and bright exchanged.
+    /// With inverted grey levels.
     pub inverted: Vec<u8>,
 }
 
 impl Store {
-    /// The small pictures of a film's bytes, if they were kept.
+    /// The thumbnails of a film, if stored.
     ///
     /// # Errors
     /// [`StoreError::Damaged`].
@@ -28,8 +28,7 @@ impl Store {
         Ok(kept.optional()?)
     }
 
-    /// Keeps the small pictures of a film's bytes. They follow from the bytes and are no record, so nobody signs and the
-    /// log stays as it is.
+    /// Stores the thumbnails of a film. They are derived from its bytes, so they are not part of the audit log.
     ///
     /// # Errors
     /// [`StoreError::Unknown`] for bytes of no film; [`StoreError::Busy`], [`StoreError::ReadOnly`].

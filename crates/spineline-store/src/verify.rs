@@ -1,4 +1,4 @@
-//! Does the store still hold what was written? Every row against the log, the log against itself, the file against SQLite.
+//! Verification of a store: every row against the log, the log's hash chain, and SQLite's check of the file.
 
 use std::collections::BTreeMap;
 
@@ -10,16 +10,16 @@ use crate::error::StoreError;
 use crate::names::Hash;
 use crate::schema;
 
-/// Something in the store that is not as it was written. Nothing here quotes what is stored.
+/// A detected change or damage. It never quotes stored values.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Finding {
     /// SQLite's own check of pages, indices and constraints.
     Integrity {
-        /// SQLite's words, which name tables and pages.
+        /// SQLite's message, which names tables and pages.
         message: String,
     },
-    /// A reference to a row that is not there.
+    /// A reference to a missing row.
     ForeignKey {
         /// Table of the reference.
         table: String,
@@ -34,43 +34,43 @@ pub enum Finding {
         /// Kind and name.
         name: String,
     },
-    /// An entry of the log that is gone, from among the others.
+    /// A missing entry of the log.
     EntryMissing {
         /// Its sequence number.
         sequence: i64,
     },
-    /// An entry whose hash does not follow from it and the one before: edited, exchanged or moved.
+    /// An entry whose hash does not match it and the entry before: edited, swapped or moved.
     EntryChanged {
         /// Its sequence number.
         sequence: i64,
     },
     /// The log is shorter than it was, or longer than it may be.
     Length {
-        /// Entries that there should be.
+        /// Expected number of entries.
         expected: u64,
-        /// Entries found.
+        /// Number of entries found.
         found: u64,
     },
-    /// The log does not end as its head says.
+    /// The end of the log differs from its head.
     HeadChanged,
-    /// The log does not contain the head that was kept outside of the store: it was rewritten since.
+    /// The log does not contain the external head: it was rewritten.
     Rewritten,
-    /// A row that the log knows is gone.
+    /// A row of the log is missing.
     RowMissing {
         /// Such as `event/17`.
         object: String,
     },
-    /// A row is not what its last entry says.
+    /// A row differs from its last entry.
     RowChanged {
         /// Such as `event/17`.
         object: String,
     },
-    /// A row that no entry knows.
+    /// A row without an entry.
     RowUnknown {
         /// Such as `event/17`.
         object: String,
     },
-    /// The bytes of a film are not those of its hash.
+    /// The bytes of a film do not match its hash.
     ContentChanged {
         /// The hash.
         content: Hash,
@@ -111,17 +111,17 @@ impl std::fmt::Display for Finding {
     }
 }
 
-/// What verifying a store found.
+/// Result of a verification.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Verification {
-    /// The end of the log, worth keeping outside of the store.
+    /// The head of the log, to be kept outside of the store.
     pub head: Option<Head>,
-    /// Everything that is wrong; empty for a sound store.
+    /// All findings; empty for an undamaged store.
     pub findings: Vec<Finding>,
 }
 
 impl Verification {
-    /// Whether nothing is wrong.
+    /// Whether there are no findings.
     #[must_use]
     pub fn is_clean(&self) -> bool {
         self.findings.is_empty()
@@ -131,11 +131,11 @@ impl Verification {
 impl Store {
     /// Checks everything: the file, its references, the log, every row against the log, every film against its hash.
     ///
-    /// With a head that was kept outside of the store, it also finds a log that was rewritten as a whole. **Without one,
-    /// whoever can write the file can compute the whole log anew, and nothing in the file can tell.**
+    /// With an external head it also detects a log that was rewritten as a whole. **Without one, a person who can write the
+    /// file can compute a new log, and this cannot be detected.**
     ///
     /// # Errors
-    /// Damage is a finding. Errors are only what keeps from looking, such as [`StoreError::Busy`].
+    /// Damage is a finding. Errors are failures of reading, such as [`StoreError::Busy`].
     pub fn verify(&self, known: Option<&Head>) -> Result<Verification, StoreError> {
         verify(&self.connection, known)
     }
@@ -147,7 +147,7 @@ pub(crate) fn verify(
     connection: &Connection,
     known: Option<&Head>,
 ) -> Result<Verification, StoreError> {
-    // One snapshot for all parts, whoever else writes meanwhile.
+    // One snapshot for all parts, independent of concurrent writes.
     let snapshot = connection.unchecked_transaction()?;
     let checks: [(&'static str, Check); 5] = [
         ("file", integrity),
@@ -240,7 +240,7 @@ fn rows(connection: &Connection, findings: &mut Vec<Finding>) -> Result<(), Stor
     }
     let mut present = connection.prepare("SELECT 1 FROM sqlite_schema WHERE name = ?1")?;
     for (table, word, column) in TABLES {
-        // The rows of a table that was dropped are missing one by one.
+        // Each row of a dropped table is reported as missing.
         if !present.exists([table])? {
             continue;
         }
@@ -261,7 +261,7 @@ fn rows(connection: &Connection, findings: &mut Vec<Finding>) -> Result<(), Stor
     Ok(())
 }
 
-/// The log against itself, its head, and a head kept outside.
+/// Checks the log's chain, its head and an external head.
 fn chain(
     connection: &Connection,
     known: Option<&Head>,

@@ -1,4 +1,4 @@
-//! How much of a study somebody may see, and when it changed last.
+//! Visibility of a study for an observer, and its last change.
 
 use rusqlite::OptionalExtension;
 
@@ -12,18 +12,18 @@ use crate::plan::{self, FilmCode, ObserverView};
 use crate::readings::{self, ReadingRecord};
 use crate::state::ReadingState;
 
-/// How much of a study an observer may see.
+/// Visibility of a study for an observer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Visibility {
-    /// Everything: there is no plan, or nothing of it is left to finish.
+    /// All: there is no plan, or all its readings are finished.
     Open,
     /// The plan is incomplete and has readings of this observer: codes, and their own readings.
     Reader,
-    /// The plan is incomplete and has nothing for them: films, and no readings.
+    /// The plan is incomplete and has no readings of this observer: films, and no readings.
     Apart,
 }
 
-/// A reading as its observer, or anybody after a plan, may see it.
+/// A reading as its observer may see it, or anybody after the end of a plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeenReading {
     /// The reading.
@@ -48,7 +48,7 @@ impl SeenReading {
 }
 
 impl ObserverView<'_> {
-    /// How much of a study this observer may see.
+    /// Visibility of a study for this observer.
     ///
     /// # Errors
     /// [`StoreError::Damaged`].
@@ -93,7 +93,7 @@ pub struct LastChange {
     pub at: Timestamp,
 }
 
-/// Objects of a study whose changes may move what follows from its finished readings.
+/// Objects of a study whose changes may change its results.
 const RESULT_OBJECTS: &str = "SELECT 'study/' || ?1
     UNION ALL SELECT 'film/' || id FROM own_films
     UNION ALL SELECT 'reading/' || id FROM own_readings";
@@ -107,7 +107,8 @@ const OTHER_OBJECTS: &str = "SELECT 'plan/' || id FROM plans WHERE study = ?1
         WHERE object = 'reading/' || own_readings.id) FROM own_readings";
 
 impl Store {
-    /// When a study, its films, readings, plan or lost changes changed last; a few look-ups, however long its journals are.
+    /// When a study, its films, readings, plan or lost changes changed last; a few look-ups, independent of the length of
+    /// journals.
     ///
     /// # Errors
     /// [`StoreError::Unknown`].
@@ -115,8 +116,8 @@ impl Store {
         self.last_entry(study, &format!("{RESULT_OBJECTS} UNION ALL {OTHER_OBJECTS}"))
     }
 
-    /// When a study, a film of it, or the beginning or end of a reading changed last. Clicks in between move nothing that
-    /// follows from finished readings.
+    /// When a study, a film of it, or the beginning or end of a reading changed last. Events of open readings do not change
+    /// results.
     ///
     /// # Errors
     /// [`StoreError::Unknown`].

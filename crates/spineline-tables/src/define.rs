@@ -1,9 +1,9 @@
-//! One definition per table: it names, explains and fills every column, so that the dictionary cannot say anything else.
+//! One definition per table names, explains and fills every column, so that the dictionary always agrees with the tables.
 
 use crate::Patient;
 use crate::table::{Series, Table, Values};
 
-/// What a number counts in; its name ends the name of the column.
+/// Unit of a number; its name ends the name of the column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Unit {
     Millimetres,
@@ -16,7 +16,7 @@ pub(crate) enum Unit {
     Force,
     /// A number without a unit.
     One,
-    /// As another column of the same row says.
+    /// Given in another column of the same row.
     Stated,
 }
 
@@ -48,7 +48,7 @@ impl Unit {
     }
 }
 
-/// How a row gives the value of a column.
+/// Function from a row to the value of a column.
 enum Cell<R> {
     Text(fn(&R) -> Option<String>),
     Number(fn(&R) -> Option<f64>),
@@ -64,7 +64,7 @@ pub(crate) struct Column<R> {
     cell: Cell<R>,
 }
 
-/// A name of something.
+/// A text.
 pub(crate) fn text<R>(
     name: &str,
     meaning: &'static str,
@@ -84,7 +84,7 @@ pub(crate) fn number<R>(
     Column { name, unit: unit.words(), meaning, cell: Cell::Number(cell) }
 }
 
-/// A whole number of things.
+/// A count.
 pub(crate) fn count<R>(
     name: &str,
     meaning: &'static str,
@@ -93,7 +93,7 @@ pub(crate) fn count<R>(
     Column { name: name.to_owned(), unit: "1", meaning, cell: Cell::Count(cell) }
 }
 
-/// Whether something holds.
+/// True or false.
 pub(crate) fn truth<R>(
     name: &str,
     meaning: &'static str,
@@ -123,7 +123,7 @@ pub(crate) fn keys<'a, T>() -> Vec<Column<Row<'a, T>>> {
 /// A table before it has rows.
 pub(crate) struct Definition<R> {
     pub name: &'static str,
-    /// What one row is.
+    /// Meaning of one row.
     pub row: &'static str,
     pub columns: Vec<Column<R>>,
 }
@@ -146,7 +146,7 @@ impl<R> Definition<R> {
     }
 }
 
-/// A number without a value is absent, so that no program reads a word in a column of numbers.
+/// A number without a value is empty, so that columns of numbers contain no words.
 fn finite(value: Option<f64>) -> Option<f64> {
     value.filter(|value| value.is_finite())
 }

@@ -1,4 +1,4 @@
-//! What stops a table from being written.
+//! Errors of writing a table.
 
 /// A table that could not be written.
 #[derive(Debug, thiserror::Error)]

@@ -43,9 +43,9 @@ use spineline::uncertainty::Uncertainty;
 /// Data of one patient for the tables.
 #[derive(Debug, Clone, Copy)]
 pub struct Patient<'a> {
-    /// What was found.
+    /// Result of the analysis.
     pub analysis: &'a Analysis,
-    /// Who was X-rayed.
+    /// Data of the patient.
     pub subject: &'a Subject,
     /// Identifiability of every model's multipliers, in the order of the models, where requested.
     pub identified: Option<&'a [Option<Identifiability>]>,

@@ -1,4 +1,4 @@
-//! The one writer of CSV: a comma between, a dot in numbers, UTF-8, quotes where a cell needs them.
+//! The only writer of CSV: comma between cells, decimal point, UTF-8, quotes where needed.
 
 use csv::Writer;
 use serde::Serialize;

@@ -5,7 +5,7 @@ use crate::define::{Column, Definition, Row, Unit, count, keys, number, text};
 use crate::table::Table;
 
 /// A statistic of one quantity in one design.
-pub(crate) struct Told {
+pub(crate) struct StatisticRow {
     quantity: String,
     unit: String,
     design: Design,
@@ -13,7 +13,7 @@ pub(crate) struct Told {
     statistic: Statistic,
 }
 
-type ReliabilityRow<'a> = Row<'a, Told>;
+type ReliabilityRow<'a> = Row<'a, StatisticRow>;
 
 /// One row per patient, quantity, design and statistic; none where every film was read once.
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
@@ -23,7 +23,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
             for design in &found.designs {
                 rows.extend(design.statistics.iter().map(|&statistic| Row {
                     patient,
-                    item: Told {
+                    item: StatisticRow {
                         quantity: found.key.clone(),
                         unit: found.unit.clone(),
                         design: design.design.clone(),

@@ -3,7 +3,7 @@
 pub struct Table {
     /// Name, which is the name of its file.
     pub name: &'static str,
-    /// What one row is.
+    /// Meaning of one row.
     pub row: &'static str,
     /// Columns, the keys first.
     pub columns: Vec<Series>,
@@ -24,7 +24,7 @@ pub struct Series {
     pub name: String,
     /// Unit; empty where the values are no numbers.
     pub unit: &'static str,
-    /// What it says.
+    /// Meaning.
     pub meaning: &'static str,
     /// One per row; `None` where there is none.
     pub values: Values,
@@ -44,7 +44,7 @@ pub enum Values {
 }
 
 impl Values {
-    /// How many.
+    /// Number of values.
     #[must_use]
     pub fn len(&self) -> usize {
         match self {
@@ -55,7 +55,7 @@ impl Values {
         }
     }
 
-    /// Whether there is none.
+    /// Whether there are no values.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0

@@ -17,7 +17,7 @@ use crate::table::{Series, Table, Values};
 pub const SCHEMA_VERSION: u32 = 1;
 
 impl Table {
-    /// The table as CSV: a heading, a comma between, a dot in numbers, UTF-8, nothing where there is no value.
+    /// The table as CSV: a heading, commas between cells, decimal points, UTF-8, empty cells without a value.
     ///
     /// # Errors
     /// [`TableError::Csv`].

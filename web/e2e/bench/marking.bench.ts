@@ -7,7 +7,7 @@ import { print, spread } from "./table";
 
 const MOVES = 150;
 
-test("a corner that is dragged, and a program that is killed", async ({ app, page }) => {
+test("a dragged corner, and a killed program", async ({ app, page }) => {
   await app.open(page);
   const film = await FilmPage.ofDemo(page);
   await markAll(page, film);
@@ -21,7 +21,7 @@ test("a corner that is dragged, and a program that is killed", async ({ app, pag
   ]);
 });
 
-/** Marks all levels through the interface, as another reader has them. */
+/** Records all levels through the interface from another reading. */
 async function markAll(page: Page, film: FilmPage): Promise<void> {
   const truth = await film.truth();
   const { reading, revision } = await film.reading();
@@ -38,7 +38,7 @@ async function markAll(page: Page, film: FilmPage): Promise<void> {
   await page.getByTestId("curve").waitFor();
 }
 
-/** Drags a corner to and fro, a move per 30 ms; the page itself measures up to the frame with the findings. */
+/** Drags a corner back and forth, one move per 30 ms; the page measures the time to the frame with the results. */
 async function dragged(
   page: Page,
   film: FilmPage,

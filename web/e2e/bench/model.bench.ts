@@ -7,10 +7,10 @@ const MOVES = 360;
 const MOVE_MS = 16;
 const REACH_PX = 45;
 
-test("a load that is dragged", async ({ app, page }) => {
+test("a dragged load", async ({ app, page }) => {
   await app.open(page);
   const place = await openLoad(page);
-  // What is looked through on its way takes longer, and all pages are loaded.
+  // The interception of requests takes time, and all pages are loaded.
   await page.unrouteAll();
   const { felt, answered } = await drag(page, place);
   expect(felt.length).toBeGreaterThan(20);
@@ -35,7 +35,7 @@ async function openLoad(page: Page): Promise<[number, number]> {
   return [box.x + box.width / 2, box.y + box.height / 2];
 }
 
-/** Drags to one side and the other; the page itself measures up to the frame with the answer. */
+/** Drags to both sides; the page measures the time to the frame with the answer. */
 async function drag(
   page: Page,
   [x, y]: [number, number],
@@ -44,7 +44,7 @@ async function drag(
   await page.mouse.down();
   for (let move = 1; move <= MOVES; move += 1) {
     const turn = (move / 60) * 2 * Math.PI;
-    // Not waited for: a hand does not wait either.
+    // No wait: a person does not wait either.
     void page.mouse.move(x - REACH_PX * Math.sin(turn), y + 0.3 * REACH_PX * Math.sin(2 * turn));
     await new Promise((resolve) => setTimeout(resolve, MOVE_MS));
   }

@@ -23,7 +23,7 @@ test("fifty studies of five large films", async ({ app, page }) => {
   await app.kill();
   await fill(app);
   await app.start();
-  // Answers are asked for before any page has warmed what the program keeps.
+  // Requests before any page has filled the program's caches.
   await page.addInitScript(() => {
     const watch = new MutationObserver(() => {
       if (!document.querySelector("article")) return;
@@ -53,7 +53,7 @@ test("fifty studies of five large films", async ({ app, page }) => {
   ]);
 });
 
-/** Puts one phantom into the store under many names: its pictures are stored once, its readings each time. */
+/** Imports one phantom under many names: its pictures are stored once, its readings each time. */
 async function fill(app: App): Promise<void> {
   const folder = await mkdtemp(path.join(tmpdir(), "spineline-phantom-"));
   await runProgram("phantom", "--subject", "1", "--noise", "0", "--films", "--out", folder);
@@ -105,7 +105,7 @@ async function painted(page: Page, times: number): Promise<number[]> {
   return samples;
 }
 
-/** Scrolls the list from end to end, and tells how long frames took. */
+/** Scrolls the list from end to end and returns the frame times. */
 async function scrolled(page: Page): Promise<number[]> {
   return page.evaluate(async () => {
     const article = document.querySelector("article")!;
@@ -123,14 +123,14 @@ async function scrolled(page: Page): Promise<number[]> {
   });
 }
 
-/** Opens each film of a study from the rail, when the program has just been started, and again. */
+/** Opens each film of a study after a start of the program, and again. */
 async function films(
   app: App,
   page: Page,
 ): Promise<{ size: string; opened: number[]; again: number[] }> {
   await app.kill();
   await app.start();
-  // An address that differs behind its # only would load nothing anew; the session has outlived the program.
+  // An address that differs after its # only would not load the page again; the session is still valid.
   await page.goto("about:blank");
   await page.goto(new URL("#/studies/S-050/measure", app.address).href);
   await new FilmPage(page).painted();
@@ -158,7 +158,7 @@ async function clicked(page: Page, name: RegExp): Promise<number> {
   });
 }
 
-/** What the page tells as soon as it knows it; the policy of the app lets nothing wait inside of the page. */
+/** A value that the page reports when it is known; the content policy prevents waiting inside the page. */
 async function told(page: Page, ask: () => number | undefined): Promise<number> {
   let answer: number | undefined;
   await expect.poll(async () => (answer = await page.evaluate(ask))).toBeDefined();

@@ -1,7 +1,7 @@
-/** A line of the table: what was measured, and how long it took. */
+/** A row of the table: measured action and its times. */
 export type Row = [what: string, ...times: string[]];
 
-/** The value below which a share of the samples lies. */
+/** Quantile of the samples. */
 export function quantile(samples: readonly number[], share: number): number {
   const sorted = samples.toSorted((a, b) => a - b);
   return sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))] ?? Number.NaN;
@@ -18,7 +18,7 @@ export function spread(what: string, samples: readonly number[]): Row {
   ];
 }
 
-/** Prints rows in columns as wide as they need to be. */
+/** Prints rows in aligned columns. */
 export function print(rows: readonly Row[]): void {
   const all: Row[] = [["", "p50", "p95", "max", "samples"], ...rows];
   const widths = all[0]!.map((_, i) => Math.max(...all.map((row) => (row[i] ?? "").length)));

@@ -39,7 +39,7 @@ async function refusalOf(asked: Promise<unknown>): Promise<Refusal> {
 const PROBLEM = { code: "not_yours", message: "only ab may change it", help: "begin your own" };
 
 describe("a refusal", () => {
-  it("speaks in the program's words", async () => {
+  it("has the program's message", async () => {
     answer(403, PROBLEM);
     const refusal = await refusalOf(listStudies());
     expect(refusal.status).toBe(403);
@@ -55,12 +55,12 @@ describe("a refusal", () => {
     expect(refusal.body).toEqual(body);
   });
 
-  it("has words where the answer has none", async () => {
+  it("has a message where the answer has none", async () => {
     request.mockResolvedValueOnce(new Response("<html>", { status: 502 }));
     expect((await refusalOf(listStudies())).message).toContain("502");
   });
 
-  it("of who is not signed in is told, except where somebody tries to sign in", async () => {
+  it("with status 401 is reported, except for a sign-in", async () => {
     answer(401, PROBLEM);
     await refusalOf(beginSession({ kind: "token", observer: "ab", token: "t" }));
     expect(heard.expired).not.toHaveBeenCalled();
@@ -78,13 +78,13 @@ describe("a request", () => {
     expect(heard.answered).not.toHaveBeenCalled();
   });
 
-  it("that was stopped is neither refused nor unreachable", async () => {
+  it("that was aborted is neither refused nor unreachable", async () => {
     request.mockRejectedValueOnce(new DOMException("stopped", "AbortError"));
     await expect(listStudies()).rejects.toThrow("stopped");
     expect(heard.unreachable).not.toHaveBeenCalled();
   });
 
-  it("that changes something carries the session's token, and one that asks does not", async () => {
+  it("that changes something has the session's token, and one that reads has not", async () => {
     useSession({ csrf: "c5f" } as Parameters<typeof useSession>[0]);
     answer(200, {});
     answer(200, {});
@@ -95,7 +95,7 @@ describe("a request", () => {
     expect(asking?.get("X-Spineline-Csrf")).toBeNull();
   });
 
-  it("under a session that was changed is sent again, if it is the same person's", async () => {
+  it("is sent again after a change of session if the person is the same", async () => {
     const stale = { code: "csrf", message: "not the token of its session" };
     answer(403, stale);
     answer(200, { done: true });
@@ -109,7 +109,7 @@ describe("a request", () => {
     expect(bodies).toEqual([{ enabled: true }, { enabled: true }, { enabled: true }]);
   });
 
-  it("with no content gives nothing", async () => {
+  it("without content gives no value", async () => {
     request.mockResolvedValueOnce(new Response(null, { status: 204 }));
     expect(await endSession()).toBeUndefined();
   });

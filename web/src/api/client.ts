@@ -5,44 +5,44 @@ import type { Api } from "./types";
 
 const TOKEN_HEADER = "X-Spineline-Csrf";
 
-/** A request that was refused, in the program's own words. */
+/** A refused request with the program's message. */
 export class Refusal extends Error {
   constructor(
     readonly status: number,
     readonly problem: Api<"Problem">,
-    /** The whole body: a conflict brings the reading as it stands. */
+    /** The whole body: that of a conflict contains the current reading. */
     readonly body: unknown,
   ) {
     super(problem.message);
   }
 }
 
-/** The program did not answer: it was stopped, or the machine sleeps. Nothing is known of the request. */
+/** The program did not answer. Whether it received the request is unknown. */
 export class Unreachable extends Error {
   constructor() {
     super("the program does not answer");
   }
 }
 
-/** What the shell wants to hear of every request. */
+/** Callbacks of the shell for every request. */
 export interface Listener {
   answered(): void;
   unreachable(): void;
-  /** Nobody is signed in any more. */
+  /** The session has ended. */
   expired(): void;
-  /** The session is another one, as after signing in in another tab; answers whether it is the same person's. */
+  /** The session has changed, as after a sign-in in another tab; returns whether the person is the same. */
   changed(): Promise<boolean>;
 }
 
 let listener: Listener | null = null;
 let csrf = "";
 
-/** Lets the shell know how requests end. */
+/** Sets the listener. */
 export function listen(to: Listener): void {
   listener = to;
 }
 
-/** To be called with every session: requests that change something carry its token. */
+/** Sets the session: requests that change something send its token. */
 export function useSession(session: Api<"SessionView">): void {
   csrf = session.csrf;
 }
@@ -53,7 +53,7 @@ async function send(request: Request): Promise<Response> {
     return await sendOnce(request);
   } catch (error) {
     const isStale = error instanceof Refusal && error.problem.code === "csrf";
-    // What one person did is never sent in the name of another.
+    // A change of one person is never sent in the name of another.
     if (isStale && (await listener?.changed())) return sendOnce(again);
     throw error;
   }
@@ -76,7 +76,7 @@ async function sendOnce(request: Request): Promise<Response> {
 }
 
 function refused(path: string, status: number, body: unknown): Refusal {
-  // Signing in with a wrong password ends nobody's session.
+  // A sign-in with a wrong password ends no session.
   if (status === 401 && path !== "/api/session") listener?.expired();
   const problem = problemOf(body) ?? {
     code: "unknown",
@@ -85,7 +85,7 @@ function refused(path: string, status: number, body: unknown): Refusal {
   return new Refusal(status, problem, body);
 }
 
-/** The problem of a refusal: the body itself, or a part of it. */
+/** The problem in a refusal: the body or a part of it. */
 function problemOf(body: unknown): Api<"Problem"> | null {
   if (typeof body !== "object" || body === null) return null;
   if ("problem" in body) return problemOf(body.problem);
@@ -95,12 +95,12 @@ function problemOf(body: unknown): Api<"Problem"> | null {
 /** The routes of the program, with the types of its interface. A refusal is thrown. */
 export const api = createClient<Routes>({ baseUrl: location.origin, fetch: send });
 
-/** The answer of a request: whatever is no answer was thrown before. */
+/** The data of a response; errors have been thrown before. */
 export async function answerOf<T>(asked: Promise<{ data?: T }>): Promise<T> {
   return (await asked).data as T;
 }
 
-/** Asks for the bytes behind an address. */
+/** Requests the bytes at an address. */
 export function askBytes(address: string, signal: AbortSignal): Promise<Response> {
   return send(new Request(new URL(address, location.origin), { signal }));
 }

@@ -2,7 +2,7 @@ import { expect, it } from "vitest";
 
 import { Latest, type LatestOptions } from "./latest";
 
-/** Answers when it is told to. */
+/** A service that answers on command. */
 function desk(options: LatestOptions = {}) {
   const asked: {
     request: string;
@@ -26,7 +26,7 @@ function desk(options: LatestOptions = {}) {
 
 const settled = (): Promise<void> => new Promise((resolve) => setTimeout(resolve));
 
-it("has one request under way, and then asks with the newest", async () => {
+it("sends one request at a time and then the newest", async () => {
   const { asked, answers, latest } = desk();
   latest.send("1");
   latest.send("2");
@@ -40,7 +40,7 @@ it("has one request under way, and then asks with the newest", async () => {
   expect(answers).toEqual(["1: a", "3: b"]);
 });
 
-it("gives up what is under way when it is cancelled, and tells nobody", async () => {
+it("aborts the running request on cancel without a report", async () => {
   const { asked, answers, failures, latest } = desk();
   latest.send("1");
   latest.send("2");
@@ -55,7 +55,7 @@ it("gives up what is under way when it is cancelled, and tells nobody", async ()
   expect(failures).toEqual([]);
 });
 
-it("tells of a failure and goes on with what waits", async () => {
+it("reports a failure and sends the waiting request", async () => {
   const { asked, answers, failures, latest } = desk();
   latest.send("1");
   latest.send("2");
@@ -67,7 +67,7 @@ it("tells of a failure and goes on with what waits", async () => {
   expect(answers).toEqual(["2: b"]);
 });
 
-it("gives up a request that takes too long once there is a newer one", async () => {
+it("aborts a slow request for a newer one", async () => {
   const { asked, answers, failures, latest } = desk({ patienceMs: -1 });
   latest.send("1");
   latest.send("2");

@@ -1,13 +1,13 @@
 export interface LatestOptions {
   /** Receives errors; absent where another request already reports them. */
   failed?: (error: unknown) => void;
-  /** A request older than this gives way to a newer one; without it, every request is let finish. */
+  /** A request older than this is aborted for a newer one; without it, every request may finish. */
   patienceMs?: number;
 }
 
 /**
- * Asks with the newest request only: one is under way at most, and while it is, a newer one replaces the one that waits.
- * Answers still come at the rate of the one who answers, so that what is dragged is followed and never queued.
+ * Sends the newest request only: at most one is running, and a newer one replaces the one that waits.
+ * Answers keep the rate of the program, so that a drag is followed without a queue.
  */
 export class Latest<Request, Answer> {
   #running: AbortController | null = null;
@@ -30,7 +30,7 @@ export class Latest<Request, Answer> {
     if (age_ms > (this.options.patienceMs ?? Infinity)) this.#running.abort();
   }
 
-  /** Forgets what waits, and gives up what is under way: its answer would be about something that is gone. */
+  /** Drops the waiting request and aborts the running one, whose answer is no longer needed. */
   cancel(): void {
     this.#waiting = null;
     this.#running?.abort();
@@ -47,7 +47,7 @@ export class Latest<Request, Answer> {
     } catch (error) {
       if (!running.signal.aborted) this.options.failed?.(error);
     }
-    // Cancelled meanwhile, perhaps by who was told: another run may have begun.
+    // Cancelled in between, possibly by a callback: another run may have begun.
     if (this.#running !== running) return;
     this.#running = null;
     const waiting = this.#waiting;

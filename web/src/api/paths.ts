@@ -5,7 +5,7 @@ type NamesIn<Path> = Path extends `${string}{${infer Name}}${infer Rest}`
   ? Name | NamesIn<Rest>
   : never;
 
-/** Path parameters as the interface declares them; where it declares none, those that the path names. */
+/** Path parameters as declared; else those that the path contains. */
 type PathParameters<Path, Declared> = Declared extends { path: infer Stated }
   ? { path: Stated }
   : [NamesIn<Path>] extends [never]

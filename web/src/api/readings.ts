@@ -9,7 +9,7 @@ export const readReading = (reading: number) =>
 export const beginReading = (film: number, body: Api<"NewReading">) =>
   answerOf(api.POST("/api/films/{film}/readings", { params: { path: { film } }, body }));
 
-/** Begins the reading of a film that a blinded reader knows by its code only. */
+/** Begins a blinded reading by the film's code. */
 export const beginBlindedReading = (code: string) =>
   answerOf(api.POST("/api/codes/{code}/readings", { params: { path: { code } } }));
 

@@ -1,7 +1,7 @@
 import { answerOf, api } from "./client";
 import type { Api } from "./types";
 
-/** What the sign-in page shows; the program answers it to anybody. */
+/** Content of the sign-in page; needs no session. */
 export const readSignInPage = () => answerOf(api.GET("/api/sign-in"));
 
 export const readSession = () => answerOf(api.GET("/api/session"));

@@ -10,7 +10,7 @@ export const readStudy = (study: string, signal?: AbortSignal) =>
 
 export const createStudy = (body: Api<"NewStudy">) => answerOf(api.POST("/api/studies", { body }));
 
-/** Renders five films of a phantom, which takes a while. */
+/** Renders five films of a phantom; takes seconds. */
 export const createDemo = () => answerOf(api.POST("/api/studies/demo"));
 
 export const importCase = (body: Api<"CaseImport">) =>

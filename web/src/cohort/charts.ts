@@ -2,17 +2,17 @@ import type { Api } from "../api/types";
 
 const NUMBER = new Intl.NumberFormat("en-GB", { maximumSignificantDigits: 3 });
 
-/** A number as the charts show it. */
+/** A number as text. */
 export const short = (value: number | undefined): string =>
   value === undefined ? "–" : NUMBER.format(value).replace("-", "−");
 
-/** A number with its unit; a degree sign stands close. */
+/** A number with its unit; no space before a degree sign. */
 export const withUnit = (value: number | undefined, unit: string): string =>
   unit === "°" ? `${short(value)}°` : `${short(value)} ${unit}`;
 
 const BOX_HEIGHT_PX = 38;
 
-/** Boxes lying, one below the other: there is room for their names. */
+/** Horizontal boxes, one below the other, with room for their names. */
 export async function drawBoxes(chart: Api<"BoxChart">, width_px: number): Promise<Element> {
   const Plot = await import("@observablehq/plot");
   const boxes = chart.boxes.map(({ label, five: [low, lower, median, upper, high] }) => ({
@@ -121,7 +121,7 @@ export async function drawAgreement(
   );
 }
 
-/** Without Plot's own style element, which the program's content policy refuses; `Chart.svelte` has its rules. */
+/** Removes Plot's style element, which the content policy of the program blocks; `Chart.svelte` contains the rules. */
 function detached(plot: Element): Element {
   for (const style of plot.querySelectorAll("style")) style.remove();
   return plot;

@@ -17,12 +17,12 @@ const ROWS = [row("S-10", 9), row("S-2", 48.2), row("A", null)];
 const studies = (rows: Row[]): string[] => rows.map((found) => found.study);
 
 describe("the cohort's table", () => {
-  it("sorts by study as people count", () => {
+  it("sorts studies with numbers by value", () => {
     expect(studies(sorted(ROWS, null, false))).toEqual(["A", "S-2", "S-10"]);
     expect(studies(sorted(ROWS, null, true))).toEqual(["S-10", "S-2", "A"]);
   });
 
-  it("sorts by value and not by text; what has none is last either way", () => {
+  it("sorts by value and not by text; rows without a value are last", () => {
     expect(studies(sorted(ROWS, "main Cobb (°)", false))).toEqual(["S-10", "S-2", "A"]);
     expect(studies(sorted(ROWS, "main Cobb (°)", true))).toEqual(["S-2", "S-10", "A"]);
   });

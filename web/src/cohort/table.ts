@@ -2,7 +2,7 @@ import type { Api } from "../api/types";
 
 export type Row = Api<"CohortRow">;
 
-/** Rows by the study, or by the cell under a heading; those without a value always are last. */
+/** Rows sorted by study or by the cells of a heading; rows without a value are last. */
 export function sorted(rows: Row[], heading: string | null, descending: boolean): Row[] {
   const direction = descending ? -1 : 1;
   const byStudy = (a: Row, b: Row): number =>

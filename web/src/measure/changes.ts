@@ -2,11 +2,11 @@ import type { Api } from "../api/types";
 
 const AGAIN_MS = 3_000;
 
-/** Hears what others do in a study; the browser asks again by itself when the program was away. */
+/** Listens to changes of a study by others; the browser reconnects by itself. */
 export function hearChanges(
   study: string,
   heard: (change: Api<"Change">) => void,
-  /** The program is back: something may have been missed. */
+  /** Called after a reconnection: changes may have been missed. */
   back: () => void,
 ): () => void {
   const address = `/api/studies/${encodeURIComponent(study)}/changes`;
@@ -23,7 +23,7 @@ export function hearChanges(
     source.addEventListener("change", (event: MessageEvent<string>) => {
       heard(JSON.parse(event.data) as Api<"Change">);
     });
-    // After a refusal, such as of a session that ended, the browser gives up.
+    // The browser does not reconnect after an error response, such as for a session that has ended.
     source.addEventListener("error", () => {
       if (source.readyState === EventSource.CLOSED) again = setTimeout(listen, AGAIN_MS);
     });

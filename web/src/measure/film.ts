@@ -2,23 +2,23 @@ import { askBytes } from "../api/client";
 import { limited, type GreyWindow } from "./grey";
 import { Pyramid, inSlices } from "./pyramid";
 
-/** A film's picture, ready to be painted. */
+/** Decoded picture of a film. */
 export interface FilmPicture {
   readonly columns: number;
   readonly rows: number;
   readonly aspect: number;
-  /** Greatest brightness. */
+  /** Maximum brightness. */
   readonly max: number;
-  /** The window that its file asks for. */
+  /** Window from the file. */
   readonly window: GreyWindow;
   readonly pyramid: Pyramid;
 }
 
-/** Films that were seen last stay in memory, so that going back to one needs no second download. */
+/** The last films stay in memory, so that they need no second download. */
 const KEPT_FILMS = 3;
 const kept = new Map<string, FilmPicture>();
 
-/** Loads a picture, or takes the one that is here. Its smaller sizes are built on while it is on the screen. */
+/** Loads a picture or returns the one in memory. Its smaller sizes are built while it is shown. */
 export async function loadFilm(
   address: string,
   signal: AbortSignal,
@@ -47,7 +47,8 @@ export async function loadFilm(
 export function pictureOf(headers: Headers, bytes: ArrayBuffer): FilmPicture {
   const number = (name: string): number => {
     const value = Number(headers.get(`x-spineline-${name}`) ?? Number.NaN);
-    if (!Number.isFinite(value)) throw new Error(`the picture comes without its ${name}`);
+    if (!Number.isFinite(value))
+      throw new Error(`the response with the picture has no ${name}; reload the page`);
     return value;
   };
   const [columns, rows] = [number("columns"), number("rows")];
@@ -57,7 +58,7 @@ export function pictureOf(headers: Headers, bytes: ArrayBuffer): FilmPicture {
     );
   }
   const values = new Uint16Array(bytes);
-  // A value beyond the stated greatest one would have no grey.
+  // A value above the stated maximum would have no grey level.
   const max = Math.min(65_535, Math.max(1, number("max"), greatest(values)));
   const window = { centre: number("window-center"), width: number("window-width") };
   return {

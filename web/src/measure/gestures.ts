@@ -1,28 +1,28 @@
 import type { CssPoint } from "./viewport";
 
-/** What a hand can mean on a film. */
+/** Actions of a pointer on a film. */
 export interface Hand {
   pan(by: CssPoint): void;
   zoom(factor: number, at: CssPoint): void;
   grey(by: CssPoint): void;
-  /** The left button or a finger goes down to mark. */
+  /** The left button or a finger is pressed to place a landmark. */
   press(at: CssPoint, touch: boolean): void;
-  /** It moves while it is down; `far` once it has left the place where it went down. */
+  /** The pointer moves while pressed; `far` if it has left its start. */
   drag(at: CssPoint, far: boolean): void;
   release(at: CssPoint, far: boolean): void;
-  /** It turns out to be something else: a second finger, or the browser takes the pointer away. */
+  /** The press is cancelled: by a second finger or by the browser. */
   abandon(): void;
   hover(at: CssPoint | null): void;
-  /** What the left button does. */
+  /** Action of the left button. */
   leftButton(): "mark" | "pan" | "grey";
 }
 
 type Doing = "nothing" | "mark" | "pan" | "grey" | "pinch";
 
-/** A hand that moves less than this clicks. */
+/** A shorter move is a click. */
 const STILL_CSS = 3;
 
-/** Tells clicks, drags, pans and pinches of mouse, pen and fingers apart. */
+/** Recognises clicks, drags, pans and pinches of mouse, pen and fingers. */
 export class Gestures {
   #pointers = new Map<number, CssPoint>();
   #doing: Doing = "nothing";
@@ -96,7 +96,7 @@ export class Gestures {
     const at = this.#at(event);
     if (!this.#pointers.delete(event.pointerId)) return;
     if (this.#doing === "mark") this.hand.release(at, this.#far);
-    // The finger that stays after a pinch marks nothing.
+    // The finger that remains after a pinch places no landmark.
     if (this.#pointers.size === 0) this.#doing = "nothing";
     if (event.pointerType === "touch") this.hand.hover(null);
   }
@@ -120,7 +120,7 @@ export class Gestures {
 
   #wheel(event: WheelEvent): void {
     event.preventDefault();
-    // Lines and pages for mice that count so.
+    // Some mice scroll by lines or pages.
     const unit = [1, 16, 400][event.deltaMode] ?? 1;
     const step = Math.max(-200, Math.min(200, event.deltaY * unit));
     // A pinch on a touchpad arrives as a wheel with the control key, in small steps.

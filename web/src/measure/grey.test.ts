@@ -4,25 +4,25 @@ import { adjusted, greyTable, limited, windowOfPicture } from "./grey";
 
 const red = (colour: number): number => colour & 0xff;
 
-it("goes from black to white over the window", () => {
+it("maps the window from black to white", () => {
   const table = greyTable({ centre: 100, width: 100 }, false, 255);
   expect([0, 50, 100, 150, 255].map((value) => red(table[value]!))).toEqual([0, 0, 128, 255, 255]);
   expect(table[100]).toBe(0xff808080);
 });
 
-it("exchanges dark and bright", () => {
+it("inverts grey levels", () => {
   const table = greyTable({ centre: 100, width: 100 }, true, 255);
   expect([0, 50, 150, 255].map((value) => red(table[value]!))).toEqual([255, 255, 0, 0]);
 });
 
-it("never brightens on the way to black", () => {
+it("is monotonic", () => {
   const table = greyTable({ centre: 2047.5, width: 4095 }, false, 4095);
   for (let value = 1; value < table.length; value += 1) {
     expect(red(table[value]!)).toBeGreaterThanOrEqual(red(table[value - 1]!));
   }
 });
 
-it("keeps a window that shows something", () => {
+it("limits the window to the range of the picture", () => {
   expect(limited({ centre: -5, width: 0 }, 4095)).toEqual({ centre: 0, width: 40.95 });
   expect(adjusted({ centre: 100, width: 100 }, { brighter: 1, wider: 9 }, 255)).toEqual({
     centre: 0,
@@ -30,7 +30,7 @@ it("keeps a window that shows something", () => {
   });
 });
 
-it("leaves out the darkest and the brightest hundredth", () => {
+it("excludes the darkest and the brightest percent", () => {
   const values = Uint16Array.from({ length: 1000 }, (_, i) =>
     i < 5 ? 0 : i < 995 ? 500 + i : 4095,
   );

@@ -1,6 +1,6 @@
 import type { Plane } from "./pyramid";
 
-/** Which brightnesses are told apart: from black at `centre - width / 2` to white at `centre + width / 2`. */
+/** Displayed range of brightness: from black at `centre - width / 2` to white at `centre + width / 2`. */
 export interface GreyWindow {
   readonly centre: number;
   readonly width: number;
@@ -8,7 +8,7 @@ export interface GreyWindow {
 
 const OPAQUE = 0xff000000;
 
-/** Colour on the screen for every brightness up to `max`, as the canvas keeps it (red in the lowest byte). */
+/** Colour of every brightness up to `max` in the byte order of the canvas (red in the lowest byte). */
 export function greyTable(window: GreyWindow, inverted: boolean, max: number): Uint32Array {
   const table = new Uint32Array(max + 1);
   const lowest = window.centre - window.width / 2;
@@ -20,13 +20,13 @@ export function greyTable(window: GreyWindow, inverted: boolean, max: number): U
   return table;
 }
 
-/** Keeps a window usable: never narrower than a hundredth of the range, and never wholly beside it. */
+/** Limits a window: at least one percent of the range wide, and with its centre inside the range. */
 export function limited(window: GreyWindow, max: number): GreyWindow {
   const width = Math.min(2 * max, Math.max(max / 100, 1, window.width));
   return { width, centre: Math.min(max, Math.max(0, window.centre)) };
 }
 
-/** Moves and widens a window by shares of the film's range. */
+/** Moves and widens a window by fractions of the film's range. */
 export function adjusted(
   window: GreyWindow,
   change: { brighter: number; wider: number },
@@ -41,7 +41,7 @@ export function adjusted(
   );
 }
 
-/** The window that spends black and white on the darkest and brightest hundredth of the picture. */
+/** The window from the darkest to the brightest percent of the picture. */
 export function windowOfPicture(plane: Plane, max: number): GreyWindow {
   const counts = new Uint32Array(max + 1);
   for (const value of plane.values) counts[Math.min(max, value)]! += 1;
@@ -51,7 +51,7 @@ export function windowOfPicture(plane: Plane, max: number): GreyWindow {
   return limited({ centre: (darkest + brightest) / 2, width: brightest - darkest }, max);
 }
 
-/** The value below which `below` pixels are. */
+/** The value that `below` pixels do not reach. */
 function valueAt(counts: Uint32Array, below: number): number {
   let seen = 0;
   for (let value = 0; value < counts.length; value += 1) {

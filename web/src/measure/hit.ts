@@ -1,7 +1,7 @@
 import { CORNERS, marksOf, placeOf, type Mark, type ReadingView } from "./marks";
 import { cssOf, filmPoint, type CssPoint, type Viewport } from "./viewport";
 
-/** The mark nearest to a place on the screen, if it is within reach; axes only of the vertebra at hand. */
+/** The landmark nearest to a place on the screen, if it is within reach; axes only of the current vertebra. */
 export function markAt(
   reading: ReadingView,
   view: Viewport,

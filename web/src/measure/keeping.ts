@@ -5,14 +5,14 @@ import type { Entry, Keeping } from "./outbox";
 type Event = Api<"Event">;
 
 const PREFIX = "spineline.unsaved";
-/** Ends the key of what lost against others. */
+/** Suffix of the key of changes that were refused as outdated. */
 const LOST = ".lost";
 
-/** A window of the browser, from reload to reload. */
+/** Name of this browser window, kept across reloads. */
 let tab: string | null = null;
 
 /**
- * Finds the name of this window. A duplicated window starts with a copy of the other's name, and takes one of its own:
+ * Finds the name of this window. A duplicated window starts with a copy of the other's name and takes a new one:
  * two windows that send the same events would record them twice.
  */
 export async function nameTab(): Promise<string> {
@@ -25,14 +25,14 @@ export async function nameTab(): Promise<string> {
   return name;
 }
 
-/** Not `randomUUID`, which browsers keep from pages without a certificate. */
+/** Not `randomUUID`, which browsers allow on pages with a certificate only. */
 function freshName(): string {
   return Array.from(crypto.getRandomValues(new Uint32Array(4)), (part) => part.toString(36)).join(
     "",
   );
 }
 
-/** The page before a reload may still hold the name for a moment. */
+/** The page before a reload may hold the name for a moment. */
 async function holdSoon(name: string): Promise<boolean> {
   const TRIES = 6;
   const PAUSE_MS = 80;
@@ -43,7 +43,7 @@ async function holdSoon(name: string): Promise<boolean> {
   return false;
 }
 
-/** Holds a name for as long as the window lives; says whether nobody else does. */
+/** Locks a name until the window closes; returns whether no other window holds it. */
 function hold(name: string): Promise<boolean> {
   if (!("locks" in navigator)) return Promise.resolve(true);
   return new Promise((resolve) => {
@@ -54,15 +54,15 @@ function hold(name: string): Promise<boolean> {
   });
 }
 
-/** What one window keeps of a reading, beside what waits to be sent. */
+/** Storage of one window for a reading. */
 export interface ReadingKeeping extends Keeping {
-  /** Events that lost, and about which nobody has decided yet. */
+  /** Refused events that the person has not yet decided on. */
   lost(): Event[];
-  /** Somebody has decided about what was lost. */
+  /** The person has decided on the refused events. */
   decided(): void;
 }
 
-/** For readings of others, of which nothing is ever sent. */
+/** For readings of others, which are never changed here. */
 export const keepsNothing: ReadingKeeping = {
   load: () => [],
   save: () => undefined,
@@ -71,7 +71,7 @@ export const keepsNothing: ReadingKeeping = {
   decided: () => undefined,
 };
 
-/** What is not saved yet of one reading in this window. The key carries no patient's name, only what tells readings apart. */
+/** Unsaved events of one reading in this window. The key identifies the reading and contains no patient's name. */
 export function keepingOf(reading: Api<"ReadingView">, tabName: string): ReadingKeeping {
   const key = `${groupOf(reading)}.${tabName}`;
   const lost = (): Event[] => keptOf(key + LOST).entries.flatMap(({ events }) => events);
@@ -84,17 +84,17 @@ export function keepingOf(reading: Api<"ReadingView">, tabName: string): Reading
   };
 }
 
-/** What other windows left behind. */
+/** Unsaved events of other windows. */
 export interface LeftBehind {
   events: Event[];
-  /** When the newest of it was made. */
+  /** Time of the newest event. */
   since_ms: number;
-  /** Whether such a window may still be open: without a certificate, browsers do not tell. */
+  /** Whether such a window may still be open: without a certificate, browsers do not report it. */
   mayBeOpen: boolean;
   forget: () => void;
 }
 
-/** What other windows left behind: never sent unasked, as the reading may have gone on. */
+/** Unsaved events of other windows: sent only on request, because the reading may have changed. */
 export async function leftBehind(
   reading: Api<"ReadingView">,
   tabName: string,
@@ -116,7 +116,7 @@ export async function leftBehind(
   };
 }
 
-/** Names of the windows that are open; null where the browser keeps that from the page. */
+/** Names of the open windows; null where the browser does not report them. */
 async function openWindows(): Promise<Set<string | undefined> | null> {
   if (!("locks" in navigator)) return null;
   return new Set((await navigator.locks.query()).held?.map((lock) => lock.name));
@@ -128,7 +128,7 @@ function groupOf(reading: Api<"ReadingView">): string {
 }
 
 interface Kept {
-  /** When it was written. */
+  /** Time of writing. */
   kept_ms: number;
   entries: Entry[];
 }

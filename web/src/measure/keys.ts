@@ -3,11 +3,11 @@ import { placeOf, type Mark } from "./marks";
 import type { Viewer } from "./viewer.svelte";
 import { filmPoint, type CssPoint, type FilmPoint } from "./viewport";
 
-/** What keys do beyond the film. */
+/** Actions of keys outside of the film. */
 export interface KeyTargets {
   viewer: Viewer;
   marking: Marking | null;
-  /** Puts a mark at the crosshair. */
+  /** Places a landmark at the crosshair. */
   placeAt(at: FilmPoint): void;
   invert(): void;
   toggleLayer(number: number): void;
@@ -28,7 +28,7 @@ const LARGE_CROSSHAIR_CSS = 40;
 const ZOOM = 1.25;
 const GREY_CSS = 12;
 
-/** All keys of the film, for those who mark with them and for the page that lists them. */
+/** All keys of the film; the help page lists them. */
 export const KEYS: readonly { keys: string; text: string }[] = [
   { keys: "Click, or C then Enter", text: "place the requested corner" },
   { keys: "C", text: "crosshair for placing landmarks: arrows move it, Shift in large steps" },
@@ -51,7 +51,7 @@ export const KEYS: readonly { keys: string; text: string }[] = [
   { keys: "Esc", text: "clear the selection" },
 ];
 
-/** Does what a key means; true if it meant something. */
+/** Runs the action of a key; returns whether the key has one. */
 export function onKey(event: KeyboardEvent, targets: KeyTargets): boolean {
   const arrow = ARROWS[event.key];
   if (event.ctrlKey || event.metaKey) return withControl(event, targets);
@@ -80,7 +80,7 @@ function onArrow([x, y]: CssPoint, large: boolean, { viewer, marking }: KeyTarge
   return true;
 }
 
-/** Goes through the marks of one vertebra; at its ends the key leaves the film, as everywhere. */
+/** Goes through the landmarks of one vertebra; after the last one, the Tab key leaves the film. */
 function onTab(by: 1 | -1, { viewer, marking }: KeyTargets): boolean {
   const before = marking?.selected;
   if (!marking || !before || before.kind === "crest") return false;
@@ -152,7 +152,7 @@ function markKeys(viewer: Viewer, marking: Marking, targets: KeyTargets): Action
   };
 }
 
-/** Where the next mark is to be expected, if the program has an idea. */
+/** Expected place of the next landmark, if the program proposes one. */
 export function expected(marking: Marking): FilmPoint | null {
   const mark: Mark | null = marking.target;
   const { proposal } = marking.reading;

@@ -5,21 +5,21 @@ import { placeOf, type Mark } from "./marks";
 import type { Viewer } from "./viewer.svelte";
 import { cssOf, filmOf, type CssPoint, type FilmPoint } from "./viewport";
 
-/** How near to a mark a hand takes hold of it. */
+/** Distance within which a press grabs a landmark. */
 const REACH_CSS = { mouse: 10, touch: 24 };
-/** The same while another mark is asked for: on a film that fits the screen, discs are five pixels high. */
+/** The same while another landmark is requested: on a film that fits the screen, discs are five pixels high. */
 const ASKED_REACH_CSS = { mouse: 6, touch: 16 };
-/** How near to a mark a click then means that mark. */
+/** Distance within which a click then selects that landmark. */
 const ASKED_CLICK_CSS = { mouse: 3, touch: 10 };
 
-/** What the left button or a finger does on the film while a reading is marked. */
+/** Actions of the left button or a finger on the film during a reading. */
 export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abandon"> {
-  /** Ends of the line of the scale tool. */
+  /** End points of the scale tool. */
   scale = $state.raw<readonly FilmPoint[]>([]);
   /** Whether a finger or a button is down. */
   isDown = $state(false);
   #held: Mark | null = null;
-  /** From the hand to the mark that it holds. */
+  /** Offset from the pointer to the grabbed landmark. */
   #grip: CssPoint = [0, 0];
   #reach: "mouse" | "touch" = "mouse";
 
@@ -28,7 +28,7 @@ export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abando
     readonly marking: Marking,
   ) {}
 
-  /** The vertebra that is worked on. */
+  /** The current vertebra. */
   readonly level = $derived.by(() => {
     const { selected, target } = this.marking;
     if (selected && selected.kind !== "crest") return selected.level;
@@ -73,12 +73,12 @@ export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abando
     this.marking.abandonDrag();
   }
 
-  /** Puts what is asked for at a place, if that is on the film. */
+  /** Places the requested landmark, if the place is on the film. */
   placeAt(at: FilmPoint): Mark | null {
     const { columns, rows } = this.viewer.film;
     const isOn = at[0] >= -0.5 && at[0] <= columns - 0.5 && at[1] >= -0.5 && at[1] <= rows - 0.5;
     if (isOn) return this.marking.place(at);
-    this.marking.said = "this place is beside the film";
+    this.marking.said = "this place is outside of the film";
     return null;
   }
 

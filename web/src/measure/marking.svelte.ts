@@ -32,24 +32,24 @@ import { filmPoint, type FilmPoint } from "./viewport";
 type Preview = Api<"Preview">;
 type LiveView = Api<"LiveView">;
 
-/** Events that were not recorded, and why. */
+/** Events that were not recorded, with the reason. */
 export interface Lost {
   readonly events: readonly Event[];
   readonly why: "conflict" | "left_behind";
-  /** When windows that left events behind did so. */
+  /** Times at which other windows left events. */
   readonly since_ms?: number;
   /** Whether such a window may still be open. */
   readonly mayBeOpen?: boolean;
   readonly forget: () => void;
 }
 
-/** What went wrong with a change, and why. */
+/** A failed change and its error. */
 export interface Trouble {
   readonly what: string;
   readonly error: unknown;
 }
 
-/** An axis that follows a hand: the program turns it, so that its angle comes with an answer. */
+/** A dragged axis: the program computes its angle, which comes with an answer. */
 interface Turning {
   readonly level: string;
   readonly towards: FilmPoint;
@@ -58,25 +58,25 @@ interface Turning {
 interface PreviewWish {
   readonly events: readonly Event[];
   readonly turn?: Turning;
-  /** When the hand moved. */
+  /** Time of the pointer's move. */
   readonly at: number;
 }
 
-/** A request of a drag older than this gives way to a newer one; a younger one is let finish, or a fast hand would see nothing. */
+/** An older request of a drag is cancelled for a newer one. A younger one may finish, so that a fast drag still shows results. */
 const PATIENCE_MS = 250;
-/** How often, and how far apart, it is asked what just closed windows left. */
+/** Number and interval of checks for events of windows that have just closed. */
 const AGAIN_TIMES = 5;
 const AGAIN_MS = 800;
-/** How long a dropped axis waits for its angle. */
+/** Time that a dropped axis waits for its angle. */
 const TURN_MS = 5_000;
 
-/** One reading while it is being marked: what is recorded, what is on its way, and what a hand is doing right now. */
+/** A reading in progress: recorded events, events being sent, and the current drag. */
 export class Marking {
-  /** As the program has it. */
+  /** The recorded reading. */
   #recorded = $state.raw() as ReadingView;
-  /** Not recorded yet. */
+  /** Events that are not recorded yet. */
   #pending = $state.raw<Event[]>([]);
-  /** While something is dragged. */
+  /** The current drag. */
   #draft = $state.raw<Event[]>([]);
   #preview = $state.raw<Preview | null>(null);
   #live = $state.raw<LiveView | null>(null);
@@ -84,12 +84,12 @@ export class Marking {
   saving = $state.raw<SaveState>({ kind: "saved" });
   selected = $state.raw<Mark | null>(null);
   lost = $state.raw<Lost | null>(null);
-  /** What was not recorded, or not read. */
+  /** The last failure. */
   trouble = $state.raw<Trouble | null>(null);
-  /** To be read aloud. */
+  /** Text for screen readers. */
   said = $state("");
 
-  /** As it is to be drawn. */
+  /** The reading as drawn. */
   readonly reading = $derived(
     withEvents(this.#preview?.reading ?? this.#recorded, [...this.#pending, ...this.#draft]),
   );
@@ -100,9 +100,9 @@ export class Marking {
   );
   readonly dragging = $derived(this.#draft.length > 0);
 
-  /** Where the axis that is dragged was pulled to last, and whether its angle there is known. */
+  /** Last place of the dragged axis, and whether its angle there is known. */
   #turning: (Turning & { isAnswered: boolean }) | null = null;
-  /** An axis that waits for the angle where the hand let go. */
+  /** An axis that waits for the angle at the place of release. */
   #dropped: Promise<void> | null = null;
   #isClosed = false;
   readonly #outbox: Outbox;
@@ -149,7 +149,7 @@ export class Marking {
     if (reading.mine) void this.#showLost();
   }
 
-  /** Number of events that the program has, and those on their way. */
+  /** Number of recorded events and of events being sent. */
   get revision(): number {
     return this.#outbox.revision;
   }
@@ -162,7 +162,7 @@ export class Marking {
     return this.changeable && stepsAfter(this.#recorded, this.#pending).redoable > 0;
   }
 
-  /** Puts the next mark, or the one that was chosen, at a place. */
+  /** Places the next landmark, or the chosen one. */
   place(at: FilmPoint): Mark | null {
     const mark = this.target;
     if (!mark) return null;
@@ -171,7 +171,7 @@ export class Marking {
     return mark;
   }
 
-  /** Shows a mark at a place without recording it. */
+  /** Shows a landmark at a place without recording it. */
   drag(mark: Mark, to: FilmPoint): void {
     this.selected = mark;
     if (mark.kind === "axis") {
@@ -184,7 +184,7 @@ export class Marking {
     this.#wish({ events: [...this.#pending, ...this.#draft] });
   }
 
-  /** Records what was dragged. */
+  /** Records the dragged landmark. */
   drop(): void {
     const [draft, turning] = [this.#draft, this.#turning];
     this.#turning = null;
@@ -202,9 +202,9 @@ export class Marking {
     this.#record(draft);
   }
 
-  /** The page goes: an axis that waits for its angle takes the one that is drawn. */
+  /** The page closes: an axis that waits for its angle is recorded with the drawn angle. */
   keepTurn(): void {
-    // A drag that is still on, of an axis or of another mark, is nobody's decision yet.
+    // A drag that has not ended is not recorded.
     if (!this.#dropped || this.#turning) return;
     const drawn = this.#draft.filter(({ kind }) => kind === "set_axis");
     if (drawn.length === 0) return;
@@ -219,7 +219,7 @@ export class Marking {
     this.#preview = null;
   }
 
-  /** Moves the chosen mark a little: pixels for places, degrees for axes. */
+  /** Moves the selected landmark by pixels, or the selected axis by degrees. */
   nudge(by: FilmPoint): void {
     const mark = this.selected;
     if (!mark || !this.changeable) return;
@@ -271,10 +271,10 @@ export class Marking {
   redo(): void {
     if (!this.canRedo) return;
     this.#record([{ kind: "redo" }]);
-    this.said = "done again";
+    this.said = "change redone";
   }
 
-  /** Goes on with another level: to its next missing corner, or to its first one. */
+  /** Continues with another level: at its next missing corner, or at its first corner. */
   jump(level: string): void {
     this.#chosen = level;
     const missing = missingCorner(this.reading, level);
@@ -282,15 +282,15 @@ export class Marking {
     this.said = missing ? `next: ${wordsOf(missing)}` : `${level} chosen`;
   }
 
-  /** Goes on with the iliac crests, past the levels that are optional. */
+  /** Continues with the iliac crests and skips the optional levels. */
   jumpToCrests(): void {
     this.#chosen = CRESTS;
     const missing = missingCrest(this.reading);
     this.selected = missing ? null : { kind: "crest", side: "left" };
-    this.said = missing ? `next: ${wordsOf(missing)}` : "iliac crests chosen";
+    this.said = missing ? `next: ${wordsOf(missing)}` : "iliac crests selected";
   }
 
-  /** Chooses the mark before or after; false at the ends. */
+  /** Selects the previous or next landmark; false at the ends. */
   step(by: 1 | -1): boolean {
     const marks = marksOf(this.reading);
     const now = marks.findIndex((mark) => sameMark(mark, this.selected));
@@ -308,7 +308,7 @@ export class Marking {
     this.said = `${wordsOf(mark)}${at}`;
   }
 
-  /** Whether a change that was told of is news here. */
+  /** Whether a reported change is not known here. */
   isNews(change: Api<"Change">): boolean {
     return change.reading === this.#recorded.reading && (change.revision ?? 0) > this.revision;
   }
@@ -319,9 +319,9 @@ export class Marking {
       this.#use(reading);
       this.#outbox.rebase(reading.revision);
     } catch (error) {
-      // Where the program is away, the shell says so, and the reading is read again after it.
+      // Without a connection the shell shows a message, and the reading is loaded again afterwards.
       if (error instanceof Refusal)
-        this.trouble ??= { what: "The reading could not be read", error };
+        this.trouble ??= { what: "The reading could not be loaded", error };
     }
   }
 
@@ -330,7 +330,7 @@ export class Marking {
     this.#use(await finishReading(reading, { expected_revision: revision }));
   }
 
-  /** Records again what was lost, upon the reading as it stands. */
+  /** Records the refused changes again on the current reading. */
   applyLost(): void {
     const lost = this.lost;
     if (!lost || !this.changeable) return;
@@ -352,7 +352,7 @@ export class Marking {
     this.#isClosed = true;
     this.#previews.cancel();
     this.#lives.cancel();
-    // Another page of the app: what was dropped is recorded all the same.
+    // Another page of the app was opened: the dropped axis is still recorded.
     if (this.#dropped) void this.#dropped.then(() => this.#outbox.close());
     else this.#outbox.close();
   }
@@ -363,14 +363,14 @@ export class Marking {
     this.#outbox.push(events);
   }
 
-  /** Takes a reading with what follows from it; without that, it is asked for. */
+  /** Uses a reading with its results; requests the results if they are absent. */
   #use(reading: ReadingView, live?: LiveView | null): void {
-    // An answer that was overtaken by a newer one.
+    // A newer answer has arrived before.
     const isOlder = reading.revision < this.#outbox.known;
     if (isOlder || (this.#recorded.finished && !reading.finished)) return;
     this.#recorded = reading;
     if (this.#outbox.pending.length === 0 && this.#preview) {
-      // What was drawn last stays until the program's answer replaces it.
+      // The last drawing stays until the program's answer.
       this.#live = this.#preview.live ?? this.#live;
       this.#preview = null;
     }
@@ -378,7 +378,7 @@ export class Marking {
       this.#refreshLive();
       return;
     }
-    // What is under way is about an older reading.
+    // Running requests belong to an older reading.
     this.#lives.cancel();
     this.#live = live ?? this.#live;
   }
@@ -408,13 +408,13 @@ export class Marking {
       this.#draft = [turned];
       if (this.#turning === turn) this.#turning = { ...this.#turning, isAnswered: true };
     }
-    // What people feel: from the hand's move to what is drawn from it.
+    // Delay from the pointer's move to the drawing.
     requestAnimationFrame(() => performance.measure("drag-to-result", { start: at }));
   }
 
-  /** Records the angle at the place where the hand let go, not the one that was answered last. */
+  /** Records the angle at the place of release, not the last answer. */
   async #dropTurn(turn: Turning, draft: readonly Event[]): Promise<void> {
-    const what = `${turn.level} – axis not turned`;
+    const what = `${turn.level} – axis not rotated`;
     try {
       const wish = { events: this.#pending, turn };
       const preview = await this.#askPreview(wish, AbortSignal.timeout(TURN_MS));
@@ -423,9 +423,9 @@ export class Marking {
       if (turned) {
         this.#preview = preview;
         this.#record([turned]);
-      } else this.trouble = { what, error: "its vertebra is no longer marked" };
+      } else this.trouble = { what, error: "its vertebra has no landmarks any more" };
     } catch (error) {
-      // Another drag may have begun meanwhile.
+      // Another drag may have begun.
       if (this.#draft === draft && this.#turning === null) this.abandonDrag();
       this.trouble = { what, error };
     }
@@ -439,12 +439,12 @@ export class Marking {
   #turned(mark: Mark & { kind: "axis" }, by: FilmPoint): Event | null {
     const axis = this.reading.vertebrae.find(({ level }) => level === mark.level)?.axis;
     if (!axis) return null;
-    // To the right and up turn clockwise as seen; a whole step lands on the grid of 0.1°.
+    // Right and up rotate clockwise as seen; a whole step rounds to 0.1°.
     const tenths = Math.round((axis.axis_deg + by[0] - by[1]) * 10);
     return { kind: "set_axis", level: mark.level, axis_deg: tenths / 10 };
   }
 
-  /** A dragged corner of a proposal brings the other three along: now somebody has touched them. */
+  /** A dragged corner of a proposal accepts the other three corners too. */
   #placingAt(mark: Mark, at: FilmPoint): Event[] {
     const moved = placing(this.reading, mark, at);
     const proposal = this.#proposal();
@@ -464,7 +464,7 @@ export class Marking {
     return this.#pending.length === 0 ? (this.#recorded.proposal ?? null) : null;
   }
 
-  /** First what this window has lost, then what others left behind. */
+  /** First the refused events of this window, then the events of other windows. */
   async #showLost(): Promise<void> {
     const events = this.#keeping.lost();
     if (events.length > 0) {
@@ -486,12 +486,12 @@ function turnedIn(preview: Preview, level: string): Event | null {
   return axis ? { kind: "set_axis", level, axis_deg: axis.axis_deg } : null;
 }
 
-/** Places are kept to a thousandth of a pixel. */
+/** Places are rounded to 0.001 px. */
 function round([column, row]: FilmPoint): FilmPoint {
   return [Math.round(column * 1_000) / 1_000, Math.round(row * 1_000) / 1_000];
 }
 
-/** The same place again, on a reading that has changed: whether a corner is placed or moved depends on it. */
+/** The same event on a changed reading: a corner is placed or moved, depending on whether it exists. */
 function fresh(reading: ReadingView, event: Event): Event {
   if (event.kind !== "place_corner" && event.kind !== "move_corner") return event;
   const mark: Mark = { kind: "corner", level: event.level, corner: event.corner };

@@ -48,7 +48,7 @@ afterEach(() => {
   vi.unstubAllGlobals();
 });
 
-/** Lets time pass, and the bodies of requests and answers be read. */
+/** Waits until requests and answers are processed. */
 async function settle(ms = 10): Promise<void> {
   await vi.advanceTimersByTimeAsync(ms);
   for (let turn = 0; turn < 5; turn += 1) await vi.advanceTimersByTimeAsync(0);
@@ -66,7 +66,7 @@ const sent = (): Event[] =>
     .filter(({ path }) => path.endsWith("/events"))
     .flatMap(({ json }) => (json as { events: Event[] }).events);
 
-/** A program that takes everything. */
+/** A program that accepts all requests. */
 function taking(start = 0): (one: Asked) => Answer {
   let revision = start;
   return ({ path, json }) => {
@@ -76,7 +76,7 @@ function taking(start = 0): (one: Asked) => Answer {
   };
 }
 
-it("asks once for a click, and shows what follows from it", async () => {
+it("sends one request per click and shows its results", async () => {
   const live = { status: "partial", status_text: "1 of 15 vertebrae", notices: [] };
   answer = () => ({ status: 200, body: { reading: { ...reading(), revision: 1 }, live } });
   const marking = new Marking(reading(), "me");
@@ -93,14 +93,14 @@ function conflict(now: Partial<ReadingView>): Answer {
   return { status: 409, body: { problem, reading: { ...reading(), revision: 5, ...now } } };
 }
 
-/** A reading with one vertebra whose axis stands at an angle. */
+/** A reading with one vertebra whose axis has the given angle. */
 function turned(axis_deg: number): ReadingView {
   const axis = { axis_deg, by_hand: true, from_px: [0, 0], to_px: [0, 1] };
   const vertebra = { level: "L4", corners: [], complete: true, midpoint_px: [0, 0], axis };
   return { ...reading(), vertebrae: [vertebra as unknown as ReadingView["vertebrae"][number]] };
 }
 
-it("sends what an earlier page left, and does not stumble over it", async () => {
+it("sends unsaved events of an earlier page", async () => {
   keepingOf(reading(), "me").save([{ events: [crest(1)], expected: 0 }]);
   answer = taking();
   const marking = new Marking(reading(), "me");
@@ -109,7 +109,7 @@ it("sends what an earlier page left, and does not stumble over it", async () => 
   expect(marking.saving).toEqual({ kind: "saved" });
 });
 
-it("shows what was lost again after a reload, until somebody decides", async () => {
+it("shows refused events again after a reload until the person decides", async () => {
   keepingOf(reading(), "me").save([
     { events: [crest(1), { kind: "undo" }, crest(2)], expected: 0 },
   ]);
@@ -126,13 +126,13 @@ it("shows what was lost again after a reload, until somebody decides", async () 
   asked.length = 0;
   after.applyLost();
   await settle();
-  // The undo took back what was lost with it; alone, it would take back another's change.
+  // The undo belonged to a refused event; alone it would undo a change of another person.
   expect(sent()).toEqual([crest(2)]);
   expect(after.lost).toBeNull();
   expect(keepingOf(reading(), "me").lost()).toEqual([]);
 });
 
-it("does again as often as it is asked, while the first time is still on its way", async () => {
+it("redoes several times while the first redo is still being sent", async () => {
   answer = taking();
   const marking = new Marking({ ...reading(), redoable: 2 }, "me");
   marking.redo();
@@ -143,7 +143,7 @@ it("does again as often as it is asked, while the first time is still on its way
   expect(sent()).toEqual([{ kind: "redo" }, { kind: "redo" }]);
 });
 
-it("applies nothing to a finished reading, and keeps what was lost", async () => {
+it("applies no event to a finished reading and keeps refused events", async () => {
   keepingOf(reading(), "me").save([{ events: [crest(1)], expected: 0 }]);
   answer = () => conflict({ finished: true });
   const marking = new Marking(reading(), "me");
@@ -155,7 +155,7 @@ it("applies nothing to a finished reading, and keeps what was lost", async () =>
   expect(keepingOf(reading(), "me").lost()).toEqual([]);
 });
 
-it("offers what another window left, with its age, where it may still be open", async () => {
+it("offers unsaved events of another window that may be open, with their age", async () => {
   keepingOf(reading(), "other").save([{ events: [crest(1)], expected: 0 }]);
   const since_ms = Date.now();
   await settle(60_000);
@@ -166,7 +166,7 @@ it("offers what another window left, with its age, where it may still be open", 
   expect(sent()).toEqual([]);
 });
 
-it("says what the program will never take, and survives that it cannot be read again", async () => {
+it("reports a refused event even if the reading cannot be loaded again", async () => {
   const problem = { code: "refused", message: "a place is within a million pixels", help: null };
   answer = ({ method }) => ({ status: method === "POST" ? 422 : 404, body: problem });
   const marking = new Marking(reading(), "me");
@@ -176,7 +176,7 @@ it("says what the program will never take, and survives that it cannot be read a
   expect(marking.saving).toEqual({ kind: "saved" });
 });
 
-it("ignores a reading that was overtaken by a newer one", async () => {
+it("ignores a reading older than the current one", async () => {
   let late: (answer: Answer) => void = () => undefined;
   const take = taking();
   answer = (one) =>
@@ -191,7 +191,7 @@ it("ignores a reading that was overtaken by a newer one", async () => {
   expect(marking.revision).toBe(1);
 });
 
-/** An axis that was answered at 10° and let go at 25°, and how to let the program answer the rest. */
+/** An axis whose angle was answered at 10° and that was released at 25°, and a function that sends the other answers. */
 async function letGo(): Promise<{ marking: Marking; answerRest: () => void }> {
   const slow: (() => void)[] = [];
   const take = taking();
@@ -211,7 +211,7 @@ async function letGo(): Promise<{ marking: Marking; answerRest: () => void }> {
   return { marking, answerRest: () => slow.forEach((now) => now()) };
 }
 
-it("records an axis where the hand let go, not where the program answered last", async () => {
+it("records an axis at the place of release, not at the last answer", async () => {
   const { answerRest } = await letGo();
   await settle();
   expect(sent()).toEqual([]);
@@ -220,7 +220,7 @@ it("records an axis where the hand let go, not where the program answered last",
   expect(sent()).toEqual([{ kind: "set_axis", level: "L4", axis_deg: 25 }]);
 });
 
-it("records an axis that was let go just before another page of the app", async () => {
+it("records an axis that was released just before the page changed", async () => {
   const { marking, answerRest } = await letGo();
   marking.close();
   await settle();
@@ -229,14 +229,14 @@ it("records an axis that was let go just before another page of the app", async 
   expect(sent()).toEqual([{ kind: "set_axis", level: "L4", axis_deg: 25 }]);
 });
 
-it("keeps an axis as it was drawn last where the window closes before its angle comes", async () => {
+it("keeps the last drawn axis if the window closes before its angle arrives", async () => {
   const { marking } = await letGo();
   marking.keepTurn();
   const [entry] = keepingOf(turned(0), "me").load();
   expect(entry?.events).toEqual([{ kind: "set_axis", level: "L4", axis_deg: 10 }]);
 });
 
-it("goes on marking where the browser keeps nothing, and tells of it", async () => {
+it("works without browser storage and reports it", async () => {
   vi.stubGlobal("localStorage", {
     getItem: () => null,
     removeItem: () => undefined,
@@ -253,7 +253,7 @@ it("goes on marking where the browser keeps nothing, and tells of it", async () 
   expect(lasting.refused).toBe(true);
 });
 
-it("records no axis whose angle does not come, and says so", async () => {
+it("reports an axis whose angle does not arrive and does not record it", async () => {
   answer = ({ path }) => {
     if (path.endsWith("/preview")) throw new TypeError("no network");
     return { status: 200, body: reading() };
@@ -263,11 +263,11 @@ it("records no axis whose angle does not come, and says so", async () => {
   marking.drop();
   await settle();
   expect(sent()).toEqual([]);
-  expect(marking.trouble?.what).toBe("L4 – axis not turned");
+  expect(marking.trouble?.what).toBe("L4 – axis not rotated");
   expect(marking.dragging).toBe(false);
 });
 
-it("offers what a window left that is closed by now", async () => {
+it("offers unsaved events of a closed window", async () => {
   vi.stubGlobal("navigator", {
     locks: { query: async () => ({ held: [{ name: "spineline.unsaved.me" }] }) },
   });

@@ -34,7 +34,7 @@ it("shows events before they are recorded", () => {
   });
 });
 
-it("places what is new and moves what is there", () => {
+it("places new landmarks and moves existing ones", () => {
   const mark = { kind: "corner", level: "L4", corner: "superior_left" } as const;
   const first = placing(reading(), mark, [1, 2]);
   expect(first.kind).toBe("place_corner");
@@ -45,7 +45,7 @@ it("places what is new and moves what is there", () => {
   );
 });
 
-it("takes hold of the nearest mark within reach", () => {
+it("grabs the nearest landmark within reach", () => {
   const marked = withEvents(reading(), [
     { kind: "place_corner", level: "L4", corner: "superior_left", column_px: 100, row_px: 100 },
     { kind: "place_corner", level: "L4", corner: "superior_right", column_px: 112, row_px: 100 },
@@ -61,7 +61,7 @@ it("offers the corners of a proposal", () => {
   expect(found).toEqual({ kind: "corner", level: "L3", corner: "inferior_left" });
 });
 
-it("counts on from an axis that is not recorded yet", () => {
+it("rotates an axis from its unrecorded angle", () => {
   const axis = { from_px: [0, 9], to_px: [0, 0], axis_deg: 4.2, by_hand: false, text: "" };
   const vertebra = { level: "L4", corners: [], complete: true, midpoint_px: null, axis };
   const turned = withEvents({ ...reading(), vertebrae: [vertebra] }, [
@@ -70,7 +70,7 @@ it("counts on from an axis that is not recorded yet", () => {
   expect(turned.vertebrae[0]!.axis).toMatchObject({ axis_deg: 4.3, by_hand: true });
 });
 
-it("takes undos out of events together with what they undid, and leaves undos of earlier ones out", () => {
+it("removes undone events with their undos, and undos of earlier events", () => {
   const note = (text: string): Event => ({ kind: "note", text });
   const invert = (inverted: boolean): Event => ({ kind: "invert", inverted });
   const [undo, redo]: Event[] = [{ kind: "undo" }, { kind: "redo" }];
@@ -83,7 +83,7 @@ it("takes undos out of events together with what they undid, and leaves undos of
   expect(remaining([invert(true), undo!, invert(false), redo!])).toEqual([invert(false)]);
 });
 
-it("counts what can be done again while events are on their way", () => {
+it("counts possible redos while events are being sent", () => {
   const invert: Event = { kind: "invert", inverted: true };
   const [undo, redo]: Event[] = [{ kind: "undo" }, { kind: "redo" }];
   const recorded = { undoable: 1, redoable: 2 };

@@ -7,7 +7,7 @@ export type Event = Api<"Event">;
 export type ReadingView = Api<"ReadingView">;
 export type VertebraView = Api<"VertebraView">;
 
-/** In the order of marking. */
+/** In the order of placing. */
 export const CORNERS: readonly Corner[] = [
   "superior_left",
   "superior_right",
@@ -15,7 +15,7 @@ export const CORNERS: readonly Corner[] = [
   "inferior_left",
 ];
 
-/** Marked only where somebody asks for it. */
+/** Optional levels, read on request only. */
 export const OPTIONAL_LEVELS: readonly string[] = ["T1", "L5"];
 
 export const CORNER_WORDS: Record<Corner, string> = {
@@ -25,7 +25,7 @@ export const CORNER_WORDS: Record<Corner, string> = {
   inferior_right: "inferior endplate, patient’s right",
 };
 
-/** Something on the film that can be placed, chosen and moved. */
+/** A landmark or an axis on the film that can be selected and moved. */
 export type Mark =
   | { kind: "corner"; level: string; corner: Corner }
   | { kind: "axis"; level: string }
@@ -52,7 +52,7 @@ export function placeOf(reading: ReadingView, mark: Mark): FilmPoint | null {
   return corner ? filmPoint(corner.px) : null;
 }
 
-/** Everything that is placed, from the feet to the head: the order in which the keys go through it. */
+/** All placed landmarks in cranial order, in which the keys go through them. */
 export function marksOf(reading: ReadingView): Mark[] {
   const vertebrae = reading.vertebrae.flatMap(({ level, corners, axis }): Mark[] => [
     ...CORNERS.filter((name) => corners.some(({ corner }) => corner === name)).map(
@@ -66,24 +66,24 @@ export function marksOf(reading: ReadingView): Mark[] {
   return [...vertebrae, ...crests];
 }
 
-/** The event that puts a mark at a place. */
+/** The event that places a landmark. */
 export function placing(reading: ReadingView, mark: Mark, [column_px, row_px]: FilmPoint): Event {
   if (mark.kind === "crest") {
     return { kind: "place_iliac_crest", side: mark.side, column_px, row_px };
   }
-  if (mark.kind === "axis") throw new Error("an axis is turned, not placed");
+  if (mark.kind === "axis") throw new Error("an axis is rotated, not placed");
   const kind = placeOf(reading, mark) ? "move_corner" : "place_corner";
   return { kind, level: mark.level, corner: mark.corner, column_px, row_px };
 }
 
-/** What is to be marked next on a level; null once its four corners are there. */
+/** The next missing corner of a level; null when its four corners exist. */
 export function missingCorner(reading: ReadingView, level: string): Mark | null {
   const placed = reading.vertebrae.find((vertebra) => vertebra.level === level)?.corners ?? [];
   const corner = CORNERS.find((name) => !placed.some(({ corner }) => corner === name));
   return corner ? { kind: "corner", level, corner } : null;
 }
 
-/** The crest that is to be marked next; null once both are there. */
+/** The next missing crest; null when both exist. */
 export function missingCrest(reading: ReadingView): Mark | null {
   const marks = (["left", "right"] as const).map((side): Mark => ({ kind: "crest", side }));
   return marks.find((mark) => placeOf(reading, mark) === null) ?? null;
@@ -98,8 +98,8 @@ export function nextMark(reading: ReadingView): Mark | null {
 }
 
 /**
- * The reading as it will be once events are recorded, as far as the screen can tell: places only. What follows from places
- * comes from the program with its answer.
+ * The reading after events are recorded, as far as the page can know it: places only. Results
+ * come from the program with its answer.
  */
 export function withEvents(reading: ReadingView, events: readonly Event[]): ReadingView {
   return events.reduce(withEvent, reading);
@@ -120,7 +120,7 @@ function withEvent(reading: ReadingView, event: Event): ReadingView {
       return changed(reading, event.level, (vertebra) => {
         const { axis } = vertebra;
         if (!axis) return vertebra;
-        // The line to draw comes with the program's answer; its number is needed for the next step of the keys.
+        // The line to draw comes with the program's answer; its angle is needed for the next step of the keys.
         const by_hand = event.axis_deg != null;
         return {
           ...vertebra,
@@ -159,8 +159,8 @@ function changed(
 }
 
 /**
- * What is left of events once their own undos are taken out of them. An undo of something earlier is left out too: on a reading
- * that has gone on, it would undo another change than the one that was meant.
+ * Events without those that they undo themselves. An undo of an earlier event is removed too: on a reading
+ * that has changed, it would undo another event.
  */
 export function remaining(events: readonly Event[]): Event[] {
   const done: Event[] = [];
@@ -181,7 +181,7 @@ export function remaining(events: readonly Event[]): Event[] {
   return done;
 }
 
-/** How far a reading can be undone and done again once the events on their way have arrived. */
+/** Number of possible undos and redos after the events being sent are recorded. */
 export function stepsAfter(
   recorded: Pick<ReadingView, "undoable" | "redoable">,
   pending: readonly Event[],
@@ -196,7 +196,7 @@ export function stepsAfter(
   return { undoable, redoable };
 }
 
-/** Events in words, for people who are asked what to do with them. */
+/** Text of an event for the dialog on lost changes. */
 export function wordsOfEvent(event: Event): string {
   const at = (column: number, row: number): string =>
     `(${column.toFixed(1)}, ${row.toFixed(1)}) px`;
@@ -207,13 +207,13 @@ export function wordsOfEvent(event: Event): string {
     case "set_axis":
       return event.axis_deg === null || event.axis_deg === undefined
         ? `${event.level} – axis follows the corners`
-        : `${event.level} – axis turned by hand to ${event.axis_deg.toFixed(1)}°`;
+        : `${event.level} – axis rotated by hand to ${event.axis_deg.toFixed(1)}°`;
     case "remove_vertebra":
       return `${event.level} removed`;
     case "place_iliac_crest":
       return `iliac crest, patient’s ${event.side}, to ${at(event.column_px, event.row_px)}`;
     case "invert":
-      return event.inverted ? "dark and bright exchanged" : "dark and bright as filmed";
+      return event.inverted ? "grey levels inverted" : "grey levels not inverted";
     case "note":
       return `note: ${event.text}`;
     case "scale":

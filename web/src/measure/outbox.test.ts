@@ -32,11 +32,11 @@ function memory(): Keeping & { entries: Entry[]; lost: Event[]; saves: number } 
   return kept;
 }
 
-/** The program as far as an outbox sees it. */
+/** A program as the outbox uses it. */
 class Program {
   events: Event[] = [];
   asked: { events: readonly Event[]; expected: number }[] = [];
-  /** What goes wrong with the next requests: before they are recorded, or after it. */
+  /** Faults of the next requests, before or after recording. */
   faults: ("away" | "answer lost" | Refusal)[] = [];
 
   async send(events: readonly Event[], expected: number): Promise<Api<"Preview">> {
@@ -85,7 +85,7 @@ function refusal(status: number, code: string): Refusal {
 
 const settle = (ms = 0): Promise<unknown> => vi.advanceTimersByTimeAsync(ms);
 
-it("sends in order, one after the other, each upon the one before", async () => {
+it("sends entries in order, each after the one before", async () => {
   const program = new Program();
   const { box, told } = outbox(program);
   box.push([at(1)]);
@@ -100,7 +100,7 @@ it("sends in order, one after the other, each upon the one before", async () => 
   expect(box.state).toEqual({ kind: "saved" });
 });
 
-it("asks again until the program answers, and loses nothing", async () => {
+it("repeats a request until the program answers, without loss", async () => {
   const program = new Program();
   program.faults = ["away", "away", "away"];
   const keeping = memory();
@@ -116,7 +116,7 @@ it("asks again until the program answers, and loses nothing", async () => {
   expect(keeping.entries).toEqual([]);
 });
 
-it("records once what was recorded before its answer was lost", async () => {
+it("records an entry once when its answer was lost", async () => {
   const program = new Program();
   program.faults = ["answer lost"];
   const { box } = outbox(program);
@@ -126,7 +126,7 @@ it("records once what was recorded before its answer was lost", async () => {
   expect(program.events).toEqual([at(1)]);
 });
 
-it("sends after a reload what was left, with the revision it was made on", async () => {
+it("sends unsaved entries after a reload with their own revision", async () => {
   const program = new Program();
   program.faults = ["answer lost"];
   const keeping = memory();
@@ -136,7 +136,7 @@ it("sends after a reload what was left, with the revision it was made on", async
   await settle();
   before.box.close();
   expect(keeping.entries).toHaveLength(2);
-  // The page is loaded anew, and finds the first event recorded already.
+  // The page is loaded again and finds the first event recorded.
   const after = outbox(program, keeping);
   expect(after.box.pending).toEqual([at(1), at(2)]);
   await settle(1_000);
@@ -144,7 +144,7 @@ it("sends after a reload what was left, with the revision it was made on", async
   expect(after.told.lost).toEqual([]);
 });
 
-it("hands back everything that stood on a change that lost", async () => {
+it("returns all entries that depended on a refused change", async () => {
   const program = new Program();
   const keeping = memory();
   const { box, told } = outbox(program, keeping);
@@ -153,18 +153,18 @@ it("hands back everything that stood on a change that lost", async () => {
   box.push([at(2)]);
   await settle();
   expect(told.lost).toEqual([at(1), at(2)]);
-  // Kept until somebody decides: the program has the first of them only.
+  // Kept until the person decides: the program has the first of them only.
   expect(keeping.lost).toEqual([at(1), at(2)]);
   expect(keeping.entries).toEqual([]);
   expect(program.events).toEqual([at(99)]);
   expect(box.state).toEqual({ kind: "saved" });
-  // What is done now stands on what the others did.
+  // New changes are based on the changes of others.
   box.push([at(3)]);
   await settle();
   expect(program.events).toEqual([at(99), at(3)]);
 });
 
-it("drops what the program does not take, and goes on with the rest", async () => {
+it("drops a refused entry and continues with the others", async () => {
   const program = new Program();
   program.faults = [refusal(422, "refused")];
   const { box, told } = outbox(program);
@@ -175,7 +175,7 @@ it("drops what the program does not take, and goes on with the rest", async () =
   expect(program.events).toEqual([at(3)]);
 });
 
-it("waits for whoever was signed out", async () => {
+it("waits until the person signs in again", async () => {
   const program = new Program();
   program.faults = [refusal(401, "not_signed_in")];
   const { box } = outbox(program);
@@ -187,7 +187,7 @@ it("waits for whoever was signed out", async () => {
   expect(program.events).toEqual([at(1)]);
 });
 
-it("makes one event of nudges in a row, once the keys rest", async () => {
+it("combines nudges into one event after the last key", async () => {
   const program = new Program();
   const keeping = memory();
   const { box } = outbox(program, keeping);
@@ -196,13 +196,13 @@ it("makes one event of nudges in a row, once the keys rest", async () => {
     await settle(200);
   }
   expect(program.asked).toEqual([]);
-  // Not sent yet, but kept: a reload would not lose it.
+  // Not sent, but stored: a reload does not lose it.
   expect(keeping.entries).toEqual([{ events: [at(1.3)], expected: 0, coalesce: "nudge" }]);
   await settle(300);
   expect(program.events).toEqual([at(1.3)]);
 });
 
-it("sends a nudge at once before whatever follows it", async () => {
+it("sends a nudge before the next event", async () => {
   const program = new Program();
   const { box } = outbox(program);
   box.push([at(1)], "nudge a");
@@ -212,7 +212,7 @@ it("sends a nudge at once before whatever follows it", async () => {
   expect(program.events).toEqual([at(1), at(2), at(3)]);
 });
 
-it("does not change a nudge that is on its way", async () => {
+it("does not change a nudge that is being sent", async () => {
   const program = new Program();
   const { box } = outbox(program);
   box.push([at(1)], "nudge");
@@ -222,7 +222,7 @@ it("does not change a nudge that is on its way", async () => {
   expect(program.events).toEqual([at(1), at(2)]);
 });
 
-it("leaves what it has for the next load once it is closed, whatever the program answers", async () => {
+it("keeps its entries for the next load when it is closed, for any answer", async () => {
   for (const fault of [undefined, "answer lost", refusal(422, "refused"), "others"] as const) {
     const program = new Program();
     const keeping = memory();
@@ -241,7 +241,7 @@ it("leaves what it has for the next load once it is closed, whatever the program
   }
 });
 
-it("hands a nudge that rests to the next load", async () => {
+it("keeps a waiting nudge for the next load", async () => {
   const program = new Program();
   const keeping = memory();
   const before = outbox(program, keeping);
@@ -270,7 +270,7 @@ it("does not change a nudge whose answer was lost", async () => {
 });
 
 it.each([400, 403, 404, 409, 413, 415, 421])(
-  "holds everything at a refusal of %i",
+  "stops sending after a response of %i",
   async (status) => {
     const program = new Program();
     program.faults = [refusal(status, "held")];
@@ -288,7 +288,7 @@ it.each([400, 403, 404, 409, 413, 415, 421])(
   },
 );
 
-it.each([408, 429, 500, 503])("asks again by itself after a refusal of %i", async (status) => {
+it.each([408, 429, 500, 503])("repeats the request after a response of %i", async (status) => {
   const program = new Program();
   program.faults = [refusal(status, "later")];
   const { box } = outbox(program);
@@ -299,7 +299,7 @@ it.each([408, 429, 500, 503])("asks again by itself after a refusal of %i", asyn
   expect(program.events).toEqual([at(1)]);
 });
 
-it("gives everything back that comes to a finished reading", async () => {
+it("returns all entries for a finished reading", async () => {
   const program = new Program();
   program.faults = [refusal(409, "finished")];
   const keeping = memory();
@@ -312,7 +312,7 @@ it("gives everything back that comes to a finished reading", async () => {
   expect(program.asked).toHaveLength(1);
 });
 
-it("knows nothing older than what the program has told", async () => {
+it("ignores revisions older than the known one", async () => {
   const program = new Program();
   const { box } = outbox(program);
   box.push([at(1)]);

@@ -5,52 +5,52 @@ type Event = Api<"Event">;
 type Preview = Api<"Preview">;
 type ReadingView = Api<"ReadingView">;
 
-/** Events that belong together, and the revision they were made on. */
+/** Events that belong together, with the revision on which they were made. */
 export interface Entry {
   readonly events: readonly Event[];
-  /** Fixed when the entry is made: a repeat after a lost answer is recognised by it. */
+  /** Set when the entry is made: identifies a repeat after a lost answer. */
   readonly expected: number;
-  /** Entries in a row with the same word become one while nobody has sent them. */
+  /** Consecutive unsent entries with the same word are combined. */
   readonly coalesce?: string | undefined;
-  /** Sent at least once: the program may have it, so that it must not become another one. */
+  /** Sent at least once: the program may have recorded it, so it must not change. */
   readonly attempted?: boolean | undefined;
 }
 
-/** How things stand between the screen and the disk. */
+/** State of saving. */
 export type SaveState =
   | { kind: "saved" }
   | { kind: "saving"; count: number }
-  /** The program does not answer, or cannot right now, and is asked again and again. */
+  /** The program does not answer or is busy; the request is repeated. */
   | { kind: "waiting"; count: number; why: string | null }
-  /** The program refuses for a reason that may pass; it is asked again when somebody wants it. */
+  /** The program refuses for a temporary reason; the person can try again. */
   | { kind: "held"; count: number; why: string }
-  /** The program no longer knows this session. */
+  /** The session has ended. */
   | { kind: "signed_out"; count: number };
 
 export interface Keeping {
   load(): Entry[];
   save(entries: readonly Entry[]): void;
-  /** Keeps events that lost against others, beside earlier ones, until somebody decides about them. */
+  /** Stores refused events beside earlier ones until the person decides. */
   lose(events: readonly Event[]): void;
 }
 
 export interface OutboxOptions {
-  /** Revision of the reading as it was loaded. */
+  /** Revision of the loaded reading. */
   revision: number;
-  /** Records events; the answer is the reading after them, with what follows. */
+  /** Records events; the answer is the new reading with its results. */
   send(events: readonly Event[], expected: number): Promise<Preview>;
   keeping: Keeping;
   /** The reading after events that were recorded. */
   saved(answer: Preview): void;
-  /** Others were first: these events are not recorded, and here is how things stand. */
+  /** Other changes came first: these events are not recorded; the current reading is given. */
   conflict(lost: readonly Event[], reading: ReadingView): void;
-  /** The program will never take these events. */
+  /** The program refuses these events. */
   refused(lost: readonly Event[], why: Refusal): void;
   /** The state or the waiting events have changed. */
   changed(): void;
   /** Milliseconds that a nudge waits for the next one. */
   restMs?: number;
-  /** Milliseconds until the program is asked again, from the first time on. */
+  /** Milliseconds until each repeated request. */
   retryMs?: readonly number[];
 }
 
@@ -58,7 +58,7 @@ const REST_MS = 350;
 const RETRY_MS = [250, 500, 1_000, 2_000];
 
 /**
- * Sends every event of a reading, in order and once. What is not recorded yet survives a reload and a program that was stopped.
+ * Sends every event of a reading in order and once. Unrecorded events survive a reload and a stop of the program.
  */
 export class Outbox {
   #entries: Entry[];
@@ -99,7 +99,7 @@ export class Outbox {
     return last ? last.expected + last.events.length : this.#revision;
   }
 
-  /** The revision that the program has told of. */
+  /** The last revision that the program reported. */
   get known(): number {
     return this.#revision;
   }
@@ -116,7 +116,7 @@ export class Outbox {
     this.#pump();
   }
 
-  /** Sends at once what waits for the keys to rest. */
+  /** Sends waiting nudges at once. */
   flush(): void {
     this.#stopResting();
     this.#pump(true);
@@ -129,15 +129,15 @@ export class Outbox {
     this.#pump(true);
   }
 
-  /** The reading was loaded anew and nothing of ours is on its way. */
+  /** The reading was loaded again and no own event is being sent. */
   rebase(revision: number): void {
     if (this.#entries.length === 0) this.#revision = Math.max(this.#revision, revision);
   }
 
-  /** No more is sent, kept or told; what waits, or is on its way, is sent again after the next load. */
+  /** Stops sending and storing; waiting entries are sent after the next load. */
   close(): void {
     if (this.#closed) return;
-    // A nudge that rests is whole now: the keys of another page do not go on with it.
+    // A waiting nudge is complete now: keys on another page do not extend it.
     this.#entries = this.#entries.map((entry) => ({ ...entry, coalesce: undefined }));
     this.#options.keeping.save(this.#entries);
     this.#closed = true;
@@ -173,7 +173,7 @@ export class Outbox {
       this.#keep();
       this.#options.saved(answer);
     } catch (error) {
-      // The next page's outbox has the entry from storage, and is told the same.
+      // The outbox of the next page reads the entry from storage and gets the same answer.
       if (this.#closed) return;
       this.#sending = false;
       this.#failed(entry, error);
@@ -200,10 +200,10 @@ export class Outbox {
     } else this.#hold(error);
   }
 
-  /** What was made after the lost event was made on top of it. */
+  /** Later entries depend on the refused one. */
   #lose(reading: ReadingView): void {
     const lost = this.pending;
-    // First kept as lost, and only then no longer as waiting.
+    // Stored as refused first, then removed from the waiting ones.
     this.#options.keeping.lose(lost);
     this.#entries = [];
     this.#failures = 0;
@@ -212,14 +212,14 @@ export class Outbox {
     this.#options.conflict(lost, reading);
   }
 
-  /** Whoever signs in again, or gets their role back, goes on from here. */
+  /** Continues after the person signed in again or got the role back. */
   #hold(error: Refusal): void {
     this.#stopped = error.status === 401 ? "signed_out" : "held";
     this.#why = error.message;
     this.#options.changed();
   }
 
-  /** Takes an entry out; those behind it were counted on it. */
+  /** Removes an entry; the revisions of later ones depend on it. */
   #drop(entry: Entry): void {
     this.#failures = 0;
     this.#entries = this.#entries
@@ -264,7 +264,7 @@ export class Outbox {
   }
 }
 
-/** Whether the same request may be taken a moment later. */
+/** Whether the same request may succeed later. */
 function isPassing(status: number): boolean {
   return status >= 500 || status === 429 || status === 408;
 }

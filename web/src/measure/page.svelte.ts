@@ -7,18 +7,18 @@ import { Marking } from "./marking.svelte";
 type FilmSummary = Api<"FilmSummary">;
 type ReadingSummary = Api<"ReadingSummary">;
 
-/** Changes of a burst are read once. */
+/** Changes within this time cause one load. */
 const BURST_MS = 300;
 
-/** A study on the page where its films are marked: which film, and which reading of it. */
+/** State of the measuring page: study, film and reading. */
 export class StudyPage {
   detail = $state.raw<Api<"StudyDetail"> | null>(null);
   marking = $state.raw<Marking | null>(null);
-  /** What went wrong, and what was tried. */
+  /** The failed action and its error. */
   problem = $state.raw<{ what: string; error: unknown } | null>(null);
-  /** Who changed what, for a banner. */
+  /** Text of the banner on changes by others. */
   changeNotice = $state<string | null>(null);
-  /** Whether the reading of the film is being looked for. */
+  /** Whether the reading is being loaded. */
   isLooking = $state(true);
   #film = $state<number | null>(null);
   #burst: ReturnType<typeof setTimeout> | null = null;
@@ -32,7 +32,7 @@ export class StudyPage {
     return this.detail?.summary.films ?? [];
   }
 
-  /** Readings of the film by whoever is here. */
+  /** The signed-in person's readings of the film. */
   get mine(): ReadingSummary[] {
     return this.film?.readings.filter((reading) => reading.mine) ?? [];
   }
@@ -48,12 +48,12 @@ export class StudyPage {
   }
 
   async refresh(): Promise<void> {
-    await this.#tried("The study could not be read", async () => {
+    await this.#tried("The study could not be loaded", async () => {
       this.detail = await readStudy(this.study);
     });
   }
 
-  /** Shows a film with the reading that its reader most likely wants: their own, unfinished, latest. */
+  /** Shows a film with the person's latest unfinished reading, if there is one. */
   async open(film: number | undefined): Promise<void> {
     const erect = this.films.find(({ posture }) => posture === "erect");
     const chosen = this.films.find((one) => one.film === film) ?? erect ?? this.films[0];
@@ -87,7 +87,7 @@ export class StudyPage {
     });
   }
 
-  /** A way to change the film's record as it is seen now: what somebody else changes in between wins. */
+  /** Returns a function that changes the film's current record; a change by another person in between takes precedence. */
   editor(): (edit: Api<"FilmEditName">) => Promise<void> {
     const seen = this.film;
     return async (edit) => {
@@ -95,13 +95,13 @@ export class StudyPage {
       try {
         await editFilm(seen.film, { expected_revision: seen.revision, edit });
       } finally {
-        // After a refusal the film stands otherwise than it is shown.
+        // After a refusal the shown record is outdated.
         await Promise.all([this.refresh(), this.marking?.reload()]);
       }
     };
   }
 
-  /** Somebody, perhaps this window, has changed something. */
+  /** A change was reported, possibly of this window. */
   heard(change: Api<"Change">, me: string): void {
     if (this.marking?.isNews(change)) {
       this.changeNotice =
@@ -113,7 +113,7 @@ export class StudyPage {
     this.#later();
   }
 
-  /** The program was away. */
+  /** Loads again after a lost connection. */
   async catchUp(): Promise<void> {
     this.marking?.retry();
     await Promise.all([this.refresh(), this.marking?.reload()]);

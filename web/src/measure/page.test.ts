@@ -5,7 +5,7 @@ import { reading } from "./reading.fixture";
 
 afterEach(() => void vi.unstubAllGlobals());
 
-it("reads the study and the reading again once the program is back", async () => {
+it("loads the study and the reading again after a lost connection", async () => {
   const kept = { getItem: () => null, setItem: () => undefined, removeItem: () => undefined };
   vi.stubGlobal("localStorage", kept);
   vi.stubGlobal("sessionStorage", kept);
@@ -20,7 +20,7 @@ it("reads the study and the reading again once the program is back", async () =>
   await page.openReading(7);
   expect(page.marking?.reading.notes).toEqual(["0"]);
 
-  // Others went on while the program was away from here.
+  // Others changed the reading without a connection from here.
   revision = 4;
   asked.length = 0;
   await page.catchUp();

@@ -5,7 +5,7 @@ import { paint } from "./paint";
 import { Pyramid } from "./pyramid";
 import { cssOf } from "./viewport";
 
-/** Node has no canvas; painting needs no more than this of a picture. */
+/** Node has no canvas; painting needs these parts of `ImageData` only. */
 function target(width: number, height: number): ImageData {
   return { width, height, data: new Uint8ClampedArray(4 * width * height) } as ImageData;
 }
@@ -13,7 +13,7 @@ function target(width: number, height: number): ImageData {
 const red = (image: ImageData, x: number, y: number): number =>
   image.data[4 * (y * image.width + x)]!;
 
-/** A film that is black but for one bright pixel. */
+/** A black film with one bright pixel. */
 function dot(columns: number, rows: number, column: number, row: number): Pyramid {
   const values = new Uint16Array(columns * rows);
   values[row * columns + column] = 255;
@@ -28,7 +28,7 @@ it.each([
   { ratio: 2, aspect: 0.5 },
   { ratio: 1.25, aspect: 2 },
 ])(
-  "paints a pixel where its mark is drawn: $ratio device pixels, aspect $aspect",
+  "paints a pixel at the place of its landmark: $ratio device pixels, aspect $aspect",
   ({ ratio, aspect }) => {
     const view = { scale: 8, aspect, left: 10.4, top: -7.2 };
     const image = target(Math.floor(160 * ratio), Math.floor(160 * ratio));
@@ -42,7 +42,7 @@ it.each([
         y += weight * (row + 0.5);
       }
     }
-    // The centre of what is bright, in CSS pixels, against the transform that places marks.
+    // The centre of brightness in CSS pixels against the transform of landmarks.
     const [cssX, cssY] = cssOf(view, [7, 5]);
     expect(Math.abs(x / sum / ratio - cssX)).toBeLessThan(0.1);
     expect(Math.abs(y / sum / ratio - cssY)).toBeLessThan(0.1);
@@ -59,7 +59,7 @@ it("averages brightness before the window, not after", () => {
   expect(row.findIndex((grey) => grey > 127)).toBe(18);
 });
 
-it("leaves black what is beside the film", () => {
+it("paints black outside of the film", () => {
   const film = new Pyramid({ columns: 1, rows: 1, values: Uint16Array.from([255]) });
   const image = target(30, 30);
   paint(image, film, { scale: 10, aspect: 1, left: 10, top: 10 }, 1, TABLE);

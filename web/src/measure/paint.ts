@@ -4,16 +4,16 @@ import type { Viewport } from "./viewport";
 /** Colour beside the film. */
 const BESIDE = 0xff000000;
 
-/** Where along one direction to read: the nearer pixel, and the share of its follower. */
+/** Interpolation along one direction: the lower pixel and the weight of the next one. */
 interface Taps {
   readonly first: Int32Array;
   readonly share: Float32Array;
-  /** The first device pixel on the film, and the first one behind it. */
+  /** The first device pixel on the film, and the first one after it. */
   readonly from: number;
   readonly until: number;
 }
 
-/** Paints what a viewport shows of a film: bilinear between brightnesses, and only then through the table. */
+/** Paints the visible part of a film: bilinear interpolation of brightness, then the table of colours. */
 export function paint(
   target: ImageData,
   pyramid: Pyramid,

@@ -15,12 +15,12 @@ const plane = (columns: number, rows: number, values: number[]): Plane => ({
   values: Uint16Array.from(values),
 });
 
-it("averages each four pixels, rounded", () => {
+it("averages four pixels with rounding", () => {
   const half = whole(halved(plane(4, 2, [0, 1, 10, 20, 2, 3, 30, 40])));
   expect([half.columns, half.rows, ...half.values]).toEqual([2, 1, 2, 25]);
 });
 
-it("averages the odd edge with itself", () => {
+it("repeats the last row or column of an odd size", () => {
   const half = whole(halved(plane(3, 3, [0, 4, 8, 4, 8, 10, 20, 30, 65_535])));
   expect([half.columns, half.rows, ...half.values]).toEqual([2, 2, 4, 9, 25, 65_535]);
 });
@@ -38,7 +38,7 @@ it("keeps the mean of a large picture", () => {
   }
 });
 
-it("reads the size that still has a pixel for each on the screen, among those there are", () => {
+it("chooses the smallest size with at least one pixel per device pixel", () => {
   const pyramid = new Pyramid(plane(512, 512, Array<number>(512 * 512).fill(0)));
   expect(pyramid.level(0.125)).toBe(0);
   whole(pyramid.build());
@@ -47,7 +47,7 @@ it("reads the size that still has a pixel for each on the screen, among those th
   ]);
 });
 
-it("stops between slices when nobody wants the picture any more", async () => {
+it("stops between slices when it is aborted", async () => {
   const pyramid = new Pyramid(plane(512, 512, Array<number>(512 * 512).fill(0)));
   await inSlices(pyramid.build(), AbortSignal.abort());
   expect(pyramid.levels).toHaveLength(1);

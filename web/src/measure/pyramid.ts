@@ -1,14 +1,14 @@
-/** Brightness of a picture, row by row: greater is brighter. */
+/** Brightness of a picture by rows: larger is brighter. */
 export interface Plane {
   readonly columns: number;
   readonly rows: number;
   readonly values: Uint16Array;
 }
 
-/** Rows that are averaged before others get a turn. */
+/** Rows that are averaged per step. */
 const ROWS_AT_ONCE = 256;
 /** Smaller levels are not worth keeping. */
-const SMALLEST = 64;
+const MIN_SIDE = 64;
 
 /** Halves a picture: the mean of each 2 × 2 pixels; an odd last column or row is averaged with itself. */
 export function* halved(plane: Plane): Generator<void, Plane> {
@@ -39,7 +39,7 @@ function halveRow(plane: Plane, row: number, into: Uint16Array): void {
   }
 }
 
-/** A picture in sizes: the first as it is, each next one half as wide. Grows while it is in use already. */
+/** A picture in several sizes, each half as wide as the one before. Smaller sizes are added during use. */
 export class Pyramid {
   readonly levels: Plane[];
 
@@ -50,21 +50,21 @@ export class Pyramid {
   /** Builds the smaller sizes, step by step. */
   *build(): Generator<void, void> {
     let plane = this.levels[0]!;
-    while (Math.min(plane.columns, plane.rows) > SMALLEST) {
+    while (Math.min(plane.columns, plane.rows) > MIN_SIDE) {
       plane = yield* halved(plane);
       this.levels.push(plane);
       yield;
     }
   }
 
-  /** The smallest size with at least one pixel per device pixel, as far as it is built. */
+  /** The smallest existing size with at least one pixel per device pixel. */
   level(devicePixelsPerColumn: number): number {
     const wanted = Math.floor(Math.log2(1 / devicePixelsPerColumn));
     return Math.max(0, Math.min(this.levels.length - 1, wanted));
   }
 }
 
-/** Does the steps of a generator without keeping the page from answering; stops when the signal says so. */
+/** Runs the steps of a generator in slices, so that the page stays responsive, until the signal is aborted. */
 export async function inSlices(steps: Generator<void, void>, signal: AbortSignal): Promise<void> {
   const SLICE_MS = 12;
   for (;;) {

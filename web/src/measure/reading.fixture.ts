@@ -1,6 +1,6 @@
 import type { ReadingView } from "./marks";
 
-/** A reading without marks, for tests. */
+/** A reading without landmarks, for tests. */
 export function reading(): ReadingView {
   return {
     reading: 7,

@@ -9,13 +9,13 @@ import {
   type ReadingView,
 } from "./marks";
 
-/** Chosen in place of a level. */
+/** Selected in place of a level. */
 export const CRESTS = Symbol("iliac crests");
 
 /** Out of the guided order: a level, or the crests. */
 export type Chosen = string | typeof CRESTS | null;
 
-/** What is to be marked next, in a reading as it is drawn and as the program has it. */
+/** The next landmark, from the drawn and the recorded reading. */
 export function targetOf(
   reading: ReadingView,
   recorded: ReadingView,
@@ -29,7 +29,7 @@ export function targetOf(
   if (pending.length === 0 || next?.kind !== "corner") {
     return next && !placeOf(reading, next) ? next : null;
   }
-  // A hand faster than the program: on through the guided order, as far as it is sure.
+  // The person is faster than the program: continue in the guided order up to the optional levels.
   const rest = reading.order.slice(reading.order.indexOf(next.level));
   const sure = rest.filter((level) => !OPTIONAL_LEVELS.includes(level));
   for (const level of sure) {

@@ -13,10 +13,10 @@ import {
   type Viewport,
 } from "./viewport";
 
-/** What the pointer does with the left button. */
+/** Tool of the left button. */
 export type Tool = "mark" | "pan" | "window" | "scale";
 
-/** How the film is looked at. Nothing of it is part of a reading. */
+/** View of a film. It is not part of a reading. */
 export class Viewer {
   picture = $state.raw<FilmPicture | null>(null);
   size = $state.raw<Size>({ width: 0, height: 0 });
@@ -27,11 +27,11 @@ export class Viewer {
   tool = $state<Tool>("mark");
   /** Whether the loupe is shown while the mouse moves. */
   loupe = $state(true);
-  /** Where the mouse or the finger is. */
+  /** Place of the mouse or finger. */
   pointer = $state.raw<CssPoint | null>(null);
-  /** A place for marking by keys, where they are in use. */
+  /** Place of the crosshair of the keys, if it is on. */
   crosshair = $state.raw<FilmPoint | null>(null);
-  /** Counts up when more sizes of the picture are there. */
+  /** Incremented when more sizes of the picture exist. */
   grown = $state(0);
 
   readonly table = $derived(
@@ -75,7 +75,7 @@ export class Viewer {
     this.view = pan(this.view, by, this.film, this.size);
   }
 
-  /** Brings a place into sight. */
+  /** Moves the view to a place. */
   reveal(point: FilmPoint, margin = 80): void {
     const view = reveal(this.view, point, margin, this.film, this.size);
     if (view === this.view) return;
@@ -83,7 +83,7 @@ export class Viewer {
     this.view = view;
   }
 
-  /** Window and level by how far the pointer went: across for contrast, down for darkness. */
+  /** Changes window and level by the pointer's move: across for contrast, down for darkness. */
   drawGrey([x, y]: CssPoint): void {
     if (!this.picture) return;
     const change = { wider: x / 600, brighter: -y / 600 };

@@ -17,7 +17,7 @@ describe.each([0.5, 1, 2])("pixels %s times as high as wide", (aspect) => {
     [-0.5, 3999.5],
   ];
 
-  it("brings places back from the screen", () => {
+  it("converts places to the screen and back", () => {
     let view = fit(film, SIZE);
     for (const factor of [1, 3.7, 2.9, 0.2]) {
       view = zoom(view, factor, [311.2, 205.9], film, SIZE);
@@ -25,7 +25,7 @@ describe.each([0.5, 1, 2])("pixels %s times as high as wide", (aspect) => {
     }
   });
 
-  it("shows the whole film in the middle", () => {
+  it("fits the whole film into the view", () => {
     const view = fit(film, SIZE);
     const [left, top] = cssOf(view, [-0.5, -0.5]);
     const [right, bottom] = cssOf(view, [film.columns - 0.5, film.rows - 0.5]);
@@ -34,7 +34,7 @@ describe.each([0.5, 1, 2])("pixels %s times as high as wide", (aspect) => {
     expect((bottom - top) / (right - left)).toBeCloseTo((film.rows * aspect) / film.columns, 12);
   });
 
-  it("keeps what is under the pointer while it enlarges", () => {
+  it("keeps the place under the pointer while it zooms", () => {
     const at = [402.75, 133.5] as const;
     const view = fit(film, SIZE);
     const before = filmOf(view, at);
@@ -50,19 +50,19 @@ it("has the centre of the first pixel at zero", () => {
   expect(filmOf(view, [102, 54])).toEqual([0, 0]);
 });
 
-it("never loses the film", () => {
+it("keeps part of the film in view", () => {
   const view = pan(fit(film, SIZE), [1e6, -1e6], film, SIZE);
   expect(cssOf(view, [-0.5, 0])[0]).toBeLessThan(SIZE.width);
   expect(cssOf(view, [0, film.rows])[1]).toBeGreaterThan(0);
 });
 
-it("enlarges and reduces within limits", () => {
+it("zooms within limits", () => {
   const view = fit(film, SIZE);
   expect(zoom(view, 1e9, [0, 0], film, SIZE).scale).toBe(48);
   expect(zoom(view, 1e-9, [0, 0], film, SIZE).scale).toBeCloseTo(view.scale / 2, 12);
 });
 
-it("moves only as far as a hidden place needs", () => {
+it("moves a hidden place just into view", () => {
   const view = zoom(fit(film, SIZE), 20, [0, 0], film, SIZE);
   const shown = filmOf(view, [300, 300]);
   expect(reveal(view, shown, 80, film, SIZE)).toBe(view);

@@ -8,15 +8,15 @@ export interface Size {
   readonly height: number;
 }
 
-/** What of a film is seen: `css = (film + 0.5) × scale + offset`, with rows stretched by the pixel's aspect. */
+/** The visible part of a film: `css = (film + 0.5) × scale + offset`, with rows stretched by the pixel's aspect. */
 export interface Viewport {
   /** CSS pixels per film column. */
   readonly scale: number;
   /** Height of a film pixel over its width. */
   readonly aspect: number;
-  /** Where the film's left edge is. */
+  /** Place of the film's left edge. */
   readonly left: number;
-  /** Where its upper edge is. */
+  /** Place of the film's upper edge. */
   readonly top: number;
 }
 
@@ -26,11 +26,11 @@ export interface FilmSize {
   readonly aspect: number;
 }
 
-/** Room around a film that is fitted to the viewer. */
+/** Margin around a fitted film. */
 const MARGIN_CSS = 12;
-/** A film pixel never is drawn wider than this. */
-const LARGEST_SCALE = 48;
-/** How much of the film always stays in sight. */
+/** Maximum width of a film pixel. */
+const MAX_SCALE = 48;
+/** Minimum part of the film in view. */
 const KEPT_CSS = 48;
 
 export function cssOf(view: Viewport, [column, row]: FilmPoint): CssPoint {
@@ -66,7 +66,7 @@ export function zoom(
   size: Size,
 ): Viewport {
   const smallest = fit(film, size).scale / 2;
-  const scale = Math.min(LARGEST_SCALE, Math.max(smallest, view.scale * factor));
+  const scale = Math.min(MAX_SCALE, Math.max(smallest, view.scale * factor));
   const ratio = scale / view.scale;
   const moved = {
     ...view,
@@ -81,7 +81,7 @@ export function pan(view: Viewport, by: CssPoint, film: FilmSize, size: Size): V
   return kept({ ...view, left: view.left + by[0], top: view.top + by[1] }, film, size);
 }
 
-/** Moves as little as needed for a place to be at least `margin` inside the viewer. */
+/** Moves the view by the smallest amount that shows a place at least `margin` inside. */
 export function reveal(
   view: Viewport,
   point: FilmPoint,
@@ -99,7 +99,7 @@ function short(at: number, margin: number, length: number): number {
   return Math.max(0, room - at) + Math.min(0, length - room - at);
 }
 
-/** A film that was pushed out of sight would be lost. */
+/** Keeps part of the film in view. */
 function kept(view: Viewport, film: FilmSize, size: Size): Viewport {
   const width = film.columns * view.scale;
   const height = film.rows * view.scale * view.aspect;
@@ -110,7 +110,7 @@ function kept(view: Viewport, film: FilmSize, size: Size): Viewport {
   };
 }
 
-/** Points of the interface are lists of two numbers. */
+/** The interface sends points as lists of two numbers. */
 export function filmPoint(px: readonly number[]): FilmPoint {
   return [px[0] ?? Number.NaN, px[1] ?? Number.NaN];
 }

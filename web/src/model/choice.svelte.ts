@@ -4,15 +4,15 @@ import { along, type Shape } from "./shapes";
 type LineName = Api<"LineName">;
 type PostureName = Api<"PostureName">;
 
-/** How simulated and measured spines are laid out. */
+/** Layout of simulated and measured spines. */
 export type Layout = "overlay" | "beside" | "one";
 
-/** Whether the fit gave stiffness at all; a film may still be without a result. */
+/** Whether the fit gave stiffness; single films may have no result. */
 export function hasStiffness(line: Api<"LineModelView">): boolean {
   return line.multipliers.every((one) => one.identified !== "not_converged");
 }
 
-/** What of the model is looked at. */
+/** Selected part of the model. */
 export class Choice {
   kind = $state<LineName>("inflection_line");
   /** A film, or a load by hand. */
@@ -20,7 +20,7 @@ export class Choice {
   layout = $state<Layout>("overlay");
   /** Part of the force, 0 to 1. */
   part = $state(1);
-  /** Joint whose number is being read, from L4/L3 upwards. */
+  /** Selected joint, counted from L4/L3. */
   joint = $state<number | null>(null);
   allLines = $state(true);
   flat = $state(false);
@@ -50,7 +50,7 @@ export class Choice {
     return path.length > 0 ? along(path, this.part) : this.view.erect;
   }
 
-  /** Films that the line simulated, else those that were measured: these were neither fitted nor held out. */
+  /** Films simulated with the line, else the measured films, which were neither fitted nor held out. */
   get films(): { posture: PostureName; fitted: boolean | null; converged: boolean }[] {
     if (this.line) return this.line.postures;
     return this.view.measured.map(({ posture }) => ({ posture, fitted: null, converged: true }));

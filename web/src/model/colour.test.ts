@@ -8,19 +8,19 @@ import { STIFFNESS_TOKENS, onScale } from "./colour";
 describe("the stiffness scale", () => {
   const stops = ["#000000", "#804020", "#ffffff"];
 
-  it("has its first stop at 0, its last at 1, and keeps to them", () => {
+  it("has its first stop at 0 and its last at 1, and is constant outside", () => {
     expect(onScale(stops, 0)).toBe("#000000");
     expect(onScale(stops, 1)).toBe("#ffffff");
     expect(onScale(stops, -3)).toBe("#000000");
     expect(onScale(stops, 3)).toBe("#ffffff");
   });
 
-  it("mixes between stops", () => {
+  it("interpolates between stops", () => {
     expect(onScale(stops, 0.25)).toBe("#402010");
     expect(onScale(stops, 0.5)).toBe("#804020");
   });
 
-  it("grows lighter from soft to stiff, as its tokens are", () => {
+  it("is lighter for stiffer joints", () => {
     const file = fileURLToPath(new URL("../theme/tokens.css", import.meta.url));
     const theme = readFileSync(file, "utf8");
     const light = STIFFNESS_TOKENS.map((token) => {

@@ -1,11 +1,11 @@
 import { at } from "./shapes";
 
-/** Tokens of the stiffness scale, soft first: even steps of lightness, and in order for the colour-blind too. */
+/** Tokens of the stiffness scale, softest first: equal steps of lightness, so that colour-blind readers see the order. */
 export const STIFFNESS_TOKENS = [0, 1, 2, 3, 4, 5, 6].map((step) => `--stiffness-${step}`);
 
 const known = new Map<string, string>();
 
-/** The value of a colour of the theme, which never changes: asking the page each time would make it lay itself out. */
+/** Value of a colour of the theme. It is constant and cached, because reading it triggers a layout. */
 export function themeColour(token: string): string {
   const colour =
     known.get(token) ?? getComputedStyle(document.documentElement).getPropertyValue(token).trim();
@@ -17,7 +17,7 @@ export function stiffnessStops(): string[] {
   return STIFFNESS_TOKENS.map(themeColour);
 }
 
-/** The colour at a place from 0 to 1 of a scale with even stops, each `#rrggbb`. */
+/** Colour at a value from 0 to 1 of a scale with equal stops, each `#rrggbb`. */
 export function onScale(stops: readonly string[], relative: number): string {
   const place = Math.min(Math.max(relative, 0), 1) * (stops.length - 1);
   const index = Math.min(Math.floor(place), stops.length - 2);

@@ -3,7 +3,7 @@ import { Latest } from "../api/latest";
 import type { Api } from "../api/types";
 import { at, type Point } from "./shapes";
 
-/** Name of the measures that the browser keeps of a drag, from the pointer's event to the picture of its answer. */
+/** Name of the browser's time measurements of a drag, from pointer event to picture. */
 export const POINTER_TO_RESULT = "load: pointer to result";
 
 interface Asked {
@@ -11,13 +11,13 @@ interface Asked {
   since_ms: number;
 }
 
-/** A load put on one vertebra by hand, and what follows from it. */
+/** A load on one vertebra and the response to it. */
 export class HandLoad {
   level = $state("T7");
   tip = $state.raw<Point>([0, 0, 0]);
   answer = $state.raw<Api<"LoadAnswer"> | null>(null);
   problem = $state.raw<unknown>(null);
-  /** What a screen reader is told: the newest state, at most once in a while. */
+  /** Text for screen readers: the newest state, updated at intervals. */
   spoken = $state("");
 
   #since_ms: number | null = null;
@@ -38,7 +38,7 @@ export class HandLoad {
       },
       {
         failed: (error) => {
-          // The shape of an earlier load must not stand beside this one's arrow.
+          // The shape of an earlier load must not be shown with this load's arrow.
           this.answer = null;
           this.problem = error;
         },
@@ -54,7 +54,7 @@ export class HandLoad {
     return this.view.bodies.findIndex((body) => body.level === this.level);
   }
 
-  /** Where the load acts at rest. */
+  /** Point of action in the unloaded spine. */
   get from(): Point {
     return at(this.view.erect.midpoints_mm, this.index) as Point;
   }
@@ -86,7 +86,7 @@ export class HandLoad {
     this.again();
   }
 
-  /** The same load once more: the line, and with it the springs, has changed. */
+  /** Applies the same load again, because the line and its springs have changed. */
   again(): void {
     this.#latest.cancel();
     this.answer = null;
@@ -106,7 +106,7 @@ export class HandLoad {
     clearTimeout(this.#timer);
   }
 
-  /** To be called once a picture is given to the screen; it is on it at the next frame. */
+  /** To be called when a picture is drawn; it is visible at the next frame. */
   drawn(): void {
     const start = this.#since_ms;
     if (start === null) return;

@@ -24,7 +24,7 @@ afterEach(() => void vi.unstubAllGlobals());
 const settled = (): Promise<void> => new Promise((resolve) => setTimeout(resolve, 5));
 const ANSWER = { load_text: "10 N", status_text: "found", texts: [] };
 
-it("shows no earlier shape beside a load that could not be put on", async () => {
+it("shows no earlier shape with a load that could not be applied", async () => {
   const load = new HandLoad(VIEW, () => "bodies" as Api<"LineName">);
   replies.push({ status: 200, body: ANSWER });
   load.set(0, 10);

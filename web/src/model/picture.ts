@@ -5,7 +5,7 @@ import type { LineDrawn, Picture } from "./scene/stage";
 import type { Point } from "./shapes";
 import { lineToken } from "./words";
 
-/** What the stage shows of a choice. */
+/** Picture of a choice. */
 export function pictureOf(
   choice: Choice,
   load: HandLoad,

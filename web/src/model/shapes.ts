@@ -5,7 +5,7 @@ export type BodySize = Api<"BodySize">;
 /** In the patient's frame, in mm: anterior, to the patient's left, cranial. */
 export type Point = [number, number, number];
 
-/** Where a point of a vertebra is: `local` runs along its own anterior, left and cranial axes from its midpoint. */
+/** Place of a point of a vertebra: `local` is along its anterior, left and cranial axes from its midpoint. */
 export function placed(shape: Shape, index: number, local: Point): Point {
   const origin = at(shape.midpoints_mm, index);
   const turn = at(shape.rotations, index);
@@ -24,8 +24,8 @@ export function corner(shape: Shape, index: number, body: BodySize, part: Point)
 }
 
 /**
- * The shape at a part of a path, from 0 to 1. Between the shapes that the program gave, points go straight and axes
- * turn evenly: a transition for the eye, not a simulation.
+ * The shape at a part of a path, from 0 to 1. Between computed shapes, points are interpolated linearly and axes
+ * rotate evenly: this is an animation, not a simulation.
  */
 export function along(path: readonly Shape[], part: number): Shape {
   const place = Math.min(Math.max(part, 0), 1) * (path.length - 1);
@@ -61,7 +61,7 @@ export function extent(shapes: readonly Shape[], bodies: readonly BodySize[]): [
   return [low, high];
 }
 
-/** An entry that the interface promises; its absence is a fault of the program. */
+/** An entry that the interface guarantees; its absence is a bug of the program. */
 export function at<T>(list: readonly T[], index: number): T {
   const entry = list[index];
   if (entry === undefined) throw new Error(`the model has no entry ${index} of ${list.length}`);
@@ -72,7 +72,7 @@ function mix(a: readonly number[], b: readonly number[], share: number): number[
   return a.map((value, i) => value + (at(b, i) - value) * share);
 }
 
-/** Makes the columns of a nearly orthonormal matrix orthonormal: cranial first, then left, then what is square to both. */
+/** Makes the columns of a nearly orthonormal matrix orthonormal: cranial first, then left, then their normal. */
 function upright(m: number[]): Shape["rotations"][number] {
   const column = (i: number): Point => [at(m, i), at(m, i + 3), at(m, i + 6)];
   const cranial = unit(column(2));

@@ -18,7 +18,7 @@ const LINE_TOKENS: Record<Api<"LineName">, string> = {
 
 export const identifiedWord = (identified: Identified): string => IDENTIFIED[identified];
 
-/** Token of the colour that a line has everywhere. */
+/** Token of the colour of a line. */
 export const lineToken = (line: Api<"LineName">): string => LINE_TOKENS[line];
 
 const MILLIMETRES = new Intl.NumberFormat("en", {
@@ -27,7 +27,7 @@ const MILLIMETRES = new Intl.NumberFormat("en", {
 });
 const FACTOR = new Intl.NumberFormat("en", { minimumFractionDigits: 2, maximumFractionDigits: 2 });
 
-/** A length in the unit of the study; why it is absent stands beside it. */
+/** A length in the unit of the study; the reason for an absent one is shown beside it. */
 export const lengthText = (value_mm: number | null | undefined, unit: string): string =>
   value_mm === null || value_mm === undefined ? "none" : `${MILLIMETRES.format(value_mm)} ${unit}`;
 

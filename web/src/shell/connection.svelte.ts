@@ -2,17 +2,17 @@ import { Unreachable, listen } from "../api/client";
 import { readSignInPage } from "../api/session";
 import { session } from "./session.svelte";
 
-const SHORTEST_WAIT_MS = 1_000;
-const LONGEST_WAIT_MS = 10_000;
+const MIN_WAIT_MS = 1_000;
+const MAX_WAIT_MS = 10_000;
 
 /** Whether the program answers. */
 class Connection {
-  /** The last request had no answer; pages keep what they could not send. */
+  /** The last request had no answer. Pages keep unsent changes. */
   lost = $state(false);
-  /** It is being asked again at this moment. */
+  /** A request to the program is running. */
   asking = $state(false);
 
-  #wait_ms = SHORTEST_WAIT_MS;
+  #wait_ms = MIN_WAIT_MS;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #waiting: (() => void)[] = [];
 
@@ -25,13 +25,13 @@ class Connection {
     });
   }
 
-  /** Settles when the program answers again; at once while it does. */
+  /** Resolves when the program answers again; at once if it does. */
   back(): Promise<void> {
     if (!this.lost) return Promise.resolve();
     return new Promise((resolve) => this.#waiting.push(resolve));
   }
 
-  /** Asks now, not when the wait is over. */
+  /** Sends a request now and does not wait. */
   async retry(): Promise<void> {
     clearTimeout(this.#timer);
     if (this.asking) return;
@@ -39,7 +39,7 @@ class Connection {
     try {
       await readSignInPage();
     } catch (error) {
-      // A refusal is an answer too.
+      // An error response is an answer too.
       if (error instanceof Unreachable) this.#again();
     } finally {
       this.asking = false;
@@ -49,14 +49,14 @@ class Connection {
   #lose(): void {
     if (this.lost) return;
     this.lost = true;
-    this.#wait_ms = SHORTEST_WAIT_MS;
+    this.#wait_ms = MIN_WAIT_MS;
     this.#again();
   }
 
   #again(): void {
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => void this.retry(), this.#wait_ms);
-    this.#wait_ms = Math.min(LONGEST_WAIT_MS, this.#wait_ms * 1.5);
+    this.#wait_ms = Math.min(MAX_WAIT_MS, this.#wait_ms * 1.5);
   }
 
   #found(): void {

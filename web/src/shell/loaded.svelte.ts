@@ -2,10 +2,10 @@ import { Refusal, Unreachable } from "../api/client";
 import { connection } from "./connection.svelte";
 import { session } from "./session.svelte";
 
-/** Something that a page reads from the program, and reads again when the program or the person is back. */
+/** Data of a page, loaded from the program and loaded again when the connection or the session is back. */
 export class Loaded<T> {
   value = $state.raw<T | null>(null);
-  /** Why it could not be read; what was read before stays. */
+  /** Why loading failed; the previous data stay. */
   error = $state.raw<unknown>(null);
 
   constructor(private readonly read: () => Promise<T>) {}
@@ -22,7 +22,7 @@ export class Loaded<T> {
   };
 }
 
-/** What has to come back before it is worth asking again; null where asking again is the person's. */
+/** What must be back before the next attempt; null where the person decides. */
 function backAfter(error: unknown): Promise<void> | null {
   if (error instanceof Unreachable) return connection.back();
   if (error instanceof Refusal && error.status === 401) return session.back();

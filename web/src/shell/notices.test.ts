@@ -10,7 +10,7 @@ const notice = (text: string, line: Api<"LineName"> | null = null): Api<"Notice"
   text,
 });
 
-it("puts what is said of a line under the line, and the rest first", () => {
+it("groups notices by line of action, others first", () => {
   const all = [
     notice("the fit did not converge (`iterations`)", "iliac_line"),
     notice("no scale"),
@@ -27,7 +27,7 @@ it("puts what is said of a line under the line, and the rest first", () => {
   ]);
 });
 
-it("has no group without a notice, and takes none from its words", () => {
+it("has no empty groups, and does not group by the text of a notice", () => {
   expect(byLine([])).toEqual([]);
   const told = notice("iliac line: nothing");
   expect(byLine([told])).toEqual([{ line: null, notices: [told] }]);

@@ -4,13 +4,13 @@ import { lineNames } from "./words";
 type Notice = Api<"Notice">;
 type LineName = Api<"LineName">;
 
-/** What there is to say of one line of action, or of no line. */
+/** Notices of one line of action, or of none. */
 export interface LineNotices {
   line: LineName | null;
   notices: Notice[];
 }
 
-/** Notices under the line that they are about, which they need not name again; those about none first, and mere notes last. */
+/** Groups notices by line of action and removes the line's name from their texts; notices without a line first, groups with notes only last. */
 export function byLine(notices: readonly Notice[]): LineNotices[] {
   const groups: LineNotices[] = [null, ...lineNames].map((line) => ({ line, notices: [] }));
   for (const notice of notices) {

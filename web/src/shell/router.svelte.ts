@@ -1,4 +1,4 @@
-/** Where in the app we are: `#/studies/S-017/measure`. The part before `/` never is a secret; tokens are taken off at once. */
+/** The page of the app, such as `#/studies/S-017/measure`. Tokens are removed from the address at once. */
 export type Page =
   | { name: "studies" }
   | { name: "new-study" }
@@ -60,7 +60,7 @@ class Router {
 
   constructor() {
     window.addEventListener("hashchange", (event) => {
-      // A token is no place: whoever opens the program's address once more stays where they are.
+      // A token is not a page: a person who opens the program's address again stays on the same page.
       if (event.newURL.includes("#token=")) return;
       this.page = pageOf(window.location.hash);
     });

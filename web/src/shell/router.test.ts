@@ -22,20 +22,20 @@ describe("addresses", () => {
     { name: "read", study: "S-017" },
   ];
 
-  it.each(pages)("leads back to %o", (page) => {
+  it.each(pages)("are parsed back to %o", (page) => {
     expect(router.pageOf(router.addressOf(page))).toEqual(page);
   });
 
-  it("leads to the studies from what nobody knows", () => {
+  it("show the studies for unknown addresses", () => {
     for (const hash of ["", "#", "#/", "#/nowhere", "#/studies", "#/studies/"])
       expect(router.pageOf(hash)).toEqual({ name: "studies" });
   });
 
-  it("leads to the studies from what cannot be decoded", () => {
+  it("show the studies for addresses that cannot be decoded", () => {
     expect(router.pageOf("#/studies/%E0%A4%A/measure")).toEqual({ name: "studies" });
   });
 
-  it("takes no film that is not a whole number", () => {
+  it("ignore a film that is not an integer", () => {
     expect(router.pageOf("#/studies/A/measure/x1")).toEqual({ name: "measure", study: "A" });
   });
 });

@@ -4,31 +4,31 @@ import type { Api } from "../api/types";
 import { addressOf, router } from "./router.svelte";
 import { takeToken } from "./token";
 
-/** Who is signed in; the token of the address, if it brought one. */
+/** The session, and the token of the address if there is one. */
 class Session {
   view = $state<Api<"SessionView"> | null>(null);
-  /** The session ended while somebody worked: their page stays where it is until they are back. */
+  /** The session ended: the page stays until the person signs in again. */
   expired = $state(false);
   page = $state<Api<"SignInPage"> | null>(null);
-  /** Taken from the address, and off the address at once. */
+  /** Taken from the address and removed from it at once. */
   token = $state(takeToken());
 
   #waiting: (() => void)[] = [];
 
   constructor() {
-    // The program's address opened again in the same tab changes nothing but what stands behind `#`.
+    // The program's address opened again in the same tab changes the part after `#` only.
     window.addEventListener("hashchange", () => {
       this.token = takeToken(addressOf(router.page)) ?? this.token;
     });
   }
 
-  /** Finds out whether somebody is signed in already. */
+  /** Checks for an existing session. */
   async begin(): Promise<void> {
     this.page = await readSignInPage();
     await this.resume();
   }
 
-  /** Takes up a session that the browser knows of, such as one begun in another tab. */
+  /** Uses the browser's session, which may have begun in another tab. */
   async resume(): Promise<void> {
     try {
       this.#use(await readSession());
@@ -37,7 +37,7 @@ class Session {
     }
   }
 
-  /** Takes up the session that took the place of this one; answers whether it is the same person's. */
+  /** Uses the session that replaced this one; returns whether it belongs to the same person. */
   async renew(): Promise<boolean> {
     const name = this.view?.name;
     await this.resume();
@@ -51,18 +51,18 @@ class Session {
 
   async signOut(): Promise<void> {
     await endSession();
-    // Whoever comes next begins at the beginning.
+    // The next person starts at the list of studies.
     router.go({ name: "studies" });
     this.view = null;
     this.expired = false;
   }
 
-  /** The program no longer knows this session. */
+  /** The session has ended. */
   expire(): void {
     if (this.view !== null) this.expired = true;
   }
 
-  /** Settles when somebody is signed in again. */
+  /** Resolves when a person is signed in again. */
   back(): Promise<void> {
     if (!this.expired) return Promise.resolve();
     return new Promise((resolve) => this.#waiting.push(resolve));

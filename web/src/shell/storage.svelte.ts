@@ -1,6 +1,6 @@
-/** What the browser keeps, where it does: settings may forbid it, and it may be full. Nothing here throws. */
+/** Storage of the browser. It may be disabled or full; no method throws. */
 class Storage {
-  /** What was to survive a reload was not kept: to be told to whoever is here. */
+  /** A write failed: the person must be told that a reload loses changes. */
   refused = $state(false);
 
   constructor(private readonly area: () => globalThis.Storage) {}
@@ -9,7 +9,7 @@ class Storage {
     return this.#tried(() => this.area().getItem(key), null);
   }
 
-  /** Says whether it is kept now. */
+  /** Returns whether the text was stored. */
   set(key: string, text: string): boolean {
     return this.#tried(() => {
       this.area().setItem(key, text);
@@ -25,7 +25,7 @@ class Storage {
     return this.#tried(() => Object.keys(this.area()), []);
   }
 
-  /** Even to name it throws where it is forbidden. */
+  /** Access itself throws where storage is disabled. */
   #tried<T>(what: () => T, otherwise: T): T {
     try {
       return what();
@@ -35,7 +35,7 @@ class Storage {
   }
 }
 
-/** Of this address, from one visit to the next. */
+/** Kept for this address between visits. */
 export const lasting = new Storage(() => localStorage);
-/** Of this window, from reload to reload. */
+/** Kept for this window across reloads. */
 export const ofWindow = new Storage(() => sessionStorage);

@@ -3,7 +3,7 @@ import { describe, expect, it } from "vitest";
 import { counted, imageSideWord, momentText, postureWord, sideWord, statuses } from "./words";
 
 describe("words", () => {
-  it("tell the patient's side from the picture's", () => {
+  it("distinguish the patient's side from the side of the picture", () => {
     expect(sideWord("left")).toContain("patient");
     expect(imageSideWord("image_left")).toContain("picture");
   });

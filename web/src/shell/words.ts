@@ -35,8 +35,8 @@ const PLANES: Words<Api<"PlaneName">> = {
 const ROLES: Words<Api<"RoleName">> = { reader: "Reader", editor: "Editor", admin: "Admin" };
 
 const STATUSES: Words<Api<"StudyStatus">> = {
-  to_mark: "To mark",
-  marking: "Marking",
+  to_mark: "No landmarks",
+  marking: "Landmarks incomplete",
   measured: "Measured",
   modelled: "Modelled",
   not_converged: "Not converged",
@@ -57,18 +57,18 @@ const LINES: Words<Api<"LineName">> = {
   estimated_line: "Estimated line",
 };
 
-/** Postures in the order in which people expect them. */
+/** Postures in the usual order. */
 export const postures = Object.keys(POSTURES) as Api<"PostureName">[];
 
 /** Lines of action in the order in which they are compared. */
 export const lineNames = Object.keys(LINES) as Api<"LineName">[];
 
-/** All statuses, in the order in which a study passes through them. */
+/** All statuses in the order of the work on a study. */
 export const statuses = Object.keys(STATUSES) as Api<"StudyStatus">[];
 
 export const postureWord = (posture: Api<"PostureName">): string => POSTURES[posture];
 
-/** For under a thumbnail. */
+/** Short form, below a thumbnail. */
 export const shortPostureWord = (posture: Api<"PostureName">): string => SHORT_POSTURES[posture];
 
 export const sideWord = (side: Api<"SideName">): string => SIDES[side];

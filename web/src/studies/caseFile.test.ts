@@ -11,7 +11,7 @@ describe("a case file", () => {
     expect(picturesOf(JSON.stringify({ format: "spineline-case" }))).toEqual([]);
   });
 
-  it("is told from other files", () => {
+  it("is distinguished from other files", () => {
     for (const text of ["", "{", "null", "[]", '{"format":"geojson"}'])
       expect(picturesOf(text)).toBeNull();
   });

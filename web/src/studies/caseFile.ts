@@ -1,4 +1,4 @@
-/** The file names that a case file gives its films; null if this is no case file. The program reads the rest. */
+/** The film file names in a case file; null if the text is not a case file. The program parses the rest. */
 export function picturesOf(text: string): string[] | null {
   let case_: unknown;
   try {
@@ -14,7 +14,7 @@ export function picturesOf(text: string): string[] | null {
   });
 }
 
-/** The last part of a path, as it was written on whatever machine. */
+/** The last part of a path of any operating system. */
 export const baseName = (path: string): string => path.split(/[/\\]/).at(-1) ?? path;
 
 function isObject(value: unknown): value is Record<string, unknown> {

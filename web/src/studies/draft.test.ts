@@ -32,14 +32,14 @@ const SPACING = {
 } as const;
 
 describe("answers", () => {
-  it("are left open where the file says nothing: sides, posture and scale are never assumed", () => {
+  it("are open where the file has no value: side, posture and scale are never assumed", () => {
     const answers = answersOf(view());
     expect(answers).toMatchObject({ posture: null, patient_left: null, scale: null });
     const fields = openQuestions(answers, []).map((open) => open.field);
     expect(fields).toEqual(["posture", "patient_left", "scale"]);
   });
 
-  it("are the file's where it has them", () => {
+  it("are taken from the file where it has them", () => {
     const file = view({ posture: "erect", patient_left: "image_right", spacing: SPACING });
     const answers = answersOf(file);
     expect(openQuestions(answers, [])).toEqual([]);
@@ -53,7 +53,7 @@ describe("answers", () => {
     });
   });
 
-  it("take a posture from the file's name only where it names one, and the file says none", () => {
+  it("take the posture from the file name only where it contains one and the file has none", () => {
     expect(postureInName("phantom-rod-01-left_bending.dcm")).toBe("left_bending");
     expect(postureInName("S1 Right Bending.PNG")).toBe("right_bending");
     for (const name of ["left.dcm", "uplift_erecting.png", "erect-or-neutral.png", ""])
@@ -62,7 +62,7 @@ describe("answers", () => {
     expect(answersOf(view(), "erect.dcm")).toMatchObject({ posture: "erect", patient_left: null });
   });
 
-  it("take each posture once", () => {
+  it("allow each posture once", () => {
     const erect = { ...answersOf(view()), posture: "erect" as const };
     const open = openQuestions({ ...erect, patient_left: "image_left", scale: "pixels" }, [erect]);
     expect(open).toHaveLength(1);
@@ -88,7 +88,7 @@ describe("answers", () => {
     });
   });
 
-  it("against the file are said to be so", () => {
+  it("that contradict the file give a contradiction", () => {
     const file = view({ posture: "erect", patient_left: "image_right", spacing: SPACING });
     const answers = {
       ...answersOf(file),
@@ -105,7 +105,7 @@ describe("answers", () => {
 });
 
 describe("an identifier", () => {
-  it("has its rules", () => {
+  it("is checked", () => {
     expect(idTrouble("S-017_a.b", [])).toBeNull();
     expect(idTrouble("", [])).not.toBeNull();
     expect(idTrouble("Zoë", [])).toContain("accents");

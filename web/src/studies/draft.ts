@@ -3,7 +3,7 @@ import { imageSideWord, postures, postureWord } from "../shell/words";
 
 export type ScaleKind = Api<"ScaleChoice">["kind"];
 
-/** What a person has answered about a film so far; null is not answered. */
+/** Answers about a film; null is not answered. */
 export interface Answers {
   posture: Api<"PostureName"> | null;
   patient_left: Api<"ImageSideName"> | null;
@@ -15,14 +15,14 @@ export interface Answers {
   inverted: boolean;
 }
 
-/** The one posture whose whole name is part of a file's name. */
+/** The only posture whose full name is part of a file name. */
 export function postureInName(name: string): Api<"PostureName"> | null {
   const plain = name.toLowerCase().replace(/[^a-z]+/g, "_");
   const named = postures.filter((posture) => `_${plain}_`.includes(`_${posture}_`));
   return named.length === 1 ? (named[0] ?? null) : null;
 }
 
-/** What the file itself answers; of its name only the posture, which is shown to be checked. Whatever they do not say stays open: it is never assumed. */
+/** Answers from the file. From its name only the posture is taken, and the page asks to check it. Other values stay open: none is assumed. */
 export function answersOf(view: Api<"UploadView">, name = ""): Answers {
   return {
     posture: view.posture ?? postureInName(name),
@@ -35,7 +35,7 @@ export function answersOf(view: Api<"UploadView">, name = ""): Answers {
   };
 }
 
-/** A question that still is open, and the field that it is about. */
+/** An open question and its field. */
 export interface Open {
   field: "posture" | "patient_left" | "scale";
   text: string;
@@ -44,7 +44,7 @@ export interface Open {
 const isLength = (value: number | null): boolean =>
   value !== null && Number.isFinite(value) && value > 0;
 
-/** What has to be answered or corrected before the film can be taken. */
+/** Questions to be answered or corrected before the film can be used. */
 export function openQuestions(answers: Answers, others: Answers[]): Open[] {
   const open: Open[] = [];
   const { posture } = answers;
@@ -52,25 +52,25 @@ export function openQuestions(answers: Answers, others: Answers[]): Open[] {
   else if (others.some((other) => other.posture === posture))
     open.push({
       field: "posture",
-      text: `${postureWord(posture)} is chosen for another film too; a study takes each posture once.`,
+      text: `${postureWord(posture)} is chosen for another film too; a study has one film per posture.`,
     });
   if (answers.patient_left === null)
     open.push({
       field: "patient_left",
-      text: "The file does not say on which side the patient's left is.",
+      text: "The file does not contain the patient's side: choose it.",
     });
   if (answers.scale === null)
-    open.push({ field: "scale", text: "The file has no spacing: state it, or go without." });
+    open.push({ field: "scale", text: "The file has no spacing: enter it, or choose no scale." });
   if (answers.scale === "stated") {
     if (!isLength(answers.column_mm) || !isLength(answers.row_mm))
-      open.push({ field: "scale", text: "Both distances have to be above 0 mm." });
+      open.push({ field: "scale", text: "Both distances must be above 0 mm." });
     if (answers.plane === null)
-      open.push({ field: "scale", text: "In which plane are these millimetres?" });
+      open.push({ field: "scale", text: "Choose the plane of these millimetres." });
   }
   return open;
 }
 
-/** Where a person says something else than the file, and what that leads to. */
+/** Answers that contradict the file, with their consequences. */
 export function contradictions(answers: Answers, view: Api<"UploadView">): Api<"Notice">[] {
   const notices: Api<"Notice">[] = [];
   const { posture, patient_left: left } = answers;
@@ -78,24 +78,24 @@ export function contradictions(answers: Answers, view: Api<"UploadView">): Api<"
     notices.push({
       severity: "warning",
       code: "posture_against_file",
-      text: `The file says ${postureWord(view.posture).toLowerCase()}; you chose ${postureWord(posture).toLowerCase()}.`,
+      text: `The file contains ${postureWord(view.posture).toLowerCase()}; you chose ${postureWord(posture).toLowerCase()}.`,
     });
   if (view.patient_left && left && left !== view.patient_left)
     notices.push({
       severity: "contradiction",
       code: "side_against_file",
-      text: `The file says that the patient's left is on the ${imageSideWord(view.patient_left)}; you chose the ${imageSideWord(left)}. Left and right of every result follow this answer.`,
+      text: `In the file the patient's left is on the ${imageSideWord(view.patient_left)}; you chose the ${imageSideWord(left)}. Left and right in all results depend on this answer.`,
     });
   if (view.spacing && answers.scale !== "file")
     notices.push({
       severity: "warning",
       code: "scale_against_file",
-      text: `The spacing that the file gives is not used: ${view.spacing.text}.`,
+      text: `The spacing of the file is not used: ${view.spacing.text}.`,
     });
   return notices;
 }
 
-/** The film as the program takes it; only once no question is open. */
+/** The film as the interface expects it; only when no question is open. */
 export function filmOf(answers: Answers, view: Api<"UploadView">): Api<"NewFilm"> {
   const { posture, patient_left, inverted } = answers;
   if (posture === null || patient_left === null) throw new Error("a film has open questions");
@@ -109,12 +109,12 @@ function scaleOf({ scale, column_mm, row_mm, plane }: Answers): Api<"ScaleChoice
   return { kind: "stated", column_mm, row_mm, plane };
 }
 
-/** Why an identifier cannot be taken; null if it can. */
+/** Why an identifier is not accepted; null if it is. */
 export function idTrouble(id: string, taken: string[]): string | null {
-  if (id === "") return "A study needs an identifier.";
+  if (id === "") return "Enter an identifier.";
   if (!/^[A-Za-z0-9._-]+$/.test(id))
-    return "Only letters without accents, digits, dots, hyphens and underscores.";
-  if (id.length > 64) return `At most 64 characters; this has ${id.length}.`;
-  if (taken.includes(id)) return "There is a study with this identifier already.";
+    return "Use only letters without accents, digits, dots, hyphens and underscores.";
+  if (id.length > 64) return `At most 64 characters; this identifier has ${id.length}.`;
+  if (taken.includes(id)) return "A study with this identifier exists already.";
   return null;
 }

@@ -33,7 +33,7 @@ function ids(choice: Partial<Choice>): string[] {
 }
 
 describe("the list of studies", () => {
-  it("finds by identifier, label, curve and status words, whatever their case and order", () => {
+  it("finds by identifier, label, curve and status, in any case and order", () => {
     expect(ids({ search: "s-10" })).toEqual(["S-10"]);
     expect(ids({ search: "PILOT" })).toEqual(["S-2"]);
     expect(ids({ search: "thoracic lenke" })).toEqual(["S-10"]);
@@ -41,7 +41,7 @@ describe("the list of studies", () => {
     expect(ids({ search: "nothing like it" })).toEqual([]);
   });
 
-  it("takes what is searched for as text", () => {
+  it("treats the search text literally", () => {
     expect(ids({ search: "<b>" })).toEqual(["S-2"]);
     expect(ids({ search: ".*" })).toEqual([]);
   });
@@ -50,14 +50,14 @@ describe("the list of studies", () => {
     expect(ids({ status: "measured" })).toEqual(["S-10"]);
   });
 
-  it("sorts; numbers in identifiers count as numbers", () => {
+  it("sorts numbers in identifiers by value", () => {
     expect(ids({ order: "id" })).toEqual(["A", "S-2", "S-10"]);
     expect(ids({ order: "changed" })).toEqual(["S-2", "A", "S-10"]);
     expect(ids({ order: "cobb" })).toEqual(["S-10", "A", "S-2"]);
     expect(ids({ order: "trouble" })[0]).toBe("A");
   });
 
-  it("says where a scale is missing", () => {
+  it("reports films without a scale", () => {
     const film = (plane: "patient" | "pixels" | "unknown") => ({ plane }) as Study["films"][number];
     expect(scaleTrouble(study("A", { films: [film("patient")] }))).toBeNull();
     expect(scaleTrouble(study("A", { films: [film("patient"), film("pixels")] }))).toBe(

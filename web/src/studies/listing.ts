@@ -14,13 +14,13 @@ export const ORDERS = {
 export type Order = keyof typeof ORDERS;
 
 export interface Choice {
-  /** Words that all have to be there. */
+  /** Words that must all occur. */
   search: string;
   status: Api<"StudyStatus"> | "all";
   order: Order;
 }
 
-/** What a person may type to find a study. */
+/** Texts of a study that the search uses. */
 function textOf(study: Study): string {
   return [
     study.id,
@@ -57,7 +57,7 @@ export function chosen(studies: Study[], choice: Choice): Study[] {
     .toSorted((a, b) => BY[choice.order](a, b) || byId(a, b));
 }
 
-/** Films without a scale that can be trusted, in words; null if there are none. */
+/** Text on films without a reliable scale; null if there are none. */
 export function scaleTrouble(study: Study): string | null {
   const without = study.films.filter((film) => film.plane === "pixels").length;
   const unknown = study.films.filter((film) => film.plane === "unknown").length;

@@ -3,13 +3,13 @@ import type { Api } from "../api/types";
 
 const AT_ONCE = 3;
 
-/** A file on its way to the program. */
+/** A file that is being uploaded. */
 export class Sent {
-  /** How much of it has gone, 0 to 1. */
+  /** Fraction sent, 0 to 1. */
   fraction = $state(0);
-  /** What the program found in it. */
+  /** Content of the file as the program read it. */
   view = $state.raw<Api<"UploadView"> | null>(null);
-  /** Why the program did not take it. */
+  /** Why the program refused it. */
   error = $state.raw<unknown>(null);
 
   readonly #stop = new AbortController();
@@ -43,7 +43,7 @@ export class Sent {
   }
 }
 
-/** Files that go to the program, a few at once. */
+/** Uploads, a few at the same time. */
 export class Uploads {
   all = $state<Sent[]>([]);
 
@@ -51,7 +51,7 @@ export class Uploads {
   #under_way = 0;
   #queue: Sent[] = [];
 
-  /** `ready` is told of every file that the program took. */
+  /** `ready` is called with every accepted file. */
   constructor(private readonly ready: (sent: Sent) => void = () => undefined) {}
 
   add(files: Iterable<File>): void {

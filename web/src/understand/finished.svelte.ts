@@ -1,7 +1,7 @@
 import { readFindings, readOverlay } from "../api/studies";
 import type { Api } from "../api/types";
 
-/** What the finished readings of a study say of one film: shown while nobody marks it. */
+/** Results of a study's finished readings for one film, shown without an open reading. */
 export class Finished {
   live = $state.raw<Api<"LiveView"> | null>(null);
 

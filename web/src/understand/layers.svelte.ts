@@ -1,4 +1,4 @@
-/** What can be drawn over a film, in the order of its keys. */
+/** Layers over a film in the order of their keys. */
 export const LAYERS = [
   { name: "axes", label: "Axes" },
   { name: "curve", label: "Curve" },

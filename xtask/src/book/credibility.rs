@@ -1,4 +1,4 @@
-//! What stands behind the numbers, in the order of ASME V&V 40: question of interest, context of use, model risk, evidence.
+//! The page on credibility, in the order of ASME V&V 40: question of interest, context of use, model risk, evidence.
 
 /// Kinds of evidence, by the beginning of their heading in `validation/README.md`, each with what it can show.
 const EVIDENCE: [(&str, &str); 4] = [
@@ -40,7 +40,7 @@ pub fn page(evidence: &str) -> Result<String, String> {
         found.ok_or_else(|| format!("validation/README.md: no part `{name}`"))
     };
     let mut page = String::from(
-        "# What stands behind the numbers\n\n\
+        "# Credibility\n\n\
          In the order of ASME V&V 40: what is asked, in which context the answer is used, what is at risk if it is wrong, and \
          the evidence, each kind on a line of its own. None of them stands for another.\n\n",
     );

@@ -22,8 +22,8 @@ const AGREE_MM: f64 = 1e-9;
 /// A force that the amplitude of Newton's path is counted in.
 const UNIT_N: f64 = 50.0;
 /// What is looked at: far more than a spine stands.
-const LARGEST_FORCE_N: f64 = 20_000.0;
-const LARGEST_HINGE_RAD: f64 = 1.5;
+const MAX_FORCE_N: f64 = 20_000.0;
+const MAX_HINGE_RAD: f64 = 1.5;
 
 /// A case with its solution.
 #[derive(Debug)]
@@ -94,8 +94,8 @@ fn solve(case: Case) -> Result<Solved, String> {
     let loading = Loading::single(case.model.joints.len(), case.body_load(UNIT_N));
     let options = PathOptions {
         sign: ForceSign::Positive,
-        largest_factor: LARGEST_FORCE_N / UNIT_N,
-        largest_hinge_rad: LARGEST_HINGE_RAD,
+        largest_factor: MAX_FORCE_N / UNIT_N,
+        largest_hinge_rad: MAX_HINGE_RAD,
         ..PathOptions::default()
     };
     let path = general

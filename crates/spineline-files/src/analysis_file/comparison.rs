@@ -28,13 +28,13 @@ pub(super) struct ComparisonRecord {
     compatibility: BTreeMap<String, CompatibilityRecord>,
     /// By the bend that was left out, and line: the model that the other bend alone gave, and what it predicts.
     left_out_bends: BTreeMap<Key<Posture>, BTreeMap<String, ModelRecord>>,
-    /// The same in sentences, with all that is said of the patient's lines.
+    /// The comparison as text.
     verdict: Vec<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct LineRecord {
-    /// What it was fitted to: `shape` or `ferguson`.
+    /// Data of the fit: `shape` or `ferguson`.
     fitted_to: String,
     numbers: NumbersRecord,
     /// By role (`fitted`, `left_out_bend`, `held_out`), over the films on which every line has a result.
@@ -48,7 +48,7 @@ pub(crate) struct NumbersRecord {
     multipliers: usize,
     /// Forces, one per fitted film.
     forces: usize,
-    /// What places the fitted films' loads beside their force.
+    /// Parameters of the places of the fitted films' loads.
     line: usize,
     /// Their sum.
     fitted: usize,
@@ -76,7 +76,7 @@ struct FilmRecord {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct CompatibilityRecord {
-    /// Whether some bend speaks against the line.
+    /// Whether a bend contradicts the line.
     rejected: bool,
     /// Tests over which Holm's correction was taken.
     tests: usize,
@@ -89,13 +89,13 @@ struct CompatibilityRecord {
 struct BendRecord {
     posture: Key<Posture>,
     joints: usize,
-    /// Joints that turn against the force.
+    /// Counter-rotating joints.
     against: usize,
     /// Those beyond two standard deviations.
     beyond_noise: usize,
     /// Their part in the work of all joints.
     weight: f64,
-    /// Probability that noise alone turns any joint so far against the force, after Holm's correction.
+    /// Probability that noise alone gives such a counter-rotation at any joint, after Holm's correction.
     joints_p_holm: f64,
     joints_reject: bool,
     /// Of the test of the line itself, after Holm's correction; `null` where there is none.

@@ -1,4 +1,4 @@
-//! Other loads and bases than the lines, as a file has them.
+//! Loads and bases other than the lines, in files.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use spineline::hypothesis::{HypothesisFit, ShapePrediction};
 
 use crate::keys::Key;
 
-/// A load and base fitted to the bends, and what it predicts. Lengths in mm, angles in degrees.
+/// A load and base fitted to the bends, with its predictions. Lengths in mm, angles in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(super) struct HypothesisRecord {
     /// How the fit to all bends ended.
@@ -20,7 +20,7 @@ pub(super) struct HypothesisRecord {
     measured_numbers: usize,
     /// Fitted numbers with the size of the residuals: K.
     fitted_numbers: usize,
-    /// Root mean square of the residuals in deviations of their measurement; `null` where there is no fit.
+    /// Root mean square of the residuals in standard deviations of their measurement; `null` where there is no fit.
     residual_rms: Option<f64>,
     /// n ln(χ²/n) + 2K + 2K(K + 1)/(n - K - 1).
     aicc: Option<f64>,
@@ -39,14 +39,14 @@ struct PredictionRecord {
     role: String,
     /// Components of the load: N, N·mm for couples, the body's weight for `weight`; relative where no force is known.
     components: Vec<f64>,
-    /// Turn of the whole spine about L4; positive to the patient's right.
+    /// Rotation of the whole spine about L4; positive to the patient's right.
     base_deg: f64,
     /// Mean distance of simulated and measured locations of L3 to T2.
     mean_location_error_mm: f64,
     location_errors_mm: Vec<f64>,
     /// Root mean square of the errors of the joints' rotations.
     rotation_rms_deg: f64,
-    /// Joints that turn against the load.
+    /// Counter-rotating joints.
     joints_against: usize,
     /// Those beyond two deviations of their measurement.
     joints_against_beyond_noise: usize,

@@ -7,12 +7,12 @@ use spineline::personalize::{
     Identifiability, MultiplierInformation, ProfileEnd, StiffnessDirection,
 };
 
-/// What the bending films say of a model's multipliers, in natural logarithms.
+/// Identifiability of a model's multipliers from the bending films, in natural logarithms.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(super) struct IdentifiabilityRecord {
     /// By region or joint, under the gauge.
     multipliers: BTreeMap<String, InformationRecord>,
-    /// Ways in which all may change together, the least known first; from the films alone, without gauge and prior.
+    /// Joint directions of change, the least identified first; from the films alone, without gauge and prior.
     directions: Vec<DirectionRecord>,
     /// Sum of squares over the degrees of freedom, and at least 1; deviations and limits are widened by it.
     variance_factor: f64,
@@ -46,7 +46,7 @@ struct ProfileRecord {
 struct DirectionRecord {
     /// Its part in every multiplier's logarithm.
     log_multipliers: BTreeMap<String, f64>,
-    /// `null` where the films say nothing.
+    /// `null` where the films give no information.
     log_sd: Option<f64>,
     /// 1 for the direction that changes no ratio, which the gauge fixes; 0 for a ratio.
     gauge_share: f64,

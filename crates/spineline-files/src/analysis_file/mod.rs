@@ -1,4 +1,4 @@
-//! What an analysis found, as a file.
+//! The file of an analysis.
 
 mod comparison;
 mod hypothesis;
@@ -35,7 +35,8 @@ use uncertainty::UncertaintyRecord;
 const FORMAT: &str = "spineline-analysis";
 const VERSION: u32 = 1;
 
-/// Everything that an analysis found, and all that is needed to find it again. Lengths in mm of the films' plane, angles in degrees, frontal points `[y, z]` with y
+/// The result of an analysis, with all that is needed to repeat it. Lengths in mm of the films' plane, angles in degrees,
+/// frontal points `[y, z]` with y
 /// to the patient's left and z cranial; positive angles tilt to the patient's right.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(title = "Spineline analysis, version 1")]
@@ -43,33 +44,33 @@ pub struct AnalysisFile {
     format: String,
     version: u32,
     case_id: String,
-    /// Whether the films are synthetic: then all numbers here are, too.
+    /// Whether the films, and so all results, are synthetic.
     synthetic: bool,
     /// What the lengths of the erect film, of its chain and curves are: mm in the patient, on the detector or not stated
     /// where, or pixels.
     length_unit: String,
-    /// What was asked, of which files, by whom and when.
+    /// Program, inputs, options and time.
     provenance: Provenance,
     chain: ChainRecord,
     /// The two inflections of the erect curve that carry the line; empty where there is no such pair.
     inflections: Vec<InflectionRecord>,
-    /// Stretches of the erect curve that turn to one side, caudal first.
+    /// Curves between inflections of the erect curve, caudal first.
     lobes: Vec<LobeRecord>,
     clinical: ClinicalRecord,
     /// Where the spine's sagittal profile comes from: `measured` on the lateral film, or a `population`'s.
     sagittal_profile: String,
     postures: BTreeMap<Key<Posture>, PostureRecord>,
-    /// How well the readings repeat, by quantity; `null` where every film was read once.
+    /// Reliability of the readings, by quantity; `null` where every film was read once.
     reliability: Option<Vec<QuantityRecord>>,
     /// One model per line of action: `inflection_line`, `iliac_line`, `estimated_line`, `given_line`.
     models: BTreeMap<String, ModelRecord>,
     /// The lines on the same films, every bend left out once; `null` where there is no model.
     #[serde(default)]
     comparison: Option<ComparisonRecord>,
-    /// Other loads and bases, such as `couple` or `inflection_line+free_base`; absent where nobody asked.
+    /// Other loads and bases, such as `couple` or `inflection_line+free_base`; absent if not requested.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     hypotheses: BTreeMap<String, HypothesisRecord>,
-    /// What the noise of landmarks does to every number; absent where nobody asked.
+    /// Uncertainty of every number from landmark noise; absent if not requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     uncertainty: Option<UncertaintyRecord>,
     warnings: Vec<WarningRecord>,
@@ -83,7 +84,7 @@ struct ChainRecord {
     segments: usize,
     /// Length of a link: the paper's l; absent where films have no spacing.
     segment_mm: Option<f64>,
-    /// What the scale of the erect film alone makes unsure of it, as one standard deviation.
+    /// Standard deviation from the scale of the erect film alone.
     segment_scale_sd_mm: Option<f64>,
     /// Segments by which the postures differ in sum.
     difference: u32,
@@ -109,7 +110,7 @@ struct LobeRecord {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct ClinicalRecord {
-    /// Lenke's curve type as far as frontal films tell it.
+    /// Lenke's curve type as far as frontal films determine it.
     lenke_type: Option<u8>,
     curves: BTreeMap<String, ClinicalCurveRecord>,
 }
@@ -125,7 +126,7 @@ struct ClinicalCurveRecord {
     ferguson_deg: BTreeMap<Key<Posture>, f64>,
     /// Absent where the erect film has no spacing.
     apical_translation_mm: Option<f64>,
-    /// What the scale of the erect film alone makes unsure of it, as one standard deviation.
+    /// Standard deviation from the scale of the erect film alone.
     apical_translation_scale_sd_mm: Option<f64>,
     /// In pixels, where it has none.
     apical_translation_px: Option<f64>,
@@ -143,7 +144,7 @@ struct WarningRecord {
 }
 
 impl AnalysisFile {
-    /// The file of an analysis of a case, with where it comes from.
+    /// The file of an analysis of a case, with its provenance.
     #[must_use]
     pub fn new(analysis: &Analysis, case: CaseFile, provenance: Provenance) -> Self {
         let scale = analysis.scale();
@@ -211,14 +212,14 @@ impl AnalysisFile {
 }
 
 impl AnalysisFile {
-    /// The same file with what noise does to its numbers.
+    /// The same file with the uncertainty of its numbers.
     #[must_use]
     pub fn with_uncertainty(mut self, analysis: &Analysis, found: &Uncertainty) -> Self {
         self.uncertainty = Some(UncertaintyRecord::new(found, analysis));
         self
     }
 
-    /// The same file with what the films say of every model's multipliers, in the order of the analysis' models.
+    /// The same file with the identifiability of every model's multipliers, in the order of the analysis' models.
     #[must_use]
     pub fn with_identifiability(
         mut self,

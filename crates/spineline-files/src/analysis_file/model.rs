@@ -16,7 +16,7 @@ use crate::keys::{Key, LevelKey};
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(super) struct ModelRecord {
-    /// Lateral stiffness multipliers by region, or by joint; under `geometric_mean` only their ratios mean anything.
+    /// Lateral stiffness multipliers by region, or by joint; under `geometric_mean` only their ratios are meaningful.
     multipliers: BTreeMap<String, f64>,
     /// Multipliers that ended at a bound, and so are not identified.
     at_bound: Vec<String>,
@@ -25,7 +25,7 @@ pub(super) struct ModelRecord {
     /// Whether forces and stiffness are absolute.
     absolute: bool,
     fit: FitRecord,
-    /// What the films say of the multipliers; absent where nobody asked or the fit did not converge.
+    /// Identifiability of the multipliers; absent if not requested or if the fit did not converge.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) identifiability: Option<IdentifiabilityRecord>,
     postures: BTreeMap<Key<Posture>, SimulationRecord>,
@@ -55,9 +55,9 @@ struct SimulationRecord {
     /// Degrees left of the amplitude (bends) or mm left of T2's place.
     residual: f64,
     line: LineRecord,
-    /// Why this force and no other: `fitted`, `only_one`, `least_ferguson_error`, `smallest_near_t2`, or `nearest_miss`.
+    /// Why this force was chosen: `fitted`, `only_one`, `least_ferguson_error`, `smallest_near_t2`, or `nearest_miss`.
     choice: String,
-    /// How often the search for forces was lost: there may be more alternatives.
+    /// Number of failed starts of the search for forces; there may be more alternatives.
     lost_forces: usize,
     /// Other forces that meet the same amplitude.
     alternatives: Vec<AlternativeRecord>,
@@ -66,7 +66,7 @@ struct SimulationRecord {
     /// Absent where the status is not `converged`.
     location_error_mm: Option<LocationErrorRecord>,
     simulated_mm: BTreeMap<LevelKey, [f64; 2]>,
-    /// Joints that turn against the force: no positive stiffness explains them.
+    /// Counter-rotating joints, which no positive stiffness explains.
     contradicted_joints: Vec<ContradictedRecord>,
 }
 

@@ -26,7 +26,7 @@ pub(super) struct PostureRecord {
     /// From L4's midpoint in the same directions, where the film has no spacing.
     locations_px: Option<BTreeMap<LevelKey, [f64; 2]>>,
     tilts_deg: BTreeMap<LevelKey, f64>,
-    /// Lean of the line L4→T2 against the normal of the iliac line, or L4's axis.
+    /// Lateral tilt of the line L4→T2 against the normal of the iliac line, or L4's axis.
     amplitude_deg: f64,
     noise: NoiseRecord,
     /// Mean rotation of the segments from the erect posture.
@@ -39,20 +39,20 @@ pub(super) struct PostureRecord {
     inflection_estimates: Option<[EstimateRecord; 2]>,
     /// MMS_Mean against the least-rotating ones.
     mean_least_estimates: Option<[EstimateRecord; 2]>,
-    /// The load that the measured rotations prefer against the line through the inflections.
+    /// The line of best fit to the rotations, with tests of the line through the inflections.
     preferred_line: Option<PreferredLineRecord>,
 }
 
-/// What the lengths of a film are. A wrong scale makes all of them wrong by the same factor, and no angle.
+/// Scale of a film's lengths. An error of scale changes all of them by the same factor, and no angle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct LengthsRecord {
-    /// `patient`, `detector`, `unknown` (millimetres of which nobody said where) or `pixels`.
+    /// `patient`, `detector`, `unknown` (millimetres of an unknown plane) or `pixels`.
     plane: String,
-    /// How the spacing became known.
+    /// Source of the spacing.
     source: Option<SourceKey>,
     /// Standard deviation of the scale, as a part of it.
     relative_sd: Option<f64>,
-    /// Length of the line through the midpoints L4 to T2, and what the scale alone makes unsure of it.
+    /// Length of the line through the midpoints L4 to T2, and its standard deviation from the scale alone.
     spine_mm: Option<f64>,
     spine_scale_sd_mm: Option<f64>,
 }
@@ -75,7 +75,7 @@ struct NoiseRecord {
     location_mm: Option<f64>,
     location_px: Option<f64>,
     tilt_deg: f64,
-    /// From the spread of readings; else assumed for one careful reading.
+    /// From the standard deviation of readings; else assumed for one careful reading.
     measured: bool,
 }
 
@@ -88,7 +88,7 @@ struct EstimateRecord {
     rotation_deg: f64,
 }
 
-/// The line of the load that the film's rotations prefer.
+/// The line of best fit to the film's rotations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct PreferredLineRecord {
     point_mm: [f64; 2],

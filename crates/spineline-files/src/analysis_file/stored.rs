@@ -1,4 +1,4 @@
-//! An analysis file as what it was made from.
+//! The inputs of an analysis, read from its file.
 
 use serde::Deserialize;
 use spineline::analysis::Case;
@@ -8,16 +8,16 @@ use crate::case_file::parse_case_file;
 use crate::json::{format_of, parse};
 use crate::{CaseFile, FileError, Provenance, Request};
 
-/// What an analysis was made from: enough to make it again.
+/// Inputs of an analysis, sufficient to repeat it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredAnalysis {
-    /// The case as it was read then.
+    /// The case as it was read.
     pub case_file: CaseFile,
-    /// The same, as the library takes it.
+    /// The same in the library's types.
     pub case: Case,
-    /// Where the file comes from.
+    /// Provenance of the file.
     pub provenance: Provenance,
-    /// What was asked.
+    /// What was requested.
     pub request: Request,
 }
 
@@ -28,7 +28,7 @@ struct Origin {
     case: Option<CaseFile>,
 }
 
-/// Reads what an analysis file was made from.
+/// Reads the inputs of an analysis from its file.
 ///
 /// # Errors
 /// [`FileError`]: [`FileError::NotRepeatable`] where a part is missing, else where in the file something does not fit.
@@ -42,7 +42,7 @@ pub fn parse_analysis(text: &str) -> Result<StoredAnalysis, FileError> {
     Ok(StoredAnalysis { case_file, case, provenance, request })
 }
 
-/// Reads a case, or the case within an analysis with what was asked of it there.
+/// Reads a case, or the case within an analysis with the request.
 ///
 /// # Errors
 /// As [`parse_case_file`] and [`parse_analysis`].

@@ -9,10 +9,10 @@ use spineline::uncertainty::{FilmNoise, MarkNoise, QuantitySpread, Uncertainty};
 
 use crate::keys::{Key, LevelKey};
 
-/// What the noise of landmarks does to every number: all marks moved at random again and again, each time analysed anew.
+/// Uncertainty of every number from landmark noise: Monte Carlo replicates with perturbed landmarks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(super) struct UncertaintyRecord {
-    /// Replicates asked for.
+    /// Replicates requested.
     replicates: u64,
     /// Replicates that were run.
     done: u64,
@@ -20,7 +20,7 @@ pub(super) struct UncertaintyRecord {
     failed: u64,
     seed: u64,
     noise: BTreeMap<Key<Posture>, NoiseRecord>,
-    /// What ended without result, by code, line and film.
+    /// Failures by code, line and film.
     failures: Vec<FailureRecord>,
     quantities: Vec<SpreadRecord>,
 }
@@ -28,7 +28,7 @@ pub(super) struct UncertaintyRecord {
 /// Standard deviation of one reading of a film.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct NoiseRecord {
-    /// `readings` (their own spread), `assumed` (nobody read twice) or `given`.
+    /// `readings` (their standard deviation), `assumed` (no repeated reading) or `given`.
     source: String,
     /// Of a corner's column and row.
     corner_sd_px: Option<[f64; 2]>,
@@ -49,7 +49,7 @@ struct FailureRecord {
     count: u64,
 }
 
-/// How one number scatters.
+/// Distribution of one number.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct SpreadRecord {
     /// Its kind; the keys after `unit` say which one.

@@ -1,4 +1,4 @@
-//! The picture of a film: its size, its spacing, its sides, and the file that holds it.
+//! The picture of a film: size, spacing, sides and file.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -15,7 +15,7 @@ use crate::keys::{Key, SourceKey};
 pub(super) struct ImageRecord {
     columns: u32,
     rows: u32,
-    /// Distance between neighbouring columns; absent, as that of rows, where nobody knows the scale.
+    /// Distance between neighbouring columns; absent, as that of rows, where the scale is unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     column_spacing_mm: Option<f64>,
     /// Distance between neighbouring rows.
@@ -24,7 +24,7 @@ pub(super) struct ImageRecord {
     /// Plane in which the millimetres were measured; `pixels` where there are none.
     #[serde(default = "unknown_plane")]
     spacing_plane: Key<SpacingPlane>,
-    /// How the spacing became known.
+    /// Source of the spacing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     spacing_source: Option<SourceKey>,
     /// Standard deviation of the scale, as a part of it.
@@ -38,7 +38,7 @@ pub(super) struct ImageRecord {
     /// SHA-256 of that file, in hexadecimal digits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     sha256: Option<String>,
-    /// Whether the picture is to be shown with black and white exchanged, against what its file says.
+    /// Whether the picture is shown with grey levels inverted relative to its file.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     inverted: bool,
 }
@@ -54,7 +54,7 @@ pub struct FilmSource {
     pub file: Option<String>,
     /// SHA-256 of its bytes, in hexadecimal digits.
     pub sha256: Option<String>,
-    /// Whether it is to be shown with black and white exchanged, against what the file says.
+    /// Whether it is shown with grey levels inverted relative to its file.
     pub inverted: bool,
 }
 

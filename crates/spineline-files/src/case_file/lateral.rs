@@ -9,12 +9,12 @@ use super::image::FilmSource;
 use super::{pair, pixel};
 use crate::keys::{ByLevel, Key, LevelKey};
 
-/// A film from the side, of the standing patient.
+/// A lateral film of the standing patient.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LateralRecord {
     image: LateralImageRecord,
-    /// One entry per observer and repeat; none where nobody has marked it yet.
+    /// One entry per observer and repeat; empty without landmarks.
     #[serde(default)]
     readings: Vec<LateralReadingRecord>,
 }
@@ -25,7 +25,7 @@ pub(super) struct LateralRecord {
 struct LateralImageRecord {
     columns: u32,
     rows: u32,
-    /// Distance between neighbouring columns; absent, as that of rows, where nobody knows the scale.
+    /// Distance between neighbouring columns; absent, as that of rows, where the scale is unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     column_spacing_mm: Option<f64>,
     /// Distance between neighbouring rows.
@@ -39,7 +39,7 @@ struct LateralImageRecord {
     /// SHA-256 of that file, in hexadecimal digits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     sha256: Option<String>,
-    /// Whether the picture is to be shown with black and white exchanged, against what its file says.
+    /// Whether the picture is shown with grey levels inverted relative to its file.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     inverted: bool,
 }
@@ -48,7 +48,7 @@ struct LateralImageRecord {
 #[serde(deny_unknown_fields)]
 struct LateralReadingRecord {
     observer: String,
-    /// 1 for the first time.
+    /// Number of the repeat, from 1.
     repeat: u32,
     vertebrae: ByLevel<LateralVertebraRecord>,
 }

@@ -1,4 +1,4 @@
-//! What is known of one patient's films, as a file.
+//! The file of a case.
 
 mod image;
 mod lateral;
@@ -23,7 +23,7 @@ use lateral::LateralRecord;
 const FORMAT: &str = "spineline-case";
 const VERSION: u32 = 1;
 
-/// The films of one patient with everything that was marked on them.
+/// The films of one patient with their landmarks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Spineline case, version 1")]
@@ -37,12 +37,12 @@ pub struct CaseFile {
     /// Whether the films are synthetic.
     #[serde(default)]
     synthetic: bool,
-    /// Who was X-rayed.
+    /// Data of the patient.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     subject: Option<SubjectRecord>,
     /// One film per posture; only the erect one is needed.
     films: Vec<FilmRecord>,
-    /// A film from the side, for the sagittal profile.
+    /// A lateral film, for the sagittal profile.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     lateral: Option<LateralRecord>,
 }
@@ -86,7 +86,7 @@ struct CrestsRecord {
 #[serde(deny_unknown_fields)]
 struct ReadingRecord {
     observer: String,
-    /// 1 for the first time.
+    /// Number of the repeat, from 1.
     repeat: u32,
     vertebrae: ByLevel<VertebraRecord>,
 }
@@ -103,7 +103,7 @@ struct VertebraRecord {
     inferior_left: Option<[f64; 2]>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     inferior_right: Option<[f64; 2]>,
-    /// Axis turned by hand, against the image's vertical, positive clockwise as seen.
+    /// Axis set by hand: angle to the image's vertical, positive clockwise as seen.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     axis_deg: Option<f64>,
     /// Midpoint in any frontal frame of the film: `[y to the patient's left, z cranial]`.

@@ -1,4 +1,4 @@
-//! A stored model as bodies, joint frames and hinges in SI units: what all formats have in common.
+//! A stored model as bodies, joint frames and hinges in SI units, for all formats.
 
 use spineline::anatomy::Morphometry;
 use spineline::spatial::{Mat3, Vec3};
@@ -81,7 +81,7 @@ pub(super) struct Joint {
 }
 
 impl Joint {
-    /// The hinges that turn.
+    /// The hinges that are not locked.
     pub(super) fn free(&self) -> impl Iterator<Item = &Hinge> {
         self.hinges.iter().filter(|hinge| !hinge.locked)
     }
@@ -114,7 +114,7 @@ pub(super) struct Assembly {
 }
 
 impl Assembly {
-    /// Takes a model apart, and refuses what no engine could hold.
+    /// Converts a model, and refuses values that no engine can represent.
     pub(super) fn of(model: &StoredModel) -> Result<Self, ExportError> {
         let spine = &model.spine;
         assert_eq!(model.levels.len(), spine.midpoints_mm.len(), "every vertebra has its level");
@@ -157,7 +157,7 @@ fn joint(model: &StoredModel, j: usize) -> Result<Joint, ExportError> {
     })
 }
 
-/// Three springs that know nothing of one another: all that the formats can hold.
+/// Three uncoupled springs, because the formats have no others.
 fn hinges(model: &StoredModel, j: usize, joint: &str) -> Result<Vec<Hinge>, ExportError> {
     let (inferior, superior) = (model.levels[j], model.levels[j + 1]);
     let matrix = &model.stiffness[j];
@@ -185,7 +185,7 @@ fn hinges(model: &StoredModel, j: usize, joint: &str) -> Result<Vec<Hinge>, Expo
         .collect()
 }
 
-/// The patient's size over a typical one, as the distance to the neighbouring vertebra tells it. For drawing only.
+/// The patient's size over a typical one, from the distance to the neighbouring vertebra. For drawing only.
 fn drawn_scale(model: &StoredModel, vertebra: usize) -> f64 {
     let joints = model.spine.joints.len();
     if joints == 0 {

@@ -1,4 +1,4 @@
-//! The comment at the top of every file: what it is, where it came from, how to read its numbers.
+//! The comment at the top of every file: content, provenance, meaning of numbers.
 
 use spineline::action::Application;
 use spineline::multibody::Support;
@@ -8,7 +8,7 @@ use super::assembly::{NOMINAL_INERTIA_KG_M2, NOMINAL_MASS_KG};
 use super::xml::{number, vector};
 use crate::{LoadRecord, StoredModel};
 
-/// What differs between the formats.
+/// Differences between the formats.
 pub(super) struct Dialect {
     /// Name of the format.
     pub(super) format: &'static str,

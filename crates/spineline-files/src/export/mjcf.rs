@@ -17,8 +17,8 @@ const DIALECT: Dialect = Dialect {
     from_global: |v| *v,
 };
 
-/// What the viewer shows at least.
-const SMALLEST_EXTENT_M: f64 = 0.1;
+/// Minimum extent of the view.
+const MIN_EXTENT_M: f64 = 0.1;
 
 const BONE: &str = "0.91 0.87 0.76 1";
 const FIXED_BONE: &str = "0.55 0.53 0.48 1";
@@ -50,10 +50,10 @@ fn settings(xml: &mut Document, assembly: &Assembly) {
     let centre: Vec3 = assembly.vertebrae.iter().map(|v| v.midpoint_m).sum::<Vec3>()
         / assembly.vertebrae.len() as f64;
     let ends = [&assembly.vertebrae[0], &assembly.vertebrae[assembly.vertebrae.len() - 1]];
-    let extent = (ends[1].midpoint_m - ends[0].midpoint_m).norm().max(SMALLEST_EXTENT_M);
+    let extent = (ends[1].midpoint_m - ends[0].midpoint_m).norm().max(MIN_EXTENT_M);
     xml.empty("statistic", &[("center", &vector(&centre)), ("extent", &number(extent))]);
     xml.open("visual", &[]);
-    // Seen from behind: the patient's left is on the left.
+    // View from behind: the patient's left is on the left.
     xml.empty("global", &[("azimuth", "20"), ("elevation", "-10")]);
     xml.empty("headlight", &[("ambient", "0.4 0.4 0.4")]);
     xml.close();

@@ -1,4 +1,4 @@
-//! Personalised models as other multibody programs read them: MJCF, OpenSim and URDF.
+//! Export of personalised models for other multibody programs: MJCF, OpenSim and URDF.
 //!
 //! The formats hold what [`StoredModel`] holds: bodies in the erect posture, three hinges in series at every joint,
 //! and a linear spring on each. What they ask for beyond that (masses, damping, shapes to draw) is nominal, and moves no
@@ -29,7 +29,7 @@ pub enum ExportFormat {
     Urdf,
 }
 
-/// A model that a format cannot hold.
+/// A model that a format cannot represent.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportError {
@@ -39,7 +39,7 @@ pub enum ExportError {
         /// The vertebra.
         level: Level,
     },
-    /// A spring that is no spring.
+    /// An invalid spring.
     #[error(
         "joint {inferior}/{superior}: {axis} stiffness is {value} N·mm/rad; it must be positive and finite"
     )]
@@ -74,7 +74,7 @@ pub enum ExportError {
 }
 
 impl ExportError {
-    /// What the user can do about it.
+    /// Remedy.
     #[must_use]
     pub const fn help(&self) -> &'static str {
         match self {

@@ -60,7 +60,7 @@ mod tests {
     }
 
     #[test]
-    fn a_quaternion_turns_the_axes_as_the_matrix_does() {
+    fn a_quaternion_rotates_axes_like_its_matrix() {
         for r in samples() {
             let [w, x, y, z] = quaternion(&r);
             assert!((w * w + x * x + y * y + z * z - 1.0).abs() < ROUNDING, "no unit quaternion");
@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_give_the_rotation_back_even_at_right_angles() {
+    fn euler_angles_round_trip_also_at_right_angles() {
         let turn = |f: fn(Angle) -> Mat3, a: f64| f(Angle::from_rad(a));
         for r in samples() {
             let a = body_xyz(&r);

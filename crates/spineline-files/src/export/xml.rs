@@ -1,4 +1,4 @@
-//! Writing XML: escaped, indented, never half closed.
+//! A writer of XML: escapes, indents, and closes every element.
 
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, BytesText, Event};

@@ -1,4 +1,4 @@
-//! What acts on a spine, as a file.
+//! The file of loads.
 
 mod place;
 
@@ -15,7 +15,7 @@ pub use place::PlacedLoads;
 const FORMAT: &str = "spineline-load";
 const VERSION: u32 = 1;
 
-/// What acts on a spine. `G`: x anterior, y to the patient's left, z cranial along L4's own axis, origin at L4's midpoint;
+/// Loads on a spine. `G`: x anterior, y to the patient's left, z cranial along L4's own axis, origin at L4's midpoint;
 /// names that say `in_vertebra` are in a vertebra's own axes, from its midpoint. Forces are in the units of the model's
 /// springs: newtons where the model is `absolute`, else relative.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -34,7 +34,7 @@ pub struct LoadFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum AppliedLoad {
-    /// A force along a line that stays where it is, whatever the vertebra does.
+    /// A force along a line that is fixed in space.
     ForceOnLine {
         /// Vertebra that carries it.
         level: LevelKey,
@@ -42,7 +42,7 @@ pub enum AppliedLoad {
         force_n: [f64; 3],
         /// Any point of the line, in `G`.
         point_mm: [f64; 3],
-        /// When it comes.
+        /// `held` (constant) or `growing` (proportional).
         #[serde(default)]
         timing: Key<Timing>,
     },
@@ -55,11 +55,11 @@ pub enum AppliedLoad {
         /// Point; the midpoint if not given.
         #[serde(default)]
         point_in_vertebra_mm: [f64; 3],
-        /// When it comes.
+        /// `held` (constant) or `growing` (proportional).
         #[serde(default)]
         timing: Key<Timing>,
     },
-    /// A force that moves and turns with the vertebra.
+    /// A force that moves and rotates with the vertebra.
     FollowerForce {
         /// Vertebra.
         level: LevelKey,
@@ -68,7 +68,7 @@ pub enum AppliedLoad {
         /// Point; the midpoint if not given.
         #[serde(default)]
         point_in_vertebra_mm: [f64; 3],
-        /// When it comes.
+        /// `held` (constant) or `growing` (proportional).
         #[serde(default)]
         timing: Key<Timing>,
     },
@@ -78,17 +78,17 @@ pub enum AppliedLoad {
         level: LevelKey,
         /// Right-handed moment about the axes of `G`.
         moment_nmm: [f64; 3],
-        /// When it comes.
+        /// `held` (constant) or `growing` (proportional).
         #[serde(default)]
         timing: Key<Timing>,
     },
-    /// A moment that turns with the vertebra.
+    /// A moment that rotates with the vertebra.
     FollowerMoment {
         /// Vertebra.
         level: LevelKey,
         /// Right-handed moment about the vertebra's axes.
         moment_in_vertebra_nmm: [f64; 3],
-        /// When it comes.
+        /// `held` (constant) or `growing` (proportional).
         #[serde(default)]
         timing: Key<Timing>,
     },
@@ -99,7 +99,7 @@ pub enum AppliedLoad {
         /// Unit vector in `G`; `[0, 0, -1]`, along L4's own axis, if not given.
         #[serde(default = "caudal")]
         down: [f64; 3],
-        /// When it comes; held if not given.
+        /// `held` (constant) or `growing` (proportional); `held` if not given.
         #[serde(default = "held")]
         timing: Key<Timing>,
     },
@@ -110,13 +110,13 @@ pub enum AppliedLoad {
         /// Where it touches; the midpoint if not given.
         #[serde(default)]
         point_in_vertebra_mm: [f64; 3],
-        /// The way it pushes: unit vector in `G`.
+        /// Direction of the push: unit vector in `G`.
         direction: [f64; 3],
         /// Stiffness.
         n_per_mm: f64,
-        /// How far it is pushed in.
+        /// Displacement of the pad.
         advance_mm: f64,
-        /// When it comes.
+        /// `held` (constant) or `growing` (proportional).
         #[serde(default)]
         timing: Key<Timing>,
     },
@@ -124,16 +124,16 @@ pub enum AppliedLoad {
     Strap {
         /// Vertebra.
         level: LevelKey,
-        /// Where it holds; the midpoint if not given.
+        /// Point of attachment; the midpoint if not given.
         #[serde(default)]
         point_in_vertebra_mm: [f64; 3],
-        /// Where it is tied, in `G`.
+        /// Point on the ground, in `G`.
         anchor_mm: [f64; 3],
         /// Stiffness.
         n_per_mm: f64,
-        /// How much it is shortened.
+        /// Shortening of the strap.
         shortening_mm: f64,
-        /// When it comes.
+        /// `held` (constant) or `growing` (proportional).
         #[serde(default)]
         timing: Key<Timing>,
     },
@@ -144,13 +144,13 @@ pub enum AppliedLoad {
         inferior: LevelKey,
         /// Upper vertebra; at least two joints above.
         superior: LevelKey,
-        /// How the upper vertebra moves from its erect pose, in the lower one's axes.
+        /// Displacement of the upper vertebra from its erect pose, in the lower one's axes.
         #[serde(default)]
         shift_mm: [f64; 3],
-        /// How it turns from its erect pose: rotation vector in the lower one's axes.
+        /// Rotation from its erect pose: rotation vector in the lower one's axes.
         #[serde(default)]
         turn_deg: [f64; 3],
-        /// When it is brought in.
+        /// `held` (constant) or `growing` (proportional).
         #[serde(default)]
         timing: Key<Timing>,
     },
@@ -181,7 +181,7 @@ impl AppliedLoad {
         }
     }
 
-    /// When it comes.
+    /// `held` (constant) or `growing` (proportional).
     #[must_use]
     pub const fn timing(&self) -> Timing {
         match self {

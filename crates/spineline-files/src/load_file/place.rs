@@ -10,7 +10,7 @@ use crate::{FileError, StoredModel};
 /// The loads of a file on the vertebrae of a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlacedLoads {
-    /// What the solver takes.
+    /// Input of the solver.
     pub loading: Loading,
     /// For every item of the loading, the place of its load in the file, from 0; gravity makes many items.
     pub load_of_item: Vec<usize>,
@@ -195,7 +195,7 @@ fn extent(model: &StoredModel) -> String {
     }
 }
 
-/// What is wrong with a load, by names instead of places in lists.
+/// Text of a load's error, with names instead of indices.
 fn reason(fault: &LoadingFault, model: &StoredModel) -> String {
     let name = |vertebra: &usize| model.levels.get(*vertebra).map_or("?", |level| level.name());
     match fault {

@@ -1,4 +1,4 @@
-//! Models in other programs' formats: well-formed, whole, mirrored with the model, and safe from what stands in a name.
+//! Models in other programs' formats: well-formed, complete, mirrored with the model, and with escaped names.
 
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
@@ -131,7 +131,7 @@ fn springs(all: &[Element], format: ExportFormat) -> Vec<(String, f64)> {
 }
 
 #[test]
-fn every_spring_is_there_with_its_number() {
+fn every_spring_is_exported_with_its_value() {
     let model = model(Support::Free);
     for format in FORMATS {
         let (all, comments) = read(&exported(&model, format));
@@ -150,7 +150,7 @@ fn every_spring_is_there_with_its_number() {
 }
 
 #[test]
-fn locked_hinges_are_left_out_or_locked() {
+fn locked_hinges_are_omitted_or_locked() {
     let model = model(Support::Frontal);
     for format in [ExportFormat::Mjcf, ExportFormat::Urdf] {
         let (all, comments) = read(&exported(&model, format));
@@ -166,7 +166,7 @@ fn locked_hinges_are_left_out_or_locked() {
 }
 
 #[test]
-fn urdf_joints_follow_one_another_without_a_gap() {
+fn urdf_joints_form_a_chain_without_gaps() {
     let model = model(Support::Free);
     let (all, _) = read(&exported(&model, ExportFormat::Urdf));
     let links = |name| named(&all, name).iter().map(|e| e.attribute("link")).collect::<Vec<_>>();
@@ -188,7 +188,7 @@ fn rotation(q: &[f64]) -> Mat3 {
 }
 
 #[test]
-fn mjcf_bodies_stand_where_the_vertebrae_do_and_hinges_along_the_inferior_axes() {
+fn mjcf_bodies_have_the_places_of_vertebrae_and_hinges_their_inferior_axes() {
     // Oracle: poses composed from the file's own numbers against the model's.
     const MM: f64 = 1e-11;
     let model = model(Support::Free);
@@ -214,7 +214,7 @@ fn mjcf_bodies_stand_where_the_vertebrae_do_and_hinges_along_the_inferior_axes()
     }
 }
 
-/// The patient seen in a mirror, left for right.
+/// The mirrored patient.
 fn mirrored(model: &StoredModel) -> StoredModel {
     let m = Mat3::from_diagonal(&Vec3::new(1.0, -1.0, 1.0));
     let spine = &model.spine;
@@ -224,7 +224,7 @@ fn mirrored(model: &StoredModel) -> StoredModel {
     StoredModel { spine: SpineModel::from_poses(midpoints, axes, &centres), ..model.clone() }
 }
 
-/// What a mirror does to three numbers: places change `y`, rotations the other two.
+/// Effect of a mirror on three numbers: places change `y`, rotations the other two.
 fn mirror(values: &[f64], rotation: bool) -> Vec<f64> {
     let signs = if rotation { [-1.0, 1.0, -1.0] } else { [1.0, -1.0, 1.0] };
     values.iter().zip(signs).map(|(value, sign)| value * sign).collect()
@@ -259,7 +259,7 @@ fn a_mirrored_model_gives_a_mirrored_file() {
 }
 
 #[test]
-fn no_name_breaks_out_of_its_place() {
+fn names_are_escaped_in_every_format() {
     let mut model = model(Support::Free);
     for name in [
         "--><x>",
@@ -292,7 +292,7 @@ fn no_name_breaks_out_of_its_place() {
 }
 
 #[test]
-fn what_no_engine_can_hold_is_refused_by_name() {
+fn values_that_an_engine_cannot_represent_are_refused_by_name() {
     let good = model(Support::Free);
     let refused =
         |model: &StoredModel| export(model, ExportFormat::Mjcf, "test").expect_err("a bad model");

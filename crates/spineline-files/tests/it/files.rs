@@ -1,4 +1,4 @@
-//! Files: what is written is read back the same, and what is wrong is told by place and name.
+//! Files: round trips, and errors with place and name.
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{ImageSide, Level, Posture};
@@ -28,7 +28,7 @@ fn refused(text: &str) -> FileError {
 }
 
 #[test]
-fn a_case_comes_back_as_it_was_written() {
+fn a_case_round_trips() {
     let case = phantom(&Readers::default()).case;
     let once = to_text(&CaseFile::from_case(&case));
     let read = parse_case(&once).expect("our own file");
@@ -41,7 +41,7 @@ fn a_case_comes_back_as_it_was_written() {
 }
 
 #[test]
-fn spacing_provenance_picture_file_and_lateral_film_come_back() {
+fn spacing_provenance_picture_file_and_lateral_film_round_trip() {
     let mut case = phantom(&Readers::exact()).case;
     let spacing = |source, relative_sd| Spacing {
         column_mm: 0.14,
@@ -93,7 +93,7 @@ fn spacing_provenance_picture_file_and_lateral_film_come_back() {
 }
 
 #[test]
-fn a_spacing_and_its_plane_must_go_together() {
+fn a_spacing_without_its_plane_is_refused() {
     let one = text().replacen("\"column_spacing_mm\": 0.1,", "", 1);
     assert!(matches!(refused(&one), FileError::SpacingIncomplete { .. }));
     let pixels =
@@ -118,7 +118,7 @@ fn a_file_saved_a_hundred_times_keeps_its_bytes() {
 }
 
 #[test]
-fn an_unknown_key_names_its_place_and_the_nearest_known_one() {
+fn an_unknown_key_is_reported_with_place_and_nearest_known_key() {
     let wrong = text().replacen("\"superior_left\"", "\"superior_lfet\"", 1);
     match refused(&wrong) {
         FileError::UnknownKey { key, nearest, place, line } => {
@@ -131,7 +131,7 @@ fn an_unknown_key_names_its_place_and_the_nearest_known_one() {
 }
 
 #[test]
-fn a_level_given_twice_is_an_error() {
+fn a_repeated_level_is_an_error() {
     let wrong = text().replacen("\"T7\":", "\"T8\":", 1);
     assert!(refused(&wrong).to_string().contains("T8 is given twice"), "{}", refused(&wrong));
     // Two spellings of one vertebra are the same vertebra.
@@ -140,25 +140,25 @@ fn a_level_given_twice_is_an_error() {
 }
 
 #[test]
-fn a_vertebra_that_does_not_exist_is_named() {
+fn an_unknown_vertebra_is_named() {
     let wrong = text().replacen("\"T7\":", "\"T13\":", 1);
     assert!(refused(&wrong).to_string().contains("`T13` is not a vertebra"), "{}", refused(&wrong));
 }
 
 #[test]
-fn not_a_number_is_no_json() {
+fn not_a_number_is_refused_as_json() {
     let wrong = text().replacen("\"column_spacing_mm\": 0.1", "\"column_spacing_mm\": NaN", 1);
     assert!(matches!(refused(&wrong), FileError::Syntax { .. }), "{}", refused(&wrong));
     let wrong = text().replacen("\"column_spacing_mm\": 0.1", "\"column_spacing_mm\": 1e999", 1);
     assert!(matches!(refused(&wrong), FileError::Syntax { .. } | FileError::Value { .. }));
     assert!(matches!(refused(&text()[..500]), FileError::Syntax { .. }), "cut short");
-    // Bombs of depth end as errors, not as an exhausted stack.
+    // Deep nesting gives an error and no stack overflow.
     refused(&"[".repeat(100_000));
     refused(&"{\"films\":".repeat(100_000));
 }
 
 #[test]
-fn other_formats_and_newer_versions_are_told() {
+fn other_formats_and_newer_versions_are_reported() {
     let model = text().replacen("spineline-case", "spineline-model", 1);
     assert!(matches!(refused(&model), FileError::Format { .. }));
     let newer = text().replacen("\"version\": 1", "\"version\": 2", 1);
@@ -166,7 +166,7 @@ fn other_formats_and_newer_versions_are_told() {
 }
 
 #[test]
-fn half_a_vertebra_and_corners_without_a_picture_are_refused() {
+fn an_incomplete_vertebra_and_corners_without_a_picture_are_refused() {
     let half = r#"{"format":"spineline-case","version":1,"case_id":"a","films":[{"posture":"erect",
         "readings":[{"observer":"A","repeat":1,"vertebrae":{"L4":{"location_mm":[0,0]}}}]}]}"#;
     assert!(refused(half).to_string().contains("L4"), "{}", refused(half));
@@ -228,7 +228,7 @@ fn analysis_file(analysis: &Analysis, case: &Case) -> AnalysisFile {
 }
 
 #[test]
-fn an_analysis_file_can_be_read_by_its_own_type_and_says_synthetic() {
+fn an_analysis_file_is_read_by_its_type_and_says_synthetic() {
     let case = phantom(&Readers::default()).case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     let file = analysis_file(&analysis, &case);
@@ -247,7 +247,7 @@ fn an_analysis_file_can_be_read_by_its_own_type_and_says_synthetic() {
 }
 
 #[test]
-fn an_analysis_file_holds_what_noise_does_and_is_read_with_it_and_without() {
+fn an_analysis_file_is_read_with_and_without_uncertainty() {
     let case = phantom(&Readers::default()).case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     let monte_carlo =
@@ -274,7 +274,7 @@ fn an_analysis_file_holds_what_noise_does_and_is_read_with_it_and_without() {
 }
 
 #[test]
-fn an_analysis_file_holds_what_the_films_say_of_multipliers() {
+fn an_analysis_file_contains_the_identifiability_of_multipliers() {
     let case = phantom(&Readers::default()).case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     let plain = analysis_file(&analysis, &case);
@@ -299,7 +299,7 @@ fn an_analysis_file_holds_what_the_films_say_of_multipliers() {
 }
 
 #[test]
-fn the_stiffness_table_comes_back_and_a_hole_is_named() {
+fn the_stiffness_table_round_trips_and_a_missing_joint_is_named() {
     let library = StiffnessLibrary::default();
     let text = to_text(&StiffnessFile::from(&library));
     let read = parse_stiffness(&text).expect("our own file");

@@ -1,4 +1,4 @@
-//! Load and simulation files: every kind is read, and what is wrong is told by number, kind and vertebra.
+//! Load and simulation files: every kind is read, and errors name number, kind and vertebra.
 
 use std::ops::ControlFlow;
 
@@ -38,7 +38,7 @@ fn model() -> StoredModel {
     parse_model(&model_text()).expect("our own file")
 }
 
-/// The error of loads that are wrong on purpose.
+/// The error of invalid loads.
 fn refused(loads: &str) -> FileError {
     match parse_load(&file(loads)).map(|read| read.place(&model())) {
         Err(error) | Ok(Err(error)) => error,
@@ -47,7 +47,7 @@ fn refused(loads: &str) -> FileError {
 }
 
 #[test]
-fn every_kind_is_read_and_placed() {
+fn every_load_kind_is_read_and_placed() {
     let read = parse_load(&file(EVERY_KIND)).expect("sound");
     let placed = read.place(&model()).expect("on this model");
     // Nine loads on vertebrae, of which gravity makes fourteen; one rod.
@@ -69,7 +69,7 @@ fn every_kind_is_read_and_placed() {
 }
 
 #[test]
-fn loads_come_back_as_they_were_written() {
+fn loads_round_trip() {
     let read = parse_load(&file(EVERY_KIND)).expect("sound");
     let text = to_text(&read);
     assert_eq!(parse_load(&text).expect("our own file"), read);
@@ -77,7 +77,7 @@ fn loads_come_back_as_they_were_written() {
 }
 
 #[test]
-fn unknown_keys_and_kinds_name_the_nearest() {
+fn unknown_keys_and_kinds_are_reported_with_the_nearest_name() {
     let error =
         refused(r#"[{"kind":"pad","level":"T8","directon":[0,1,0],"n_per_mm":1,"advance_mm":1}]"#);
     assert!(
@@ -96,7 +96,7 @@ fn unknown_keys_and_kinds_name_the_nearest() {
 }
 
 #[test]
-fn a_load_that_cannot_be_applied_is_named_by_number_kind_and_vertebra() {
+fn an_inapplicable_load_is_reported_with_number_kind_and_vertebra() {
     let sound = r#"{"kind":"gravity","body_weight_n":40}"#;
     for (load, words) in [
         (
@@ -132,7 +132,7 @@ fn a_load_that_cannot_be_applied_is_named_by_number_kind_and_vertebra() {
 }
 
 #[test]
-fn a_stored_model_measures_the_angles_of_its_analysis() {
+fn a_stored_model_gives_the_angles_of_its_analysis() {
     // Oracle: the analysis, which measures the film itself.
     let phantom = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists");
     let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a phantom");
@@ -164,7 +164,7 @@ fn old_models_and_coupled_springs_are_read() {
 }
 
 #[test]
-fn a_simulation_file_is_read_by_its_own_type() {
+fn a_simulation_file_is_read_by_its_type() {
     let model = model();
     let loads = parse_load(&file(r#"[{"kind":"force_at_point","level":"T2","force_n":[0,20,0]}]"#))
         .expect("sound");
@@ -190,7 +190,7 @@ fn a_simulation_file_is_read_by_its_own_type() {
 }
 
 #[test]
-fn a_joint_in_another_joints_place_is_refused() {
+fn a_joint_in_the_wrong_order_is_refused() {
     let mut json: serde_json::Value = serde_json::from_str(&model_text()).expect("JSON");
     json["joints"].as_array_mut().expect("joints").swap(3, 4);
     let error = parse_model(&json.to_string()).expect_err("joints out of order");
@@ -198,7 +198,7 @@ fn a_joint_in_another_joints_place_is_refused() {
 }
 
 #[test]
-fn axes_that_are_no_rotation_are_refused() {
+fn axes_that_do_not_form_a_rotation_are_refused() {
     let refused = |factor: f64| {
         let mut json: serde_json::Value = serde_json::from_str(&model_text()).expect("JSON");
         for number in json["vertebrae"][5]["axes"][1].as_array_mut().expect("an axis") {

@@ -1,4 +1,4 @@
-//! Files of Spineline, and models in the formats of other programs: what is written, read back, and refused.
+//! Tests of files of Spineline, and of models in the formats of other programs.
 
 mod exports;
 mod files;

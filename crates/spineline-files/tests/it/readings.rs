@@ -1,4 +1,4 @@
-//! Tables of readings: what is read, and what is refused with the line that it stands on.
+//! Tables of readings: valid ones are read, and errors name the line.
 
 use spineline::reliability::{Icc, StatisticKind, Undefined, assess};
 use spineline_files::{FileError, parse_readings};
@@ -10,7 +10,7 @@ fn table(rows: &str) -> Result<spineline_files::ReadingsTable, FileError> {
 }
 
 #[test]
-fn spreadsheets_marks_line_ends_and_any_order_of_columns_are_read() {
+fn byte_order_marks_line_ends_and_any_order_of_columns_are_read() {
     let plain = table("a,mm,1,A,1,2.5\na,mm,1,B,1,3\na,mm,2,A,1,4\na,mm,2,B,1,4.5\n");
     let plain = plain.expect("a table");
     let odd = "\u{feff}value,subject,repeat,observer,unit,quantity\r\n2.5,1,1,A,mm,a\r\n3,1,1,B,mm,a\r\n4,2,1,A,mm,a\r\n4.5,2,1,B,mm,a\r\n";
@@ -26,7 +26,7 @@ fn spreadsheets_marks_line_ends_and_any_order_of_columns_are_read() {
 }
 
 #[test]
-fn every_fault_of_a_row_names_its_line() {
+fn every_error_of_a_row_names_its_line() {
     let good = "a,mm,1,A,1,2.5\n";
     for (row, words) in [
         ("a,mm,1,B,1,NaN\n", "`value` is `NaN`"),
@@ -48,7 +48,7 @@ fn every_fault_of_a_row_names_its_line() {
 }
 
 #[test]
-fn columns_that_are_unknown_twice_there_or_missing_are_refused() {
+fn unknown_repeated_and_missing_columns_are_refused() {
     for (heading, words) in [
         ("quantity,unit,subject,observer,repeat,values", "did you mean `value`?"),
         ("quantity;unit;subject;observer;repeat;value", "separated by commas"),

@@ -1,4 +1,4 @@
-//! An analysis file holds everything that it was made from.
+//! An analysis file contains all its inputs.
 
 use spineline::action::LineOfAction;
 use spineline::analysis::{AnalysisOptions, Grouping, analyze};
@@ -66,7 +66,7 @@ fn odd_options() -> AnalysisOptions {
 }
 
 #[test]
-fn every_choice_comes_back_to_the_last_bit() {
+fn every_option_round_trips_to_the_last_bit() {
     let case = generate(2, Truth::Rod, &Readers::exact(), 5).expect("subject 3 exists").case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     let replicates =
@@ -96,7 +96,7 @@ fn every_choice_comes_back_to_the_last_bit() {
 }
 
 #[test]
-fn a_stiffness_of_a_table_comes_back_to_the_last_bit() {
+fn a_stiffness_table_round_trips_to_the_last_bit() {
     let table = to_text(&spineline_files::StiffnessFile::from(&StiffnessLibrary::default()));
     for written in ["131.9", "0.1234567890123", "97.30000000000001", "5120.007"] {
         let text = table.replacen("132.0", written, 1);
@@ -108,7 +108,7 @@ fn a_stiffness_of_a_table_comes_back_to_the_last_bit() {
 }
 
 #[test]
-fn what_cannot_be_repeated_says_what_is_missing() {
+fn an_analysis_that_cannot_be_repeated_says_what_is_missing() {
     let case = generate(2, Truth::Rod, &Readers::exact(), 5).expect("subject 3 exists").case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     let request = Request {
@@ -139,7 +139,7 @@ fn what_cannot_be_repeated_says_what_is_missing() {
 }
 
 #[test]
-fn some_synthetic_films_among_real_ones_are_said() {
+fn synthetic_films_among_real_ones_are_reported() {
     assert_eq!(FilmOrigin::of([true, true]), FilmOrigin::Synthetic);
     assert_eq!(FilmOrigin::of([true, false]), FilmOrigin::SyntheticAndReal);
     assert_eq!(FilmOrigin::of([false]), FilmOrigin::Real);

@@ -1,6 +1,6 @@
-//! What a codec is given beside its bytes, and what it gives back.
+//! Input and output of a codec.
 
-/// What the image pixel module says, checked.
+/// Checked values of the image pixel module.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Format {
     pub columns: u16,
@@ -24,7 +24,7 @@ impl Format {
     }
 }
 
-/// What a codec gave back.
+/// Output of a codec.
 pub(crate) enum Coded {
     /// Words of one sample each, as many as there are pixels.
     Words(Vec<u16>),

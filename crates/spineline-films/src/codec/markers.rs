@@ -1,4 +1,4 @@
-//! The markers of JPEG and JPEG-LS up to the first scan: what a picture says of itself, before a decoder believes it.
+//! The markers of JPEG and JPEG-LS up to the first scan, checked before decoding.
 
 use super::Format;
 use crate::error::CodecFault;
@@ -20,7 +20,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// That the frame is what the data set says.
+    /// Checks the frame against the data set.
     pub fn check(self, format: Format, components: u8) -> Result<(), CodecFault> {
         let stated = [u32::from(format.columns), u32::from(format.rows)];
         let coded = [u32::from(self.columns), u32::from(self.rows)];
@@ -86,7 +86,7 @@ fn has_end(scan: &[u8]) -> Result<(), CodecFault> {
     if found { Ok(()) } else { Err(CodecFault::Truncated) }
 }
 
-/// One marker segment: its kind, and what it holds.
+/// One marker segment: kind and content.
 pub(crate) struct Segment<'a> {
     pub kind: u8,
     pub body: &'a [u8],

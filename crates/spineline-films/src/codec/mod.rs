@@ -1,6 +1,6 @@
-//! Compressed pictures, decoded by the codecs of dicom-rs, and JPEG-LS by `jpegls`. Both trust what a picture says of
-//! itself: so its header is read here first, and compared with the data set. What a codec is known to decode wrongly is
-//! refused, and a codec that panics ends in an error.
+//! Compressed pictures, decoded by the codecs of dicom-rs, and JPEG-LS by `jpegls`. Both trust the header of a picture, so it
+//! is read here first and compared with the data set. Pictures that a codec is known to decode wrongly are refused, and a panic
+//! of a codec is an error.
 
 mod format;
 mod markers;
@@ -43,7 +43,7 @@ pub(super) fn decode<B: AsRef<[u8]>>(
     frame.and_then(|frame| frame.decode(codec)).map_err(|fault| fault.of(codec))
 }
 
-/// Calls a foreign decoder; its error, or its panic, becomes a fault without its words.
+/// Calls an external decoder; its error or panic is returned without its text.
 pub(super) fn foreign<T, E>(decode: impl FnOnce() -> Result<T, E>) -> Result<T, CodecFault> {
     match catch_unwind(AssertUnwindSafe(decode)) {
         Ok(Ok(decoded)) => Ok(decoded),

@@ -1,5 +1,4 @@
-//! What run lengths (DICOM PS3.5, annex G) say of themselves: the decoder believes the number of segments and unpacks each
-//! of them to whatever length it has.
+//! Checks of run lengths (DICOM PS3.5, annex G), because the decoder trusts the number and length of segments.
 
 use super::Format;
 use crate::error::CodecFault;

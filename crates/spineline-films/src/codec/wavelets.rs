@@ -1,10 +1,10 @@
-//! What the header of a JPEG 2000 picture says of it, before the decoder allocates by it.
+//! Checks of the header of a JPEG 2000 picture, before the decoder allocates memory.
 
 use super::Format;
 use crate::error::CodecFault;
 
 /// Tiles that a codestream may have: a film has one, or a few hundred; each costs memory of its own.
-const MOST_TILES: u64 = 4096;
+const MAX_TILES: u64 = 4096;
 
 /// That a picture is what the data set says, and has an end: the decoder makes up what is cut off.
 pub(super) fn check(data: &[u8], format: Format) -> Result<(), CodecFault> {
@@ -71,7 +71,7 @@ impl Size {
             return Err(CodecFault::Header);
         }
         let tiles = [0, 1].map(|axis| u64::from(self.image[axis].div_ceil(self.tile[axis])));
-        if tiles[0] * tiles[1] > MOST_TILES {
+        if tiles[0] * tiles[1] > MAX_TILES {
             return Err(CodecFault::Unsupported);
         }
         Ok(())

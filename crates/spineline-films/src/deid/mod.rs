@@ -1,6 +1,5 @@
-//! Films without their patients, after the Basic Application Level Confidentiality Profile of DICOM PS3.15, annex E.
-//!
-//! What is kept is listed (the `policy` module), and each kept value is checked to be what it should be: a number, a word
+//! De-identification of films after the Basic Application Level Confidentiality Profile of DICOM PS3.15, annex E.
+//! Kept attributes are listed (the `policy` module), and each kept value is checked: a number, a word
 //! of the standard, a direction. So no text of the file reaches the output. Compressed pictures lose their comments and the
 //! segments of applications; nothing else of the pixels changes: lead markers stay, and so does text that is burned in, which
 //! only eyes can find; the report says so.
@@ -29,13 +28,13 @@ use super::uid;
 use super::{Attribute, FilmKind, FilmLimits, FilmRemark, StoredPixels, lookup, pixels, raster};
 use policy::{Rule, TERMS, rule};
 
-/// How to de-identify.
+/// Options of de-identification.
 #[derive(Clone)]
 pub struct DeidOptions {
     /// Stands for the patient's name and number: 1 to 64 letters, digits, dots, dashes or underscores.
     pub case_id: String,
     /// A secret: with the same one, the same old UID becomes the same new UID, so that the films of a study stay together;
-    /// without it, nobody finds the old UID.
+    /// without it, the old UID cannot be found.
     pub salt: [u8; 32],
     /// Keep sex and age (90 years at most), the Retain Patient Characteristics Option.
     pub retain_sex_and_age: bool,
@@ -57,13 +56,13 @@ pub enum DeidAction {
     Kept,
     /// Removed with its value.
     Removed,
-    /// There, without a value.
+    /// Emptied.
     Emptied,
-    /// There, with a value that names the case.
+    /// Replaced by the case's identifier.
     Replaced,
     /// A new UID for the old one.
     UidReplaced,
-    /// Was not there before.
+    /// Added.
     Added,
 }
 
@@ -81,11 +80,11 @@ pub struct DeidEntry {
 pub struct DeidReport {
     /// Every attribute of the data set and of the file meta information; a sequence stands for all within.
     pub entries: Vec<DeidEntry>,
-    /// What is left for eyes.
+    /// Checks that a person must do.
     pub remarks: Vec<FilmRemark>,
 }
 
-/// A film without its patient.
+/// A de-identified film.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Deidentified {
     /// The new file: DICOM for DICOM, PNG for pictures.
@@ -97,7 +96,7 @@ pub struct Deidentified {
 const METHOD: Attribute = Attribute(0x0012, 0x0063);
 const METHOD_CODES: Attribute = Attribute(0x0012, 0x0064);
 
-/// Writes a film anew, without its patient.
+/// De-identifies a film.
 ///
 /// The transfer syntax stays, but for deflated files, which become Explicit VR Little Endian; the pixels are the same to the
 /// byte. Pictures are decoded and written as PNG of 8 or 16 bits, with nothing but pixels.
@@ -152,7 +151,7 @@ fn dicom(
 ) -> Result<Deidentified, FilmError> {
     let Container { syntax, body, .. } = container::open(bytes, limits)?;
     let data = element::parse(&body, syntax.encoding, limits)?;
-    // Refuses what is no film; the remarks of reading are not those of this.
+    // Refuses files that are not films; remarks of reading are dropped.
     let (film, _) = tags::read(&data, syntax.name, &mut Vec::new())?;
     let mut report = DeidReport::default();
     report.remarks.extend(match film.burned_in_annotation {
@@ -199,7 +198,7 @@ fn write(object: InMemDicomObject, transfer_syntax: &str) -> Result<Vec<u8>, Fil
     Ok(bytes)
 }
 
-/// What is left of an element; `None` if it goes.
+/// The kept element; `None` if it is removed.
 fn keep(
     tag: Attribute,
     stated: VR,
@@ -268,7 +267,7 @@ fn known_vr(tag: Attribute, stated: VR) -> VR {
     known.filter(|_| stated == VR::UN).unwrap_or(stated)
 }
 
-/// Pixels to the byte, without what lies beyond the picture, which is nobody's.
+/// Exact pixels without surplus bytes.
 fn pixel_data(data: &DataSet<'_>, limits: &FilmLimits) -> Result<Option<InMemElement>, FilmError> {
     if let Some(native) = data.native {
         let length = pixels::native_length(&data.object, limits)?.min(native.bytes.len());

@@ -1,12 +1,12 @@
-//! What a de-identified film keeps. A list of what is allowed, since a list of what is forbidden is never complete: all
-//! that is not here is removed, private groups, overlays, curves and comments among it.
+//! Attributes that a de-identified film keeps. A list of allowed attributes, because a list of forbidden ones is never
+//! complete: all others are removed, including private groups, overlays, curves and comments.
 //!
 //! # References
 //! DICOM PS3.15, annex E, table E.1-1. The codes are X (removed), Z (emptied), D (replaced), U (UID replaced), K (kept).
 
 use crate::Attribute;
 
-/// What happens to one attribute.
+/// Action on one attribute.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rule {
     /// Kept if it is made of numbers only.
@@ -15,7 +15,7 @@ pub(super) enum Rule {
     Terms,
     /// Kept if it is a UID of the standard itself.
     StandardUid,
-    /// Replaced, the same one always by the same (U).
+    /// Replaced consistently (U).
     Uid,
     /// Emptied (Z).
     Empty,
@@ -37,7 +37,7 @@ pub(super) enum Rule {
     Remove,
 }
 
-/// What happens to an attribute of a film.
+/// The action on an attribute of a film.
 pub(super) fn rule(attribute: Attribute) -> Rule {
     let Attribute(group, element) = attribute;
     match (group, element) {

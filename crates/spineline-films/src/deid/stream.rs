@@ -1,4 +1,4 @@
-//! Compressed pictures without what is no picture: comments and the segments of applications, which may name anybody.
+//! Removes comments and application segments, which may contain names, from compressed pictures.
 
 use crate::codec::header_segment;
 use crate::error::{Codec, CodecFault, FilmError};
@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn comments_and_applications_go_and_the_picture_stays() {
+    fn comments_and_application_segments_are_removed_and_the_picture_is_kept() {
         let (frame, scan) = (segment(0xC3, &[8; 9]), segment(0xDA, &[1; 6]));
         let pixels = [1, 2, 0xFF, 0, 3, 0xFF, 0xD9];
         let with = [
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn comments_of_jpeg_2000_go_from_its_main_header() {
+    fn comments_in_the_main_header_of_jpeg_2000_are_removed() {
         let size = segment(0x51, &[0; 36]);
         let tile = [0xFF, 0x90, 0, 10, 0, 0, 0, 0, 0, 0, 0, 1, 0xFF, 0x93, 7, 7, 0xFF, 0xD9];
         let with =
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_followed_is_refused_and_run_lengths_are_left_alone() {
+    fn unknown_streams_are_refused_and_run_lengths_are_not_changed() {
         assert!(cleaned(&[vec![0xFF, 0xD8, 0xFF, 0xE0, 0xFF]]).is_err());
         assert!(cleaned(&[b"\0\0\0\x0cjP  \r\n\x87\n".to_vec()]).is_err());
         assert_eq!(cleaned(&[vec![2, 0, 0, 0, 64]]).expect("no headers"), None);

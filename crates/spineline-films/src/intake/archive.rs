@@ -1,4 +1,4 @@
-//! ZIP archives, read where they lie.
+//! ZIP archives, read without unpacking.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -52,7 +52,7 @@ pub(super) fn walk(surveyor: &mut Surveyor, path: &Path) -> Result<(), IntakeErr
 pub(super) fn read(path: &Path, index: usize, limits: &IntakeLimits) -> Result<Vec<u8>, Reason> {
     let mut archive = open(path)?;
     let entry = archive.by_index(index).map_err(|error| reason(&error))?;
-    // An entry may unpack to more than it claims.
+    // An entry may unpack to more than its declared size.
     let limit = limits.entry_bytes.min(entry.size());
     read_limited(entry, limit)
 }

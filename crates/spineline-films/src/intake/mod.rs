@@ -1,8 +1,7 @@
-//! Finding the films in what a person points at: files, folders, ZIP archives.
+//! Search for films in files, folders and ZIP archives.
 //!
 //! Nothing is unpacked to disk and no name from an archive becomes a path. Links are not followed, archives within
-//! archives are not opened, and every count and size has a limit, so that a folder of any size and an archive of any
-//! malice end in a list. What is no film is passed over with its reason, never silently.
+//! archives are not opened, and every count and size has a limit. Files that are not films are listed with the reason.
 
 mod archive;
 mod folder;
@@ -13,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 use crate::{FilmError, FilmKind, Lookalike, sniff};
 
-/// What a survey may take at most.
+/// Limits of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct IntakeLimits {
     /// Files and archive entries that are looked at.
@@ -79,7 +78,7 @@ pub struct Found {
     pub bytes: u64,
 }
 
-/// Something that was found and is no film.
+/// A found file that is not a film.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PassedOver {
     /// Where.
@@ -88,7 +87,7 @@ pub struct PassedOver {
     pub reason: Reason,
 }
 
-/// Why something was passed over.
+/// Why a file was skipped.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Reason {
@@ -121,7 +120,7 @@ pub enum Reason {
     /// A broken archive or entry.
     #[error("the archive is damaged here, or packed in a way that is not read")]
     Damaged,
-    /// Folders below folders below folders.
+    /// Folders nested too deeply.
     #[error("it lies deeper than {limit} folders")]
     TooDeep {
         /// The limit.
@@ -135,7 +134,7 @@ pub enum Reason {
     },
 }
 
-/// A survey that cannot be made at all.
+/// Error that stops a search.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum IntakeError {
@@ -147,18 +146,18 @@ pub enum IntakeError {
         /// Why.
         kind: std::io::ErrorKind,
     },
-    /// More files than anyone imports at once.
+    /// Too many files.
     #[error("there are more than {limit} files and archive entries here")]
     TooMany {
         /// The limit.
         limit: usize,
     },
-    /// A film changed or went away between the survey and its reading.
+    /// A film was changed or deleted between search and reading.
     #[error("{place} {reason}")]
     Gone {
         /// Where.
         place: Place,
-        /// What stands in the way.
+        /// Reason.
         reason: Reason,
     },
 }
@@ -170,12 +169,12 @@ impl IntakeError {
         match self {
             Self::Missing { .. } => "check the path, and that you may read it",
             Self::TooMany { .. } => "name the patient's own folder, or the films one by one",
-            Self::Gone { .. } => "run the import again when nothing else writes there",
+            Self::Gone { .. } => "run the import again when no other program writes there",
         }
     }
 }
 
-/// What lies at the given paths, in the order of the paths and of their names.
+/// Result of a search, in the order of the paths and of their names.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Survey {
     /// The films.
@@ -184,7 +183,7 @@ pub struct Survey {
     pub passed_over: Vec<PassedOver>,
 }
 
-/// Looks for films at the given paths: files, folders with all below them, ZIP archives. `seen` is told the number of
+/// Looks for films at the given paths: files, folders with all below them, ZIP archives. `seen` is called with the number of
 /// files looked at so far, for a progress bar.
 ///
 /// # Errors
@@ -216,7 +215,7 @@ pub fn read(place: &Place, limits: &IntakeLimits) -> Result<Vec<u8>, IntakeError
     bytes.map_err(|reason| IntakeError::Gone { place: place.clone(), reason })
 }
 
-/// What a survey has found so far.
+/// State of a search.
 struct Surveyor {
     limits: IntakeLimits,
     looked_at: usize,
@@ -237,7 +236,7 @@ impl Surveyor {
         self.survey.passed_over.push(PassedOver { place, reason });
     }
 
-    /// Files a thing by its first bytes.
+    /// Classifies a file by its first bytes.
     fn file(&mut self, place: Place, bytes: u64, head: &[u8]) {
         if bytes > self.limits.entry_bytes {
             let limit = self.limits.entry_bytes;

@@ -1,4 +1,4 @@
-//! Decoders that are none: whatever the other process does, the parent gets an error.
+//! Faulty decoders: every failure of the other process is an error for the parent.
 
 use std::path::Path;
 use std::time::Instant;
@@ -9,7 +9,7 @@ use crate::maker::{EXPLICIT, Maker, ramp};
 
 #[cfg(unix)]
 #[test]
-fn f62_children_that_hang_die_or_talk_too_much_are_errors() {
+fn f62_a_child_that_hangs_crashes_or_writes_too_much_is_an_error() {
     let film = Maker::new(6, 4, &ramp(6, 4)).file(EXPLICIT);
     let mut limits = ChildLimits { wall_s: 5.0, ..ChildLimits::default() };
     limits.film.pixels = 1000;

@@ -1,4 +1,4 @@
-//! De-identification: a canary in every place where a patient's name can stand is nowhere in the output.
+//! De-identification: a canary text, placed wherever a patient's name can be, is not in the output.
 
 use std::collections::BTreeMap;
 
@@ -126,7 +126,7 @@ fn parsed(bytes: &[u8]) -> FileDicomObject<InMemDicomObject> {
 }
 
 #[test]
-fn f73_no_canary_survives_in_any_encoding() {
+fn f73_no_identity_text_remains_in_any_encoding() {
     let maker = with_canaries();
     for syntax in [IMPLICIT, EXPLICIT, BIG_ENDIAN, DEFLATED] {
         let file = maker.file(syntax);
@@ -152,7 +152,7 @@ fn f73_no_canary_survives_in_any_encoding() {
 }
 
 #[test]
-fn no_error_and_no_debug_text_holds_a_canary() {
+fn no_error_and_no_debug_text_contains_an_identity_text() {
     let file = with_canaries().file(EXPLICIT);
     for end in (0..file.len()).step_by(7) {
         let error = match deidentify(&file[..end], &options(), &FilmLimits::default()) {
@@ -167,7 +167,7 @@ fn no_error_and_no_debug_text_holds_a_canary() {
 }
 
 #[test]
-fn another_program_reads_the_result_and_its_codes() {
+fn another_program_reads_the_deidentified_file_and_its_codes() {
     let mut maker = with_canaries();
     maker.text((0x10, 0x40), "CS", "F").text((0x10, 0x1010), "AS", "093Y");
     maker.text((0x18, 0x1164), "DS", "0.15\\0.15").text((0x20, 0x20), "CS", "L\\F");
@@ -199,7 +199,7 @@ fn another_program_reads_the_result_and_its_codes() {
 }
 
 #[test]
-fn uids_change_alike_within_a_study_and_differ_with_the_salt() {
+fn uids_are_consistent_within_a_study_and_depend_on_the_salt() {
     let uids = |salt: u8, instance: &str| {
         let mut maker = Maker::new(6, 4, &ramp(6, 4));
         maker.text((8, 0x18), "UI", instance);
@@ -218,7 +218,7 @@ fn uids_change_alike_within_a_study_and_differ_with_the_salt() {
 }
 
 #[test]
-fn compressed_pixels_are_copied_to_the_byte_and_surplus_ones_are_not() {
+fn compressed_pixels_are_copied_exactly_without_surplus_bytes() {
     let pixels = ramp(6, 4);
     let coded = jpeg_lossless(6, 4, 12, &pixels, 1, 0, 0);
     let mut maker = Maker::new(6, 4, &pixels);

@@ -25,7 +25,7 @@ fn lut(descriptor: [u16; 3], values: &[u16]) -> Value {
 }
 
 #[test]
-fn f8_monochrome_1_inverts_once_and_never_twice() {
+fn f8_monochrome_1_inverts_exactly_once() {
     for (photometric, shape, expected, contradicted) in [
         ("MONOCHROME2", None, [0, 85, 170, 255], false),
         ("MONOCHROME2", Some("IDENTITY"), [0, 85, 170, 255], false),
@@ -87,7 +87,7 @@ fn rescale_comes_before_the_window() {
 }
 
 #[test]
-fn modality_table_then_table_of_interest_then_polarity() {
+fn modality_table_values_of_interest_table_and_polarity_apply_in_order() {
     let mut maker = Maker::new(4, 1, &[9, 10, 11, 12]);
     // 10 → 3, 11 → 1, 12 → 2; 9 lies below and gets the first.
     maker.set((0x28, 0x3000), "SQ", lut([3, 10, 16], &[3, 1, 2]));
@@ -104,7 +104,7 @@ fn modality_table_then_table_of_interest_then_polarity() {
 }
 
 #[test]
-fn f9_broken_tables_and_windows_show_the_whole_range_with_a_remark() {
+fn f9_invalid_tables_and_windows_show_the_full_range_with_a_remark() {
     let whole = vec![0, 128, 255];
     let voi = Attribute(0x28, 0x3010);
     let width = Attribute(0x28, 0x1051);

@@ -1,4 +1,4 @@
-//! Files that are damaged, odd, or made to do harm.
+//! Damaged, unusual and malicious files.
 
 use spineline_films::{
     Attribute, Codec, CodecFault, ElementFault, FilmError, FilmLimits, FilmRemark, Lookalike,
@@ -18,7 +18,7 @@ fn small() -> Maker {
 }
 
 #[test]
-fn f1_a_film_cut_anywhere_is_an_error_or_the_same_picture() {
+fn f1_a_truncated_film_is_an_error_or_the_same_picture() {
     let pixels = ramp(6, 4);
     let packed = |fragment| small().fragments(vec![fragment]).clone();
     let mut odd = small();
@@ -47,7 +47,7 @@ fn f1_a_film_cut_anywhere_is_an_error_or_the_same_picture() {
 }
 
 #[test]
-fn f1_compressed_pixels_cut_anywhere_or_with_a_bit_turned_never_panic() {
+fn f1_truncated_or_damaged_compressed_pixels_do_not_panic() {
     let pixels = ramp(6, 4);
     let coded: [(Syntax, Vec<u8>); 3] = [
         (RLE, rle(&pixels)),
@@ -72,7 +72,7 @@ fn f1_compressed_pixels_cut_anywhere_or_with_a_bit_turned_never_panic() {
 }
 
 #[test]
-fn f2_lengths_beyond_the_file_are_named() {
+fn f2_lengths_beyond_the_file_are_reported() {
     let mut maker = small();
     maker.text((0x0008, 0x0005), "CS", "ISO_IR 100");
     for length in [0x2020_2020_u32, 0xFFFF_FFFE, 0x7FFF_FFFF] {
@@ -103,7 +103,7 @@ fn f2_lengths_beyond_the_file_are_named() {
 }
 
 #[test]
-fn f3_sequences_a_hundred_thousand_deep_do_not_reach_the_stack() {
+fn f3_deeply_nested_sequences_do_not_overflow_the_stack() {
     for (private, known) in [(0x0009_u16, false), (0x0008, true)] {
         let mut file = small().file(IMPLICIT);
         for _ in 0..100_000 {
@@ -163,7 +163,7 @@ fn f5_pixel_data_longer_than_declared_gets_a_remark_and_shorter_an_error() {
 }
 
 #[test]
-fn f6_unknown_syntaxes_and_codec_bombs_are_refused_by_their_headers() {
+fn f6_unknown_syntaxes_and_codec_bombs_are_refused_from_their_headers() {
     let uid = "1.2.840.10008.1.2.4.201";
     let error = read(&small().file(Syntax { uid, ..EXPLICIT })).unwrap_err();
     assert_eq!(error, FilmError::TransferSyntax { uid: Some(uid.to_owned()) });
@@ -197,7 +197,7 @@ fn f6_unknown_syntaxes_and_codec_bombs_are_refused_by_their_headers() {
     }
     let error = read(&small().fragments(vec![wavelets]).file(JPEG_2000)).unwrap_err();
     assert!(matches!(error, FilmError::Codec { codec: Codec::Jpeg2000, .. }), "{error}");
-    // Zeros compress a thousandfold.
+    // Zeros compress by a factor of 1000.
     let mut maker = small();
     maker.set((0x0009, 0x1010), "OB", Value::Bytes(vec![0; 1 << 20]));
     let limits = FilmLimits { inflated_bytes: 1 << 16, ..FilmLimits::default() };
@@ -206,7 +206,7 @@ fn f6_unknown_syntaxes_and_codec_bombs_are_refused_by_their_headers() {
 }
 
 #[test]
-fn f7_frames_palettes_and_odd_bits_are_named() {
+fn f7_frames_palettes_and_unusual_bit_depths_are_named() {
     let error = |maker: &mut Maker| read(&maker.file(EXPLICIT)).unwrap_err();
     assert_eq!(error(small().text((0x28, 8), "IS", "30")), FilmError::Frames { frames: 30 });
     assert_eq!(error(small().text((0x28, 8), "IS", "1A")), FilmError::Frames { frames: 0 });
@@ -231,7 +231,7 @@ fn f7_frames_palettes_and_odd_bits_are_named() {
 }
 
 #[test]
-fn f10_spacings_of_zero_reach_the_judge_as_they_are() {
+fn f10_zero_spacings_are_passed_to_the_core_unchanged() {
     let film = read(&small().text((0x28, 0x30), "DS", "0.000\\0.000").file(EXPLICIT)).unwrap();
     assert_eq!(film.tags.spacing.pixel_mm, Some([0.0, 0.0]));
     assert_eq!(spineline::measure::judge_spacing(&film.tags.spacing).spacing, None);
@@ -240,7 +240,7 @@ fn f10_spacings_of_zero_reach_the_judge_as_they_are() {
 }
 
 #[test]
-fn f11_magnification_is_left_to_the_judge() {
+fn f11_magnification_is_left_to_the_core() {
     let mut maker = small();
     maker.text((0x18, 0x1164), "DS", "0.1\\0.1").text((0x18, 0x1114), "DS", "0.9");
     let film = read(&maker.file(EXPLICIT)).unwrap();
@@ -249,7 +249,7 @@ fn f11_magnification_is_left_to_the_judge() {
 }
 
 #[test]
-fn f13_long_and_foreign_names_change_nothing() {
+fn f13_long_and_non_latin_names_do_not_change_the_picture() {
     let whole = read(&small().file(EXPLICIT)).unwrap();
     for name in ["Ä\u{202E}\u{7}^".to_owned(), "X".repeat(65_000)] {
         let mut maker = small();
@@ -261,7 +261,7 @@ fn f13_long_and_foreign_names_change_nothing() {
 }
 
 #[test]
-fn f15_a_preamble_of_another_format_does_not_change_what_the_file_is() {
+fn f15_a_preamble_of_another_format_does_not_change_the_detected_format() {
     let mut maker = small();
     maker.preamble[..4].copy_from_slice(b"II*\0");
     assert_eq!(read(&maker.file(EXPLICIT)).unwrap(), read(&small().file(EXPLICIT)).unwrap());
@@ -270,7 +270,7 @@ fn f15_a_preamble_of_another_format_does_not_change_what_the_file_is() {
 }
 
 #[test]
-fn f16_other_files_are_named_for_what_they_look_like() {
+fn f16_other_files_are_reported_with_their_likely_format() {
     for (bytes, looks_like) in [
         (&b""[..], Lookalike::Empty),
         (b"PK\x03\x04....", Lookalike::Zip),
@@ -304,7 +304,7 @@ fn sequences_of_unknown_attributes_are_implicit_inside() {
 }
 
 #[test]
-fn what_the_scan_lets_through_is_what_dicom_rs_reads() {
+fn files_that_pass_the_scan_are_read_by_dicom_rs() {
     let code = || [((0x0008, 0x0100), ("SH", text("F-10440")))].into();
     let mut maker = small();
     maker.set((0x54, 0x410), "SQ", Value::Items(vec![code(), code()]));

@@ -1,4 +1,4 @@
-//! Finding films among whatever lies in folders and archives: faults F16, F63, F64 and F65.
+//! Search for films in folders and archives: faults F16, F63, F64 and F65.
 
 use std::fs;
 use std::io::Write;
@@ -39,7 +39,7 @@ fn archive(path: &Path, entries: &[(&str, &[u8])]) {
 }
 
 #[test]
-fn films_are_found_in_folders_of_folders_and_everything_else_is_named() {
+fn films_are_found_in_nested_folders_and_other_files_are_named() {
     let here = folder();
     fs::create_dir_all(here.path().join("a/b")).expect("folders");
     fs::write(here.path().join("a/b/one.png"), PNG).expect("a file");
@@ -65,7 +65,7 @@ fn films_are_found_in_folders_of_folders_and_everything_else_is_named() {
 }
 
 #[test]
-fn names_that_trouble_other_systems_are_only_names() {
+fn names_reserved_on_other_systems_are_accepted() {
     let here = folder();
     let long = format!("{}.png", "x".repeat(250));
     for name in ["CON", "nul.png", "..png", " .png", "Film.PNG", "film.png", "é\u{301}.png", &long]
@@ -76,14 +76,14 @@ fn names_that_trouble_other_systems_are_only_names() {
 }
 
 #[test]
-fn a_name_cannot_rewrite_the_screen() {
+fn control_characters_in_names_are_escaped() {
     let place = Place::File(PathBuf::from("a\u{1b}[2Jb\u{202e}gnp.exe"));
     assert_eq!(place.to_string(), "a\u{fffd}[2Jb\u{fffd}gnp.exe");
 }
 
 #[test]
 #[cfg(unix)]
-fn links_below_a_folder_are_not_followed_and_loops_end() {
+fn links_below_a_folder_are_not_followed() {
     use std::os::unix::fs::symlink;
     let here = folder();
     fs::create_dir(here.path().join("films")).expect("a folder");
@@ -93,13 +93,13 @@ fn links_below_a_folder_are_not_followed_and_loops_end() {
     let found = look(here.path());
     assert_eq!(found.films.len(), 1);
     assert_eq!(reasons(&found), [&Reason::NotPlain, &Reason::NotPlain]);
-    // A link that was asked for by name is meant.
+    // A link that is given by name is followed.
     symlink(here.path().join("films"), here.path().join("link")).expect("a link");
     assert_eq!(look(&here.path().join("link")).films.len(), 1);
 }
 
 #[test]
-fn a_path_that_is_not_there_is_an_error_and_not_an_empty_list() {
+fn a_missing_path_is_an_error_and_not_an_empty_list() {
     let here = folder();
     let wrong = here.path().join("fils");
     let error = survey(&[wrong], &IntakeLimits::default(), |_| ()).expect_err("it is not there");
@@ -108,7 +108,7 @@ fn a_path_that_is_not_there_is_an_error_and_not_an_empty_list() {
 }
 
 #[test]
-fn too_many_files_too_deep_folders_and_too_large_files_end_in_words() {
+fn limits_of_files_folders_and_sizes_are_reported() {
     let here = folder();
     let deep = here.path().join("1/2/3/4");
     fs::create_dir_all(&deep).expect("folders");
@@ -127,7 +127,7 @@ fn too_many_files_too_deep_folders_and_too_large_files_end_in_words() {
 }
 
 #[test]
-fn films_are_read_out_of_archives_and_nothing_is_unpacked_to_disk() {
+fn films_are_read_from_archives_without_unpacking_to_disk() {
     let here = folder();
     let path = here.path().join("films.zip");
     let other = [PNG, b" and more"].concat();
@@ -144,7 +144,7 @@ fn films_are_read_out_of_archives_and_nothing_is_unpacked_to_disk() {
 }
 
 #[test]
-fn names_that_lead_out_of_an_archive_are_passed_over() {
+fn names_that_point_outside_of_an_archive_are_skipped() {
     let here = folder();
     let path = here.path().join("traversal.zip");
     let names =
@@ -157,7 +157,7 @@ fn names_that_lead_out_of_an_archive_are_passed_over() {
 }
 
 #[test]
-fn an_archive_within_an_archive_is_not_opened() {
+fn a_nested_archive_is_not_opened() {
     let here = folder();
     let (inner, outer) = (here.path().join("inner.zip"), here.path().join("outer.zip"));
     archive(&inner, &[("one.png", PNG)]);
@@ -168,7 +168,7 @@ fn an_archive_within_an_archive_is_not_opened() {
 }
 
 #[test]
-fn a_bomb_is_refused_by_what_it_claims_and_by_what_it_holds() {
+fn an_archive_bomb_is_refused_by_declared_and_by_actual_size() {
     let here = folder();
     let path = here.path().join("bomb.zip");
     let zeros = [PNG, &vec![0; 4 << 20]].concat();
@@ -187,7 +187,7 @@ fn a_bomb_is_refused_by_what_it_claims_and_by_what_it_holds() {
 }
 
 #[test]
-fn a_damaged_archive_never_ends_the_survey() {
+fn a_damaged_archive_does_not_stop_the_search() {
     let here = folder();
     let path = here.path().join("films.zip");
     archive(&path, &[("one.png", PNG), ("two.png", PNG)]);
@@ -212,7 +212,7 @@ fn a_damaged_archive_never_ends_the_survey() {
 }
 
 #[test]
-fn a_film_that_went_away_is_named() {
+fn a_film_deleted_during_the_search_is_named() {
     let here = folder();
     let path = here.path().join("one.png");
     fs::write(&path, PNG).expect("a file");

@@ -1,11 +1,11 @@
-//! Films made by hand, element by element, with encoders of their own: what the reader should see is known.
+//! Films made element by element with independent encoders, so that the expected values are known.
 #![allow(dead_code, missing_docs, clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
 
 pub type Tag = (u16, u16);
 
-/// How to write a film down.
+/// Encoding of a film.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Syntax {
     pub uid: &'static str,

@@ -63,7 +63,7 @@ fn every_lossless_encoding_gives_the_same_pixels() {
 }
 
 #[test]
-fn a_picture_in_several_fragments_is_joined() {
+fn fragments_of_a_picture_are_joined() {
     let pixels = noise();
     let coded = jpeg_lossless(COLUMNS, ROWS, 12, &pixels, 1, 0, 0);
     let (a, b) = coded.split_at(coded.len() / 2 / 2 * 2);
@@ -73,7 +73,7 @@ fn a_picture_in_several_fragments_is_joined() {
 }
 
 #[test]
-fn lossless_jpeg_that_its_decoder_gets_wrong_is_refused() {
+fn lossless_jpeg_that_the_decoder_misreads_is_refused() {
     // Restart markers after three rows, and two dropped low bits.
     for (restart_rows, shift) in [(3, 0), (0, 2)] {
         let coded = jpeg_lossless(COLUMNS, ROWS, 12, &noise(), 1, restart_rows, shift);
@@ -85,7 +85,7 @@ fn lossless_jpeg_that_its_decoder_gets_wrong_is_refused() {
 }
 
 #[test]
-fn jpeg_of_8_bits_is_near_and_of_12_bits_is_refused() {
+fn jpeg_of_8_bits_is_read_within_tolerance_and_of_12_bits_is_refused() {
     let pixels: Vec<u16> = (0..64 * 32).map(|i| (i / 64 * 4) as u16).collect();
     let bytes: Vec<u8> = pixels.iter().map(|&p| p as u8).collect();
     let mut coded = Vec::new();
@@ -129,7 +129,7 @@ fn eight_bit_pixels_in_big_endian_words_keep_their_order() {
 }
 
 #[test]
-fn grey_in_colour_becomes_luminance_with_a_remark() {
+fn grey_pictures_stored_in_colour_are_converted_with_a_remark() {
     let mut maker = Maker::new(2, 1, &[]);
     maker.word((0x28, 0x100), 8).word((0x28, 0x101), 8).word((0x28, 0x102), 7).word((0x28, 2), 3);
     for (photometric, planar, bytes) in [
@@ -161,7 +161,7 @@ fn files_without_meta_information_are_read_with_remarks() {
 }
 
 #[test]
-fn the_evidence_for_spacing_and_view_is_what_the_tags_say() {
+fn spacing_and_view_are_taken_from_the_tags() {
     let mut maker = Maker::new(2, 2, &[0; 4]);
     maker.text((0x18, 0x1164), "DS", "0.20\\0.10").text((0x18, 0x1114), "DS", "1.25");
     maker.text((0x18, 0x5101), "CS", "PA").text((0x20, 0x20), "CS", "L\\F");
@@ -204,7 +204,7 @@ fn pictures_of_other_formats_are_read_and_have_no_spacing() {
 }
 
 #[test]
-fn text_in_a_spacing_is_named_and_not_used() {
+fn text_in_a_spacing_is_reported_and_not_used() {
     for bad in ["0,1\\0,1", "0.1", "nan\\nan", "inf\\inf", "one\\two", "1e400\\1", "0.1\\0.1\\0.1"]
     {
         let mut maker = Maker::new(2, 2, &[0; 4]);
@@ -218,7 +218,7 @@ fn text_in_a_spacing_is_named_and_not_used() {
 }
 
 #[test]
-fn a_table_that_cannot_be_read_is_named() {
+fn an_unreadable_table_is_named() {
     let mut table = std::collections::BTreeMap::new();
     // A value of UL has four bytes; these are six, and a reader that takes four is out of step.
     table.insert((0x28, 0x1199), ("UL", Value::Words(vec![0; 3])));

@@ -35,7 +35,7 @@ fn expected_error(name: &str) -> Option<FilmError> {
 }
 
 #[test]
-fn every_sample_is_read_as_the_independent_program_read_it() {
+fn every_sample_is_read_like_by_the_independent_program() {
     let Some(data) = folder() else { return };
     let mut table = csv::Reader::from_path(data.join("dicom-samples/expected_tags.csv")).unwrap();
     let mut read_well = 0;

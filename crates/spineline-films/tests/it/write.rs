@@ -60,7 +60,7 @@ fn value(object: &DefaultDicomObject, tag: dicom_core::Tag) -> String {
 }
 
 #[test]
-fn every_encoding_gives_every_pixel_back() {
+fn every_encoding_round_trips_every_pixel() {
     let (subject, pixels) = (subject(), pixels());
     for encoding in [Encoding::Plain, Encoding::Rle] {
         let object = read(&DicomFilm { encoding, ..film(&subject, &pixels) });
@@ -80,7 +80,7 @@ fn every_encoding_gives_every_pixel_back() {
 }
 
 #[test]
-fn spacing_is_written_row_first_and_for_the_plane_that_it_was_measured_in() {
+fn spacing_is_written_row_first_and_with_its_plane() {
     let (subject, pixels) = (subject(), pixels());
     let mut film = film(&subject, &pixels);
     let object = read(&film);
@@ -100,7 +100,7 @@ fn spacing_is_written_row_first_and_for_the_plane_that_it_was_measured_in() {
 }
 
 #[test]
-fn sides_polarity_and_position_are_said() {
+fn sides_polarity_and_position_are_written() {
     let (subject, pixels) = (subject(), pixels());
     let mut film = film(&subject, &pixels);
     let object = read(&film);
@@ -127,7 +127,7 @@ fn sides_polarity_and_position_are_said() {
 }
 
 #[test]
-fn a_film_says_that_it_is_synthetic_and_who_it_stands_for() {
+fn a_film_is_labelled_synthetic_with_its_patient_identifier() {
     let (subject, pixels) = (subject(), pixels());
     let object = read(&film(&subject, &pixels));
     assert_eq!(value(&object, tags::PATIENT_NAME), "PHANTOM^ROD01");
@@ -139,7 +139,7 @@ fn a_film_says_that_it_is_synthetic_and_who_it_stands_for() {
 }
 
 #[test]
-fn the_same_film_is_the_same_file_and_films_of_a_case_share_its_study_alone() {
+fn equal_films_give_equal_files_and_films_of_a_case_share_only_the_study() {
     let (subject, pixels) = (subject(), pixels());
     let one = film(&subject, &pixels);
     assert!(write_dicom(&one).unwrap() == write_dicom(&one).unwrap());
@@ -151,7 +151,7 @@ fn the_same_film_is_the_same_file_and_films_of_a_case_share_its_study_alone() {
 }
 
 #[test]
-fn what_cannot_be_written_is_refused_with_its_value() {
+fn values_that_cannot_be_written_are_refused_by_value() {
     let (subject, pixels) = (subject(), pixels());
     let film = film(&subject, &pixels);
     let refused = |film: &DicomFilm| write_dicom(film).unwrap_err();
@@ -175,7 +175,7 @@ fn what_cannot_be_written_is_refused_with_its_value() {
 }
 
 #[test]
-fn the_digest_is_that_of_little_endian_words() {
+fn the_digest_is_computed_from_little_endian_words() {
     // SHA-256 of the three bytes `abc` is in FIPS 180-4; of `ab` and `abcd` by sha256sum.
     let ab = pixels_sha256(&[u16::from_le_bytes(*b"ab")]);
     assert_eq!(ab, "fb8e20fc2e4c3f248c60c39bd652f3c1347298bb977b8b4d5903b85055620603");

@@ -7,7 +7,7 @@ use super::{CORNERS, film_of, patient_left};
 use crate::names::shown;
 use crate::{LandmarkError, LandmarkHint, MarkedFilm};
 
-/// Most rows that are read; the set has 609.
+/// Maximum number of rows; the set has 609.
 const MAX_ROWS: u64 = 100_000;
 
 /// One film of the folder.
@@ -21,7 +21,7 @@ pub struct AasceRow {
     pub film: MarkedFilm,
 }
 
-/// The films of a folder's two tables, one by one, so that one bad row does not take the others with it.
+/// The films of a folder's two tables, read one by one, so that a bad row does not affect the others.
 pub struct AasceRows<'a> {
     names: Reader<&'a [u8]>,
     landmarks: Reader<&'a [u8]>,

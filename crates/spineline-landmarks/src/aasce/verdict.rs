@@ -8,19 +8,19 @@ use spineline::warning::Warnings;
 
 use crate::{LandmarkError, LandmarkReadings, MarkedFilm};
 
-/// What the landmarks of a film are good for.
+/// Result of the checks of a film's landmarks.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AasceVerdict {
-    /// Nothing is odd.
+    /// No findings.
     Clean {
         /// The main angle as the set defines it: the range, over T1 to L5, of the tilt of the mean endplates.
         main_angle: Angle,
     },
-    /// Someone has to look at the film.
+    /// The film needs a manual check.
     Faults(Vec<AasceFault>),
 }
 
-/// Something odd about a film's landmarks.
+/// A finding on a film's landmarks.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AasceFault {
     /// No vertebrae can be measured from them.
@@ -29,7 +29,7 @@ pub enum AasceFault {
     Spacing {
         /// The upper one.
         superior: Level,
-        /// In words.
+        /// Description.
         message: String,
     },
 }

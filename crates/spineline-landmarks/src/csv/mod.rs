@@ -17,7 +17,7 @@ pub(super) use read::looks_like_csv;
 pub use read::parse_csv;
 pub(super) use write::write;
 
-/// Most rows that are read; every film of a patient with a thousand readings has fewer.
+/// Maximum number of rows; every film of a patient with a thousand readings has fewer.
 pub const MAX_ROWS: u64 = 100_000;
 
 pub(super) const POSTURE: &str = "posture";

@@ -45,7 +45,7 @@ pub fn parse_csv(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, Land
             return Err(LandmarkError::TooLarge { what: "rows", found: rows, limit: MAX_ROWS });
         }
         let line = record.position().map_or(0, csv::Position::line);
-        // What a spreadsheet leaves of rows that were emptied.
+        // Empty rows of a spreadsheet.
         if record.iter().all(<[u8]>::is_empty) {
             continue;
         }
@@ -163,7 +163,7 @@ impl Columns {
     }
 }
 
-/// What the rows of one film gave so far.
+/// Rows of one film read so far.
 #[derive(Default)]
 struct FilmRows {
     crests: Option<IliacCrests>,

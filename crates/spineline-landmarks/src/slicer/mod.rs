@@ -26,7 +26,7 @@ pub(super) use write::write;
 
 use crate::film::SlicerFrame;
 
-/// What our own lists say of themselves in the description of every point.
+/// Description of every point in lists of Spineline.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Description {

@@ -163,7 +163,7 @@ fn gather(
     Ok(())
 }
 
-/// What takes the coordinates to LPS.
+/// Conversion of the coordinates to LPS.
 fn signs(markup: &Markup, at: &str) -> Result<[f64; 3], LandmarkError> {
     match &markup.coordinate_system {
         None => Err(LandmarkError::Missing {

@@ -43,11 +43,11 @@ pub const COLUMN: Code = Code("location-column", SCHEME, "Column of the crossing
 pub const ROW: Code = Code("location-row", SCHEME, "Row of the crossing of the diagonals");
 pub const ILIAC_LEAN: Code =
     Code("iliac-lean", SCHEME, "Tilt of the iliac line's normal, positive to the right");
-pub const BY_HAND: Code = Code("axis-by-hand", SCHEME, "Axis of the body turned by hand");
+pub const BY_HAND: Code = Code("axis-by-hand", SCHEME, "Axis of the body set by hand");
 pub const BY_CORNERS: Code =
     Code("four-corners", SCHEME, "Line through the centres of the endplates");
 pub const AXIS: Code =
-    Code("axis", SCHEME, "Axis turned by hand, clockwise from the image's vertical");
+    Code("axis", SCHEME, "Axis set by hand, clockwise from the image's vertical");
 pub const POSTURE: Code = Code("posture", SCHEME, "Posture of the patient");
 pub const CONVEXITY: Code = Code("convexity", SCHEME, "Side of convexity");
 pub const VERTEBRA: Code = Code("vertebra", SCHEME, "Vertebral body by its four corners");

@@ -9,7 +9,7 @@ use dicom_object::mem::InMemElement;
 use super::SourceImage;
 use super::codes::Code;
 
-/// How an item stands to the one that holds it.
+/// Relation of an item to its parent.
 #[derive(Debug, Clone, Copy)]
 pub enum Relation {
     Contains,

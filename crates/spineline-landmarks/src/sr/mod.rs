@@ -25,7 +25,7 @@ use spineline::anatomy::{Posture, Region};
 use spineline::clinical::CobbEnds;
 use spineline::measure::{IliacCrests, ImageGeometry, Mark, Reading};
 
-/// What a report takes over from the radiograph that it is about.
+/// Data that a report copies from its radiograph.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct SourceImage {
     /// SOP Class UID.
@@ -58,10 +58,10 @@ pub struct SourceImage {
     pub accession_number: String,
 }
 
-/// What a report is made of.
+/// Input of a report.
 #[derive(Debug, Clone, Copy)]
 pub struct ReportOf<'a> {
-    /// Position of the patient.
+    /// Posture.
     pub posture: Posture,
     /// The picture.
     pub image: &'a ImageGeometry,

@@ -131,7 +131,7 @@ impl Report {
     }
 }
 
-/// The axis that was turned by hand, against the image's vertical.
+/// The axis that was set by hand: angle to the image's vertical.
 fn axis(items: &[InMemDicomObject], at: &str) -> Result<Option<Angle>, LandmarkError> {
     let Some(turned) = items.iter().find(|item| is_named(item, codes::AXIS)) else {
         return Ok(None);

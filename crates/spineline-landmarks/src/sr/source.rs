@@ -8,7 +8,7 @@ use spineline_films::read_data_set;
 use super::SourceImage;
 use crate::LandmarkExportError;
 
-/// What a report takes over from the DICOM file of a radiograph; pixels are not read.
+/// Data that a report copies from the DICOM file of a radiograph; pixels are not read.
 ///
 /// # Errors
 /// [`LandmarkExportError::Source`] for a file that is no DICOM or has no identifiers.

@@ -28,7 +28,7 @@ pub fn write_sr(report: &ReportOf<'_>) -> Result<Vec<u8>, LandmarkExportError> {
     let mut document = modules(report);
     root(&mut document, codes::REPORT, "1500", content);
     let encode = |error: &dyn std::fmt::Display| LandmarkExportError::Encode(error.to_string());
-    // The identifier of the report is that of all it says.
+    // The identifier of the report is derived from its content.
     let syntax = dicom_transfer_syntax_registry::entries::EXPLICIT_VR_LITTLE_ENDIAN.erased();
     let mut said = Vec::new();
     document.write_dataset_with_ts(&mut said, &syntax).map_err(|error| encode(&error))?;
@@ -260,7 +260,7 @@ fn vertebra(
         number(codes::COLUMN, location.column_px + HALF_PIXEL, codes::PIXEL, vec![from()]),
         number(codes::ROW, location.row_px + HALF_PIXEL, codes::PIXEL, vec![from()]),
     ];
-    // The axis as it was turned, so that nobody has to know the sides of the picture to read it back.
+    // The axis as set, so that reading it needs no sides of the picture.
     let axis =
         mark.axis_clockwise.map(|axis| number(codes::AXIS, axis.deg(), codes::DEGREE, vec![]));
     measured.extend(axis);

@@ -1,4 +1,4 @@
-//! The public AASCE landmarks: faults that are known are found, and clean films have the angles that come with the set.
+//! The public AASCE landmarks: known errors are found, and valid films have the angles of the set.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -49,7 +49,7 @@ fn flags(folder: &std::path::Path, source: &str) -> BTreeSet<usize> {
 }
 
 #[test]
-fn every_film_gets_a_verdict_and_known_faults_are_found() {
+fn every_film_is_checked_and_known_errors_are_found() {
     let Some(folder) = folder() else { return };
     let rows = rows(&folder);
     assert_eq!(rows.len(), ROWS);
@@ -86,7 +86,7 @@ fn every_film_gets_a_verdict_and_known_faults_are_found() {
 }
 
 #[test]
-fn the_main_angle_of_clean_films_is_that_of_the_set() {
+fn the_main_angle_of_valid_films_equals_that_of_the_data_set() {
     let Some(folder) = folder() else { return };
     let angles =
         std::fs::read_to_string(folder.join("labels/training/angles.csv")).expect("angles");
@@ -117,7 +117,7 @@ fn the_main_angle_of_clean_films_is_that_of_the_set() {
 }
 
 #[test]
-fn a_film_by_matlab_is_the_film_by_tables() {
+fn matlab_and_csv_files_give_the_same_film() {
     let Some(folder) = folder() else { return };
     let rows = rows(&folder);
     let mut compared = 0;
@@ -133,7 +133,7 @@ fn a_film_by_matlab_is_the_film_by_tables() {
 }
 
 #[test]
-fn the_patients_left_follows_the_picture() {
+fn the_patients_left_is_that_of_the_picture() {
     let Some(folder) = folder() else { return };
     let path = folder.join("mat_samples/sunhl-1th-02-Jan-2017-162 A AP.jpg.mat");
     let bytes = std::fs::read(path).expect("bytes");
@@ -157,7 +157,7 @@ fn the_patients_left_follows_the_picture() {
 }
 
 #[test]
-fn a_matlab_file_cut_or_changed_anywhere_is_an_error_or_a_film() {
+fn a_damaged_matlab_file_is_an_error_or_a_film() {
     let Some(folder) = folder() else { return };
     let path = folder.join("mat_samples/sunhl-1th-02-Jan-2017-162 A AP.jpg.mat");
     let bytes = std::fs::read(path).expect("bytes");

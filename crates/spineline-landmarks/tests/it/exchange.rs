@@ -108,7 +108,7 @@ fn same_axes(one: &Film, other: &Film) {
 const SIDES: [ImageSide; 2] = [ImageSide::Left, ImageSide::Right];
 
 #[test]
-fn a_table_comes_back_as_it_was_written() {
+fn a_table_round_trips() {
     for side in SIDES {
         let case = case(side);
         let files = export_landmarks(&case, None, LandmarkTarget::Csv).expect("a table");
@@ -125,7 +125,7 @@ fn a_table_comes_back_as_it_was_written() {
 }
 
 #[test]
-fn point_lists_come_back_as_they_were_written() {
+fn point_lists_round_trip() {
     for side in SIDES {
         let case = case(side);
         let files = export_landmarks(&case, None, LandmarkTarget::Slicer).expect("lists");
@@ -143,7 +143,7 @@ fn point_lists_come_back_as_they_were_written() {
 }
 
 #[test]
-fn a_list_in_ras_is_the_list_in_lps() {
+fn lists_in_ras_and_lps_give_the_same_film() {
     let case = case(ImageSide::Right);
     let files =
         export_landmarks(&case, Some(Posture::Erect), LandmarkTarget::Slicer).expect("lists");
@@ -167,7 +167,7 @@ fn a_list_in_ras_is_the_list_in_lps() {
 }
 
 #[test]
-fn a_list_in_the_patients_frame_lands_on_the_picture() {
+fn a_list_in_the_patients_frame_is_converted_to_pixels() {
     for side in SIDES {
         let case = case(side);
         let film = &case.films[0];
@@ -227,7 +227,7 @@ fn source(size: (u32, u32), posture: Posture) -> SourceImage {
 }
 
 #[test]
-fn reports_come_back_to_what_single_precision_keeps() {
+fn reports_round_trip_to_single_precision() {
     // Half a unit in the last place of a number below 4096.
     const TOLERANCE_PX: f64 = 2.0 * 1.3e-4;
     let curves = [(Region::MainThoracic, CobbEnds { inferior: Level::L1, superior: Level::T6 })];
@@ -270,7 +270,7 @@ fn reports_come_back_to_what_single_precision_keeps() {
 }
 
 #[test]
-fn a_report_needs_the_radiograph_that_was_marked() {
+fn a_report_needs_its_radiograph() {
     let case = case(ImageSide::Right);
     let mut sources = BTreeMap::new();
     let refused = |sources: &BTreeMap<_, _>| {
@@ -284,7 +284,7 @@ fn a_report_needs_the_radiograph_that_was_marked() {
 }
 
 #[test]
-fn locations_of_another_program_go_through_a_table() {
+fn locations_of_another_program_are_read_from_a_table() {
     let placement = |i: usize| Placement {
         location: Frontal::new(0.1 * i as f64, -31.25 * i as f64),
         tilt: Angle::from_deg(3.0 - i as f64),

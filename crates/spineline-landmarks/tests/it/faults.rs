@@ -1,4 +1,4 @@
-//! Landmark files marked or written wrongly: each fault ends with an error that names its place.
+//! Wrong landmarks and invalid files: each fault gives an error that names its place.
 
 use proptest::prelude::*;
 use spineline::anatomy::{ImageSide, Level, Posture};
@@ -61,7 +61,7 @@ fn reordered(row: &str, order: [usize; 4]) -> String {
 }
 
 #[test]
-fn a_sound_table_is_a_sound_film() {
+fn a_valid_table_gives_a_valid_film() {
     assert!(judged(|_| {}).is_ok());
     let mut file = parse_csv(table(&whole()).as_bytes(), &hint()).expect("a table");
     let film = file.films.remove(0);
@@ -69,7 +69,7 @@ fn a_sound_table_is_a_sound_film() {
 }
 
 #[test]
-fn f17_corners_in_another_order_are_seen() {
+fn f17_corners_in_another_order_are_detected() {
     let at = Level::T8.model_index().expect("of the model");
     for (order, fault) in [
         ([1, 0, 2, 3], CornerFault::Crossed),
@@ -87,7 +87,7 @@ fn f17_corners_in_another_order_are_seen() {
 }
 
 #[test]
-fn f18_a_film_with_left_and_right_exchanged_throughout_is_mirrored() {
+fn f18_a_film_with_all_sides_swapped_is_mirrored() {
     let all = judged(|rows| rows.iter_mut().for_each(|row| *row = reordered(row, [1, 0, 3, 2])));
     assert!(matches!(all, Err(LandmarkError::Marks(MeasureError::FilmMirrored { count: 15, .. }))));
 }
@@ -102,7 +102,7 @@ fn f19_a_film_upside_down_is_refused() {
 }
 
 #[test]
-fn f20_vertebrae_that_are_there_twice_or_not_at_all_are_named() {
+fn f20_repeated_and_missing_vertebrae_are_named() {
     let mut rows = whole();
     rows.push(row(Level::T12).replace("T12", "Th12"));
     refused(&table(&rows), &["line 17", "T12", "twice", "line 6"]);
@@ -115,7 +115,7 @@ fn f20_vertebrae_that_are_there_twice_or_not_at_all_are_named() {
 }
 
 #[test]
-fn f21_and_f22_a_vertebra_may_be_absent_and_is_not_made_up() {
+fn f21_and_f22_an_absent_vertebra_is_accepted_and_not_interpolated() {
     let rows: Vec<String> = whole().into_iter().filter(|row| !row.contains(",T7,")).collect();
     let mut file = parse_csv(table(&rows).as_bytes(), &hint()).expect("a table");
     let film = file.films.remove(0);
@@ -124,7 +124,7 @@ fn f21_and_f22_a_vertebra_may_be_absent_and_is_not_made_up() {
 }
 
 #[test]
-fn f24_what_is_no_number_names_its_cell() {
+fn f24_an_invalid_number_is_reported_with_its_cell() {
     for value in ["NaN", "inf", "1e308", "-1e7", "", "12 px", "=1+2", "0x10", "1,5"] {
         let quoted = format!("\"{value}\"");
         let text = table(&[row(Level::T5)]).replacen(",546,", &format!(",{quoted},"), 1);
@@ -133,7 +133,7 @@ fn f24_what_is_no_number_names_its_cell() {
 }
 
 #[test]
-fn f25_points_in_one_place_or_off_the_picture_are_refused() {
+fn f25_coincident_points_and_points_off_the_picture_are_refused() {
     let flat = judged(|rows| rows[3] = "erect,A,1,L1,500,500,500,500,500,500,500,500".to_owned());
     let Err(LandmarkError::Marks(MeasureError::Corners { level, fault, .. })) = flat else {
         panic!("{flat:?}");
@@ -144,7 +144,7 @@ fn f25_points_in_one_place_or_off_the_picture_are_refused() {
 }
 
 #[test]
-fn f29_one_iliac_crest_is_none() {
+fn f29_a_single_iliac_crest_is_not_used() {
     let crests = |cells: &str| format!("erect,,,iliac_crests,{cells}");
     let mut rows = whole();
     rows.push(crests("700,1700,300,1710,,,,"));
@@ -157,7 +157,7 @@ fn f29_one_iliac_crest_is_none() {
 }
 
 #[test]
-fn f30_tables_of_spreadsheets_are_read() {
+fn f30_tables_from_spreadsheets_are_read() {
     let plain = parse_csv(table(&whole()).as_bytes(), &hint()).expect("a table");
     let german = table(&whole()).replace(',', ";").replace('.', ",");
     let quoted = table(&whole()).replace("erect", "\"erect\"").replace("550", "\"550\"");
@@ -178,7 +178,7 @@ fn f30_tables_of_spreadsheets_are_read() {
 }
 
 #[test]
-fn f30_a_formula_is_no_observer() {
+fn f30_a_formula_is_refused_as_observer() {
     for name in ["=cmd", "+1", "-B", "@x"] {
         refused(
             &table(&[row(Level::T5).replace(",A,", &format!(",{name},"))]),
@@ -188,7 +188,7 @@ fn f30_a_formula_is_no_observer() {
 }
 
 #[test]
-fn f30_more_rows_than_any_case_has_are_refused() {
+fn f30_too_many_rows_are_refused() {
     let mut text = String::from(HEADING);
     for repeat in 1..=MAX_ROWS + 1 {
         text.push_str(&format!("\nerect,A,{repeat},T5,550,5,450,5,550,9,450,9"));
@@ -197,7 +197,7 @@ fn f30_more_rows_than_any_case_has_are_refused() {
 }
 
 #[test]
-fn columns_and_postures_that_are_unknown_name_the_nearest() {
+fn unknown_columns_and_postures_are_reported_with_the_nearest_name() {
     refused(
         &table(&whole()).replace("superior_left_row_px", "superior_left_rows_px"),
         &["`superior_left_row_px`?"],
@@ -227,7 +227,7 @@ fn body(z: [f64; 4]) -> String {
 }
 
 #[test]
-fn f26_points_that_lie_in_no_plane_are_refused() {
+fn f26_points_outside_of_a_plane_are_refused() {
     let hint = LandmarkHint { image: Some(image()), ..hint() };
     parse_slicer(slicer(&body([0.0; 4])).as_bytes(), &hint).expect("a plane of a picture");
     let error = parse_slicer(slicer(&body([0.0, 0.0, 0.0, 3.0])).as_bytes(), &hint);
@@ -235,13 +235,13 @@ fn f26_points_that_lie_in_no_plane_are_refused() {
 }
 
 #[test]
-fn f26_millimetres_need_the_spacing_to_become_pixels() {
+fn f26_millimetres_without_a_spacing_are_refused() {
     let error = parse_slicer(slicer(&body([0.0; 4])).as_bytes(), &LandmarkHint::default());
     assert!(matches!(error, Err(LandmarkError::Needs { .. })), "{error:?}");
 }
 
 #[test]
-fn points_of_slicer_that_are_unnamed_doubled_missing_or_unplaced_are_told() {
+fn unnamed_repeated_missing_and_unplaced_points_of_slicer_are_reported() {
     let hint = LandmarkHint { image: Some(image()), ..hint() };
     let refused = |points: &str, part: &str| {
         let text = parse_slicer(slicer(points).as_bytes(), &hint).expect_err(part).to_string();
@@ -273,7 +273,7 @@ fn polygon(points: [[f64; 2]; 4]) -> String {
 }
 
 #[test]
-fn a_quadrilateral_of_labelme_has_its_corners_from_any_start_and_sense() {
+fn corners_of_a_labelme_quadrilateral_do_not_depend_on_start_and_sense() {
     let ring = [[10.5, 5.5], [50.5, 7.5], [52.5, 30.5], [12.5, 29.5]];
     let corners = |points| {
         let file = parse_labelme(labelme(&polygon(points)).as_bytes(), &hint()).expect("a body");
@@ -294,7 +294,7 @@ fn a_quadrilateral_of_labelme_has_its_corners_from_any_start_and_sense() {
 }
 
 #[test]
-fn a_quadrilateral_of_labelme_that_leans_too_far_or_has_no_side_is_refused() {
+fn a_labelme_quadrilateral_with_large_tilt_or_without_area_is_refused() {
     let diamond = [[30.0, 0.0], [60.0, 30.0], [30.0, 60.0], [0.0, 30.0]];
     let error = parse_labelme(labelme(&polygon(diamond)).as_bytes(), &hint());
     assert!(matches!(error, Err(LandmarkError::Ambiguous { .. })), "{error:?}");
@@ -304,7 +304,7 @@ fn a_quadrilateral_of_labelme_that_leans_too_far_or_has_no_side_is_refused() {
 }
 
 #[test]
-fn the_picture_of_a_file_is_the_picture_of_the_film() {
+fn the_picture_named_in_a_file_is_that_of_the_film() {
     let upright = [[10.5, 5.5], [50.5, 7.5], [52.5, 30.5], [12.5, 29.5]];
     let mut file = parse_labelme(labelme(&polygon(upright)).as_bytes(), &hint()).expect("a body");
     let other = ImageGeometry { rows: 999, ..image() };
@@ -319,7 +319,7 @@ fn coco(keypoints: &str, values: &str) -> String {
 }
 
 #[test]
-fn keypoints_of_coco_are_named_in_either_way() {
+fn keypoints_of_coco_are_named_by_either_scheme() {
     let values = "50,7,2,10,5,2,52,30,2,12,29,1";
     let short = r#""superior_left","superior_right","inferior_left","inferior_right""#;
     let long = short.replace("\"s", "\"T5_s").replace("\"i", "\"T5_i");
@@ -339,7 +339,7 @@ fn keypoints_of_coco_are_named_in_either_way() {
 }
 
 #[test]
-fn files_that_hold_no_landmarks_say_so() {
+fn files_without_landmarks_are_reported() {
     for (text, part) in [
         (r#"{"format":"spineline-case"}"#, "it is a Spineline file"),
         (r#"{"a":1}"#, "none of"),
@@ -357,7 +357,7 @@ fn files_that_hold_no_landmarks_say_so() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 512, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// No bytes make a reader panic.
+    /// No input causes a panic.
     #[test]
     fn any_bytes_are_read_or_refused(bytes in proptest::collection::vec(any::<u8>(), 0..400), kind in 0..5usize) {
         let begin: &[u8] = [&b""[..], b"vertebra,", b"{\"markups\":[", b"MATLAB 5.0 MAT-file", b"{\"shapes\":["][kind];
@@ -367,7 +367,7 @@ proptest! {
 
     /// Nor do changes of a sound table.
     #[test]
-    fn a_table_changed_anywhere_is_read_or_refused(place in 0..2000usize, byte in any::<u8>()) {
+    fn a_damaged_table_is_read_or_refused(place in 0..2000usize, byte in any::<u8>()) {
         let mut bytes = table(&whole()).into_bytes();
         let place = place % bytes.len();
         bytes[place] = byte;

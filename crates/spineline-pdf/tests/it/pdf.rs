@@ -70,7 +70,7 @@ fn pages(bytes: &[u8]) -> usize {
 }
 
 #[test]
-fn a_hostile_report_is_typeset_and_holds_its_analysis() {
+fn a_report_of_hostile_texts_is_typeset_with_its_analysis() {
     let document = document(HOSTILE);
     let bytes = pdf(&document, MADE).expect("it can be typeset");
     assert!(bytes.starts_with(b"%PDF-"));
@@ -81,7 +81,7 @@ fn a_hostile_report_is_typeset_and_holds_its_analysis() {
 }
 
 #[test]
-fn the_same_report_has_the_same_bytes() {
+fn equal_reports_give_equal_bytes() {
     let document = document("P07");
     let [a, b] = [(); 2].map(|()| pdf(&document, MADE).expect("it can be typeset"));
     assert!(a == b, "two runs differ");
@@ -90,7 +90,7 @@ fn the_same_report_has_the_same_bytes() {
 }
 
 #[test]
-fn long_tables_go_on_over_pages() {
+fn long_tables_continue_over_pages() {
     let mut document = document("cohort");
     document.sections.truncate(1);
     let few = pages(&pdf(&document, MADE).expect("it can be typeset"));
@@ -128,7 +128,7 @@ fn f54_names_in_chinese_and_in_arabic_are_kept_whole_in_the_attached_analysis() 
 }
 
 #[test]
-fn letters_that_no_font_has_do_not_stop_it() {
+fn letters_without_a_font_do_not_stop_the_report() {
     // One private letter in a text and in a figure; controls and marks of order beside it.
     let subject = "P\u{10fffd}07\u{202e}\u{7}\u{feff}";
     let document = document(subject);
@@ -143,7 +143,7 @@ fn a_report_without_content_is_a_page() {
 }
 
 #[test]
-fn what_cannot_be_is_said() {
+fn impossible_input_is_reported() {
     let document = document("P07");
     let error = pdf(&document, Made { month: 2, day: 30, ..MADE }).expect_err("no such day");
     assert!(matches!(error, PdfError::Date(_)) && error.to_string().contains("2026-02-30"));
@@ -154,7 +154,7 @@ fn what_cannot_be_is_said() {
 }
 
 #[test]
-fn what_is_no_report_holds_no_analysis() {
+fn a_file_that_is_no_report_has_no_analysis() {
     for bytes in [&b"%PDF-1.7 and no analysis"[..], b"", b"<html>", b"{}", b"%PDF-"] {
         assert_eq!(embedded(bytes), None);
     }

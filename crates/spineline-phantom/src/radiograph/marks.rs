@@ -3,7 +3,7 @@
 use spineline::anatomy::{ImageSide, Side};
 use spineline::measure::{ImageGeometry, Spacing};
 
-use super::GREATEST;
+use super::MAX_VALUE;
 use super::spacing;
 use crate::TrueFilm;
 
@@ -104,9 +104,9 @@ impl Marks {
                 let part = (1.0 - (BORDER_MM - inside) / 0.4).max(0.0);
                 *value = (f64::from(*value) * part) as u16;
             } else if let Some(dot) = self.word.at(x_mm, y_mm) {
-                *value = if dot { GREATEST as u16 } else { 0 };
+                *value = if dot { MAX_VALUE as u16 } else { 0 };
             } else if self.marker.at(x_mm, y_mm) == Some(true) {
-                *value = GREATEST as u16;
+                *value = MAX_VALUE as u16;
             }
         }
     }

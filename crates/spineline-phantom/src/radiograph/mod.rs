@@ -1,8 +1,9 @@
-//! Radiographs: a true film as a detector would see it.
+//! Simulated radiographs of true films.
 //!
 //! The picture is a sum of attenuation along the beam. Soft tissue, ribs and pelvis are smooth and are drawn on a grid of
 //! 0.4 mm; vertebrae are drawn pixel by pixel from their true corners, so that an endplate's edge lies where it truly is.
-//! The beam weakens with that sum, its quanta scatter, the detector takes the logarithm, and the wide range of soft tissue
+//! The beam is attenuated by that sum, its quanta have Poisson noise, the detector takes the logarithm, and the wide range of
+//! soft tissue
 //! is compressed as present systems do. All places are millimetres, so pixels need not be square. The spine is planar: the
 //! phantom's vertebrae do not turn about their own axes, and their pedicles stay symmetric.
 //!
@@ -50,7 +51,7 @@ fn spacing(image: &ImageGeometry) -> Spacing {
 }
 
 const BITS_STORED: u16 = 12;
-const GREATEST: f32 = 4095.0;
+const MAX_VALUE: f32 = 4095.0;
 /// Part of soft tissue's contrast that is left after compression.
 const SOFT_CONTRAST: f32 = 0.42;
 /// Stored values per unit of attenuation.
@@ -76,7 +77,7 @@ impl Radiograph {
             marks.burn(row, line);
             if film.polarity == Polarity::Monochrome1 {
                 for value in line {
-                    *value = GREATEST as u16 - *value;
+                    *value = MAX_VALUE as u16 - *value;
                 }
             }
         });
@@ -113,7 +114,7 @@ impl Beam<'_> {
         quanta.scatter(&soft, &mut bone);
         for ((value, &bone), &soft) in line.iter_mut().zip(&bone).zip(&soft) {
             let seen = bone + SOFT_CONTRAST * soft - FLOOR;
-            *value = (GAIN * seen).round().clamp(0.0, GREATEST - 1.0) as u16;
+            *value = (GAIN * seen).round().clamp(0.0, MAX_VALUE - 1.0) as u16;
         }
     }
 }

@@ -34,7 +34,7 @@ fn corners(phantom: &Phantom) -> Vec<Pixel> {
 }
 
 #[test]
-fn a_flattened_spine_keeps_the_form_of_its_curvature() {
+fn a_flattened_spine_keeps_the_shape_of_its_curvature() {
     // Oracle: by definition every turn is multiplied by one number per posture.
     let phantom = phantom(3, Truth::Flatten);
     let erect = turns_rad(&phantom, Posture::Erect);
@@ -50,7 +50,7 @@ fn a_flattened_spine_keeps_the_form_of_its_curvature() {
 }
 
 #[test]
-fn a_line_beside_the_inflections_turns_every_joint_as_its_lever_arms_say() {
+fn a_line_beside_the_inflections_rotates_joints_by_their_lever_arms() {
     // Oracle: a joint whose both ends lie on one side of the line turns to that side; no spring pushes back.
     for index in [0, 10, 17] {
         let phantom = phantom(index, Truth::Offset);
@@ -75,7 +75,7 @@ fn a_line_beside_the_inflections_turns_every_joint_as_its_lever_arms_say() {
 }
 
 #[test]
-fn a_horizontal_load_all_along_turns_every_joint_to_its_side_and_the_lowest_segments_most() {
+fn a_distributed_horizontal_load_rotates_every_joint_to_its_side_and_the_lowest_most() {
     // Oracle: its moment has one sign and grows towards L4, as everything above adds to it.
     let phantom = phantom(0, Truth::Spread);
     for (posture, sense) in [(Posture::LeftBending, -1.0), (Posture::RightBending, 1.0)] {
@@ -89,7 +89,7 @@ fn a_horizontal_load_all_along_turns_every_joint_to_its_side_and_the_lowest_segm
 }
 
 #[test]
-fn random_turns_have_both_signs_and_bends_their_sides() {
+fn random_rotations_have_both_signs_and_bends_have_their_sides() {
     // Oracle: 14 independent normal turns are of one sign once in 8000 times.
     for index in 0..SUBJECTS.len() {
         let phantom = phantom(index, Truth::Random);
@@ -101,7 +101,7 @@ fn random_turns_have_both_signs_and_bends_their_sides() {
 }
 
 #[test]
-fn every_truth_has_phantoms_of_every_subject_that_share_their_anatomy() {
+fn phantoms_of_a_subject_share_anatomy_in_every_scenario() {
     // Oracle: the erect posture is drawn before anything moves.
     for index in 0..SUBJECTS.len() {
         let erect = Truth::EVERY.map(|truth| {
@@ -126,7 +126,7 @@ fn readers_of_one_phantom_err_in_the_same_directions() {
 }
 
 #[test]
-fn copies_are_other_patients_of_the_same_row() {
+fn copies_are_different_patients_of_the_same_table_row() {
     // Oracle: copy 0 is the phantom itself; a copy has its row's main angle and another length.
     let readers = Readers::default();
     let first = generate(1, Truth::Rod, &readers, 3).expect("a phantom");

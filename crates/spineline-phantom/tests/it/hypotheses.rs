@@ -44,7 +44,8 @@ fn location_mm(summary: &HypothesisSummary, role: Role) -> f64 {
     summary.location_mm[place].expect("every film is predicted")
 }
 
-/// Of all loads with as many components or fewer, the one that made the films predicts a bend from the other one best, and has the
+/// Of all loads with as many components or fewer, the one that made the films predicts a bend from the other one best, and has
+/// the
 /// lowest AICc. With more components a load may come near any other.
 fn wins(truth: Truth, load: LoadShape) {
     let compared = comparison(truth, &LOADS.map(Hypothesis::of));
@@ -63,37 +64,37 @@ fn wins(truth: Truth, load: LoadShape) {
 }
 
 #[test]
-fn the_inflection_line_wins_on_rods() {
+fn the_inflection_line_predicts_best_on_rods() {
     wins(Truth::Rod, LoadShape::InflectionLine);
 }
 
 #[test]
-fn the_iliac_line_wins_on_pulls() {
+fn the_iliac_line_predicts_best_on_pulls() {
     wins(Truth::Pull, LoadShape::IliacLine);
 }
 
 #[test]
-fn weight_wins_where_weight_bent() {
+fn weight_predicts_best_where_weight_bent_the_spine() {
     wins(Truth::Weight, LoadShape::Weight);
 }
 
 #[test]
-fn the_spread_force_wins_where_it_bent() {
+fn the_distributed_force_predicts_best_where_it_bent_the_spine() {
     wins(Truth::Lateral, LoadShape::Lateral);
 }
 
 #[test]
-fn the_couple_wins_where_it_bent() {
+fn the_couple_predicts_best_where_it_bent_the_spine() {
     wins(Truth::Couple, LoadShape::Couple);
 }
 
 #[test]
-fn two_forces_win_where_two_bent() {
+fn two_forces_predict_best_where_two_bent_the_spine() {
     wins(Truth::TwoForces, LoadShape::TwoForces);
 }
 
 #[test]
-fn a_free_base_wins_where_the_base_was_turned() {
+fn a_free_base_predicts_best_where_the_base_was_rotated() {
     let bases = Base::ALL.map(|base| Hypothesis { load: LoadShape::InflectionLine, base });
     let compared = comparison(Truth::TurnedBase, &bases);
     let [fixed, noisy, free] = &compared.hypotheses[..] else { panic!("three bases") };
@@ -106,7 +107,7 @@ fn a_free_base_wins_where_the_base_was_turned() {
 }
 
 #[test]
-fn a_free_base_finds_the_turn_that_was_made() {
+fn a_free_base_recovers_the_rotation_of_the_base() {
     // Oracle: the turn that stands between the true tilts of L4 and L3 beyond what the same rod has.
     let (index, seed) = (0, 1);
     let turned = generate(index, Truth::TurnedBase, &Readers::exact(), seed).expect("a phantom");

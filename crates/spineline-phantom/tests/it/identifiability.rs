@@ -108,7 +108,7 @@ impl Patient {
 }
 
 #[test]
-fn the_films_say_nothing_of_the_level_and_enough_of_the_ratios() {
+fn the_films_identify_ratios_and_not_the_level() {
     // Oracle: scaling all springs and all forces by one number changes no shape, where only lateral springs turn.
     let patient = patient();
     let (_, found) = patient.ask(&Asked::regional(&patient));
@@ -119,7 +119,7 @@ fn the_films_say_nothing_of_the_level_and_enough_of_the_ratios() {
 }
 
 #[test]
-fn a_profile_is_the_parabola_that_the_curvature_foretells() {
+fn a_profile_equals_the_parabola_of_the_curvature() {
     // Oracle: the linear theory; the profile fits anew at every point, the deviation is one matrix.
     let patient = patient();
     let (fit, found) = patient.ask(&Asked::regional(&patient));
@@ -140,7 +140,7 @@ fn a_profile_is_the_parabola_that_the_curvature_foretells() {
 }
 
 #[test]
-fn intervals_cover_the_multipliers_that_made_the_films() {
+fn intervals_cover_the_true_multipliers() {
     // Oracle: the truth. Of 200 films × 3 multipliers 95 % are expected; 90 to 99 is what chance allows, with ratios that depend
     // on one another.
     const FILMS: u64 = 200;
@@ -164,7 +164,7 @@ fn intervals_cover_the_multipliers_that_made_the_films() {
 }
 
 #[test]
-fn rough_films_widen_the_intervals_by_what_the_fit_leaves() {
+fn noisy_films_widen_the_intervals_by_the_residuals() {
     // Oracle: residuals scale with the noise, and deviations with them.
     let patient = patient();
     let mut asked = Asked::regional(&patient);
@@ -177,7 +177,7 @@ fn rough_films_widen_the_intervals_by_what_the_fit_leaves() {
 }
 
 #[test]
-fn a_prior_settles_what_the_films_leave_open_and_yields_where_they_speak() {
+fn a_prior_decides_unidentified_parameters_only() {
     // Oracle: a prior alone has the deviation sd √(1 - 1/n) under the mean's gauge, and information adds up.
     let patient = patient();
     let prior = LogNormalPrior::IN_VIVO;

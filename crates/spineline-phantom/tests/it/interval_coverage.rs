@@ -75,7 +75,7 @@ fn share(counts: &Counts, kind: &str) -> f64 {
 }
 
 #[test]
-fn intervals_of_a_few_patients_hold_what_marks_without_noise_give() {
+fn intervals_of_a_few_patients_hold_values_without_landmark_noise() {
     // Oracle: the same analysis of marks without noise. The numbers of a film share its noise; ends of 80 replicates are rough.
     let patients: Vec<(usize, u64)> = (0..6).map(|index| (index, 1)).collect();
     let counts = study(Truth::Rod, &patients, 80);

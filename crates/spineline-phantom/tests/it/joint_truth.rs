@@ -116,31 +116,31 @@ fn check_regional(support: Support, target: FitTarget) {
 }
 
 #[test]
-fn regional_multipliers_come_back_from_whole_shapes_on_a_table() {
+fn regional_multipliers_are_recovered_from_whole_shapes_with_frontal_support() {
     // Oracle: the multipliers that made the shapes.
     check_regional(Support::Frontal, FitTarget::Shape);
 }
 
 #[test]
-fn regional_multipliers_come_back_from_whole_shapes_of_a_free_spine() {
+fn regional_multipliers_are_recovered_from_whole_shapes_of_a_free_spine() {
     // Oracle: the multipliers that made the shapes.
     check_regional(Support::Free, FitTarget::Shape);
 }
 
 #[test]
-fn regional_multipliers_come_back_from_ferguson_angles_on_a_table() {
+fn regional_multipliers_are_recovered_from_ferguson_angles_with_frontal_support() {
     // Oracle: the multipliers that made the shapes.
     check_regional(Support::Frontal, FitTarget::Ferguson);
 }
 
 #[test]
-fn regional_multipliers_come_back_from_ferguson_angles_of_a_free_spine() {
+fn regional_multipliers_are_recovered_from_ferguson_angles_of_a_free_spine() {
     // Oracle: the multipliers that made the shapes.
     check_regional(Support::Free, FitTarget::Ferguson);
 }
 
 #[test]
-fn multipliers_of_every_joint_come_back_from_whole_shapes() {
+fn multipliers_of_every_joint_are_recovered_from_whole_shapes() {
     // Oracle: the multipliers that made the shapes.
     for support in [Support::Frontal, Support::Free] {
         for subject in [0, 6, 10] {

@@ -144,7 +144,7 @@ fn check(truth: Truth, counts: &Counts, right: RangeInclusive<f64>) {
 }
 
 #[test]
-fn regions_hold_the_true_line_and_tests_keep_their_size() {
+fn regions_contain_the_true_line_and_tests_keep_their_size() {
     // Oracle: the line that made the films. Of 36 patients 95 % are 34; fewer than 29 come by chance once in 200 times.
     for truth in [Truth::Rod, Truth::Pull] {
         check(truth, &study(truth, 1..=2, 0.0), 0.8..=1.0);

@@ -21,7 +21,7 @@ fn place(found: &LinesCompared, kind: LineKind) -> usize {
 }
 
 #[test]
-fn a_bend_that_is_left_out_has_no_part_in_the_stiffness_that_predicts_it() {
+fn a_left_out_bend_does_not_change_the_stiffness_that_predicts_it() {
     let phantom = exact(2, Truth::Rod);
     let mut other = phantom.clone();
     let [own, theirs] = [&phantom, &exact(2, Truth::Bend)].map(|p| {
@@ -50,7 +50,7 @@ fn a_bend_that_is_left_out_has_no_part_in_the_stiffness_that_predicts_it() {
 }
 
 #[test]
-fn every_number_that_comes_from_a_film_is_counted() {
+fn every_value_from_a_film_is_counted() {
     let found = analyzed(&exact(0, Truth::Pull)).compare_lines();
     let numbers = |kind| {
         let n = found.lines[place(&found, kind)].numbers;
@@ -64,7 +64,7 @@ fn every_number_that_comes_from_a_film_is_counted() {
 }
 
 #[test]
-fn a_film_counts_where_every_line_has_a_result_and_the_others_are_counted_too() {
+fn films_with_results_of_every_line_are_compared_and_others_counted() {
     let mut found = analyzed(&exact(4, Truth::Rod)).compare_lines();
     let (all, left) = found.counted(FilmRole::LeftOutBend);
     assert_eq!(all, 2);
@@ -87,7 +87,7 @@ fn a_film_counts_where_every_line_has_a_result_and_the_others_are_counted_too() 
 /// Without noise a rod's force runs through its inflections, and that of a pull does not: the same tests must tell them apart
 /// on films that were not fitted.
 #[test]
-fn the_truth_decides_which_line_predicts_better() {
+fn the_loading_scenario_decides_which_line_predicts_better() {
     let cohort = |truth| {
         let analyses: Vec<Analysis> = (0..8).map(|index| analyzed(&exact(index, truth))).collect();
         Cohort::of(&analyses.iter().collect::<Vec<_>>(), 1)

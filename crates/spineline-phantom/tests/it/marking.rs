@@ -29,7 +29,7 @@ fn midpoint(image: &ImageGeometry, corners: &Corners<Pixel>) -> spineline::spati
 }
 
 #[test]
-fn proposals_lie_near_the_truth_on_every_film() {
+fn proposals_are_near_the_true_corners_on_every_film() {
     for index in [0, 2, 4, SUBJECTS.len() - 1] {
         for film in &phantom(index).films {
             for count in 1..Level::MODEL.len() {
@@ -77,7 +77,7 @@ fn a_mirrored_picture_has_mirrored_proposals_and_axes() {
 }
 
 #[test]
-fn an_axis_turned_towards_its_own_end_stays() {
+fn an_axis_rotated_towards_its_own_end_does_not_change() {
     // Subject 3 has pixels that are not square.
     for index in [0, 2] {
         let film = &phantom(index).films[0];
@@ -91,7 +91,7 @@ fn an_axis_turned_towards_its_own_end_stays() {
 }
 
 #[test]
-fn exchanged_corners_are_found_with_three_corners_and_with_four() {
+fn swapped_corners_are_detected_with_three_and_four_corners() {
     let film = &phantom(0).films[0];
     let truth = film.vertebrae[&Level::T8];
     let mirrored = Corners {
@@ -128,7 +128,7 @@ fn exchanged_corners_are_found_with_three_corners_and_with_four() {
 }
 
 #[test]
-fn vertebrae_with_exchanged_names_are_out_of_order() {
+fn vertebrae_with_swapped_names_are_out_of_order() {
     let film = &phantom(0).films[0];
     let mut vertebrae = film.vertebrae.clone();
     vertebrae.insert(Level::T8, film.vertebrae[&Level::T9]);
@@ -138,7 +138,7 @@ fn vertebrae_with_exchanged_names_are_out_of_order() {
 }
 
 #[test]
-fn after_the_vertebrae_come_the_crests() {
+fn the_crests_follow_the_vertebrae() {
     let film = &phantom(0).films[0];
     let mut reading = PartialReading::default();
     let first = NextLandmark::Corner(Level::L4, CornerName::SuperiorLeft);

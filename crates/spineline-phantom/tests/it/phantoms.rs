@@ -30,7 +30,7 @@ fn peak(values: &[f64]) -> f64 {
 }
 
 #[test]
-fn the_same_seed_makes_the_same_phantom_and_another_seed_another() {
+fn a_phantom_depends_on_its_seed_only() {
     // Oracle: equality of every number, printed in full.
     for truth in Truth::ALL {
         for readers in [Readers::exact(), Readers::default()] {
@@ -44,7 +44,7 @@ fn the_same_seed_makes_the_same_phantom_and_another_seed_another() {
 }
 
 #[test]
-fn all_truths_of_a_subject_share_one_erect_spine() {
+fn all_scenarios_of_a_subject_share_one_erect_spine() {
     // Oracle: anatomy has a random stream of its own, so only the movement differs.
     for index in 0..SUBJECTS.len() {
         let erect = Truth::ALL.map(|truth| {
@@ -91,7 +91,7 @@ fn cobb_angles_of_main_thoracic_curves_exceed_ferguson_angles_as_on_films() {
 }
 
 #[test]
-fn main_lumbar_curves_turn_most_just_above_l4_and_so_exceed_an_arc() {
+fn main_lumbar_curves_rotate_most_above_l4_and_exceed_an_arc() {
     // Oracle: an arc of a circle has a ratio of 2. Films have less; a curve that starts at full bend above L4, as these
     // two phantoms do, has more. Known and stated: their lumbar curves are not like films in this.
     check_cobb_by_ferguson(|row| main_region(row) == 0, 2.0..2.3);
@@ -106,7 +106,7 @@ fn a_subject_beyond_the_table_is_refused_by_its_number() {
 }
 
 #[test]
-fn bends_of_phantoms_lean_to_their_sides_and_films_are_complete() {
+fn bends_of_phantoms_tilt_to_their_sides_and_films_are_complete() {
     // Oracle: the left bend leans further left than the right bend, in every truth.
     for truth in Truth::ALL {
         for index in 0..SUBJECTS.len() {
@@ -123,7 +123,7 @@ fn bends_of_phantoms_lean_to_their_sides_and_films_are_complete() {
 }
 
 #[test]
-fn an_analysis_made_twice_is_equal_to_the_last_digit() {
+fn a_repeated_analysis_is_equal_to_the_last_digit() {
     // Oracle: Debug prints every f64 so that it reads back to the same bits.
     for truth in Truth::ALL {
         let case = phantom(2, truth, &Readers::default(), 1).case;

@@ -81,7 +81,7 @@ fn edge_error_mm(drawn: &Radiograph, corners: &Corners<Pixel>, superior: bool) -
 }
 
 #[test]
-fn endplates_are_drawn_where_they_truly_are() {
+fn endplates_are_drawn_at_their_true_places() {
     // Square pixels; pixels that are not, stored with bone dark, too.
     for (number, posture) in
         [(1, Posture::Erect), (12, Posture::LeftBending), (5, Posture::Traction)]
@@ -104,7 +104,7 @@ fn endplates_are_drawn_where_they_truly_are() {
 }
 
 #[test]
-fn true_films_are_what_a_reader_without_error_marks() {
+fn true_films_equal_a_reading_without_error() {
     let phantom = phantom(3);
     for (film, marked) in phantom.films.iter().zip(&phantom.case.films) {
         let spineline::measure::FilmMarks::Landmarks { image, readings, iliac_crests } =
@@ -141,7 +141,7 @@ fn the_lead_marker_lies_on_the_side_that_it_names() {
 }
 
 #[test]
-fn every_film_says_synthetic_in_its_lower_corner() {
+fn every_film_is_labelled_synthetic_in_its_lower_corner() {
     let film = &phantom(1).films[0];
     let drawn = Radiograph::of(film);
     let width = film.image.columns as usize;
@@ -202,7 +202,7 @@ fn pixels_do_not_depend_on_the_number_of_threads() {
 }
 
 #[test]
-fn quanta_scatter_more_where_fewer_arrive() {
+fn relative_noise_is_larger_where_fewer_quanta_arrive() {
     let film = &phantom(1).films[0];
     let drawn = Radiograph::of(film);
     // Differences of neighbours two columns apart: what is left of tissue is small against the quanta.

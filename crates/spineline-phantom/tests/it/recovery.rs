@@ -131,7 +131,7 @@ fn the_inflection_line_reproduces_the_bends_of_rod_phantoms() {
 }
 
 #[test]
-fn pulled_phantoms_speak_for_the_iliac_line_and_against_the_inflection_line() {
+fn pulled_phantoms_support_the_iliac_line_and_not_the_inflection_line() {
     // Oracle: the films were made by a horizontal force at T2.
     let mut misses = Misses::default();
     for index in 0..SUBJECTS.len() {

@@ -18,11 +18,11 @@ pub use people::{Refusal, Refused};
 pub struct Patients<'a> {
     /// The results of every patient.
     pub analyses: &'a [Analysis],
-    /// Who they are, in the same order.
+    /// Data of the patients, in the same order.
     pub subjects: &'a [Subject],
     /// Their statistics.
     pub together: &'a spineline::cohort::Cohort,
-    /// Cases that are not among them.
+    /// Excluded cases.
     pub refused: &'a [Refused],
     /// Program that makes the report.
     pub generator: &'a str,

@@ -13,7 +13,7 @@ use crate::document::{Column, Figure, NoticeKind, Section, Table};
 use crate::figures::{self, FlowStep};
 use crate::phrases::none;
 
-/// Why a case is not among the patients.
+/// Reason for the exclusion of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refusal {
     /// Its file could not be read.
@@ -31,14 +31,14 @@ impl Refusal {
     }
 }
 
-/// A case that is not among the patients.
+/// An excluded case.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Refused {
     /// Its file.
     pub name: String,
-    /// Where it ended.
+    /// Step at which it stopped.
     pub refusal: Refusal,
-    /// Why, in words.
+    /// Reason as text.
     pub why: String,
 }
 
@@ -251,7 +251,7 @@ fn described(name: &str, mut values: Vec<f64>, places: usize) -> Option<Vec<Stri
     ])
 }
 
-/// How many patients are of which type.
+/// Number of patients per type.
 pub fn lenke(patients: &Patients<'_>) -> Section {
     let mut section = Section::new("lenke", "Lenke types");
     let mut counts: Vec<(String, usize)> = (1..=6)

@@ -5,8 +5,8 @@ use kuva::render::render::{PathData, Primitive};
 
 use super::style::Ink;
 
-/// Shorter arrows are not worth their heads.
-const SHORTEST_PX: f64 = 4.0;
+/// Minimum length of an arrow with a head.
+const MIN_LENGTH_PX: f64 = 4.0;
 const HEAD_PX: f64 = 8.0;
 const TURN_PX: f64 = 16.0;
 
@@ -14,7 +14,7 @@ const TURN_PX: f64 = 16.0;
 pub fn arrow(ink: Ink, from: (f64, f64), to: (f64, f64)) -> Vec<Primitive> {
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let length = dx.hypot(dy);
-    if length < SHORTEST_PX {
+    if length < MIN_LENGTH_PX {
         return Vec::new();
     }
     let (dx, dy) = (dx / length, dy / length);
@@ -43,7 +43,7 @@ pub fn bar(ink: Ink, from: (f64, f64), to: (f64, f64)) -> Option<Primitive> {
     let length = dx.hypot(dy);
     let wide = Ink { width_px: 3.0, ..ink };
     let (x, y) = (-9.0 * dy / length, 9.0 * dx / length);
-    (length >= SHORTEST_PX).then(|| wide.stroke((to.0 - x, to.1 - y), (to.0 + x, to.1 + y)))
+    (length >= MIN_LENGTH_PX).then(|| wide.stroke((to.0 - x, to.1 - y), (to.0 + x, to.1 + y)))
 }
 
 /// Three quarters of a circle with a head, around a place.

@@ -7,7 +7,7 @@ use super::page::{Page, Sample};
 use super::panel::{Axis, HeadingKind, Name, Panel, Ticks};
 use super::style::{FILLS, action_fill, outlined};
 
-/// How near the inflection segments of one group of cases are to the least-rotating ones.
+/// Inflection segments of one group of cases against the least-rotating ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InflectionSample {
     /// Name of the group, such as the loading scenario of its phantoms.
@@ -18,7 +18,7 @@ pub struct InflectionSample {
     pub rotations_deg: Vec<f64>,
 }
 
-/// How well one choice of segment stands for the least-rotating one.
+/// One estimate of the least-rotating segment.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct EstimateSample {
     /// Distances to the least-rotating segment, in segments.
@@ -207,7 +207,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_distance_falls_into_one_bin() {
+    fn every_distance_is_in_exactly_one_bin() {
         let shares = bin_shares(&[0.0, 1.0, 1.0, 2.0, 4.0, 7.0, 20.0, 21.0, f64::NAN, 500.0]);
         let ninth = 100.0 / 9.0;
         let counts = [1.0, 2.0, 1.0, 1.0, 1.0, 1.0, 2.0];

@@ -1,4 +1,4 @@
-//! Counts over a cohort: Lenke types, and how many cases came how far.
+//! Counts over a cohort: Lenke types, and cases after every step.
 
 use kuva::render::render::TextAnchor;
 
@@ -38,18 +38,18 @@ pub fn lenke_types(counts: &[(String, usize)], synthetic: bool) -> String {
     page.into_svg()
 }
 
-/// A step that some cases pass.
+/// A step of the flow of cases.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FlowStep {
-    /// Who is left, such as `with a model`.
+    /// Name of the remaining cases, such as `with a model`.
     pub name: String,
-    /// How many they are.
+    /// Number of remaining cases.
     pub cases: usize,
-    /// Why the others left here: reason and number.
+    /// Excluded cases: reason and number.
     pub lost: Vec<(String, usize)>,
 }
 
-/// How many cases passed every step, one below another, with who was lost and why beside.
+/// Number of cases after every step, with excluded cases and reasons.
 #[must_use]
 pub fn exclusions(steps: &[FlowStep], synthetic: bool) -> String {
     const BOX_PX: f64 = 300.0;

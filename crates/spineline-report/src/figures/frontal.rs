@@ -74,7 +74,7 @@ impl Extent {
 }
 
 impl Panel {
-    /// Takes the numbers from the axes of a film without a spacing: nobody knows its millimetres.
+    /// Takes the numbers from the axes of a film without a spacing: its scale is unknown.
     pub fn without_scale(&mut self) {
         for (axis, label) in [(&mut self.x, "lateral"), (&mut self.y, "cranial of L4")] {
             axis.label = format!("{label} (no scale)");
@@ -171,7 +171,7 @@ mod tests {
     use spineline::spatial::Angle;
 
     #[test]
-    fn a_line_is_cut_at_the_edges() {
+    fn a_line_is_clipped_at_the_edges() {
         let up = LineOfAction::leaning(Frontal::new(-10.0, 5.0), Angle::ZERO);
         let cut = clipped(&up, [-50.0, 50.0], [0.0, 100.0]).expect("crosses");
         assert_eq!(cut, [(10.0, 0.0), (10.0, 100.0)]);

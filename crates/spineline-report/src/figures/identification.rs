@@ -31,7 +31,7 @@ pub fn line_identification(analysis: &Analysis) -> Option<String> {
     let title = format!("Identification of the line of action, case {}", analysis.case_id);
     let mut page = Page::new(title, analysis.synthetic);
     page.notes.push(format!(
-        "{VIEW} p: the line of best fit runs through both inflections; below 0.05 speaks against it."
+        "{VIEW} p: the line of best fit runs through both inflections; below 0.05 rejects it."
     ));
     let line_ink = action_ink(LineKind::Inflection);
     page.legend = vec![

@@ -17,11 +17,11 @@ use super::style::{
 
 const TALL_PX: f64 = 560.0;
 /// The strongest force; the others in proportion.
-const LONGEST_ARROW_MM: f64 = 55.0;
-/// Half the breadth with which vertebrae are drawn.
+const MAX_ARROW_MM: f64 = 55.0;
+/// Half the drawn width of vertebrae.
 const HALF_BREADTH_MM: f64 = 14.0;
-/// What lies farther from the spine, such as the end of a long strap, is cut off.
-const FARTHEST_MM: f64 = 110.0;
+/// Objects farther from the spine, such as the end of a long strap, are clipped.
+const MAX_DISTANCE_MM: f64 = 110.0;
 
 const ERECT: (Ink, Marker) =
     (Ink::new(GREY, "", 1.2), Marker { radius_px: 3.2, ..Marker::new(Shape::Circle, GREY, false) });
@@ -44,19 +44,19 @@ pub struct LoadedSpine<'a> {
     pub case_id: &'a str,
     /// Whether that case is synthetic.
     pub synthetic: bool,
-    /// What forces are given in.
+    /// Unit of forces.
     pub force_unit: &'a str,
     /// The vertebrae by name.
     pub levels: &'a [Level],
     /// The unloaded spine.
     pub model: &'a SpineModel,
-    /// What acts on it.
+    /// Loads.
     pub loading: &'a Loading,
     /// For every item of the loading, the place of its load among the words.
     pub load_of_item: &'a [usize],
-    /// Every load in words.
+    /// Text of every load.
     pub load_words: &'a [String],
-    /// What the spine does.
+    /// Response of the spine.
     pub response: &'a Response,
 }
 
@@ -135,7 +135,7 @@ pub fn loaded_spine(input: &LoadedSpine<'_>) -> String {
     page.into_svg()
 }
 
-/// At which factor the shape stands, and what it is.
+/// Load factor of the shape, and its kind.
 fn state_words(input: &LoadedSpine<'_>) -> String {
     let response = input.response;
     match (response.result(), response.nearest()) {
@@ -147,7 +147,7 @@ fn state_words(input: &LoadedSpine<'_>) -> String {
             )
         }
         (None, Some(point)) => format!(
-            "Not a result ({}): the shape that came nearest to the goal is drawn, at a factor of {:.4}.",
+            "Not a result ({}): the shape nearest to the target is drawn, at a factor of {:.4}.",
             response.ending.key(),
             point.factor
         ),
@@ -155,7 +155,7 @@ fn state_words(input: &LoadedSpine<'_>) -> String {
     }
 }
 
-/// The loads on the shape; for what is no result, pads and straps have no force.
+/// The loads on the shape; without a result, pads and straps have no force.
 fn acting(input: &LoadedSpine<'_>, shape: &Deformed) -> Vec<ActingLoad> {
     match (input.response.result(), input.response.nearest()) {
         (Some(result), _) => {
@@ -210,13 +210,13 @@ fn arrow_mm(
     let strongest = acting.iter().map(size).fold(f64::MIN_POSITIVE, f64::max);
     let ActingKind::Force(force) = load.kind else { return None };
     let pushes = matches!(input.loading.items[load.item].load, BodyLoad::Pad { .. });
-    Some((force * (LONGEST_ARROW_MM / strongest), pushes))
+    Some((force * (MAX_ARROW_MM / strongest), pushes))
 }
 
 fn extent(input: &LoadedSpine<'_>, shape: &Deformed, acting: &[ActingLoad], view: View) -> Extent {
     let flat = |points: &[Vec3]| points.iter().map(|p| view.flat(p)).collect::<Vec<_>>();
     let erect = Extent::of(flat(&input.model.midpoints_mm));
-    let around = erect.grown([FARTHEST_MM; 2]);
+    let around = erect.grown([MAX_DISTANCE_MM; 2]);
     let usable = input.response.result().is_some();
     let loaded = Extent::of(flat(&shape.midpoints_mm));
     let spine = erect.union(if usable { loaded } else { loaded.common(around) });
@@ -229,7 +229,7 @@ fn extent(input: &LoadedSpine<'_>, shape: &Deformed, acting: &[ActingLoad], view
         _ => None,
     });
     let loads = Extent::of(tips.chain(anchors).map(|point| view.flat(&point)));
-    spine.union(loads.common(spine.grown([FARTHEST_MM; 2])))
+    spine.union(loads.common(spine.grown([MAX_DISTANCE_MM; 2])))
 }
 
 fn fill(

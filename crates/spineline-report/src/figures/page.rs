@@ -15,7 +15,7 @@ use super::style::{
 const EDGE_PX: f64 = 16.0;
 const FONTS: &str = "DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif";
 
-/// What a legend shows beside a label.
+/// Symbol of a legend entry.
 #[derive(Debug, Clone, Copy)]
 pub enum Sample {
     /// A stroke, with or without a marker on it.

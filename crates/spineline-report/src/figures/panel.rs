@@ -16,7 +16,7 @@ use super::style::{
 /// The attribute of the group that a picture goes into.
 pub const PICTURE_SLOT: &str = "data-layer=\"picture\" data-slot=";
 
-/// What the ticks of an axis say.
+/// Labels of an axis' ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ticks {
     /// Numbers.

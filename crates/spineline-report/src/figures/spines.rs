@@ -79,7 +79,7 @@ fn head(panel: &mut Panel, kind: LineKind, simulation: &Simulation, alarm: bool)
     }
 }
 
-/// Holds the measured spine and usable simulations; what is no result may leave the picture.
+/// Contains the measured spine and usable simulations; other shapes may be clipped.
 fn extent_of<'a>(
     measured: &[Frontal],
     simulations: impl Iterator<Item = &'a Simulation>,

@@ -280,14 +280,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn steps_are_nice() {
+    fn axis_steps_are_round_numbers() {
         for (span, step) in [(0.16, 0.05), (940.0, 200.0), (7.0, 2.0), (5.0, 1.0)] {
             assert!((nice_step(span, 5.0) - step).abs() < 1e-12 * step, "{span}");
         }
     }
 
     #[test]
-    fn text_breaks_at_spaces_and_in_words_too_wide() {
+    fn text_breaks_at_spaces_and_within_overlong_words() {
         assert_eq!(wrapped("inflection line", 12, 80.0), ["inflection", "line"]);
         assert_eq!(wrapped("a 病例病例", 10, 25.0), ["a", "病例", "病例"]);
         assert_eq!(wrapped("inflection line", 12, 900.0), ["inflection line"]);

@@ -203,7 +203,7 @@ pub fn best_fit(analysis: &Analysis) -> Table {
     }
     if let Some(found) = analysis.postures.iter().find_map(|p| p.preferred_line.as_ref()) {
         table.note = format!(
-            "p below 0.05 speaks against the line. Joints of a region differ in stiffness by {:.0} % on these films.",
+            "p below 0.05 rejects the line. Joints of a region differ in stiffness by {:.0} % on these films.",
             100.0 * found.joint_log_sd
         );
     }

@@ -26,7 +26,7 @@ pub struct Patient<'a> {
     pub analysis: &'a Analysis,
     /// Images of the films, as far as there are any; [`summary`] shows none.
     pub pictures: &'a [FilmPicture],
-    /// What the films identify of every model's multipliers, in the order of the models; `None` where it was not requested.
+    /// Identifiability of every model's multipliers, in the order of the models; `None` where it was not requested.
     pub identifiability: Option<&'a [Option<Identifiability>]>,
     /// The effect of landmark noise on the numbers; `None` where it was not requested.
     pub uncertainty: Option<&'a Uncertainty>,
@@ -63,7 +63,7 @@ pub fn report(patient: &Patient<'_>) -> Document {
     }
 }
 
-/// What stands above every report.
+/// Notices above every report.
 pub(crate) fn banners(synthetic: bool) -> Vec<Notice> {
     let generated = "Synthetic data: generated, not measured on a patient. Every number and picture here is synthetic.";
     let device =

@@ -129,7 +129,7 @@ mod tests {
     use crate::document::{Column, Figure, NoticeKind, Table};
 
     #[test]
-    fn lines_are_as_long_as_they_may_be_and_no_word_is_lost() {
+    fn lines_are_filled_to_the_limit_and_keep_every_word() {
         let text =
             "Each bend left out of the fit in turn and then predicted: inflection line 2.9 mm";
         for width in [12, 20, 33, 200] {
@@ -147,12 +147,12 @@ mod tests {
     }
 
     #[test]
-    fn wide_letters_count_twice() {
+    fn wide_characters_count_twice() {
         assert_eq!(wrapped("病例 病例 病例", 9, false), ["病例 病例", "病例"]);
     }
 
     #[test]
-    fn nothing_in_text_controls_the_terminal() {
+    fn control_characters_in_text_are_removed() {
         assert_eq!(plain("\u{7} a\u{1b}[31mb\u{7}\u{9b}\n\tc\u{202e}d\u{2066}"), "a[31mb cd");
         let hostile = "x\u{1b}]0;title\u{7}\u{202e}\r\ny";
         let mut part = Section::new("a", hostile);
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn notices_name_their_weight_place_and_code() {
+    fn notices_contain_severity_place_and_code() {
         let one = Notice {
             kind: NoticeKind::Warning,
             place: "left bending film, T9".to_owned(),

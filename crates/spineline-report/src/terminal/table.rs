@@ -1,6 +1,5 @@
 //! Tables with aligned columns: numbers right, words left.
-//!
-//! Laid out by us: comfy-table gives a narrow column of numbers the same share as a column of words and cuts numbers in two.
+//! Own layout, because comfy-table gives a narrow column of numbers the same share as a column of words and breaks numbers.
 
 use unicode_width::UnicodeWidthStr;
 
@@ -154,7 +153,7 @@ mod tests {
     ];
 
     #[test]
-    fn numbers_stand_right_and_words_left() {
+    fn numbers_are_aligned_right_and_words_left() {
         assert_eq!(
             table(&example(&ROWS), 80),
             "Errors\n\
@@ -167,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn heads_are_wrapped_before_cells() {
+    fn headings_are_wrapped_before_cells() {
         assert_eq!(
             table(&example(&ROWS[..1]), 50),
             format!(
@@ -181,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_of_words_are_narrowed_and_no_number_or_word_is_cut() {
+    fn text_columns_are_narrowed_and_no_number_or_word_is_cut() {
         for width in 36..90 {
             let text = table(&example(&ROWS), width);
             assert!(text.lines().all(|line| line.width() <= width), "{width}:\n{text}");
@@ -205,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn blanks_at_the_start_of_a_cell_indent_all_of_its_lines() {
+    fn leading_blanks_of_a_cell_indent_all_its_lines() {
         let mut rows = Table::new("", vec![Column::words("Quantity"), Column::numbers("n")]);
         rows.row(vec!["  resampled over patients".to_owned(), "4".to_owned()]);
         let text = table(&rows, 19);
@@ -216,10 +215,10 @@ mod tests {
     }
 
     #[test]
-    fn the_note_stands_below_and_indented() {
+    fn the_note_is_below_the_table_and_indented() {
         let mut rows = example(&ROWS[..1]);
-        rows.note = "p below 0.05 speaks against the line.".to_owned();
+        rows.note = "p below 0.05 rejects the line.".to_owned();
         let text = table(&rows, 64);
-        assert!(text.ends_with("\n  p below 0.05 speaks against the line.\n"), "{text}");
+        assert!(text.ends_with("\n  p below 0.05 rejects the line.\n"), "{text}");
     }
 }

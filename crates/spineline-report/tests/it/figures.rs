@@ -1,4 +1,4 @@
-//! Every figure is made, says what it must say, and has the same bytes each time.
+//! Every figure is made, contains the required texts, and has equal bytes each time.
 
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, Subject, analyze};
@@ -158,7 +158,7 @@ fn assert_well_formed(name: &str, svg: &str) {
 }
 
 #[test]
-fn every_figure_says_its_units_and_that_the_data_are_made_up() {
+fn every_figure_has_units_and_the_label_synthetic() {
     let analysis = analysis(true, &Posture::ALL);
     for (name, svg) in figures(&analysis) {
         assert_well_formed(&name, &svg);
@@ -173,20 +173,20 @@ fn every_figure_says_its_units_and_that_the_data_are_made_up() {
 }
 
 #[test]
-fn figures_of_real_films_do_not_say_synthetic() {
+fn figures_of_real_films_have_no_label_synthetic() {
     for (name, svg) in figures(&analysis(false, &Posture::ALL)) {
         assert!(!svg.contains("synthetic"), "{name}");
     }
 }
 
 #[test]
-fn the_same_input_makes_the_same_bytes() {
+fn equal_input_gives_equal_bytes() {
     let (first, second) = (analysis(true, &Posture::ALL), analysis(true, &Posture::ALL));
     assert_eq!(figures(&first), figures(&second));
 }
 
 #[test]
-fn frontal_pictures_say_from_where_one_looks() {
+fn frontal_figures_name_the_direction_of_view() {
     let analysis = analysis(true, &Posture::ALL);
     for (name, svg) in figures(&analysis) {
         if name.starts_with("simulated") || name == "overview" || name == "force-path" {
@@ -231,7 +231,7 @@ fn an_erect_film_alone_has_an_overview_only() {
 }
 
 #[test]
-fn empty_samples_make_empty_axes() {
+fn empty_samples_give_empty_axes() {
     for svg in [
         inflection_distances(&[], true),
         location_errors(&[], "no films", true),
@@ -250,7 +250,7 @@ fn empty_samples_make_empty_axes() {
 }
 
 #[test]
-fn many_boxes_leave_their_names_to_the_legend() {
+fn many_boxes_are_named_in_the_legend() {
     let few = location_errors(&errors(), "bending films, fitted", true);
     assert!(few.contains("n = 504"));
     let mut many = Vec::new();

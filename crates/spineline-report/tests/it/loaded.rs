@@ -1,4 +1,4 @@
-//! The picture of a spine under loads says what it is, and what is no result does not look like one.
+//! The figure of a spine under loads has labels, and shapes without a result are drawn differently.
 
 use std::ops::ControlFlow;
 
@@ -94,7 +94,7 @@ fn every_kind_of_load_is_drawn_and_named() {
 }
 
 #[test]
-fn what_is_no_result_does_not_look_like_one() {
+fn shapes_without_a_result_are_drawn_differently() {
     for (load, _) in loads() {
         let (good, bad) =
             (picture(true, load, None), picture(true, load, Some(PathEnding::LimitPoint)));

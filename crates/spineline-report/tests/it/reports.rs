@@ -1,4 +1,4 @@
-//! Reports say what they must, keep a user's text as text, and give back the analysis they were made with.
+//! Reports contain the required texts, escape user text, and embed their analysis.
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, Subject, analyze};
 use spineline::cohort::Cohort;
@@ -74,7 +74,7 @@ fn tables(section: &Section) -> Vec<&Table> {
 }
 
 #[test]
-fn a_patients_report_has_every_section_and_the_verdict_first() {
+fn a_patient_report_has_every_section_and_the_main_finding_first() {
     let document = document(&case(0));
     let ids: Vec<&str> = document.sections.iter().map(|section| section.id).collect();
     assert_eq!(
@@ -144,7 +144,7 @@ fn loads_and_bases_are_compared_where_they_were_requested() {
 }
 
 #[test]
-fn contradictions_stand_before_warnings_and_notes() {
+fn contradictions_come_before_warnings_and_notes() {
     for subject in 0..4 {
         let document = document(&case(subject));
         let kinds: Vec<NoticeKind> = section(&document, "verdict")
@@ -160,7 +160,7 @@ fn contradictions_stand_before_warnings_and_notes() {
 }
 
 #[test]
-fn fitted_and_held_out_errors_have_tables_of_their_own() {
+fn fitted_and_held_out_errors_have_separate_tables() {
     let document = document(&case(0));
     let tables = tables(section(&document, "errors"));
     let [fitted, held_out] = tables[..] else { panic!("two tables") };
@@ -170,7 +170,7 @@ fn fitted_and_held_out_errors_have_tables_of_their_own() {
 }
 
 #[test]
-fn every_number_has_its_unit_in_the_head() {
+fn every_number_has_its_unit_in_the_heading() {
     for document in [document(&case(0)), cohort_document(&[])] {
         for table in document.sections.iter().flat_map(|section| tables(section)) {
             for column in &table.columns {
@@ -243,7 +243,7 @@ fn reports_use_the_terms_of_the_field() {
 }
 
 #[test]
-fn an_erect_film_alone_makes_a_report_that_says_what_it_lacks() {
+fn a_report_of_an_erect_film_alone_names_what_is_missing() {
     let mut alone = case(0);
     alone.films.retain(|film| film.posture == spineline::anatomy::Posture::Erect);
     let document = document(&alone);
@@ -253,7 +253,7 @@ fn an_erect_film_alone_makes_a_report_that_says_what_it_lacks() {
 }
 
 #[test]
-fn a_users_text_stays_text_in_html() {
+fn user_text_is_escaped_in_html() {
     for name in HOSTILE {
         let text = html(&document(&named(name)));
         // The two scripts of the report, one of data and one for the view in space.
@@ -267,7 +267,7 @@ fn a_users_text_stays_text_in_html() {
 }
 
 #[test]
-fn a_users_text_stays_text_in_markdown() {
+fn user_text_is_escaped_in_markdown() {
     for name in HOSTILE {
         let text = markdown(&document(&named(name)), "figures");
         let (report, _) = text.split_once("## Analysis as JSON").expect("the appendix");
@@ -281,7 +281,7 @@ fn a_users_text_stays_text_in_markdown() {
 }
 
 #[test]
-fn tables_of_markdown_keep_their_columns() {
+fn markdown_tables_keep_their_columns() {
     let refused = [Refused {
         name: "a|b|c.json".to_owned(),
         refusal: Refusal::Unread,
@@ -302,7 +302,7 @@ fn tables_of_markdown_keep_their_columns() {
 }
 
 #[test]
-fn the_analysis_comes_back() {
+fn the_embedded_analysis_round_trips() {
     let document = document(&named(HOSTILE[0]));
     assert_eq!(embedded(html(&document).as_bytes()).as_deref(), Some(JSON));
     assert_eq!(embedded(markdown(&document, "f").as_bytes()).as_deref(), Some(JSON));
@@ -311,7 +311,7 @@ fn the_analysis_comes_back() {
 }
 
 #[test]
-fn the_same_input_makes_the_same_bytes() {
+fn equal_input_gives_equal_bytes() {
     let (first, second) = (document(&case(1)), document(&case(1)));
     assert_eq!(html(&first), html(&second));
     assert_eq!(markdown(&first, "f"), markdown(&second, "f"));
@@ -321,7 +321,7 @@ fn the_same_input_makes_the_same_bytes() {
 }
 
 #[test]
-fn a_cohorts_report_has_every_section_and_counts_who_is_lacking() {
+fn a_cohort_report_has_every_section_and_counts_excluded_patients() {
     let refused = [("bad.json", Refusal::Unread), ("odd.json", Refusal::NotAnalysed)].map(
         |(name, refusal)| Refused { name: name.to_owned(), refusal, why: "reasons".to_owned() },
     );
@@ -356,7 +356,7 @@ fn a_cohorts_report_has_every_section_and_counts_who_is_lacking() {
 }
 
 #[test]
-fn figures_become_pictures() {
+fn figures_are_converted_to_png() {
     for figure in document(&case(0)).figures() {
         let pixels = png(&figure.svg, 0.5).expect("it is an SVG");
         assert!(pixels.starts_with(b"\x89PNG"), "{}", figure.name);

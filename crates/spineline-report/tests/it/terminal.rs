@@ -59,7 +59,7 @@ fn percent(part: f64) -> String {
 }
 
 #[test]
-fn the_head_the_verdict_and_the_curve_are_there() {
+fn the_header_the_main_finding_and_the_curve_are_shown() {
     for (subject, truth) in [(0, Truth::Rod), (4, Truth::Pull)] {
         let case = case(subject, truth);
         let analysis = analysis(&case);
@@ -83,7 +83,7 @@ fn the_head_the_verdict_and_the_curve_are_there() {
 }
 
 #[test]
-fn every_clinical_angle_and_every_fitted_curve_is_there() {
+fn every_clinical_angle_and_every_fitted_curve_is_shown() {
     let case = case(0, Truth::Rod);
     let analysis = analysis(&case);
     let text = terminal(&summary(&case, &analysis, None, None), WIDE);
@@ -131,7 +131,7 @@ fn every_clinical_angle_and_every_fitted_curve_is_there() {
 }
 
 #[test]
-fn every_error_force_and_multiplier_is_there() {
+fn every_error_force_and_multiplier_is_shown() {
     let case = case(0, Truth::Rod);
     let analysis = analysis(&case);
     let compared = analysis.compare_lines();
@@ -204,7 +204,7 @@ fn a_fit_that_found_no_value_says_so() {
 }
 
 #[test]
-fn every_load_and_base_is_there_where_it_was_requested() {
+fn requested_loads_and_bases_are_shown() {
     let case = case(0, Truth::Rod);
     let asked = ["inflection_line", "couple"];
     let hypotheses: Vec<Hypothesis> = asked.map(|name| name.parse().expect("a load")).to_vec();
@@ -239,7 +239,7 @@ fn every_load_and_base_is_there_where_it_was_requested() {
 }
 
 #[test]
-fn identifiability_and_its_prior_are_there_where_they_were_requested() {
+fn requested_identifiability_and_prior_are_shown() {
     let case = case(1, Truth::Rod);
     let prior = LogNormalPrior::IN_VIVO;
     let options = AnalysisOptions { prior: Some(prior), ..AnalysisOptions::default() };
@@ -277,7 +277,7 @@ fn identifiability_and_its_prior_are_there_where_they_were_requested() {
 }
 
 #[test]
-fn every_number_of_the_replicates_is_there_where_they_were_requested() {
+fn requested_numbers_of_replicates_are_shown() {
     let case = case(0, Truth::Rod);
     let analysis = analysis(&case);
     let monte_carlo =
@@ -312,7 +312,7 @@ fn every_number_of_the_replicates_is_there_where_they_were_requested() {
 }
 
 #[test]
-fn every_warning_names_the_case_the_place_and_the_code() {
+fn every_warning_names_case_place_and_code() {
     let case = case(0, Truth::Rod);
     let analysis = analysis(&case);
     let notices = warnings(&analysis);
@@ -329,7 +329,7 @@ fn every_warning_names_the_case_the_place_and_the_code() {
 }
 
 #[test]
-fn one_film_has_neither_models_nor_empty_sections() {
+fn a_single_film_has_no_models_and_no_empty_sections() {
     let mut alone = case(0, Truth::Rod);
     alone.films.retain(|film| film.posture == spineline::anatomy::Posture::Erect);
     let document = summary(&alone, &analysis(&alone), None, None);
@@ -368,7 +368,7 @@ fn assert_whole(document: &Document) {
 }
 
 #[test]
-fn a_patient_fits_into_a_terminal_and_on_two_pages() {
+fn a_patient_fits_the_terminal_width_and_two_pages() {
     for truth in [Truth::Rod, Truth::Pull] {
         let case = case(2, truth);
         let document = summary(&case, &analysis(&case), None, None);
@@ -379,7 +379,7 @@ fn a_patient_fits_into_a_terminal_and_on_two_pages() {
 }
 
 #[test]
-fn a_cohort_has_every_patient_every_line_and_every_test() {
+fn a_cohort_shows_every_patient_line_and_test() {
     let cases: Vec<Case> = (0..4).map(|subject| case(subject, Truth::Pull)).collect();
     let analyses: Vec<Analysis> = cases.iter().map(analysis).collect();
     let together = Cohort::of(&analyses.iter().collect::<Vec<_>>(), 1);
@@ -439,7 +439,7 @@ fn an_empty_cohort_says_so() {
 }
 
 #[test]
-fn every_statistic_of_readings_is_there_with_its_interval_and_limits_of_agreement() {
+fn every_statistic_of_readings_is_shown_with_interval_and_limits_of_agreement() {
     let case = case(0, Truth::Rod);
     let films: Vec<FilmReadings> =
         case.films.iter().map(|film| FilmReadings::measure(film).expect("sound")).collect();
@@ -470,7 +470,7 @@ fn every_statistic_of_readings_is_there_with_its_interval_and_limits_of_agreemen
 }
 
 #[test]
-fn a_name_that_controls_a_terminal_stays_a_name() {
+fn control_characters_in_a_name_are_removed() {
     let hostile = "\u{1b}[2J\u{1b}]0;x\u{7}\u{202e}P07\r\u{9b}31m";
     let case = Case { id: hostile.to_owned(), ..case(0, Truth::Rod) };
     let analysis = analysis(&case);

@@ -1,14 +1,14 @@
-//! Many studies together.
+//! Statistics over many studies.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{Notice, StudyStatus};
 
-/// All studies that the one who asks may see.
+/// All studies that the requester may see.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CohortView {
-    /// Whether any of the films are made up.
+    /// Whether any of the films are synthetic.
     pub synthetic: bool,
     /// One row per study.
     pub rows: Vec<CohortRow>,
@@ -16,9 +16,9 @@ pub struct CohortView {
     pub charts: Vec<BoxChart>,
     /// Comparisons of lines.
     pub comparisons: Vec<ComparisonView>,
-    /// How well readers agree.
+    /// Agreement of observers.
     pub reliability: Vec<ReliabilityView>,
-    /// What was found, in plain words.
+    /// Main findings as text.
     pub verdict: Vec<String>,
     /// Warnings.
     pub notices: Vec<Notice>,
@@ -29,13 +29,13 @@ pub struct CohortView {
 pub struct CohortRow {
     /// Study.
     pub study: String,
-    /// Whether its films are made up.
+    /// Whether its films are synthetic.
     pub synthetic: bool,
-    /// How far it has come.
+    /// Status.
     pub status: StudyStatus,
-    /// Whether it is part of the statistics; if not, why.
+    /// Reason for its exclusion from the statistics; null if it is included.
     pub excluded: Option<String>,
-    /// Cells, the same headings for every study.
+    /// Cells, with the same headings for every study.
     pub cells: Vec<CohortCell>,
 }
 
@@ -44,20 +44,20 @@ pub struct CohortRow {
 pub struct CohortCell {
     /// Heading with its unit, such as `main Cobb (°)`.
     pub heading: String,
-    /// The value in words; `–` where there is none.
+    /// The value as text; `–` where there is none.
     pub text: String,
-    /// For sorting.
+    /// The value as a number, for sorting.
     pub value: Option<f64>,
 }
 
-/// Boxes side by side.
+/// A chart of boxes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct BoxChart {
     /// Title.
     pub title: String,
     /// Label of the axis with its unit.
     pub axis: String,
-    /// The rule of the whiskers in words.
+    /// Text with the rule of the whiskers.
     pub whiskers_text: String,
     /// Boxes.
     pub boxes: Vec<BoxView>,
@@ -76,27 +76,27 @@ pub struct BoxView {
     pub outliers: Vec<f64>,
 }
 
-/// Two things compared over the cohort: the paper's way and by patient.
+/// Two models compared over the cohort: with the paper's pooled test, and with the patient as unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ComparisonView {
-    /// What is compared with what.
+    /// Names of the compared models and of the quantity.
     pub label: String,
-    /// The paper's pooled test in words.
+    /// Text of the paper's pooled test.
     pub pooled_text: String,
-    /// By patient in words.
+    /// Text of the test with the patient as unit.
     pub by_patient_text: String,
 }
 
-/// Agreement of readers on one quantity.
+/// Agreement of observers on one quantity.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ReliabilityView {
     /// Quantity with its unit.
     pub quantity: String,
-    /// Study, or all of them together.
+    /// Study, or all studies.
     pub scope: String,
-    /// Named statistics in words, such as `ICC(2,1)` and `0.98 (0.96–0.99)`.
+    /// Statistics with their values as text, such as `ICC(2,1)` and `0.98 (0.96–0.99)`.
     pub statistics: Vec<NamedText>,
-    /// A Bland–Altman plot, where two can be compared.
+    /// A Bland–Altman plot, where pairs of readings exist.
     pub bland_altman: Option<BlandAltmanView>,
 }
 
@@ -109,7 +109,7 @@ pub struct NamedText {
     pub text: String,
 }
 
-/// Differences against means.
+/// Data of a Bland–Altman plot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct BlandAltmanView {
     /// Means.

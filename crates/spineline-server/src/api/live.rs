@@ -1,32 +1,32 @@
-//! What follows from the marks: over the film, and beside it.
+//! Results from landmarks: drawn over the film, and beside it.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{LineName, Notice, PostureName, SideName};
 
-/// How far the marks reach.
+/// Which results the landmarks allow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LiveStatus {
-    /// Vertebrae are missing: no curve yet.
+    /// Vertebrae are missing: no curve.
     Partial,
-    /// The film is measured; the study as far as its films reach.
+    /// The film is measured; the study has the results that its films allow.
     Complete,
-    /// The marks contradict one another.
+    /// Landmarks contradict each other.
     Refused,
 }
 
-/// What follows from a reading as it stands, together with the other films of its study.
+/// Results from the current reading and the other films of its study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct LiveView {
-    /// How far the marks reach.
+    /// Which results the landmarks allow.
     pub status: LiveStatus,
-    /// In words, such as `12 of 15 vertebrae; T4, T3 and T2 are missing`.
+    /// Text, such as `12 of 15 vertebrae; T4, T3 and T2 are missing`.
     pub status_text: String,
-    /// What is to be drawn over this film.
+    /// Drawing over this film.
     pub overlay: Option<FilmOverlay>,
-    /// The whole study: absent while its erect film is not complete.
+    /// Results of the whole study; absent while its erect film is not complete.
     pub study: Option<StudyFindings>,
     /// Warnings and contradictions, worst first.
     pub notices: Vec<Notice>,
@@ -39,13 +39,13 @@ pub struct FilmOverlay {
     pub posture: PostureName,
     /// Fitted curve, caudal end first.
     pub curve_px: Vec<[f64; 2]>,
-    /// Order and residuals in words, such as `polynomial of order 7, RMSE 0.31 mm and 0.8°`.
+    /// Order and residuals as text, such as `polynomial of order 7, RMSE 0.31 mm and 0.8°`.
     pub curve_text: String,
-    /// Where the curve of the erect film inflects, or where these segments lie in this posture.
+    /// Inflections of the erect curve; in other postures, the places of the same segments.
     pub inflections: Vec<LabelledPoint>,
     /// From each measured midpoint to the curve.
     pub residuals: Vec<Residual>,
-    /// End vertebrae of the curves: their endplates drawn long, and their angle.
+    /// End vertebrae of the curves, with extended endplates and their angle.
     pub cobb: Vec<CobbOverlay>,
     /// Lines of action on this film.
     pub lines: Vec<LineOverlay>,
@@ -56,39 +56,39 @@ pub struct FilmOverlay {
 /// A point with a name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct LabelledPoint {
-    /// Where.
+    /// Place.
     pub px: [f64; 2],
-    /// Short name to draw.
+    /// Short label.
     pub label: String,
-    /// In words, such as `inflection between L1 and T12`.
+    /// Description, such as `inflection between L1 and T12`.
     pub text: String,
 }
 
-/// How far a vertebra is from the curve.
+/// Distance of a vertebra from the curve.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Residual {
     /// Level.
     pub level: String,
     /// Measured midpoint.
     pub from_px: [f64; 2],
-    /// Where the curve passes.
+    /// Nearest point of the curve.
     pub to_px: [f64; 2],
-    /// Distance with its unit, in words.
+    /// Distance with its unit as text.
     pub text: String,
-    /// Whether it is beyond three standard deviations.
+    /// Whether the distance exceeds three standard deviations.
     pub is_outlier: bool,
 }
 
 /// A Cobb angle over a film.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CobbOverlay {
-    /// Region in words.
+    /// Name of the region.
     pub region: String,
     /// Line along the upper end vertebra.
     pub upper_px: [[f64; 2]; 2],
     /// Line along the lower end vertebra.
     pub lower_px: [[f64; 2]; 2],
-    /// Where to write the angle.
+    /// Place of the label.
     pub label_px: [f64; 2],
     /// Such as `48.2°`.
     pub label: String,
@@ -105,7 +105,7 @@ pub struct LineOverlay {
     pub from_px: [f64; 2],
     /// Other end.
     pub to_px: [f64; 2],
-    /// In words, with its status.
+    /// Name and status as text.
     pub text: String,
     /// Whether its model converged on this film.
     pub converged: bool,
@@ -116,28 +116,28 @@ pub struct LineOverlay {
 pub struct StudyFindings {
     /// Curves with their angles per posture.
     pub curves: Vec<CurveFinding>,
-    /// Lenke's type in words, with what is missing.
+    /// Lenke type as text, with missing films.
     pub lenke_text: String,
     /// Rotations from the erect posture.
     pub rotations: Vec<RotationFinding>,
-    /// Inflections of the erect curve in words.
+    /// Inflections of the erect curve as text.
     pub inflections_text: String,
-    /// What lengths are measured in, such as `patient mm`.
+    /// Unit and plane of lengths, such as `patient mm`.
     pub length_unit: String,
 }
 
 /// A clinical curve.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CurveFinding {
-    /// Region in words.
+    /// Name of the region.
     pub region: String,
-    /// Lower end vertebra, apex and upper end vertebra in words, such as `T12 – T8/T9 – T5`.
+    /// Lower end vertebra, apex and upper end vertebra as text, such as `T12 – T8/T9 – T5`.
     pub levels_text: String,
     /// The patient's side to which it is convex.
     pub convex: Option<SideName>,
     /// Angles per posture.
     pub angles: Vec<CurveAnglesFinding>,
-    /// Flexibility in words, where bends were filmed.
+    /// Flexibility as text, if there are bending films.
     pub flexibility_text: Option<String>,
 }
 
@@ -159,11 +159,11 @@ pub struct RotationFinding {
     pub posture: PostureName,
     /// Mean over all segments.
     pub mean_deg: f64,
-    /// Places along the erect chain from L4 upwards, one per drawn segment; at most some 200 are sent.
+    /// Places along the erect chain from L4 in cranial direction, one per drawn segment; about 200 at most.
     pub along_mm: Vec<f64>,
-    /// Rotation of the segment there, in millidegrees.
+    /// Rotation of each segment in 0.001°.
     pub rotation_mdeg: Vec<f64>,
-    /// Least-rotating segments and the inflections beside them, in words.
+    /// Least-rotating segments and the inflections beside them as text.
     pub texts: Vec<String>,
     /// Places of the inflection segments along the chain.
     pub inflections_mm: Vec<f64>,

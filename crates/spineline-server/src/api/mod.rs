@@ -1,8 +1,8 @@
-//! What goes over the wire. The browser's types are made from these.
+//! Types of the HTTP interface. The browser's types are generated from these.
 //!
 //! Names end in their unit; sides are the patient's unless a name says `image`; pixels are `[column, row]`, sub-pixel, with
 //! the centre of the first pixel at zero. Points `[y, z]` and `[x, y, z]` are in the global frame in millimetres: x
-//! anterior, y to the patient's left, z cranial. Texts are for people and are ready to be shown as they are.
+//! anterior, y to the patient's left, z cranial. Texts are shown to people without change.
 
 mod cohort;
 mod live;

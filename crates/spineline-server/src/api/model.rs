@@ -1,4 +1,4 @@
-//! The personalised model in three dimensions.
+//! The personalised model in 3D.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -10,38 +10,38 @@ use super::{LineName, Notice, PostureName};
 pub struct ModelView {
     /// Study.
     pub study: String,
-    /// Whether films are made up.
+    /// Whether films are synthetic.
     pub synthetic: bool,
-    /// Where the sagittal profile comes from, in words.
+    /// Source of the sagittal profile as text.
     pub profile_text: String,
-    /// What forces and stiffness mean, such as `only ratios are known: …`.
+    /// Meaning of forces and stiffness, such as `only ratios are known: …`.
     pub gauge_text: String,
-    /// What lengths are measured in, such as `patient mm`.
+    /// Unit and plane of lengths, such as `patient mm`.
     pub length_unit: String,
     /// Sizes of the vertebral bodies, L4 to T2.
     pub bodies: Vec<BodySize>,
     /// The unloaded spine.
     pub erect: Shape,
-    /// The spine as measured on other films; its sagittal places are the erect ones, carried along.
+    /// The spine as measured on other films; sagittal places are those of the erect film.
     pub measured: Vec<MeasuredShape>,
-    /// One model per line of action; those without result say why in the notices.
+    /// One model per line of action; the notices give the reason for an absent result.
     pub lines: Vec<LineModelView>,
-    /// The lines compared, in plain words.
+    /// Comparison of the lines as text.
     pub verdict: Vec<String>,
     /// Warnings and contradictions, worst first.
     pub notices: Vec<Notice>,
 }
 
-/// A vertebral body, to be drawn.
+/// Size of a vertebral body.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct BodySize {
     /// Level.
     pub level: String,
-    /// Left to right.
+    /// Width, left to right.
     pub width_mm: f64,
-    /// Front to back.
+    /// Depth, anterior to posterior.
     pub depth_mm: f64,
-    /// Caudal to cranial.
+    /// Height, caudal to cranial.
     pub height_mm: f64,
 }
 
@@ -50,7 +50,7 @@ pub struct BodySize {
 pub struct Shape {
     /// Midpoints of the bodies, `[x, y, z]`.
     pub midpoints_mm: Vec<[f64; 3]>,
-    /// Rotation of each body, row by row: columns are its anterior, left and cranial axes in the global frame.
+    /// Rotation matrix of each body by rows; its columns are its anterior, left and cranial axes in the global frame.
     pub rotations: Vec<[f64; 9]>,
     /// Joint centres, from L4/L3 to T3/T2.
     pub joints_mm: Vec<[f64; 3]>,
@@ -65,17 +65,17 @@ pub struct MeasuredShape {
     pub shape: Shape,
 }
 
-/// What is known of a parameter.
+/// How far a parameter is identified.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Identified {
-    /// Absolutely.
+    /// Identified as an absolute value.
     Identified,
-    /// As a ratio to the others.
+    /// Identified as a ratio to the others.
     RatioOnly,
     /// The fit ended at a bound.
     Bound,
-    /// The joints behind it turn against the force: no positive stiffness explains them.
+    /// Its joints are counter-rotating: no positive stiffness explains them.
     Contradicted,
     /// The fit did not converge.
     NotConverged,
@@ -86,11 +86,11 @@ pub enum Identified {
 pub struct LineModelView {
     /// Which line.
     pub kind: LineName,
-    /// In words.
+    /// Name as text.
     pub label: String,
     /// Whether fit and simulations converged.
     pub converged: bool,
-    /// How the fit ended, in words.
+    /// Status of the fit as text.
     pub status_text: String,
     /// Multipliers of the lateral springs.
     pub multipliers: Vec<MultiplierView>,
@@ -107,13 +107,13 @@ pub struct LineModelView {
 /// A stiffness multiplier.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct MultiplierView {
-    /// Region or joint in words.
+    /// Name of the region or joint.
     pub label: String,
-    /// Factor on the library's lateral stiffness.
+    /// Factor on the nominal lateral stiffness.
     pub factor: f64,
-    /// What is known of it.
+    /// How far it is identified.
     pub identified: Identified,
-    /// Why, in words.
+    /// Reason as text.
     pub text: String,
 }
 
@@ -122,11 +122,11 @@ pub struct MultiplierView {
 pub struct JointView {
     /// Such as `T12/T11`, the lower vertebra first.
     pub label: String,
-    /// Lateral spring against the softest and the stiffest of all models' joints on a logarithmic scale, 0 to 1: for colour.
+    /// Lateral stiffness for the colour scale: 0 for the softest and 1 for the stiffest joint of all models, logarithmic.
     pub relative: f64,
-    /// Lateral, flexion and axial stiffness in words with their unit and what they mean under the gauge.
+    /// Lateral, flexion and axial stiffness as text, with unit and scale constraint.
     pub text: String,
-    /// Films on which it turns against the force.
+    /// Films on which it is counter-rotating.
     pub contradicted_in: Vec<PostureName>,
 }
 
@@ -135,25 +135,25 @@ pub struct JointView {
 pub struct SimulatedPosture {
     /// Posture.
     pub posture: PostureName,
-    /// Whether stiffness was fitted to this film; else it was held out.
+    /// Whether the film is fitted; else it is held out.
     pub fitted: bool,
     /// Whether the simulation may be shown as a result.
     pub converged: bool,
-    /// How it ended, in words with the residual.
+    /// Status and residual as text.
     pub status_text: String,
-    /// The force in words.
+    /// The force as text.
     pub force_text: String,
     /// A point of the line of action.
     pub line_point_mm: [f64; 3],
-    /// Along the force, of length 1.
+    /// Unit vector along the force.
     pub line_direction: [f64; 3],
-    /// Shapes under equal parts of the force, from none to all of it: the erect one first, the simulated one last.
+    /// Shapes at equal steps of the load factor from 0 to 1: the erect shape first, the simulated one last.
     pub path: Vec<Shape>,
     /// Distance between simulated and measured midpoints per level.
     pub errors: Vec<LevelError>,
-    /// Their mean.
+    /// Mean of these distances.
     pub mean_error_mm: Option<f64>,
-    /// Joints that turn against the force, in words.
+    /// Counter-rotating joints as text.
     pub contradictions: Vec<String>,
 }
 
@@ -166,32 +166,32 @@ pub struct LevelError {
     pub error_mm: f64,
 }
 
-/// A load dragged by hand.
+/// A load by hand.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LoadRequest {
-    /// Which model's springs.
+    /// Line of action whose springs are used.
     pub kind: LineName,
-    /// Vertebra on whose midpoint the force acts; it moves with it and keeps its direction.
+    /// Vertebra at whose midpoint the force acts; the force keeps its direction.
     pub level: String,
-    /// Tip of the arrow that is dragged, `[x, y, z]`: from the vertebra's erect midpoint to here, 1 mm for 1 N.
+    /// Tip of the dragged arrow, `[x, y, z]`: from the vertebra's erect midpoint to here, 1 mm for 1 N.
     #[schema(value_type = Vec<f64>, min_items = 3, max_items = 3)]
     pub tip_mm: [f64; 3],
 }
 
-/// The equilibrium under a dragged load.
+/// Response to a load by hand.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct LoadAnswer {
     /// Whether the shape is an equilibrium.
     pub converged: bool,
-    /// How the solver ended, in words.
+    /// Status of the solver as text.
     pub status_text: String,
-    /// The load in words.
+    /// The load as text.
     pub load_text: String,
-    /// Part of the load up to which there is an equilibrium: 1 where it converged.
+    /// Largest load factor with an equilibrium: 1 if it converged.
     pub part: f64,
-    /// The shape under that part of the load.
+    /// The shape at that load factor.
     pub shape: Shape,
-    /// Largest displacement and change of the largest curve in words.
+    /// Largest displacement and change of the largest curve as text.
     pub texts: Vec<String>,
 }

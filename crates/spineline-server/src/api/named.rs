@@ -16,13 +16,13 @@ use utoipa::{PartialSchema, ToSchema};
 pub trait Described: Named {
     /// Name of its schema.
     const SCHEMA: &'static str;
-    /// What the values are.
+    /// Description of the values.
     const DESCRIPTION: &'static str;
     /// The values that the interface has.
     const VALUES: &'static [Self] = Self::ALL;
 }
 
-/// A named value, which goes over the wire by its name.
+/// A named value, serialised by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Wire<T>(pub T);
 
@@ -63,26 +63,26 @@ impl<T: Described> ToSchema for Wire<T> {
     }
 }
 
-/// Position of the patient on a film.
+/// Posture of the patient on a film.
 pub type PostureName = Wire<Posture>;
 /// The patient's side.
 pub type SideName = Wire<Side>;
-/// A side of the picture, as it is seen.
+/// A side of the picture as seen.
 pub type ImageSideName = Wire<ImageSide>;
-/// What a film's lengths are measured in.
+/// Plane of a film's lengths.
 pub type PlaneName = Wire<SpacingPlane>;
-/// How a line of action was chosen.
+/// Kind of a line of action.
 pub type LineName = Wire<LineKind>;
-/// An object of known size in the picture.
+/// Object of known size in the picture.
 pub type CalibratorName = Wire<Calibrator>;
-/// What an account may do at most; a study may grant less.
+/// Highest permission of an account; a study may grant less.
 pub type RoleName = Wire<Role>;
-/// How people show who they are.
+/// Way of signing in.
 pub type AccessName = Wire<Access>;
 
 impl Described for Posture {
     const SCHEMA: &'static str = "PostureName";
-    const DESCRIPTION: &'static str = "Position of the patient on a film.";
+    const DESCRIPTION: &'static str = "Posture of the patient on a film.";
 }
 
 impl Described for Side {
@@ -92,41 +92,41 @@ impl Described for Side {
 
 impl Described for ImageSide {
     const SCHEMA: &'static str = "ImageSideName";
-    const DESCRIPTION: &'static str = "A side of the picture, as it is seen.";
+    const DESCRIPTION: &'static str = "A side of the picture as seen.";
 }
 
 impl Described for SpacingPlane {
     const SCHEMA: &'static str = "PlaneName";
-    const DESCRIPTION: &'static str = "What a film's lengths are measured in.";
+    const DESCRIPTION: &'static str = "Plane of a film's lengths.";
 }
 
 impl Described for LineKind {
     const SCHEMA: &'static str = "LineName";
-    const DESCRIPTION: &'static str = "How a line of action was chosen.";
+    const DESCRIPTION: &'static str = "Kind of a line of action.";
     /// The interface has no line given by hand.
     const VALUES: &'static [Self] = &[Self::Inflection, Self::Iliac, Self::Estimated];
 }
 
 impl Described for Calibrator {
     const SCHEMA: &'static str = "CalibratorName";
-    const DESCRIPTION: &'static str = "An object of known size in the picture.";
+    const DESCRIPTION: &'static str = "Object of known size in the picture.";
 }
 
 impl Described for Role {
     const SCHEMA: &'static str = "RoleName";
-    const DESCRIPTION: &'static str = "What an account may do at most; a study may grant less.";
+    const DESCRIPTION: &'static str = "Highest permission of an account; a study may grant less.";
 }
 
 impl Described for Access {
     const SCHEMA: &'static str = "AccessName";
-    const DESCRIPTION: &'static str = "How people show who they are.";
+    const DESCRIPTION: &'static str = "Way of signing in.";
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// What an account may do at most; a study may grant less.
+    /// Highest permission of an account; a study may grant less.
     #[derive(ToSchema)]
     #[schema(rename_all = "snake_case")]
     #[allow(dead_code)]
@@ -137,14 +137,14 @@ mod tests {
     }
 
     #[test]
-    fn a_schema_is_what_the_derive_makes_of_an_enum() {
+    fn the_schema_of_a_named_value_equals_that_of_a_derived_enum() {
         let text = |schema: RefOr<Schema>| serde_json::to_string(&schema).expect("a schema");
         assert_eq!(text(Wire::<Role>::schema()), text(RoleName::schema()));
         assert_eq!(Wire::<Role>::name(), RoleName::name());
     }
 
     #[test]
-    fn a_value_that_the_interface_does_not_have_is_refused() {
+    fn values_outside_of_the_interface_are_refused() {
         assert_eq!(Wire::of(LineKind::Iliac), Some(Wire(LineKind::Iliac)));
         assert_eq!(Wire::of(LineKind::Given), None);
         let error = serde_json::from_str::<LineName>("\"given_line\"").expect_err("not there");

@@ -6,15 +6,15 @@ use utoipa::ToSchema;
 
 use super::{ImageSideName, LiveView, LostChangeView, Notice, PlaneName, PostureName, Problem};
 
-/// A new reading of a film by whoever asks.
+/// A new reading of a film by the requester.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewReading {
-    /// Which time, from 1.
+    /// Number of the repeat, from 1.
     pub repeat: u32,
 }
 
-/// A reading as it stands, with what follows from it at once.
+/// The current state of a reading, with derived values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ReadingView {
     /// Reading. Its pixels are at `/api/readings/{reading}/pixels`.
@@ -27,25 +27,25 @@ pub struct ReadingView {
     pub posture: Option<PostureName>,
     /// Name of the film for this reading, where it is blinded.
     pub code: Option<String>,
-    /// Who reads.
+    /// Observer.
     pub observer: String,
-    /// Which time; absent where the reading is blinded.
+    /// Number of the repeat; absent where the reading is blinded.
     pub repeat: Option<u32>,
-    /// Whether it is the asker's own; only then it can be changed.
+    /// Whether it belongs to the requester; only then it can be changed.
     pub mine: bool,
-    /// Whether it is finished, and so never changes.
+    /// Whether it is finished and can no longer be changed.
     pub finished: bool,
-    /// Whether films are made up.
+    /// Whether films are synthetic.
     pub synthetic: bool,
     /// The picture.
     pub image: ReadingImage,
-    /// Number of events: to be sent with the next one.
+    /// Number of events; to be sent with the next event.
     pub revision: u64,
-    /// How many changes can be undone.
+    /// Number of changes that can be undone.
     pub undoable: usize,
-    /// How many can be done again.
+    /// Number of changes that can be redone.
     pub redoable: usize,
-    /// Vertebrae with a mark, caudal first.
+    /// Vertebrae with landmarks, caudal first.
     pub vertebrae: Vec<VertebraView>,
     /// Superior tips of the iliac crests.
     pub crests: CrestsView,
@@ -53,13 +53,13 @@ pub struct ReadingView {
     pub notes: Vec<String>,
     /// All levels in the guided order: L4 to T2, then the optional T1 and L5.
     pub order: Vec<String>,
-    /// What is to be marked next in the guided order.
+    /// The next landmark in the guided order.
     pub next: Option<NextMark>,
-    /// Where the next vertebra is to be expected: shown, and counted only when somebody has touched it.
+    /// Extrapolated corners of the next vertebra; part of the reading only after a person has accepted or moved them.
     pub proposal: Option<Proposal>,
-    /// What is wrong with the marks: crossed or swapped corners, off the film, out of order.
+    /// Errors of the landmarks: crossed or swapped corners, places off the film, wrong order.
     pub faults: Vec<Notice>,
-    /// Changes that lost a race and are kept.
+    /// Changes that were based on an old revision: kept, not applied.
     pub conflicts: Vec<LostChangeView>,
 }
 
@@ -74,15 +74,15 @@ pub struct ReadingImage {
     pub pixel_aspect: f64,
     /// Side of the picture on which the patient's left is.
     pub patient_left: ImageSideName,
-    /// What lengths are measured in.
+    /// Unit and plane of lengths.
     pub plane: PlaneName,
-    /// Spacing in words with its source.
+    /// Spacing and its source as text.
     pub spacing_text: String,
-    /// Whether it is shown with dark and bright exchanged.
+    /// Whether it is shown with inverted grey levels.
     pub inverted: bool,
 }
 
-/// What is marked of a vertebra, and what follows from it.
+/// Landmarks of a vertebra and derived values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct VertebraView {
     /// Level, such as `T12`.
@@ -91,18 +91,18 @@ pub struct VertebraView {
     pub corners: Vec<CornerView>,
     /// Whether all four are placed.
     pub complete: bool,
-    /// Where the diagonals cross.
+    /// Intersection of the diagonals.
     pub midpoint_px: Option<[f64; 2]>,
-    /// The axis through the midpoint, as a line to draw and to turn.
+    /// The axis through the midpoint.
     pub axis: Option<AxisView>,
 }
 
 /// A placed corner.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CornerView {
-    /// Which one.
+    /// Name of the corner.
     pub corner: Corner,
-    /// Where.
+    /// Place.
     pub px: [f64; 2],
 }
 
@@ -113,11 +113,11 @@ pub struct AxisView {
     pub from_px: [f64; 2],
     /// Cranial end.
     pub to_px: [f64; 2],
-    /// Against the image's vertical, positive clockwise as seen.
+    /// Angle to the image's vertical, positive clockwise as seen.
     pub axis_deg: f64,
-    /// Whether it was turned by hand; else it follows the corners.
+    /// Whether it was rotated by hand; else it is computed from the corners.
     pub by_hand: bool,
-    /// In words, such as `tilt 4.2° to the patient's right`.
+    /// Text, such as `tilt 4.2° to the patient's right`.
     pub text: String,
 }
 
@@ -130,7 +130,7 @@ pub struct CrestsView {
     pub right_px: Option<[f64; 2]>,
 }
 
-/// What is to be marked next.
+/// The next landmark.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum NextMark {
@@ -148,20 +148,20 @@ pub enum NextMark {
     },
 }
 
-/// A vertebra extrapolated from what is marked.
+/// A vertebra extrapolated from other vertebrae.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Proposal {
     /// Level.
     pub level: String,
-    /// Its four corners, in the order of marking.
+    /// Its four corners in the guided order.
     pub corners: Vec<CornerView>,
 }
 
-/// An event for a reading.
+/// Events for a reading.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewEvent {
-    /// Revision that the one who asks has seen.
+    /// Revision that the requester has seen.
     pub expected_revision: u64,
     /// The events, all recorded or none; an accepted proposal is four of them.
     pub events: Vec<Event>,
@@ -171,44 +171,44 @@ pub struct NewEvent {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Finish {
-    /// Revision that the one who asks has seen.
+    /// Revision that the requester has seen.
     pub expected_revision: u64,
 }
 
-/// What would follow from events that are not recorded: while a corner is dragged.
+/// Events to be evaluated without recording, for a drag.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PreviewRequest {
-    /// Events upon the reading as it stands.
+    /// Events on the current reading.
     pub events: Vec<Event>,
-    /// An axis that is turned towards a place of the pointer; the answer's axis is rounded to 0.1°.
+    /// An axis that is rotated towards the pointer; the axis in the answer is rounded to 0.1°.
     pub turn_axis: Option<TurnAxis>,
 }
 
-/// An axis turned by the pointer.
+/// An axis rotated by the pointer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TurnAxis {
     /// Level, such as `T12`.
     pub level: String,
-    /// Where the axis is to point: its cranial end.
+    /// Place to which the cranial end of the axis points.
     pub towards_px: [f64; 2],
 }
 
-/// A reading with what follows from it: the answer to a preview, and to events that were recorded.
+/// A reading with its results: the answer to a preview and to recorded events.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Preview {
     /// The reading with the events.
     pub reading: ReadingView,
-    /// What follows for the film and the study; absent where the reading is blinded, or where it cannot be computed.
+    /// Results for the film and the study; absent where the reading is blinded or they cannot be computed.
     pub live: Option<LiveView>,
 }
 
-/// A change that lost a race: it is kept, and here is how things stand.
+/// Answer to a change that was based on an old revision: the change is kept, and the current reading is returned.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ConflictAnswer {
-    /// What happened.
+    /// The error.
     pub problem: Problem,
-    /// The reading as it stands, to go on from.
+    /// The current reading.
     pub reading: ReadingView,
 }

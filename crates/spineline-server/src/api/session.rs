@@ -1,11 +1,11 @@
-//! Who is there, and what they may do.
+//! Sessions, accounts and permissions.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{AccessName, RoleName};
 
-/// What the sign-in page needs to know before anybody has signed in.
+/// Data of the sign-in page, available without a session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SignInPage {
     /// How to sign in.
@@ -14,15 +14,15 @@ pub struct SignInPage {
     pub version: String,
 }
 
-/// Signing in.
+/// Request to sign in.
 #[derive(Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum SignIn {
-    /// With the token of the address that `serve` printed.
+    /// With the token in the address that `serve` printed.
     Token {
         /// The token.
         token: String,
-        /// Who reads the films: 1 to 64 letters, digits, `.`, `-`, `_`.
+        /// Name of the observer: 1 to 64 letters, digits, `.`, `-`, `_`.
         observer: String,
     },
     /// With an account.
@@ -34,14 +34,14 @@ pub enum SignIn {
     },
 }
 
-/// Who is signed in.
+/// The current session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SessionView {
     /// Observer or account.
     pub name: String,
     /// Role.
     pub role: RoleName,
-    /// How they signed in.
+    /// Way of signing in.
     pub access: AccessName,
     /// To be sent as `X-Spineline-Csrf` with every request that changes something.
     pub csrf: String,
@@ -60,7 +60,7 @@ pub struct AccountView {
     pub enabled: bool,
 }
 
-/// A new account, or a change of one: what is absent stays.
+/// A new account, or a change of one; absent values do not change.
 #[derive(Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AccountEdit {
@@ -72,7 +72,7 @@ pub struct AccountEdit {
     pub enabled: Option<bool>,
 }
 
-/// Who may do what in one study. Admins may do everything in every study.
+/// Permission of an account in one study. Admins have all permissions in every study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Grant {

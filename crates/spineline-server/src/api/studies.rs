@@ -5,23 +5,23 @@ use utoipa::ToSchema;
 
 use super::{CalibratorName, ImageSideName, Notice, PlaneName, PostureName, RoleName, SideName};
 
-/// How far a study has come.
+/// Status of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum StudyStatus {
-    /// No film is marked.
+    /// No film has landmarks.
     ToMark,
-    /// Marking has begun, and the erect film lacks vertebrae.
+    /// A reading was begun, and the erect film lacks vertebrae.
     Marking,
-    /// The curve and its angles are known; a model is not.
+    /// The curve and its angles are measured; there is no model.
     Measured,
-    /// Models are fitted and all of them converged.
+    /// All fitted models converged.
     Modelled,
-    /// Something did not converge.
+    /// A model did not converge.
     NotConverged,
-    /// The marks contradict one another.
+    /// Landmarks contradict each other.
     Refused,
-    /// Films are read blinded, and results wait until all are read.
+    /// Blinded readings: results are hidden until all are finished.
     Blinded,
 }
 
@@ -30,19 +30,19 @@ pub enum StudyStatus {
 pub struct StudySummary {
     /// Identifier, without the patient's name.
     pub id: String,
-    /// Free text of whoever leads the study.
+    /// Free text.
     pub label: Option<String>,
-    /// Whether the films are made up.
+    /// Whether the films are synthetic.
     pub synthetic: bool,
-    /// What the one who asks may do.
+    /// Permission of the requester.
     pub role: RoleName,
-    /// How far it has come.
+    /// Status.
     pub status: StudyStatus,
-    /// The status in words, such as `12 of 15 vertebrae on the erect film`.
+    /// The status as text, such as `12 of 15 vertebrae on the erect film`.
     pub status_text: String,
     /// Films by posture.
     pub films: Vec<FilmSummary>,
-    /// The curve, once it is measured.
+    /// The largest curve, if it is measured.
     pub curve: Option<CurveSummary>,
     /// Number of warnings of its analysis.
     pub warnings: usize,
@@ -55,15 +55,15 @@ pub struct StudySummary {
 /// The largest curve of a study's erect film.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CurveSummary {
-    /// Lenke's type as far as the films tell it, such as `1`.
+    /// Lenke type as far as the films determine it, such as `1`.
     pub lenke: Option<String>,
     /// Cobb angle.
     pub cobb_deg: f64,
-    /// Region in words.
+    /// Name of the region.
     pub region: String,
     /// The patient's side to which it is convex.
     pub convex: Option<SideName>,
-    /// All in words, such as `Lenke 1, main thoracic 48.2° convex right (T5–T12)`.
+    /// All values as text, such as `Lenke 1, main thoracic 48.2° convex right (T5–T12)`.
     pub text: String,
 }
 
@@ -80,19 +80,19 @@ pub struct FilmSummary {
     pub rows: u32,
     /// Height of a pixel over its width as the film is to be shown.
     pub pixel_aspect: f64,
-    /// What lengths are measured in.
+    /// Unit and plane of lengths.
     pub plane: PlaneName,
     /// Distance between neighbouring rows in the film's plane; null where the scale is unknown.
     pub row_mm: Option<f64>,
-    /// Spacing in words with its source, such as `0.143 mm × 0.143 mm, patient mm, by a ball (± 0.6 %)`.
+    /// Spacing and its source as text, such as `0.143 mm × 0.143 mm, patient mm, by a ball (± 0.6 %)`.
     pub spacing_text: String,
     /// Side of the picture on which the patient's left is.
     pub patient_left: ImageSideName,
-    /// Whether it is shown with dark and bright exchanged, against what its file says.
+    /// Whether it is shown with grey levels inverted relative to its file.
     pub inverted: bool,
     /// Number of edits so far, to be sent with the next one.
     pub revision: u64,
-    /// Readings of it that the one who asks may see.
+    /// Its readings that the requester may see.
     pub readings: Vec<ReadingSummary>,
 }
 
@@ -101,24 +101,24 @@ pub struct FilmSummary {
 pub struct ReadingSummary {
     /// Reading.
     pub reading: i64,
-    /// Who reads.
+    /// Observer.
     pub observer: String,
-    /// Which time, from 1.
+    /// Number of the repeat, from 1.
     pub repeat: u32,
-    /// Whether it is the asker's own.
+    /// Whether it belongs to the requester.
     pub mine: bool,
-    /// Whether it is finished, and so never changes.
+    /// Whether it is finished and can no longer be changed.
     pub finished: bool,
     /// Vertebrae of L4 to T2 with four corners.
     pub complete_levels: u32,
 }
 
-/// One study with everything that its first screen shows.
+/// One study with the data of its first page.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StudyDetail {
-    /// As in the list.
+    /// Summary as in the list.
     pub summary: StudySummary,
-    /// Changes that lost a race and are kept.
+    /// Changes that were based on an old revision: kept, not applied.
     pub conflicts: Vec<LostChangeView>,
     /// The blinded plan, if there is one.
     pub plan: Option<PlanView>,
@@ -127,49 +127,49 @@ pub struct StudyDetail {
 /// A change that was based on an old revision: kept, not applied.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct LostChangeView {
-    /// Who.
+    /// Person.
     pub who: String,
-    /// When, in ms since 1970-01-01 UTC.
+    /// Time in ms since 1970-01-01 UTC.
     pub at_ms: i64,
-    /// What, in words, such as `T12 superior left corner to (1203.4, 877.0)`.
+    /// Change as text, such as `T12 superior left corner to (1203.4, 877.0)`.
     pub text: String,
-    /// Revision that they saw.
+    /// Revision on which the change was based.
     pub base_revision: u64,
-    /// Revision that there was.
+    /// Current revision at that time.
     pub found_revision: u64,
 }
 
 /// A plan of blinded readings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct PlanView {
-    /// Whether results still are hidden from this reader.
+    /// Whether results are hidden from this reader.
     pub blinded: bool,
-    /// What this reader is to do next.
+    /// Next step of this reader.
     pub next: NextReading,
 }
 
-/// What a blinded reader is to do next.
+/// Next step of a blinded reader.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum NextReading {
-    /// A film waits to be begun.
+    /// Begin a film.
     Begin {
         /// Its name for this reading.
         code: String,
     },
-    /// A reading was begun.
+    /// Continue a reading.
     Continue {
         /// Name of the film for this reading.
         code: String,
         /// Reading.
         reading: i64,
     },
-    /// Nothing before a day.
+    /// No reading before a day.
     Wait {
         /// In ms since 1970-01-01 UTC.
         until_ms: i64,
     },
-    /// Nothing more, or this observer is not in the plan.
+    /// No more readings, or the observer is not in the plan.
     Done,
 }
 
@@ -179,7 +179,7 @@ pub enum NextReading {
 pub struct NewPlan {
     /// Observers.
     pub observers: Vec<String>,
-    /// How often each reads each film.
+    /// Readings per film and observer.
     pub repeats: u32,
     /// Days between two readings of a film by one observer.
     pub washout_days: u32,
@@ -187,12 +187,12 @@ pub struct NewPlan {
     pub seed: u64,
 }
 
-/// A picture that was dropped and is not in a study yet.
+/// An uploaded film that is not part of a study yet.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct UploadView {
-    /// To be named in [`NewStudy`]; forgotten after an hour. `GET /api/uploads/{upload}/thumbnail` shows it.
+    /// Key for [`NewStudy`]; valid for one hour. `GET /api/uploads/{upload}/thumbnail` shows it.
     pub upload: String,
-    /// Format in words, such as `DICOM, JPEG 2000`.
+    /// Format as text, such as `DICOM, JPEG 2000`.
     pub format: String,
     /// Pixels in a row.
     pub columns: u32,
@@ -200,17 +200,17 @@ pub struct UploadView {
     pub rows: u32,
     /// Height of a pixel over its width.
     pub pixel_aspect: f64,
-    /// Posture that the file suggests, if any.
+    /// Posture in the file, if any.
     pub posture: Option<PostureName>,
-    /// Whether the file says that it is a view from the side, which a study does not take.
+    /// Whether the file describes a lateral view, which a study does not accept.
     pub is_lateral: bool,
-    /// Whether the file says that it is a phantom's.
+    /// Whether the file belongs to a phantom.
     pub is_synthetic: bool,
-    /// Side of the picture on which the patient's left is, if the file says so.
+    /// Side of the picture on which the patient's left is, if the file contains it.
     pub patient_left: Option<ImageSideName>,
-    /// Spacing as the file supports it.
+    /// Spacing from the file.
     pub spacing: Option<SpacingView>,
-    /// What is odd about the file and has to be looked at, such as burned-in text.
+    /// Warnings about the file, such as burned-in text.
     pub notices: Vec<Notice>,
 }
 
@@ -223,7 +223,7 @@ pub struct SpacingView {
     pub row_mm: f64,
     /// Plane of these millimetres.
     pub plane: PlaneName,
-    /// With its source and uncertainty in words.
+    /// Scale with its source and uncertainty as text.
     pub text: String,
 }
 
@@ -239,7 +239,7 @@ pub struct NewStudy {
     pub films: Vec<NewFilm>,
 }
 
-/// A film of a new study, as a person has confirmed it.
+/// A film of a new study with confirmed values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewFilm {
@@ -249,20 +249,20 @@ pub struct NewFilm {
     pub posture: PostureName,
     /// Side of the picture on which the patient's left is.
     pub patient_left: ImageSideName,
-    /// Which scale to use.
+    /// Scale to use.
     pub scale: ScaleChoice,
-    /// Whether dark and bright are exchanged.
+    /// Whether grey levels are inverted.
     #[serde(default)]
     pub inverted: bool,
 }
 
-/// Which scale a film gets.
+/// Source of a film's scale.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum ScaleChoice {
-    /// As the file supports it; none where it supports none.
+    /// From the file; no scale where the file has none.
     File,
-    /// Stated by whoever imports the film.
+    /// Entered by the person who imports the film.
     Stated {
         /// Distance between neighbouring columns.
         column_mm: f64,
@@ -271,21 +271,21 @@ pub enum ScaleChoice {
         /// Plane of these millimetres.
         plane: PlaneName,
     },
-    /// None: angles only.
+    /// No scale: angles only.
     Pixels,
 }
 
-/// A case file with the films that it names, uploaded before.
+/// A case file and its uploaded films.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CaseImport {
     /// Text of the case file.
     pub text: String,
-    /// Uploads by the file name that the case gives each film.
+    /// Uploads with the file names in the case.
     pub films: Vec<NamedUpload>,
 }
 
-/// An upload and the name of its file.
+/// An upload and its file name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NamedUpload {
@@ -299,45 +299,45 @@ pub struct NamedUpload {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FilmChange {
-    /// Revision that the one who asks has seen.
+    /// Revision that the requester has seen.
     pub expected_revision: u64,
-    /// What to change.
+    /// The change.
     pub edit: FilmEditName,
 }
 
-/// What of a film can be changed.
+/// Kinds of change of a film.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum FilmEditName {
-    /// It shows another posture.
+    /// Correct the posture.
     Posture {
-        /// The right one.
+        /// Correct posture.
         posture: PostureName,
     },
-    /// Dark and bright are exchanged.
+    /// Invert grey levels.
     Inverted {
-        /// Whether they are.
+        /// Whether they are inverted.
         inverted: bool,
     },
-    /// Its scale is read off a ball or a ruler in the picture.
+    /// Set the scale with a ball or a ruler in the picture.
     Scale {
-        /// Two clicks.
+        /// First point.
         from_px: [f64; 2],
-        /// The other one.
+        /// Second point.
         to_px: [f64; 2],
         /// True distance.
         length_mm: f64,
         /// Standard deviation of that distance.
         length_sd_mm: f64,
-        /// What was clicked.
+        /// Object between the points.
         calibrator: CalibratorName,
     },
 }
 
-/// Something in a study has changed; sent as server-sent event `change`.
+/// A change in a study; sent as server-sent event `change`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Change {
-    /// Who did it.
+    /// Person who made the change.
     pub who: String,
     /// Film that changed.
     pub film: Option<i64>,

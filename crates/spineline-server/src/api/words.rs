@@ -1,48 +1,48 @@
-//! Words that everything else uses.
+//! Types shared by all parts of the interface.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{LineName, PostureName};
 
-/// Something that is not right, and that whoever reads a number must see beside it.
+/// A problem that must be shown beside the affected numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Notice {
-    /// How bad.
+    /// Severity.
     pub severity: Severity,
     /// Key, such as `inflections_not_two`.
     pub code: String,
-    /// Film that it is about.
+    /// Affected film.
     pub posture: Option<PostureName>,
-    /// Vertebra that it is about, such as `T12`.
+    /// Affected vertebra, such as `T12`.
     pub level: Option<String>,
-    /// Line of action that it is about.
+    /// Affected line of action.
     pub line: Option<LineName>,
-    /// What, where, which value and which limit; the line is not named again.
+    /// Message with place, value and limit; the line is not repeated.
     pub text: String,
 }
 
-/// How bad a notice is.
+/// Severity of a notice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Severity {
-    /// Worth knowing.
+    /// Information.
     Note,
-    /// Soft problem.
+    /// A problem that does not stop the analysis.
     Warning,
-    /// The data speak against the model, or a number is not a result.
+    /// The data contradict the model, or a number is not a result.
     Contradiction,
-    /// Nothing can be computed.
+    /// No result can be computed.
     Error,
 }
 
-/// Why a request was refused; the body of every answer that is not a success.
+/// Reason for a refusal; the body of every error response.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Problem {
     /// Key, such as `conflict`, `not_found`, `not_signed_in`.
     pub code: String,
-    /// What is wrong.
+    /// Message.
     pub message: String,
-    /// What to do about it.
+    /// Remedy.
     pub help: Option<String>,
 }

@@ -21,10 +21,10 @@ pub use uploads::{Upload, Uploads};
 const ROOM_BYTES: usize = 300 << 20;
 /// Films that are decoded at a time; each may take a few hundred megabytes.
 const AT_A_TIME: usize = 2;
-/// Height of a small picture.
+/// Height of a thumbnail.
 const THUMBNAIL_ROWS: u32 = 220;
 
-/// A film as the browser draws it.
+/// A decoded film in the form for the browser.
 #[derive(Debug)]
 pub struct Screen {
     /// 16-bit little-endian words, row by row.
@@ -33,11 +33,11 @@ pub struct Screen {
     pub rows: u32,
     /// Centre and width in these values.
     pub default_window: [f64; 2],
-    /// Greatest value.
+    /// Maximum value.
     pub max: u16,
 }
 
-/// The small pictures of a decoded film as PNG files, with the pixel aspect that its file states.
+/// Thumbnails of a decoded film as PNG files, with the pixel aspect of its file.
 pub fn draw_thumbnails(film: &FilmFile) -> Thumbnails {
     let aspect = words::pixel_aspect(judge_spacing(&film.tags.spacing).spacing);
     let draw = |inverted| film.display(None, inverted).thumbnail(THUMBNAIL_ROWS, aspect).to_png();

@@ -25,13 +25,13 @@ pub struct Upload {
     pub kind: FilmKind,
     pub columns: u32,
     pub rows: u32,
-    /// Scale as the file supports it.
+    /// Scale from the file.
     pub spacing: Option<Spacing>,
     pub is_lateral: bool,
     pub is_synthetic: bool,
-    /// Of the decoded pixels: the same film in two files has the same.
+    /// Hash of the decoded pixels: equal for the same film in two files.
     pub picture: String,
-    /// A small picture, as PNG.
+    /// A thumbnail as PNG.
     pub thumbnail: Vec<u8>,
 }
 
@@ -88,7 +88,7 @@ impl Uploads {
         })
     }
 
-    /// Forgets uploads that are in a study now.
+    /// Removes uploads that are now part of a study.
     pub fn forget<'a>(&self, ids: impl Iterator<Item = &'a str>) {
         let mut staged = self.staged();
         for id in ids {

@@ -1,4 +1,4 @@
-//! Films: their pixels, their small pictures, and changes of their records.
+//! Films: pixels, thumbnails, and changes of their records.
 
 mod screen;
 mod uploads;
@@ -32,7 +32,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .merge(uploads::routes())
 }
 
-/// Pixels of a film: 16-bit little-endian words row by row, of which greater ones are brighter.
+/// Pixels of a film: 16-bit little-endian words by rows; larger values are brighter.
 #[utoipa::path(get, path = "/api/films/{film}/pixels",
     responses((status = 200, content_type = "application/octet-stream"),
         (status = 404, body = Problem)))]
@@ -58,7 +58,7 @@ async fn reading_pixels(
     pixels(&state, &seen.film).await
 }
 
-/// A small picture of a film.
+/// A thumbnail of a film.
 #[utoipa::path(get, path = "/api/films/{film}/thumbnail",
     responses((status = 200, content_type = "image/png"), (status = 404, body = Problem)))]
 async fn film_thumbnail(
@@ -70,7 +70,7 @@ async fn film_thumbnail(
     thumbnail(&state, &film).await
 }
 
-/// A small picture of the film of a reading.
+/// A thumbnail of the film of a reading.
 #[utoipa::path(get, path = "/api/readings/{reading}/thumbnail",
     responses((status = 200, content_type = "image/png"), (status = 404, body = Problem)))]
 async fn reading_thumbnail(
@@ -99,7 +99,7 @@ async fn edit(
         user.need_on_study(store, &film.study, Role::Editor)?;
         let edit = film_edit(&film, change.edit)?;
         let edited = store.edit_film(film.id, edit, change.expected_revision, &by);
-        // A lost edit is news too: it is kept.
+        // A refused edit is reported too, because it is kept.
         let who = user.name.to_string();
         let revision = edited.as_ref().ok().map(|edited| edited.revision);
         let change = Change { who, film: Some(film.id.0), reading: None, revision };
@@ -123,7 +123,7 @@ fn film_edit(film: &FilmRecord, edit: FilmEditName) -> Answer<FilmEdit> {
                 length_mm,
                 length_sd_mm,
                 click_sd_px: Calibration::CLICK_SD_PX,
-                // A ball cannot tell how high a pixel is against its width.
+                // The shape of a pixel cannot be measured with a ball.
                 pixel_aspect: words::pixel_aspect(image.spacing),
             };
             let spacing = calibration.spacing().map_err(|error| {

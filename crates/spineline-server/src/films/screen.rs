@@ -16,7 +16,7 @@ pub async fn screen(state: &AppState, content: &Hash) -> Answer<Arc<Screen>> {
         return Ok(screen);
     }
     let _permit = state.films().decoding().await?;
-    // Somebody may have had it decoded while this one waited.
+    // Another request may have decoded it in the meantime.
     if let Some(screen) = state.films().screen(content) {
         return Ok(screen);
     }
@@ -26,13 +26,13 @@ pub async fn screen(state: &AppState, content: &Hash) -> Answer<Arc<Screen>> {
     Ok(screen)
 }
 
-/// The small pictures of a film of the store.
+/// Thumbnails of a film in the store.
 pub async fn thumbnails(state: &AppState, content: &Hash) -> Answer<Thumbnails> {
     if let Some(known) = kept_thumbnails(state, content).await? {
         return Ok(known);
     }
     let _permit = state.films().decoding().await?;
-    // Somebody may have had them drawn while this one waited.
+    // Another request may have drawn them in the meantime.
     if let Some(known) = kept_thumbnails(state, content).await? {
         return Ok(known);
     }
@@ -46,7 +46,7 @@ pub async fn thumbnails(state: &AppState, content: &Hash) -> Answer<Thumbnails> 
     state.store(keep).await
 }
 
-/// Keeps small pictures; where the store cannot be written now, they are drawn again another time.
+/// Stores thumbnails; if the store cannot be written, they are drawn again later.
 pub fn keep_thumbnails(store: &mut Store, content: &Hash, thumbnails: &Thumbnails) {
     let _ = store.keep_thumbnails(content, thumbnails);
 }
@@ -62,7 +62,7 @@ async fn stored(state: &AppState, content: &Hash) -> Answer<FilmFile> {
     decode(state, bytes).await
 }
 
-/// Decodes a film in a process of its own.
+/// Decodes a film in a separate process.
 pub async fn decode(state: &AppState, bytes: Vec<u8>) -> Answer<FilmFile> {
     let options = state.options().clone();
     let decoded = computed(move || {

@@ -34,7 +34,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(thumbnail))
 }
 
-/// Takes one film's file: DICOM, PNG, JPEG or TIFF.
+/// Uploads the file of one film: DICOM, PNG, JPEG or TIFF.
 #[utoipa::path(post, path = "/api/uploads",
     request_body(content = Vec<u8>, content_type = "application/octet-stream"),
     responses((status = 200, body = UploadView), (status = 401, body = Problem),
@@ -64,7 +64,7 @@ fn unread(refused: &BytesRejection) -> Failure {
     Failure::new(status, "unread", "the upload is incomplete").help("upload the file again")
 }
 
-/// A small picture of an upload.
+/// A thumbnail of an upload.
 #[utoipa::path(get, path = "/api/uploads/{upload}/thumbnail",
     responses((status = 200, content_type = "image/png"), (status = 401, body = Problem),
         (status = 404, body = Problem)))]
@@ -77,7 +77,7 @@ async fn thumbnail(
     Ok(png(upload.thumbnail.clone()))
 }
 
-/// What a film says of itself; nothing of it names the patient.
+/// Values of a film's file, without the patient's identity.
 fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
     let spacing = judge_spacing(&film.tags.spacing);
     let judged = judge_view(&film.tags.view, None);
@@ -96,7 +96,7 @@ fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
         columns: film.columns,
         rows: film.rows,
         pixel_aspect: words::pixel_aspect(spacing.spacing),
-        // Bends and traction are taken lying down; only one film is taken erect.
+        // Bending and traction films are taken lying; only one film is erect.
         posture: (film.tags.view.stance == Some(Stance::Erect)).then_some(Wire(Posture::Erect)),
         is_lateral,
         is_synthetic: film.tags.is_phantom,

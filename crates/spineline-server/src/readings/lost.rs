@@ -1,4 +1,4 @@
-//! Changes that lost a race, in words.
+//! Texts of changes that were based on an old revision.
 
 use serde_json::Value;
 use spineline_store::{FilmRecord, LostChange, ReadingId, Store, StoreError};
@@ -27,7 +27,7 @@ fn view(lost: &LostChange) -> LostChangeView {
     }
 }
 
-/// An event, edit or finish in words.
+/// Text of an event, edit or finish.
 fn words(change: &Value) -> String {
     let word = |key: &str| change[key].as_str().unwrap_or_default().replace('_', " ");
     let place = || format!("({}, {})", change["column_px"], change["row_px"]);

@@ -1,4 +1,4 @@
-//! Readings: begun, marked, taken back, finished.
+//! Readings: begin, record, undo, finish.
 
 mod lost;
 mod view;
@@ -70,7 +70,7 @@ async fn begin_planned(
     view.await.map(Json)
 }
 
-/// A reading as it stands.
+/// The current state of a reading.
 #[utoipa::path(get, path = "/api/readings/{reading}",
     responses((status = 200, body = ReadingView), (status = 404, body = Problem)))]
 async fn reading(
@@ -85,7 +85,7 @@ async fn reading(
     view.await.map(Json)
 }
 
-/// Finishes a reading, which never changes from then on.
+/// Finishes a reading, which can then no longer be changed.
 #[utoipa::path(post, path = "/api/readings/{reading}/finish", request_body = Finish,
     responses((status = 200, body = ReadingView), (status = 404, body = Problem),
         (status = 409, body = ConflictAnswer), (status = 422, body = Problem)))]
@@ -101,7 +101,7 @@ async fn finish(
         let id = ReadingId(reading);
         let known = may_mark(store, &user, id)?;
         let before = known.state(&[])?;
-        // A finish whose acknowledgement was lost.
+        // A repeated request after a lost acknowledgement.
         let is_repeated = before.finished && before.revision == new.expected_revision;
         let finished = if is_repeated && known.record.observer == user.name {
             Ok(())
@@ -125,7 +125,7 @@ pub fn may_mark(store: &Store, user: &User, reading: ReadingId) -> Answer<SeenRe
     Ok(seen)
 }
 
-/// The reading after a change, or as it stands where the change lost.
+/// The reading after a change, or its current state if the change was refused.
 pub fn answer_of(
     state: &AppState,
     store: &Store,
@@ -137,7 +137,7 @@ pub fn answer_of(
         Ok(()) => announced(state, store, user, reading).map(Ok),
         Err(error @ StoreError::Conflict { .. }) => {
             let problem = Failure::from(error).into_problem();
-            // A lost change is news too: it is kept.
+            // A refused change is reported too, because it is kept.
             let reading = announced(state, store, user, reading)?;
             Ok(Err(ConflictAnswer { problem, reading }))
         }
@@ -145,12 +145,12 @@ pub fn answer_of(
     }
 }
 
-/// The answer to a change that lost.
+/// The answer to a refused change.
 pub fn conflict(lost: ConflictAnswer) -> Response {
     (StatusCode::CONFLICT, Json(lost)).into_response()
 }
 
-/// The reading after a change; everybody who looks at its study is notified.
+/// The reading after a change; all open pages of its study are notified.
 fn announced(
     state: &AppState,
     store: &Store,

@@ -1,4 +1,4 @@
-//! A reading as it stands, with what follows from it at once.
+//! The current state of a reading, with derived values.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ use crate::problem::Answer;
 use crate::session::User;
 use crate::words;
 
-/// A reading as this user may see it, after all its events and these, which are not recorded.
+/// A reading as this user may see it, after its recorded events and the given unrecorded ones.
 pub fn view(
     store: &Store,
     user: &User,
@@ -77,7 +77,7 @@ fn view_of(
     })
 }
 
-/// What is marked, as the library takes it.
+/// The landmarks in the library's types.
 fn marks(state: &ReadingState) -> PartialReading {
     let vertebrae: BTreeMap<Level, PartialMark> = state
         .vertebrae
@@ -143,7 +143,7 @@ fn next_mark(next: NextLandmark) -> NextMark {
 fn proposal_view(proposal: &ProposedVertebra) -> ProposalView {
     let corners = CornerName::ORDER.into_iter().map(|name| {
         let place = name.of(&proposal.corners);
-        // Nobody places a corner to more than a hundredth of a pixel.
+        // Corners are placed to 0.01 px at best.
         let px = pair(place).map(|px| (px * 100.0).round() / 100.0);
         CornerView { corner: corner(name), px }
     });

@@ -1,4 +1,4 @@
-//! Many studies together.
+//! Statistics over many studies.
 
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ use crate::result_cache::{Outcome, StudyResult, computed};
 use crate::session::User;
 use crate::state::AppState;
 
-/// The bootstrap starts from here.
+/// Seed of the bootstrap.
 const BOOTSTRAP_SEED: u64 = 1;
 const LINES: [LineKind; 3] = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
 const WHISKERS: &str = "box: quartiles and median; whiskers: last value within 1.5 interquartile ranges; circles: values beyond";
@@ -35,7 +35,7 @@ struct Member {
     result: Option<Arc<StudyResult>>,
 }
 
-/// All studies that the one who asks may see.
+/// All studies that the requester may see.
 #[utoipa::path(get, path = "/api/cohort", responses((status = 200, body = CohortView)))]
 pub async fn cohort(State(state): State<AppState>, user: User) -> Answer<Json<CohortView>> {
     let studies = prepared(&state, &user).await?;
@@ -85,19 +85,19 @@ fn view(members: &[Member]) -> CohortView {
 }
 
 fn cohort_notices(members: &[Member]) -> Vec<Notice> {
-    let made_up = members.iter().filter(|member| member.synthetic).count();
-    let synthetic = (made_up > 0).then(|| {
-        let text = format!("{made_up} of {} studies are synthetic", members.len());
+    let synthetic_studies = members.iter().filter(|member| member.synthetic).count();
+    let synthetic = (synthetic_studies > 0).then(|| {
+        let text = format!("{synthetic_studies} of {} studies are synthetic", members.len());
         notices::notice(Severity::Note, "synthetic", text)
     });
-    let mixed = (made_up > 0 && made_up < members.len()).then(|| {
+    let mixed = (synthetic_studies > 0 && synthetic_studies < members.len()).then(|| {
         let text = "all statistics of this page pool synthetic and real studies";
         notices::notice(Severity::Warning, "synthetic_mixed", text)
     });
     notices::sorted(synthetic.into_iter().chain(mixed).collect())
 }
 
-/// Why a study takes no part in the statistics.
+/// Reason for the exclusion of a study from the statistics.
 fn excluded(member: &Member) -> Option<String> {
     match member.result.as_ref().map(|result| &result.outcome) {
         Some(Outcome::Analysed(analysis)) if analysis.warnings.has("no_spacing") => {

@@ -1,4 +1,4 @@
-//! Clinical curves in words.
+//! Texts of clinical curves.
 
 use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
@@ -7,7 +7,7 @@ use spineline::spatial::Angle;
 
 use crate::api::{CurveSummary, Wire};
 
-/// Cobb angle of a posture, positive in the direction of the erect curve: a negative one has turned over.
+/// Cobb angle of a posture, positive in the direction of the erect curve; negative if the curve is reversed.
 pub fn cobb_of(curve: &ClinicalCurve, posture: Posture) -> Option<Angle> {
     let sign = if curve.cobb_in(Posture::Erect)?.rad() < 0.0 { -1.0 } else { 1.0 };
     curve.cobb_in(posture).map(|angle| angle * sign)
@@ -18,7 +18,7 @@ pub fn curve_text(curve: &ClinicalCurve, posture: Posture, angle: Angle) -> Stri
     let ends = format!("{}–{}", curve.ends.superior, curve.ends.inferior);
     let side = curve.cobb_in(posture).and_then(convex_side);
     let convex = side.map_or_else(String::new, |side| {
-        let turned = if angle.rad() < 0.0 { " (turned over)" } else { "" };
+        let turned = if angle.rad() < 0.0 { " (reversed)" } else { "" };
         format!(", convex to the patient's {side}{turned}")
     });
     format!("{}, {ends}, Cobb {}{convex}", curve.region, angle.abs())

@@ -10,8 +10,8 @@ use super::curves::cobb_of;
 use super::words::length_unit;
 use crate::api::{CurveAnglesFinding, CurveFinding, RotationFinding, StudyFindings, Wire};
 
-/// Most segments that are sent of one posture.
-const MOST_SEGMENTS: usize = 200;
+/// Maximum number of segments per posture in an answer.
+const MAX_SEGMENTS: usize = 200;
 
 pub fn of_study(analysis: &Analysis) -> StudyFindings {
     StudyFindings {
@@ -55,7 +55,7 @@ fn rotation(analysis: &Analysis, posture: &PostureAnalysis) -> Option<RotationFi
         let mm = segment as f64 * analysis.chain.segment_mm;
         scale.px(mm).unwrap_or(mm)
     };
-    let stride = motion.rotations.len().div_ceil(MOST_SEGMENTS).max(1);
+    let stride = motion.rotations.len().div_ceil(MAX_SEGMENTS).max(1);
     let drawn: Vec<usize> = (0..motion.rotations.len()).step_by(stride).collect();
     let millidegrees = |angle: Angle| 1000.0 * angle.deg();
     Some(RotationFinding {

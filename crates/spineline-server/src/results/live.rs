@@ -1,4 +1,4 @@
-//! What follows from a reading at once, together with the other films of its study.
+//! Results of a reading together with the other films of its study.
 
 use axum::extract::State;
 use spineline::anatomy::Posture;
@@ -17,7 +17,7 @@ use crate::session::User;
 use crate::state::AppState;
 use crate::words::{marked_text, progress};
 
-/// What follows from a reading as it stands.
+/// Results of the current reading.
 #[utoipa::path(get, path = "/api/readings/{reading}/live", params(("reading" = i64, Path)),
     responses((status = 200, body = LiveView), (status = 403, body = Problem)))]
 pub async fn live(
@@ -29,14 +29,14 @@ pub async fn live(
     followed(found.await?).await?.map(Json).ok_or_else(blinded)
 }
 
-/// The study of a reading in hand as it stands for results.
+/// The study of an open reading, prepared for results.
 pub struct InHand {
     study: Name,
     film: FilmId,
     current: CurrentCase,
 }
 
-/// The study of a reading with events that are not recorded; `None` where results are hidden from whoever asks.
+/// The study of a reading with unrecorded events; `None` where results are hidden from the requester.
 pub fn in_hand(
     store: &Store,
     user: &User,
@@ -52,13 +52,13 @@ pub fn in_hand(
     Ok(Some(InHand { study, film, current }))
 }
 
-/// What follows for the film in hand; the store is free for others while it is computed.
+/// Results for the film of the reading; the store is not locked during the computation.
 pub async fn followed(hand: Option<InHand>) -> Answer<Option<LiveView>> {
     let Some(InHand { study, film, current }) = hand else { return Ok(None) };
     computed(move || of_film(&StudyResult::of(&study, current), film)).await.map(Some)
 }
 
-/// What follows for one film of a study.
+/// Results for one film of a study.
 fn of_film(result: &StudyResult, film: FilmId) -> LiveView {
     let hand = result.current.films.iter().find(|current| current.record.id == film);
     let posture = hand.map_or(Posture::Erect, |hand| hand.record.posture);
@@ -96,7 +96,8 @@ fn status(
     }
 }
 
-/// Notices of a study while one of its films is in hand: that this one is not complete, its status says.
+/// Notices of a study during a reading of one of its films, without the notice that this film is incomplete, which its status
+/// contains.
 fn film_notices(
     result: &StudyResult,
     posture: Posture,

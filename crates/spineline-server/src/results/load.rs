@@ -1,4 +1,4 @@
-//! A force that is dragged: what the personalised spine would do under it.
+//! Response of the personalised spine to a dragged force.
 
 use std::ops::ControlFlow;
 
@@ -23,10 +23,10 @@ use crate::result_cache::{StudyResult, computed};
 use crate::session::User;
 use crate::state::AppState;
 
-/// Beyond this, an arrow is a slip of the hand.
-const LONGEST_ARROW_MM: f64 = 5_000.0;
+/// Longer arrows are refused as input errors.
+const MAX_ARROW_MM: f64 = 5_000.0;
 
-/// The equilibrium under a dragged load.
+/// The response to a dragged load.
 #[utoipa::path(post, path = "/api/studies/{study}/load", params(("study" = String, Path)),
     request_body = LoadRequest,
     responses((status = 200, body = LoadAnswer), (status = 422, body = Problem)))]
@@ -63,14 +63,14 @@ fn answer(result: &StudyResult, request: &LoadRequest) -> Answer<LoadAnswer> {
     })?;
     let force_n = Vec3::from(request.tip_mm) - analysis.spine.midpoints_mm[vertebra];
     let size = force_n.norm();
-    if size.is_nan() || size > LONGEST_ARROW_MM {
-        let text = format!("the arrow is {size:.0} mm long; the limit is {LONGEST_ARROW_MM:.0} mm");
+    if size.is_nan() || size > MAX_ARROW_MM {
+        let text = format!("the arrow is {size:.0} mm long; the limit is {MAX_ARROW_MM:.0} mm");
         return Err(refused(text, "drag a shorter arrow"));
     }
     loaded(analysis, model, vertebra, force_n)
 }
 
-/// The shape, and how much of the load it carries.
+/// The shape and its load factor.
 struct Found {
     deformed: Deformed,
     part: f64,
@@ -164,7 +164,7 @@ fn curve_text(before: &SpineAngles, after: &SpineAngles) -> Option<String> {
     let both = before.curves.iter().zip(&after.curves);
     let (before, after) =
         both.max_by(|a, b| a.0.cobb.abs().rad().total_cmp(&b.0.cobb.abs().rad()))?;
-    // In the direction of the erect curve: a negative number has turned over.
+    // In the direction of the erect curve; negative if the curve is reversed.
     let sign = if before.cobb.rad() < 0.0 { -1.0 } else { 1.0 };
     Some(format!(
         "{} curve: Cobb {} instead of {}",

@@ -1,6 +1,5 @@
-//! What follows from the marks: over a film, beside it, in three dimensions, and over all studies.
-//!
-//! Everything is computed by the library from the case of a study as it stands; this module puts it into words and pixels.
+//! Results from landmarks: over a film, beside it, in 3D, and over all studies.
+//! The library computes everything from the current case of a study; this module converts it to text and pixels.
 
 mod cohort;
 mod curves;

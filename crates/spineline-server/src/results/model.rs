@@ -1,4 +1,4 @@
-//! The personalised models of a study in three dimensions.
+//! The personalised models of a study in 3D.
 
 use axum::extract::State;
 use spineline::analysis::{Analysis, Identification, LineModel, MultiplierVerdict};
@@ -64,7 +64,7 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
     }
 }
 
-/// What the millimetres of the scene are: without a scale the spine is drawn as long as a usual one.
+/// Unit of lengths in the scene: without a scale the spine is drawn with a typical length.
 const fn drawn_unit(scale: &LengthScale) -> &'static str {
     match scale.plane {
         SpacingPlane::Pixels => "mm, for a spine of typical length",
@@ -141,7 +141,7 @@ fn contradicted_in(model: &LineModel, inferior: Level) -> Vec<PostureName> {
     model.postures.iter().filter(turns).map(|s| Wire(s.posture)).collect()
 }
 
-/// The notices of a study, and that millimetres of a spine without a scale are none.
+/// The notices of a study, with a warning if its lengths are typical and not measured.
 fn model_notices(result: &StudyResult, analysis: &Analysis) -> Vec<Notice> {
     let mut notices = notices::of_result(result);
     if analysis.scale().pixels_per_mm.is_some() {

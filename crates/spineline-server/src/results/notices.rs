@@ -1,4 +1,4 @@
-//! Warnings and contradictions for people.
+//! Texts of warnings and contradictions.
 
 use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
@@ -16,7 +16,7 @@ pub fn notice(severity: Severity, code: &str, text: impl Into<String>) -> Notice
     Notice { severity, code, posture: None, level: None, line: None, text: text.into() }
 }
 
-/// Everything to be seen beside the results of a study, worst first.
+/// All notices beside the results of a study, worst first.
 pub fn of_result(result: &StudyResult) -> Vec<Notice> {
     let mut notices = left_out(&result.current);
     match &result.outcome {
@@ -36,7 +36,7 @@ pub fn sorted(mut notices: Vec<Notice>) -> Vec<Notice> {
     notices
 }
 
-/// What an analysis warns of, and what its scale means.
+/// Warnings of an analysis and of its scale.
 pub fn of_analysis(analysis: &Analysis) -> Vec<Notice> {
     let mut notices: Vec<Notice> = analysis.warnings.all().iter().map(of_warning).collect();
     notices.extend(of_scale(analysis.scale()));
@@ -59,7 +59,7 @@ pub fn of_warning(warning: &Warning) -> Notice {
     }
 }
 
-/// Lengths that are not the patient's. A film without any spacing has a warning of its own.
+/// Warning of lengths that are not the patient's. A film without spacing has a separate warning.
 pub fn of_scale(scale: &LengthScale) -> Option<Notice> {
     let text = match scale.plane {
         SpacingPlane::Patient | SpacingPlane::Pixels => return None,
@@ -79,7 +79,7 @@ pub fn synthetic(is_synthetic: bool) -> Option<Notice> {
     })
 }
 
-/// Films that take no part.
+/// Excluded films.
 fn left_out(current: &CurrentCase) -> Vec<Notice> {
     let notices = current.films.iter().filter_map(|film| {
         let missing = film.missing();
@@ -114,7 +114,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_line_is_named_once() {
+    fn the_line_of_a_notice_is_not_repeated_in_its_text() {
         let mut warnings = Warnings::default();
         for kind in [LineKind::Iliac, LineKind::Given] {
             let posture = Some(Posture::LeftBending);
@@ -124,7 +124,7 @@ mod tests {
         let [iliac, given] = warnings.all() else { panic!("two lines, two warnings") };
         let [iliac, given] = [of_warning(iliac), of_warning(given)];
         assert_eq!((iliac.line, iliac.text.as_str()), (Some(Wire(LineKind::Iliac)), "no force"));
-        // A line that the interface has no name for keeps its own.
+        // A line without a name in the interface keeps its text.
         assert_eq!((given.line, given.text.as_str()), (None, "given line: no force"));
         assert_eq!(iliac.severity, Severity::Contradiction);
     }

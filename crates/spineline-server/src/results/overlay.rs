@@ -16,11 +16,10 @@ use crate::result_cache::StudyResult;
 
 /// Points of the drawn curve.
 const CURVE_POINTS: u32 = 120;
-/// A line along an endplate reaches so many body widths to either side.
+/// Extension of an endplate's line to either side, in body widths.
 const REACH_WIDTHS: f64 = 1.6;
 
-/// What is drawn over a film whose vertebrae all are marked: all of the study's where it is analysed, and else the film's own
-/// curve.
+/// Drawing over a complete film: all results of the study if it is analysed, else the film's curve.
 pub fn of_film(result: &StudyResult, posture: Posture) -> Option<FilmOverlay> {
     let film = result.current.marks(posture)?;
     if let Some((analysis, measured)) =
@@ -45,7 +44,7 @@ fn px(place: Pixel) -> [f64; 2] {
     [place.column_px, place.row_px]
 }
 
-/// A fitted curve with what it leaves of the vertebrae.
+/// A fitted curve with its residuals.
 fn curve_alone(frame: &FilmFrame, outline: &Outline, fit: &CurveFit) -> FilmOverlay {
     let at = |i: u32| fit.curve.end_mm() * f64::from(i) / f64::from(CURVE_POINTS - 1);
     let residuals = fit.residuals(outline);
@@ -91,7 +90,7 @@ impl Drawing<'_> {
         LabelledPoint { px: px(self.frame.nearest_pixel(at)), label: label.to_owned(), text }
     }
 
-    /// The inflections of the erect curve where they lie on this film.
+    /// The inflections of the erect curve at their places on this film.
     fn inflections(&self) -> Vec<LabelledPoint> {
         let pair = self.analysis.inflections.pair.zip(self.measured.inflection_points);
         let Some((pair, places)) = pair else { return Vec::new() };
@@ -155,7 +154,7 @@ impl Drawing<'_> {
             };
             let upper = line(curve.ends.superior, false)?;
             let lower = line(curve.ends.inferior, true)?;
-            // Beside the curve, where the lines run apart.
+            // Beside the curve, on the side where the lines diverge.
             let left = curve.convex == Some(spineline::anatomy::Side::Left);
             let end = |line: &[Frontal; 2]| line[usize::from(left)];
             Some(CobbOverlay {

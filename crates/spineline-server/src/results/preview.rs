@@ -1,4 +1,4 @@
-//! What would follow from events that are not recorded: while a corner or an axis is dragged.
+//! Results of unrecorded events, for the drag of a corner or an axis.
 
 use axum::extract::State;
 use axum::http::StatusCode;
@@ -17,7 +17,7 @@ use crate::readings;
 use crate::session::User;
 use crate::state::AppState;
 
-/// What would follow from events upon a reading.
+/// Results of unrecorded events on a reading.
 #[utoipa::path(post, path = "/api/readings/{reading}/preview", params(("reading" = i64, Path)),
     request_body = PreviewRequest,
     responses((status = 200, body = Preview), (status = 404, body = Problem),
@@ -38,7 +38,7 @@ pub async fn preview(
     Ok(Json(Preview { reading, live }))
 }
 
-/// The reading as it would be, and the events that make it so.
+/// The reading with the events, and the events.
 fn before(
     store: &Store,
     user: &User,
@@ -55,7 +55,7 @@ fn before(
     Ok((view, events))
 }
 
-/// The turning of an axis towards the pointer as an event.
+/// The rotation of an axis towards the pointer as an event.
 fn turned(film: &FilmRecord, view: &ReadingView, turn: &TurnAxis) -> Answer<Event> {
     let refused = |text: String, help| {
         Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text).help(help)

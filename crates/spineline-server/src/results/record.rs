@@ -1,4 +1,4 @@
-//! Events recorded, with what follows from them in the same answer.
+//! Records events and returns their results in the same answer.
 
 use axum::extract::State;
 use axum::response::{IntoResponse, Response};
@@ -12,7 +12,7 @@ use crate::readings;
 use crate::session::User;
 use crate::state::AppState;
 
-/// Records events, all or none; answers what follows. The same request once more is answered once more, and records nothing.
+/// Records all events or none, and returns the results. A repeated request gets the same answer and records nothing.
 #[utoipa::path(post, path = "/api/readings/{reading}/events", request_body = NewEvent,
     responses((status = 200, body = Preview), (status = 404, body = Problem),
         (status = 409, body = ConflictAnswer), (status = 422, body = Problem)))]
@@ -28,7 +28,7 @@ pub async fn record(
         readings::may_mark(store, &user, reading)?;
         let recorded = store.record_all(reading, &new.events, new.expected_revision, &by);
         let answer = readings::answer_of(&asker, store, &user, reading, recorded.map(drop))?;
-        // What is recorded is acknowledged, whatever keeps its results from being computed.
+        // Recorded events are acknowledged even if their results cannot be computed.
         Ok(answer.map(|view| (view, in_hand(store, &user, reading, &[]).ok().flatten())))
     });
     Ok(match answer.await? {

@@ -1,4 +1,4 @@
-//! How well readers agree.
+//! Agreement of observers.
 
 use axum::extract::State;
 use spineline::measure::FilmReadings;
@@ -13,7 +13,7 @@ use crate::result_cache::{StudyResult, computed};
 use crate::session::User;
 use crate::state::AppState;
 
-/// How well the readings of a study repeat.
+/// Repeatability of the readings of a study.
 #[utoipa::path(get, path = "/api/studies/{study}/reliability", params(("study" = String, Path)),
     responses((status = 200, body = Vec<ReliabilityView>), (status = 403, body = Problem)))]
 pub async fn reliability(
@@ -26,11 +26,11 @@ pub async fn reliability(
     computed(move || Json(of_studies(&[&result], result.study.as_str()))).await
 }
 
-/// Agreement on every quantity over some studies; none where nobody has read a film twice.
+/// Agreement on every quantity over some studies; empty if no film was read twice.
 pub fn of_studies(results: &[&StudyResult], scope: &str) -> Vec<ReliabilityView> {
     let read = |result: &&StudyResult| {
         let films = result.current.case.films.iter();
-        // What cannot be measured is refused elsewhere.
+        // Other parts report films that cannot be measured.
         let readings: Vec<FilmReadings> =
             films.filter_map(|film| FilmReadings::measure(film).ok()).collect();
         (result.study.to_string(), readings)

@@ -9,10 +9,10 @@ use spineline::spatial::{Angle, Mat3, Vec3};
 
 use crate::api::{LevelError, Shape, SimulatedPosture, Wire};
 
-/// Parts of a force whose shapes are shown: from none to all of it.
+/// Number of equal steps of the load factor from 0 to 1 whose shapes are sent.
 const PARTS: [f64; 11] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
 
-/// A spine with these poses of its vertebrae.
+/// A spine with the given poses of its vertebrae.
 pub fn shape(spine: &SpineModel, midpoints_mm: &[Vec3], axes: &[Mat3]) -> Shape {
     let points = |points: &[Vec3]| points.iter().map(|&point| point.into()).collect();
     Shape {

@@ -38,7 +38,7 @@ pub async fn analysis_file(
     };
     let text = computed(move || {
         result.analysed().map(|analysis| {
-            // Its input is the store, whose case is in the file.
+            // Its input is the store; the case is part of the file.
             let films = FilmOrigin::of([analysis.synthetic]);
             let request = Request { options: analysis.options.clone(), ..Request::default() };
             let provenance = Provenance::new(run, films, Vec::new()).asking(&request);
@@ -82,7 +82,7 @@ fn view(result: &StudyResult) -> LiveView {
     }
 }
 
-/// What follows from the finished readings, over one film.
+/// Results of the finished readings for one film.
 #[utoipa::path(get, path = "/api/studies/{study}/films/{film}/overlay",
     params(("study" = String, Path), ("film" = i64, Path)),
     responses((status = 200, body = FilmOverlay), (status = 404, body = Problem)))]

@@ -10,12 +10,12 @@ use crate::api::{CurveSummary, Severity, StudyStatus};
 use crate::result_cache::{Outcome, ResultCache, StudyResult};
 use crate::words::progress;
 
-/// A study's results as its line in the list shows them.
+/// A study's results for its row in the list.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResultSummary {
-    /// How far it has come.
+    /// Status.
     pub status: StudyStatus,
-    /// The same in words.
+    /// Text of the status.
     pub status_text: String,
     /// The largest curve.
     pub curve: Option<CurveSummary>,
@@ -31,10 +31,10 @@ impl ResultSummary {
     }
 }
 
-/// A study's line in the list, from its finished readings; computed once per change of the study.
+/// A study's row in the list, from its finished readings; computed once per change of the study.
 ///
 /// # Errors
-/// Whatever keeps a study from being looked at; marks that contradict one another are a status.
+/// Errors of reading the study; contradicting landmarks are a status.
 pub fn summary(
     cache: &ResultCache,
     store: &Store,
@@ -52,10 +52,10 @@ pub fn summary(
     }
 }
 
-/// What follows from a study, or why its films make no case.
+/// Results of a study, or why its films do not form a case.
 ///
 /// # Errors
-/// Whatever else the store refuses.
+/// Other errors of the store.
 pub fn known(
     cache: &ResultCache,
     store: &Store,
@@ -68,7 +68,7 @@ pub fn known(
     }
 }
 
-/// A result's line.
+/// The row of a result.
 pub fn of_result(result: &StudyResult) -> ResultSummary {
     let notices = notices::of_result(result);
     let count = |severity| notices.iter().filter(|notice| notice.severity == severity).count();

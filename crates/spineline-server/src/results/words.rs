@@ -1,4 +1,4 @@
-//! Words that several results share.
+//! Texts that several results share.
 
 use spineline::measure::{LengthScale, SpacingPlane};
 

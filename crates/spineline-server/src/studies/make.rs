@@ -26,7 +26,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(new_study)).routes(routes!(import_case))
 }
 
-/// Makes a study of uploaded films. What names the patient is taken out of them.
+/// Creates a study from uploaded films, which are de-identified.
 #[utoipa::path(post, path = "/api/studies", request_body = NewStudy,
     responses((status = 200, body = StudyDetail), (status = 401, body = Problem),
         (status = 403, body = Problem), (status = 404, body = Problem),
@@ -61,7 +61,7 @@ async fn new_study(
     add(&state, user, case, used).await
 }
 
-/// Makes a study of a case file, its readings included, and the films that it names.
+/// Creates a study from a case file with its readings and films.
 #[utoipa::path(post, path = "/api/studies/case", request_body = CaseImport,
     responses((status = 200, body = StudyDetail), (status = 401, body = Problem),
         (status = 403, body = Problem), (status = 404, body = Problem),
@@ -111,7 +111,7 @@ async fn add(
     detail.await.map(Json)
 }
 
-/// What can be seen before anything is done.
+/// Checks before any film is processed.
 fn check(films: &[(NewFilm, Arc<Upload>)]) -> Answer<()> {
     if films.is_empty() {
         return Err(refused("a study needs at least one film"));
@@ -135,7 +135,7 @@ fn check(films: &[(NewFilm, Arc<Upload>)]) -> Answer<()> {
     Ok(())
 }
 
-/// Whether an upload can be the picture that a case was made with.
+/// Whether an upload can be the film of a case.
 fn check_picture(posture: Posture, [columns, rows]: [u64; 2], upload: &Upload) -> Answer<()> {
     if [u64::from(upload.columns), u64::from(upload.rows)] != [columns, rows] {
         let text = format!(
@@ -162,11 +162,11 @@ fn prepared_film(
     let spacing = match film.scale {
         ScaleChoice::File => upload.spacing,
         ScaleChoice::Pixels => {
-            // Without a spacing pixels count as square, and then every angle would be wrong.
+            // Without a spacing pixels count as square, and all angles would be wrong.
             if upload.spacing.is_some_and(|spacing| !spacing.is_square()) {
                 let posture = film.posture.0;
                 let text = format!("{posture}: the pixels of this file are not square");
-                return Err(refused(&text).help("use the scale of the file, or state a scale"));
+                return Err(refused(&text).help("use the scale of the file, or enter a scale"));
             }
             None
         }
@@ -174,7 +174,7 @@ fn prepared_film(
             let stated = Spacing::stated(column_mm, row_mm, plane.0);
             if !stated.is_plausible() {
                 let text = format!("a spacing of {column_mm} mm × {row_mm} mm is not plausible");
-                return Err(refused(&text).help("state the distance between pixel centres in mm"));
+                return Err(refused(&text).help("enter the distance between pixel centres in mm"));
             }
             Some(stated)
         }
@@ -195,13 +195,13 @@ fn prepared_film(
     Ok((bytes, image_value(&geometry, source)))
 }
 
-/// A film's file without what names its patient.
+/// De-identifies a film's file.
 fn clean(id: &Name, bytes: &[u8], salt: [u8; 32]) -> Answer<Vec<u8>> {
     let options = DeidOptions { case_id: id.to_string(), salt, retain_sex_and_age: false };
     Ok(deidentify(bytes, &options, &FilmLimits::default())?.bytes)
 }
 
-/// Films of one study stay together; nobody can find the old identifiers.
+/// Films of one study keep a common new identifier, from which the old one cannot be derived.
 fn salt() -> Answer<[u8; 32]> {
     let mut salt = [0; 32];
     getrandom::fill(&mut salt).map_err(|_| {

@@ -1,4 +1,4 @@
-//! Studies: listed, made, looked at, exported.
+//! Studies: list, create, read, export.
 
 mod make;
 mod summary;
@@ -29,7 +29,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .merge(make::routes())
 }
 
-/// The studies that the one who asks may see.
+/// The studies that the requester may see.
 #[utoipa::path(get, path = "/api/studies", responses((status = 200, body = [StudySummary])))]
 async fn list(State(state): State<AppState>, user: User) -> Answer<Json<Vec<StudySummary>>> {
     let studies = access::prepared(&state, &user).await?;

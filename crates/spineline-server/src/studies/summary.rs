@@ -1,4 +1,4 @@
-//! Studies and films as the list of studies shows them.
+//! Studies and films in the list of studies.
 
 use spineline::anatomy::ImageSide;
 use spineline::measure::ImageGeometry;
@@ -29,7 +29,7 @@ pub fn study_summary(
         status => (status, found.status_text),
     };
     let films = match visibility {
-        // Postures would unblind.
+        // Postures would reveal the film.
         Visibility::Reader => Vec::new(),
         Visibility::Open | Visibility::Apart => overview
             .films
@@ -75,7 +75,7 @@ fn summary_of(
     user: &User,
     visibility: Visibility,
 ) -> FilmSummary {
-    // One film that another program described must not hide all studies.
+    // A film with an invalid record must not hide all studies.
     let image = spineline_files::parse_image(&film.image, film.posture).unwrap_or(UNREADABLE);
     let readings = overview.readings.iter().filter(|reading| reading.film == film.id);
     let readings =

@@ -1,4 +1,4 @@
-//! Who may do what in which study.
+//! Permissions per study.
 
 use axum::http::StatusCode;
 use serde_json::json;
@@ -10,7 +10,7 @@ use crate::browser::{App, by, name};
 const GRANTS: &str = "/api/studies/S-1/grants";
 
 #[test]
-fn admins_grant_and_take_back() {
+fn admins_add_and_remove_grants() {
     let app = App::with_accounts();
     let lead = app.account("lead");
     let both =
@@ -39,7 +39,7 @@ fn admins_grant_and_take_back() {
 }
 
 #[test]
-fn a_role_in_a_study_is_the_least_of_account_and_grant() {
+fn the_role_in_a_study_is_the_lower_of_account_and_grant() {
     let app = App::with_accounts();
     let mut store = Store::open(&app.store_path()).expect("a store");
     let study = name("S-1");
@@ -60,7 +60,7 @@ fn a_role_in_a_study_is_the_least_of_account_and_grant() {
 }
 
 #[test]
-fn who_makes_a_study_may_edit_it() {
+fn the_creator_of_a_study_may_edit_it() {
     let app = App::with_accounts();
     let mut store = Store::open(&app.store_path()).expect("a store");
     let study = Study { id: name("S-3"), label: None, synthetic: true };
@@ -73,7 +73,7 @@ fn who_makes_a_study_may_edit_it() {
 }
 
 #[test]
-fn a_reader_of_a_study_marks_nothing() {
+fn a_reader_of_a_study_cannot_place_landmarks() {
     let app = App::with_accounts();
     let begun =
         |who: &str| app.account(who).post("/api/films/1/readings", &json!({ "repeat": 1 })).status;

@@ -1,4 +1,4 @@
-//! Accounts: who may make them, and who may sign in.
+//! Accounts: creation, roles and sign-in.
 
 use axum::http::StatusCode;
 use rusqlite::Connection;
@@ -8,7 +8,7 @@ use spineline_store::Store;
 use crate::browser::{App, Browser, PASSWORD, account};
 
 #[test]
-fn only_admins_see_and_make_accounts() {
+fn only_admins_list_and_create_accounts() {
     let app = App::with_accounts();
     for who in ["reader", "editor"] {
         let browser = app.account(who);
@@ -45,7 +45,7 @@ fn only_admins_see_and_make_accounts() {
 }
 
 #[test]
-fn a_role_that_is_taken_is_taken_at_once() {
+fn a_removed_role_takes_effect_at_once() {
     let app = App::with_accounts();
     let (lead, other) = (app.account("lead"), app.account("editor"));
     assert_eq!(
@@ -61,7 +61,7 @@ fn a_role_that_is_taken_is_taken_at_once() {
 }
 
 #[test]
-fn somebody_always_leads() {
+fn the_last_enabled_admin_cannot_be_removed() {
     let app = App::with_accounts();
     let lead = app.account("lead");
     for edit in [json!({ "role": "editor" }), json!({ "enabled": false })] {
@@ -111,7 +111,7 @@ fn f70_weak_passwords_are_refused() {
 }
 
 #[test]
-fn f70_guessing_passwords_is_locked_out_and_nobody_else_is() {
+fn f70_guessing_passwords_locks_one_name_only() {
     let app = App::with_accounts();
     for _ in 0..5 {
         let answer = app.browser().sign_in(&account("editor", "a wrong password"));
@@ -126,7 +126,7 @@ fn f70_guessing_passwords_is_locked_out_and_nobody_else_is() {
 }
 
 #[test]
-fn f72_a_role_that_was_written_into_the_file_is_not_believed() {
+fn f72_a_role_edited_in_the_store_file_is_refused() {
     for (sql, object) in [
         ("UPDATE accounts SET role = 'admin' WHERE name = 'reader'", "account/reader"),
         ("UPDATE grants SET study = 'S-2' WHERE name = 'reader'", "grant/2"),

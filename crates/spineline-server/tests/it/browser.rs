@@ -1,4 +1,4 @@
-//! An app over a store of its own, and browsers that are signed in there.
+//! An app with its own store, and signed-in browsers.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -36,13 +36,13 @@ pub struct App {
 }
 
 impl App {
-    /// An app that asks for the token of the terminal.
+    /// An app with the token of the terminal.
     pub fn with_token() -> Self {
         Self::new(Access::Token, |_| ())
     }
 
-    /// An app with the accounts `lead` (admin), `editor`, `reader` and `nobody`, where `editor` and `reader` are granted the
-    /// study `S-1` as such, and nobody is granted `S-2`; each study has a film, and `S-2` a reading, by `lead`.
+    /// An app with the accounts `lead` (admin), `editor`, `reader` and `nobody`, where `editor` and `reader` have grants of
+    /// these roles for the study `S-1`, and `S-2` has no grants; each study has a film, and `S-2` a reading, by `lead`.
     pub fn with_accounts() -> Self {
         Self::new(Access::Accounts, |store| {
             let password = PasswordHash::new(PASSWORD).expect("long enough");
@@ -86,7 +86,7 @@ impl App {
         Self { runtime, router: app(state.clone()), state, folder }
     }
 
-    /// The same store under a program that was started anew.
+    /// The same store after a restart of the program.
     pub fn restarted(self, options: ServeOptions) -> Self {
         let Self { runtime, router, state, folder } = self;
         drop((router, state, runtime));
@@ -102,7 +102,7 @@ impl App {
         self.state.current_token()
     }
 
-    /// Asks, with nothing but what the request says.
+    /// Sends a request without additions.
     pub fn ask(&self, request: Request<Body>) -> Answer {
         self.runtime.block_on(async {
             let answer = self.router.clone().oneshot(request).await.expect("an answer");
@@ -112,7 +112,7 @@ impl App {
         })
     }
 
-    /// A browser at the address, where nobody is signed in.
+    /// A browser without a session.
     pub fn browser(&self) -> Browser<'_> {
         Browser { app: self, cookie: String::new(), csrf: String::new() }
     }
@@ -155,7 +155,7 @@ pub struct Browser<'a> {
 }
 
 impl Browser<'_> {
-    /// Signs in, and keeps what it is given.
+    /// Signs in, and keeps the cookie and token.
     pub fn sign_in(&mut self, how: &Value) -> Answer {
         let answer = self.post("/api/session", how);
         if answer.status == StatusCode::OK {
@@ -194,7 +194,7 @@ impl Browser<'_> {
         self.app.ask(request.body(Body::from(body)).expect("a request"))
     }
 
-    /// The head of a request as the app's own page sends it.
+    /// The head of a request as the app's page sends it.
     pub fn request(&self, method: Method, path: &str) -> axum::http::request::Builder {
         let mut request = Request::builder().uri(path).header(header::HOST, HOST);
         if method != Method::GET {
@@ -227,7 +227,7 @@ impl Answer {
         self.headers.get(name).map_or_else(String::new, |v| v.to_str().expect("text").to_owned())
     }
 
-    /// The key of a refusal, which is a whole problem.
+    /// The key of a refusal, which must be a complete problem.
     pub fn code(&self) -> String {
         assert_eq!(self.header("content-type"), "application/json", "{}", self.text());
         let problem = self.json();

@@ -1,4 +1,4 @@
-//! A body that the description of the interface allows: the least of what each part may be.
+//! Minimal bodies that the description of the interface allows.
 
 use serde_json::{Map, Value, json};
 

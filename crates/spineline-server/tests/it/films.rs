@@ -1,4 +1,4 @@
-//! Films and readings as a person meets them: the demonstration, clicks, reloads, lost races, blinded readers, uploads.
+//! Films and readings: demonstration, landmarks, reloads, conflicts, blinded readers, uploads.
 
 use axum::http::{Method, StatusCode};
 use serde_json::{Value, json};
@@ -46,7 +46,7 @@ fn begin(browser: &Browser<'_>, film: i64) -> i64 {
 }
 
 #[test]
-fn small_pictures_and_scales_of_films_outlast_the_program() {
+fn thumbnails_and_scales_of_films_survive_a_restart() {
     let app = app();
     let browser = app.observer("Ann");
     let film = |study: &Value| study["summary"]["films"][0].clone();
@@ -54,7 +54,7 @@ fn small_pictures_and_scales_of_films_outlast_the_program() {
     let id = before["film"].as_i64().expect("a number");
     let small = browser.get(&format!("/api/films/{id}/thumbnail")).body;
     drop(browser);
-    // No film can be decoded any more.
+    // From here no film can be decoded.
     let nothing = ServeOptions { decoder: "/nowhere".into(), ..decoding() };
     let app = app.restarted(nothing);
     let browser = app.observer("Ann");
@@ -66,7 +66,7 @@ fn small_pictures_and_scales_of_films_outlast_the_program() {
 }
 
 #[test]
-fn a_person_marks_undoes_reloads_and_finishes() {
+fn a_reading_is_recorded_undone_reloaded_and_finished() {
     let app = app();
     let browser = app.observer("Ann");
     let study = demo(&browser);
@@ -126,7 +126,7 @@ fn a_person_marks_undoes_reloads_and_finishes() {
 }
 
 #[test]
-fn f58_two_sessions_of_one_observer_lose_nothing() {
+fn f58_two_sessions_of_one_observer_lose_no_change() {
     let app = app();
     let browser = app.observer("Ann");
     let film = demo(&browser)["summary"]["films"][0]["film"].as_i64().expect("a number");
@@ -153,7 +153,7 @@ fn f58_two_sessions_of_one_observer_lose_nothing() {
     assert_eq!(kept.len(), 2, "both lost clicks are kept");
     assert_eq!(kept[0]["text"], "L4 superior left corner to (950.0, 2000.0)");
 
-    // Half of a step is never recorded.
+    // A part of a step is never recorded.
     let half = [corner("L4", "superior_right", 990.0, 2000.0), json!({ "kind": "redo" })];
     assert_eq!(record(&browser, reading, 1, json!(half)).status, StatusCode::UNPROCESSABLE_ENTITY);
     assert_eq!(browser.get(&format!("/api/readings/{reading}")).json()["revision"], 1);
@@ -228,7 +228,7 @@ fn a_patients_name_reaches_neither_answers_nor_the_store() {
 }
 
 #[test]
-fn garbage_is_refused_and_says_nothing_of_itself() {
+fn an_invalid_file_is_refused_without_quoting_its_content() {
     let app = app();
     let browser = app.observer("Ann");
     let refused = upload(&browser, b"%PDF-1.7 Doe Jane".to_vec());
@@ -240,7 +240,7 @@ fn garbage_is_refused_and_says_nothing_of_itself() {
 }
 
 #[test]
-fn a_blinded_reader_is_told_no_posture_anywhere() {
+fn no_answer_to_a_blinded_reader_contains_a_posture() {
     let app = app();
     let lead = app.observer("Ann");
     // A plan needs a study without readings: the demonstration's case without them.

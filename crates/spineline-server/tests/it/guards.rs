@@ -1,4 +1,4 @@
-//! What does not come from the app itself, and what every answer carries.
+//! Requests from outside of the app, and headers of every answer.
 
 use axum::body::Body;
 use axum::http::{Method, Request, StatusCode, header};
@@ -34,7 +34,7 @@ fn f64_only_files_of_the_app_are_served() {
 }
 
 #[test]
-fn f65_a_body_has_a_largest_size() {
+fn f65_a_body_above_the_limit_is_refused() {
     let app = App::with_token();
     let long = json!({ "kind": "token", "token": "x".repeat(1 << 20), "observer": "A" });
     let answer = app.browser().post("/api/session", &long);
@@ -43,7 +43,7 @@ fn f65_a_body_has_a_largest_size() {
 }
 
 #[test]
-fn a_body_that_is_not_what_it_should_be_is_refused_in_words() {
+fn an_invalid_body_is_refused_with_a_message() {
     let app = App::with_token();
     let browser = app.browser();
     let post = |kind: &str, body: &str| {
@@ -82,7 +82,7 @@ fn assert_carries_headers(answer: &Answer, what: &str) {
 }
 
 #[test]
-fn f66_every_answer_says_what_it_is_and_runs_nothing_foreign() {
+fn f66_every_answer_has_its_type_and_a_content_policy() {
     let app = App::with_token();
     let browser = app.observer("A");
     for path in ["/", "/none", "/api", "/api/none", "/api/session", "/api/studies/<b>/grants"] {
@@ -105,7 +105,7 @@ fn f66_every_answer_says_what_it_is_and_runs_nothing_foreign() {
 }
 
 #[test]
-fn f67_no_other_name_leads_here() {
+fn f67_other_host_names_are_refused() {
     let app = App::with_token();
     let ask = |app: &App, hosts: &[&str]| {
         let mut request = Request::get("/api/sign-in");
@@ -159,7 +159,7 @@ fn sign_in_from(app: &App, headers: &[(&str, &str)]) -> Answer {
 }
 
 #[test]
-fn f67_no_other_site_changes_anything() {
+fn f67_writes_from_other_sites_are_refused() {
     let app = App::with_token();
     for bad in [
         &[][..],
@@ -182,7 +182,7 @@ fn f67_no_other_site_changes_anything() {
 }
 
 #[test]
-fn f67_no_other_site_reads_anything() {
+fn f67_reads_from_other_sites_are_refused() {
     let app = App::with_token();
     let browser = app.observer("A");
     for (name, value) in [
@@ -204,7 +204,7 @@ fn f67_no_other_site_reads_anything() {
 }
 
 #[test]
-fn f71_refusals_repeat_nothing_that_was_sent() {
+fn f71_refusals_do_not_quote_the_request() {
     let app = App::with_token();
     let browser = app.observer("A");
     let name = |value: &str| json!({ "kind": "token", "token": value, "observer": value });

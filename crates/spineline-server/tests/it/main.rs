@@ -1,4 +1,4 @@
-//! The server as a browser meets it: every request passes the whole app.
+//! Tests of the server: every request passes the whole app.
 
 mod access;
 mod accounts;

@@ -1,4 +1,4 @@
-//! Rules that every route keeps, driven by the description of the interface, so that none is forgotten.
+//! Rules for every route, driven by the description of the interface, so that no route is missed.
 
 use axum::body::Body;
 use axum::http::{Method, StatusCode, header};
@@ -59,7 +59,7 @@ fn is_sign_in(route: &Route) -> bool {
 }
 
 #[test]
-fn nothing_but_signing_in_is_answered_without_a_session() {
+fn only_the_sign_in_is_answered_without_a_session() {
     let app = App::with_accounts();
     for route in routes().iter().filter(|route| !is_sign_in(route)) {
         let answer = ask(&app.browser(), route, "S-1");
@@ -70,7 +70,7 @@ fn nothing_but_signing_in_is_answered_without_a_session() {
 }
 
 #[test]
-fn f68_the_study_of_others_is_not_there() {
+fn f68_a_study_without_a_grant_is_answered_as_not_found() {
     let app = App::with_accounts();
     for who in ["nobody", "editor", "reader"] {
         let browser = app.account(who);
@@ -90,7 +90,7 @@ fn f68_the_study_of_others_is_not_there() {
 }
 
 #[test]
-fn f67_every_write_demands_the_token_of_its_session() {
+fn f67_every_write_requires_the_session_token() {
     let app = App::with_accounts();
     let mut browser = app.account("lead");
     browser.csrf = app.account("lead").csrf;
@@ -104,7 +104,7 @@ fn f67_every_write_demands_the_token_of_its_session() {
 }
 
 #[test]
-fn f65_no_route_takes_a_body_that_is_compressed_or_endless() {
+fn f65_every_route_refuses_compressed_and_endless_bodies() {
     let app = App::with_accounts();
     let browser = app.account("lead");
     for route in routes().iter().filter(|route| route.body.is_some()) {
@@ -123,7 +123,7 @@ fn f65_no_route_takes_a_body_that_is_compressed_or_endless() {
 }
 
 #[test]
-fn f69_no_route_takes_a_token_in_its_query_or_leads_elsewhere() {
+fn f69_no_route_accepts_a_token_in_its_query_or_redirects() {
     let app = App::with_token();
     let token = app.token();
     for route in routes() {
@@ -144,7 +144,7 @@ fn f69_no_route_takes_a_token_in_its_query_or_leads_elsewhere() {
 }
 
 #[test]
-fn refusals_are_described_as_problems() {
+fn every_refusal_is_described_as_a_problem() {
     let description = serde_json::to_value(openapi()).expect("JSON");
     for (path, operations) in description["paths"].as_object().expect("paths") {
         for (method, operation) in operations.as_object().expect("operations") {

@@ -1,4 +1,4 @@
-//! Sessions begin, end, and outlive the program.
+//! Sessions: begin, end, and restart of the program.
 
 use axum::http::StatusCode;
 use rusqlite::Connection;
@@ -25,7 +25,7 @@ fn sessions(app: &App) -> Vec<(String, String)> {
 }
 
 #[test]
-fn f70_a_session_ends_after_rest_and_after_a_week() {
+fn f70_a_session_ends_after_idle_time_and_after_a_week() {
     for (begun_hours, used_hours, expected) in [
         (11, 11, StatusCode::OK),
         (13, 13, StatusCode::UNAUTHORIZED),
@@ -41,7 +41,7 @@ fn f70_a_session_ends_after_rest_and_after_a_week() {
 }
 
 #[test]
-fn f70_use_keeps_a_session_and_ended_ones_are_forgotten() {
+fn f70_use_prolongs_a_session_and_ended_ones_are_deleted() {
     let app = App::with_token();
     let used = app.observer("A");
     age(&app, 11, 11);
@@ -54,7 +54,7 @@ fn f70_use_keeps_a_session_and_ended_ones_are_forgotten() {
 }
 
 #[test]
-fn f70_a_session_that_was_put_into_a_browser_is_never_taken() {
+fn f70_a_session_fixed_by_an_attacker_is_not_used() {
     let app = App::with_token();
     let mut browser = app.browser();
     browser.cookie = "spineline_session_8765=fixed".to_owned();
@@ -71,7 +71,7 @@ fn f70_a_session_that_was_put_into_a_browser_is_never_taken() {
 }
 
 #[test]
-fn the_cookie_is_kept_from_scripts_and_from_other_sites() {
+fn the_cookie_is_http_only_and_same_site() {
     let app = App::with_token();
     let sign_in = |app: &App| {
         let how = json!({ "kind": "token", "token": app.token(), "observer": "A" });
@@ -97,7 +97,7 @@ fn the_cookie_is_kept_from_scripts_and_from_other_sites() {
 }
 
 #[test]
-fn the_store_keeps_no_secret_of_a_session() {
+fn the_store_contains_no_secret_of_a_session() {
     let app = App::with_token();
     let browser = app.observer("A");
     let secret = browser.cookie.split('=').nth(1).expect("a value");
@@ -107,7 +107,7 @@ fn the_store_keeps_no_secret_of_a_session() {
 }
 
 #[test]
-fn sessions_outlive_the_program() {
+fn sessions_survive_a_restart() {
     let app = App::with_token();
     let browser = app.observer("A");
     let (cookie, csrf) = (browser.cookie.clone(), browser.csrf.clone());
@@ -118,7 +118,7 @@ fn sessions_outlive_the_program() {
     assert_eq!(session.status, StatusCode::OK);
     assert_eq!(session.json()["name"], "A");
     assert_eq!(session.json()["csrf"], browser.csrf.as_str());
-    // A store that is served with accounts from now on forgets who came by the token.
+    // When a store is later served with accounts, sessions of the token are not valid.
     let app = app.restarted(options(Access::Accounts));
     let mut browser = app.browser();
     browser.cookie = cookie;
@@ -126,7 +126,7 @@ fn sessions_outlive_the_program() {
 }
 
 #[test]
-fn a_token_signs_one_browser_in() {
+fn a_token_signs_in_one_browser() {
     let app = App::with_token();
     let first = app.token();
     let mut browser = app.browser();
@@ -146,7 +146,7 @@ fn a_token_signs_one_browser_in() {
 }
 
 #[test]
-fn signing_out_ends_the_session_and_not_only_its_cookie() {
+fn signing_out_ends_the_session_in_the_store() {
     let app = App::with_token();
     let browser = app.observer("A");
     let answer = browser.delete("/api/session");

@@ -1,4 +1,4 @@
-//! Bytes that changed on the disk: an error or a finding, never other readings and never a panic.
+//! Changed bytes on the disk give an error or a finding, never other readings or a panic.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +8,7 @@ use spineline_store::{Account, Finding, Name, PasswordHash, Role, Store, StoreEr
 use crate::session::{STEPS, by, create, name, run, try_fingerprint};
 
 #[test]
-fn a_changed_byte_in_any_page_is_told_or_changes_nothing() {
+fn a_changed_byte_in_any_page_is_reported_or_harmless() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("store");
     let store = full_store(&path);
@@ -58,11 +58,11 @@ fn a_changed_byte_in_any_page_is_told_or_changes_nothing() {
     println!(
         "{refused} refused, {found} found, {harmless} harmless; {unverified} differ unless verified"
     );
-    // What is harmless lies in unused space.
+    // Harmless changes are in unused space.
     assert!(found > 100 && refused > 0 && found + refused > harmless);
 }
 
-/// A store in which no table is all but empty: most of its bytes mean something.
+/// A store without nearly empty tables, so that most of its bytes are used.
 fn full_store(path: &Path) -> Store {
     let mut store = create(path);
     for step in 0..STEPS {
@@ -85,7 +85,7 @@ fn account(number: usize) -> Name {
 }
 
 #[test]
-fn a_store_cut_short_is_refused_or_found_damaged() {
+fn a_truncated_store_is_refused_or_reported_as_damaged() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("store");
     let mut store = create(&path);
@@ -107,7 +107,7 @@ fn a_store_cut_short_is_refused_or_found_damaged() {
 }
 
 #[test]
-fn a_film_whose_bytes_changed_is_not_given_out() {
+fn a_film_with_changed_bytes_is_not_returned() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("store");
     let mut store = create(&path);

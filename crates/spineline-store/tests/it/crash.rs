@@ -1,4 +1,4 @@
-//! Processes that die at every write, and write-ahead logs that were cut off.
+//! Processes killed at every write, and truncated write-ahead logs.
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -11,16 +11,15 @@ use spineline_store::Store;
 use crate::session::{self, STEPS, create, fingerprint, reference};
 
 const STORE: &str = "SPINELINE_TEST_SESSION_STORE";
-const LARGEST_FILE: &str = "SPINELINE_TEST_LARGEST_FILE_BYTES";
+const MAX_FILE: &str = "SPINELINE_TEST_LARGEST_FILE_BYTES";
 
-/// Not a test of its own: the session that the tests below start as a process, to kill it. Each line that it is given
-/// lets it take one step.
+/// Not a test: the session that the tests below start as a process and kill. It takes one step per line of input.
 #[test]
 #[ignore = "runs as a child of the crash tests"]
 fn child_session() {
     let path = std::env::var(STORE).expect("the path of a store");
     #[cfg(unix)]
-    if let Ok(bytes) = std::env::var(LARGEST_FILE) {
+    if let Ok(bytes) = std::env::var(MAX_FILE) {
         let bytes = bytes.parse().expect("a number");
         rlimit::setrlimit(rlimit::Resource::CORE, 0, 0).expect("a limit");
         rlimit::setrlimit(rlimit::Resource::FSIZE, bytes, bytes).expect("a limit");
@@ -42,14 +41,14 @@ fn start(path: &Path, largest_file_bytes: Option<u64>) -> Child {
     command.args(["--exact", "crash::child_session", "--ignored", "--nocapture"]);
     command.env(STORE, path).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
     if let Some(bytes) = largest_file_bytes {
-        command.env(LARGEST_FILE, bytes.to_string());
+        command.env(MAX_FILE, bytes.to_string());
     }
     command.spawn().expect("a child")
 }
 
 fn allow(child: &mut Child, steps: usize) {
     let stdin = child.stdin.as_mut().expect("piped");
-    // A child that died at once has closed its end.
+    // A child that ended at once has closed its end of the pipe.
     let _ = stdin.write_all("go\n".repeat(steps).as_bytes()).and_then(|()| stdin.flush());
 }
 
@@ -77,7 +76,7 @@ fn steps_kept(path: &Path, reference: &[String], acknowledged: usize, what: &str
 }
 
 #[test]
-fn a_process_killed_after_any_acknowledgement_has_kept_exactly_what_it_acknowledged() {
+fn a_kill_after_any_acknowledgement_keeps_exactly_the_acknowledged_changes() {
     let folder = tempfile::tempdir().expect("a folder");
     let reference = reference(&folder.path().join("reference"));
     for steps in 0..=STEPS {
@@ -96,7 +95,7 @@ fn a_process_killed_after_any_acknowledgement_has_kept_exactly_what_it_acknowled
 }
 
 #[test]
-fn a_process_killed_while_it_writes_loses_at_most_what_it_had_not_acknowledged() {
+fn a_kill_during_a_write_loses_unacknowledged_changes_only() {
     let folder = tempfile::tempdir().expect("a folder");
     let reference = reference(&folder.path().join("reference"));
     let mut in_flight = 0;
@@ -121,10 +120,10 @@ fn a_process_killed_while_it_writes_loses_at_most_what_it_had_not_acknowledged()
     println!("{in_flight} of {STEPS} steps were cut off");
 }
 
-/// The kernel ends a process that writes beyond the largest file allowed, in mid-write and before the commit.
+/// The kernel ends a process that writes beyond the limit of file size, during a write and before the commit.
 #[test]
 #[cfg(unix)]
-fn a_process_that_dies_at_any_byte_of_the_write_ahead_log_has_kept_what_it_acknowledged() {
+fn a_crash_at_any_byte_of_the_write_ahead_log_keeps_acknowledged_changes() {
     use std::os::unix::process::ExitStatusExt;
     const KILLED_BY_SIZE: i32 = 25;
     let folder = tempfile::tempdir().expect("a folder");
@@ -150,7 +149,7 @@ fn a_process_that_dies_at_any_byte_of_the_write_ahead_log_has_kept_what_it_ackno
 }
 
 #[test]
-fn a_write_ahead_log_cut_off_anywhere_gives_a_state_that_was_once_acknowledged() {
+fn a_truncated_write_ahead_log_gives_an_acknowledged_state() {
     let folder = tempfile::tempdir().expect("a folder");
     let reference = reference(&folder.path().join("reference"));
     let path = folder.path().join("store");
@@ -182,7 +181,7 @@ fn a_write_ahead_log_cut_off_anywhere_gives_a_state_that_was_once_acknowledged()
         last = kept;
     }
     assert_eq!(last, STEPS - 1);
-    // Without any log at all, and with one of rubbish.
+    // Without a log, and with an invalid one.
     fs::copy(&path, &cut).expect("a copy");
     fs::write(&cut_log, vec![0xA5; 40_000]).expect("a log");
     assert_eq!(fingerprint(&Store::open(&cut).expect("a store")), reference[0]);

@@ -1,4 +1,4 @@
-//! The case of a study as the store builds it: what the same study gives as a case file.
+//! The current case of a study against its exported case file.
 
 use serde_json::{Value, json};
 use spineline::analysis::Case;
@@ -58,7 +58,7 @@ fn clicks(level: Level, seed: f64) -> Vec<Event> {
     corners(level, seed).into_iter().map(click).collect()
 }
 
-/// A vertebra as a case file has it.
+/// A vertebra in a case file's form.
 fn written(level: Level, seed: f64, axis_deg: Option<f64>) -> Value {
     let mut vertebra = json!({});
     for (corner, place) in corners(level, seed) {
@@ -99,7 +99,7 @@ fn read(
 const LEFT: [[f64; 2]; 2] = [[250.1, 2300.7], [251.3, 2299.9]];
 const RIGHT: [[f64; 2]; 2] = [[760.2, 2304.4], [759.1, 2303.3]];
 
-/// A study with every kind of event, and the reading of its left film that is in hand.
+/// A study with every kind of event, and the open reading of its left film.
 fn study(store: &mut Store) -> ReadingId {
     let lead = by("lead", 0);
     let study = Study { id: name(STUDY), label: None, synthetic: true };
@@ -185,7 +185,7 @@ fn parsed(films: &[Value]) -> Case {
 }
 
 #[test]
-fn the_case_of_finished_readings_is_that_of_the_case_file() {
+fn the_case_of_finished_readings_equals_the_case_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = create(&folder.path().join("store"));
     study(&mut store);
@@ -203,7 +203,7 @@ fn the_case_of_finished_readings_is_that_of_the_case_file() {
 }
 
 #[test]
-fn the_case_of_a_reading_in_hand_has_its_whole_vertebrae_and_pending_events() {
+fn the_case_of_an_open_reading_has_complete_vertebrae_and_pending_events() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = create(&folder.path().join("store"));
     let reading = study(&mut store);
@@ -223,7 +223,7 @@ fn the_case_of_a_reading_in_hand_has_its_whole_vertebrae_and_pending_events() {
 }
 
 #[test]
-fn an_image_that_no_case_file_could_have_is_refused() {
+fn an_image_invalid_in_a_case_file_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = create(&folder.path().join("store"));
     let (lead, id) = (by("lead", 0), name(STUDY));

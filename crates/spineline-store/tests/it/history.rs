@@ -1,4 +1,4 @@
-//! The audit log: what was edited, removed, moved or cut off is found, and what was rewritten whole needs a head from outside.
+//! The audit log: edits, removals, moves and truncations are detected; a complete rewrite only with an external head.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ fn full_session(path: &Path) -> Store {
     store
 }
 
-/// Lets an attacker at the tables: triggers are taken away and put back.
+/// Edits tables like an attacker: removes the triggers and restores them.
 fn attack(path: &Path, sql: &str) {
     let raw = Connection::open(path).expect("a database");
     let mut query = raw
@@ -42,7 +42,7 @@ fn findings_after(sql: &str) -> Vec<Finding> {
 }
 
 #[test]
-fn a_sound_store_has_no_findings_and_one_entry_per_change() {
+fn an_undamaged_store_has_no_findings_and_one_entry_per_change() {
     let folder = tempfile::tempdir().expect("a folder");
     let store = full_session(&folder.path().join("store"));
     assert_eq!(findings_after("SELECT 1"), []);
@@ -54,7 +54,7 @@ fn a_sound_store_has_no_findings_and_one_entry_per_change() {
 }
 
 #[test]
-fn a_click_is_a_change_of_a_study_and_settles_nothing() {
+fn a_click_changes_a_study_but_not_its_results() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = create(&folder.path().join("store"));
     let study = name("S-1");
@@ -74,7 +74,7 @@ fn a_click_is_a_change_of_a_study_and_settles_nothing() {
 }
 
 #[test]
-fn small_pictures_are_kept_for_known_films_and_are_no_record() {
+fn thumbnails_are_stored_for_known_films_outside_of_the_log() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("store");
     let mut store = full_session(&path);
@@ -93,7 +93,7 @@ fn small_pictures_are_kept_for_known_films_and_are_no_record() {
 }
 
 #[test]
-fn the_chain_is_what_its_description_says() {
+fn the_hash_chain_follows_its_description() {
     let folder = tempfile::tempdir().expect("a folder");
     let store = full_session(&folder.path().join("store"));
     let mut previous = String::new();
@@ -109,7 +109,7 @@ fn the_chain_is_what_its_description_says() {
 }
 
 #[test]
-fn the_database_itself_refuses_to_edit_what_is_append_only() {
+fn the_database_refuses_edits_of_append_only_tables() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("store");
     drop(full_session(&path));
@@ -129,20 +129,20 @@ fn the_database_itself_refuses_to_edit_what_is_append_only() {
 }
 
 #[test]
-fn an_edited_entry_is_found() {
+fn an_edited_entry_is_detected() {
     let found = findings_after("UPDATE audit SET actor = 'nobody' WHERE sequence = 7");
     assert_eq!(found, [Finding::EntryChanged { sequence: 7 }]);
 }
 
 #[test]
-fn a_removed_entry_is_found() {
+fn a_removed_entry_is_detected() {
     let found = findings_after("DELETE FROM audit WHERE sequence = 7");
     assert!(found.contains(&Finding::EntryMissing { sequence: 7 }), "{found:?}");
     assert!(found.iter().any(|f| matches!(f, Finding::Length { .. })), "{found:?}");
 }
 
 #[test]
-fn exchanged_entries_are_found() {
+fn swapped_entries_are_detected() {
     let found = findings_after(
         "UPDATE audit SET sequence = -1 WHERE sequence = 9;
          UPDATE audit SET sequence = 9 WHERE sequence = 10;
@@ -154,7 +154,7 @@ fn exchanged_entries_are_found() {
 }
 
 #[test]
-fn a_log_without_its_end_is_found() {
+fn a_truncated_log_is_detected() {
     let found = findings_after("DELETE FROM audit WHERE sequence > 20");
     assert!(found.contains(&Finding::HeadChanged), "{found:?}");
     let expected = (1 + STEPS + 3) as u64;
@@ -163,7 +163,7 @@ fn a_log_without_its_end_is_found() {
 }
 
 #[test]
-fn edited_removed_and_smuggled_rows_are_found_in_every_table() {
+fn edited_removed_and_inserted_rows_are_detected_in_every_table() {
     let object = |text: &str| text.to_owned();
     let found = findings_after(
         "UPDATE events SET event = replace(event, '400.25', '401.25') WHERE sequence = 1",
@@ -185,7 +185,7 @@ fn edited_removed_and_smuggled_rows_are_found_in_every_table() {
 }
 
 #[test]
-fn a_missing_trigger_is_found() {
+fn a_missing_trigger_is_detected() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("store");
     drop(full_session(&path));
@@ -198,7 +198,7 @@ fn a_missing_trigger_is_found() {
 }
 
 #[test]
-fn a_log_rewritten_whole_is_found_only_with_a_head_kept_outside() {
+fn a_rewritten_log_is_detected_only_with_an_external_head() {
     let folder = tempfile::tempdir().expect("a folder");
     let (path, other) = (folder.path().join("store"), folder.path().join("other"));
     let mut store = full_session(&path);
@@ -209,7 +209,7 @@ fn a_log_rewritten_whole_is_found_only_with_a_head_kept_outside() {
         spineline_store::Study { id: crate::session::name("S-9"), label: None, synthetic: true };
     store.add_study(&study, &crate::session::by("lead", 900)).expect("a study");
     assert!(store.verify(Some(&kept)).expect("verifiable").is_clean());
-    // Another history, sound in itself.
+    // Another valid log.
     let mut forged = create(&other);
     (0..STEPS - 1).for_each(|step| run(&mut forged, step).expect("a step"));
     assert!(forged.verify(None).expect("verifiable").is_clean());

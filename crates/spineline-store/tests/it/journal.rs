@@ -21,7 +21,7 @@ fn folder() -> tempfile::TempDir {
 }
 
 #[test]
-fn every_click_of_a_session_is_in_the_state_after_a_reload() {
+fn every_click_is_in_the_state_after_a_reload() {
     let folder = folder();
     drop(at_step(&folder, STEPS));
     let store = Store::open(&folder.path().join("store")).expect("a store");
@@ -43,7 +43,7 @@ fn every_click_of_a_session_is_in_the_state_after_a_reload() {
 }
 
 #[test]
-fn undo_and_redo_walk_through_every_edit_and_survive_a_reload_between_any_two() {
+fn undo_and_redo_cover_every_edit_and_survive_a_reload() {
     let folder = folder();
     let path = folder.path().join("store");
     let mut store = at_step(&folder, 5);
@@ -73,7 +73,7 @@ fn undo_and_redo_walk_through_every_edit_and_survive_a_reload_between_any_two() 
 }
 
 #[test]
-fn a_stale_click_is_refused_and_kept_beside_the_one_that_won() {
+fn a_stale_click_is_refused_and_kept() {
     let folder = folder();
     let mut store = at_step(&folder, 5);
     let mut tab = Store::open(&folder.path().join("store")).expect("the same store");
@@ -113,7 +113,7 @@ fn a_stale_edit_of_a_film_is_refused_and_kept() {
 }
 
 #[test]
-fn a_finished_reading_is_immutable_and_an_unfinished_one_belongs_to_its_observer() {
+fn a_finished_reading_is_immutable_and_an_open_one_belongs_to_its_observer() {
     let folder = folder();
     let mut store = at_step(&folder, STEPS);
     let last = clicks().len() as u64;
@@ -132,7 +132,7 @@ fn a_finished_reading_is_immutable_and_an_unfinished_one_belongs_to_its_observer
 }
 
 #[test]
-fn a_senseless_event_is_refused_with_its_reason_and_changes_nothing() {
+fn an_invalid_event_is_refused_with_its_reason_and_changes_no_state() {
     let folder = folder();
     let mut store = at_step(&folder, 5);
     let before = fingerprint(&store);
@@ -159,7 +159,7 @@ fn a_senseless_event_is_refused_with_its_reason_and_changes_nothing() {
 }
 
 #[test]
-fn a_vertebra_without_all_corners_keeps_its_reading_open() {
+fn a_reading_with_an_incomplete_vertebra_cannot_be_finished() {
     let folder = folder();
     let mut store = at_step(&folder, 5 + 6);
     let refused = store.finish_reading(READING, 6, &by("A", 90));
@@ -174,7 +174,7 @@ fn a_vertebra_without_all_corners_keeps_its_reading_open() {
 }
 
 #[test]
-fn a_picture_given_twice_is_reported_with_the_posture_that_it_serves() {
+fn a_repeated_picture_is_reported_with_its_posture() {
     let folder = folder();
     let mut store = at_step(&folder, 3);
     let again =
@@ -203,7 +203,7 @@ fn a_picture_given_twice_is_reported_with_the_posture_that_it_serves() {
 }
 
 #[test]
-fn names_that_might_be_patients_are_refused_without_being_repeated() {
+fn possible_patient_names_are_refused_without_quoting_them() {
     for text in ["", "Doe, Jane", "Jané", "../x", &"a".repeat(65)] {
         let refused = Name::new(text).expect_err("no identifier");
         assert!(text.is_empty() || !refused.to_string().contains(text), "{refused}");
@@ -211,7 +211,7 @@ fn names_that_might_be_patients_are_refused_without_being_repeated() {
 }
 
 #[test]
-fn an_exported_case_is_read_back_with_every_corner() {
+fn an_exported_case_round_trips_with_every_corner() {
     let folder = folder();
     let store = at_step(&folder, STEPS);
     let exported = store.export_case(&name("S-1")).expect("a case");
@@ -258,7 +258,7 @@ fn a_store_saved_and_loaded_a_thousand_times_exports_the_same_bytes() {
 }
 
 #[test]
-fn a_clock_that_jumps_back_is_noted_and_order_stays() {
+fn a_clock_that_jumps_back_is_recorded_and_order_is_kept() {
     let folder = folder();
     let mut store = at_step(&folder, 5);
     let corners = &clicks()[..3];

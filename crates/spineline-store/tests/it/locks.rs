@@ -1,4 +1,4 @@
-//! Other programs, read-only files and files of something else.
+//! Other programs, read-only files and files of other formats.
 
 use std::fs;
 use std::path::Path;
@@ -17,7 +17,7 @@ fn five_steps(path: &Path) -> Store {
 }
 
 #[test]
-fn a_store_that_another_program_writes_is_busy_and_free_again_afterwards() {
+fn a_store_written_by_another_program_is_busy_until_it_ends() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("store");
     let mut store = five_steps(&path);
@@ -37,7 +37,7 @@ fn a_store_that_another_program_writes_is_busy_and_free_again_afterwards() {
 }
 
 #[test]
-fn two_connections_that_write_in_turn_lose_nothing() {
+fn two_connections_that_alternate_lose_no_change() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("store");
     let mut stores = [five_steps(&path), Store::open(&path).expect("the same store")];
@@ -50,7 +50,7 @@ fn two_connections_that_write_in_turn_lose_nothing() {
 }
 
 #[test]
-fn threads_that_race_for_every_revision_win_it_once_and_lose_it_visibly() {
+fn of_concurrent_writers_one_succeeds_and_the_others_are_told() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("store");
     drop(five_steps(&path));
@@ -123,7 +123,7 @@ impl Drop for WriteProtection<'_> {
 }
 
 #[test]
-fn a_read_only_file_is_told_apart_and_not_changed() {
+fn a_read_only_file_is_reported_and_not_changed() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("store");
     drop(five_steps(&path));
@@ -141,7 +141,7 @@ fn a_read_only_file_is_told_apart_and_not_changed() {
 }
 
 #[test]
-fn a_read_only_folder_is_told_apart_and_a_backup_in_it_can_be_read() {
+fn a_read_only_folder_is_reported_and_a_backup_in_it_is_readable() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("store");
     let closed = folder.path().join("closed");
@@ -171,7 +171,7 @@ fn a_read_only_folder_is_told_apart_and_a_backup_in_it_can_be_read() {
 }
 
 #[test]
-fn a_view_changes_nothing() {
+fn a_read_only_view_does_not_change_the_store() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("store");
     drop(five_steps(&path));
@@ -184,7 +184,7 @@ fn a_view_changes_nothing() {
 }
 
 #[test]
-fn files_of_something_else_are_refused_and_not_changed() {
+fn other_files_are_refused_and_not_changed() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("file");
     let other = Connection::open(folder.path().join("database")).expect("a database");
@@ -212,7 +212,7 @@ fn files_of_something_else_are_refused_and_not_changed() {
 }
 
 #[test]
-fn a_backup_is_the_store_and_never_replaces_a_file() {
+fn a_backup_equals_the_store_and_never_replaces_a_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let (path, copy) = (folder.path().join("store"), folder.path().join("copy"));
     let mut store = five_steps(&path);

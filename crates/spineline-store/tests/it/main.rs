@@ -1,4 +1,4 @@
-//! The study store: what it promises, and what crashes, full disks, damaged files and other programs do to it.
+//! Tests of the study store: guarantees, crashes, full disks, damaged files and other programs.
 
 mod corruption;
 mod crash;

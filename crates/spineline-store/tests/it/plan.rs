@@ -61,7 +61,7 @@ fn read_all(store: &mut Store, who: &str) -> Vec<(String, i64)> {
 }
 
 #[test]
-fn the_same_seed_gives_the_same_order_and_other_observers_another_one() {
+fn the_order_depends_on_seed_and_observers_only() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut orders = BTreeMap::new();
     for (file, design) in [("a", DESIGN), ("b", DESIGN), ("c", PlanDesign { seed: 8, ..DESIGN })] {
@@ -74,7 +74,7 @@ fn the_same_seed_gives_the_same_order_and_other_observers_another_one() {
 }
 
 #[test]
-fn every_film_is_read_once_a_round_and_again_no_sooner_than_the_washout() {
+fn every_film_is_read_once_per_round_and_after_the_washout() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = planned(&folder, "store", "S-1", PlanDesign { repeats: 3, ..DESIGN });
     let order = read_all(&mut store, "A");
@@ -122,20 +122,20 @@ fn a_repeat_begun_early_or_out_of_turn_is_refused() {
 }
 
 #[test]
-fn a_clock_that_jumps_back_in_mid_reading_releases_nothing_early() {
+fn a_clock_that_jumps_back_does_not_shorten_the_washout() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = planned(&folder, "store", "S-1", PlanDesign { repeats: 2, ..DESIGN });
     for _ in 0..5 {
         let Next::Begin(film) = next(&store, "A", minute(10)) else { panic!("a film") };
         let reading = store.begin_planned(&film.code, &by("A", 10)).expect("the next film");
-        // Finished, says the clock, four weeks before it was begun.
+        // By the clock, it was finished four weeks before it was begun.
         store.finish_reading(reading, 0, &by("A", 10 - 28 * DAY)).expect("finished");
     }
     assert_eq!(next(&store, "A", minute(10)), Next::Wait(minute(10).plus_days(14)));
 }
 
 #[test]
-fn a_blinded_reader_sees_codes_and_own_readings_until_all_is_read() {
+fn a_blinded_reader_sees_only_codes_and_own_readings_until_the_end() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = planned(&folder, "store", "S-1", PlanDesign { repeats: 1, ..DESIGN });
     let (a, b, study) = (name("A"), name("B"), name("S-1"));
@@ -166,7 +166,7 @@ fn a_blinded_reader_sees_codes_and_own_readings_until_all_is_read() {
 }
 
 #[test]
-fn codes_are_never_used_twice_even_by_plans_of_one_seed() {
+fn codes_are_unique_across_plans_with_one_seed() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = planned(&folder, "store", "S-1", DESIGN);
     let lead: Signature = by("lead", 5);
@@ -186,7 +186,7 @@ fn codes_are_never_used_twice_even_by_plans_of_one_seed() {
 }
 
 #[test]
-fn a_plan_of_nothing_or_beside_readings_is_refused() {
+fn an_empty_plan_or_a_plan_after_readings_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = create(&folder.path().join("store"));
     let (study, lead) = (name("S-1"), by("lead", 1));

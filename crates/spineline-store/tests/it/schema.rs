@@ -107,7 +107,7 @@ fn write_store(path: &Path, films: i64) {
 }
 
 #[test]
-fn a_store_that_follows_the_description_is_read_and_written() {
+fn a_store_with_the_described_schema_is_read_and_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("store");
     write_store(&path, 3);
@@ -150,7 +150,7 @@ fn a_store_of_a_newer_program_is_refused_and_not_changed() {
 }
 
 #[test]
-fn an_event_of_the_schema_reads_as_it_was_written() {
+fn an_event_of_the_schema_round_trips() {
     let json = r#"{"kind":"place_corner","level":"Th12","corner":"superior_left","column_px":1,"row_px":2.5}"#;
     let event: Event = serde_json::from_str(json).expect("an event");
     assert_eq!(event, crate::session::place(Level::T12, Corner::SuperiorLeft, 1.0, 2.5));

@@ -34,7 +34,7 @@ pub fn image() -> serde_json::Value {
     })
 }
 
-/// The bytes of a made-up film, longer than a page of the file.
+/// The bytes of a synthetic film, longer than a page of the file.
 pub fn film_bytes(seed: u32) -> Vec<u8> {
     (0..9_000_u32).map(|i| (i.wrapping_mul(2_654_435_761).wrapping_add(seed) >> 13) as u8).collect()
 }
@@ -43,7 +43,7 @@ pub fn place(level: Level, corner: Corner, column_px: f64, row_px: f64) -> Event
     Event::PlaceCorner { level: LevelKey(level), corner, column_px, row_px }
 }
 
-/// The clicks of the first reading: three vertebrae, and one of everything else.
+/// The events of the first reading: three vertebrae, and one event of every other kind.
 pub fn clicks() -> Vec<Event> {
     let mut events = Vec::new();
     for (count, level) in [Level::L4, Level::L3, Level::T12].into_iter().enumerate() {
@@ -81,7 +81,7 @@ pub const STEPS: usize = FIRST_CLICK + CLICKS + 5;
 pub const READING: ReadingId = ReadingId(1);
 pub const FILM: FilmId = FilmId(1);
 
-/// One write. The store must stand where the steps before it have left it.
+/// One write. The store must be in the state after the steps before.
 pub fn run(store: &mut Store, step: usize) -> Result<(), StoreError> {
     let minutes = 1 + step as i64;
     let (lead, reader, other) = (by("lead", minutes), by("A", minutes), by("B", minutes));
@@ -117,7 +117,7 @@ pub fn run(store: &mut Store, step: usize) -> Result<(), StoreError> {
     }
 }
 
-/// Everything that a store says about itself, down to the end of its log.
+/// All readable state of a store, with the end of its log.
 pub fn fingerprint(store: &Store) -> String {
     try_fingerprint(store).expect("a readable store")
 }

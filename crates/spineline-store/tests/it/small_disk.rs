@@ -10,7 +10,7 @@ use spineline_store::{Store, StoreError};
 
 use crate::session::{STEPS, by, create, fingerprint, reference, run, try_fingerprint};
 
-/// A disk of its own, where this user may make one.
+/// A separate small disk, if this user may create one.
 struct SmallDisk<'a> {
     path: &'a Path,
 }
@@ -46,7 +46,7 @@ impl Drop for SmallDisk<'_> {
 }
 
 #[test]
-fn a_real_disk_that_is_full_loses_nothing_acknowledged() {
+fn a_full_file_system_loses_no_acknowledged_change() {
     let folder = tempfile::tempdir().expect("a folder");
     let reference = reference(&folder.path().join("reference"));
     let place = folder.path().join("disk");
@@ -89,7 +89,7 @@ fn a_real_disk_that_is_full_loses_nothing_acknowledged() {
 }
 
 #[test]
-fn a_backup_that_finds_no_room_is_refused_and_leaves_no_file() {
+fn a_backup_without_room_is_refused_and_leaves_no_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = create(&folder.path().join("store"));
     (0..STEPS).for_each(|step| run(&mut store, step).expect("a step"));

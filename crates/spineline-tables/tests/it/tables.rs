@@ -1,4 +1,4 @@
-//! Tables are what the analysis says, in CSV and Parquet alike, and the dictionary knows every column.
+//! Tables equal the analysis, in CSV and in Parquet, and the dictionary lists every column.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,7 +17,7 @@ fn case(subject: usize) -> Case {
     generate(subject, Truth::Rod, &Readers::default(), 5).expect("a subject").case
 }
 
-/// The tables of a patient of whom everything was asked.
+/// The tables of a patient with all optional results.
 fn everything(case: &Case) -> Vec<Table> {
     let options = AnalysisOptions {
         hypotheses: vec![Hypothesis::of(LoadShape::Couple)],
@@ -57,7 +57,7 @@ fn texts(table: &Table, column: &str) -> Vec<String> {
 }
 
 #[test]
-fn rows_are_what_the_analysis_says() {
+fn rows_equal_the_analysis() {
     let case = case(2);
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     let all = everything(&case);
@@ -96,7 +96,7 @@ fn rows_are_what_the_analysis_says() {
 }
 
 #[test]
-fn csv_and_parquet_read_back_as_the_table() {
+fn csv_and_parquet_round_trip() {
     for table in everything(&case(2)) {
         let name = table.name;
         let text = table.to_csv().expect("texts and numbers");
@@ -141,7 +141,7 @@ fn csv_and_parquet_read_back_as_the_table() {
 }
 
 #[test]
-fn the_dictionary_knows_every_column_and_no_other() {
+fn the_dictionary_lists_exactly_the_columns() {
     let all = everything(&case(2));
     let told = dictionary(OptionalTables::ALL);
     let [tables, columns, units, kinds, meanings] =
@@ -171,7 +171,7 @@ fn the_dictionary_knows_every_column_and_no_other() {
 }
 
 #[test]
-fn the_dictionary_of_the_guide_is_the_program_s() {
+fn the_dictionary_in_the_guide_is_current() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/guide/src/dictionary.md");
     let page = std::fs::read_to_string(path).expect("the guide has it");
     let (_, tables) = page.split_once("\n## ").expect("a section per table");
@@ -180,7 +180,7 @@ fn the_dictionary_of_the_guide_is_the_program_s() {
 }
 
 #[test]
-fn nobody_makes_empty_tables_with_every_column() {
+fn no_patients_give_empty_tables_with_every_column() {
     let none = tables(&[]);
     assert!(none.iter().all(|table| table.rows() == 0 && table.columns.len() > 2));
     assert!(!none.iter().any(|table| table.name == "uncertainty"), "nobody asked");
@@ -190,7 +190,7 @@ fn nobody_makes_empty_tables_with_every_column() {
 }
 
 #[test]
-fn commas_quotes_and_other_scripts_survive() {
+fn commas_quotes_and_other_scripts_round_trip() {
     let odd = "脊柱,\"عمود\"\nfقري";
     let case = Case { id: odd.to_owned(), ..case(2) };
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");

@@ -26,7 +26,7 @@ export class Rod {
     this.mesh = new Mesh(geometry, new MeshBasicMaterial());
   }
 
-  /** Never hidden by what is in front of it. */
+  /** Never hidden by other objects. */
   putOnTop(): void {
     putOnTop(this.mesh);
   }
@@ -52,7 +52,7 @@ export class Arrow {
   constructor(rod: CylinderGeometry, head: ConeGeometry, { isOnTop = false } = {}) {
     this.shaft = new Rod(rod);
     this.#head = new Mesh(head, new MeshBasicMaterial());
-    // What is being held must not be hidden by what it moves.
+    // The dragged handle must stay visible in front of the spine.
     if (isOnTop) [this.shaft.mesh, this.#head].forEach(putOnTop);
     this.group.add(this.shaft.mesh, this.#head);
   }

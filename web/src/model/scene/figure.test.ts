@@ -16,16 +16,16 @@ it("places a vertebra where the flat views have its corners", () => {
   );
 });
 
-it("leans a vertebra with a positive tilt to the patient's right", () => {
+it("tilts a vertebra with a positive tilt to the patient's right", () => {
   const up = new Vector3(0, 0, 1).transformDirection(placement(BENT, 14));
   expect(up.y).toBeLessThan(-0.4);
 });
 
-it("makes a body as large as it was measured, with the arch behind it", () => {
+it("draws a body in its measured size, with the arch behind it", () => {
   const body = bodyGeometry(BODY);
   body.computeBoundingBox();
   const size = body.boundingBox?.getSize(new Vector3()) ?? new Vector3();
-  // The hollow at the back takes nothing off the width and the height.
+  // The concave back does not change width and height.
   expect(size.y).toBeCloseTo(30, 6);
   expect(size.z).toBeCloseTo(10, 6);
   expect(body.boundingBox?.max.x).toBeCloseTo(10, 6);
@@ -36,7 +36,7 @@ it("makes a body as large as it was measured, with the arch behind it", () => {
   expect(arch.boundingBox?.min.x).toBeLessThan(-20);
 });
 
-it("bends a disc between the endplates of its two bodies", () => {
+it("fits a disc between the endplates of its two bodies", () => {
   const disc = discGeometry();
   const lower = (p: Point): Point => p;
   const upper = (p: Point): Point => [p[0], p[1], p[2] + 14];

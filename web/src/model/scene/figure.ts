@@ -15,7 +15,7 @@ import {
 import { at, placed, type BodySize, type Shape } from "../shapes";
 import { archGeometry, bendDisc, bodyGeometry, discGeometry, rimGeometry } from "./vertebra";
 
-/** What a spine in the picture is. */
+/** Kind of a spine in the picture. */
 export type Tone = "erect" | "measured" | "simulated" | "not_a_result";
 
 /** Colours of the theme that the picture needs. */
@@ -75,15 +75,15 @@ export function placement(shape: Shape, index: number): Matrix4 {
 /** What is drawn of one spine. */
 export interface FigureStyle {
   tone: Tone;
-  /** Seen through, with the rims drawn: laid over another spine. */
+  /** Transparent with drawn rims, over another spine. */
   faint: boolean;
   /** Colour of each disc; without it discs are grey. */
   discs: readonly string[] | null;
   /** Joints that turn against the force. */
   contradicted: readonly boolean[];
-  /** Joint whose number is being read. */
+  /** Selected joint. */
   chosenJoint: number | null;
-  /** Vertebra that carries a load. */
+  /** Loaded vertebra. */
   chosenLevel: number | null;
 }
 
@@ -116,7 +116,7 @@ export class Figure {
       hatch(material, () => this.#hatched);
   }
 
-  /** What a pointer can meet: bodies and discs, with `level` or `joint` in their user data. */
+  /** Objects that a pointer can hit: bodies and discs, with `level` or `joint` in their user data. */
   get targets(): Mesh[] {
     return [...this.#bodyMeshes, ...this.#discs, ...this.#joints];
   }
@@ -240,7 +240,7 @@ function fade(material: MeshPhongMaterial, opacity: number): void {
   material.depthWrite = !transparent;
 }
 
-/** Stripes across the screen: what is not a result must not look like one, in print and to the colour-blind too. */
+/** Stripes mark shapes that are not results, also in print and for colour-blind readers. */
 function hatch(material: MeshPhongMaterial, isOn: () => boolean): void {
   material.customProgramCacheKey = () => (isOn() ? "hatched" : "plain");
   material.onBeforeCompile = (shader) => {

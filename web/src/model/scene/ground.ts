@@ -19,7 +19,7 @@ const GRID_MM = 50;
 
 const AXIS_MM = 90;
 
-/** What the spine stands on: the plate that holds L4, a grid, and the patient's directions. */
+/** Ground below the spine: the plate at L4, a grid, and the patient's directions. */
 export class Ground {
   readonly group = new Group();
   readonly #height_mm: number;
@@ -52,7 +52,7 @@ export class Ground {
     this.group.add(this.#grid, this.#plate, this.#axes);
   }
 
-  /** Names of the directions that are not seen end on. */
+  /** Labels of the directions that are not parallel to the view. */
   labels(toward: Point): Label[] {
     const [x, y, z] = [AXIS_MM, AXIS_MM, this.#height_mm];
     const all: (Label & { axis: 0 | 1 })[] = [

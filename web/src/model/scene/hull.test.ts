@@ -2,7 +2,7 @@ import { expect, it } from "vitest";
 
 import { hull, type Place } from "./hull";
 
-it("keeps the corners of a square, in order, and nothing within or on its sides", () => {
+it("keeps only the corners of a square, in order", () => {
   const places: Place[] = [
     [1, 1],
     [0, 2],
@@ -20,7 +20,7 @@ it("keeps the corners of a square, in order, and nothing within or on its sides"
   ]);
 });
 
-it("leaves two places, and one place many times, as they are", () => {
+it("keeps two places, and one repeated place", () => {
   expect(
     hull([
       [3, 1],

@@ -1,7 +1,7 @@
 /** A place on the screen. */
 export type Place = [number, number];
 
-/** The convex outline of some places, in order around it. */
+/** Convex hull of places, in order. */
 export function hull(places: readonly Place[]): Place[] {
   const sorted = places.toSorted(([ax, ay], [bx, by]) => ax - bx || ay - by);
   const chain = (ordered: readonly Place[]): Place[] => {
@@ -15,7 +15,7 @@ export function hull(places: readonly Place[]): Place[] {
   return sorted.length < 3 ? sorted : [...chain(sorted), ...chain(sorted.toReversed())];
 }
 
-/** Above zero where the way over three places turns from the first axis towards the second. */
+/** Positive if three places turn from the first axis towards the second. */
 function turn([ax, ay]: Place, [bx, by]: Place, [cx, cy]: Place): number {
   return (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
 }

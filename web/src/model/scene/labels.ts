@@ -2,19 +2,19 @@ import { Vector3, type Camera } from "three";
 
 import type { Point } from "../shapes";
 
-/** A word at a place of the picture. */
+/** A label at a place of the picture. */
 export interface Label {
   text: string;
   at: Point;
   /** Class of the layer's style. */
   kind: "level" | "axis" | "force" | "load";
-  /** Moved on the screen, in CSS pixels. */
+  /** Offset on the screen in CSS pixels. */
   shift?: [number, number];
-  /** Moved to the left of the screen by so much of the picture, and written up to there. */
+  /** Offset to the left as a fraction of the picture; the text ends there. */
   aside_mm?: number;
 }
 
-/** Words over the canvas. They repeat what tables and texts say, so readers of the screen are spared them. */
+/** Labels over the canvas, hidden from screen readers because tables and texts contain the same. */
 export class Labels {
   readonly #nodes: HTMLElement[] = [];
   #labels: readonly Label[] = [];
@@ -45,7 +45,7 @@ export class Labels {
         (label.aside_mm ?? 0) * pixelsPerMm;
       const y = ((1 - point.y) / 2) * height + (label.shift?.[1] ?? 0);
       let back = label.aside_mm === undefined ? "" : " translate(-100%, -50%)";
-      // A long word near the edge is written to the left of its place.
+      // A long label near the edge is drawn to the left of its place.
       if (label.kind === "force" && x + node.offsetWidth > left + width) {
         back = ` translate(calc(-100% - ${2 * (label.shift?.[0] ?? 0)}px))`;
       }

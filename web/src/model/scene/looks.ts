@@ -1,9 +1,9 @@
 import { Vector3, type OrthographicCamera } from "three";
 
-/** Where the picture is looked at from. */
+/** A direction of view. */
 export type Preset = "front" | "back" | "left" | "right" | "top" | "bottom";
 
-/** From the spine to who looks, in the patient's axes. Seen from above or below, a little to the back keeps the head’s or feet’s axis steady. */
+/** From the spine to the viewer in the patient's axes. Views from above or below are tilted slightly to the back, which makes their vertical axis unique. */
 export const PRESETS: Record<Preset, Vector3> = {
   front: new Vector3(1, 0, 0),
   back: new Vector3(-1, 0, 0),
@@ -22,9 +22,9 @@ const FROM: { preset: Preset; words: string; letter: string }[] = [
   { preset: "bottom", words: "below", letter: "F" },
 ];
 
-/** What somebody has to know to read the picture. */
+/** Orientation and scale of the picture. */
 export interface Look {
-  /** The main view that this is, if it is one. */
+  /** The main view, if it is one. */
   preset: Preset | null;
   /** Such as `from behind`. */
   words: string;
@@ -42,7 +42,7 @@ export function lookOf(camera: OrthographicCamera, pixelsPerMm: number): Look {
   const letter = (direction: Vector3): string => nearest(direction).letter;
   return {
     preset: isExact ? facing.preset : null,
-    words: isExact ? `from ${facing.words}` : `turned, mostly from ${facing.words}`,
+    words: isExact ? `from ${facing.words}` : `oblique, mainly from ${facing.words}`,
     edges: {
       right: letter(right),
       left: letter(right.clone().negate()),

@@ -6,11 +6,11 @@ import { boneColour, type Palette, type Tone } from "./figure";
 import { hull, type Place } from "./hull";
 import { rimPoints } from "./vertebra";
 
-/** A spine to be sketched. */
+/** A spine to be drawn in outline. */
 export interface Sketched {
   shape: Shape;
   tone: Tone;
-  /** Outlines only: laid over another spine. */
+  /** Outlines only, over another spine. */
   faint: boolean;
   discs: readonly string[] | null;
   contradicted: readonly boolean[];
@@ -25,22 +25,22 @@ export interface Window {
   pixelsPerMm: number;
 }
 
-/** What of the spine hides what: outlines are filled from the farthest to the nearest. */
+/** Order of drawing: outlines are filled from the farthest to the nearest. */
 interface Outline {
   places: Place[];
   depth: number;
   fill: string;
 }
 
-/** Every other point of a rim: an outline needs no more. */
+/** Every other point of a rim is enough for an outline. */
 const EVERY = 2;
 const JOINT_PX = 3;
-/** From stripe to stripe across what is not a result. */
+/** Distance of the stripes on shapes that are not results. */
 const STRIPES_PX = 6;
 
 /**
- * The picture in flat outlines, seen as the camera sees it. A machine that draws without a graphics card needs less time
- * for it than for handing one picture in three dimensions to the screen.
+ * The picture in flat outlines from the camera's view. Without a graphics card it is drawn faster than a single
+ * picture in 3D.
  */
 export class Sketch {
   readonly #canvas = document.createElement("canvas");
@@ -189,7 +189,7 @@ export class Sketch {
   }
 }
 
-/** What is not a result must not look like one, in print and to the colour-blind too. */
+/** Stripes mark shapes that are not results, also in print and for colour-blind readers. */
 function stripes(pen: CanvasRenderingContext2D, colour: string): CanvasPattern {
   const tile = new OffscreenCanvas(STRIPES_PX, STRIPES_PX);
   const paint = tile.getContext("2d");

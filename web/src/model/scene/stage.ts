@@ -32,7 +32,7 @@ export interface LineDrawn {
   isChosen: boolean;
 }
 
-/** All that is to be seen. */
+/** Content of the picture. */
 export interface Picture {
   layout: "one" | "overlay" | "beside";
   main: { shape: Shape; tone: Tone };
@@ -42,35 +42,35 @@ export interface Picture {
   chosenJoint: number | null;
   chosenLevel: number | null;
   lines: readonly LineDrawn[];
-  /** The force along the chosen line, in words; without it no arrow is drawn. */
+  /** Text of the force along the chosen line; no arrow without it. */
   force: string | null;
-  /** A load by hand: from where it acts at rest to the tip of its arrow. */
+  /** A load by hand, from its point of action to the tip of its arrow. */
   load: { from: Point; tip: Point } | null;
 }
 
-/** What the stage tells. */
+/** Events of the stage. */
 export interface StageListener {
   picked(target: { joint: number } | { level: number }): void;
   /** After every picture. */
   drawn(look: Look): void;
-  /** Where the tip of the load is on the screen. */
+  /** Place of the tip of the load on the screen. */
   tipped(tip: [number, number] | null): void;
   lost(isLost: boolean): void;
 }
 
 const DISTANCE_MM = 3000;
 const FORCE_ARROW_MM = 55;
-/** From the lowest body down to the grid. */
+/** Distance from the lowest body to the grid. */
 const GROUND_MM = 12;
 const MARGIN_MM = 26;
-const SHORTEST_LINE_MM = 160;
-/** Pixels of the picture for each CSS pixel: more than the screen has, which smooths edges. */
+const MIN_LINE_MM = 160;
+/** Pixels of the picture per CSS pixel: more than on the screen, for smooth edges. */
 const PIXEL_RATIO = 2;
-/** How long a slow machine's picture rests before it is more than a sketch. */
+/** Time without changes after which a slow machine draws the full picture. */
 const REST_MS = 250;
 const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 
-/** Which spines are in a part of the picture. */
+/** Spines in a part of the picture. */
 interface Seen {
   main: boolean;
   other: boolean;
@@ -78,7 +78,7 @@ interface Seen {
 
 const NO_STYLE = { contradicted: [], chosenJoint: null, chosenLevel: null, discs: null } as const;
 
-/** The picture in three dimensions: drawn when something changes, and at no other time. */
+/** The 3D view: drawn only when something changes. */
 export class Stage {
   readonly #renderer: WebGLRenderer;
   readonly #scene = new Scene();
@@ -161,7 +161,7 @@ export class Stage {
   show(picture: Picture): void {
     const last = this.#picture;
     this.#picture = picture;
-    // Its answer follows at once, and a slow machine has time for one picture of the two.
+    // The answer follows soon, and a slow machine can draw only one of both pictures.
     if (this.#sketch && this.#isHeld && picture.load && last?.main.shape === picture.main.shape) {
       this.#tellTip();
       return;
@@ -172,7 +172,7 @@ export class Stage {
     this.draw();
   }
 
-  /** Draws soon; several changes at once make one picture. */
+  /** Draws at the next frame; several changes make one picture. */
   draw(): void {
     if (this.#frame || this.#isSettling) return;
     clearTimeout(this.#fine);
@@ -183,7 +183,7 @@ export class Stage {
     });
   }
 
-  /** While something is held, a slow machine has time for sketches only. */
+  /** During a drag, a slow machine draws outlines only. */
   hold(isHeld: boolean): void {
     this.#isHeld = isHeld;
     this.draw();
@@ -196,7 +196,7 @@ export class Stage {
     this.#settle();
   }
 
-  /** Turns around the spine: to the right and up, in radians. */
+  /** Rotates the view around the spine: to the right and up, in rad. */
   orbit(right: number, up: number): void {
     const offset = this.#camera.position.clone().sub(this.#controls.target);
     const radius = offset.length();
@@ -218,7 +218,7 @@ export class Stage {
     this.#settle();
   }
 
-  /** The point under a place of the page, in the plane through `near` that is parallel to the screen. */
+  /** The point at a place of the page, in the plane through `near` parallel to the screen. */
   pointAt(clientX: number, clientY: number, near: Point): Point {
     const ray = this.#ray(clientX, clientY);
     const toward = this.#camera.getWorldDirection(new Vector3());
@@ -286,8 +286,8 @@ export class Stage {
       const [foot, head] = [footOn(line, low as Point), footOn(line, high as Point)];
       const along = new Vector3(...line.direction).multiplyScalar(upward);
       rod.mesh.material.color.set(line.colour);
-      // A line across the spine has both feet in one place, and is seen all the same.
-      const short = Math.max(0, SHORTEST_LINE_MM - foot.distanceTo(head)) / 2;
+      // A line across the spine meets both ends at the same place and is still visible.
+      const short = Math.max(0, MIN_LINE_MM - foot.distanceTo(head)) / 2;
       rod.set(
         foot.clone().addScaledVector(along, -20 - short),
         head.clone().addScaledVector(along, 25 + short),
@@ -338,13 +338,13 @@ export class Stage {
     }
   }
 
-  /** Draws the scene, or a sketch of it. */
+  /** Draws the scene, or its outlines. */
   #render(sketch: Sketch | null): void {
     const picture = this.#picture;
     const { clientWidth, clientHeight } = this.canvas.parentElement ?? this.canvas;
     if (!picture || clientWidth === 0 || clientHeight === 0) return;
     const size = new Vector2(clientWidth, clientHeight);
-    // A new size clears the canvas: only where it is one.
+    // A new size clears the canvas, so it is set only if it has changed.
     if (!size.equals(this.#renderer.getSize(new Vector2()))) {
       this.#renderer.setSize(clientWidth, clientHeight);
     }
@@ -356,7 +356,7 @@ export class Stage {
     const isBeside = picture.layout === "beside" && picture.other !== null;
     const width = isBeside ? size.x / 2 : size.x;
     const scale = this.#fit(width, size.y);
-    // The light comes over the shoulder of who looks.
+    // The light comes from behind the viewer.
     this.#light.target.position.copy(this.#centre);
     this.#light.position.fromArray(this.moved(this.#camera.position.toArray(), -1400, 1800));
     this.#light.target.updateMatrixWorld();
@@ -418,7 +418,7 @@ export class Stage {
     return perMm * this.#camera.zoom;
   }
 
-  /** A place in a picture that is one, not two halves. */
+  /** A place in a picture that is not divided into halves. */
   #onScreen(point: Point): [number, number] {
     const { width, height } = this.#renderer.getSize(new Vector2());
     const seen = new Vector3(...point).project(this.#camera);
@@ -440,7 +440,7 @@ export class Stage {
     this.#pressed = new Vector2(event.clientX, event.clientY);
   };
 
-  /** A press without a move picks what is under it. */
+  /** A press without a move selects the object under the pointer. */
   #release = (event: PointerEvent): void => {
     const moved = this.#pressed?.distanceTo(new Vector2(event.clientX, event.clientY)) ?? Infinity;
     this.#pressed = null;
@@ -477,7 +477,7 @@ function footOn(line: LineDrawn, point: Point): Vector3 {
   return origin.addScaledVector(direction, along);
 }
 
-/** Beyond the upper end of the spine, pointing away from it where the force pulls and at it where it pushes. */
+/** Above the spine: points away from it for a pull and towards it for a push. */
 function forceArrow(head: Vector3, along: Vector3, upward: number): [Point, Point] {
   const near = head.clone().addScaledVector(along, 12).toArray();
   const far = head

@@ -3,7 +3,7 @@ import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
 
 import { at, type BodySize, type Point } from "../shapes";
 
-/** Along the body from its lower to its upper endplate: height and width as parts of half its height and of its rim. */
+/** Profile of a body from the lower to the upper endplate: height relative to half its height, width relative to its rim. */
 const PROFILE: readonly [number, number][] = [
   [-0.93, 0],
   [-0.94, 0.5],
@@ -26,7 +26,7 @@ const PROFILE: readonly [number, number][] = [
 
 const AROUND = 32;
 
-/** A point of the rim at an angle from the front, `[x, y]`: rounder than an ellipse, and hollow at the back. */
+/** A point of the rim at an angle from the front, `[x, y]`: fuller than an ellipse, and concave at the back. */
 function rim(body: BodySize, angle: number): [number, number] {
   const [c, s] = [Math.cos(angle), Math.sin(angle)];
   const rounded = (v: number): number => Math.sign(v) * Math.abs(v) ** 0.88;
@@ -83,7 +83,7 @@ export function rimGeometry(body: BodySize): BufferGeometry {
 }
 
 /**
- * Arch and processes behind the body. They are a hint of which side is the back, in proportion to the body; the films
+ * Arch and processes behind the body. They show which side is posterior, in proportion to the body; the films
  * do not show them.
  */
 export function archGeometry(body: BodySize): BufferGeometry {
@@ -103,7 +103,7 @@ export function archGeometry(body: BodySize): BufferGeometry {
     const tip: Point = [back - (isLumbar ? 0.32 : 0.5) * d, side * 0.66 * w, 0.24 * h];
     add([back - 0.3 * d, side * 0.28 * w, 0.18 * h], tip, 0.055 * w, 0.1 * h);
   }
-  // Lumbar spines are blades, thoracic ones slope down.
+  // Lumbar spinous processes are flat, thoracic ones slope down.
   const root: Point = [back - 0.58 * d, 0, 0];
   const tip: Point = [back - 1.2 * d, 0, (isLumbar ? -0.22 : -0.8) * h];
   add(root, tip, 0.05 * w, (isLumbar ? 0.36 : 0.2) * h);
@@ -112,7 +112,7 @@ export function archGeometry(body: BodySize): BufferGeometry {
   return merged;
 }
 
-/** A tapered rod between two points, `across` thick sideways and `along` thick in height. */
+/** A tapered rod between two points with thickness `across` sideways and `along` in height. */
 function strut(from: Point, to: Point, across: number, along: number): BufferGeometry {
   const [start, end] = [new Vector3(...from), new Vector3(...to)];
   const y = end.clone().sub(start);
@@ -122,7 +122,7 @@ function strut(from: Point, to: Point, across: number, along: number): BufferGeo
   if (x.lengthSq() < 1e-6) x.set(0, 1, 0);
   x.normalize();
   const geometry = new SphereGeometry(1, 8, 6);
-  // Blunter than a ball: its girth keeps up towards the ends.
+  // Blunter ends than those of an ellipsoid.
   const points = geometry.getAttribute("position");
   for (let i = 0; i < points.count; i += 1) {
     const girth = Math.sqrt(1 + points.getY(i) ** 2);
@@ -152,7 +152,7 @@ export function discGeometry(): BufferGeometry {
   return geometry;
 }
 
-/** Share of the way from the lower to the upper endplate, and width against the rims: a lens that bulges a little. */
+/** Height between the endplates (0 to 1) and width relative to the rims: the disc bulges slightly. */
 const DISC_RINGS: readonly [number, number][] = [
   [0, 0],
   [0, 0.98],
@@ -163,7 +163,7 @@ const DISC_RINGS: readonly [number, number][] = [
   [1, 0],
 ];
 
-/** Puts a disc's rings between two endplates, given as places of a point of the lower and of the upper body. */
+/** Places a disc's rings between two endplates, given as placed points of the lower and upper body. */
 export function bendDisc(
   geometry: BufferGeometry,
   bodies: [BodySize, BodySize],

@@ -34,7 +34,7 @@ x is anterior, y to the patient's left, z cranial. Constant loads (`\"timing\": 
 gravity) are applied first and stay; proportional loads (`\"growing\"`) are then multiplied by one factor from 0 to 1, or up to \
 the wanted lateral tilt.
 
-Exit codes: 0 a result; 2 wrong usage; 3 bad input; 4 no result: a limit or branch point came first, the goal is out of \
+Exit codes: 0 a result; 2 wrong usage; 3 bad input; 4 no result: a limit or branch point came first, the target is out of \
 reach, the path was lost, or Ctrl-C (the files then hold the path so far; a second Ctrl-C ends the program at once).
 
 Films identify only ratios of stiffness: forces are relative, not newtons, unless the model was made with a known force.";
@@ -65,13 +65,13 @@ pub struct SimulateArgs {
     #[arg(long, conflicts_with_all = ["load", "posture"], help_heading = "One force")]
     pub follow: bool,
     /// Solve for the load factor, of either sign, that gives this lateral tilt of L4-T2, in degrees from 0 to 90
-    #[arg(long, value_name = "DEG", value_parser = degrees, allow_negative_numbers = true, requires = "towards", help_heading = "Goal")]
+    #[arg(long, value_name = "DEG", value_parser = degrees, allow_negative_numbers = true, requires = "towards", help_heading = "Target")]
     pub amplitude: Option<f64>,
     /// Side of the lateral tilt
-    #[arg(long, value_parser = choice::<Side>(), value_name = "SIDE", requires = "amplitude", help_heading = "Goal")]
+    #[arg(long, value_parser = choice::<Side>(), value_name = "SIDE", requires = "amplitude", help_heading = "Target")]
     pub towards: Option<Side>,
     /// Largest factor of the proportional loads [default: 2, or about 1500 N with --amplitude]
-    #[arg(long, value_name = "FACTOR", value_parser = positive, allow_negative_numbers = true, help_heading = "Goal")]
+    #[arg(long, value_name = "FACTOR", value_parser = positive, allow_negative_numbers = true, help_heading = "Target")]
     pub largest_factor: Option<f64>,
     /// Support of the patient [default: as in the model file]
     #[arg(long, value_parser = choice::<Support>())]

@@ -57,10 +57,10 @@ fn head(outcome: &Outcome) -> String {
         let _ = writeln!(text, "  load {}: {}", number + 1, load_words(load));
     }
     let _ = match outcome.response.goal {
-        Goal::FullLoad => writeln!(text, "  goal: the shape under these loads"),
+        Goal::FullLoad => writeln!(text, "  target: the shape under these loads"),
         Goal::Lean(tilt) => writeln!(
             text,
-            "  goal: the factor of the proportional loads for a lateral tilt of L4-T2 of {}, up to {:.4} in either direction",
+            "  target: the factor of the proportional loads for a lateral tilt of L4-T2 of {}, up to {:.4} in either direction",
             tilt.leaning(),
             outcome.response.largest_factor
         ),
@@ -73,13 +73,13 @@ fn ending_text(outcome: &Outcome) -> String {
     let ending = outcome.response.ending;
     let meaning = match ending {
         PathEnding::Converged if !outcome.response.is_complete() => {
-            "a shape that meets the goal, reached from the erect spine; the path was lost beyond it, where there may be more".to_owned()
+            "a shape that meets the target, reached from the erect spine; the path was lost beyond it, where there may be more".to_owned()
         }
         PathEnding::Converged => {
-            "the only shape that meets the goal within the limits, reached from the erect spine".to_owned()
+            "the only shape that meets the target within the limits, reached from the erect spine".to_owned()
         }
         PathEnding::SeveralEquilibria => {
-            "several shapes meet the goal; the first one that the erect spine reaches is the result".to_owned()
+            "several shapes meet the target; the first one that the erect spine reaches is the result".to_owned()
         }
         PathEnding::Interrupted => {
             "NO RESULT: interrupted; the files hold the path so far".to_owned()
@@ -213,7 +213,7 @@ fn change_words(before: Angle, after: Angle) -> String {
     format!("{} {word}", more.abs())
 }
 
-/// Every shape that meets the goal, where there is a choice or no result.
+/// Every shape that meets the target, where there is a choice or no result.
 fn solutions_text(outcome: &Outcome) -> String {
     let response = &outcome.response;
     let is_plain = response.goal == Goal::FullLoad && response.ending == PathEnding::Converged;
@@ -221,7 +221,7 @@ fn solutions_text(outcome: &Outcome) -> String {
         return String::new();
     }
     let columns = vec![
-        Column::words("Shapes that meet the goal"),
+        Column::words("Shapes that meet the target"),
         Column::numbers("Factor"),
         Column::numbers("Limit points"),
         Column::numbers("Branch points"),

@@ -22,12 +22,12 @@ pub fn warnings(
         all.push(warning("interrupted", text));
     }
     if response.ending != PathEnding::Interrupted && !response.is_complete() {
-        let text = "a path of equilibria was lost: there may be more shapes that meet the goal";
+        let text = "a path of equilibria was lost: there may be more shapes that meet the target";
         all.push(warning("path_lost", text));
     }
     if response.ending == PathEnding::SeveralEquilibria {
         let text = format!(
-            "{} shapes meet the goal; the result is the least loaded one that the erect spine reaches without snapping or buckling",
+            "{} shapes meet the target; the result is the least loaded one that the erect spine reaches without snapping or buckling",
             response.equilibria.len()
         );
         all.push(warning("several_equilibria", text));

@@ -4,7 +4,7 @@ use spineline_phantom::{Readers, Truth, generate};
 use super::server::{add_read_study, add_study, assert_numbers, phantom, serve};
 
 #[test]
-fn the_cohort_has_a_row_per_study_and_says_why_one_is_left_out() {
+fn the_cohort_has_a_row_per_study_and_reasons_for_exclusions() {
     let two = generate(1, Truth::Rod, &Readers::exact(), 1).expect("subject 2 exists").case;
     let running = serve(|store| {
         add_read_study(store, "S1", &phantom().case);
@@ -32,7 +32,7 @@ fn the_cohort_has_a_row_per_study_and_says_why_one_is_left_out() {
 }
 
 #[test]
-fn readings_of_two_observers_give_their_agreement() {
+fn readings_of_two_observers_give_agreement_statistics() {
     let readers = Readers { observers: 2, repeats: 1, ..Readers::default() };
     let case = generate(0, Truth::Rod, &readers, 1).expect("subject 1 exists").case;
     let running = serve(|store| add_read_study(store, "S1", &case));
@@ -49,7 +49,7 @@ fn readings_of_two_observers_give_their_agreement() {
         assert_eq!(plot["unit"], "deg");
         let numbers =
             |key: &str| -> Vec<f64> { serde_json::from_value(plot[key].clone()).expect("numbers") };
-        // The bias, taken anew.
+        // The bias, computed independently.
         let differences = numbers("differences");
         let mean = differences.iter().sum::<f64>() / differences.len() as f64;
         assert!((mean - plot["bias"].as_f64().expect("a number")).abs() < 1e-12);

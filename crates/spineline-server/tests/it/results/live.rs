@@ -30,7 +30,7 @@ fn begun(store: &mut Store, case: &Case, study: &str, count: usize) -> ReadingId
 }
 
 #[test]
-fn a_half_marked_reading_is_partial_and_names_what_is_missing() {
+fn an_incomplete_reading_is_partial_and_names_missing_vertebrae() {
     let case = phantom().case;
     let mut reading = None;
     let running = serve(|store| {
@@ -44,7 +44,7 @@ fn a_half_marked_reading_is_partial_and_names_what_is_missing() {
 }
 
 #[test]
-fn a_whole_reading_gives_an_overlay_and_the_study() {
+fn a_complete_reading_gives_an_overlay_and_study_results() {
     let case = phantom().case;
     let mut reading = None;
     let running = serve(|store| {
@@ -81,7 +81,7 @@ fn places(overlay: &Value) -> Vec<[f64; 2]> {
 }
 
 #[test]
-fn overlays_lie_on_their_films_and_curves_pass_the_midpoints() {
+fn overlays_lie_within_their_films_and_curves_pass_midpoints() {
     let case = phantom().case;
     let running = serve(|store| add_read_study(store, "S1", &case));
     for (film, posture) in (1..).zip(case.films.iter().map(|film| film.posture)) {
@@ -134,7 +134,7 @@ fn crossing(corners: &Corners<Pixel>) -> [f64; 2] {
     (a + (b - a) * parts[0]).into()
 }
 
-/// The same films seen from the other side.
+/// The same films, mirrored.
 fn mirrored(case: &Case) -> Case {
     let mut case = case.clone();
     for film in &mut case.films {
@@ -186,7 +186,7 @@ fn a_mirrored_film_has_the_mirrored_overlay() {
 }
 
 #[test]
-fn exchanged_sides_are_refused_with_what_is_wrong() {
+fn swapped_sides_are_refused_with_a_reason() {
     let case = phantom().case;
     let mut wrong = case.clone();
     for film in &mut wrong.films {
@@ -209,7 +209,7 @@ fn exchanged_sides_are_refused_with_what_is_wrong() {
 }
 
 #[test]
-fn a_bend_shows_its_own_curve_before_the_erect_film_is_read() {
+fn a_bending_film_has_its_curve_before_the_erect_film_is_read() {
     let case = phantom().case;
     let mut reading = None;
     let running = serve(|store| {
@@ -249,7 +249,7 @@ fn blinded_readers_see_no_results() {
 }
 
 #[test]
-fn a_preview_shows_what_would_follow_and_records_nothing() {
+fn a_preview_gives_results_and_records_no_event() {
     let case = phantom().case;
     let mut reading = None;
     let running = serve(|store| {
@@ -284,7 +284,7 @@ fn a_preview_shows_what_would_follow_and_records_nothing() {
 }
 
 #[test]
-fn recorded_events_are_answered_with_what_follows_from_them() {
+fn recorded_events_are_answered_with_their_results() {
     let case = phantom().case;
     let mut reading = None;
     let running = serve(|store| {
@@ -310,6 +310,6 @@ fn recorded_events_are_answered_with_what_follows_from_them() {
     assert_eq!(recorded["live"], preview["live"]);
     assert_eq!(recorded["live"], running.get(&format!("{path}/live")));
     assert_eq!(recorded["reading"], running.get(&path));
-    // The same request once more is answered once more.
+    // A repeated request gets the same answer.
     assert_eq!(running.post(&format!("{path}/events"), &body), recorded);
 }

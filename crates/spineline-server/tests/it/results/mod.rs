@@ -1,4 +1,4 @@
-//! Results over the wire: models, loads, live results, and who sees none.
+//! Results by HTTP: models, loads, live results, and hidden results.
 
 mod cohort;
 mod live;

@@ -34,7 +34,7 @@ fn farthest_mm(a: &[Vec3], b: &[Vec3]) -> f64 {
 }
 
 #[test]
-fn models_are_those_of_the_exported_case() {
+fn models_equal_those_of_the_exported_case() {
     let (running, analysis) = running();
     let model = running.get("/api/studies/S1/model");
     assert_numbers(&model, "model");
@@ -54,7 +54,7 @@ fn models_are_those_of_the_exported_case() {
             line["multipliers"].as_array().expect("a list").iter().zip(expected.multipliers())
         {
             assert!((view["factor"].as_f64().expect("a number") - factor).abs() < 1e-9);
-            // No force is known, so nothing is known absolutely.
+            // No force is known, so no value is absolute.
             assert_ne!(view["identified"], "identified");
         }
         for (posture, simulation) in
@@ -73,7 +73,7 @@ fn models_are_those_of_the_exported_case() {
 }
 
 #[test]
-fn joints_lie_where_both_their_vertebrae_hold_them() {
+fn joints_are_at_the_same_place_in_both_vertebrae() {
     let (running, analysis) = running();
     let model = running.get("/api/studies/S1/model");
     let shape = &model["lines"][0]["postures"][0]["path"][10];
@@ -89,7 +89,7 @@ fn joints_lie_where_both_their_vertebrae_hold_them() {
 }
 
 #[test]
-fn colours_of_joints_run_from_the_softest_to_the_stiffest_of_all_models() {
+fn joint_colours_span_the_stiffness_of_all_models() {
     let (running, _) = running();
     let model = running.get("/api/studies/S1/model");
     let joints = model["lines"]
@@ -103,7 +103,7 @@ fn colours_of_joints_run_from_the_softest_to_the_stiffest_of_all_models() {
 }
 
 #[test]
-fn no_load_is_the_erect_shape() {
+fn a_zero_load_gives_the_erect_shape() {
     let (running, analysis) = running();
     let erect = analysis.spine.midpoints_mm[9];
     let load = json!({ "kind": "iliac_line", "level": Level::MODEL[9].name(), "tip_mm": [erect.x, erect.y, erect.z] });
@@ -113,9 +113,9 @@ fn no_load_is_the_erect_shape() {
     assert!(farthest_mm(&shape, &analysis.spine.midpoints_mm) < SAME_MM);
 }
 
-/// Balance at every joint, taken anew: the springs' moment along each hinge is that of the force about the joint.
+/// Equilibrium at every joint, computed independently: the springs' moment along each hinge is that of the force about the joint.
 #[test]
-fn a_loaded_shape_balances_at_every_joint() {
+fn a_loaded_shape_is_in_equilibrium_at_every_joint() {
     let (running, analysis) = running();
     assert_eq!(analysis.options.support, Support::Free);
     let vertebra = 10;
@@ -163,7 +163,7 @@ fn a_loaded_shape_balances_at_every_joint() {
 }
 
 #[test]
-fn loads_that_are_none_are_refused_in_words() {
+fn invalid_loads_are_refused_with_a_message() {
     let (running, _) = running();
     for (level, tip) in
         [("L4", [0.0, 10.0, 0.0]), ("C3", [0.0, 10.0, 0.0]), ("T5", [0.0, 1e9, 0.0])]
@@ -178,7 +178,7 @@ fn loads_that_are_none_are_refused_in_words() {
 }
 
 #[test]
-fn the_analysis_file_is_what_the_command_line_writes() {
+fn the_analysis_file_equals_that_of_the_command_line() {
     let (running, analysis) = running();
     let file = running.get("/api/studies/S1/analysis.json");
     let stored = spineline_files::parse_analysis(&file.to_string()).expect("enough to repeat it");
@@ -191,7 +191,7 @@ fn the_analysis_file_is_what_the_command_line_writes() {
 }
 
 #[test]
-fn a_study_that_nobody_has_read_says_what_it_waits_for() {
+fn a_study_without_readings_says_what_is_missing() {
     let running = serve(|store| drop(add_study(store, "S1", &phantom().case)));
     let (status, body) = running.ask("GET", "/api/studies/S1/model", None);
     assert_eq!((status, &body["code"]), (409, &json!("not_ready")));

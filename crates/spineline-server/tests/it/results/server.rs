@@ -1,4 +1,4 @@
-//! A server over a store with made-up studies, and a plain client.
+//! A server over a store with synthetic studies, and a plain client.
 
 use serde_json::{Value, json};
 use spineline::analysis::Case;
@@ -153,7 +153,7 @@ pub fn reading_of(case: &Case, posture: Posture) -> (&Film, &Reading<Mark>) {
     (film, &readings[0])
 }
 
-/// Every number of an answer is one: JSON writes what is none as null, so no list of numbers holds a null.
+/// Checks that no list of numbers contains null, which JSON writes for values that are not numbers.
 pub fn assert_numbers(value: &Value, place: &str) {
     match value {
         Value::Array(items) => {
