@@ -132,6 +132,21 @@ it("shows what was lost again after a reload, until somebody decides", async () 
   expect(keepingOf(reading(), "me").lost()).toEqual([]);
 });
 
+it("lists what a refusal lost beside what was lost before", async () => {
+  const lost = (text: string): ReadingView["conflicts"][number] => ({
+    who: "cd",
+    at_ms: 1,
+    text,
+    base_revision: 0,
+    found_revision: 5,
+  });
+  keepingOf(reading(), "me").save([{ events: [crest(1)], expected: 0 }]);
+  answer = () => conflict({ conflicts: [lost("later")] });
+  const marking = new Marking({ ...reading(), conflicts: [lost("earlier")] }, "me");
+  await settle();
+  expect(marking.reading.conflicts.map(({ text }) => text)).toEqual(["earlier", "later"]);
+});
+
 it("does again as often as it is asked, while the first time is still on its way", async () => {
   answer = taking();
   const marking = new Marking({ ...reading(), redoable: 2 }, "me");

@@ -59,7 +59,7 @@ pub struct ReadingView {
     pub proposal: Option<Proposal>,
     /// What is wrong with the marks: crossed or swapped corners, off the film, out of order.
     pub faults: Vec<Notice>,
-    /// Changes that lost a race and are kept.
+    /// Changes that lost a race and are kept; in a [`ConflictAnswer`], those of the request alone.
     pub conflicts: Vec<LostChangeView>,
 }
 
@@ -209,6 +209,6 @@ pub struct Preview {
 pub struct ConflictAnswer {
     /// What happened.
     pub problem: Problem,
-    /// The reading as it stands, to go on from.
+    /// The reading as it stands, to go on from; its `conflicts` are those of this request alone.
     pub reading: ReadingView,
 }

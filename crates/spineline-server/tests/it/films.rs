@@ -153,6 +153,16 @@ fn f58_two_sessions_of_one_observer_lose_nothing() {
     assert_eq!(kept.len(), 2, "both lost clicks are kept");
     assert_eq!(kept[0]["text"], "L4 superior left corner to (950.0, 2000.0)");
 
+    // The next refusal brings what it concerns, and the reading all that is kept.
+    let later = record(&browser, reading, 0, json!([corner("L4", "inferior_left", 7.0, 8.0)]));
+    assert_eq!(later.status, StatusCode::CONFLICT);
+    let later = later.json()["reading"]["conflicts"].clone();
+    let texts: Vec<_> =
+        later.as_array().expect("conflicts").iter().map(|lost| &lost["text"]).collect();
+    assert_eq!(texts, ["L4 inferior left corner to (7.0, 8.0)"]);
+    let whole = browser.get(&format!("/api/readings/{reading}")).json();
+    assert_eq!(whole["conflicts"].as_array().map(Vec::len), Some(3));
+
     // Half of a step is never recorded.
     let half = [corner("L4", "superior_right", 990.0, 2000.0), json!({ "kind": "redo" })];
     assert_eq!(record(&browser, reading, 1, json!(half)).status, StatusCode::UNPROCESSABLE_ENTITY);
