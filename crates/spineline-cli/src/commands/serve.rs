@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use chrono::Utc;
 use clap::Args;
-use spineline_server::{ServeOptions, Server};
+use spineline_server::{ServeLimits, ServeOptions, Server};
 use spineline_store::{Access, Name, Role, Signature, Store};
 
 use crate::run::failure::{Ending, Failure};
@@ -66,6 +66,7 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
         access,
         hosts: args.hosts.clone(),
         https: args.https,
+        limits: ServeLimits::default(),
     };
     report_panics_without_messages();
     let runtime = tokio::runtime::Builder::new_multi_thread()

@@ -8,7 +8,7 @@ use axum::body::{Body, to_bytes};
 use axum::http::{HeaderMap, Method, Request, StatusCode, header};
 use serde_json::{Value, json};
 use spineline::anatomy::Posture;
-use spineline_server::{AppState, ServeOptions, app};
+use spineline_server::{AppState, ServeLimits, ServeOptions, app};
 use spineline_store::{
     Access, Account, Name, PasswordHash, Role, Signature, Store, Study, Timestamp,
 };
@@ -145,6 +145,7 @@ pub fn options(access: Access) -> ServeOptions {
         access,
         hosts: Vec::new(),
         https: false,
+        limits: ServeLimits::default(),
     }
 }
 
