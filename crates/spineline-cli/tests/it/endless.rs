@@ -40,10 +40,10 @@ fn folder() -> TempDir {
     folder
 }
 
-/// Standard error and exit code of a shell line in which `@` stands for a file, with 1.5 GB of memory at most.
+/// Standard error and exit code of a shell line in which `@` stands for a file, with little more memory than a decoder of films asks for.
 fn limited(folder: &Path, before: &str, line: &str, file: &str) -> (String, Option<i32>) {
     let program = spineline(folder).get_program().to_owned();
-    let script = format!("ulimit -v 1500000; {before}\"$0\" {}", line.replace('@', file));
+    let script = format!("ulimit -v 3200000; {before}\"$0\" {}", line.replace('@', file));
     let mut command = Command::new("sh");
     let output = command.current_dir(folder).args(["-c", &script]).arg(program).output();
     let output = output.expect("a shell");

@@ -128,15 +128,7 @@ impl Uploads {
         })
     }
 
-    /// Forgets an upload of this user, if there is one.
-    pub fn discard(&self, owner: &Name, id: &str) {
-        let mut known = self.known();
-        if known.get(id).is_some_and(|staged| staged.owner == *owner && staged.upload.is_some()) {
-            known.remove(id);
-        }
-    }
-
-    /// Forgets uploads that are in a study now.
+    /// Forgets uploads that are in a study now, or that nobody wants any more.
     pub fn forget<'a>(&self, ids: impl Iterator<Item = &'a str>) {
         let mut known = self.known();
         for id in ids {

@@ -80,14 +80,17 @@ fn too_large() -> Failure {
 
 /// Discards an upload that is in no study.
 #[utoipa::path(delete, path = "/api/uploads/{upload}", params(("upload" = String, Path)),
-    responses((status = 204), (status = 401, body = Problem), (status = 403, body = Problem)))]
+    responses((status = 204), (status = 401, body = Problem), (status = 403, body = Problem),
+        (status = 404, body = Problem)))]
 async fn discard(
     State(state): State<AppState>,
     user: User,
     Path(upload): Path<String>,
-) -> StatusCode {
-    state.films().uploads.discard(&user.name, &upload);
-    StatusCode::NO_CONTENT
+) -> Answer<StatusCode> {
+    let uploads = &state.films().uploads;
+    uploads.get(&user.name, &upload, state.now())?;
+    uploads.forget(std::iter::once(upload.as_str()));
+    Ok(StatusCode::NO_CONTENT)
 }
 
 /// A small picture of an upload.

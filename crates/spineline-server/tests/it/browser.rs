@@ -1,10 +1,14 @@
 //! An app over a store of its own, and browsers that are signed in there.
 
+use std::future::poll_fn;
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::pin::Pin;
+use std::task::Context;
+use std::time::Duration;
 
 use axum::Router;
-use axum::body::{Body, to_bytes};
+use axum::body::{Body, HttpBody, to_bytes};
 use axum::http::{HeaderMap, Method, Request, StatusCode, header};
 use serde_json::{Value, json};
 use spineline::anatomy::Posture;
@@ -112,6 +116,14 @@ impl App {
         })
     }
 
+    /// Begins to read an answer that may have no end.
+    pub fn begin(&self, request: Request<Body>) -> Stream<'_> {
+        let answer = self.runtime.block_on(self.router.clone().oneshot(request));
+        let answer = answer.expect("an answer");
+        assert_eq!(answer.status(), StatusCode::OK);
+        Stream { app: self, body: answer.into_body() }
+    }
+
     /// A browser at the address, where nobody is signed in.
     pub fn browser(&self) -> Browser<'_> {
         Browser { app: self, cookie: String::new(), csrf: String::new() }
@@ -205,6 +217,23 @@ impl Browser<'_> {
             request = request.header(header::COOKIE, &self.cookie);
         }
         request.method(method)
+    }
+}
+
+/// An answer that is still coming.
+pub struct Stream<'a> {
+    app: &'a App,
+    body: Body,
+}
+
+impl Stream<'_> {
+    /// Whether it ends within this time.
+    pub fn ends_within(&mut self, wait: Duration) -> bool {
+        self.app.runtime.block_on(async {
+            let frame = |body: &mut Body, cx: &mut Context<'_>| Pin::new(body).poll_frame(cx);
+            let end = async { while poll_fn(|cx| frame(&mut self.body, cx)).await.is_some() {} };
+            tokio::time::timeout(wait, end).await.is_ok()
+        })
     }
 }
 

@@ -3,6 +3,7 @@
 mod access;
 mod accounts;
 mod browser;
+mod crowd;
 mod example;
 mod films;
 mod guards;
@@ -10,3 +11,4 @@ mod openapi;
 mod results;
 mod routes;
 mod sessions;
+mod streams;
