@@ -130,3 +130,18 @@ fn a_pipe_in_a_folder_of_cases_is_not_waited_for() {
     assert_eq!(code, 3, "{error}");
     assert!(error.contains("pipe.json: it is no plain file"), "{error}");
 }
+
+#[cfg(unix)]
+#[test]
+fn an_input_that_an_analysis_names_is_read_from_plain_files_alone() {
+    let folder = folder();
+    let analyze = ["analyze", "phantom-rod-01.json", "--json", "analysis.json"];
+    assert_ne!(run(folder.path(), &analyze).2, 3);
+    let path = folder.path().join("analysis.json");
+    let text = fs::read_to_string(&path).expect("the analysis");
+    let other = text.replace("\"name\": \"phantom-rod-01.json\"", "\"name\": \"/dev/zero\"");
+    assert!(other != text, "it names its input");
+    fs::write(&path, other).expect("written");
+    let (error, code) = limited(folder.path(), "", "rerun @", "analysis.json");
+    assert_eq!(code, Some(0), "{error}");
+}
