@@ -14,6 +14,21 @@ pub enum FileError {
         /// Why.
         source: std::io::Error,
     },
+    /// More bytes than any file of its kind needs.
+    #[error(
+        "{}: {}; the limit is {} MB",
+        path.display(),
+        bytes.map_or_else(|| "it is too large".to_owned(), |bytes| format!("it has {} MB", bytes.div_ceil(1 << 20))),
+        limit >> 20
+    )]
+    TooLarge {
+        /// Which file.
+        path: PathBuf,
+        /// Its size, where it states one; pipes and devices do not.
+        bytes: Option<u64>,
+        /// How many bytes are read.
+        limit: u64,
+    },
     /// The text is not JSON.
     #[error("line {line}, column {column}: not JSON: {reason}")]
     Syntax {
@@ -207,6 +222,9 @@ impl FileError {
     pub fn help(&self) -> &'static str {
         match self {
             Self::Read { .. } => "check the path and its permissions",
+            Self::TooLarge { .. } => {
+                "check that it is the right file; give a cohort as one file per patient"
+            }
             Self::Syntax { .. } => {
                 "numbers must be finite and keys must be quoted; an editor with JSON support shows the place"
             }

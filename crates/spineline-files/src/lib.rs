@@ -26,6 +26,7 @@ mod load_file;
 mod model_file;
 mod options_record;
 mod provenance;
+mod read;
 mod readings_table;
 mod reliability_file;
 mod request;
@@ -47,24 +48,14 @@ pub use keys::{Key, LevelKey};
 pub use load_file::{AppliedLoad, LoadFile, PlacedLoads, parse_load};
 pub use model_file::{LoadRecord, ModelFile, StoredModel, parse_model};
 pub use provenance::{FilmOrigin, InputFile, ProgramRun, Provenance, ProvenanceFile};
+pub use read::{MAX_ANALYSES_BYTES, MAX_FILE_BYTES, read_bytes, read_text};
 pub use readings_table::{ReadingsTable, parse_readings};
 pub use reliability_file::ReliabilityFile;
 pub use request::{Replicates, Request};
 pub use simulation_file::{SimulationFile, SimulationWarning};
 pub use stiffness_file::{StiffnessFile, parse_stiffness};
 
-use std::path::Path;
-
 use schemars::Schema;
-
-/// Reads a text file whole.
-///
-/// # Errors
-/// [`FileError::Read`].
-pub fn read_text(path: &Path) -> Result<String, FileError> {
-    std::fs::read_to_string(path)
-        .map_err(|source| FileError::Read { path: path.to_owned(), source })
-}
 
 /// Makes the schema of one format.
 type MakeSchema = fn() -> Schema;

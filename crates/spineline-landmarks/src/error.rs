@@ -1,20 +1,14 @@
-use std::path::PathBuf;
-
 use spineline::anatomy::Level;
 use spineline::measure::MeasureError;
+use spineline_files::FileError;
 
 /// Error of reading a file of landmarks.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LandmarkError {
-    /// The file could not be opened.
-    #[error("{}: {source}", path.display())]
-    Read {
-        /// Which file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
+    /// The file could not be read, or is too large.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// Above a limit.
     #[error("{what}: {found}; the limit is {limit}")]
     TooLarge {
@@ -147,7 +141,7 @@ impl LandmarkError {
     #[must_use]
     pub fn help(&self) -> &'static str {
         match self {
-            Self::Read { .. } => "check the path and that the file can be read",
+            Self::File(error) => error.help(),
             Self::TooLarge { .. } => "give the landmarks of one patient in one file",
             Self::Unrecognised { .. } => {
                 "give CSV, Slicer markups, labelme or COCO JSON, an AASCE .mat or folder, or a DICOM report of Spineline"

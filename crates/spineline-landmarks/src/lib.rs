@@ -18,8 +18,6 @@ mod names;
 mod slicer;
 mod sr;
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 pub use aasce::{
@@ -107,11 +105,11 @@ pub fn read_landmarks(path: &Path, hint: &LandmarkHint) -> Result<LandmarkFile, 
     if path.is_dir() {
         return read_folder(path, hint);
     }
-    parse_landmarks(&read_bytes(path)?, hint)
+    parse_landmarks(&read_file(path)?, hint)
 }
 
 fn read_folder(folder: &Path, hint: &LandmarkHint) -> Result<LandmarkFile, LandmarkError> {
-    let file = |name: &str| read_bytes(&folder.join(name));
+    let file = |name: &str| read_file(&folder.join(name));
     let (names, landmarks) = (file("filenames.csv")?, file("landmarks.csv")?);
     let sizes = image_sizes(&file("image_sizes.csv")?)?;
     let rows = AasceRows::new(&names, &landmarks, &sizes, hint)?;
@@ -123,14 +121,10 @@ fn read_folder(folder: &Path, hint: &LandmarkHint) -> Result<LandmarkFile, Landm
     Ok(LandmarkFile { format: LandmarkFormat::AasceFolder, films, remarks: Vec::new() })
 }
 
-fn read_bytes(path: &Path) -> Result<Vec<u8>, LandmarkError> {
-    let failed = |source| LandmarkError::Read { path: path.to_owned(), source };
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(failed)?;
-    file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
-    if bytes.len() as u64 > MAX_BYTES {
-        let (found, limit) = (bytes.len() as u64, MAX_BYTES);
-        return Err(LandmarkError::TooLarge { what: "bytes", found, limit });
-    }
-    Ok(bytes)
+/// Reads a file of landmarks whole, if it has at most [`MAX_BYTES`].
+///
+/// # Errors
+/// [`LandmarkError::File`].
+pub fn read_file(path: &Path) -> Result<Vec<u8>, LandmarkError> {
+    Ok(spineline_files::read_bytes(path, MAX_BYTES)?)
 }

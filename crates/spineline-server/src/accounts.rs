@@ -67,6 +67,7 @@ async fn put_account(
             Err(error) => Err(error.into()),
         })
         .await?;
+    state.changes().rights_changed();
     Ok(Json(view(account)))
 }
 

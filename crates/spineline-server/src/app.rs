@@ -1,14 +1,12 @@
 //! The browser app's server. It calls the store and the library, and converts their answers to text and pixels.
 
 use std::any::Any;
-use std::time::Duration;
 
 use axum::extract::DefaultBodyLimit;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use axum::{Router, middleware, routing};
 use tower_http::catch_panic::CatchPanicLayer;
-use tower_http::timeout::RequestBodyTimeoutLayer;
 use utoipa::openapi::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 
@@ -21,8 +19,6 @@ use crate::{
 
 /// Largest body of a request, in bytes. A route that takes films sets a limit of its own.
 const MAX_BODY_BYTES: usize = 1 << 20;
-/// Longest wait for the next piece of a body.
-const BODY_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// The description of the interface, from which the browser's types are generated.
 #[must_use]
@@ -53,7 +49,6 @@ pub fn app(state: AppState) -> Router {
         .fallback(assets::serve)
         .method_not_allowed_fallback(wrong_method)
         .layer(DefaultBodyLimit::max(MAX_BODY_BYTES))
-        .layer(RequestBodyTimeoutLayer::new(BODY_TIMEOUT))
         .layer(middleware::from_fn_with_state(state.clone(), guard::guard))
         .layer(CatchPanicLayer::custom(panicked))
         .layer(middleware::from_fn(guard::headers))

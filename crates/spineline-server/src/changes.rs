@@ -3,10 +3,12 @@
 use std::convert::Infallible;
 
 use axum::extract::State;
+use axum::http::HeaderMap;
 use axum::response::Sse;
 use axum::response::sse::{Event, KeepAlive};
-use spineline_store::{Name, Visibility};
-use tokio_stream::wrappers::BroadcastStream;
+use spineline_store::{Name, Role, Store, Visibility};
+use tokio::time::{Instant, interval_at};
+use tokio_stream::wrappers::{BroadcastStream, IntervalStream};
 use tokio_stream::{Stream, StreamExt};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -15,35 +17,42 @@ use crate::access::study_name;
 use crate::api::{Change, Problem};
 use crate::channel::Message;
 use crate::extract::Path;
-use crate::problem::Answer;
-use crate::session::User;
+use crate::problem::{Answer, Failure};
+use crate::session::{self, User};
 use crate::state::AppState;
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(changes))
 }
 
-/// Server-sent events `change` with a `Change`. A blinded reader receives own changes only.
+/// Server-sent events `change` with a `Change`. A blinded reader receives own changes only. The stream ends with the
+/// session, and when the role of the account or its grant is another one.
 #[utoipa::path(get, path = "/api/studies/{study}/changes",
     responses((status = 200, content_type = "text/event-stream", body = Change),
         (status = 404, body = Problem)))]
 async fn changes(
     State(state): State<AppState>,
     user: User,
+    headers: HeaderMap,
     Path(study): Path<String>,
 ) -> Answer<Sse<impl Stream<Item = Result<Event, Infallible>>>> {
     let study = study_name(&study)?;
-    let (asked, who) = (study.clone(), user.clone());
     // Listening begins before the lookup, so that no change is missed.
     let messages = BroadcastStream::new(state.changes().subscribe());
-    state.ask(move |store| who.on_study(store, &asked)).await?;
+    let secret = session::secret_of(&state, &headers).unwrap_or_default();
+    let (asked, who) = (study.clone(), user.clone());
+    let role = state.ask(move |store| who.on_study(store, &asked)).await?;
+    let listener = Listener { state, secret, user, study, role };
+    let every = listener.state.limits().recheck;
+    let rechecks = IntervalStream::new(interval_at(Instant::now() + every, every));
     let messages = messages
-        .take_while(|message| !matches!(message, Ok(Message::End)))
-        .filter_map(move |message| match message {
-            Ok(Message::Change(of, change)) if of == study => Some((of, change)),
-            _ => None,
-        })
-        .then(move |change| visible(state.clone(), user.clone(), change))
+        // Who missed messages may have missed that their rights changed.
+        .map(|message| message.unwrap_or(Message::Rights))
+        .merge(rechecks.map(|_| Message::Rights))
+        .take_while(|message| !matches!(message, Message::End))
+        .then(move |message| listener.clone().heard(message))
+        // Whatever is refused now is refused with its reason when the browser asks again.
+        .map_while(Result::ok)
         .filter_map(|change| {
             let event = Event::default().event("change").json_data(change?).ok()?;
             Some(Ok(event))
@@ -51,19 +60,50 @@ async fn changes(
     Ok(Sse::new(messages).keep_alive(KeepAlive::default()))
 }
 
-/// A change as this user may see it, if at all.
-async fn visible(state: AppState, user: User, change: (Name, Change)) -> Option<Change> {
-    let (study, change) = change;
-    let own = change.who == user.name.as_str();
-    // Grants may have changed since the stream began.
-    let visibility = state.ask(move |store| {
-        user.on_study(store, &study)?;
-        Ok(store.observer(&user.name).visibility(&study)?)
-    });
-    let visibility = visibility.await.ok()?;
-    match visibility {
-        Visibility::Open => Some(change),
-        Visibility::Reader => own.then_some(Change { film: None, ..change }),
-        Visibility::Apart => Some(Change { reading: None, revision: None, ..change }),
+/// Who listens, as they were when they began.
+#[derive(Clone)]
+struct Listener {
+    state: AppState,
+    secret: String,
+    user: User,
+    study: Name,
+    role: Role,
+}
+
+impl Listener {
+    /// What is told of a message.
+    async fn heard(self, message: Message) -> Answer<Option<Change>> {
+        let change = match message {
+            Message::Change(of, change) if of == self.study => Some(change),
+            Message::Change(..) => return Ok(None),
+            Message::Rights | Message::End => None,
+        };
+        let state = self.state.clone();
+        state
+            .ask(move |store| {
+                self.still_may(store)?;
+                change.map_or(Ok(None), |change| self.visible(store, change))
+            })
+            .await
+    }
+
+    /// Refuses where the session has ended, or does not reach as far as it did, or farther.
+    fn still_may(&self, store: &Store) -> Answer<()> {
+        let access = self.state.options().access;
+        let user = session::user_behind(store, &self.secret, access, self.state.now())?;
+        if user == self.user && user.on_study(store, &self.study)? == self.role {
+            return Ok(());
+        }
+        Err(Failure::not_found())
+    }
+
+    /// A change as this user may see it, if at all.
+    fn visible(&self, store: &Store, change: Change) -> Answer<Option<Change>> {
+        let own = change.who == self.user.name.as_str();
+        Ok(match store.observer(&self.user.name).visibility(&self.study)? {
+            Visibility::Open => Some(change),
+            Visibility::Reader => own.then_some(Change { film: None, ..change }),
+            Visibility::Apart => Some(Change { reading: None, revision: None, ..change }),
+        })
     }
 }

@@ -13,6 +13,8 @@ const LAG: usize = 256;
 pub enum Message {
     /// A change of a study.
     Change(Name, Change),
+    /// Sessions, roles or grants have changed: who listens may no longer do so.
+    Rights,
     /// The server is shutting down.
     End,
 }
@@ -31,6 +33,11 @@ impl Channel {
     pub fn send(&self, study: &Name, change: Change) {
         // There may be no listeners.
         let _ = self.0.send(Message::Change(study.clone(), change));
+    }
+
+    /// Has everybody who listens shown to be somebody who may.
+    pub fn rights_changed(&self) {
+        let _ = self.0.send(Message::Rights);
     }
 
     /// Ends all streams.

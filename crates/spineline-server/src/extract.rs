@@ -1,6 +1,6 @@
 //! Extractors that refuse with a [`Problem`](crate::api::Problem). Axum's extractors refuse with text that may quote the request.
 
-use std::time::Duration;
+use std::error::Error;
 
 use axum::body::Bytes;
 use axum::extract::rejection::BytesRejection;
@@ -11,11 +11,9 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::pace::TooSlow;
 use crate::problem::Failure;
 use crate::state::AppState;
-
-/// How long a whole JSON body may take.
-const JSON_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// A JSON body, of a request or of an answer.
 #[derive(Debug, Clone, Copy)]
@@ -38,8 +36,7 @@ impl<T: DeserializeOwned> FromRequest<AppState> for Json<T> {
                 "the body must be JSON with Content-Type: application/json",
             ));
         }
-        let body = tokio::time::timeout(JSON_TIMEOUT, Bytes::from_request(request, state)).await;
-        let body = body.map_err(|_| slow())?.map_err(|refused| unread(&refused))?;
+        let body = Bytes::from_request(request, state).await.map_err(|refused| unread(&refused))?;
         serde_json::from_slice(&body).map(Self).map_err(|error| bad(&error))
     }
 }
@@ -50,11 +47,15 @@ fn is_json(headers: &HeaderMap) -> bool {
     kind.is_some_and(|kind| kind.eq_ignore_ascii_case("application/json"))
 }
 
-fn slow() -> Failure {
-    Failure::new(StatusCode::REQUEST_TIMEOUT, "slow", "the body did not arrive in time")
-}
-
-fn unread(refused: &BytesRejection) -> Failure {
+/// Why a body was not read.
+pub fn unread(refused: &BytesRejection) -> Failure {
+    let mut cause = refused.source();
+    while let Some(error) = cause {
+        if error.is::<TooSlow>() {
+            return Failure::new(StatusCode::REQUEST_TIMEOUT, "slow", error.to_string());
+        }
+        cause = error.source();
+    }
     if refused.status() == StatusCode::PAYLOAD_TOO_LARGE {
         return Failure::new(refused.status(), "too_large", "the body is too large");
     }

@@ -68,6 +68,7 @@ async fn put_grants(
             views(store, &study)
         })
         .await?;
+    state.changes().rights_changed();
     Ok(Json(grants))
 }
 

@@ -1,18 +1,24 @@
 //! Checks of every request before its handler, and headers of every answer.
 
-use axum::body::Body;
-use axum::extract::{Request, State};
+use axum::body::{Body, Bytes};
+use axum::extract::{DefaultBodyLimit, FromRequest, Request, State};
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use subtle::ConstantTimeEq;
+use tokio::sync::SemaphorePermit;
 
+use crate::extract::unread;
+use crate::pace::Paced;
 use crate::problem::{Answer, Failure};
+use crate::seats::SeatOf;
 use crate::session;
 use crate::state::AppState;
 
 /// Largest body that any route may take, in bytes: a study's films in one archive.
 pub const MAX_UPLOAD_BYTES: usize = 600 << 20;
+/// Largest body of somebody who signs in, in bytes: a name and a password.
+const MAX_SIGN_IN_BYTES: usize = 16 << 10;
 /// Header with the session's token, required by every request that changes something.
 const CSRF: &str = "x-spineline-csrf";
 
@@ -42,17 +48,52 @@ pub async fn headers(request: Request, next: Next) -> Response {
     answer
 }
 
-/// Refuses requests that do not come from the app.
+/// Refuses what does not come from the app itself, and answers so many at once. Who asks is known before anything of a body is
+/// read, and a stranger's body is read before its request takes a place, so that no body holds one that it does not get.
 pub async fn guard(State(state): State<AppState>, request: Request, next: Next) -> Response {
-    let Ok(_place) = state.in_flight().try_acquire() else {
-        return Failure::new(StatusCode::SERVICE_UNAVAILABLE, "busy", "too many requests at once")
-            .retry_after(1)
-            .into_response();
-    };
-    match check(&state, &request) {
-        Ok(()) => next.run(request).await,
+    match admitted(&state, request).await {
+        Ok((request, _place)) => next.run(request).await,
         Err(refusal) => refusal.into_response(),
     }
+}
+
+async fn admitted(
+    state: &AppState,
+    mut request: Request,
+) -> Answer<(Request, SemaphorePermit<'_>)> {
+    check(state, &request)?;
+    let pace = state.limits().body;
+    request = request.map(|body| Body::new(Paced::new(body, pace)));
+    // What keeps a session from being read is for the handler to say.
+    let user = session::user_of(state, request.headers()).await.ok();
+    let signed_in = user.is_some();
+    if let Some(user) = user {
+        if let Some(seat) = request.extensions().get::<SeatOf>() {
+            seat.keep();
+        }
+        request.extensions_mut().insert(user);
+    } else if signs_in(&request) {
+        request = whole(state, request).await?;
+    }
+    let place = state.in_flight(signed_in).try_acquire().map_err(|_| {
+        Failure::new(StatusCode::SERVICE_UNAVAILABLE, "busy", "too many requests at once")
+            .retry_after(1)
+    })?;
+    Ok((request, place))
+}
+
+/// The only request with a body that needs no session.
+fn signs_in(request: &Request) -> bool {
+    request.method() == Method::POST && request.uri().path() == "/api/session"
+}
+
+/// A request with its body in memory.
+async fn whole(state: &AppState, request: Request) -> Answer<Request> {
+    let (parts, body) = request.into_parts();
+    let mut body = Request::new(body);
+    DefaultBodyLimit::max(MAX_SIGN_IN_BYTES).apply(&mut body);
+    let body = Bytes::from_request(body, state).await.map_err(|refused| unread(&refused))?;
+    Ok(Request::from_parts(parts, Body::from(body)))
 }
 
 fn check(state: &AppState, request: &Request<Body>) -> Answer<()> {
@@ -85,11 +126,11 @@ fn check(state: &AppState, request: &Request<Body>) -> Answer<()> {
         )
         .help("use the app in the window that it was opened in"));
     }
-    let signs_in = request.method() == Method::POST && request.uri().path() == "/api/session";
-    if reads || signs_in { Ok(()) } else { csrf(state, headers) }
+    if reads || signs_in(request) { Ok(()) } else { csrf(state, headers) }
 }
 
-fn declared_bytes(headers: &HeaderMap) -> Option<u64> {
+/// What a request says of the size of its body.
+pub fn declared_bytes(headers: &HeaderMap) -> Option<u64> {
     headers.get(header::CONTENT_LENGTH)?.to_str().ok()?.parse().ok()
 }
 

@@ -5,7 +5,6 @@
 
 use std::net::SocketAddr;
 use std::pin::pin;
-use std::sync::Arc;
 use std::time::Duration;
 
 use hyper::server::conn::http1;
@@ -15,17 +14,19 @@ use hyper_util::service::TowerToHyperService;
 use spineline_store::Store;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpListener;
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::watch;
+use tower_http::add_extension::AddExtension;
 
 use crate::app::app;
+use crate::seats::{SeatOf, Seats};
 use crate::state::{AppState, ServeOptions};
 
-/// Connections at once; further ones wait to be accepted.
-const MAX_CONNECTIONS: usize = 256;
 /// Longest wait for the whole head of the next request.
 const HEAD_TIMEOUT: Duration = Duration::from_secs(30);
 /// Most bytes of a request's head.
 const MAX_HEAD_BYTES: usize = 64 << 10;
+/// How often uploads are dropped whose time is over.
+const SWEEP_EVERY: Duration = Duration::from_secs(60);
 /// Time for running requests after a shutdown was requested. Event streams never end by themselves.
 const END_TIMEOUT: Duration = Duration::from_secs(3);
 /// Pause after a connection could not be accepted, for example without free file handles.
@@ -79,15 +80,16 @@ impl Server {
     pub async fn run(self, end: impl Future<Output = ()> + Send + 'static) -> std::io::Result<()> {
         let app = app(self.state.clone());
         let open = GracefulShutdown::new();
-        let places = Arc::new(Semaphore::new(MAX_CONNECTIONS));
+        let seats = Seats::new(self.state.limits().connections);
+        let mut sweeps = tokio::time::interval(SWEEP_EVERY);
         let mut end = pin!(end);
         loop {
-            let accepted = async {
-                let place = Arc::clone(&places).acquire_owned().await;
-                (place, self.listener.accept().await)
-            };
-            let (place, accepted) = tokio::select! {
-                accepted = accepted => accepted,
+            let accepted = tokio::select! {
+                accepted = self.listener.accept() => accepted,
+                _ = sweeps.tick() => {
+                    self.state.films().uploads.sweep(self.state.now());
+                    continue;
+                }
                 () = &mut end => break,
             };
             let Ok((stream, _)) = accepted else {
@@ -96,11 +98,15 @@ impl Server {
             };
             // Small answers are sent at once. An error here only makes them slower.
             let _ = stream.set_nodelay(true);
-            let connection = open.watch(connection(stream, app.clone()));
+            let seat = seats.take();
+            let app = AddExtension::new(app.clone(), seat.for_requests());
+            let connection = open.watch(connection(stream, app));
             tokio::spawn(async move {
-                // A closed connection is not an error of the server.
-                let _ = connection.await;
-                drop(place);
+                tokio::select! {
+                    // A closed connection is not an error of the server.
+                    _ = connection => {}
+                    () = seat.closed() => {}
+                }
             });
         }
         drop(self.listener);
@@ -111,11 +117,12 @@ impl Server {
     }
 }
 
-type Connection<I> = http1::Connection<TokioIo<I>, TowerToHyperService<axum::Router>>;
+type App = AddExtension<axum::Router, SeatOf>;
+type Connection<I> = http1::Connection<TokioIo<I>, TowerToHyperService<App>>;
 
 fn connection<I: AsyncRead + AsyncWrite + Unpin + Send + 'static>(
     stream: I,
-    app: axum::Router,
+    app: App,
 ) -> Connection<I> {
     http1::Builder::new()
         .timer(TokioTimer::new())
@@ -130,7 +137,8 @@ mod tests {
 
     use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
-    use super::{AppState, ServeOptions, app, connection};
+    use super::{AddExtension, AppState, Seats, ServeOptions, app, connection};
+    use crate::limits::ServeLimits;
 
     use spineline_store::{Access, Name, Signature, Store, Timestamp};
 
@@ -146,9 +154,12 @@ mod tests {
             access: Access::Token,
             hosts: Vec::new(),
             https: false,
+            limits: ServeLimits::default(),
         };
         let address = "127.0.0.1:8765".parse().expect("an address");
+        let seat = Seats::new(options.limits.connections).take();
         let app = app(AppState::new(store, address, options));
+        let app = AddExtension::new(app, seat.for_requests());
         let (mut client, server) = tokio::io::duplex(1 << 16);
         let served = tokio::spawn(async move {
             // The answer shows how the connection ends.

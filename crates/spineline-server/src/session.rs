@@ -103,16 +103,39 @@ impl FromRequestParts<AppState> for User {
     type Rejection = Failure;
 
     async fn from_request_parts(parts: &mut Parts, state: &AppState) -> Answer<Self> {
-        let access = state.options().access;
-        let secret = secret_of(state, &parts.headers).ok_or_else(|| not_signed_in(access))?;
-        let now = state.now();
-        state.ask(move |store| user(store, &secret, access, now)).await
+        match parts.extensions.get::<Self>() {
+            Some(known) => Ok(known.clone()),
+            None => user_of(state, &parts.headers).await,
+        }
     }
 }
 
+/// Who asks, by the cookie of a request; their session counts as used.
+///
+/// # Errors
+/// 401 where nobody is signed in, and whatever keeps the store from reading.
+pub async fn user_of(state: &AppState, headers: &HeaderMap) -> Answer<User> {
+    let access = state.options().access;
+    let secret = secret_of(state, headers).ok_or_else(|| not_signed_in(access))?;
+    let now = state.now();
+    let asked = state.ask(move |store| {
+        let session = store.session(&secret, now, LIMITS)?;
+        user(store, session, access)
+    });
+    asked.await
+}
+
+/// Who somebody is whose secret this is; their session does not count as used.
+///
+/// # Errors
+/// As [`user_of`].
+pub fn user_behind(store: &Store, secret: &str, access: Access, now: Timestamp) -> Answer<User> {
+    let session = store.session_unused(secret, now, LIMITS)?;
+    user(store, session, access)
+}
+
 /// A session is valid only for the way of signing in with which the program was started.
-fn user(store: &mut Store, secret: &str, access: Access, now: Timestamp) -> Answer<User> {
-    let session = store.session(secret, now, LIMITS)?;
+fn user(store: &Store, session: Option<Session>, access: Access) -> Answer<User> {
     let session = session.filter(|session| session.access == access);
     let name = session.ok_or_else(|| not_signed_in(access))?.name;
     let role = match access {
@@ -209,6 +232,7 @@ async fn sign_in(
             store.begin_session(&begun, &session, now, LIMITS)
         })
         .await?;
+    state.changes().rights_changed();
     let answer = Json(view(&user, access, &id));
     Ok((CookieJar::new().add(cookie(&state, id)), answer))
 }
@@ -249,6 +273,7 @@ async fn sign_out(
 ) -> Answer<(CookieJar, StatusCode)> {
     if let Some(secret) = secret_of(&state, &headers) {
         state.store(move |store| store.end_session(&secret)).await?;
+        state.changes().rights_changed();
     }
     // A cookie without a value that ends now.
     let mut gone = cookie(&state, String::new());

@@ -13,12 +13,11 @@ use crate::film_cache::FilmCache;
 use crate::guard_rate::Attempts;
 use crate::guard_token::OneTimeToken;
 use crate::hosts::Hosts;
+use crate::limits::ServeLimits;
 use crate::overview_cache::OverviewCache;
 use crate::problem::Answer;
 use crate::result_cache::{ResultCache, computed};
 
-/// Concurrent requests. Each may hold a body of some megabytes.
-const MAX_IN_FLIGHT: usize = 64;
 /// Concurrent comparisons of passwords, of 19 MB each.
 const MAX_PASSWORDS: usize = 2;
 
@@ -35,6 +34,8 @@ pub struct ServeOptions {
     pub hosts: Vec<String>,
     /// Whether a proxy serves it by TLS; cookies are then sent by TLS only.
     pub https: bool,
+    /// What it takes at once.
+    pub limits: ServeLimits,
 }
 
 /// State shared by all requests; cheap to clone.
@@ -50,7 +51,8 @@ struct Shared {
     hosts: Hosts,
     token: OneTimeToken,
     attempts: Attempts,
-    in_flight: Semaphore,
+    users_in_flight: Semaphore,
+    strangers_in_flight: Semaphore,
     passwords: Semaphore,
     films: FilmCache,
     overviews: OverviewCache,
@@ -70,6 +72,7 @@ impl AppState {
     #[must_use]
     pub fn new(store: Store, address: SocketAddr, options: ServeOptions) -> Self {
         let hosts = Hosts::new(address, &options.hosts);
+        let ServeLimits { requests, uploads, .. } = options.limits;
         let shared = Shared {
             store: Mutex::new(store),
             address,
@@ -77,9 +80,10 @@ impl AppState {
             hosts,
             token: OneTimeToken::new(),
             attempts: Attempts::default(),
-            in_flight: Semaphore::new(MAX_IN_FLIGHT),
+            users_in_flight: Semaphore::new(requests.users),
+            strangers_in_flight: Semaphore::new(requests.strangers),
             passwords: Semaphore::new(MAX_PASSWORDS),
-            films: FilmCache::default(),
+            films: FilmCache::new(uploads),
             overviews: OverviewCache::default(),
             changes: Channel::default(),
             results: ResultCache::default(),
@@ -127,8 +131,13 @@ impl AppState {
         &self.shared.attempts
     }
 
-    pub(crate) fn in_flight(&self) -> &Semaphore {
-        &self.shared.in_flight
+    /// Places for requests of those who are signed in, or of the others.
+    pub(crate) fn in_flight(&self, signed_in: bool) -> &Semaphore {
+        if signed_in { &self.shared.users_in_flight } else { &self.shared.strangers_in_flight }
+    }
+
+    pub(crate) fn limits(&self) -> &ServeLimits {
+        &self.shared.options.limits
     }
 
     /// The token that signs in next.

@@ -39,7 +39,19 @@ impl Store {
     /// # Errors
     /// [`StoreError::Damaged`].
     pub fn conflicts_of_reading(&self, reading: ReadingId) -> Result<Vec<LostChange>, StoreError> {
-        lost_changes(&self.connection, &reading.to_string())
+        self.conflicts_of_reading_from(reading, 0)
+    }
+
+    /// As [`Store::conflicts_of_reading`], from this number on.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`].
+    pub fn conflicts_of_reading_from(
+        &self,
+        reading: ReadingId,
+        first: i64,
+    ) -> Result<Vec<LostChange>, StoreError> {
+        lost_changes(&self.connection, &reading.to_string(), first)
     }
 
     /// The refused edits of a film, oldest first.
@@ -47,7 +59,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::Damaged`].
     pub fn conflicts_of_film(&self, film: FilmId) -> Result<Vec<LostChange>, StoreError> {
-        lost_changes(&self.connection, &film.to_string())
+        lost_changes(&self.connection, &film.to_string(), 0)
     }
 }
 
@@ -80,8 +92,13 @@ pub(crate) fn keep_lost(
     Ok(StoreError::Conflict { object, expected, found, conflict })
 }
 
-fn lost_changes(connection: &Connection, object: &str) -> Result<Vec<LostChange>, StoreError> {
-    audit::load(connection, "conflicts", "WHERE object = ?1 ORDER BY id", [object], |row| {
+fn lost_changes(
+    connection: &Connection,
+    object: &str,
+    first: i64,
+) -> Result<Vec<LostChange>, StoreError> {
+    let condition = "WHERE object = ?1 AND id >= ?2 ORDER BY id";
+    audit::load(connection, "conflicts", condition, params![object, first], |row| {
         let id: i64 = row.get("id")?;
         let at = Timestamp::from_unix_ms(row.get("time_ms")?);
         Ok(LostChange {

@@ -83,6 +83,38 @@ impl Store {
         now: Timestamp,
         limits: SessionLimits,
     ) -> Result<Option<Session>, StoreError> {
+        let Some((session, used_ms)) = self.session_and_use(secret, now, limits)? else {
+            return Ok(None);
+        };
+        let now_ms = now.unix_ms();
+        if now_ms.saturating_sub(used_ms) >= TOUCH_MS {
+            let touch = "UPDATE sessions SET used_ms = ?2 WHERE secret_hash = ?1";
+            // On a full or read-only disk the session ends early, but reading must still work.
+            let _ = self.connection.execute(touch, params![hash(secret), now_ms]);
+        }
+        Ok(Some(session))
+    }
+
+    /// Whose session it is, if it has not ended; it does not count as used.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`].
+    pub fn session_unused(
+        &self,
+        secret: &str,
+        now: Timestamp,
+        limits: SessionLimits,
+    ) -> Result<Option<Session>, StoreError> {
+        Ok(self.session_and_use(secret, now, limits)?.map(|(session, _)| session))
+    }
+
+    /// A session that has not ended, and when it was last used.
+    fn session_and_use(
+        &self,
+        secret: &str,
+        now: Timestamp,
+        limits: SessionLimits,
+    ) -> Result<Option<(Session, i64)>, StoreError> {
         let (secret_hash, now_ms) = (hash(secret), now.unix_ms());
         let query = "SELECT name, access, begun_ms, used_ms FROM sessions WHERE secret_hash = ?1";
         let found = self.connection.query_row(query, [&secret_hash], |row| {
@@ -95,13 +127,8 @@ impl Store {
         {
             return Ok(None);
         }
-        if now_ms.saturating_sub(used_ms) >= TOUCH_MS {
-            let touch = "UPDATE sessions SET used_ms = ?2 WHERE secret_hash = ?1";
-            // On a full or read-only disk the session ends early, but reading must still work.
-            let _ = self.connection.execute(touch, params![secret_hash, now_ms]);
-        }
         let access = Access::from_key(&access).ok_or_else(|| StoreError::damaged("session"))?;
-        Ok(Some(Session { name: Name::new(&name)?, access }))
+        Ok(Some((Session { name: Name::new(&name)?, access }, used_ms)))
     }
 
     /// Ends a session.

@@ -42,3 +42,7 @@ export const thumbnailPath = (film: number): string => `/api/films/${film}/thumb
 
 export const uploadThumbnailPath = (upload: string): string =>
   `/api/uploads/${encodeURIComponent(upload)}/thumbnail`;
+
+/** Discards an upload that is in no study. */
+export const discardUpload = (upload: string) =>
+  answerOf(api.DELETE("/api/uploads/{upload}", { params: { path: { upload } } }));

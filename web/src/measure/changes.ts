@@ -23,9 +23,12 @@ export function hearChanges(
     source.addEventListener("change", (event: MessageEvent<string>) => {
       heard(JSON.parse(event.data) as Api<"Change">);
     });
-    // The browser does not reconnect after an error response, such as for a session that has ended.
+    // After a refusal, such as of a session that ended, the browser gives up; what the page asks next says why.
     source.addEventListener("error", () => {
-      if (source.readyState === EventSource.CLOSED) again = setTimeout(listen, AGAIN_MS);
+      if (source.readyState !== EventSource.CLOSED) return;
+      if (wasOpen) back();
+      wasOpen = false;
+      again = setTimeout(listen, AGAIN_MS);
     });
   }
 

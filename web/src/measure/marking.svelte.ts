@@ -134,7 +134,8 @@ export class Marking {
       keeping: this.#keeping,
       saved: (answer) => this.#use(answer.reading, answer.live ?? null),
       conflict: (_, answer) => {
-        this.#use(answer);
+        // The refusal brings what it lost alone; what was lost before stays listed.
+        this.#use({ ...answer, conflicts: [...this.#recorded.conflicts, ...answer.conflicts] });
         void this.#showLost();
       },
       refused: (events, error) => {

@@ -132,6 +132,21 @@ it("shows refused events again after a reload until the person decides", async (
   expect(keepingOf(reading(), "me").lost()).toEqual([]);
 });
 
+it("lists what a refusal lost beside what was lost before", async () => {
+  const lost = (text: string): ReadingView["conflicts"][number] => ({
+    who: "cd",
+    at_ms: 1,
+    text,
+    base_revision: 0,
+    found_revision: 5,
+  });
+  keepingOf(reading(), "me").save([{ events: [crest(1)], expected: 0 }]);
+  answer = () => conflict({ conflicts: [lost("later")] });
+  const marking = new Marking({ ...reading(), conflicts: [lost("earlier")] }, "me");
+  await settle();
+  expect(marking.reading.conflicts.map(({ text }) => text)).toEqual(["earlier", "later"]);
+});
+
 it("redoes several times while the first redo is still being sent", async () => {
   answer = taking();
   const marking = new Marking({ ...reading(), redoable: 2 }, "me");

@@ -1,4 +1,5 @@
 import { uploadFile } from "../api/client";
+import { discardUpload } from "../api/studies";
 import type { Api } from "../api/types";
 
 const AT_ONCE = 3;
@@ -50,6 +51,7 @@ export class Uploads {
   #next = 0;
   #under_way = 0;
   #queue: Sent[] = [];
+  readonly #used = new Set<string>();
 
   /** `ready` is called with every accepted file. */
   constructor(private readonly ready: (sent: Sent) => void = () => undefined) {}
@@ -73,6 +75,20 @@ export class Uploads {
     sent.stop();
     this.#queue = this.#queue.filter((other) => other !== sent);
     this.all = this.all.filter((other) => other !== sent);
+    // The program forgets it in time anyway; until then it takes room of which there is little.
+    const upload = sent.view?.upload;
+    if (upload !== undefined && !this.#used.has(upload))
+      void discardUpload(upload).catch(() => undefined);
+  }
+
+  /** These are in a study now, and no longer uploads. */
+  used(uploads: Iterable<string>): void {
+    for (const upload of uploads) this.#used.add(upload);
+  }
+
+  /** The page is left: what no study has taken is not needed. */
+  close(): void {
+    for (const sent of [...this.all]) this.remove(sent);
   }
 
   #go(): void {

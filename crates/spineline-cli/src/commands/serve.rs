@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use chrono::Utc;
 use clap::Args;
-use spineline_server::{ServeOptions, Server};
+use spineline_server::{ServeLimits, ServeOptions, Server};
 use spineline_store::{Access, Name, Role, Signature, Store};
 
 use crate::run::failure::{Ending, Failure};
@@ -68,6 +68,7 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
         access,
         hosts: args.hosts.clone(),
         https: args.https,
+        limits: ServeLimits::default(),
     };
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()

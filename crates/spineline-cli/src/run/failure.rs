@@ -6,6 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use spineline_films::intake::IntakeError;
+use spineline_landmarks::LandmarkError;
 use spineline_store::StoreError;
 use spineline_tables::TableError;
 
@@ -87,10 +88,19 @@ impl Failure {
     pub fn file(path: &Path, error: &spineline_files::FileError) -> Self {
         // Reading errors name the path themselves.
         let what = match error {
-            spineline_files::FileError::Read { .. } => error.to_string(),
+            spineline_files::FileError::Read { .. }
+            | spineline_files::FileError::TooLarge { .. } => error.to_string(),
             _ => format!("{}: {error}", path.display()),
         };
         Self { code: FILES, what, help: Some(error.help().to_owned()) }
+    }
+
+    /// Landmarks of another program that cannot be read.
+    pub fn landmarks(path: &Path, error: &LandmarkError) -> Self {
+        match error {
+            LandmarkError::File(error) => Self::file(path, error),
+            _ => Self::input(&path.display().to_string(), error, error.help()),
+        }
     }
 
     /// A store that refused.

@@ -37,6 +37,12 @@ pub fn case_files(given: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
                 "give a folder of case files",
             ));
         }
+        // A pipe would be waited on for ever; given by name, it is read.
+        if let Some(odd) = inside.iter().find(|file| !file.is_file()) {
+            let place = odd.display().to_string();
+            let help = "move it out of the folder, or give the files by name";
+            return Err(Failure::input(&place, &"it is no plain file", help));
+        }
         inside.sort();
         files.append(&mut inside);
     }

@@ -2,6 +2,7 @@
 
 mod commands;
 mod comparison;
+mod endless;
 mod film;
 mod guide;
 mod import;

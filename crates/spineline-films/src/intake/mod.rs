@@ -152,8 +152,8 @@ pub enum IntakeError {
         /// The limit.
         limit: usize,
     },
-    /// A film was changed or deleted between search and reading.
-    #[error("{place} {reason}")]
+    /// A film that cannot be read: it is too large, or it changed or went away after the survey.
+    #[error("{place}: {reason}")]
     Gone {
         /// Where.
         place: Place,
@@ -169,6 +169,12 @@ impl IntakeError {
         match self {
             Self::Missing { .. } => "check the path, and that you may read it",
             Self::TooMany { .. } => "name the patient's own folder, or the films one by one",
+            Self::Gone { reason: Reason::TooLarge { .. }, .. } => {
+                "check that it is a film; export only the frontal film"
+            }
+            Self::Gone { reason: Reason::Unreadable(std::io::ErrorKind::NotFound), .. } => {
+                "check the path; the films of a case lie in the folder of the case"
+            }
             Self::Gone { .. } => "run the import again when no other program writes there",
         }
     }
@@ -200,7 +206,8 @@ pub fn survey(
     Ok(surveyor.survey)
 }
 
-/// The bytes of a film that was found.
+/// The bytes of a film that was found. A file that is no film is read no further than its first bytes, by which a decoder
+/// names what it is: a device has no end.
 ///
 /// # Errors
 /// [`IntakeError::Gone`] where it is no longer what it was, or is larger than `limits` allow.
@@ -208,7 +215,7 @@ pub fn read(place: &Place, limits: &IntakeLimits) -> Result<Vec<u8>, IntakeError
     let bytes = match place {
         Place::File(path) => {
             let file = File::open(path).map_err(|error| Reason::Unreadable(error.kind()));
-            file.and_then(|file| read_limited(file, limits.entry_bytes))
+            file.and_then(|file| read_film(file, limits.entry_bytes))
         }
         Place::Entry { archive, index } => archive::read(archive, *index, limits),
     };
@@ -258,6 +265,20 @@ fn head_of(stream: impl Read) -> Result<Vec<u8>, std::io::Error> {
     let mut head = Vec::new();
     stream.take(ENOUGH).read_to_end(&mut head)?;
     Ok(head)
+}
+
+/// A file whole if it is a film, otherwise its first bytes.
+fn read_film(mut file: File, limit: u64) -> Result<Vec<u8>, Reason> {
+    let unreadable = |error: std::io::Error| Reason::Unreadable(error.kind());
+    let stated = file.metadata().map_err(unreadable)?;
+    if stated.is_file() && stated.len() > limit {
+        return Err(Reason::TooLarge { bytes: stated.len(), limit });
+    }
+    let head = head_of(&mut file).map_err(unreadable)?;
+    if sniff(&head).is_err() {
+        return Ok(head);
+    }
+    read_limited(head.as_slice().chain(file), limit)
 }
 
 /// A stream whole, if it is no longer than a limit.

@@ -59,7 +59,7 @@ pub struct ReadingView {
     pub proposal: Option<Proposal>,
     /// Errors of the landmarks: crossed or swapped corners, places off the film, wrong order.
     pub faults: Vec<Notice>,
-    /// Changes that were based on an old revision: kept, not applied.
+    /// Changes that lost a race and are kept; in a [`ConflictAnswer`], those of the request alone.
     pub conflicts: Vec<LostChangeView>,
 }
 
@@ -209,6 +209,6 @@ pub struct Preview {
 pub struct ConflictAnswer {
     /// The error.
     pub problem: Problem,
-    /// The current reading.
+    /// The reading as it stands, to go on from; its `conflicts` are those of this request alone.
     pub reading: ReadingView,
 }

@@ -12,6 +12,7 @@ use spineline_films::FilmFile;
 use spineline_store::{Hash, Thumbnails};
 use tokio::sync::{Semaphore, SemaphorePermit};
 
+use crate::limits::UploadLimits;
 use crate::problem::{Answer, Failure};
 use crate::words;
 
@@ -67,17 +68,16 @@ pub struct FilmCache {
 
 type Screens = VecDeque<(Hash, Arc<Screen>)>;
 
-impl Default for FilmCache {
-    fn default() -> Self {
+impl FilmCache {
+    /// A cache without films.
+    pub fn new(uploads: UploadLimits) -> Self {
         Self {
             screens: Mutex::default(),
             decoding: Semaphore::new(AT_A_TIME),
-            uploads: Uploads::default(),
+            uploads: Uploads::new(uploads),
         }
     }
-}
 
-impl FilmCache {
     /// Waits until a film may be decoded.
     pub async fn decoding(&self) -> Answer<SemaphorePermit<'_>> {
         let closed = |_| {

@@ -8,15 +8,9 @@ use spineline::measure::Spacing;
 use spineline_films::FilmKind;
 use spineline_store::{Name, Timestamp};
 
+use crate::limits::{UploadLimits, UploadRoom};
 use crate::problem::{Answer, Failure};
 use crate::secret::secret;
-
-/// How long an upload is kept.
-const KEPT_MS: i64 = 60 * 60 * 1000;
-/// Room for the uploads of one user.
-const ROOM_BYTES: usize = 600 << 20;
-/// Room for all uploads.
-const WHOLE_ROOM_BYTES: usize = 1 << 30;
 
 /// A picture that was decoded once, with its file.
 #[derive(Debug)]
@@ -38,47 +32,93 @@ pub struct Upload {
 struct Staged {
     owner: Name,
     at: Timestamp,
-    upload: Arc<Upload>,
+    /// Of its file, which may still be on its way.
+    bytes: u64,
+    /// `None` while it is on its way.
+    upload: Option<Arc<Upload>>,
 }
 
+type Known = BTreeMap<String, Staged>;
+
 /// All uploads by their secret names.
-#[derive(Default)]
-pub struct Uploads(Mutex<BTreeMap<String, Staged>>);
+#[derive(Clone)]
+pub struct Uploads {
+    limits: UploadLimits,
+    known: Arc<Mutex<Known>>,
+}
+
+/// Room for an upload that is on its way; it comes free unless the upload is kept.
+pub struct Reservation {
+    uploads: Uploads,
+    id: String,
+}
 
 impl Uploads {
-    fn staged(&self) -> MutexGuard<'_, BTreeMap<String, Staged>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    pub fn new(limits: UploadLimits) -> Self {
+        Self { limits, known: Arc::default() }
     }
 
-    /// Keeps an upload, and returns its secret name.
-    pub fn keep(&self, owner: &Name, at: Timestamp, upload: Arc<Upload>) -> Answer<String> {
-        let mut staged = self.staged();
-        staged.retain(|_, old| at.unix_ms() - old.at.unix_ms() < KEPT_MS);
-        let size = |own_only: bool| -> usize {
-            let counted = staged.values().filter(|s| !own_only || s.owner == *owner);
-            counted.map(|staged| staged.upload.bytes.len()).sum()
-        };
-        let new = upload.bytes.len();
-        if size(true) + new > ROOM_BYTES || size(false) + new > WHOLE_ROOM_BYTES {
-            let text = format!(
-                "the limit for uploaded films that are not in a study is reached; this file has {} MB",
-                new >> 20
-            );
-            return Err(Failure::new(StatusCode::PAYLOAD_TOO_LARGE, "too_large", text)
-                .help("create a study from the uploaded films first, or wait an hour"));
+    fn known(&self) -> MutexGuard<'_, Known> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn kept_ms(&self) -> i64 {
+        i64::try_from(self.limits.kept.as_millis()).unwrap_or(i64::MAX)
+    }
+
+    fn is_over(&self, staged: &Staged, now: Timestamp) -> bool {
+        staged.upload.is_some() && now.unix_ms() - staged.at.unix_ms() >= self.kept_ms()
+    }
+
+    /// Room for a file that is about to come.
+    ///
+    /// # Errors
+    /// 429 where there is none, with what to do and when there will be.
+    pub fn reserve(&self, owner: &Name, bytes: u64, now: Timestamp) -> Answer<Reservation> {
+        self.sweep(now);
+        let mut known = self.known();
+        let own = || known.values().filter(|staged| staged.owner == *owner);
+        if !has_room(own(), self.limits.per_account, bytes) {
+            let whose = "your uploaded films that are not in a study";
+            let help = "create a study from them, or remove films from the page";
+            return Err(self.full(own(), self.limits.per_account, [whose, help], now));
+        }
+        if !has_room(known.values(), self.limits.in_all, bytes) {
+            let whose = "all users' uploaded films that are not in a study";
+            let help = "try again later";
+            return Err(self.full(known.values(), self.limits.in_all, [whose, help], now));
         }
         let id = secret();
-        staged.insert(id.clone(), Staged { owner: owner.clone(), at, upload });
-        Ok(id)
+        known.insert(id.clone(), Staged { owner: owner.clone(), at: now, bytes, upload: None });
+        Ok(Reservation { uploads: self.clone(), id })
+    }
+
+    fn full<'a>(
+        &self,
+        counted: impl Iterator<Item = &'a Staged>,
+        room: UploadRoom,
+        [whose, help]: [&str; 2],
+        now: Timestamp,
+    ) -> Failure {
+        let oldest_ms = counted.map(|staged| staged.at.unix_ms()).min();
+        let wait_ms = oldest_ms.map_or(0, |at| at + self.kept_ms() - now.unix_ms()).max(0);
+        let text = format!(
+            "{whose} have reached their limit of {} films or {} MB",
+            room.films,
+            room.bytes >> 20
+        );
+        let minutes = wait_ms / 60_000 + 1;
+        let help = format!("{help}; the oldest one is dropped in {minutes} min");
+        Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_uploads", text)
+            .help(help)
+            .retry_after(u32::try_from(wait_ms / 1000 + 1).unwrap_or(u32::MAX))
     }
 
     /// An upload of this user.
     pub fn get(&self, owner: &Name, id: &str, now: Timestamp) -> Answer<Arc<Upload>> {
-        let staged = self.staged();
-        let found = staged.get(id).filter(|staged| {
-            staged.owner == *owner && now.unix_ms() - staged.at.unix_ms() < KEPT_MS
-        });
-        found.map(|staged| staged.upload.clone()).ok_or_else(|| {
+        let known = self.known();
+        let found = known.get(id).filter(|s| s.owner == *owner && !self.is_over(s, now));
+        found.and_then(|staged| staged.upload.clone()).ok_or_else(|| {
             Failure::new(
                 StatusCode::NOT_FOUND,
                 "not_found",
@@ -88,11 +128,50 @@ impl Uploads {
         })
     }
 
-    /// Removes uploads that are now part of a study.
+    /// Forgets uploads that are in a study now, or that nobody wants any more.
     pub fn forget<'a>(&self, ids: impl Iterator<Item = &'a str>) {
-        let mut staged = self.staged();
+        let mut known = self.known();
         for id in ids {
-            staged.remove(id);
+            known.remove(id);
+        }
+    }
+
+    /// Forgets uploads whose time is over.
+    pub fn sweep(&self, now: Timestamp) {
+        self.known().retain(|_, staged| !self.is_over(staged, now));
+    }
+}
+
+fn has_room<'a>(
+    counted: impl Iterator<Item = &'a Staged>,
+    room: UploadRoom,
+    new_bytes: u64,
+) -> bool {
+    let (mut films, mut bytes) = (1, new_bytes);
+    for staged in counted {
+        films += 1;
+        bytes += staged.bytes;
+    }
+    films <= room.films && bytes <= room.bytes
+}
+
+impl Reservation {
+    /// Keeps the upload that came, and returns its secret name.
+    pub fn keep(self, upload: Upload, now: Timestamp) -> String {
+        if let Some(staged) = self.uploads.known().get_mut(&self.id) {
+            let held = upload.bytes.len() + upload.thumbnail.len();
+            (staged.at, staged.bytes) = (now, held as u64);
+            staged.upload = Some(Arc::new(upload));
+        }
+        self.id.clone()
+    }
+}
+
+impl Drop for Reservation {
+    fn drop(&mut self) {
+        let mut known = self.uploads.known();
+        if known.get(&self.id).is_some_and(|staged| staged.upload.is_none()) {
+            known.remove(&self.id);
         }
     }
 }

@@ -1,11 +1,10 @@
 //! Uploading films that are not in a study yet.
 
 use spineline_store::Role;
-use std::sync::Arc;
 
 use axum::body::Bytes;
 use axum::extract::rejection::BytesRejection;
-use axum::extract::{DefaultBodyLimit, State};
+use axum::extract::{DefaultBodyLimit, FromRequest, Request, State};
 use axum::http::StatusCode;
 use axum::response::Response;
 use spineline::anatomy::Posture;
@@ -18,8 +17,9 @@ use utoipa_axum::routes;
 use super::png;
 use super::screen::decode;
 use crate::api::{Notice, Problem, Severity, SpacingView, UploadView, Wire};
-use crate::extract::{Json, Path};
+use crate::extract::{Json, Path, unread};
 use crate::film_cache::{Upload, draw_thumbnails};
+use crate::guard::declared_bytes;
 use crate::problem::{Answer, Failure};
 use crate::result_cache::computed;
 use crate::session::User;
@@ -31,6 +31,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()
         .routes(routes!(upload))
         .layer(DefaultBodyLimit::max(largest))
+        .routes(routes!(discard))
         .routes(routes!(thumbnail))
 }
 
@@ -38,30 +39,58 @@ pub fn routes() -> OpenApiRouter<AppState> {
 #[utoipa::path(post, path = "/api/uploads",
     request_body(content = Vec<u8>, content_type = "application/octet-stream"),
     responses((status = 200, body = UploadView), (status = 401, body = Problem),
-        (status = 403, body = Problem), (status = 413, body = Problem),
-        (status = 422, body = Problem)))]
+        (status = 403, body = Problem), (status = 408, body = Problem),
+        (status = 413, body = Problem), (status = 422, body = Problem),
+        (status = 429, body = Problem)))]
 async fn upload(
     State(state): State<AppState>,
     user: User,
-    body: Result<Bytes, BytesRejection>,
+    request: Request,
 ) -> Answer<Json<UploadView>> {
     user.need(Role::Editor)?;
-    let bytes: Vec<u8> = body.map_err(|refused| unread(&refused))?.into();
+    let largest = FilmLimits::default().file_bytes;
+    let bytes = declared_bytes(request.headers()).unwrap_or(largest);
+    if bytes > largest {
+        return Err(too_large());
+    }
+    // There is room for the file before any of it is read.
+    let room = state.films().uploads.reserve(&user.name, bytes, state.now())?;
+    let body = Bytes::from_request(request, &state).await;
+    let bytes: Vec<u8> = body.map_err(|refused| refusal(&refused))?.into();
     let _permit = state.films().decoding().await?;
     let film = decode(&state, bytes.clone()).await?;
     let (upload, mut view) = computed(move || look(&film, bytes)).await?;
-    view.upload = state.films().uploads.keep(&user.name, state.now(), Arc::new(upload))?;
+    view.upload = room.keep(upload, state.now());
     Ok(Json(view))
 }
 
-fn unread(refused: &BytesRejection) -> Failure {
-    let status = refused.status();
-    if status == StatusCode::PAYLOAD_TOO_LARGE {
-        let limit = FilmLimits::default().file_bytes >> 20;
-        let text = format!("the file exceeds the limit of {limit} MB");
-        return Failure::new(status, "too_large", text).help("export only the frontal film");
+fn refusal(refused: &BytesRejection) -> Failure {
+    if refused.status() == StatusCode::PAYLOAD_TOO_LARGE {
+        return too_large();
     }
-    Failure::new(status, "unread", "the upload is incomplete").help("upload the file again")
+    unread(refused).help("upload the file again")
+}
+
+fn too_large() -> Failure {
+    let limit = FilmLimits::default().file_bytes >> 20;
+    let text = format!("the file exceeds the limit of {limit} MB");
+    Failure::new(StatusCode::PAYLOAD_TOO_LARGE, "too_large", text)
+        .help("export only the frontal film")
+}
+
+/// Discards an upload that is in no study.
+#[utoipa::path(delete, path = "/api/uploads/{upload}", params(("upload" = String, Path)),
+    responses((status = 204), (status = 401, body = Problem), (status = 403, body = Problem),
+        (status = 404, body = Problem)))]
+async fn discard(
+    State(state): State<AppState>,
+    user: User,
+    Path(upload): Path<String>,
+) -> Answer<StatusCode> {
+    let uploads = &state.films().uploads;
+    uploads.get(&user.name, &upload, state.now())?;
+    uploads.forget(std::iter::once(upload.as_str()));
+    Ok(StatusCode::NO_CONTENT)
 }
 
 /// A thumbnail of an upload.

@@ -6,7 +6,16 @@ use spineline_store::{FilmRecord, LostChange, ReadingId, Store, StoreError};
 use crate::api::LostChangeView;
 
 pub fn of_reading(store: &Store, reading: ReadingId) -> Result<Vec<LostChangeView>, StoreError> {
-    Ok(store.conflicts_of_reading(reading)?.iter().map(view).collect())
+    of_reading_from(store, reading, 0)
+}
+
+/// From this conflict on: what one request lost, and not what was lost before it.
+pub fn of_reading_from(
+    store: &Store,
+    reading: ReadingId,
+    first: i64,
+) -> Result<Vec<LostChangeView>, StoreError> {
+    Ok(store.conflicts_of_reading_from(reading, first)?.iter().map(view).collect())
 }
 
 pub fn of_film(store: &Store, film: &FilmRecord) -> Result<Vec<LostChangeView>, StoreError> {

@@ -19,6 +19,7 @@ use crate::state::AppState;
 
 pub use lost::{of_film as lost_of_film, of_reading as lost_of_reading};
 pub use view::view;
+use view::view_after_loss;
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()
@@ -135,11 +136,13 @@ pub fn answer_of(
 ) -> Answer<Result<ReadingView, ConflictAnswer>> {
     match changed {
         Ok(()) => announced(state, store, user, reading).map(Ok),
-        Err(error @ StoreError::Conflict { .. }) => {
+        Err(error @ StoreError::Conflict { conflict, .. }) => {
             let problem = Failure::from(error).into_problem();
+            let seen = seen_reading(store, user, reading)?;
+            let view = view_after_loss(store, user, &seen, conflict)?;
             // A refused change is reported too, because it is kept.
-            let reading = announced(state, store, user, reading)?;
-            Ok(Err(ConflictAnswer { problem, reading }))
+            announce(state, user, &seen, &view);
+            Ok(Err(ConflictAnswer { problem, reading: view }))
         }
         Err(other) => Err(other.into()),
     }
@@ -159,12 +162,16 @@ fn announced(
 ) -> Answer<ReadingView> {
     let seen = seen_reading(store, user, reading)?;
     let view = view(store, user, &seen, &[])?;
+    announce(state, user, &seen, &view);
+    Ok(view)
+}
+
+fn announce(state: &AppState, user: &User, seen: &SeenReading, view: &ReadingView) {
     let change = Change {
         who: user.name.to_string(),
         film: Some(seen.film.id.0),
-        reading: Some(reading.0),
+        reading: Some(view.reading),
         revision: Some(view.revision),
     };
     state.changes().send(&seen.study.id, change);
-    Ok(view)
 }

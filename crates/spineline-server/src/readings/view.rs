@@ -25,9 +25,19 @@ pub fn view(
     seen: &SeenReading,
     pending: &[Event],
 ) -> Answer<ReadingView> {
-    let state = seen.state(pending)?;
     let conflicts = lost::of_reading(store, seen.record.id)?;
-    view_of(seen, &state, conflicts, seen.record.observer == user.name)
+    view_of(seen, &seen.state(pending)?, conflicts, seen.record.observer == user.name)
+}
+
+/// A reading after a change of this user that lost, with this conflict and the later ones alone: others may be many.
+pub fn view_after_loss(
+    store: &Store,
+    user: &User,
+    seen: &SeenReading,
+    first_conflict: i64,
+) -> Answer<ReadingView> {
+    let conflicts = lost::of_reading_from(store, seen.record.id, first_conflict)?;
+    view_of(seen, &seen.state(&[])?, conflicts, seen.record.observer == user.name)
 }
 
 fn view_of(

@@ -1,14 +1,18 @@
 //! An app with its own store, and signed-in browsers.
 
+use std::future::poll_fn;
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::pin::Pin;
+use std::task::Context;
+use std::time::Duration;
 
 use axum::Router;
-use axum::body::{Body, to_bytes};
+use axum::body::{Body, HttpBody, to_bytes};
 use axum::http::{HeaderMap, Method, Request, StatusCode, header};
 use serde_json::{Value, json};
 use spineline::anatomy::Posture;
-use spineline_server::{AppState, ServeOptions, app};
+use spineline_server::{AppState, ServeLimits, ServeOptions, app};
 use spineline_store::{
     Access, Account, Name, PasswordHash, Role, Signature, Store, Study, Timestamp,
 };
@@ -112,6 +116,14 @@ impl App {
         })
     }
 
+    /// Begins to read an answer that may have no end.
+    pub fn begin(&self, request: Request<Body>) -> Stream<'_> {
+        let answer = self.runtime.block_on(self.router.clone().oneshot(request));
+        let answer = answer.expect("an answer");
+        assert_eq!(answer.status(), StatusCode::OK);
+        Stream { app: self, body: answer.into_body() }
+    }
+
     /// A browser without a session.
     pub fn browser(&self) -> Browser<'_> {
         Browser { app: self, cookie: String::new(), csrf: String::new() }
@@ -145,6 +157,7 @@ pub fn options(access: Access) -> ServeOptions {
         access,
         hosts: Vec::new(),
         https: false,
+        limits: ServeLimits::default(),
     }
 }
 
@@ -204,6 +217,23 @@ impl Browser<'_> {
             request = request.header(header::COOKIE, &self.cookie);
         }
         request.method(method)
+    }
+}
+
+/// An answer that is still coming.
+pub struct Stream<'a> {
+    app: &'a App,
+    body: Body,
+}
+
+impl Stream<'_> {
+    /// Whether it ends within this time.
+    pub fn ends_within(&mut self, wait: Duration) -> bool {
+        self.app.runtime.block_on(async {
+            let frame = |body: &mut Body, cx: &mut Context<'_>| Pin::new(body).poll_frame(cx);
+            let end = async { while poll_fn(|cx| frame(&mut self.body, cx)).await.is_some() {} };
+            tokio::time::timeout(wait, end).await.is_ok()
+        })
     }
 }
 

@@ -1,8 +1,10 @@
 //! Films and readings: demonstration, landmarks, reloads, conflicts, blinded readers, uploads.
 
+use std::time::Duration;
+
 use axum::http::{Method, StatusCode};
 use serde_json::{Value, json};
-use spineline_server::ServeOptions;
+use spineline_server::{ServeLimits, ServeOptions};
 use spineline_store::Access;
 
 use crate::browser::{App, Browser, options};
@@ -153,6 +155,16 @@ fn f58_two_sessions_of_one_observer_lose_no_change() {
     assert_eq!(kept.len(), 2, "both lost clicks are kept");
     assert_eq!(kept[0]["text"], "L4 superior left corner to (950.0, 2000.0)");
 
+    // The next refusal brings what it concerns, and the reading all that is kept.
+    let later = record(&browser, reading, 0, json!([corner("L4", "inferior_left", 7.0, 8.0)]));
+    assert_eq!(later.status, StatusCode::CONFLICT);
+    let later = later.json()["reading"]["conflicts"].clone();
+    let texts: Vec<_> =
+        later.as_array().expect("conflicts").iter().map(|lost| &lost["text"]).collect();
+    assert_eq!(texts, ["L4 inferior left corner to (7.0, 8.0)"]);
+    let whole = browser.get(&format!("/api/readings/{reading}")).json();
+    assert_eq!(whole["conflicts"].as_array().map(Vec::len), Some(3));
+
     // A part of a step is never recorded.
     let half = [corner("L4", "superior_right", 990.0, 2000.0), json!({ "kind": "redo" })];
     assert_eq!(record(&browser, reading, 1, json!(half)).status, StatusCode::UNPROCESSABLE_ENTITY);
@@ -224,6 +236,70 @@ fn a_patients_name_reaches_neither_answers_nor_the_store() {
         let path = app.store_path().with_file_name(format!("store{end}"));
         let bytes = std::fs::read(path).unwrap_or_default();
         assert!(!bytes.windows(8).any(|part| part == b"DOE^JANE"), "store{end} holds the name");
+    }
+}
+
+/// An app that keeps so many uploads, for this long.
+fn with_room(per_account: usize, in_all: usize, kept: Duration) -> App {
+    let mut limits = ServeLimits::default();
+    limits.uploads.per_account.films = per_account;
+    limits.uploads.in_all.films = in_all;
+    limits.uploads.kept = kept;
+    App::with_token().restarted(ServeOptions { limits, ..decoding() })
+}
+
+#[test]
+fn uploads_that_no_study_uses_have_a_limit_that_says_what_to_do() {
+    let app = with_room(2, 3, Duration::from_secs(3600));
+    let (ann, bob) = (app.observer("Ann"), app.observer("Bob"));
+    let bytes = film_of(&ann, &app);
+    let id = |answer: crate::browser::Answer| {
+        assert_eq!(answer.status, StatusCode::OK, "{}", answer.text());
+        answer.json()["upload"].as_str().expect("a name").to_owned()
+    };
+    let first = id(upload(&ann, bytes.clone()));
+    id(upload(&ann, bytes.clone()));
+    // Refused before it is looked at.
+    let full = upload(&ann, b"no film at all".to_vec());
+    assert_eq!(
+        (full.status, full.code().as_str()),
+        (StatusCode::TOO_MANY_REQUESTS, "too_many_uploads")
+    );
+    let problem = full.json();
+    let text = format!("{} {}", problem["message"], problem["help"]);
+    for part in ["your uploaded films", "2 films", "create a study", "remove films", "min"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let wait_s: u32 = full.header("retry-after").parse().expect("seconds");
+    assert!(wait_s > 60 && wait_s <= 3600, "{wait_s}");
+
+    id(upload(&bob, bytes.clone()));
+    let full = upload(&bob, bytes.clone());
+    assert_eq!(full.code(), "too_many_uploads");
+    assert!(full.text().contains("all users"), "{}", full.text());
+
+    // A film that is taken back makes room; another's is not taken back.
+    let path = format!("/api/uploads/{first}");
+    assert_eq!(bob.delete(&path).status, StatusCode::NOT_FOUND);
+    assert_eq!(ann.get(&format!("{path}/thumbnail")).status, StatusCode::OK);
+    assert_eq!(ann.delete(&path).status, StatusCode::NO_CONTENT);
+    assert_eq!(ann.get(&format!("{path}/thumbnail")).status, StatusCode::NOT_FOUND);
+    // One that is refused takes no room.
+    assert_eq!(upload(&ann, b"no film at all".to_vec()).code(), "film");
+    id(upload(&ann, bytes));
+}
+
+#[test]
+fn uploads_that_no_study_uses_are_dropped_in_time() {
+    let app = with_room(1, 1, Duration::ZERO);
+    let ann = app.observer("Ann");
+    let bytes = film_of(&ann, &app);
+    for _ in 0..3 {
+        let view = upload(&ann, bytes.clone());
+        assert_eq!(view.status, StatusCode::OK, "{}", view.text());
+        let id = view.json()["upload"].as_str().expect("a name").to_owned();
+        let gone = ann.get(&format!("/api/uploads/{id}/thumbnail"));
+        assert_eq!(gone.status, StatusCode::NOT_FOUND);
     }
 }
 

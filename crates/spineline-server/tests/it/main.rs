@@ -3,6 +3,7 @@
 mod access;
 mod accounts;
 mod browser;
+mod crowd;
 mod example;
 mod films;
 mod guards;
@@ -11,3 +12,4 @@ mod openapi;
 mod results;
 mod routes;
 mod sessions;
+mod streams;

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use spineline::analysis::{Case, Subject};
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::ImageGeometry;
-use spineline_files::CaseFile;
+use spineline_files::{CaseFile, FileError};
 use spineline_landmarks::{
     AasceRow, AasceRows, AasceVerdict, LandmarkError, LandmarkHint, image_sizes, judge_aasce,
+    read_file,
 };
 use spineline_report::terminal;
 use spineline_tables::rows_to_csv;
@@ -88,13 +89,7 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
 
 /// The rows of a set.
 fn rows(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<Vec<AasceRow>, Failure> {
-    let read = |path: PathBuf| {
-        std::fs::read(&path).map_err(|error| {
-            let help =
-                "an AASCE folder has filenames.csv and landmarks.csv; --sizes gives the sizes of the pictures";
-            Failure::input(&path.display().to_string(), &error, help)
-        })
-    };
+    let read = |path: PathBuf| read_file(&path).map_err(|error| fail(&path, &error));
     let sizes = args.sizes.clone().unwrap_or_else(|| folder.join("image_sizes.csv"));
     let sizes = image_sizes(&read(sizes)?).map_err(|error| fail(folder, &error))?;
     let (names, landmarks) =
@@ -105,8 +100,15 @@ fn rows(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<Vec<AasceRo
         .map_err(|error| fail(folder, &error))
 }
 
-fn fail(folder: &Path, error: &LandmarkError) -> Failure {
-    Failure::input(&folder.display().to_string(), error, error.help())
+fn fail(place: &Path, error: &LandmarkError) -> Failure {
+    match error {
+        LandmarkError::File(FileError::Read { source, .. }) => Failure::input(
+            &place.display().to_string(),
+            source,
+            "an AASCE folder has filenames.csv and landmarks.csv; --sizes gives the sizes of the pictures",
+        ),
+        _ => Failure::landmarks(place, error),
+    }
 }
 
 /// A case of one erect film in pixels: the set knows no spacing.

@@ -30,9 +30,7 @@ impl ResolvedFilm {
 pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksByPosture, Failure> {
     let mut marks = LandmarksByPosture::new();
     for of in &args.landmarks {
-        let fail = |error: &LandmarkError| {
-            Failure::input(&of.value.display().to_string(), error, error.help())
-        };
+        let fail = |error: &LandmarkError| Failure::landmarks(&of.value, error);
         // A file that is for one film may need that film's picture to be read.
         let only = match (of.posture, films) {
             (Some(posture), films) => films.iter().find(|f| f.role.posture() == Some(posture)),

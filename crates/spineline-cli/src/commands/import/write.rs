@@ -1,7 +1,7 @@
 //! De-identified films, and the case beside them.
 
 use std::fs::{self, OpenOptions};
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -218,12 +218,15 @@ fn secret(args: &ImportArgs) -> Result<[u8; 32], Failure> {
     }
     let path = args.secret.clone().map_or_else(default_secret, Ok)?;
     let failed = |error: &std::io::Error| Failure::write(&path.display().to_string(), error);
-    match fs::read(&path) {
+    match secret_bytes(&path) {
         Ok(bytes) => {
             return <[u8; 32]>::try_from(bytes).map_err(|bytes| {
                 Failure::input(
                     &path.display().to_string(),
-                    &format!("a secret has 32 bytes, and this file has {}", bytes.len()),
+                    &match bytes.len() {
+                        33.. => "a secret has 32 bytes, and this file has more".to_owned(),
+                        count => format!("a secret has 32 bytes, and this file has {count}"),
+                    },
                     "name another file, or a file that does not exist yet",
                 )
             });
@@ -248,6 +251,13 @@ fn secret(args: &ImportArgs) -> Result<[u8; 32], Failure> {
         path.display()
     ));
     Ok(secret)
+}
+
+/// The bytes of a secret; of a longer file, one more.
+fn secret_bytes(path: &Path) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    fs::File::open(path)?.take(33).read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 fn default_secret() -> Result<PathBuf, Failure> {

@@ -8,7 +8,8 @@ use clap::Args;
 use serde_json::Value;
 use spineline::analysis::Analysis;
 use spineline_files::{
-    AnalysisFile, InputFile, Provenance, StoredAnalysis, parse_analysis, parse_json, to_text,
+    AnalysisFile, InputFile, MAX_ANALYSES_BYTES, Provenance, StoredAnalysis, parse_analysis,
+    parse_json, read_bytes, to_text,
 };
 use spineline_report::document::{Column, Table};
 use spineline_report::{embedded, terminal};
@@ -108,9 +109,8 @@ struct Stored {
 }
 
 fn stored(path: &Path) -> Result<Stored, Failure> {
-    let bytes = std::fs::read(path)
-        .map_err(|source| spineline_files::FileError::Read { path: path.to_owned(), source })
-        .map_err(|error| Failure::file(path, &error))?;
+    let bytes =
+        read_bytes(path, MAX_ANALYSES_BYTES).map_err(|error| Failure::file(path, &error))?;
     let text = analysis_text(path, &bytes)?;
     let value = parse_json(&text).map_err(|error| Failure::file(path, &error))?;
     Ok(match value {
@@ -193,7 +193,12 @@ impl Repeated {
 fn input_words(report: &Path, input: &InputFile) -> &'static str {
     let named = PathBuf::from(&input.name);
     let beside = report.with_file_name(named.file_name().unwrap_or_default());
-    let bytes = [named, beside].into_iter().find_map(|path| std::fs::read(path).ok());
+    // The name is the analysis's, and may be of a device or a pipe.
+    let read = |path: PathBuf| {
+        let is_plain = path.is_file();
+        is_plain.then(|| read_bytes(&path, MAX_ANALYSES_BYTES).ok()).flatten()
+    };
+    let bytes = [named, beside].into_iter().find_map(read);
     match bytes.map(|bytes| spineline_files::sha256_hex(&bytes) == input.sha256) {
         Some(true) => "unchanged",
         Some(false) => "CHANGED since; the stored content is repeated",

@@ -1,8 +1,8 @@
 //! A case into a store: its films by their bytes, its readings click by click.
 
-use std::fs;
 use std::path::Path;
 
+use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_store::{CaseError, NewCase, Signature, Store};
 
 use crate::run::failure::Failure;
@@ -11,10 +11,8 @@ use crate::run::failure::Failure;
 pub fn add(store: &mut Store, at: &Path, path: &Path, by: &Signature) -> Result<String, Failure> {
     let text = spineline_files::read_text(path).map_err(|error| Failure::file(path, &error))?;
     let bytes_of = |file: &str| {
-        let file = path.with_file_name(file);
-        fs::read(&file).map_err(|error| {
-            Failure::input(&file.display().to_string(), &error, "put the film beside its case")
-        })
+        let place = Place::File(path.with_file_name(file));
+        read(&place, &IntakeLimits::default()).map_err(|error| Failure::intake(&error))
     };
     let case = NewCase::read(&text, bytes_of).map_err(|error| refusal(path, error))?;
     let added = store.add_case(&case, by).map_err(|error| Failure::store(at, &error))?;

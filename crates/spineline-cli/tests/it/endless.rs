@@ -1,0 +1,147 @@
+//! Inputs without an end, or larger than any file of their kind: refused before memory is spent on them.
+
+use std::fs::{self, File};
+use std::path::Path;
+use std::process::Command;
+
+use tempfile::TempDir;
+
+use crate::maker::{EXPLICIT, Maker, ramp};
+use crate::program::{run, spineline, words};
+
+/// Commands that read the file `@` whole, with what the refusal says of its limit.
+const READERS: [(&str, &str); 11] = [
+    ("check @", "the limit is 64 MB"),
+    ("analyze @", "the limit is 64 MB"),
+    ("analyze phantom-rod-01.json --stiffness @", "the limit is 64 MB"),
+    ("simulate @ --push left", "the limit is 64 MB"),
+    ("export @ --to csv", "the limit is 64 MB"),
+    ("report @ --out report.html", "the limit is 64 MB"),
+    ("reliability @", "the limit is 64 MB"),
+    ("study add studies.spineline @", "the limit is 64 MB"),
+    (
+        "import film.dcm --film erect=1 --case-id P1 --out P1 --patient-left image-left --landmarks @",
+        "the limit is 64 MB",
+    ),
+    ("import aasce --aasce --sizes @ --patient-left image-left --out sets", "the limit is 64 MB"),
+    ("rerun @", "the limit is 256 MB"),
+];
+
+/// A folder with what the commands need besides.
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let (_, error, code) = run(at, &["phantom", "--subject", "1", "--out", "."]);
+    assert_eq!(code, 0, "{error}");
+    assert_eq!(run(at, &["study", "create", "studies.spineline"]).2, 0);
+    fs::write(at.join("film.dcm"), Maker::new(60, 40, &ramp(60, 40)).file(EXPLICIT))
+        .expect("written");
+    fs::create_dir(at.join("aasce")).expect("a folder");
+    folder
+}
+
+/// Standard error and exit code of a shell line in which `@` stands for a file, with little more memory than a decoder of films asks for.
+fn limited(folder: &Path, before: &str, line: &str, file: &str) -> (String, Option<i32>) {
+    let program = spineline(folder).get_program().to_owned();
+    let script = format!("ulimit -v 3200000; {before}\"$0\" {}", line.replace('@', file));
+    let mut command = Command::new("sh");
+    let output = command.current_dir(folder).args(["-c", &script]).arg(program).output();
+    let output = output.expect("a shell");
+    (words(&String::from_utf8_lossy(&output.stderr)), output.status.code())
+}
+
+#[cfg(unix)]
+#[test]
+fn a_device_without_an_end_is_refused_by_its_limit() {
+    let folder = folder();
+    for (line, limit) in READERS {
+        let (error, code) = limited(folder.path(), "", line, "/dev/zero");
+        assert_eq!(code, Some(3), "{line}: {error}");
+        for part in ["/dev/zero: it is too large", limit, "help: "] {
+            assert!(error.contains(part), "{line}: {error}");
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_without_an_end_is_refused_by_its_limit() {
+    let folder = folder();
+    for (line, limit) in [READERS[0], READERS[6], READERS[10]] {
+        let (error, code) = limited(folder.path(), "yes | ", line, "/dev/stdin");
+        assert_eq!(code, Some(3), "{line}: {error}");
+        assert!(error.contains(limit), "{line}: {error}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_that_ends_is_read_as_a_file() {
+    let folder = folder();
+    for (file, line) in [("phantom-rod-01.json", "check"), ("film.dcm", "film")] {
+        let script = format!("cat {file} | \"$0\" {line} /dev/stdin");
+        let mut command = Command::new("sh");
+        command.current_dir(folder.path()).args(["-c", &script]);
+        let program = spineline(folder.path()).get_program().to_owned();
+        let output = command.arg(program).output().expect("a shell");
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{line}: {error}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_film_that_is_none_is_not_read_to_its_end() {
+    let folder = folder();
+    let (error, code) = limited(folder.path(), "", "film @", "/dev/zero");
+    assert_eq!(code, Some(3), "{error}");
+    assert!(error.contains("/dev/zero") && error.contains("help: "), "{error}");
+    // What begins like a film, and never ends.
+    let before = "(cat film.dcm; cat /dev/zero) | ";
+    let (error, code) = limited(folder.path(), before, "film @", "/dev/stdin");
+    assert_eq!(code, Some(3), "{error}");
+    assert!(error.contains("the limit is 268435456"), "{error}");
+}
+
+#[test]
+fn a_file_that_is_too_large_is_refused_by_its_size() {
+    let folder = folder();
+    File::create(folder.path().join("large"))
+        .and_then(|file| file.set_len(1 << 30))
+        .expect("a sparse file");
+    for (line, limit) in READERS {
+        let arguments: Vec<_> = line.split(' ').map(|part| part.replace('@', "large")).collect();
+        let arguments: Vec<_> = arguments.iter().map(String::as_str).collect();
+        let (_, error, code) = run(folder.path(), &arguments);
+        assert_eq!(code, 3, "{line}: {error}");
+        for part in ["large: it has 1024 MB", limit, "help: "] {
+            assert!(words(&error).contains(part), "{line}: {error}");
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_in_a_folder_of_cases_is_not_waited_for() {
+    let folder = folder();
+    let made = Command::new("mkfifo").arg(folder.path().join("pipe.json")).status();
+    assert!(made.expect("mkfifo").success());
+    let (_, error, code) = run(folder.path(), &["check", "."]);
+    assert_eq!(code, 3, "{error}");
+    assert!(error.contains("pipe.json: it is no plain file"), "{error}");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_input_that_an_analysis_names_is_read_from_plain_files_alone() {
+    let folder = folder();
+    let analyze = ["analyze", "phantom-rod-01.json", "--json", "analysis.json"];
+    assert_ne!(run(folder.path(), &analyze).2, 3);
+    let path = folder.path().join("analysis.json");
+    let text = fs::read_to_string(&path).expect("the analysis");
+    let other = text.replace("\"name\": \"phantom-rod-01.json\"", "\"name\": \"/dev/zero\"");
+    assert!(other != text, "it names its input");
+    fs::write(&path, other).expect("written");
+    let (error, code) = limited(folder.path(), "", "rerun @", "analysis.json");
+    assert_eq!(code, Some(0), "{error}");
+}

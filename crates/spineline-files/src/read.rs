@@ -1,0 +1,43 @@
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use crate::FileError;
+
+/// Largest file of one record, in bytes: a case, a model, a load, a stiffness table or a table of readings.
+pub const MAX_FILE_BYTES: u64 = 64 << 20;
+/// Largest file that `rerun` reads, in bytes: the analyses of a whole cohort, or a report that contains them.
+pub const MAX_ANALYSES_BYTES: u64 = 256 << 20;
+
+/// Reads a text file whole, if it has at most [`MAX_FILE_BYTES`].
+///
+/// # Errors
+/// [`FileError::Read`], [`FileError::TooLarge`].
+pub fn read_text(path: &Path) -> Result<String, FileError> {
+    let bytes = read_bytes(path, MAX_FILE_BYTES)?;
+    String::from_utf8(bytes).map_err(|error| FileError::Read {
+        path: path.to_owned(),
+        source: std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error()),
+    })
+}
+
+/// Reads a file whole, if it has at most `limit` bytes. What states no size, such as a pipe or a device, is read to the limit
+/// and no further.
+///
+/// # Errors
+/// [`FileError::Read`], [`FileError::TooLarge`].
+pub fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
+    let failed = |source| FileError::Read { path: path.to_owned(), source };
+    let too_large = |bytes| FileError::TooLarge { path: path.to_owned(), bytes, limit };
+    let file = File::open(path).map_err(failed)?;
+    let stated = file.metadata().map_err(failed)?;
+    if stated.is_file() && stated.len() > limit {
+        return Err(too_large(Some(stated.len())));
+    }
+    let mut bytes = Vec::new();
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > limit {
+        return Err(too_large(None));
+    }
+    Ok(bytes)
+}

@@ -1,0 +1,75 @@
+//! What the server takes at once, from whom, and how long it waits.
+
+use std::time::Duration;
+
+/// Limits of a server. The default is for use; tests set others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ServeLimits {
+    /// Connections at once.
+    pub connections: Shares,
+    /// Requests that are answered at once.
+    pub requests: Shares,
+    /// How fast a body must arrive.
+    pub body: Pace,
+    /// How often an event stream asks whether it still may run: sessions end by time, and other programs change accounts.
+    /// What this server changes ends a stream at once.
+    pub recheck: Duration,
+    /// Uploaded films that are not in a study.
+    pub uploads: UploadLimits,
+}
+
+/// Places for those who are signed in, and for everybody else: neither takes the other's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shares {
+    /// For those who are signed in.
+    pub users: usize,
+    /// For everybody else.
+    pub strangers: usize,
+}
+
+/// The least pace of a body: it has `grace`, and a second more for every `bytes_per_s` that arrived.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Pace {
+    /// Time that any body has.
+    pub grace: Duration,
+    /// Bytes that give it another second.
+    pub bytes_per_s: u64,
+}
+
+/// How many uploaded films may wait for a study, and for how long.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct UploadLimits {
+    /// How long each is kept.
+    pub kept: Duration,
+    /// Of one account.
+    pub per_account: UploadRoom,
+    /// Of all accounts.
+    pub in_all: UploadRoom,
+}
+
+/// Room for uploads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct UploadRoom {
+    /// Films.
+    pub films: usize,
+    /// Bytes of their files.
+    pub bytes: u64,
+}
+
+impl Default for ServeLimits {
+    /// A request holds a body of at most some megabytes, and uploads have their own limit. The slowest body is that of a film
+    /// over a poor line.
+    fn default() -> Self {
+        Self {
+            connections: Shares { users: 192, strangers: 128 },
+            requests: Shares { users: 48, strangers: 16 },
+            body: Pace { grace: Duration::from_secs(30), bytes_per_s: 16 << 10 },
+            recheck: Duration::from_secs(5),
+            uploads: UploadLimits {
+                kept: Duration::from_secs(60 * 60),
+                per_account: UploadRoom { films: 32, bytes: 400 << 20 },
+                in_all: UploadRoom { films: 128, bytes: 800 << 20 },
+            },
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! Strangers who are many and slow, at a server that listens.
+
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::time::Duration;
+
+use serde_json::json;
+use spineline_server::{ServeLimits, ServeOptions, Server, Shares};
+use spineline_store::{Access, Account, PasswordHash, Role, Store};
+use tempfile::TempDir;
+use tokio::runtime::Runtime;
+
+use crate::browser::{PASSWORD, by, name, options};
+
+struct Listening {
+    address: SocketAddr,
+    runtime: Option<Runtime>,
+    _folder: TempDir,
+}
+
+impl Drop for Listening {
+    fn drop(&mut self) {
+        self.runtime.take().expect("it runs").shutdown_background();
+    }
+}
+
+fn listening(limits: ServeLimits) -> Listening {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut store = Store::create(&folder.path().join("store"), &by("lead")).expect("a store");
+    let account = Account { name: name("lead"), role: Role::Admin, enabled: true };
+    let password = PasswordHash::new(PASSWORD).expect("long enough");
+    store.add_account(&account, &password, &by("lead")).expect("an account");
+    let runtime = Runtime::new().expect("a runtime");
+    let options = ServeOptions { limits, ..options(Access::Accounts) };
+    let address = "127.0.0.1:0".parse().expect("an address");
+    let server = runtime.block_on(Server::bind(store, address, options)).expect("a free port");
+    let address = server.address();
+    runtime.spawn(server.run(std::future::pending()));
+    Listening { address, runtime: Some(runtime), _folder: folder }
+}
+
+impl Listening {
+    fn connect(&self) -> TcpStream {
+        let stream = TcpStream::connect(self.address).expect("a connection");
+        // Longer than any machine needs.
+        stream.set_read_timeout(Some(Duration::from_secs(120))).expect("a timeout");
+        stream
+    }
+
+    fn head(&self, line: &str, more: &str) -> String {
+        let host = self.address;
+        format!("{line} HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\n{more}\r\n")
+    }
+
+    /// Signs in; the cookie and the whole answer.
+    fn sign_in(&self) -> (String, String) {
+        let body = json!({ "kind": "account", "name": "lead", "password": PASSWORD }).to_string();
+        let more = format!(
+            "Content-Type: application/json\r\nContent-Length: {}\r\nConnection: close\r\n",
+            body.len()
+        );
+        let answer = answer_to(self.connect(), &(self.head("POST /api/session", &more) + &body));
+        let cookie = answer.lines().find_map(|line| line.strip_prefix("set-cookie: "));
+        let cookie = cookie.and_then(|cookie| cookie.split(';').next()).unwrap_or_default();
+        (cookie.to_owned(), answer)
+    }
+
+    fn who(&self, cookie: &str) -> String {
+        let more = format!("Cookie: {cookie}\r\nConnection: close\r\n");
+        answer_to(self.connect(), &self.head("GET /api/session", &more))
+    }
+
+    /// Connections that send the beginning of a request and nothing more.
+    fn crowd(&self, count: usize, sent: &str) -> Vec<TcpStream> {
+        let begun = (0..count).map(|_| {
+            let mut stream = self.connect();
+            stream.write_all(sent.as_bytes()).expect("sent");
+            stream
+        });
+        begun.collect()
+    }
+}
+
+/// Sends, and reads to the end of the connection.
+fn answer_to(mut stream: TcpStream, sent: &str) -> String {
+    stream.write_all(sent.as_bytes()).expect("sent");
+    let mut answer = Vec::new();
+    stream.read_to_end(&mut answer).expect("an answer");
+    String::from_utf8_lossy(&answer).into_owned()
+}
+
+const OK: &str = "HTTP/1.1 200 OK";
+
+#[test]
+fn f65_bodies_of_strangers_that_trickle_take_no_places() {
+    let requests = Shares { users: 1, strangers: 1 };
+    let server = listening(ServeLimits { requests, ..ServeLimits::default() });
+    let (cookie, answer) = server.sign_in();
+    assert!(answer.starts_with(OK), "{answer}");
+    let more = "Content-Type: application/json\r\nContent-Length: 1000\r\n";
+    let begun = server.head("POST /api/session", more) + "{\"kind\"";
+    let crowd = server.crowd(80, &begun);
+    for _ in 0..3 {
+        let answer = server.who(&cookie);
+        assert!(answer.starts_with(OK), "{answer}");
+        let (_, answer) = server.sign_in();
+        assert!(answer.starts_with(OK), "others can still sign in: {answer}");
+    }
+    drop(crowd);
+}
+
+#[test]
+fn f65_connections_of_strangers_that_say_nothing_keep_nobody_out() {
+    let connections = Shares { users: 4, strangers: 8 };
+    let server = listening(ServeLimits { connections, ..ServeLimits::default() });
+    let (cookie, _) = server.sign_in();
+    // A connection of somebody who is signed in, between two requests.
+    let kept = server.connect();
+    let mut asking = kept.try_clone().expect("a handle");
+    let more = format!("Cookie: {cookie}\r\n");
+    asking.write_all(server.head("GET /api/session", &more).as_bytes()).expect("sent");
+    let mut first = [0; 15];
+    asking.read_exact(&mut first).expect("an answer");
+    assert_eq!(first, OK.as_bytes());
+
+    let silent = server.crowd(20, "");
+    let begun = server.crowd(20, "GET / HTTP/1.1\r\nHost: ");
+    let answer = server.who(&cookie);
+    assert!(answer.starts_with(OK), "{answer}");
+    let more = format!("Cookie: {cookie}\r\nConnection: close\r\n");
+    let answer = answer_to(kept, &server.head("GET /api/session", &more));
+    assert!(answer.contains(OK), "the connection was not closed for a stranger: {answer}");
+    drop((silent, begun));
+}
+
+#[test]
+fn nothing_of_a_strangers_film_is_waited_for() {
+    let server = listening(ServeLimits::default());
+    for cookie in ["", "Cookie: spineline_session_1=guessed\r\n"] {
+        let more = format!("{cookie}Content-Length: 100000000\r\n");
+        let answer = answer_to(server.connect(), &server.head("POST /api/uploads", &more));
+        assert!(answer.starts_with("HTTP/1.1 401"), "{answer}");
+    }
+}
