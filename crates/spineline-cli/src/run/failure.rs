@@ -10,7 +10,6 @@ use spineline_landmarks::LandmarkError;
 use spineline_store::StoreError;
 use spineline_tables::TableError;
 
-use super::interrupt;
 use super::messages::Bug;
 
 /// Exit code of a fault of the program.
@@ -21,6 +20,9 @@ const USAGE: u8 = 2;
 const FILES: u8 = 3;
 /// Exit code of a finished command with less than what was asked.
 const LESS: u8 = 4;
+
+/// Exit code of a command that Ctrl-C or SIGTERM ended without results, as shells have it.
+pub const INTERRUPTED: u8 = 130;
 
 /// How a finished command ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,7 +83,7 @@ impl Failure {
     /// Ctrl-C or SIGTERM came before there was any result.
     pub fn interrupted() -> Self {
         let what = "interrupted before a result was written".to_owned();
-        Self { code: interrupt::EXIT_CODE, what, help: None }
+        Self { code: INTERRUPTED, what, help: None }
     }
 
     /// A file that cannot be read as its format.

@@ -10,11 +10,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::Notify;
 
-use super::failure::Failure;
+use super::failure::{Failure, INTERRUPTED};
 use super::messages::say;
-
-/// The exit code that shells use for Ctrl-C.
-pub const EXIT_CODE: u8 = 130;
 
 struct State {
     /// Whether a signal has come.
@@ -110,7 +107,7 @@ fn on_signal() {
         let _ = fs::remove_dir(folder);
     }
     // The state stays locked, so that nothing begins to be written now.
-    std::process::exit(EXIT_CODE.into());
+    std::process::exit(INTERRUPTED.into());
 }
 
 /// Work that looks at [`is_requested`] itself, as long as this lives.
