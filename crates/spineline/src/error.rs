@@ -21,6 +21,24 @@ pub enum CaseError {
         /// The posture.
         posture: Posture,
     },
+    /// An age that no patient can have.
+    #[error("the age of the patient is {age_years} years, and must be from 0 to {limit_years}")]
+    Age {
+        /// The age.
+        age_years: f64,
+        /// The largest that is taken.
+        limit_years: f64,
+    },
+    /// Two postures carry the same landmarks.
+    #[error(
+        "the {first} film and the {second} film have the same landmarks: one film stands for two postures"
+    )]
+    FilmRepeated {
+        /// One posture.
+        first: Posture,
+        /// The other.
+        second: Posture,
+    },
     /// The lateral tilts of the two bends are exchanged.
     #[error("the lateral tilt is {} on the left bending film and {} on the right bending film: the two films are exchanged", left.leaning(), right.leaning())]
     BendsExchanged {
@@ -70,6 +88,8 @@ impl Error {
         match self {
             Self::Case(CaseError::NoErectFilm) => "no_erect_film",
             Self::Case(CaseError::PostureTwice { .. }) => "posture_twice",
+            Self::Case(CaseError::Age { .. }) => "age",
+            Self::Case(CaseError::FilmRepeated { .. }) => "film_repeated",
             Self::Case(CaseError::BendsExchanged { .. }) => "bends_exchanged",
             Self::Measure(error) => error.code(),
             Self::Curve(CurveError::Order { .. }) => "curve_order",
@@ -88,6 +108,12 @@ impl Error {
             Self::Case(CaseError::NoErectFilm) => "add the erect film",
             Self::Case(CaseError::PostureTwice { .. }) => {
                 "give every posture one film; several readings belong to one film"
+            }
+            Self::Case(CaseError::Age { .. }) => {
+                "correct `age_years` of the subject, or leave it out"
+            }
+            Self::Case(CaseError::FilmRepeated { .. }) => {
+                "give each posture its own film, or leave the repeated one out of the case"
             }
             Self::Case(CaseError::BendsExchanged { .. }) => {
                 "exchange the postures of the two films, or correct `patient_left` of both images"

@@ -1,6 +1,6 @@
 //! The steps of one patient in their order. Each returns what it found; the analysis is put together once, at the end.
 
-use super::checks::{check_outlines, check_postures, warn_of_shifted_levels};
+use super::checks::{check_age, check_outlines, check_postures, warn_of_shifted_levels};
 use super::findings::Findings;
 use super::hypotheses::fit_hypotheses;
 use super::models::fit_models;
@@ -13,7 +13,7 @@ use crate::clinical::{ClinicalCurve, LenkeType, Regions, lenke_type, measure_cur
 use crate::curve::{CurveFit, InflectionChoice, Inflections, find_inflections, fit_curve};
 use crate::error::Error;
 use crate::hypothesis::HypothesisFit;
-use crate::measure::{Film, FilmReadings, Noise, Outline, outline_of};
+use crate::measure::{Film, FilmReadings, Noise, Outline, outline_of, warn_of_implausible_marks};
 use crate::motion::{Motion, least_windows, mean_least};
 use crate::multibody::SpineModel;
 use crate::personalize::PreferredLoads;
@@ -212,6 +212,7 @@ fn measure(
     noise: Option<&[Noise]>,
     warnings: &mut Warnings,
 ) -> Result<(Vec<FilmReadings>, Vec<Outline>), Error> {
+    check_age(case.subject.age_years)?;
     check_postures(&case.films)?;
     let mut films: Vec<&Film> = case.films.iter().collect();
     films.sort_by_key(|film| film.posture);
@@ -219,6 +220,7 @@ fn measure(
     for film in &films {
         let measured = FilmReadings::measure(film)?;
         outlines.push(outline_of(film, &measured.readings, warnings)?);
+        warn_of_implausible_marks(film, warnings);
         readings.push(measured);
     }
     for (outline, noise) in outlines.iter_mut().zip(noise.into_iter().flatten()) {

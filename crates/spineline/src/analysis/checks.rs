@@ -2,18 +2,33 @@
 
 use crate::anatomy::{Posture, Side};
 use crate::error::CaseError;
-use crate::measure::{Film, Outline, body_widths};
+use crate::measure::{Film, Outline, body_widths, same_marks};
 use crate::spatial::Angle;
 use crate::warning::{Step, Warnings};
 
 /// A lateral tilt to the wrong side counts above the tilt noise of L4.
 const LEAN_MARGIN: Angle = Angle::from_deg(2.0);
 
-/// One film per posture, one of them erect.
+/// No person is known to have lived longer than 122 years.
+const LARGEST_AGE_YEARS: f64 = 125.0;
+
+/// An age is a number of years that a person can have.
+pub(super) fn check_age(age_years: Option<f64>) -> Result<(), CaseError> {
+    match age_years.filter(|age| !(0.0..=LARGEST_AGE_YEARS).contains(age)) {
+        Some(age_years) => Err(CaseError::Age { age_years, limit_years: LARGEST_AGE_YEARS }),
+        None => Ok(()),
+    }
+}
+
+/// One film per posture, one of them erect, and no film in two postures.
 pub(super) fn check_postures(films: &[Film]) -> Result<(), CaseError> {
     for (i, film) in films.iter().enumerate() {
         if films[..i].iter().any(|other| other.posture == film.posture) {
             return Err(CaseError::PostureTwice { posture: film.posture });
+        }
+        if let Some(other) = films[..i].iter().find(|other| same_marks(other, film)) {
+            let (first, second) = (other.posture, film.posture);
+            return Err(CaseError::FilmRepeated { first, second });
         }
     }
     if films.iter().any(|film| film.posture == Posture::Erect) {

@@ -145,6 +145,25 @@ impl Corners<Frontal> {
         self.axis().norm_mm()
     }
 
+    /// The longer over the shorter of opposite sides: left and right, superior and inferior.
+    pub(super) fn side_ratios(&self) -> [(&'static str, f64); 2] {
+        let ratio = |a: f64, b: f64| a.max(b) / a.min(b);
+        let left = self.superior_left.distance_mm(self.inferior_left);
+        let right = self.superior_right.distance_mm(self.inferior_right);
+        let superior = self.superior_left.distance_mm(self.superior_right);
+        let inferior = self.inferior_left.distance_mm(self.inferior_right);
+        [
+            ("its left and right sides", ratio(left, right)),
+            ("its superior and inferior sides", ratio(superior, inferior)),
+        ]
+    }
+
+    /// The longer of the two diagonals.
+    pub(super) fn longer_diagonal_mm(&self) -> f64 {
+        let falling = self.superior_left.distance_mm(self.inferior_right);
+        falling.max(self.superior_right.distance_mm(self.inferior_left))
+    }
+
     fn axis(&self) -> Frontal {
         ((self.superior_left + self.superior_right) - (self.inferior_left + self.inferior_right))
             * 0.5

@@ -22,6 +22,7 @@ mod marking_proposal;
 mod noise;
 mod order;
 mod outline;
+mod plausibility;
 mod readings;
 mod spacing;
 mod view;
@@ -40,6 +41,7 @@ pub use noise::Noise;
 pub(crate) use noise::ReadingSquares;
 pub(crate) use outline::outline_of;
 pub use outline::{MeasuredVertebra, Outline, check_marks, measure_film};
+pub(crate) use plausibility::{same_marks, warn_of_implausible_marks};
 pub use readings::{FilmReadings, measure_readings};
 pub use spacing::{LengthScale, Spacing, SpacingPlane, SpacingSource};
 pub use view::{
@@ -66,6 +68,26 @@ pub enum MeasureError {
         posture: Posture,
         /// Reading.
         id: ReadingId,
+    },
+    /// A reading without the name or code of its observer.
+    #[error("{posture} film: a reading (repeat {repeat}) has no observer")]
+    NoObserver {
+        /// Film.
+        posture: Posture,
+        /// Repeat of the reading.
+        repeat: u32,
+    },
+    /// The columns and rows of all landmarks are exchanged.
+    #[error(
+        "{posture} film, observer {id}: the landmarks of {count} vertebrae fit the film only with columns and rows exchanged"
+    )]
+    AxesExchanged {
+        /// Film.
+        posture: Posture,
+        /// Reading.
+        id: ReadingId,
+        /// Vertebrae marked.
+        count: usize,
     },
     /// The distance between pixels is no positive number.
     #[error("{posture} film: {direction} spacing is {value} mm, and must be above 0.0001 mm")]
@@ -203,6 +225,8 @@ impl MeasureError {
         match self {
             Self::NoReading { .. } => "no_reading",
             Self::DuplicateReading { .. } => "duplicate_reading",
+            Self::NoObserver { .. } => "no_observer",
+            Self::AxesExchanged { .. } => "axes_exchanged",
             Self::Spacing { .. } => "spacing",
             Self::LevelMissing { .. } => "level_missing",
             Self::NotFinite { .. } => "not_finite",
@@ -224,6 +248,10 @@ impl MeasureError {
             }
             Self::DuplicateReading { .. } => {
                 "give each reading of a film its own observer and repeat"
+            }
+            Self::NoObserver { .. } => "name the observer of every reading, or give a code",
+            Self::AxesExchanged { .. } => {
+                "landmarks are [column, row]: exchange the two numbers of every landmark of this reading"
             }
             Self::Spacing { .. } => "state the distance between pixel centres in mm",
             Self::LevelMissing { .. } => {

@@ -1,6 +1,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::order::{MIN_SPACING_SHARE, steps, typical_distance_mm};
+use super::plausibility::fits_exchanged;
 use super::spacing::is_spacing;
 use super::{
     CornerFault, Corners, Film, FilmMarks, IliacCrests, ImageGeometry, LengthScale, Mark,
@@ -208,6 +209,9 @@ pub(super) fn check_readings<T>(
     if readings.is_empty() {
         return Err(MeasureError::NoReading { posture });
     }
+    if let Some(nameless) = readings.iter().find(|reading| reading.id.observer.trim().is_empty()) {
+        return Err(MeasureError::NoObserver { posture, repeat: nameless.id.repeat });
+    }
     let mut seen = BTreeSet::new();
     match readings.iter().find(|reading| !seen.insert(&reading.id)) {
         Some(twice) => Err(MeasureError::DuplicateReading { posture, id: twice.id.clone() }),
@@ -245,6 +249,10 @@ fn bodies_of(
         if let Some(corner) =
             mark.corners.points().into_iter().find(|&corner| !image.contains(corner))
         {
+            if fits_exchanged(image, reading) {
+                let count = reading.vertebrae.len();
+                return Err(MeasureError::AxesExchanged { posture, id: id(), count });
+            }
             let (column_px, row_px) = (corner.column_px, corner.row_px);
             let (columns, rows) = (image.columns, image.rows);
             return Err(MeasureError::OffImage {
@@ -290,6 +298,10 @@ pub(super) fn place(
         && bodies.len() > 1
         && !exchanged.iter().any(|&l| upside_down(l))
     {
+        // Exchanged columns and rows mirror the spine too, and lay it across the film.
+        if cranial.y_mm.abs() > cranial.z_mm.abs() && fits_exchanged(image, reading) {
+            return Err(MeasureError::AxesExchanged { posture, id: id(), count: bodies.len() });
+        }
         return Err(MeasureError::FilmMirrored { posture, id: id(), count: bodies.len() });
     }
     if let Some(level) = bodies.keys().copied().find(|&level| upside_down(level)) {

@@ -3,6 +3,7 @@
 mod common;
 mod curves;
 mod faults;
+mod faults_contradictions;
 mod faults_films;
 mod faults_lines;
 mod faults_models;
