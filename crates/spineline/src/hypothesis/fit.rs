@@ -7,7 +7,7 @@ use super::problem::{LoadedFilm, ShapeProblem, statics};
 use super::start::{JointResponses, alternate};
 use super::{Base, Criteria, Hypothesis, HypothesisFilm, Spine};
 use crate::anatomy::Posture;
-use crate::personalize::{FitStatus, System, minimize};
+use crate::least_squares::{FitStatus, System, minimize};
 use crate::spatial::{Angle, Frontal};
 
 /// What a film was to a prediction.

@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::problem::{LoadedFilm, statics};
 use super::{Base, Hypothesis, Spine};
+use crate::least_squares::{FitStatus, System, minimize};
 use crate::multibody::{GeneralStatics, T2_TOLERANCE_MM, smallest_near_t2};
-use crate::personalize::{FitStatus, System, minimize};
 use crate::spatial::{Angle, Frontal};
 
 /// Weights of a load's size against T2's distance: where T2 hardly moves, and where only its distance counts.

@@ -4,11 +4,12 @@ use nalgebra::DVector;
 
 use super::loads::{UnitLoad, unit_loads};
 use super::{Base, Hypothesis, HypothesisFilm, Spine};
+use crate::least_squares::System;
 use crate::measure::Outline;
 use crate::multibody::{
     GeneralStatics, LoadItem, Loading, MAX_HINGE_RAD, NewtonWork, ShapeParameter, Solution,
 };
-use crate::personalize::{MULTIPLIER_BOUNDS, System};
+use crate::personalize::{MULTIPLIER_BOUNDS, ROWS_PER_VERTEBRA, ShapeWeights};
 use crate::spatial::{Angle, Frontal, Mat3, Vec3};
 
 /// Steps in which loads grow from zero where Newton does not get to them at once.
@@ -159,8 +160,7 @@ pub(super) struct FittedFilm<'a> {
     pub loaded: LoadedFilm,
     /// Place of its components among the unknowns; the base's angle follows them.
     pub first: usize,
-    location_sd_mm: f64,
-    tilt_sd_rad: f64,
+    weights: ShapeWeights,
 }
 
 /// Residuals of all films for given unknowns: `ln α` of every group, then per film the components and perhaps the base's angle.
@@ -184,18 +184,15 @@ impl<'a> ShapeProblem<'a> {
         held: Option<Vec<f64>>,
     ) -> Option<Self> {
         let per_film = hypothesis.load.components() + hypothesis.base.angles();
-        let erect = spine.erect.noise;
         let films: Vec<FittedFilm<'a>> = films
             .iter()
             .enumerate()
             .map(|(i, film)| {
-                let noise = film.outline.noise;
                 Some(FittedFilm {
                     outline: film.outline,
                     loaded: LoadedFilm::new(hypothesis, film, spine)?,
                     first: spine.groups.len() + i * per_film,
-                    location_sd_mm: noise.location_mm.hypot(erect.location_mm),
-                    tilt_sd_rad: noise.tilt.rad().hypot(erect.tilt.rad()),
+                    weights: ShapeWeights::of_difference(&film.outline.noise, &spine.erect.noise),
                 })
             })
             .collect::<Option<_>>()?;
@@ -208,7 +205,7 @@ impl<'a> ShapeProblem<'a> {
     }
 
     fn rows_per_film(&self) -> usize {
-        3 * (self.spine.model.midpoints_mm.len() - 1)
+        ROWS_PER_VERTEBRA * (self.spine.model.midpoints_mm.len() - 1)
     }
 
     /// Rows of what was measured: a base of known deviation counts as one measured number per film.
@@ -267,8 +264,8 @@ impl<'a> ShapeProblem<'a> {
             let first = self.films.len() * rows;
             for (i, film) in self.films.iter().enumerate() {
                 let column = film.first + self.hypothesis.load.components();
-                system.residuals[first + i] = x[column] / film.tilt_sd_rad;
-                system.jacobian[(first + i, column)] = 1.0 / film.tilt_sd_rad;
+                system.residuals[first + i] = x[column] / film.weights.tilt_sd_rad;
+                system.jacobian[(first + i, column)] = 1.0 / film.weights.tilt_sd_rad;
             }
         }
         // Multipliers that are known already need no gauge.
@@ -281,18 +278,20 @@ impl<'a> ShapeProblem<'a> {
         let film = &self.films[index];
         let free = g + self.hypothesis.load.components() + self.hypothesis.base.angles();
         for (i, vertebra) in film.outline.vertebrae.iter().enumerate().skip(1) {
-            let row = row + 3 * (i - 1);
+            let row = row + ROWS_PER_VERTEBRA * (i - 1);
             let off = film.loaded.location(i) - vertebra.location;
-            let turn = (film.loaded.tilt(i) - vertebra.tilt).wrapped().rad();
-            system.residuals[row] = off.y_mm / film.location_sd_mm;
-            system.residuals[row + 1] = off.z_mm / film.location_sd_mm;
-            system.residuals[row + 2] = turn / film.tilt_sd_rad;
+            let turn = film.loaded.tilt(i) - vertebra.tilt;
+            for (k, residual) in film.weights.residuals(off, turn).into_iter().enumerate() {
+                system.residuals[row + k] = residual;
+            }
             for p in 0..free {
                 let column = if p < g { p } else { film.first + p - g };
-                let rate = film.loaded.location_rate(p, i);
-                system.jacobian[(row, column)] = rate.y_mm / film.location_sd_mm;
-                system.jacobian[(row + 1, column)] = rate.z_mm / film.location_sd_mm;
-                system.jacobian[(row + 2, column)] = film.loaded.tilt_rate(p, i) / film.tilt_sd_rad;
+                let (location, tilt) =
+                    (film.loaded.location_rate(p, i), film.loaded.tilt_rate(p, i));
+                let rates = film.weights.derivatives(location, tilt);
+                for (k, rate) in rates.into_iter().enumerate() {
+                    system.jacobian[(row + k, column)] = rate;
+                }
             }
         }
     }
