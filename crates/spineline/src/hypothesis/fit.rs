@@ -358,6 +358,7 @@ fn predict(
     let top = film.outline.vertebrae.last()?.location;
     let near = nearest_t2(hypothesis, &mut loaded, log_multipliers, top, spine)?;
     let statics = statics(spine, log_multipliers);
+    // From where the search has left it, so that no other equilibrium is shown.
     let solved = loaded.solve(&statics, &near.components, near.base);
     solved.then(|| prediction(&loaded, film, spine, role, near.components, near.base))
 }

@@ -68,7 +68,9 @@ impl LoadedFilm {
         self.base = base;
         let items = self.items(components);
         let loading = Loading { items, rods: Vec::new() };
-        if !(self.solves(statics, &loading, 1.0) || self.grows(statics, &loading)) {
+        let found = self.solves(statics, &loading, 1.0, MAX_HINGE_RAD)
+            || self.grows(statics, &loading, MAX_HINGE_RAD);
+        if !found {
             return false;
         }
         let by_component: Vec<Vec<LoadItem>> = self
@@ -93,6 +95,34 @@ impl LoadedFilm {
         self.solution.converged
     }
 
+    /// Equilibrium under one component on a base that does not turn, with its derivative by that component, from the shape in
+    /// `solution` or else from the unloaded spine. Hinges may turn without limit.
+    pub fn solve_one(
+        &mut self,
+        statics: &GeneralStatics<'_>,
+        component: f64,
+        solution: &mut Solution,
+    ) {
+        self.base = Angle::ZERO;
+        self.start_from(solution);
+        let loading = Loading { items: self.items(&[component]), rods: Vec::new() };
+        solution.converged = self.solves(statics, &loading, 1.0, f64::INFINITY)
+            || self.grows(statics, &loading, f64::INFINITY);
+        if solution.converged {
+            let unit = self.items(&[1.0]);
+            let parameters = [ShapeParameter::Loads(&unit)];
+            statics.differentiate(&loading, &mut self.work, &parameters, solution);
+        }
+    }
+
+    /// Starts the next search from a shape; from the unloaded spine where there is none.
+    pub fn start_from(&mut self, solution: &Solution) {
+        self.reset();
+        for (hinge, turns) in self.work.hinges_mut().iter_mut().zip(&solution.deformed.hinges_rad) {
+            *hinge = Vec3::from(*turns);
+        }
+    }
+
     fn items(&self, components: &[f64]) -> Vec<LoadItem> {
         let base = self.base;
         let all = self.units.iter().zip(components);
@@ -100,17 +130,23 @@ impl LoadedFilm {
             .collect()
     }
 
-    fn solves(&mut self, statics: &GeneralStatics<'_>, loading: &Loading, part: f64) -> bool {
+    fn solves(
+        &mut self,
+        statics: &GeneralStatics<'_>,
+        loading: &Loading,
+        part: f64,
+        limit_rad: f64,
+    ) -> bool {
         let converged = statics.solve_near(loading, part, &mut self.work).converged;
         let hinges = self.work.hinges_mut().iter();
-        converged && hinges.fold(0.0, |most: f64, turns| most.max(turns.amax())) <= MAX_HINGE_RAD
+        converged && hinges.fold(0.0, |most: f64, turns| most.max(turns.amax())) <= limit_rad
     }
 
     /// Lets the loads grow from zero.
-    fn grows(&mut self, statics: &GeneralStatics<'_>, loading: &Loading) -> bool {
+    fn grows(&mut self, statics: &GeneralStatics<'_>, loading: &Loading, limit_rad: f64) -> bool {
         self.reset();
         let parts = (1..=GROWTH_STEPS).map(|step| f64::from(step) / f64::from(GROWTH_STEPS));
-        let grown = parts.into_iter().all(|part| self.solves(statics, loading, part));
+        let grown = parts.into_iter().all(|part| self.solves(statics, loading, part, limit_rad));
         if !grown {
             self.reset();
         }
