@@ -2,6 +2,7 @@
 
 use spineline::action::LineOfAction;
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
+use spineline::anatomy::Posture;
 use spineline::hypothesis::{
     Base, Hypothesis, HypothesisFilm, HypothesisFit, LoadShape, Role, Spine, fit_hypothesis,
 };
@@ -148,6 +149,7 @@ fn fitted(analysis: &Analysis, hypothesis: Hypothesis, turn: Angle) -> Hypothesi
     let outlines: Vec<(Outline, Option<[Frontal; 2]>)> = analysis
         .postures
         .iter()
+        .filter(|p| p.outline.posture != Posture::Erect)
         .map(|p| {
             // L4's axis read otherwise: all that lies above turns about L4.
             let mut outline = p.outline.clone();
