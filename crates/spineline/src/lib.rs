@@ -28,6 +28,7 @@ pub mod curve;
 pub mod error;
 pub mod evaluate;
 pub mod hypothesis;
+pub(crate) mod least_squares;
 pub mod measure;
 pub mod motion;
 pub mod multibody;

@@ -22,6 +22,7 @@ const ORDERS: [(&str, &[&str]); 2] = [
             "chain",
             "motion",
             "action",
+            "least_squares",
             "multibody",
             "response",
             "personalize",

@@ -7,7 +7,7 @@ use super::problem::{LoadedFilm, ShapeProblem, statics};
 use super::start::{JointResponses, alternate};
 use super::{Base, Criteria, Hypothesis, HypothesisFilm, Spine};
 use crate::anatomy::Posture;
-use crate::personalize::{FitStatus, System, minimize};
+use crate::least_squares::{FitStatus, System, minimize};
 use crate::spatial::{Angle, Frontal};
 
 /// What a film was to a prediction.
@@ -358,6 +358,7 @@ fn predict(
     let top = film.outline.vertebrae.last()?.location;
     let near = nearest_t2(hypothesis, &mut loaded, log_multipliers, top, spine)?;
     let statics = statics(spine, log_multipliers);
+    // From where the search has left it, so that no other equilibrium is shown.
     let solved = loaded.solve(&statics, &near.components, near.base);
     solved.then(|| prediction(&loaded, film, spine, role, near.components, near.base))
 }

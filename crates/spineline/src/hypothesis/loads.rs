@@ -46,6 +46,14 @@ impl UnitLoad {
         item(self.vertebra, load)
     }
 
+    /// Its size as a force: a moment counts as a pair of forces that act so far apart.
+    pub fn force_n(&self, apart_mm: f64) -> f64 {
+        match self.kind {
+            UnitKind::OnLine { force, .. } | UnitKind::AtMidpoint { force } => force.norm(),
+            UnitKind::Couple { moment } => moment.abs() / apart_mm,
+        }
+    }
+
     /// Derivative of [`UnitLoad::item`] by the base's angle.
     pub fn turned_items(&self, times: f64, base: Angle) -> Vec<LoadItem> {
         let seen = rotation_x(-base);

@@ -1,20 +1,14 @@
-//! The load on a film that was not fitted: the smallest one that brings T2 to within a millimetre of its smallest distance.
+//! The load on a film that was not fitted: the one that brings T2 nearest to where it was measured (decision 0008).
 
 use nalgebra::{DMatrix, DVector};
 
 use super::problem::{LoadedFilm, statics};
 use super::{Base, Hypothesis, Spine};
-use crate::multibody::{GeneralStatics, T2_TOLERANCE_MM, smallest_near_t2};
-use crate::personalize::{FitStatus, System, minimize};
+use crate::multibody::{
+    ForceSign, GeneralStatics, MAX_FORCE_PER_STIFFNESS, OneComponent, SeveralComponents, Solution,
+    nearest_from_starts, nearest_on_path,
+};
 use crate::spatial::{Angle, Frontal};
-
-/// Weights of a load's size against T2's distance: where T2 hardly moves, and where only its distance counts.
-const MAX_WEIGHT: f64 = 1e8;
-const MIN_WEIGHT: f64 = 1e-2;
-const WEIGHT_STEP: f64 = 10.0;
-const BISECTIONS: u32 = 12;
-/// T2's distance may have several minima: sizes of load, in rad, from which they are sought.
-const START_SIZES: [f64; 4] = [0.1, 0.2, 0.4, 0.8];
 
 /// A load that was found.
 pub(super) struct NearT2 {
@@ -22,13 +16,12 @@ pub(super) struct NearT2 {
     pub base: Angle,
 }
 
-/// Finds it: minima of `|T2 - measured|² + w · size²` for a weight that is next to nothing, sought from no load and from every
-/// component by itself, both ways and in several sizes. Of those within a millimetre of the nearest the smallest counts, and from
-/// there the weight grows for as long as T2 stays within that millimetre.
+/// Finds it, by the search that forces along lines are found by too. `loaded` is left at its shape.
 ///
 /// The size of a load is how far it turns the unloaded spine to first order, joint by joint in the root of the sum of squares, so that
 /// forces and moments are compared alike. For one component it is proportional to the force. A free base counts
-/// as one more joint; a noisy one stays at zero, which is expected of it. `None` where no equilibrium was found.
+/// as one more joint; a noisy one stays at zero, which is expected of it. `None` where no load brings T2 nearest before
+/// hinges or forces reach their limits, or no equilibrium was found.
 pub(super) fn nearest_t2(
     hypothesis: Hypothesis,
     loaded: &mut LoadedFilm,
@@ -36,141 +29,108 @@ pub(super) fn nearest_t2(
     measured: Frontal,
     spine: &Spine<'_>,
 ) -> Option<NearT2> {
-    let mut search = Search::new(hypothesis, loaded, log_multipliers, measured, spine)?;
-    let minima: Vec<(f64, f64, DVector<f64>)> = search
-        .starts()
-        .into_iter()
-        .filter_map(|start| {
-            let x = search.at(MIN_WEIGHT, &start)?;
-            Some((search.gap_mm(&x)?, (&search.size * &x).norm(), x))
-        })
-        .collect();
-    let nearest_mm = minima.iter().map(|(gap, ..)| *gap).fold(f64::INFINITY, f64::min);
-    let (.., x) = smallest_near_t2(minima, nearest_mm, |(gap, ..)| *gap, |(_, size, _)| *size)?;
-    let x = search.lighten(x, nearest_mm + T2_TOLERANCE_MM);
-    let (components, base) = search.split(&x);
+    let statics = statics(spine, log_multipliers);
+    let count = hypothesis.load.components();
+    if count == 1 && hypothesis.base != Base::Free {
+        let largest = largest(loaded, log_multipliers, spine);
+        let load = OneOnFilm { loaded, statics, largest };
+        let found = nearest_on_path(load, &ForceSign::BOTH, measured);
+        if !found.is_usable() {
+            return None;
+        }
+        loaded.start_from(&found.solution);
+        return Some(NearT2 { components: vec![found.force_n], base: Angle::ZERO });
+    }
+    loaded.reset();
+    if !loaded.solve(&statics, &vec![0.0; count], Angle::ZERO) {
+        return None;
+    }
+    let base = usize::from(hypothesis.base == Base::Free);
+    let size = size_factor(loaded, spine.model.joints.len(), count, base)?;
+    let (groups, top) = (log_multipliers.len(), spine.model.midpoints_mm.len() - 1);
+    let mut load = SeveralOnFilm { loaded, statics, count, base, groups, top };
+    let x: DVector<f64> = nearest_from_starts(&mut load, &size, count, measured)?;
+    let (components, base) = load.split(x.as_slice());
+    load.restart();
     Some(NearT2 { components: components.to_vec(), base })
 }
 
-struct Search<'s, 'a> {
+/// The largest amount of one component: the limit of a force along a line, for the sum of all forces; moments as pairs of forces at
+/// both ends of the spine.
+fn largest(loaded: &LoadedFilm, log_multipliers: &[f64], spine: &Spine<'_>) -> f64 {
+    let midpoints = &spine.model.midpoints_mm;
+    let length_mm = (midpoints[midpoints.len() - 1] - midpoints[0]).norm();
+    let unit_n: f64 = loaded.units.iter().flatten().map(|unit| unit.force_n(length_mm)).sum();
+    let joints = spine.groups.of_joint();
+    let stiffness = spine.library.rows().iter().zip(joints);
+    let sum: f64 =
+        stiffness.map(|(row, &group)| row.nmm_per_rad[0] * log_multipliers[group].exp()).sum();
+    MAX_FORCE_PER_STIFFNESS * sum / joints.len() as f64 / unit_n
+}
+
+/// `size² = |factor · x|²`; `None` where the components do not differ.
+fn size_factor(
+    loaded: &LoadedFilm,
+    joints: usize,
+    count: usize,
+    base: usize,
+) -> Option<DMatrix<f64>> {
+    let mut squares = DMatrix::<f64>::identity(count + base, count + base);
+    for a in 0..count {
+        for b in 0..count {
+            squares[(a, b)] =
+                (0..joints).map(|j| loaded.joint_rate(a, j).dot(&loaded.joint_rate(b, j))).sum();
+        }
+    }
+    Some(squares.cholesky()?.l().transpose())
+}
+
+/// One film under a load of one component.
+struct OneOnFilm<'s, 'a> {
     loaded: &'s mut LoadedFilm,
     statics: GeneralStatics<'a>,
-    measured: Frontal,
-    /// `size² = |factor · x|²`.
-    size: DMatrix<f64>,
-    components: usize,
+    largest: f64,
+}
+
+impl OneComponent for OneOnFilm<'_, '_> {
+    fn solve(&mut self, amount: f64, solution: &mut Solution) {
+        self.loaded.solve_one(&self.statics, amount, solution);
+    }
+
+    fn largest(&self) -> f64 {
+        self.largest
+    }
+}
+
+/// One film under a load of several components, of which the base's angle may be the last.
+struct SeveralOnFilm<'s, 'a> {
+    loaded: &'s mut LoadedFilm,
+    statics: GeneralStatics<'a>,
+    count: usize,
+    base: usize,
     groups: usize,
     top: usize,
 }
 
-impl<'s, 'a> Search<'s, 'a> {
-    fn new(
-        hypothesis: Hypothesis,
-        loaded: &'s mut LoadedFilm,
-        log_multipliers: &[f64],
-        measured: Frontal,
-        spine: &Spine<'a>,
-    ) -> Option<Self> {
-        let statics = statics(spine, log_multipliers);
-        let components = hypothesis.load.components();
-        loaded.reset();
-        if !loaded.solve(&statics, &vec![0.0; components], Angle::ZERO) {
+impl SeveralOnFilm<'_, '_> {
+    fn split<'x>(&self, x: &'x [f64]) -> (&'x [f64], Angle) {
+        let base = x.get(self.count).copied().unwrap_or(0.0);
+        (&x[..self.count], Angle::from_rad(base))
+    }
+}
+
+impl SeveralComponents for SeveralOnFilm<'_, '_> {
+    fn restart(&mut self) {
+        self.loaded.reset();
+    }
+
+    fn t2(&mut self, components: &[f64]) -> Option<(Frontal, Vec<Frontal>)> {
+        let (components, base) = self.split(components);
+        if !self.loaded.solve(&self.statics, components, base) {
             return None;
         }
-        let unknowns = components + usize::from(hypothesis.base == Base::Free);
-        let joints = spine.model.joints.len();
-        let mut squares = DMatrix::<f64>::zeros(unknowns, unknowns);
-        for a in 0..components {
-            for b in 0..components {
-                squares[(a, b)] = (0..joints)
-                    .map(|j| loaded.joint_rate(a, j).dot(&loaded.joint_rate(b, j)))
-                    .sum();
-            }
-        }
-        if unknowns > components {
-            squares[(components, components)] = 1.0;
-        }
-        let size = squares.cholesky()?.l().transpose();
-        let top = spine.model.midpoints_mm.len() - 1;
-        let groups = log_multipliers.len();
-        Some(Self { loaded, statics, measured, size, components, groups, top })
-    }
-
-    fn unknowns(&self) -> usize {
-        self.size.ncols()
-    }
-
-    fn split<'x>(&self, x: &'x DVector<f64>) -> (&'x [f64], Angle) {
-        let base = x.as_slice().get(self.components).copied().unwrap_or(0.0);
-        (&x.as_slice()[..self.components], Angle::from_rad(base))
-    }
-
-    fn gap_mm(&mut self, x: &DVector<f64>) -> Option<f64> {
-        let (components, base) = self.split(x);
-        let solved = self.loaded.solve(&self.statics, components, base);
-        solved.then(|| self.loaded.location(self.top).distance_mm(self.measured))
-    }
-
-    /// No load, and every component by itself.
-    fn starts(&self) -> Vec<DVector<f64>> {
-        let none = DVector::zeros(self.unknowns());
-        let mut starts = vec![none.clone()];
-        for i in 0..self.components {
-            let unit = self.size.column(i).norm();
-            for size in START_SIZES.into_iter().flat_map(|size| [size, -size]) {
-                let mut start = none.clone();
-                start[i] = size / unit;
-                starts.push(start);
-            }
-        }
-        starts
-    }
-
-    /// The least load on the way from a minimum to no load that leaves T2 near enough.
-    fn lighten(&mut self, minimum: DVector<f64>, enough_mm: f64) -> DVector<f64> {
-        let (mut x, mut light, mut heavy) = (minimum, MIN_WEIGHT, MIN_WEIGHT);
-        let mut step = |weight: f64, x: &DVector<f64>| {
-            let next = self.at(weight, x)?;
-            (self.gap_mm(&next)? <= enough_mm).then_some(next)
-        };
-        while heavy < MAX_WEIGHT {
-            heavy = light * WEIGHT_STEP;
-            let Some(next) = step(heavy, &x) else { break };
-            (x, light) = (next, heavy);
-        }
-        for _ in 0..BISECTIONS {
-            let middle = (light * heavy).sqrt();
-            match step(middle, &x) {
-                Some(next) => (x, light) = (next, middle),
-                None => heavy = middle,
-            }
-        }
-        x
-    }
-
-    fn at(&mut self, weight: f64, from: &DVector<f64>) -> Option<DVector<f64>> {
-        let unknowns = self.unknowns();
-        let free = DVector::from_element(unknowns, f64::INFINITY);
-        let root = weight.sqrt();
-        self.loaded.reset();
-        let end = minimize(from.clone(), &-&free, &free, 2 + unknowns, |x, system: &mut System| {
-            let (components, base) = self.split(x);
-            if !self.loaded.solve(&self.statics, components, base) {
-                return false;
-            }
-            let off = self.loaded.location(self.top) - self.measured;
-            system.residuals[0] = off.y_mm;
-            system.residuals[1] = off.z_mm;
-            for i in 0..unknowns {
-                let rate = self.loaded.location_rate(self.groups + i, self.top);
-                system.jacobian[(0, i)] = rate.y_mm;
-                system.jacobian[(1, i)] = rate.z_mm;
-            }
-            let size = &self.size * x * root;
-            system.residuals.rows_mut(2, unknowns).copy_from(&size);
-            system.jacobian.rows_mut(2, unknowns).copy_from(&(&self.size * root));
-            true
-        });
-        (end.status != FitStatus::NotEvaluable).then_some(end.x)
+        let rate = |i| self.loaded.location_rate(self.groups + i, self.top);
+        let rates = (0..self.count + self.base).map(rate).collect();
+        Some((self.loaded.location(self.top), rates))
     }
 }

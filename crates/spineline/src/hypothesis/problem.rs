@@ -4,11 +4,12 @@ use nalgebra::DVector;
 
 use super::loads::{UnitLoad, unit_loads};
 use super::{Base, Hypothesis, HypothesisFilm, Spine};
+use crate::least_squares::System;
 use crate::measure::Outline;
 use crate::multibody::{
     GeneralStatics, LoadItem, Loading, MAX_HINGE_RAD, NewtonWork, ShapeParameter, Solution,
 };
-use crate::personalize::{MULTIPLIER_BOUNDS, System};
+use crate::personalize::{MULTIPLIER_BOUNDS, ROWS_PER_VERTEBRA, ShapeWeights};
 use crate::spatial::{Angle, Frontal, Mat3, Vec3};
 
 /// Steps in which loads grow from zero where Newton does not get to them at once.
@@ -67,7 +68,9 @@ impl LoadedFilm {
         self.base = base;
         let items = self.items(components);
         let loading = Loading { items, rods: Vec::new() };
-        if !(self.solves(statics, &loading, 1.0) || self.grows(statics, &loading)) {
+        let found = self.solves(statics, &loading, 1.0, MAX_HINGE_RAD)
+            || self.grows(statics, &loading, MAX_HINGE_RAD);
+        if !found {
             return false;
         }
         let by_component: Vec<Vec<LoadItem>> = self
@@ -92,6 +95,34 @@ impl LoadedFilm {
         self.solution.converged
     }
 
+    /// Equilibrium under one component on a base that does not turn, with its derivative by that component, from the shape in
+    /// `solution` or else from the unloaded spine. Hinges may turn without limit.
+    pub fn solve_one(
+        &mut self,
+        statics: &GeneralStatics<'_>,
+        component: f64,
+        solution: &mut Solution,
+    ) {
+        self.base = Angle::ZERO;
+        self.start_from(solution);
+        let loading = Loading { items: self.items(&[component]), rods: Vec::new() };
+        solution.converged = self.solves(statics, &loading, 1.0, f64::INFINITY)
+            || self.grows(statics, &loading, f64::INFINITY);
+        if solution.converged {
+            let unit = self.items(&[1.0]);
+            let parameters = [ShapeParameter::Loads(&unit)];
+            statics.differentiate(&loading, &mut self.work, &parameters, solution);
+        }
+    }
+
+    /// Starts the next search from a shape; from the unloaded spine where there is none.
+    pub fn start_from(&mut self, solution: &Solution) {
+        self.reset();
+        for (hinge, turns) in self.work.hinges_mut().iter_mut().zip(&solution.deformed.hinges_rad) {
+            *hinge = Vec3::from(*turns);
+        }
+    }
+
     fn items(&self, components: &[f64]) -> Vec<LoadItem> {
         let base = self.base;
         let all = self.units.iter().zip(components);
@@ -99,17 +130,23 @@ impl LoadedFilm {
             .collect()
     }
 
-    fn solves(&mut self, statics: &GeneralStatics<'_>, loading: &Loading, part: f64) -> bool {
+    fn solves(
+        &mut self,
+        statics: &GeneralStatics<'_>,
+        loading: &Loading,
+        part: f64,
+        limit_rad: f64,
+    ) -> bool {
         let converged = statics.solve_near(loading, part, &mut self.work).converged;
         let hinges = self.work.hinges_mut().iter();
-        converged && hinges.fold(0.0, |most: f64, turns| most.max(turns.amax())) <= MAX_HINGE_RAD
+        converged && hinges.fold(0.0, |most: f64, turns| most.max(turns.amax())) <= limit_rad
     }
 
     /// Lets the loads grow from zero.
-    fn grows(&mut self, statics: &GeneralStatics<'_>, loading: &Loading) -> bool {
+    fn grows(&mut self, statics: &GeneralStatics<'_>, loading: &Loading, limit_rad: f64) -> bool {
         self.reset();
         let parts = (1..=GROWTH_STEPS).map(|step| f64::from(step) / f64::from(GROWTH_STEPS));
-        let grown = parts.into_iter().all(|part| self.solves(statics, loading, part));
+        let grown = parts.into_iter().all(|part| self.solves(statics, loading, part, limit_rad));
         if !grown {
             self.reset();
         }
@@ -159,8 +196,7 @@ pub(super) struct FittedFilm<'a> {
     pub loaded: LoadedFilm,
     /// Place of its components among the unknowns; the base's angle follows them.
     pub first: usize,
-    location_sd_mm: f64,
-    tilt_sd_rad: f64,
+    weights: ShapeWeights,
 }
 
 /// Residuals of all films for given unknowns: `ln α` of every group, then per film the components and perhaps the base's angle.
@@ -184,18 +220,15 @@ impl<'a> ShapeProblem<'a> {
         held: Option<Vec<f64>>,
     ) -> Option<Self> {
         let per_film = hypothesis.load.components() + hypothesis.base.angles();
-        let erect = spine.erect.noise;
         let films: Vec<FittedFilm<'a>> = films
             .iter()
             .enumerate()
             .map(|(i, film)| {
-                let noise = film.outline.noise;
                 Some(FittedFilm {
                     outline: film.outline,
                     loaded: LoadedFilm::new(hypothesis, film, spine)?,
                     first: spine.groups.len() + i * per_film,
-                    location_sd_mm: noise.location_mm.hypot(erect.location_mm),
-                    tilt_sd_rad: noise.tilt.rad().hypot(erect.tilt.rad()),
+                    weights: ShapeWeights::of_difference(&film.outline.noise, &spine.erect.noise),
                 })
             })
             .collect::<Option<_>>()?;
@@ -208,7 +241,7 @@ impl<'a> ShapeProblem<'a> {
     }
 
     fn rows_per_film(&self) -> usize {
-        3 * (self.spine.model.midpoints_mm.len() - 1)
+        ROWS_PER_VERTEBRA * (self.spine.model.midpoints_mm.len() - 1)
     }
 
     /// Rows of what was measured: a base of known deviation counts as one measured number per film.
@@ -267,8 +300,8 @@ impl<'a> ShapeProblem<'a> {
             let first = self.films.len() * rows;
             for (i, film) in self.films.iter().enumerate() {
                 let column = film.first + self.hypothesis.load.components();
-                system.residuals[first + i] = x[column] / film.tilt_sd_rad;
-                system.jacobian[(first + i, column)] = 1.0 / film.tilt_sd_rad;
+                system.residuals[first + i] = x[column] / film.weights.tilt_sd_rad;
+                system.jacobian[(first + i, column)] = 1.0 / film.weights.tilt_sd_rad;
             }
         }
         // Multipliers that are known already need no gauge.
@@ -281,18 +314,20 @@ impl<'a> ShapeProblem<'a> {
         let film = &self.films[index];
         let free = g + self.hypothesis.load.components() + self.hypothesis.base.angles();
         for (i, vertebra) in film.outline.vertebrae.iter().enumerate().skip(1) {
-            let row = row + 3 * (i - 1);
+            let row = row + ROWS_PER_VERTEBRA * (i - 1);
             let off = film.loaded.location(i) - vertebra.location;
-            let turn = (film.loaded.tilt(i) - vertebra.tilt).wrapped().rad();
-            system.residuals[row] = off.y_mm / film.location_sd_mm;
-            system.residuals[row + 1] = off.z_mm / film.location_sd_mm;
-            system.residuals[row + 2] = turn / film.tilt_sd_rad;
+            let turn = film.loaded.tilt(i) - vertebra.tilt;
+            for (k, residual) in film.weights.residuals(off, turn).into_iter().enumerate() {
+                system.residuals[row + k] = residual;
+            }
             for p in 0..free {
                 let column = if p < g { p } else { film.first + p - g };
-                let rate = film.loaded.location_rate(p, i);
-                system.jacobian[(row, column)] = rate.y_mm / film.location_sd_mm;
-                system.jacobian[(row + 1, column)] = rate.z_mm / film.location_sd_mm;
-                system.jacobian[(row + 2, column)] = film.loaded.tilt_rate(p, i) / film.tilt_sd_rad;
+                let (location, tilt) =
+                    (film.loaded.location_rate(p, i), film.loaded.tilt_rate(p, i));
+                let rates = film.weights.derivatives(location, tilt);
+                for (k, rate) in rates.into_iter().enumerate() {
+                    system.jacobian[(row + k, column)] = rate;
+                }
             }
         }
     }

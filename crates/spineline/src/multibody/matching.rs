@@ -1,5 +1,6 @@
+use super::nearest::nearest_on_path;
 use super::roots::{Along, Lost, Sample, zeros_between};
-use super::target::{LeanTarget, NearestT2Target, PathState, SearchTarget, smallest_near_t2};
+use super::target::{LeanTarget, PathState, SearchTarget};
 use super::{Load, Parameter, Solution, Statics};
 use crate::spatial::{Angle, Frontal, Vec3};
 
@@ -109,7 +110,7 @@ pub fn match_amplitude(
     sign: ForceSign,
     target: Angle,
 ) -> ForceMatch {
-    let mut path = Path::new(statics, load, LeanTarget(target));
+    let mut path = Path::new(LineForce { statics, load }, LeanTarget(target));
     path.follow(sign, 1);
     path.first_or_nearest()
 }
@@ -120,7 +121,7 @@ pub fn match_amplitude(
 /// path did not converge, the last entry is [`MatchStatus::NotConverged`].
 #[must_use]
 pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> Vec<ForceMatch> {
-    let mut path = Path::new(statics, load, LeanTarget(target));
+    let mut path = Path::new(LineForce { statics, load }, LeanTarget(target));
     for sign in ForceSign::BOTH {
         path.follow(sign, usize::MAX);
     }
@@ -146,21 +147,38 @@ pub fn match_t2(
     signs: &[ForceSign],
     place: Frontal,
 ) -> ForceMatch {
-    let mut path = Path::new(statics, load, NearestT2Target(place));
-    for &sign in signs {
-        path.follow(sign, usize::MAX);
+    nearest_on_path(LineForce { statics, load }, signs, place)
+}
+
+/// Equilibria under a load of one component.
+pub(crate) trait OneComponent {
+    /// Equilibrium under an amount of the load, with its derivative by that amount as the only parameter. The shape in `solution`
+    /// is the start; without one, that is the unloaded spine.
+    fn solve(&mut self, amount: f64, solution: &mut Solution);
+
+    /// The largest amount that is looked at.
+    fn largest(&self) -> f64;
+}
+
+/// A force along a line.
+struct LineForce<'a> {
+    statics: &'a Statics<'a>,
+    load: &'a Load,
+}
+
+impl OneComponent for LineForce<'_> {
+    fn solve(&mut self, amount: f64, solution: &mut Solution) {
+        self.statics.solve(self.load, &[amount], &[Parameter::Load(0)], solution);
     }
-    path.found.retain(ForceMatch::is_usable);
-    let minima = std::mem::take(&mut path.found);
-    let least_mm = path.least_residual();
-    smallest_near_t2(minima, least_mm, |found| found.residual, |found| found.force_n.abs())
-        .unwrap_or_else(|| path.first_or_nearest())
+
+    fn largest(&self) -> f64 {
+        MAX_FORCE_PER_STIFFNESS * self.statics.mean_lateral_nmm_per_rad()
+    }
 }
 
 /// The path of equilibria as a force grows from zero, and the zeros of a goal along it.
-struct Path<'a, S> {
-    statics: &'a Statics<'a>,
-    load: &'a Load,
+pub(super) struct Path<L, S> {
+    load: L,
     target: S,
     /// The last shape and its state, converged or not.
     solution: Solution,
@@ -168,7 +186,7 @@ struct Path<'a, S> {
     /// The last two states that converged, the later one first.
     seen: [Option<PathState>; 2],
     evaluations: u32,
-    found: Vec<ForceMatch>,
+    pub found: Vec<ForceMatch>,
     /// The search stops after so many zeros.
     enough: usize,
     /// The state with the least residual of all.
@@ -178,10 +196,9 @@ struct Path<'a, S> {
     converged: bool,
 }
 
-impl<'a, S: SearchTarget> Path<'a, S> {
-    fn new(statics: &'a Statics<'a>, load: &'a Load, target: S) -> Self {
+impl<L: OneComponent, S: SearchTarget> Path<L, S> {
+    pub fn new(load: L, target: S) -> Self {
         Self {
-            statics,
             load,
             target,
             solution: Solution::default(),
@@ -202,7 +219,7 @@ impl<'a, S: SearchTarget> Path<'a, S> {
             // The start for a load that moves with it.
             *self.solution.deformed.midpoints_mm.last_mut().expect("a vertebra") = t2;
         }
-        self.statics.solve(self.load, &[force_n], &[Parameter::Load(0)], &mut self.solution);
+        self.load.solve(force_n, &mut self.solution);
         let state = self.target.state(force_n, &self.solution, self.least_residual());
         self.last = Some(state);
         if self.solution.converged {
@@ -233,7 +250,7 @@ impl<'a, S: SearchTarget> Path<'a, S> {
     }
 
     /// The least residual of all shapes that were seen.
-    fn least_residual(&self) -> f64 {
+    pub fn least_residual(&self) -> f64 {
         self.nearest.map_or(f64::INFINITY, |state| state.residual.abs())
     }
 
@@ -253,9 +270,9 @@ impl<'a, S: SearchTarget> Path<'a, S> {
     }
 
     /// Follows the path of one sign until so many zeros were found, or to its end.
-    fn follow(&mut self, sign: ForceSign, most: usize) {
+    pub fn follow(&mut self, sign: ForceSign, most: usize) {
         let sign = sign.factor();
-        let cap_n = MAX_FORCE_PER_STIFFNESS * self.statics.mean_lateral_nmm_per_rad();
+        let cap_n = self.load.largest();
         self.enough = self.found.len().saturating_add(most);
         (self.solution, self.seen) = (Solution::default(), [None; 2]);
         self.longest_n = f64::INFINITY;
@@ -330,7 +347,7 @@ impl<'a, S: SearchTarget> Path<'a, S> {
     }
 
     /// The first zero that was found, or else the nearest shape with the reason.
-    fn first_or_nearest(mut self) -> ForceMatch {
+    pub fn first_or_nearest(mut self) -> ForceMatch {
         if self.found.is_empty() {
             let status =
                 if self.converged { MatchStatus::Unreachable } else { MatchStatus::NotConverged };
@@ -342,7 +359,7 @@ impl<'a, S: SearchTarget> Path<'a, S> {
     }
 }
 
-impl<S: SearchTarget> Along for Path<'_, S> {
+impl<L: OneComponent, S: SearchTarget> Along for Path<L, S> {
     fn sample(&mut self, force_n: f64) -> Option<Sample> {
         let state = self.at(force_n);
         self.solution.converged.then(|| self.keep(state).sample())

@@ -20,6 +20,7 @@ mod geometry;
 mod load;
 mod march;
 mod matching;
+mod nearest;
 mod roots;
 mod stiffness;
 mod target;
@@ -38,6 +39,6 @@ pub use march::{Deformed, Parameter, Solution, Statics};
 pub use matching::{
     ForceMatch, ForceSign, MatchStatus, amplitude_matches, match_amplitude, match_t2,
 };
-pub(crate) use matching::{MAX_FORCE_PER_STIFFNESS, MAX_HINGE_RAD};
+pub(crate) use matching::{MAX_FORCE_PER_STIFFNESS, MAX_HINGE_RAD, OneComponent};
+pub(crate) use nearest::{SeveralComponents, nearest_from_starts, nearest_on_path};
 pub use stiffness::{JointGroups, JointStiffness, StiffnessError, StiffnessLibrary, Support};
-pub(crate) use target::{T2_TOLERANCE_MM, smallest_near_t2};

@@ -13,19 +13,7 @@ const T2_STEP_OF_GAP: f64 = 0.25;
 /// Further away a step might end on another path.
 const MAX_T2_STEP_MM: f64 = 60.0;
 /// Distances of T2 that differ by less are equally good: about what a location's reading and the model's joints leave.
-pub(crate) const T2_TOLERANCE_MM: f64 = 1.0;
-
-/// Of several minima of T2's distance from a place, the one with the smallest load whose distance is within
-/// [`T2_TOLERANCE_MM`] of the least one (decision 0008); the first of equals.
-pub(crate) fn smallest_near_t2<T>(
-    minima: Vec<T>,
-    least_mm: f64,
-    distance_mm: impl Fn(&T) -> f64,
-    load_size: impl Fn(&T) -> f64,
-) -> Option<T> {
-    let near = |found: &T| distance_mm(found) <= least_mm + T2_TOLERANCE_MM;
-    minima.into_iter().filter(near).min_by(|a, b| load_size(a).total_cmp(&load_size(b)))
-}
+pub(super) const T2_TOLERANCE_MM: f64 = 1.0;
 
 /// A condition on the shape that a search along the force looks for.
 pub(super) trait SearchTarget {

@@ -1,9 +1,9 @@
 use super::estimate::EstimatedLoads;
 use super::evidence::FilmEvidence;
-use super::levenberg_marquardt::{FitStatus, Minimum, minimize};
 use super::problem::Problem;
 use super::start::Start;
 use super::{FitFilm, FitSettings, FitTarget, MULTIPLIER_BOUNDS};
+use crate::least_squares::{FitStatus, Minimum, minimize};
 use crate::measure::Outline;
 use crate::multibody::{JointGroups, Load, SpineModel, StiffnessLibrary};
 

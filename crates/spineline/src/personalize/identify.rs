@@ -31,9 +31,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::fit::{FittedSprings, Personalization};
-use super::levenberg_marquardt::{FitStatus, Minimum, minimize};
 use super::problem::Problem;
 use super::{FitFilm, FitSettings, Gauge, MULTIPLIER_BOUNDS};
+use crate::least_squares::{FitStatus, Minimum, minimize};
 
 /// What the data of a fit say of its multipliers.
 ///

@@ -21,24 +21,24 @@ pub mod estimate;
 pub mod evidence;
 mod fit;
 mod identify;
-mod levenberg_marquardt;
 mod line_test;
 mod preferred;
 mod problem;
 mod rows;
+mod shape_weights;
 mod start;
 mod weights;
 
+pub use crate::least_squares::FitStatus;
 pub use fit::{FittedSprings, Personalization, StiffnessBound, personalize};
 pub(crate) use fit::{Known, personalize_with};
 pub use identify::{
     Identifiability, MultiplierInformation, Profile, ProfileEnd, ProfilePoint, ProfileVerdict,
     StiffnessDirection, identify,
 };
-pub use levenberg_marquardt::FitStatus;
-pub(crate) use levenberg_marquardt::{System, minimize};
 pub use line_test::{Crossing, LineTest, ProposedLine, SIGNIFICANCE};
 pub use preferred::PreferredLoads;
+pub(crate) use shape_weights::{ROWS_PER_VERTEBRA, ShapeWeights};
 pub use start::Start;
 
 use crate::anatomy::{Posture, named};

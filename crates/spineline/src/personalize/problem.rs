@@ -5,11 +5,12 @@ use nalgebra::DVector;
 use super::estimate::{EstimatedLoads, estimate_load, estimate_loads};
 use super::evidence::FilmEvidence;
 use super::fit::Known;
-use super::levenberg_marquardt::{Minimum, System};
 use super::rows::{ferguson_rows, shape_rows};
+use super::shape_weights::{ROWS_PER_VERTEBRA, ShapeWeights};
 use super::start::{Start, closed_form, majority_signs};
 use super::{FitFilm, FitSettings, FitTarget, Gauge, MULTIPLIER_BOUNDS};
 use crate::clinical::ferguson_angle;
+use crate::least_squares::{Minimum, System};
 use crate::multibody::{
     ForceSign, JointGroups, Load, MAX_HINGE_RAD, Parameter, Solution, SpineModel, Statics,
     StiffnessLibrary, match_amplitude,
@@ -35,8 +36,7 @@ pub(super) struct FilmData {
     pub tilts: Vec<Angle>,
     pub ferguson: [Angle; 3],
     pub lean: Angle,
-    pub location_sd_mm: f64,
-    pub tilt_sd_rad: f64,
+    pub weights: ShapeWeights,
     pub parameters: Vec<Parameter>,
     pub solution: Solution,
 }
@@ -119,8 +119,7 @@ impl<'a> Problem<'a> {
                     lean: locations[locations.len() - 1].lean(),
                     locations,
                     tilts: film.outline.vertebrae.iter().map(|v| v.tilt).collect(),
-                    location_sd_mm: film.outline.noise.location_mm,
-                    tilt_sd_rad: film.outline.noise.tilt.rad(),
+                    weights: ShapeWeights::of_film(&film.outline.noise),
                     parameters: logs.chain((0..components).map(Parameter::Load)).collect(),
                     solution: Solution::default(),
                 }
@@ -138,7 +137,7 @@ impl<'a> Problem<'a> {
         match (self.settings.target, self.settings.gauge) {
             (FitTarget::Ferguson, Gauge::FrozenForce) => 4,
             (FitTarget::Ferguson, _) => 3,
-            (FitTarget::Shape, _) => 3 * (self.model.midpoints_mm.len() - 1),
+            (FitTarget::Shape, _) => ROWS_PER_VERTEBRA * (self.model.midpoints_mm.len() - 1),
         }
     }
 
@@ -387,7 +386,7 @@ impl<'a> Problem<'a> {
 
     /// Mean deviation of a location over the films.
     pub fn location_sd_mm(&self) -> f64 {
-        let sum: f64 = self.films.iter().map(|film| film.location_sd_mm).sum();
+        let sum: f64 = self.films.iter().map(|film| film.weights.location_sd_mm).sum();
         sum / self.films.len() as f64
     }
 

@@ -1,8 +1,9 @@
 //! Residuals of one film and their derivatives.
 
-use super::levenberg_marquardt::System;
 use super::problem::{FilmData, Wanted};
+use super::shape_weights::ROWS_PER_VERTEBRA;
 use crate::clinical::RegionBounds;
+use crate::least_squares::System;
 use crate::spatial::{Angle, Frontal};
 
 /// A Ferguson angle counts in degrees.
@@ -85,28 +86,24 @@ pub(super) fn shape_rows(
 ) {
     let solution = &film.solution;
     let first = film.first.expect("the loads of a whole shape are unknown");
-    let rows = 3 * (film.locations.len() - 1);
+    let rows = ROWS_PER_VERTEBRA * (film.locations.len() - 1);
     let residuals = &mut system.residuals.as_mut_slice()[row..row + rows];
-    for (i, residuals) in (1..).zip(residuals.chunks_exact_mut(3)) {
+    for (i, residuals) in (1..).zip(residuals.chunks_exact_mut(ROWS_PER_VERTEBRA)) {
         let off = solution.deformed.location(i) - film.locations[i];
-        let turn = (solution.deformed.tilt(i) - film.tilts[i]).wrapped().rad();
-        residuals[0] = off.y_mm / film.location_sd_mm;
-        residuals[1] = off.z_mm / film.location_sd_mm;
-        residuals[2] = turn / film.tilt_sd_rad;
+        let turn = solution.deformed.tilt(i) - film.tilts[i];
+        residuals.copy_from_slice(&film.weights.residuals(off, turn));
     }
     if wanted == Wanted::Residuals {
         return;
     }
-    let per_mm = 1.0 / film.location_sd_mm;
     for p in 0..film.parameters.len() {
         let column = if p < groups { p } else { first + p - groups };
         let start = column * system.jacobian.nrows() + row;
         let column = &mut system.jacobian.as_mut_slice()[start..start + rows];
-        for (i, rates) in (1..).zip(column.chunks_exact_mut(3)) {
-            let rate = solution.location_rate(p, i);
-            rates[0] = rate.y_mm * per_mm;
-            rates[1] = rate.z_mm * per_mm;
-            rates[2] = solution.tilt_rate(p, i) / film.tilt_sd_rad;
+        for (i, rates) in (1..).zip(column.chunks_exact_mut(ROWS_PER_VERTEBRA)) {
+            let location = solution.location_rate(p, i);
+            let tilt = solution.tilt_rate(p, i);
+            rates.copy_from_slice(&film.weights.derivatives(location, tilt));
         }
     }
 }

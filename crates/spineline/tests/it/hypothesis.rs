@@ -2,13 +2,14 @@
 
 use spineline::action::LineOfAction;
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
+use spineline::anatomy::Posture;
 use spineline::hypothesis::{
     Base, Hypothesis, HypothesisFilm, HypothesisFit, LoadShape, Role, Spine, fit_hypothesis,
 };
 use spineline::measure::Outline;
 use spineline::multibody::{
-    BodyLoad, GeneralStatics, JointGroups, Load, LoadItem, Loading, NewtonWork, ShapeParameter,
-    Solution, Statics, StiffnessLibrary, Support, Timing,
+    BodyLoad, ForceSign, GeneralStatics, JointGroups, Load, LoadItem, Loading, NewtonWork,
+    ShapeParameter, Solution, Statics, StiffnessLibrary, Support, Timing, match_t2,
 };
 use spineline::spatial::{Angle, Frontal, Mat3, Vec3};
 use spineline_phantom::{Readers, Truth, generate};
@@ -148,7 +149,7 @@ fn fitted(analysis: &Analysis, hypothesis: Hypothesis, turn: Angle) -> Hypothesi
     let outlines: Vec<(Outline, Option<[Frontal; 2]>)> = analysis
         .postures
         .iter()
-        .filter(|p| p.outline.posture.bend().is_some())
+        .filter(|p| p.outline.posture != Posture::Erect)
         .map(|p| {
             // L4's axis read otherwise: all that lies above turns about L4.
             let mut outline = p.outline.clone();
@@ -187,6 +188,41 @@ fn on_a_free_base_an_axis_of_l4_that_is_read_otherwise_changes_nothing_but_the_b
             }
         }
     }
+}
+
+#[test]
+fn t2_of_a_held_out_film_is_met_by_the_force_that_the_march_finds() {
+    // Oracle: the search along the explicit march, which `nearest_t2` compares with a scan of the whole path.
+    let analysis = analysis();
+    let groups = JointGroups::regional(&analysis.regions);
+    let library = &analysis.options.library;
+    let mut compared = 0;
+    for load in [LoadShape::InflectionLine, LoadShape::IliacLine] {
+        let fit = fitted(&analysis, Hypothesis::of(load), Angle::ZERO);
+        let logs = &fit.log_multipliers;
+        let statics = Statics::new(&analysis.spine, library, &groups, logs, Support::Frontal);
+        for found in fit.of_role(Role::HeldOut) {
+            let film = analysis
+                .postures
+                .iter()
+                .find(|p| p.outline.posture == found.posture)
+                .expect("the film was analysed");
+            let t2 = film.outline.vertebrae[14].location;
+            let line = match load {
+                LoadShape::InflectionLine => {
+                    let [caudal, cranial] = film.inflection_points.expect("it has a line");
+                    LineOfAction::through(caudal, cranial).expect("they are apart")
+                }
+                _ => LineOfAction::along_iliac(t2, film.outline.iliac_normal),
+            };
+            let expected = match_t2(&statics, &Load::along(line, 0.0), &ForceSign::BOTH, t2);
+            let (force_n, expected_n) = (found.components[0], expected.force_n);
+            let off = (force_n - expected_n).abs() / expected_n.abs();
+            assert!(off < 1e-6, "{load:?}, {}: {force_n} {expected_n}", found.posture);
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 4);
 }
 
 #[test]

@@ -1,3 +1,5 @@
+//! Bounded Levenberg-Marquardt, and the scale constraint of multipliers as a row of it: the one minimiser of all fits.
+
 use nalgebra::{DMatrix, DVector};
 
 /// How a minimisation ended.

@@ -1,0 +1,149 @@
+//! The load that brings T2 nearest to a place (decision 0008): of the minima of T2's distance, the one with the smallest load whose
+//! distance is within [`T2_TOLERANCE_MM`] of the least.
+//!
+//! A load of one component is followed from zero, as [`match_t2`](super::match_t2) follows a force. With several components there is
+//! no single path; minima are found by least squares from several starts.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::matching::{ForceMatch, ForceSign, OneComponent, Path};
+use super::target::{NearestT2Target, T2_TOLERANCE_MM};
+use crate::least_squares::{FitStatus, System, minimize};
+use crate::spatial::Frontal;
+
+/// Weight of the load's squared size, in mm²/rad²: next to nothing, so that it decides only between loads that bring T2 equally near.
+const SIZE_WEIGHT: f64 = 1e-2;
+/// Sizes of load, in rad, from which minima are sought.
+const START_SIZES: [f64; 4] = [0.1, 0.2, 0.4, 0.8];
+
+/// A minimum of T2's distance.
+pub(super) trait Minimum {
+    fn distance_mm(&self) -> f64;
+    fn load_size(&self) -> f64;
+}
+
+impl Minimum for ForceMatch {
+    fn distance_mm(&self) -> f64 {
+        self.residual
+    }
+
+    fn load_size(&self) -> f64 {
+        self.force_n.abs()
+    }
+}
+
+/// The one that counts; the first of equals.
+fn smallest_near_t2<T: Minimum>(minima: Vec<T>, least_mm: f64) -> Option<T> {
+    minima
+        .into_iter()
+        .filter(|found| found.distance_mm() <= least_mm + T2_TOLERANCE_MM)
+        .min_by(|a, b| a.load_size().total_cmp(&b.load_size()))
+}
+
+/// The amount of a load of one component that brings T2 nearest to a place.
+///
+/// Where the path ends before the distance has a minimum, its nearest shape comes back as
+/// [`MatchStatus::Unreachable`](super::MatchStatus::Unreachable).
+pub(crate) fn nearest_on_path(
+    load: impl OneComponent,
+    signs: &[ForceSign],
+    place: Frontal,
+) -> ForceMatch {
+    let mut path = Path::new(load, NearestT2Target(place));
+    for &sign in signs {
+        path.follow(sign, usize::MAX);
+    }
+    path.found.retain(ForceMatch::is_usable);
+    let minima = std::mem::take(&mut path.found);
+    let least_mm = path.least_residual();
+    smallest_near_t2(minima, least_mm).unwrap_or_else(|| path.first_or_nearest())
+}
+
+/// T2 under a load of several components.
+pub(crate) trait SeveralComponents {
+    /// Forgets the last shape, from which the next one is sought.
+    fn restart(&mut self);
+
+    /// T2's location and its derivative by every component; `None` where no equilibrium was found.
+    fn t2(&mut self, components: &[f64]) -> Option<(Frontal, Vec<Frontal>)>;
+}
+
+/// A minimum for several components.
+struct Found {
+    components: DVector<f64>,
+    distance_mm: f64,
+    size: f64,
+}
+
+impl Minimum for Found {
+    fn distance_mm(&self) -> f64 {
+        self.distance_mm
+    }
+
+    fn load_size(&self) -> f64 {
+        self.size
+    }
+}
+
+/// The components that bring T2 nearest to a place, sought from no load and from each of the first `started` components by
+/// itself, both ways and in several sizes. The size of a load is `|size · components|`, in rad.
+pub(crate) fn nearest_from_starts(
+    load: &mut impl SeveralComponents,
+    size: &DMatrix<f64>,
+    started: usize,
+    place: Frontal,
+) -> Option<DVector<f64>> {
+    let mut minima = Vec::new();
+    for start in starts(size, started) {
+        let Some(components) = minimum_from(load, size, place, start) else { continue };
+        // From the unloaded spine, as the shape is computed that is shown.
+        load.restart();
+        if let Some((t2, _)) = load.t2(components.as_slice()) {
+            let distance_mm = t2.distance_mm(place);
+            minima.push(Found { distance_mm, size: (size * &components).norm(), components });
+        }
+    }
+    let least_mm = minima.iter().map(Found::distance_mm).fold(f64::INFINITY, f64::min);
+    smallest_near_t2(minima, least_mm).map(|found| found.components)
+}
+
+fn starts(size: &DMatrix<f64>, started: usize) -> Vec<DVector<f64>> {
+    let none = DVector::zeros(size.ncols());
+    let mut starts = vec![none.clone()];
+    for i in 0..started {
+        let unit = size.column(i).norm();
+        for size in START_SIZES.into_iter().flat_map(|size| [size, -size]) {
+            let mut start = none.clone();
+            start[i] = size / unit;
+            starts.push(start);
+        }
+    }
+    starts
+}
+
+/// The minimum of `|T2 - place|² + w · size²` near a start.
+fn minimum_from(
+    load: &mut impl SeveralComponents,
+    size: &DMatrix<f64>,
+    place: Frontal,
+    start: DVector<f64>,
+) -> Option<DVector<f64>> {
+    let count = start.len();
+    let free = DVector::from_element(count, f64::INFINITY);
+    let weighted = size * SIZE_WEIGHT.sqrt();
+    load.restart();
+    let end = minimize(start, &-&free, &free, 2 + count, |x, system: &mut System| {
+        let Some((t2, rates)) = load.t2(x.as_slice()) else { return false };
+        let off = t2 - place;
+        system.residuals[0] = off.y_mm;
+        system.residuals[1] = off.z_mm;
+        for (i, rate) in rates.iter().enumerate() {
+            system.jacobian[(0, i)] = rate.y_mm;
+            system.jacobian[(1, i)] = rate.z_mm;
+        }
+        system.residuals.rows_mut(2, count).copy_from(&(&weighted * x));
+        system.jacobian.rows_mut(2, count).copy_from(&weighted);
+        true
+    });
+    (end.status != FitStatus::NotEvaluable).then_some(end.x)
+}
