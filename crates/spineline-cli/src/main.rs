@@ -15,7 +15,7 @@ use clap::Parser;
 use commands::{Cli, Command};
 use run::failure::{Ending, Failure};
 use run::messages::{guarded, say};
-use run::{interrupt, outputs};
+use run::{interrupt, outputs, provenance};
 
 fn main() -> ExitCode {
     match guarded(run) {
@@ -30,7 +30,10 @@ fn main() -> ExitCode {
 
 fn run() -> Result<Ending, Failure> {
     let command = match Cli::try_parse() {
-        Ok(line) => line.command,
+        Ok(line) => {
+            provenance::keep_full_paths(line.full_paths);
+            line.command
+        }
         // Help and version are results; all else is a refusal, whose code it knows.
         Err(words) if !words.use_stderr() => return outputs::shown(words.print()),
         Err(words) => words.exit(),

@@ -22,7 +22,7 @@ pub struct ProgramRun {
 /// A file that was read, and which bytes it had.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct InputFile {
-    /// As the command line names it, or the folder and its name there.
+    /// Its name without its folder, which may carry a name of a person.
     pub name: String,
     /// SHA-256 of its bytes.
     pub sha256: String,

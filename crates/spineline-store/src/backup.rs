@@ -10,6 +10,7 @@ use rusqlite::{Connection, OpenFlags};
 
 use crate::connection::Store;
 use crate::error::StoreError;
+use crate::privacy;
 use crate::schema;
 use crate::verify::{Verification, verify};
 
@@ -53,7 +54,7 @@ fn copy(source: &Connection, target: &Path) -> Result<Verification, StoreError> 
 
 /// Makes an empty file where there is none.
 fn reserve(path: &Path) -> Result<(), StoreError> {
-    match OpenOptions::new().write(true).create_new(true).open(path) {
+    match privacy::owner_only(OpenOptions::new().write(true).create_new(true)).open(path) {
         Ok(_) => Ok(()),
         Err(error) if error.kind() == ErrorKind::AlreadyExists => {
             Err(StoreError::AlreadyExists { path: path.to_owned() })

@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
@@ -10,6 +11,7 @@ use rusqlite::{Connection, MAIN_DB, OpenFlags, TransactionBehavior};
 use crate::audit::{self, AuditEntry, Head, Ledger};
 use crate::error::StoreError;
 use crate::names::{ReadingId, Signature};
+use crate::privacy;
 use crate::schema;
 use crate::state::ReadingState;
 
@@ -29,15 +31,24 @@ impl Store {
     pub fn create(path: &Path, by: &Signature) -> Result<Self, StoreError> {
         let taken = || StoreError::AlreadyExists { path: path.to_owned() };
         let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_CREATE;
-        let mut connection = schema::connect(path, flags)?;
-        // A file that SQLite cannot read is not a store.
-        let created = schema::configure(&connection)
-            .and_then(|()| schema::create(&mut connection, by))
-            .map_err(|error| match error {
-                StoreError::Damaged { .. } => taken(),
-                other => other,
-            })?;
-        if created { Ok(Self::over(connection)) } else { Err(taken()) }
+        let is_ours = privacy::reserve(path);
+        let made = schema::connect(path, flags).and_then(|mut connection| {
+            schema::configure(&connection)?;
+            let is_made = schema::create(&mut connection, by)?;
+            Ok((connection, is_made))
+        });
+        match made {
+            Ok((connection, true)) => Ok(Self::over(connection)),
+            // A file that SQLite cannot read is not a store.
+            Ok((_, false)) | Err(StoreError::Damaged { .. }) => Err(taken()),
+            Err(error) => {
+                if is_ours {
+                    // The first error is reported; a failed clean-up must not hide it.
+                    let _ = fs::remove_file(path);
+                }
+                Err(error)
+            }
+        }
     }
 
     /// Opens a store for reading and writing.

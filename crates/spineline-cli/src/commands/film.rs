@@ -14,6 +14,7 @@ use crate::run::failure::{Ending, Failure};
 use crate::run::film_decoder::Decoder;
 use crate::run::messages::say;
 use crate::run::outputs::{Outputs, OverwriteArgs, print};
+use crate::run::provenance::shown_name;
 
 #[derive(Args)]
 pub struct FilmArgs {
@@ -165,7 +166,7 @@ fn as_json(path: &Path, film: &FilmFile) -> Value {
     let view = judge_view(&tags.view, None);
     let texts = |items: Vec<String>| Value::from(items);
     json!({
-        "file": path.display().to_string(),
+        "file": shown_name(path),
         "kind": film.kind.to_string(),
         "modality": tags.modality,
         "transfer_syntax": tags.transfer_syntax,

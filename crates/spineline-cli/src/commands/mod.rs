@@ -41,6 +41,9 @@ exit code is 4. The second one ends the program at once.";
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
+    /// Name files in outputs with their folders, as the command line does; without it, outputs hold base names and SHA-256
+    #[arg(long, global = true, help_heading = "Privacy")]
+    pub full_paths: bool,
 }
 
 #[derive(Subcommand)]

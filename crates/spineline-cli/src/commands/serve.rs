@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use chrono::Utc;
 use clap::Args;
 use spineline_server::{ServeLimits, ServeOptions, Server};
-use spineline_store::{Access, Name, Role, Signature, Store};
+use spineline_store::{Access, Name, Role, Signature, Store, wider_permissions};
 
 use crate::run::failure::{Ending, Failure};
 use crate::run::interrupt;
@@ -60,6 +60,12 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
     let access =
         if args.accounts || !args.bind.is_loopback() { Access::Accounts } else { Access::Token };
     check(args, &store, access)?;
+    if let Some(mode) = wider_permissions(&args.store) {
+        let store = args.store.display();
+        say(&format!(
+            "warning: other users of this machine have access to {store} (permissions {mode}), which holds films and names of\n  readers; close it with: chmod 600 {store}\n"
+        ));
+    }
     let decoder = std::env::current_exe()
         .map_err(|error| Failure::internal(format!("this program cannot find itself: {error}")))?;
     let options = ServeOptions {

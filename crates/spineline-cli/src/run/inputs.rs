@@ -9,6 +9,7 @@ use spineline_files::{
 };
 
 use super::failure::Failure;
+use super::provenance::shown_name;
 
 /// The case files that the given paths name, in order; a folder stands for the `.json` files in it.
 ///
@@ -78,9 +79,9 @@ impl CaseInput {
     }
 }
 
-/// A text file that was read, by the name that the user gave it.
+/// A text file that was read, by its name without its folder.
 pub fn input_of(path: &Path, text: &str) -> InputFile {
-    InputFile::of(path.to_string_lossy(), text.as_bytes())
+    InputFile::of(shown_name(path), text.as_bytes())
 }
 
 /// As [`input_of`], of a file that something else reads.

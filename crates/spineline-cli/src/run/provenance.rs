@@ -1,5 +1,8 @@
 //! Where an output comes from: program, command, date and inputs.
 
+use std::path::Path;
+use std::sync::OnceLock;
+
 use chrono::{DateTime, SecondsFormat, Utc};
 use spineline_files::{ProgramRun, Provenance};
 
@@ -7,6 +10,22 @@ use super::failure::Failure;
 
 /// Environment variable with the time of the run in seconds since 1970, for reproducible outputs (reproducible-builds.org).
 const EPOCH: &str = "SOURCE_DATE_EPOCH";
+
+/// Whether outputs name files with their folders, as the command line does.
+static FULL_PATHS: OnceLock<bool> = OnceLock::new();
+
+/// Sets once, for the whole run, whether outputs name files with their folders. A folder may carry the name of a patient or
+/// of a user, so that the default is no.
+pub fn keep_full_paths(keep: bool) {
+    // Only the first call counts; there is one per run.
+    let _ = FULL_PATHS.set(keep);
+}
+
+/// A file as outputs name it: without its folder.
+pub fn shown_name(path: &Path) -> String {
+    let name = path.file_name().filter(|_| !FULL_PATHS.get().is_some_and(|keep| *keep));
+    name.unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
 
 /// The program and its version, as files name what wrote them.
 pub fn generator() -> String {
@@ -18,12 +37,30 @@ pub fn generator() -> String {
 /// # Errors
 /// If `SOURCE_DATE_EPOCH` is set and is not a time.
 pub fn this_run() -> Result<ProgramRun, Failure> {
-    let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
+    let words = std::env::args_os().skip(1).map(|word| shown_word(&word.to_string_lossy()));
     Ok(ProgramRun {
         program: generator(),
         command: std::iter::once("spineline".to_owned()).chain(words).collect(),
         date_utc: now()?.to_rfc3339_opts(SecondsFormat::Secs, true),
     })
+}
+
+/// A word of the command line with files named as outputs name them, after `=` and between commas too.
+fn shown_word(word: &str) -> String {
+    let part = |part: &str| {
+        if is_path(part) { shown_name(Path::new(part)) } else { part.to_owned() }
+    };
+    let list = |list: &str| list.split(',').map(part).collect::<Vec<_>>().join(",");
+    word.split('=').map(list).collect::<Vec<_>>().join("=")
+}
+
+/// Whether a word names a file in a folder, and not two vertebrae as in `L1/T12`.
+fn is_path(word: &str) -> bool {
+    let is_level = |part: &str| {
+        let number = part.strip_prefix(['L', 'T', 'C', 'S']);
+        number.is_some_and(|number| number.len() <= 2 && number.parse::<u8>().is_ok())
+    };
+    word.contains(['/', '\\']) && !word.split('/').all(is_level)
 }
 
 fn now() -> Result<DateTime<Utc>, Failure> {
@@ -46,4 +83,27 @@ pub fn in_svg(svg: &str, provenance: &Provenance) -> String {
     let text = spineline_files::to_text(provenance);
     let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
     format!("{}\n<metadata>{text}</metadata>{}", &svg[..end], &svg[end..])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_the_command_line_lose_their_folders_and_nothing_else() {
+        for (word, shown) in [
+            ("/home/doe/case.json", "case.json"),
+            ("Doe^Jane/case.json", "case.json"),
+            ("--out=../doe/a.html", "--out=a.html"),
+            ("erect=/films/doe/1.dcm", "erect=1.dcm"),
+            ("a/b.csv,c/d.csv", "b.csv,d.csv"),
+            ("C:\\doe\\case.json", if cfg!(windows) { "case.json" } else { "C:\\doe\\case.json" }),
+            ("L1/T12,T6", "L1/T12,T6"),
+            ("known-force:left_bending=30", "known-force:left_bending=30"),
+            ("-", "-"),
+            ("case.json", "case.json"),
+        ] {
+            assert_eq!(shown_word(word), shown, "{word}");
+        }
+    }
 }

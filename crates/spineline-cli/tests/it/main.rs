@@ -10,6 +10,7 @@ mod import;
 mod maker;
 mod noise_study;
 mod outputs;
+mod privacy;
 mod program;
 mod reliability;
 mod report;

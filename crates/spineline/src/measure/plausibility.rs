@@ -23,7 +23,7 @@ const OUTLIER_MEDIANS: f64 = 8.0;
 const SMALLEST_OUTLIER_SHARE: f64 = 0.15;
 
 /// Angle between an axis turned by hand and that of the corners, above which one of them is doubted. Assumption: far
-/// above the deviation of either [vrtovec-2015].
+/// above the deviation of either (assumption).
 const LARGEST_AXIS_DIFFERENCE: Angle = Angle::from_deg(30.0);
 
 /// Whether two films carry the same landmarks or placements, whoever is named as their observer.

@@ -15,7 +15,7 @@ use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::CaseInput;
 use crate::run::messages::say;
 use crate::run::outputs::{Outputs, print_notices};
-use crate::run::provenance::generator;
+use crate::run::provenance::{generator, shown_name};
 use crate::run::threads::map_all;
 
 /// Beginning of the names of files of a cohort.
@@ -44,9 +44,10 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs, outputs: Outputs) -> Result<End
             }
             Err((refusal, failure)) => {
                 say(&format!("{failure}\n"));
-                let name = path.file_name().unwrap_or(path.as_os_str());
-                let name = name.to_string_lossy().into_owned();
-                refused.push(Refused { name, refusal, why: failure.what().to_owned() });
+                let name = shown_name(path);
+                // Failures name the file as the command line does.
+                let why = failure.what().replace(&path.display().to_string(), &name);
+                refused.push(Refused { name, refusal, why });
             }
         }
     }

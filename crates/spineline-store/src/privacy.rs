@@ -1,0 +1,35 @@
+//! A store holds films and names of readers, so that its files are their owner's alone. SQLite gives the files beside a store the
+//! permissions of the store.
+
+use std::fs::OpenOptions;
+use std::path::Path;
+
+/// Options of a new file that other users of the machine cannot read, from its first moment on.
+pub(crate) fn owner_only(options: &mut OpenOptions) -> &mut OpenOptions {
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(options, 0o600);
+    options
+}
+
+/// Makes the file of a new store, empty, where there is none; says whether it was made. Whatever keeps it from that keeps SQLite
+/// from opening it, which says why.
+pub(crate) fn reserve(path: &Path) -> bool {
+    owner_only(OpenOptions::new().write(true).create_new(true)).open(path).is_ok()
+}
+
+/// Permissions of a store that others than its owner can read or write, such as `0644`; `None` where nobody else can, and on
+/// systems without such permissions.
+#[must_use]
+pub fn wider_permissions(path: &Path) -> Option<String> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let mode = std::fs::metadata(path).ok()?.permissions().mode() & 0o7777;
+        (mode & 0o077 != 0).then(|| format!("{mode:04o}"))
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = path;
+        None
+    }
+}
