@@ -28,7 +28,7 @@ pub struct Criteria {
 }
 
 impl Criteria {
-    /// From a sum of squares over so many measured numbers, with so many free numbers beside the residuals' size.
+    /// From a sum of squares over so many measured numbers, with so many parameters beside the residuals' size.
     ///
     /// ```
     /// use spineline::hypothesis::Criteria;

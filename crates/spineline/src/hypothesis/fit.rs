@@ -15,9 +15,9 @@ use crate::spatial::{Angle, Frontal};
 pub enum Role {
     /// Stiffness and load were fitted to it.
     Fitted,
-    /// Neither bend nor fitted: the load is the least one that brings T2 near.
+    /// Neither bend nor fitted: the load is the one that brings T2 nearest.
     HeldOut,
-    /// A bend; stiffness was fitted to the other one, and the load is the least one that brings T2 near.
+    /// A bend; stiffness was fitted to the other one, and the load is the one that brings T2 nearest.
     LeftOut,
     /// A bend; stiffness was fitted to the other one, and the load to the whole shape of this one.
     LeftOutLoadFitted,
@@ -346,7 +346,7 @@ impl Ended<'_> {
     }
 }
 
-/// The film under the least load that brings T2 near.
+/// The film under the load that brings T2 nearest.
 fn predict(
     hypothesis: Hypothesis,
     spine: &Spine<'_>,

@@ -14,7 +14,7 @@
 //!
 //! # What decides
 //! Never the fit. Films that were not fitted ([`Role::HeldOut`], [`Role::LeftOut`]) are predicted from T2's place alone, two
-//! numbers for every hypothesis; [`Criteria`] count the free numbers of the fit.
+//! numbers for every hypothesis; [`Criteria`] count the parameters of the fit.
 //!
 //! # References
 //! [jalalian-loa], [petit-2004]; [burnham-2002] for the criteria.
@@ -183,7 +183,7 @@ impl Hypothesis {
         }
     }
 
-    /// Free numbers of a fit to so many films, with so many multipliers of which the level is held.
+    /// Parameters of a fit to so many films, with so many multipliers under one scale constraint.
     #[must_use]
     pub const fn free_numbers(self, films: usize, groups: usize) -> usize {
         groups - 1 + films * (self.load.components() + self.base.angles())
