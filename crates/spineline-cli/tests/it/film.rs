@@ -95,7 +95,7 @@ fn film_tells_what_a_file_is_without_its_patient() {
     }
     let shown = read_film(&std::fs::read(&png).unwrap(), &FilmLimits::default()).unwrap();
     assert_eq!(shown.stored.iter().collect::<Vec<_>>(), [255, 219, 182, 146, 109, 73, 36, 0]);
-    run(&["--png", png.to_str().unwrap(), "--invert", "--window", "350,1"]);
+    run(&["--png", png.to_str().unwrap(), "--overwrite", "--invert", "--window", "350,1"]);
     let shown = read_film(&std::fs::read(&png).unwrap(), &FilmLimits::default()).unwrap();
     assert_eq!(shown.stored.iter().collect::<Vec<_>>(), [0, 0, 0, 0, 255, 255, 255, 255]);
     let json: serde_json::Value = serde_json::from_str(&run(&["--json"])).unwrap();

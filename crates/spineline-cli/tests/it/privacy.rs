@@ -182,6 +182,8 @@ fn the_command_line_can_be_kept_whole() {
 #[test]
 fn a_cohort_names_a_case_that_it_refuses_without_its_folder() {
     let (here, folder) = folder();
+    let folder = folder.join("cases");
+    fs::create_dir(&folder).expect("a folder");
     inputs(&folder);
     fs::write(folder.join("broken.json"), "{").expect("a file");
     fs::remove_file(folder.join("phantom-rod-01.truth.json")).expect("a file");
@@ -266,13 +268,11 @@ mod unix {
         let path = here.path().join("s.spineline");
         assert_eq!(spineline_store::wider_permissions(&path), None);
         fs::set_permissions(&path, fs::Permissions::from_mode(0o644)).expect("permissions");
-        // It cannot listen there, and ends after the warning.
-        let (_, error, code) =
-            run(here.path(), &["serve", "s.spineline", "--bind", "192.0.2.1", "--host", "x"]);
-        assert_ne!(code, 0);
-        let loopback =
-            run(here.path(), &["serve", "s.spineline", "--bind", "127.255.255.255", "--port", "1"]);
-        let said = error + &loopback.1;
-        assert!(said.contains("0644") && said.contains("chmod 600"), "{said}");
+        // It cannot listen where another program does, and ends after the warning.
+        let taken = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+        let port = taken.local_addr().expect("an address").port().to_string();
+        let (_, error, code) = run(here.path(), &["serve", "s.spineline", "--port", &port]);
+        assert_eq!(code, 3, "{error}");
+        assert!(error.contains("0644") && error.contains("chmod 600"), "{error}");
     }
 }
