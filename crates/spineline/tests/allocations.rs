@@ -16,7 +16,7 @@ use spineline::spatial::{Mat3, Vec3};
 const SPRING: [f64; 3] = [140e3, 140e3, 250e3];
 
 #[test]
-fn the_march_does_not_allocate_once_its_solution_has_its_size() {
+fn the_march_does_not_allocate_into_a_sized_solution() {
     let (_, model) = spine(0);
     let statics = Statics::from_stiffness(&model, [SPRING; 14], &[0; 14], Support::Free);
     let wrench = Wrench::at(Vec3::new(0.0, 5.0, 300.0), Vec3::new(0.0, 30.0, -10.0));
@@ -28,7 +28,7 @@ fn the_march_does_not_allocate_once_its_solution_has_its_size() {
 }
 
 #[test]
-fn newton_does_not_allocate_whatever_the_load() {
+fn newton_does_not_allocate_under_any_load() {
     let (_, model) = spine(0);
     let springs = (0..14).map(|_| Mat3::from_diagonal(&Vec3::from(SPRING)));
     let statics = GeneralStatics::new(&model, springs, Support::Free).expect("sound springs");

@@ -19,7 +19,7 @@ fn phantom(folder: &Path, truth: &str, subject: &str) {
 }
 
 #[test]
-fn help_teaches_every_command() {
+fn every_command_has_a_help_text() {
     let here = folder();
     let (text, _, code) = run(here.path(), &["--help"]);
     assert_eq!(code, 0);
@@ -77,7 +77,7 @@ fn a_phantom_is_made_checked_and_analysed() {
 }
 
 #[test]
-fn the_json_has_what_others_build_on() {
+fn the_json_has_its_documented_keys() {
     let here = folder();
     phantom(here.path(), "rod", "1");
     let (text, _, _) = run(here.path(), &["analyze", "cases/phantom-rod-01.json", "--json", "-"]);
@@ -143,7 +143,7 @@ fn replicates_give_intervals_that_do_not_depend_on_threads() {
 }
 
 #[test]
-fn what_films_say_of_multipliers_is_told_on_demand_with_and_without_a_prior() {
+fn identifiability_is_reported_on_request_with_and_without_a_prior() {
     let here = folder();
     phantom(here.path(), "rod", "2");
     let case = "cases/phantom-rod-02.json";
@@ -171,7 +171,7 @@ fn what_films_say_of_multipliers_is_told_on_demand_with_and_without_a_prior() {
 }
 
 #[test]
-fn other_loads_are_compared_where_they_are_asked_for() {
+fn other_loads_are_compared_on_request() {
     let here = folder();
     phantom(here.path(), "couple", "2");
     let case = "cases/phantom-couple-02.json";
@@ -199,7 +199,7 @@ fn a_cohort_is_the_same_for_any_number_of_threads() {
 }
 
 #[test]
-fn tables_models_and_figures_are_written_whole() {
+fn tables_models_and_figures_are_written_completely() {
     let here = folder();
     phantom(here.path(), "rod", "3");
     let arguments = [
@@ -257,7 +257,7 @@ fn bad_input_ends_with_3_and_names_file_film_and_vertebra() {
 }
 
 #[test]
-fn wrong_options_say_what_would_be_right() {
+fn wrong_options_are_refused_with_the_valid_ones() {
     let here = folder();
     for (arguments, word) in [
         (["analyze", "x.json", "--order-rule", "3"], "4 to 12"),
@@ -296,7 +296,7 @@ fn a_known_force_makes_forces_absolute() {
 }
 
 #[test]
-fn a_line_of_ones_own_and_inflections_by_hand_are_used() {
+fn a_given_line_and_given_inflections_are_used() {
     let here = folder();
     phantom(here.path(), "pull", "1");
     let arguments = [
@@ -368,7 +368,7 @@ fn reproduce_prints_the_table_and_writes_the_same_bytes_for_any_number_of_thread
 }
 
 #[test]
-fn a_model_is_exported_for_three_engines_and_other_words_are_told() {
+fn a_model_is_exported_for_three_engines_and_unknown_formats_are_refused() {
     let here = folder();
     phantom(here.path(), "rod", "1");
     let case = "cases/phantom-rod-01.json";
@@ -398,7 +398,7 @@ fn a_model_is_exported_for_three_engines_and_other_words_are_told() {
 }
 
 #[test]
-fn films_of_a_phantom_lie_beside_the_case_that_names_them() {
+fn films_of_a_phantom_are_written_beside_their_case() {
     let here = folder();
     let command = ["phantom", "--subject", "5", "--films", "--threads", "1", "--out", "cases"];
     let (text, _, code) = run(here.path(), &command);

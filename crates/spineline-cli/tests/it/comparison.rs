@@ -18,7 +18,7 @@ fn with_phantoms(truth: &str, subjects: &[&str]) -> TempDir {
 }
 
 #[test]
-fn one_patient_has_every_line_by_kind_of_film_and_a_verdict() {
+fn one_patient_shows_every_line_by_kind_of_film_and_a_conclusion() {
     let here = with_phantoms("bend", &["1"]);
     let (text, error, _) = run(here.path(), &["analyze", "cases/phantom-bend-01.json"]);
     let text = words(&text);
@@ -58,7 +58,7 @@ fn one_patient_has_every_line_by_kind_of_film_and_a_verdict() {
 }
 
 #[test]
-fn a_cohort_is_tested_by_patient_with_its_family_stated() {
+fn a_cohort_is_tested_by_patient_with_its_family_of_tests() {
     let here = with_phantoms("pull", &["1", "2", "3", "4"]);
     let arguments = ["analyze", "cases", "--cohort", "all.json", "--threads", "2"];
     let (text, error, code) = run(here.path(), &arguments);

@@ -21,7 +21,7 @@ fn write(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
 }
 
 #[test]
-fn a_film_comes_through_the_child_as_it_is() {
+fn a_film_decoded_in_the_child_is_unchanged() {
     let mut maker = Maker::new(37, 23, &ramp(37, 23));
     maker.text((0x20, 0x20), "CS", "L\\F").text((0x18, 0x1164), "DS", "0.2\\0.1");
     maker.text((0x28, 0x30), "DS", "0,1").word((0x28, 0x103), 1);
@@ -32,7 +32,7 @@ fn a_film_comes_through_the_child_as_it_is() {
 }
 
 #[test]
-fn errors_of_the_film_come_through_the_child_as_they_are() {
+fn errors_of_a_film_in_the_child_are_unchanged() {
     let film = Maker::new(6, 4, &ramp(6, 4));
     let mut bomb = film.clone();
     bomb.set((9, 0x1010), "OB", Value::Bytes(vec![0; 40 << 20]));
@@ -72,7 +72,7 @@ fn f62_a_film_that_needs_more_memory_than_allowed_is_an_error() {
 }
 
 #[test]
-fn film_tells_what_a_file_is_without_its_patient() {
+fn film_describes_a_file_without_the_patients_identity() {
     let folder = tempfile::tempdir().unwrap();
     let mut maker = Maker::new(4, 2, &[0, 100, 200, 300, 400, 500, 600, 700]);
     maker.text((0x10, 0x10), "PN", "Doe^Jane").text((0x10, 0x20), "LO", "4711-XY");
@@ -103,7 +103,7 @@ fn film_tells_what_a_file_is_without_its_patient() {
 }
 
 #[test]
-fn film_refuses_other_files_with_help_and_goes_on() {
+fn film_refuses_other_files_with_help_and_continues() {
     let folder = tempfile::tempdir().unwrap();
     let bad = write(folder.path(), "report.pdf", b"%PDF-1.7");
     let good = write(folder.path(), "film.dcm", &Maker::new(2, 2, &[1, 2, 3, 4]).file(EXPLICIT));

@@ -68,7 +68,7 @@ fn holds(bytes: &[u8], word: &str) -> bool {
 }
 
 #[test]
-fn films_become_a_case_without_their_patient() {
+fn films_become_a_deidentified_case() {
     let here = Here::new();
     put(&here, "a.dcm", &film(1));
     put(&here, "b.dcm", &film(2));
@@ -175,7 +175,7 @@ fn landmarks_of_another_program_lie_on_their_films() {
 }
 
 #[test]
-fn the_same_secret_maps_the_same_identifiers_to_the_same_new_ones() {
+fn equal_secrets_map_equal_identifiers_to_equal_new_ones() {
     let here = Here::new();
     put(&here, "a.dcm", &film(1));
     let uid = |folder: &str, secret: &str| {
@@ -202,7 +202,7 @@ fn the_same_secret_maps_the_same_identifiers_to_the_same_new_ones() {
 }
 
 #[test]
-fn what_no_file_says_is_asked_for_by_film_and_with_its_answer() {
+fn missing_values_are_asked_for_by_film_with_the_option_to_give_them() {
     let here = Here::new();
     let mut silent = film(1);
     silent.remove((0x20, 0x20));
@@ -220,7 +220,7 @@ fn what_no_file_says_is_asked_for_by_film_and_with_its_answer() {
 }
 
 #[test]
-fn an_answer_that_the_file_contradicts_must_be_meant() {
+fn an_answer_that_contradicts_the_file_needs_confirmation() {
     let here = Here::new();
     put(&here, "a.dcm", &film(1));
     let arguments = [
@@ -275,7 +275,7 @@ fn lateral_views_are_recognised_and_offered_for_the_profile() {
 }
 
 #[test]
-fn a_recumbent_film_called_erect_is_questioned() {
+fn a_recumbent_film_given_as_erect_needs_confirmation() {
     let here = Here::new();
     let mut lying = film(1);
     let code = [((0x08, 0x100), ("SH", text("102538003"))), ((0x08, 0x102), ("SH", text("SCT")))];
@@ -320,7 +320,7 @@ fn one_picture_cannot_show_two_postures_and_one_identifier_two_pictures() {
 }
 
 #[test]
-fn a_ball_gives_the_scale_with_its_error_whatever_the_file_says() {
+fn a_ball_gives_the_scale_with_its_error_and_overrides_the_file() {
     let here = Here::new();
     let mut bare = film(1);
     bare.remove((0x28, 0x30)).remove((0x28, 0xA02));
@@ -361,7 +361,7 @@ fn a_ball_gives_the_scale_with_its_error_whatever_the_file_says() {
 }
 
 #[test]
-fn a_film_without_spacing_says_pixels() {
+fn a_film_without_spacing_is_in_pixels() {
     let here = Here::new();
     let mut bare = film(1);
     bare.remove((0x28, 0x30));
@@ -397,7 +397,7 @@ fn a_case_is_never_overwritten() {
 }
 
 #[test]
-fn two_answers_to_one_question_and_answers_about_no_film_are_refused() {
+fn repeated_answers_and_answers_about_unknown_films_are_refused() {
     let here = Here::new();
     put(&here, "a.dcm", &film(1));
     let refused = |more: &[&str]| {
@@ -414,7 +414,7 @@ fn two_answers_to_one_question_and_answers_about_no_film_are_refused() {
 }
 
 #[test]
-fn without_a_choice_the_films_are_listed_and_nothing_is_written() {
+fn without_a_choice_films_are_listed_and_no_file_is_written() {
     let here = Here::new();
     put(&here, "a.dcm", &film(1));
     fs::write(here.path("notes.txt"), "<notes>").expect("a file");
@@ -428,7 +428,7 @@ fn without_a_choice_the_films_are_listed_and_nothing_is_written() {
 }
 
 #[test]
-fn pictures_lose_what_is_not_picture() {
+fn pictures_are_stored_without_metadata() {
     let here = Here::new();
     let mut png = Vec::new();
     let mut encoder = png::Encoder::new(&mut png, 30, 20);

@@ -38,7 +38,7 @@ fn exact<'a>(rows: &'a [Row], truth: &str, order: &str) -> &'a Row {
 }
 
 #[test]
-fn a_small_study_is_whole_the_same_for_any_threads_and_knows_its_truths() {
+fn a_small_study_is_complete_and_does_not_depend_on_threads() {
     let here = tempfile::tempdir().expect("a place for files");
     let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("written");
     let study = |out: &str, threads: &str| {
@@ -83,7 +83,7 @@ fn a_small_study_is_whole_the_same_for_any_threads_and_knows_its_truths() {
 }
 
 #[test]
-fn a_study_without_rods_compares_nothing_with_them() {
+fn a_study_without_rods_has_no_comparison_with_them() {
     let here = tempfile::tempdir().expect("a place for files");
     run(here.path(), &["noise-study", "--phantoms", "2", "--truths", "random", "--out", "."]);
     let rows = rows(&fs::read_to_string(here.path().join("noise-study.csv")).expect("written"));

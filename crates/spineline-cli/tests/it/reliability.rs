@@ -31,7 +31,7 @@ fn number(value: &Value) -> f64 {
 }
 
 #[test]
-fn phantoms_have_the_errors_that_their_readers_were_given() {
+fn the_errors_of_phantom_readings_equal_those_of_their_readers() {
     let here = folder();
     for subject in ["1", "2"] {
         let made = ["phantom", "--truth", "rod", "--subject", subject, "--out", "cases"];
@@ -62,7 +62,7 @@ fn phantoms_have_the_errors_that_their_readers_were_given() {
 }
 
 #[test]
-fn no_number_that_is_not_zero_is_printed_as_zero() {
+fn nonzero_numbers_are_not_printed_as_zero() {
     // F51: errors far below the spread of the subjects, and coefficients near zero and one.
     let here = folder();
     let mut table = "quantity,unit,subject,observer,repeat,value\n".to_owned();
@@ -83,7 +83,7 @@ fn no_number_that_is_not_zero_is_printed_as_zero() {
 }
 
 #[test]
-fn a_single_reader_gets_reasons_in_text_and_analysis() {
+fn a_single_reader_gives_reasons_in_text_and_analysis() {
     // F27.
     let here = folder();
     let made = ["phantom", "--truth", "rod", "--subject", "1", "--noise", "0", "--out", "cases"];
@@ -112,7 +112,7 @@ fn several_readings_reach_the_analysis_file() {
 }
 
 #[test]
-fn wrong_calls_and_wrong_tables_are_told_apart() {
+fn wrong_usage_and_wrong_tables_have_different_exit_codes() {
     let here = folder();
     let write = |name: &str, text: &str| {
         fs::write(here.path().join(name), text).expect("written");
@@ -207,7 +207,7 @@ fn half_variance_of_differences(means: &BTreeMap<&str, Vec<f64>>) -> f64 {
 }
 
 #[test]
-fn three_clinicians_lines_have_the_errors_that_their_differences_show() {
+fn errors_of_three_clinicians_lines_follow_from_their_differences() {
     let Some(data) = std::env::var_os("SPINELINE_DATA") else {
         println!("skipped: SPINELINE_DATA is not set");
         return;

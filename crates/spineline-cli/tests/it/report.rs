@@ -24,7 +24,7 @@ fn analysis_in(report: &Path) -> Value {
 }
 
 #[test]
-fn a_folder_with_one_case_makes_a_patients_report_under_its_name() {
+fn a_folder_with_one_case_gives_a_patient_report_with_its_name() {
     let here = phantoms(&["1"]);
     let (said, error, code) = run(here.path(), &["report", "demo"]);
     assert!(code == 0 && said.contains("phantom-rod-01.html"), "{code} {said} {error}");
@@ -37,7 +37,7 @@ fn a_folder_with_one_case_makes_a_patients_report_under_its_name() {
 }
 
 #[test]
-fn markdown_has_its_figures_beside_it() {
+fn markdown_figures_are_written_beside_it() {
     let here = phantoms(&["1"]);
     let arguments = ["report", "demo", "--to", "md", "--out", "out/a.md", "--figures", "pictures"];
     let (_, error, code) = run(here.path(), &arguments);
@@ -64,7 +64,7 @@ fn markdown_has_its_figures_beside_it() {
 
 #[cfg(not(feature = "pdf"))]
 #[test]
-fn a_program_without_typesetter_says_how_to_get_one_before_any_work() {
+fn a_program_without_typesetter_says_how_to_build_it_before_any_work() {
     let here = phantoms(&["1"]);
     let (_, error, code) = run(here.path(), &["report", "no-such-case", "--to", "pdf"]);
     assert!(code == 2 && error.contains("--features pdf"), "{code} {error}");
@@ -75,7 +75,7 @@ fn a_program_without_typesetter_says_how_to_get_one_before_any_work() {
 
 #[cfg(feature = "pdf")]
 #[test]
-fn a_typeset_report_holds_its_analysis_and_is_repeated_from_itself_alone() {
+fn a_typeset_report_contains_its_analysis_and_is_repeated_from_itself() {
     let here = phantoms(&["1"]);
     let (said, error, code) = run(here.path(), &["report", "demo", "--to", "pdf"]);
     assert!(code == 0 && said.contains("phantom-rod-01.pdf"), "{code} {said} {error}");
@@ -90,7 +90,7 @@ fn a_typeset_report_holds_its_analysis_and_is_repeated_from_itself_alone() {
 }
 
 #[test]
-fn a_hostile_identifier_is_no_path_and_no_markup() {
+fn a_hostile_identifier_is_escaped_in_paths_and_markup() {
     let here = phantoms(&["1"]);
     let path = here.path().join("demo/phantom-rod-01.json");
     let text = fs::read_to_string(&path).expect("the case is there");
@@ -109,7 +109,7 @@ fn a_hostile_identifier_is_no_path_and_no_markup() {
 }
 
 #[test]
-fn a_cohort_counts_who_was_refused_and_does_not_depend_on_threads() {
+fn a_cohort_counts_refused_cases_and_does_not_depend_on_threads() {
     let here = phantoms(&["1", "2"]);
     fs::write(here.path().join("demo/odd.json"), "{\"format\": \"spineline-case\"}")
         .expect("a file");
@@ -142,7 +142,7 @@ fn a_cohort_counts_who_was_refused_and_does_not_depend_on_threads() {
 }
 
 #[test]
-fn a_report_is_repeated_from_itself_alone() {
+fn a_report_is_repeated_from_itself() {
     let here = phantoms(&["1"]);
     for (form, name) in [("html", "a.html"), ("md", "a.md")] {
         let written = run(here.path(), &["report", "demo", "--to", form, "--out", name]);

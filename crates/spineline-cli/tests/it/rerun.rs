@@ -28,7 +28,7 @@ fn json(path: &Path) -> Value {
 const CASE: &str = "cases/phantom-rod-01.json";
 
 #[test]
-fn an_analysis_is_repeated_from_its_file_alone() {
+fn an_analysis_is_repeated_from_its_file() {
     let here = folder_with_phantom();
     let at = |name: &str| here.path().join(name);
     let stiffness = run(here.path(), &["stiffness"]).0.replace("132.0", "131.9");
@@ -72,7 +72,7 @@ fn an_analysis_is_repeated_from_its_file_alone() {
 }
 
 #[test]
-fn what_has_changed_is_named_with_its_place_and_the_exit_code_says_so() {
+fn changes_are_listed_with_their_place_and_set_the_exit_code() {
     let here = folder_with_phantom();
     let path = here.path().join("a.json");
     // The case lies elsewhere, where only its whole path finds it.
@@ -113,7 +113,7 @@ fn what_has_changed_is_named_with_its_place_and_the_exit_code_says_so() {
 }
 
 #[test]
-fn figures_come_from_the_analysis_alone_and_a_cohort_is_a_list() {
+fn figures_are_made_from_the_analysis_and_a_cohort_is_a_list() {
     let here = folder_with_phantom();
     let (_, error, code) = run(here.path(), &["phantom", "--subject", "2", "--out", "cases"]);
     assert_eq!(code, 0, "{error}");
@@ -139,7 +139,7 @@ fn figures_come_from_the_analysis_alone_and_a_cohort_is_a_list() {
 }
 
 #[test]
-fn a_case_is_taken_from_an_analysis_and_other_options_are_said() {
+fn a_case_is_read_from_an_analysis_and_other_options_are_reported() {
     let here = folder_with_phantom();
     let analyse = |asked: &[&str]| run(here.path(), &[&["analyze"], asked].concat());
     assert_eq!(analyse(&[CASE, "--json", "a.json", "--fit", "ferguson"]).2, 0);
@@ -155,7 +155,7 @@ fn a_case_is_taken_from_an_analysis_and_other_options_are_said() {
 }
 
 #[test]
-fn every_file_of_an_analysis_says_where_it_comes_from() {
+fn every_file_of_an_analysis_has_provenance() {
     let here = folder_with_phantom();
     let outputs = [
         "analyze",

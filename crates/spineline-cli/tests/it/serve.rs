@@ -61,7 +61,7 @@ fn a_password_is_never_an_argument() {
 }
 
 #[test]
-fn f70_an_address_that_others_reach_demands_accounts() {
+fn f70_an_address_other_than_loopback_needs_accounts() {
     let folder = tempfile::tempdir().expect("a folder");
     run(folder.path(), &["study", "create", "s.spineline"], "").success();
     for demanding in
@@ -100,7 +100,7 @@ fn first_line(folder: &Path, arguments: &[&str]) -> String {
 }
 
 #[test]
-fn f70_this_machine_alone_is_the_default() {
+fn f70_loopback_is_the_default() {
     let folder = tempfile::tempdir().expect("a folder");
     let line = first_line(folder.path(), &["serve", "new.spineline", "--port", "0"]);
     assert!(line.starts_with("http://127.0.0.1:") && line.contains("/#token="), "{line}");

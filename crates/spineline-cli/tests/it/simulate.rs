@@ -30,7 +30,7 @@ fn number(json: &Value, pointer: &str) -> f64 {
 }
 
 #[test]
-fn a_force_makes_a_report_and_whole_files() {
+fn a_force_gives_a_report_and_complete_files() {
     let here = folder();
     let line = ["simulate", "model.json", "--push", "left", "--force", "20"];
     let files = ["--json", "out/s.json", "--csv", "out/s.csv", "--svg", "out/s.svg"];
@@ -124,7 +124,7 @@ fn the_load_of_a_film_gives_the_shape_of_the_analysis() {
 }
 
 #[test]
-fn an_amplitude_is_found_whichever_way_the_loads_point() {
+fn an_amplitude_is_found_for_either_direction_of_the_loads() {
     let here = folder();
     let lean = ["--amplitude", "20", "--towards"];
     let with = |push: &str, side: &str| {
@@ -180,7 +180,7 @@ fn mirrored(model: &str) -> String {
 }
 
 #[test]
-fn the_mirror_image_answers_as_a_mirror_image() {
+fn a_mirrored_model_has_the_mirrored_response() {
     let here = folder();
     let (left, _) =
         simulate(here.path(), &["--push", "left", "--force", "30", "--level", "T8", "--follow"]);
@@ -224,7 +224,7 @@ fn weight_and_a_pad_come_from_a_file() {
 }
 
 #[test]
-fn what_is_no_result_ends_with_4_and_says_so_everywhere() {
+fn a_missing_result_ends_with_4_and_is_labelled_everywhere() {
     let here = folder();
     let line = [
         "simulate",
@@ -249,7 +249,7 @@ fn what_is_no_result_ends_with_4_and_says_so_everywhere() {
 }
 
 #[test]
-fn bad_loads_and_models_end_with_3_and_wrong_calls_with_2() {
+fn bad_loads_and_models_end_with_3_and_wrong_usage_with_2() {
     let here = folder();
     let bad = r#"{"format":"spineline-load","version":1,"loads":[{"kind":"moment","level":"T1","moment_nmm":[1,0,0]}]}"#;
     fs::write(here.path().join("bad.json"), bad).expect("written");
@@ -282,7 +282,7 @@ fn bad_loads_and_models_end_with_3_and_wrong_calls_with_2() {
 }
 
 #[test]
-fn a_model_without_regions_is_measured_at_the_usual_places_and_says_so() {
+fn a_model_without_regions_is_measured_at_default_levels_with_a_note() {
     let here = folder();
     let path = here.path().join("model.json");
     let mut model: Value =

@@ -28,7 +28,7 @@ fn store(folder: &Path) {
 }
 
 #[test]
-fn a_case_goes_through_the_store_and_comes_back_with_the_same_marks() {
+fn a_case_round_trips_through_the_store_with_equal_landmarks() {
     let here = tempfile::tempdir().expect("a temporary folder");
     store(here.path());
     let (out, error, code) = run(here.path(), &["study", "export", "s.db", "phantom-rod-01"]);
@@ -43,7 +43,7 @@ fn a_case_goes_through_the_store_and_comes_back_with_the_same_marks() {
 }
 
 #[test]
-fn a_store_verifies_itself_and_tells_when_it_was_edited() {
+fn a_store_verification_reports_edits() {
     let here = tempfile::tempdir().expect("a temporary folder");
     store(here.path());
     let (out, _, code) = run(here.path(), &["study", "verify", "s.db"]);
@@ -64,7 +64,7 @@ fn a_store_verifies_itself_and_tells_when_it_was_edited() {
 }
 
 #[test]
-fn an_observer_is_told_a_code_and_nothing_else() {
+fn an_observer_sees_only_a_code() {
     let here = tempfile::tempdir().expect("a temporary folder");
     store(here.path());
     // A study that was read has no plan any more; one without readings gets one.
@@ -89,7 +89,7 @@ fn an_observer_is_told_a_code_and_nothing_else() {
 }
 
 #[test]
-fn what_is_no_store_is_not_touched() {
+fn a_file_that_is_not_a_store_is_not_changed() {
     let here = tempfile::tempdir().expect("a temporary folder");
     fs::write(here.path().join("notes.txt"), "notes").expect("a file");
     for command in ["create", "list", "verify", "log"] {
@@ -104,7 +104,7 @@ fn what_is_no_store_is_not_touched() {
 }
 
 #[test]
-fn a_film_that_is_not_the_cases_own_is_refused_before_anything_is_written() {
+fn a_film_of_another_case_is_refused_before_any_write() {
     let here = tempfile::tempdir().expect("a temporary folder");
     store(here.path());
     let path = here.path().join("p/phantom-rod-01.json");

@@ -19,7 +19,7 @@ fn names(folder: &Path) -> BTreeSet<String> {
 }
 
 #[test]
-fn every_table_is_there_in_both_formats_with_its_hash() {
+fn every_table_is_written_in_both_formats_with_its_hash() {
     let here = tempfile::tempdir().expect("a place for files");
     let (error, code) = run(here.path(), &["phantom", "--subject", "1", "--out", "cases"]);
     assert_eq!(code, 0, "{error}");
@@ -52,7 +52,7 @@ fn every_table_is_there_in_both_formats_with_its_hash() {
 }
 
 #[test]
-fn formats_are_chosen_and_what_is_asked_for_adds_tables() {
+fn formats_are_chosen_and_requests_add_tables() {
     let here = tempfile::tempdir().expect("a place for files");
     let (error, code) = run(here.path(), &["phantom", "--subject", "1", "--out", "cases"]);
     assert_eq!(code, 0, "{error}");

@@ -117,7 +117,7 @@ proptest! {
 
     /// Oracle: every link is one chord long; a polygon is shorter than its arc by l³κ²/24 per link.
     #[test]
-    fn links_and_leftover_are_the_whole_curve((curve, _, _) in any_polynomial()) {
+    fn links_and_remainder_have_the_length_of_the_curve((curve, _, _) in any_polynomial()) {
         let fit = fit(&curve.outline(), OrderRule::Fixed(6));
         let curve = &fit.curve;
         let length = curve.length_mm(curve.end_mm());
@@ -152,7 +152,7 @@ proptest! {
 
     /// Oracle: the chords of either half of an arc lean by a quarter of its angle from the middle chord.
     #[test]
-    fn an_arc_has_half_its_angle_by_ferguson_and_all_of_it_by_cobb(
+    fn an_arc_has_half_its_angle_by_ferguson_and_all_by_cobb(
         a in 10.0..60.0_f64,
         b in 10.0..90.0_f64,
         c in 10.0..60.0_f64,
@@ -210,7 +210,7 @@ fn the_paper_rule_takes_an_order_with_two_inflections() {
 }
 
 #[test]
-fn a_spine_that_leans_beyond_seventy_degrees_is_fitted_in_parametric_form() {
+fn a_spine_tilted_by_more_than_seventy_degrees_is_fitted_in_parametric_form() {
     // Oracle: an arc of 80° with the vertebrae at equal angles.
     let radius_mm = 300.0;
     let vertebrae: Vec<(Frontal, Angle)> = (0..15)

@@ -64,7 +64,7 @@ fn wavy(lobes: u32, turn: Angle, bends: bool) -> Case {
 }
 
 #[test]
-fn exchanged_bends_are_refused_with_both_leans() {
+fn swapped_bends_are_refused_with_both_lateral_tilts() {
     // Oracle: a left bend leans to the left of a right bend.
     let mut case = exact_case(0);
     for film in &mut case.films {
@@ -108,7 +108,7 @@ fn a_case_without_an_erect_film_is_refused() {
 }
 
 #[test]
-fn a_neutral_film_seen_from_the_wrong_side_looks_mirrored() {
+fn a_neutral_film_with_the_wrong_side_is_reported_as_mirrored() {
     // Oracle: lying down does not turn a curve into its mirror image.
     for posture in [Posture::Neutral, Posture::Traction] {
         let mut case = exact_case(0);
@@ -120,7 +120,7 @@ fn a_neutral_film_seen_from_the_wrong_side_looks_mirrored() {
 }
 
 #[test]
-fn a_bending_film_seen_from_the_wrong_side_leans_away() {
+fn a_bending_film_with_the_wrong_side_tilts_to_the_other_side() {
     // Oracle: a left bend leans to the left of the erect spine.
     for posture in [Posture::LeftBending, Posture::RightBending] {
         let mut case = exact_case(0);
@@ -141,7 +141,7 @@ fn a_bending_film_seen_from_the_wrong_side_leans_away() {
 }
 
 #[test]
-fn a_film_of_doubled_spacing_is_told_by_its_length() {
+fn a_film_of_doubled_spacing_is_detected_by_its_length() {
     // Oracle: a spine does not grow by 100 %.
     let mut case = exact_case(0);
     let (image, _, _) = landmarks(film_mut(&mut case, Posture::Traction));
@@ -172,7 +172,7 @@ fn a_film_a_twentieth_as_long_cannot_share_a_chain() {
 }
 
 #[test]
-fn iliac_crests_off_the_picture_or_in_one_place_are_refused_and_exchanged_ones_are_told() {
+fn iliac_crests_off_the_picture_or_coincident_are_refused_and_swapped_ones_reported() {
     // Oracle: two crests make a line only where they lie apart, and it runs about across L4.
     let with = |change: fn(&mut IliacCrests)| {
         let mut case = exact_case(0);
@@ -193,7 +193,7 @@ fn iliac_crests_off_the_picture_or_in_one_place_are_refused_and_exchanged_ones_a
 }
 
 #[test]
-fn a_film_held_upside_down_is_measured_as_any_other() {
+fn a_film_upside_down_is_measured_like_any_other() {
     // Oracle: the same film turned by half a turn; angles near 180° must not average to 0°.
     let case = exact_case(0);
     let mut turned = case.clone();
@@ -216,7 +216,7 @@ fn a_film_held_upside_down_is_measured_as_any_other() {
 }
 
 #[test]
-fn tilts_of_the_wrong_sign_are_told_by_the_curve() {
+fn tilts_of_the_wrong_sign_are_detected_by_the_curve() {
     // Oracle: locations and tilts of one spine belong to one curve.
     let mut case = wavy(2, Angle::from_deg(25.0), true);
     for film in &mut case.films {
@@ -246,7 +246,7 @@ fn a_straight_spine_still_has_an_iliac_and_an_estimated_line() {
 }
 
 #[test]
-fn one_inflection_gives_no_inflection_line_but_everything_else() {
+fn one_inflection_gives_all_results_except_the_inflection_line() {
     // Oracle: two lobes meet in one inflection, half way up.
     let analysis = analyzed(&wavy(2, Angle::from_deg(30.0), true), &on_a_table());
     assert_eq!((analysis.inflections.all.len(), analysis.inflections.lobes.len()), (1, 2));

@@ -46,7 +46,7 @@ fn with_corners(level: Level, change: impl FnOnce(&mut Corners<Pixel>)) -> Case 
 }
 
 #[test]
-fn neighbouring_corners_exchanged_are_crossed() {
+fn swapped_neighbouring_corners_are_reported_as_crossed() {
     // Oracle: the diagonals of a bow tie do not meet.
     for level in [Level::L4, Level::T8, Level::T2] {
         let case = with_corners(level, |c| swap(&mut c.superior_left, &mut c.superior_right));
@@ -55,7 +55,7 @@ fn neighbouring_corners_exchanged_are_crossed() {
 }
 
 #[test]
-fn sides_exchanged_on_one_vertebra_are_named() {
+fn swapped_sides_of_one_vertebra_are_reported_by_name() {
     // Oracle: the patient's left cannot change from one vertebra to the next.
     for level in [Level::L4, Level::T8, Level::T2] {
         let case = with_corners(level, |c| {
@@ -79,7 +79,7 @@ fn a_vertebra_upside_down_is_named() {
 }
 
 #[test]
-fn a_vertebra_turned_by_half_a_turn_is_upside_down() {
+fn a_vertebra_rotated_by_180_degrees_is_upside_down() {
     // Oracle: superior and inferior are exchanged, whatever the sides say.
     let case = with_corners(Level::T8, |c| {
         swap(&mut c.superior_left, &mut c.inferior_right);
@@ -89,7 +89,7 @@ fn a_vertebra_turned_by_half_a_turn_is_upside_down() {
 }
 
 #[test]
-fn corners_in_one_place_or_on_one_line_make_no_body() {
+fn coincident_or_collinear_corners_are_refused() {
     // Oracle: a body has an area.
     let point = with_corners(Level::T8, |c| *c = c.map(|_| Pixel::new(900.0, 900.0)));
     refused_corners(&point, Level::T8, CornerFault::Flat);
@@ -102,7 +102,7 @@ fn corners_in_one_place_or_on_one_line_make_no_body() {
 }
 
 #[test]
-fn a_coordinate_that_is_no_number_is_refused() {
+fn a_coordinate_that_is_not_finite_is_refused() {
     // Oracle: nothing can be measured from NaN or infinity.
     for value in [f64::NAN, f64::INFINITY] {
         let case = with_corners(Level::T5, |c| c.inferior_right.row_px = value);
@@ -116,7 +116,7 @@ fn a_coordinate_that_is_no_number_is_refused() {
 }
 
 #[test]
-fn a_placement_that_is_no_number_is_refused() {
+fn a_placement_that_is_not_finite_is_refused() {
     // Oracle: nothing can be measured from NaN.
     let film =
         graph_film(Posture::Erect, 390.0, |z| if z > 380.0 { (f64::NAN, 0.0) } else { (0.0, 0.0) });
@@ -125,7 +125,7 @@ fn a_placement_that_is_no_number_is_refused() {
 }
 
 #[test]
-fn a_level_that_is_not_marked_is_named() {
+fn a_level_without_landmarks_is_named() {
     // Oracle: all 15 vertebrae from L4 to T2 are needed.
     for level in [Level::T7, Level::L4, Level::T2] {
         let mut case = exact_case(0);
@@ -160,7 +160,7 @@ fn a_corner_off_the_picture_is_refused_with_its_place() {
 }
 
 #[test]
-fn a_spacing_that_is_no_positive_number_is_refused() {
+fn a_spacing_that_is_not_positive_is_refused() {
     // Oracle: pixels have a distance; some real files say "0.000".
     for value in [0.0, -0.1, f64::NAN, f64::INFINITY, 1e-5] {
         let mut case = exact_case(0);
@@ -175,7 +175,7 @@ fn a_spacing_that_is_no_positive_number_is_refused() {
 }
 
 #[test]
-fn a_reading_given_twice_is_refused() {
+fn a_repeated_reading_is_refused() {
     // Oracle: a mean over readings counts every reading once.
     let mut case = exact_case(0);
     let (_, _, readings) = landmarks(film_mut(&mut case, Posture::RightBending));
@@ -203,7 +203,7 @@ fn a_film_without_a_reading_is_refused() {
 }
 
 #[test]
-fn two_vertebrae_with_exchanged_names_are_out_of_order() {
+fn two_vertebrae_with_swapped_names_are_out_of_order() {
     // Oracle: T6 stands on T7.
     let mut case = exact_case(0);
     let (_, _, readings) = landmarks(film_mut(&mut case, Posture::Erect));
@@ -222,7 +222,7 @@ fn two_vertebrae_with_exchanged_names_are_out_of_order() {
 }
 
 #[test]
-fn a_vertebra_marked_twice_under_two_names_is_out_of_order() {
+fn a_vertebra_read_twice_under_two_names_is_out_of_order() {
     // Oracle: two vertebrae are not in one place.
     let mut case = exact_case(0);
     let (_, _, readings) = landmarks(film_mut(&mut case, Posture::Erect));
@@ -233,7 +233,7 @@ fn a_vertebra_marked_twice_under_two_names_is_out_of_order() {
 }
 
 #[test]
-fn an_axis_that_lies_far_over_is_refused_with_its_angle() {
+fn an_axis_with_a_large_angle_is_refused_with_its_angle() {
     // Oracle: no spine tilts a vertebra by 130° against L4.
     let mut case = exact_case(0);
     mark_mut(&mut case, Posture::Erect, Level::T9).axis_clockwise = Some(Angle::from_deg(130.0));

@@ -62,7 +62,7 @@ fn f37_a_line_through_t2_or_l4_has_no_lever_arm_there_and_a_named_ending() {
 }
 
 #[test]
-fn f37_a_line_that_misses_the_body_is_warned_about_with_its_distance() {
+fn f37_a_line_outside_of_the_body_gives_a_warning_with_its_distance() {
     // Oracle: two metres to the side is beyond any trunk; through the apex is within.
     let far = LineOfAction::leaning(Frontal::new(2000.0, 0.0), Angle::ZERO);
     let analysis = with_line(far);
@@ -117,7 +117,7 @@ fn f33_an_erect_curve_without_length_carries_no_chain() {
 }
 
 #[test]
-fn f33_vertebrae_in_one_place_or_nearly_so_are_refused() {
+fn f33_coincident_or_nearly_coincident_vertebrae_are_refused() {
     // Oracle: bodies of centimetres do not lie a hair apart.
     for gap_mm in [0.0, 1e-9, 0.01] {
         let film = |posture, size: f64| {
@@ -171,7 +171,7 @@ fn f35_equal_sums_take_the_number_nearest_to_the_middle_of_the_window() {
 }
 
 #[test]
-fn f47_rounding_of_inputs_moves_no_result_beyond_its_tolerance() {
+fn f47_rounding_of_inputs_changes_results_within_tolerance_only() {
     // Oracle: another processor, compiler or fused operation rounds in the last place, as is done here to every corner.
     let options = on_a_table();
     let plain = analyzed(&exact_case(1), &options);

@@ -31,7 +31,7 @@ fn refused(rows: Vec<JointStiffness>, named: &[&str]) -> StiffnessError {
 }
 
 #[test]
-fn rows_in_any_order_make_the_same_library() {
+fn the_order_of_rows_does_not_change_the_library() {
     // Oracle: a joint is known by its vertebrae.
     let mut shuffled = rows();
     shuffled.reverse();
@@ -73,7 +73,7 @@ fn a_stiffness_that_is_not_positive_is_named_with_axis_and_value() {
 }
 
 #[test]
-fn two_points_too_near_for_a_line_are_told_with_their_distance() {
+fn two_points_too_near_for_a_line_are_refused_with_their_distance() {
     // Oracle: 19 mm is below the stated least gap of 20 mm.
     let error = LineOfAction::through(Frontal::new(0.0, 100.0), Frontal::new(0.0, 119.0));
     let error = error.expect_err("too near");
@@ -96,7 +96,7 @@ fn one_soft_joint() -> Vec<[f64; 3]> {
 const OUT_OF_REACH: Angle = Angle::from_deg(100.0);
 
 #[test]
-fn an_amplitude_out_of_reach_says_what_is_left() {
+fn an_unreachable_amplitude_reports_the_remaining_difference() {
     // Oracle: one hinge that turns by less than a radian does not lean the spine by 100°.
     let (_, model) = spine(0);
     for support in [Support::Free, Support::Frontal] {
@@ -117,7 +117,7 @@ fn an_amplitude_out_of_reach_says_what_is_left() {
 }
 
 #[test]
-fn a_pull_along_the_spine_cannot_bend_it_far() {
+fn a_pull_along_the_spine_gives_small_amplitudes_only() {
     // Oracle: tension turns a chain towards its line, and no further.
     let (_, model) = spine(0);
     let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint());
@@ -147,7 +147,7 @@ fn every_force_that_is_found_meets_the_amplitude() {
 }
 
 #[test]
-fn a_simulation_of_an_amplitude_out_of_reach_is_no_result() {
+fn a_simulation_of_an_unreachable_amplitude_is_not_a_result() {
     // Oracle: one hinge that turns by less than a radian does not lean the spine by 100°.
     let (erect, model) = spine(0);
     let statics = Statics::from_stiffness(&model, one_soft_joint(), &[0; 14], Support::Frontal);
@@ -164,7 +164,7 @@ fn a_simulation_of_an_amplitude_out_of_reach_is_no_result() {
 }
 
 #[test]
-fn of_several_forces_the_one_with_the_least_ferguson_error_is_chosen_and_says_so() {
+fn of_several_forces_the_one_with_the_smallest_ferguson_error_is_chosen_and_reported() {
     // Oracle: a film made with one of the forces that meet a lean has no Ferguson error under that force.
     let (erect, model) = spine(0);
     let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint());
@@ -192,7 +192,7 @@ fn of_several_forces_the_one_with_the_least_ferguson_error_is_chosen_and_says_so
 }
 
 #[test]
-fn without_a_film_nothing_is_fitted_and_nothing_panics() {
+fn without_films_there_is_no_fit_and_no_panic() {
     // Oracle: no data, no minimum.
     let (erect, model) = spine(0);
     let library = StiffnessLibrary::default();

@@ -116,7 +116,7 @@ fn lateral(
 }
 
 #[test]
-fn a_lateral_film_gives_its_profile_whichever_way_the_patient_looks() {
+fn a_lateral_film_gives_its_profile_for_either_direction_of_view() {
     let truth = SagittalProfile::template(40.0, 55.0);
     for anterior in [ImageSide::Left, ImageSide::Right] {
         for row_mm in [0.1, 0.2] {
@@ -133,7 +133,7 @@ fn a_lateral_film_gives_its_profile_whichever_way_the_patient_looks() {
 }
 
 #[test]
-fn vertebrae_hidden_by_the_shoulders_keep_the_populations_turns() {
+fn vertebrae_hidden_by_the_shoulders_have_the_populations_angles() {
     let truth = SagittalProfile::template(40.0, 55.0);
     let template = SagittalProfile::default();
     let mut film = lateral(&truth, ImageSide::Left, 0.1, 0.1);
@@ -163,7 +163,7 @@ fn the_models_spine_takes_the_profile_of_the_lateral_film() {
 }
 
 #[test]
-fn exchanged_corners_on_a_lateral_film_are_named() {
+fn swapped_corners_on_a_lateral_film_are_reported_by_name() {
     let mut film = lateral(&SagittalProfile::default(), ImageSide::Left, 0.1, 0.1);
     film.patient_anterior = ImageSide::Right;
     let error = film.measure_profile(&SagittalProfile::default(), &mut Warnings::default());
@@ -201,7 +201,7 @@ fn renamed(phantom: &spineline_phantom::Phantom, posture: Posture, down: usize) 
 }
 
 #[test]
-fn a_film_whose_vertebrae_are_all_called_by_their_neighbours_names_is_told() {
+fn a_film_with_all_names_shifted_by_one_level_is_reported() {
     for (subject, truth) in [(0, Truth::Rod), (4, Truth::Bend), (8, Truth::Pull)] {
         let phantom = phantom(subject, truth, &Readers::default());
         for posture in Posture::MOVED {
@@ -221,7 +221,7 @@ fn a_film_whose_vertebrae_are_all_called_by_their_neighbours_names_is_told() {
 }
 
 #[test]
-fn a_seam_that_leaves_a_gap_shows_between_two_vertebrae() {
+fn a_gap_in_a_stitched_film_is_reported_between_two_vertebrae() {
     // Films of the whole spine are put together from two or three; here the upper one lies 25 mm too high.
     let mut case = exact_case(0);
     let (image, _, readings) = landmarks(film_mut(&mut case, Posture::Erect));

@@ -30,7 +30,7 @@ fn the_first_value_is_the_distance_between_rows() {
 }
 
 #[test]
-fn only_a_calibration_type_makes_pixel_spacing_the_patients() {
+fn pixel_spacing_is_in_the_patient_plane_with_a_calibration_type_only() {
     let (spacing, remarks) =
         judged(SpacingEvidence { pixel_mm: Some([0.14; 2]), ..Default::default() });
     assert_eq!(spacing, Some((0.14, 0.14, SpacingPlane::Unknown, SpacingSource::PixelSpacing)));
@@ -54,7 +54,7 @@ fn only_a_calibration_type_makes_pixel_spacing_the_patients() {
 }
 
 #[test]
-fn spacings_that_cannot_be_meant_are_not_used() {
+fn implausible_spacings_are_not_used() {
     for bad in [[0.0; 2], [-0.1, 0.1], [0.1, f64::NAN], [f64::INFINITY, 0.1], [1e-5, 0.1]] {
         let (spacing, remarks) =
             judged(SpacingEvidence { pixel_mm: Some(bad), ..Default::default() });
@@ -77,7 +77,7 @@ fn spacings_that_cannot_be_meant_are_not_used() {
 }
 
 #[test]
-fn magnification_is_taken_out_of_the_imagers_spacing() {
+fn the_imagers_spacing_is_divided_by_the_magnification() {
     let imager_mm = Some([0.2, 0.1]);
     let (spacing, _) = judged(SpacingEvidence {
         imager_mm,
@@ -92,7 +92,7 @@ fn magnification_is_taken_out_of_the_imagers_spacing() {
 }
 
 #[test]
-fn pixel_spacing_that_is_passed_over_is_remarked_on() {
+fn unused_pixel_spacing_gives_a_remark() {
     let (spacing, remarks) = judged(SpacingEvidence {
         pixel_mm: Some([0.175; 2]),
         imager_mm: Some([0.2; 2]),
@@ -104,7 +104,7 @@ fn pixel_spacing_that_is_passed_over_is_remarked_on() {
 }
 
 #[test]
-fn impossible_or_contradicting_magnifications_leave_the_detectors_plane() {
+fn impossible_or_contradicting_magnifications_keep_the_detector_plane() {
     let imager_mm = Some([0.1; 2]);
     let detector = Some((0.1, 0.1, SpacingPlane::Detector, SpacingSource::Imager));
     for value in [1.0, 0.9, 0.0, -1.0, 2.5, f64::NAN] {
@@ -159,7 +159,7 @@ fn a_ruler_gives_the_same_scale_in_any_direction_of_pixels_that_are_not_square()
 }
 
 #[test]
-fn the_error_of_a_scale_is_what_scattered_clicks_show() {
+fn the_error_of_a_scale_equals_that_of_perturbed_clicks() {
     // Oracle: 20,000 scattered pairs of clicks from a small generator of its own.
     let mut state = 1u64;
     let mut uniform = move || {
@@ -188,7 +188,7 @@ fn the_error_of_a_scale_is_what_scattered_clicks_show() {
 }
 
 #[test]
-fn clicks_and_lengths_that_cannot_be_meant_are_refused() {
+fn implausible_clicks_and_lengths_are_refused() {
     let far = [Pixel::new(0.0, 0.0), Pixel::new(300.0, 0.0)];
     let near = [Pixel::new(0.0, 0.0), Pixel::new(3.0, 0.0)];
     assert!(matches!(ruler(near, 1.0).spacing(), Err(CalibrationError::TooNear { .. })));
@@ -209,7 +209,7 @@ fn orientation(columns: &str, rows: &str) -> ViewEvidence {
 }
 
 #[test]
-fn patient_orientation_tells_the_side_of_a_frontal_and_of_a_lateral_film() {
+fn patient_orientation_gives_the_side_of_frontal_and_lateral_films() {
     for (columns, side) in
         [("L", ImageSide::Right), ("R", ImageSide::Left), ("LF", ImageSide::Right)]
     {
@@ -226,7 +226,7 @@ fn patient_orientation_tells_the_side_of_a_frontal_and_of_a_lateral_film() {
 }
 
 #[test]
-fn what_is_absent_or_contradicts_itself_is_asked_and_never_guessed() {
+fn absent_or_contradicting_values_are_asked_for_and_never_assumed() {
     let nothing = judge_view(&ViewEvidence::default(), None);
     assert_eq!((nothing.view, nothing.patient_left), (None, None));
     assert_eq!(nothing.questions, [ViewQuestion::View, ViewQuestion::PatientLeft]);
@@ -249,7 +249,7 @@ fn what_is_absent_or_contradicts_itself_is_asked_and_never_guessed() {
 }
 
 #[test]
-fn a_patient_who_lies_on_a_side_is_not_seen_from_it() {
+fn a_patient_lying_on_a_side_does_not_give_the_view() {
     for word in ["LLD", "RLD", "LEFT LATERAL DECUBITUS", "POSTERO-LATERAL"] {
         assert_eq!(ViewPosition::from_dicom(word), ViewPosition::Other, "{word}");
     }
@@ -259,7 +259,7 @@ fn a_patient_who_lies_on_a_side_is_not_seen_from_it() {
 }
 
 #[test]
-fn a_stance_that_does_not_fit_the_posture_is_asked_about() {
+fn a_stance_that_contradicts_the_posture_is_asked_about() {
     let evidence = |stance| ViewEvidence { stance: Some(stance), ..orientation("L", "F") };
     let asked =
         |stance, posture| !judge_view(&evidence(stance), Some(posture)).questions.is_empty();

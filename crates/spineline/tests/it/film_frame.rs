@@ -66,7 +66,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
-    fn there_and_back_is_the_same_place(
+    fn conversion_to_the_film_and_back_gives_the_same_place(
         subject in 0..18_usize, column in 0.05..0.5, row in 0.05..0.5, scaled: bool, flip: bool,
         y in -200.0..200.0, z in -100.0..600.0, place in (0.0..4000.0, 0.0..5000.0),
     ) {
@@ -79,7 +79,7 @@ proptest! {
     }
 
     #[test]
-    fn measured_midpoints_are_seen_where_the_diagonals_cross(
+    fn measured_midpoints_are_at_the_intersection_of_diagonals(
         subject in 0..18_usize, column in 0.05..0.5, row in 0.05..0.5, scaled: bool, flip: bool,
     ) {
         let film = film(subject, &Readers::default(), scaled.then_some((column, row)), flip);
@@ -136,7 +136,7 @@ fn lines_end_on_the_edge_of_their_film() {
 }
 
 #[test]
-fn between_the_lines_along_the_endplates_lies_the_cobb_angle() {
+fn the_angle_between_endplate_lines_is_the_cobb_angle() {
     let case = phantom(0, Truth::Rod, &Readers::exact()).case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     let film = case.films.iter().find(|film| film.posture == Posture::Erect).expect("erect");
@@ -156,7 +156,7 @@ fn between_the_lines_along_the_endplates_lies_the_cobb_angle() {
 }
 
 #[test]
-fn a_multiplier_is_contradicted_when_most_of_its_joints_turn_against_the_force() {
+fn a_multiplier_is_contradicted_when_most_of_its_joints_are_counter_rotating() {
     // Bends in which all joints turn one way contradict a force that crosses the spine twice.
     let case = phantom(0, Truth::Bend, &Readers::exact()).case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");

@@ -29,7 +29,7 @@ fn draw_spine(draw: &mut Draw) -> SpineModel {
 }
 
 #[test]
-fn newton_finds_what_the_march_finds() {
+fn newton_and_march_agree() {
     // Oracle: the march, explicit, verified against other programs elsewhere.
     let mut draw = Draw::new(11);
     for trial in 0..1000 {

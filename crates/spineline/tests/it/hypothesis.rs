@@ -47,7 +47,7 @@ fn springs(marks: &[bool], log: f64) -> Vec<Mat3> {
 }
 
 #[test]
-fn derivatives_of_a_shape_are_those_of_differences() {
+fn derivatives_of_a_shape_equal_finite_differences() {
     // Oracle: central differences of equilibria; their error is of the order of the step's square.
     let analysis = analysis();
     let marks: Vec<bool> = (0..14).map(|joint| (4..9).contains(&joint)).collect();
@@ -170,7 +170,7 @@ fn fitted(analysis: &Analysis, hypothesis: Hypothesis, turn: Angle) -> Hypothesi
 }
 
 #[test]
-fn on_a_free_base_an_axis_of_l4_that_is_read_otherwise_changes_nothing_but_the_base() {
+fn on_a_free_base_another_axis_of_l4_changes_the_base_only() {
     // Oracle: a rotation of the film about L4 is a rotation of the base.
     let analysis = analysis();
     let turn = Angle::from_deg(5.0);
@@ -226,7 +226,7 @@ fn t2_of_a_held_out_film_is_met_by_the_force_that_the_march_finds() {
 }
 
 #[test]
-fn names_come_back_and_wrong_ones_are_refused() {
+fn names_round_trip_and_wrong_ones_are_refused() {
     for hypothesis in Hypothesis::compared() {
         assert_eq!(hypothesis.key().parse(), Ok(hypothesis));
         assert_eq!(hypothesis.key().replace('_', "-").parse(), Ok(hypothesis));
@@ -236,6 +236,6 @@ fn names_come_back_and_wrong_ones_are_refused() {
 }
 
 #[test]
-fn nothing_is_fitted_that_nobody_asked_for() {
+fn only_requested_hypotheses_are_fitted() {
     assert!(analysis().hypotheses.is_empty());
 }

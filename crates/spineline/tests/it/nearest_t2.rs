@@ -59,7 +59,7 @@ fn line(draw: &mut Draw, model: &SpineModel) -> LineOfAction {
 }
 
 #[test]
-fn nothing_nearer_and_nothing_smaller_is_passed_over() {
+fn no_nearer_place_and_no_smaller_force_is_missed() {
     // Oracle: the scan. Distances agree to a step's square over the distance; forces that are about equally good may differ.
     let mut draw = Draw::new(5);
     let (mut matched, mut none, mut lost) = (0, 0, 0);

@@ -31,7 +31,7 @@ fn solve(statics: &Statics<'_>, load: &Load, force_n: f64) -> Solution {
 }
 
 #[test]
-fn one_joint_turns_by_force_times_lever_arm_over_stiffness() {
+fn one_joint_rotates_by_force_times_lever_arm_over_stiffness() {
     // Oracle: k Δθ = d F, and the vertebra turns about the joint's centre.
     let model = chain(&[0.0, 40.0], &[15.0]);
     let k = 130_000.0;
@@ -55,7 +55,7 @@ fn one_joint_turns_by_force_times_lever_arm_over_stiffness() {
 }
 
 #[test]
-fn two_joints_turn_one_after_the_other() {
+fn two_joints_rotate_in_series() {
     // Oracle: θ1 = F d1 / k1; joint 2 moves with θ1; θ2 = F d2 / k2 with d2 at the place where joint 2 then is.
     let model = chain(&[0.0, 40.0, 80.0], &[15.0, 55.0]);
     let (k1, k2, force_n) = (120_000.0, 150_000.0, 400.0);
@@ -82,7 +82,7 @@ fn two_joints_turn_one_after_the_other() {
 }
 
 #[test]
-fn a_force_slid_along_its_own_line_changes_nothing() {
+fn a_force_moved_along_its_line_has_the_same_effect() {
     // Oracle: F u at p and at p + s u have one moment about every point.
     let (_, model) = spine(0);
     let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint());
@@ -96,7 +96,7 @@ fn a_force_slid_along_its_own_line_changes_nothing() {
 }
 
 #[test]
-fn stiffness_and_force_scaled_alike_leave_the_shape() {
+fn equal_scaling_of_stiffness_and_force_keeps_the_shape() {
     // Oracle: only F / k enters equilibrium.
     let (_, model) = spine(3);
     let rows: Vec<[f64; 3]> =
@@ -116,7 +116,7 @@ fn stiffness_and_force_scaled_alike_leave_the_shape() {
 }
 
 #[test]
-fn a_straight_spine_under_a_small_horizontal_force_turns_by_height_over_stiffness() {
+fn a_straight_spine_under_a_small_horizontal_force_rotates_by_height_over_stiffness() {
     // Oracle: first order, θ_i = F h_i / k_i with h_i the height of the force above joint i.
     let z: Vec<f64> = (0..15).map(|i| 26.0 * f64::from(i)).collect();
     let centres: Vec<f64> = z[..14].iter().map(|z| z + 12.0).collect();
@@ -136,7 +136,7 @@ fn a_straight_spine_under_a_small_horizontal_force_turns_by_height_over_stiffnes
 }
 
 #[test]
-fn every_hinge_is_in_equilibrium_as_virtual_work() {
+fn every_hinge_is_in_equilibrium_by_virtual_work() {
     // Oracle: k θ = work of the wrench per unit of the hinge's turn, by differences of an independent kinematics.
     let mut draw = Draw::new(11);
     for support in [Support::Free, Support::Frontal] {

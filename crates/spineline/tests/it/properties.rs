@@ -166,7 +166,7 @@ proptest! {
 
     /// Oracle: how a film was held is no property of the patient.
     #[test]
-    fn a_film_held_otherwise_changes_nothing(
+    fn a_rigid_motion_of_a_film_does_not_change_results(
         made in any_case(),
         moves in prop::collection::vec((-20.0..20.0_f64, -90.0..90.0_f64, -90.0..90.0_f64), 5),
     ) {
@@ -180,7 +180,7 @@ proptest! {
 
     /// Oracle: placements may be given in any frame of their film.
     #[test]
-    fn placements_in_another_frame_change_nothing(
+    fn placements_in_another_frame_do_not_change_results(
         subject in 0..18_usize,
         truth in 0..3_usize,
         moves in prop::collection::vec((-80.0..80.0_f64, -900.0..900.0_f64, -900.0..900.0_f64), 5),
@@ -256,7 +256,7 @@ proptest! {
 
     /// Oracle: a mean has no order. Debug prints every f64 so that it reads back to the same bits.
     #[test]
-    fn the_order_of_readings_and_films_reaches_no_bit(
+    fn the_order_of_readings_and_films_does_not_change_any_bit(
         subject in 0..18_usize,
         seed in any::<u64>(),
     ) {

@@ -39,7 +39,7 @@ fn springs(model: &SpineModel) -> Vec<Mat3> {
 }
 
 #[test]
-fn turning_the_force_round_turns_the_factor_round() {
+fn reversing_the_force_reverses_the_factor() {
     let model = spine(0).1;
     let springs = springs(&model);
     let goal = Goal::Lean(Angle::from_deg(-20.0));
@@ -84,7 +84,7 @@ fn the_chosen_shape_is_the_least_loaded_one_on_the_erect_branch() {
 }
 
 #[test]
-fn a_lean_that_is_there_already_needs_no_load_and_is_met_once() {
+fn an_existing_lateral_tilt_needs_no_load_and_is_met_once() {
     let model = spine(0).1;
     let lean = erect_shape(&model).lean();
     let (_, response) = push(&model, &springs(&model), Vec3::new(0.0, 50.0, 0.0), Goal::Lean(lean));
@@ -122,7 +122,7 @@ fn an_interrupted_or_unreachable_search_has_no_result() {
 }
 
 #[test]
-fn angles_and_acting_loads_are_those_of_the_shape() {
+fn angles_and_acting_loads_belong_to_the_shape() {
     let model = spine(0).1;
     let (loading, response) =
         push(&model, &springs(&model), Vec3::new(0.0, 30.0, 0.0), Goal::FullLoad);
@@ -147,7 +147,7 @@ fn angles_and_acting_loads_are_those_of_the_shape() {
 }
 
 #[test]
-fn loads_in_small_units_lean_a_spine_like_large_ones() {
+fn the_unit_of_loads_does_not_change_the_shape() {
     // Oracle: a force is a force, in newtons or in units of ten micronewtons.
     let model = spine(0).1;
     let springs = springs(&model);
@@ -164,7 +164,7 @@ fn loads_in_small_units_lean_a_spine_like_large_ones() {
 }
 
 #[test]
-fn the_lean_of_the_unloaded_spine_is_met_once() {
+fn the_lateral_tilt_of_the_unloaded_spine_is_met_once() {
     // Oracle: no load at all meets it; along and against a force that is the same shape.
     let model = spine(0).1;
     let springs = springs(&model);
@@ -176,7 +176,7 @@ fn the_lean_of_the_unloaded_spine_is_met_once() {
 }
 
 #[test]
-fn a_straight_column_that_must_buckle_to_lean_says_so() {
+fn a_straight_column_that_must_buckle_to_tilt_is_reported() {
     // Oracle: pressed along its axis it stays straight up to the first branch point, and only that branch leans.
     let midpoints = (0..15).map(|i| Vec3::new(0.0, 0.0, 28.0 * f64::from(i))).collect();
     let centres = [Vec3::new(0.0, 0.0, 14.0); 14];
@@ -189,7 +189,7 @@ fn a_straight_column_that_must_buckle_to_lean_says_so() {
 }
 
 #[test]
-fn a_path_that_is_lost_beyond_its_result_claims_no_completeness() {
+fn a_path_lost_beyond_its_result_is_reported_as_incomplete() {
     // Oracle: joints do not stretch, so a rod cannot push its vertebrae 20 mm apart; the lean half-way there is met before.
     let model = spine(0).1;
     let springs = springs(&model);

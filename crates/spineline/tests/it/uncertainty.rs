@@ -73,7 +73,7 @@ fn replicates_may_be_computed_in_any_order_and_from_any_order_of_readings() {
 }
 
 #[test]
-fn without_noise_nothing_scatters_and_everything_is_the_case_itself() {
+fn without_noise_all_replicates_equal_the_case() {
     let case = case(3, Truth::Rod, &Readers::default());
     let found = run(&case, LandmarkNoise::Pixels(0.0), 1, 3);
     let usual = run(&case, LandmarkNoise::Measured, 1, 20);
@@ -99,7 +99,7 @@ fn without_noise_nothing_scatters_and_everything_is_the_case_itself() {
 }
 
 #[test]
-fn replicates_that_follow_the_minima_of_the_case_tell_what_a_search_anew_tells() {
+fn replicates_from_the_minima_of_the_case_equal_those_of_a_new_search() {
     // Oracle: every replicate analysed as a case of its own.
     for (subject, truth) in [(1, Truth::Rod), (2, Truth::Bend), (6, Truth::Pull)] {
         let case = case(subject, truth, &Readers::default());
@@ -159,7 +159,7 @@ fn propagated(base: &Corners<Frontal>, body: &Corners<Frontal>, sd_mm: Frontal) 
 }
 
 #[test]
-fn a_single_reading_scatters_as_the_noise_of_its_corners_says() {
+fn the_standard_deviation_of_a_single_reading_follows_from_corner_noise() {
     // Oracle: linear propagation. In `G` a place holds the noise of L4's place and tilt too.
     let (sd_px, count) = (3.0, 2000);
     let case = erect(case(2, Truth::Rod, &Readers::exact()));
@@ -187,7 +187,7 @@ fn a_single_reading_scatters_as_the_noise_of_its_corners_says() {
 }
 
 #[test]
-fn the_mean_of_n_readings_scatters_less_by_the_root_of_n() {
+fn the_standard_deviation_of_a_mean_decreases_with_the_root_of_n() {
     // Oracle: s/√n for tilts, which are linear in small noise.
     let one = erect(case(2, Truth::Rod, &Readers::exact()));
     let mut four = one.clone();
@@ -207,7 +207,7 @@ fn the_mean_of_n_readings_scatters_less_by_the_root_of_n() {
 }
 
 #[test]
-fn the_measured_noise_is_that_of_the_readers() {
+fn the_measured_noise_equals_that_of_the_readers() {
     // Oracle: the virtual readers' own deviation; two observers add their bias, which all three repeats of a mean share, and
     // pixels their rounding.
     let readers = Readers::default();
@@ -247,7 +247,7 @@ fn placed(case: &Case) -> Case {
 }
 
 #[test]
-fn locations_of_other_programs_are_moved_by_their_stated_noise_and_have_no_pixels() {
+fn locations_of_other_programs_are_perturbed_by_their_stated_noise_without_pixels() {
     // Oracle: 0.25 mm and 0.7° of one careful reading; in `G` the tilts of two vertebrae differ by √2 of that.
     let case = placed(&erect(case(4, Truth::Rod, &Readers::exact())));
     let found = run(&case, LandmarkNoise::Measured, 2, 1500);
@@ -285,7 +285,7 @@ fn a_film_that_often_cannot_be_measured_is_counted() {
 }
 
 #[test]
-fn inflections_that_vanish_in_a_part_of_the_replicates_show_their_share() {
+fn inflections_absent_in_some_replicates_are_counted() {
     // A lobe counts from so many degrees on: at the size of the smallest one, noise decides.
     let case = erect(case(0, Truth::Rod, &Readers::exact()));
     let smallest = analyzed(&case)
@@ -310,7 +310,7 @@ fn inflections_that_vanish_in_a_part_of_the_replicates_show_their_share() {
 }
 
 #[test]
-fn intervals_cover_the_truth_of_phantoms_where_nothing_is_chosen() {
+fn intervals_cover_true_values_where_there_is_no_selection() {
     // Oracle: the phantoms' true places. 16 phantoms with readers of known noise; binomial 95 % of 16 × 14 values.
     let readers = Readers {
         observers: 1,

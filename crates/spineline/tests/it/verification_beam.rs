@@ -73,7 +73,7 @@ fn assert_second_order(orders: &[f64]) {
 }
 
 #[test]
-fn a_cantilever_under_an_end_load_is_the_elastica_to_second_order() {
+fn a_cantilever_under_an_end_load_converges_to_the_elastica_with_second_order() {
     // Oracle: elliptic integrals, for a load across, one that pulls, and one that presses, up to an end turned by 70°.
     for plane in Plane::BOTH {
         for (force_angle, end_turn) in [(FRAC_PI_2, 0.4), (FRAC_PI_2, 1.2), (0.9, 0.6), (2.5, 1.2)]
@@ -84,7 +84,7 @@ fn a_cantilever_under_an_end_load_is_the_elastica_to_second_order() {
 }
 
 #[test]
-fn a_cantilever_under_a_follower_force_is_the_elastica_to_second_order() {
+fn a_cantilever_under_a_follower_force_converges_to_the_elastica_with_second_order() {
     // Oracle: the same integrals; the dead force of this direction holds the same shape.
     for plane in Plane::BOTH {
         for end_turn in [0.5, 1.5] {
@@ -95,7 +95,7 @@ fn a_cantilever_under_a_follower_force_is_the_elastica_to_second_order() {
 }
 
 #[test]
-fn an_end_moment_rolls_the_column_into_a_polygon_of_equal_turns() {
+fn an_end_moment_bends_the_column_to_a_regular_polygon() {
     // Oracle: every hinge turns M / k; the nodes follow from turning half elements. A moment about the hinges' axis does
     // not care whether it turns with the vertebra. 0.79 rad at eight joints is more than a full turn.
     const ROUNDING_RAD: f64 = 1e-13;
@@ -146,7 +146,7 @@ fn buckling_load_n(model: &SpineModel, stiffness: &[Mat3], size_n: f64, support:
 const BRANCH_POINT: f64 = 1e-8;
 
 #[test]
-fn one_and_two_rigid_bars_buckle_as_by_hand() {
+fn one_and_two_rigid_bars_buckle_at_the_closed_form() {
     // Oracle: P = k / L for one bar; for two, P L / k is the smaller eigenvalue of [2 -1; -1 1], (3 - √5) / 2.
     let (length_mm, k) = (50.0, 1e5);
     for plane in Plane::BOTH {
@@ -165,7 +165,7 @@ fn one_and_two_rigid_bars_buckle_as_by_hand() {
 }
 
 #[test]
-fn the_buckling_load_is_the_chains_and_tends_to_eulers_with_second_order() {
+fn the_buckling_load_converges_to_eulers_with_second_order() {
     // Oracle: the chain's own closed form 4 EI/h² sin²(π / 4N) (turns of the bars sin(iπ / 2N) satisfy every balance,
     // the last bar being half as long); and Euler's π² EI / 4L² [timoshenko-gere-1961].
     let euler = PI * PI * EI / (4.0 * LENGTH_MM * LENGTH_MM);

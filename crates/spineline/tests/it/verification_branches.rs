@@ -109,7 +109,7 @@ fn a_bar_that_snaps_past_a_strap_has_the_limit_points_of_its_closed_form() {
 }
 
 #[test]
-fn below_the_limit_load_the_first_of_three_equilibria_counts() {
+fn below_the_limit_load_the_first_of_three_equilibria_is_the_result() {
     // Oracle: the three angles at which the closed form takes one moment, in the order of the path.
     let snap = Snap::new();
     let [(rising, most), (falling, least)] = Snap::turns();
@@ -131,7 +131,7 @@ fn below_the_limit_load_the_first_of_three_equilibria_counts() {
 }
 
 #[test]
-fn a_pendulum_that_leans_forward_buckles_sideways_where_its_closed_form_says() {
+fn a_pendulum_tilted_forward_buckles_sideways_at_the_closed_form() {
     // Oracle: with the top at L (sin b, -sin a cos b, cos a cos b), a force (λ H, 0, -λ P) gives the balances
     // ky b = λ L (H cos b + P sin b) and kx a = λ P L sin a cos b: a branch with a ≠ 0 leaves where kx = λ P L cos b.
     // The branch itself is bent: the point is found by steps of Newton beside a singular tangent.
@@ -172,7 +172,7 @@ fn a_round_column_buckles() {
 }
 
 #[test]
-fn a_round_column_that_leans_a_little_does_not_stay_upright() {
+fn a_round_column_with_a_small_tilt_does_not_stay_upright() {
     // Oracle: under a sideways moment m the pendulum follows kx θ = W L sin θ + m from zero. At twice the buckling load
     // it leans by some 1.9 rad; the upright solution belongs to another branch, which the path must not step to unsaid.
     let (length, k, m) = (100.0, 1e5, 100.0);

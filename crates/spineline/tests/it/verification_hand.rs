@@ -35,7 +35,7 @@ fn lateral_turn(loading: &Loading) -> f64 {
 }
 
 #[test]
-fn coupled_springs_balance_the_moment_that_was_made_for_them() {
+fn coupled_springs_balance_the_constructed_moment() {
     // Oracle: made backwards. For any hinge angles q the moments about the three axes e_x, R_x e_y, R_x R_y e_z must be
     // K q, which gives the one moment that does it: fixed in space, or in the vertebra's axes.
     let mut draw = Draw::new(3);
@@ -60,7 +60,7 @@ fn coupled_springs_balance_the_moment_that_was_made_for_them() {
 }
 
 #[test]
-fn a_follower_force_across_turns_one_joint_by_force_times_length() {
+fn a_transverse_follower_force_rotates_one_joint_by_force_times_length() {
     // Oracle: its arm is the length at every angle, k θ = F L; a dead one's arm is L cos θ. It tips towards -y.
     for size_n in [-600.0, 50.0, 1000.0] {
         let force = Vec3::y() * -size_n;
@@ -77,7 +77,7 @@ fn a_follower_force_across_turns_one_joint_by_force_times_length() {
 }
 
 #[test]
-fn a_force_off_the_midpoint_and_one_on_a_line_have_their_own_arms() {
+fn a_force_off_the_midpoint_and_one_on_a_line_have_their_lever_arms() {
     // Oracle: a dead force across at (0, b, c) of the vertebra has the arm of that point as it turns,
     // (L + c) cos θ + b sin θ; along a line at the height h it keeps the arm h.
     let (size_n, b, c, h) = (300.0, 25.0, -10.0, 70.0);
@@ -126,7 +126,7 @@ fn a_pad_and_a_strap_on_one_joint() {
 }
 
 #[test]
-fn a_heavy_pendulum_that_is_pushed_a_little_leans_as_by_hand() {
+fn a_heavy_pendulum_under_a_small_push_follows_its_closed_form() {
     // Oracle: k θ = W L sin θ + m, for weights on both sides of the one, k / L, at which it would buckle.
     for share in [-1.5, 0.6, 0.95, 1.3] {
         let weight = share * K / LENGTH_MM;
@@ -216,7 +216,7 @@ fn rotation_vector(turn: Mat3) -> Vec3 {
 }
 
 #[test]
-fn a_rod_asks_for_the_wrench_that_would_have_bent_the_joints_so() {
+fn a_rod_has_the_wrench_that_gives_the_same_joint_angles() {
     // Oracle: made backwards by the march: a wrench on the upper vertebra bends three to six joints; a rod that prescribes
     // the pose so reached finds the same hinges and the same wrench. Two joints would not do: ball joints keep the
     // distance of their centres, so that they reach five dimensions of six.

@@ -60,7 +60,7 @@ fn forces_n(
 }
 
 #[test]
-fn the_forces_of_a_lean_are_those_that_the_march_finds() {
+fn the_forces_of_a_lateral_tilt_equal_those_of_the_march() {
     // Oracle: the march's own search along the force, verified against other programs elsewhere. A force is known to the
     // lean's 1e-9 rad over its rate, some 1e-3 rad/N.
     const SAME_FORCE: f64 = 1e-6;
@@ -139,7 +139,7 @@ impl TwoBars {
 }
 
 #[test]
-fn every_force_of_a_lean_that_turns_back_is_listed_in_order() {
+fn every_force_of_a_returning_lateral_tilt_is_listed_in_order() {
     // Oracle: the closed form of two joints, k θ₁ = F Y and k θ₂ = F (Y + L sin θ₁). Pressed, it leans left and comes
     // back, so that a lean to the left has two forces until the upper hinge reaches its limit.
     let model = straight(&[0.0, 200.0, 300.0], &[0.0, 200.0]);
@@ -176,7 +176,7 @@ fn every_force_of_a_lean_that_turns_back_is_listed_in_order() {
 }
 
 #[test]
-fn a_lean_beyond_what_a_force_can_give_is_unreachable() {
+fn a_lateral_tilt_beyond_any_force_is_unreachable() {
     // Oracle: pressed, the closed form leans left by no more than its maximum.
     let model = straight(&[0.0, 200.0, 300.0], &[0.0, 200.0]);
     let rows = [[TwoBars::K; 3]; 2];
@@ -193,7 +193,7 @@ fn a_lean_beyond_what_a_force_can_give_is_unreachable() {
 }
 
 #[test]
-fn a_lean_opposite_to_the_wanted_one_is_no_equilibrium() {
+fn a_lateral_tilt_opposite_to_the_target_is_not_an_equilibrium() {
     // Oracle: an end moment rolls 14 equal joints into an arc whose chord leans by half of all turns, from 0 to 2.9 rad;
     // the other way it never leans.
     let heights: Vec<f64> = (0..15).map(|i| 20.0 * f64::from(i)).collect();

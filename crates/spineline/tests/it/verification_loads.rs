@@ -242,7 +242,7 @@ fn check_virtual_work(problem: &Problem) {
 }
 
 #[test]
-fn every_hinge_is_in_equilibrium_under_all_loads_as_virtual_work() {
+fn every_hinge_is_in_equilibrium_under_all_loads_by_virtual_work() {
     // Oracle: springs' moments are the work of all loads per unit of a hinge's turn, by differences of another kinematics
     // and of the springs' energies; nothing of the solver is used but the hinge angles that it found.
     let mut draw = Draw::new(61);
@@ -254,7 +254,7 @@ fn every_hinge_is_in_equilibrium_under_all_loads_as_virtual_work() {
 }
 
 #[test]
-fn every_hinge_is_in_equilibrium_with_a_rod_as_virtual_work() {
+fn every_hinge_is_in_equilibrium_with_a_rod_by_virtual_work() {
     // Oracle: as above, with the rod's reactions, and its pose by its definition.
     let mut draw = Draw::new(67);
     for _ in 0..10 {

@@ -125,7 +125,7 @@ fn a_moved_rod_has_the_moved_solution() {
 }
 
 #[test]
-fn loads_and_springs_scaled_alike_leave_the_shape() {
+fn equal_scaling_of_loads_and_springs_keeps_the_shape() {
     // Oracle: only their quotient enters equilibrium.
     let mut draw = Draw::new(41);
     let problem = Problem::draw(&mut draw, JOINTS);
@@ -150,7 +150,7 @@ fn loads_and_springs_scaled_alike_leave_the_shape() {
 }
 
 #[test]
-fn the_order_of_loads_and_their_timing_do_not_change_where_they_end() {
+fn order_and_timing_of_loads_do_not_change_the_final_shape() {
     // Oracle: without friction or an event on the way, equilibrium knows no history.
     let mut draw = Draw::new(43);
     for _ in 0..5 {
@@ -172,7 +172,7 @@ fn the_order_of_loads_and_their_timing_do_not_change_where_they_end() {
 }
 
 #[test]
-fn a_load_told_in_another_unit_of_its_factor_meets_its_branch() {
+fn a_load_in_another_unit_of_its_factor_is_found_on_its_branch() {
     // Oracle: a force of 1 N followed up to a factor of 60 and one of 60 N up to one are one load.
     let mut draw = Draw::new(47);
     let (model, stiffness) = (draw_spine(&mut draw, JOINTS), draw_springs(&mut draw, JOINTS));

@@ -53,7 +53,7 @@ fn integral(from: f64, to: f64, function: impl Fn(f64) -> f64) -> f64 {
 }
 
 #[test]
-fn the_integrals_are_the_tabulated_ones() {
+fn the_integrals_equal_tabulated_values() {
     // Oracle: K and E of k² = 1/2, by Γ(1/4): K = Γ(1/4)² / (4 √π), E = K/2 + π / (4 K).
     let gamma_quarter = 3.625_609_908_221_908_f64;
     let first = gamma_quarter.powi(2) / (4.0 * PI.sqrt());
@@ -64,7 +64,7 @@ fn the_integrals_are_the_tabulated_ones() {
 }
 
 #[test]
-fn a_small_end_load_bends_as_a_beam() {
+fn a_small_end_load_gives_beam_deflection() {
     // Oracle: the beam of small deflections, across = F / 3, end turn = F / 2; the next term is smaller by the turn squared.
     let small = elastica(FRAC_PI_2, 1e-3);
     assert!((small.force / 2e-3 - 1.0).abs() < 1e-6);
