@@ -94,7 +94,7 @@ fn commands_without_partial_results_write_nothing() {
             }
             assert!(matches!(code, None | Some(130)), "{at}");
             assert!(code.is_none() || error.contains("interrupted before a result"), "{at}");
-            assert_eq!(files(here.path()), [PathBuf::new(); 0], "{at}");
+            assert!(files(here.path()).is_empty(), "{at}");
         }
     }
 }
