@@ -2,6 +2,10 @@ use std::path::PathBuf;
 
 use spineline::anatomy::{Level, Posture, Region};
 
+/// How far cranial the midpoint of a vertebra may lie above that of its neighbour, in mm: a fifth of that of a small child and
+/// twice that of a tall adult (assumption). Lengths in metres or in pixels are beyond it.
+pub(crate) const NEIGHBOURS_MM: [f64; 2] = [2.0, 90.0];
+
 /// Error of reading a file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -142,6 +146,30 @@ pub enum FileError {
         /// The one that follows.
         above: Level,
     },
+    /// Vertebrae of a model that are not where bodies of this size can be.
+    #[error(
+        "{above} lies {cranial_mm:.3} mm cranial to {below}, along {below}'s axis; the limits are {} mm to {} mm for each vertebra of the way",
+        NEIGHBOURS_MM[0],
+        NEIGHBOURS_MM[1]
+    )]
+    ModelPlace {
+        /// The caudal one.
+        below: Level,
+        /// The next one of the model.
+        above: Level,
+        /// Where the next midpoint lies along the axis of the caudal vertebra; negative where it is caudal.
+        cranial_mm: f64,
+    },
+    /// One picture file of two postures.
+    #[error("the {a} and the {b} film are the same picture: {picture}")]
+    PictureTwice {
+        /// One posture.
+        a: Posture,
+        /// The other one.
+        b: Posture,
+        /// Its file, or its SHA-256.
+        picture: String,
+    },
     /// A joint of a model that does not lie between its two vertebrae.
     #[error("found joint {inferior}/{superior} where joint {lower}/{upper} is expected")]
     ModelJoint {
@@ -243,6 +271,9 @@ impl FileError {
             Self::NoImage { .. } => {
                 "add `image`: columns, rows, column_spacing_mm, row_spacing_mm, patient_left"
             }
+            Self::PictureTwice { .. } => {
+                "a film shows one posture: name the right picture, or remove the film that was not taken"
+            }
             Self::SpacingIncomplete { .. } => {
                 "give both spacings and their plane (patient, detector or unknown), or neither and `pixels`"
             }
@@ -258,6 +289,7 @@ impl FileError {
             Self::ModelShape { .. }
             | Self::ModelOrder { .. }
             | Self::ModelJoint { .. }
+            | Self::ModelPlace { .. }
             | Self::ModelAxes { .. }
             | Self::Region { .. }
             | Self::RegionOrder { .. } => {

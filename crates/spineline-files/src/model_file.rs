@@ -9,6 +9,7 @@ use spineline::spatial::{Mat3, Vec3};
 
 use crate::FileError;
 use crate::Provenance;
+use crate::error::NEIGHBOURS_MM;
 use crate::json::parse;
 use crate::keys::{Key, LevelKey};
 
@@ -309,6 +310,7 @@ pub fn parse_model(text: &str) -> Result<StoredModel, FileError> {
             return Err(FileError::ModelAxes { level, departure, right_handed });
         }
     }
+    check_places(&levels, &midpoints_mm, &axes)?;
     let centres: Vec<Vec3> = file
         .joints
         .iter()
@@ -332,4 +334,18 @@ pub fn parse_model(text: &str) -> Result<StoredModel, FileError> {
         support: file.support.0,
         loads: file.loads,
     })
+}
+
+/// Refuses vertebrae that do not lie cranial to each other, or at distances that no body has.
+fn check_places(levels: &[Level], midpoints_mm: &[Vec3], axes: &[Mat3]) -> Result<(), FileError> {
+    for i in 1..levels.len() {
+        let (below, above) = (levels[i - 1], levels[i]);
+        let cranial_mm = (midpoints_mm[i] - midpoints_mm[i - 1]).dot(&axes[i - 1].column(2));
+        let way = Level::ALL.iter().filter(|level| (below..above).contains(level)).count();
+        let [least_mm, most_mm] = NEIGHBOURS_MM.map(|mm| mm * way as f64);
+        if !(least_mm..=most_mm).contains(&cranial_mm) {
+            return Err(FileError::ModelPlace { below, above, cranial_mm });
+        }
+    }
+    Ok(())
 }

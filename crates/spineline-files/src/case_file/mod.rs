@@ -169,6 +169,7 @@ impl CaseFile {
     /// # Errors
     /// [`FileError::Vertebra`], [`FileError::MixedKinds`], [`FileError::NoImage`].
     pub fn into_case(self) -> Result<Case, FileError> {
+        self.check_pictures()?;
         let subject = self.subject.map_or_else(Subject::default, |subject| Subject {
             sex: subject.sex.map(|sex| sex.0),
             age_years: subject.age_years,
@@ -177,6 +178,29 @@ impl CaseFile {
         let films = self.films.into_iter().map(FilmRecord::into_film).collect::<Result<_, _>>()?;
         let lateral = self.lateral.map(LateralRecord::film);
         Ok(Case { id: self.case_id, synthetic: self.synthetic, subject, films, lateral })
+    }
+
+    /// Refuses a picture that is named for two postures.
+    fn check_pictures(&self) -> Result<(), FileError> {
+        let sources = self
+            .films
+            .iter()
+            .filter_map(|film| Some((film.posture.0, film.image.as_ref()?.source())));
+        let mut known: Vec<(Posture, FilmSource)> = Vec::new();
+        for (b, source) in sources {
+            for (a, other) in &known {
+                let same = |x: &Option<String>, y: &Option<String>| {
+                    x.clone().filter(|x| y.as_ref() == Some(x))
+                };
+                let picture =
+                    same(&source.file, &other.file).or_else(|| same(&source.sha256, &other.sha256));
+                if let Some(picture) = picture {
+                    return Err(FileError::PictureTwice { a: *a, b, picture });
+                }
+            }
+            known.push((b, source));
+        }
+        Ok(())
     }
 
     /// The file of a case.

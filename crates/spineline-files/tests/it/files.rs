@@ -336,3 +336,33 @@ fn every_schema_is_an_object_that_requires_its_format() {
     }
     assert!(spineline_files::schema("picture").is_none());
 }
+
+#[test]
+fn one_picture_of_two_postures_is_refused_by_its_name_or_its_bytes() {
+    // Oracle: a film shows one posture.
+    let mut case: serde_json::Value = serde_json::from_str(&text()).expect("JSON");
+    let films = case["films"].as_array().expect("films").len();
+    assert!(films > 1);
+    let with = |case: &serde_json::Value, key: &str, values: [&str; 2]| {
+        let mut case = case.clone();
+        for (film, value) in values.into_iter().enumerate() {
+            case["films"][film]["image"][key] = value.into();
+        }
+        parse_case(&case.to_string())
+    };
+    for film in case["films"].as_array_mut().expect("films") {
+        film["image"].as_object_mut().expect("an image").remove("file");
+        film["image"].as_object_mut().expect("an image").remove("sha256");
+    }
+    let hash = "0123456789abcdef".repeat(4);
+    for (key, value) in [("file", "film.dcm"), ("sha256", hash.as_str())] {
+        let error = with(&case, key, [value; 2]).expect_err("one picture");
+        assert!(matches!(error, FileError::PictureTwice { .. }), "{error}");
+        let text = error.to_string();
+        assert!(text.contains(value) && text.contains("erect"), "{text}");
+        let other = hash.replace('0', "f");
+        assert!(
+            with(&case, key, [value, if key == "file" { "other.dcm" } else { &other }]).is_ok()
+        );
+    }
+}

@@ -209,3 +209,29 @@ fn axes_that_do_not_form_a_rotation_are_refused() {
     assert!(refused(1.001).starts_with("T11: its axes depart"), "{}", refused(1.001));
     assert!(refused(-1.0).contains("left-handed"), "{}", refused(-1.0));
 }
+
+#[test]
+fn vertebrae_where_no_body_has_them_are_refused_with_their_distance() {
+    // Oracle: neighbouring midpoints lie centimetres apart, the upper one cranial.
+    let changed = |change: fn(&mut serde_json::Value)| {
+        let mut value: serde_json::Value = serde_json::from_str(&model_text()).expect("JSON");
+        value["vertebrae"].as_array_mut().expect("a list").iter_mut().for_each(change);
+        parse_model(&value.to_string()).expect_err("no body")
+    };
+    for (error, sign) in [
+        (changed(|vertebra| scale(vertebra, 0.001)), 1.0),
+        (changed(|vertebra| scale(vertebra, 10.0)), 1.0),
+        (changed(|vertebra| scale(vertebra, -1.0)), -1.0),
+    ] {
+        let text = error.to_string();
+        let FileError::ModelPlace { cranial_mm, .. } = error else { panic!("{text}") };
+        assert!(cranial_mm * sign > 0.0, "{text}");
+        assert!(text.contains("L3 lies") && text.contains("2 mm to 90 mm"), "{text}");
+    }
+}
+
+fn scale(vertebra: &mut serde_json::Value, factor: f64) {
+    for place in vertebra["midpoint_mm"].as_array_mut().expect("a place") {
+        *place = (place.as_f64().expect("a number") * factor).into();
+    }
+}
