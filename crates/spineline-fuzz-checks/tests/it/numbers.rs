@@ -14,7 +14,7 @@ use spineline_files::{
 use spineline_fuzz_checks::{CHECKS, seeds};
 use spineline_phantom::{Readers, Truth, generate};
 
-const NUMBERS: [&str; 10] = [
+const NUMBERS: [&str; 11] = [
     "1e400",
     "-1e400",
     "NaN",
@@ -25,6 +25,7 @@ const NUMBERS: [&str; 10] = [
     "-0.0",
     "0",
     "99999999999999999999",
+    "4294967295",
 ];
 
 /// Where the numbers of a JSON text are.
