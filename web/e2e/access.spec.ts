@@ -57,7 +57,7 @@ test("a new sign-in after the end of a session keeps the page", async ({ app, pa
   await expect(dialog).toBeVisible();
   await shot(page, "sign-in-again");
   await dialog.getByLabel("Address that the program printed").fill(app.address);
-  await dialog.getByRole("button", { name: /go on/ }).click();
+  await dialog.getByRole("button", { name: /and continue/ }).click();
   await expect(dialog).toBeHidden();
   await expect(page.getByRole("heading", { name: "erect.png" })).toBeVisible();
 });

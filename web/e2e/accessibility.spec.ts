@@ -102,7 +102,7 @@ test("signing in again, and a program that does not answer", async ({ app, page 
   await expectAccessible(page);
   await app.kill();
   await dialog.getByLabel("Address that the program printed").fill(app.address);
-  await dialog.getByRole("button", { name: /go on/ }).click();
+  await dialog.getByRole("button", { name: /and continue/ }).click();
   await expect(page.getByText("The program does not answer.")).toBeVisible();
   await expectAccessible(page);
 });
