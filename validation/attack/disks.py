@@ -14,6 +14,7 @@ LIMITS = (0, 100, 4096, 40_000)
 def outputs(samples: Path) -> list[tuple[str, list[str]]]:
     """Commands with one output each; OUT stands for it."""
     case, model, analysis = (str(samples / f"{name}.json") for name in ("case", "model", "analysis"))
+    with_films = str(samples / "films" / "phantom-rod-01.json")
     return [
         ("json", ["analyze", case, "--json", "OUT"]),
         ("csv", ["analyze", case, "--csv", "OUT"]),
@@ -36,7 +37,7 @@ def outputs(samples: Path) -> list[tuple[str, list[str]]]:
         ("urdf", ["export", model, "--to", "urdf", "--out", "OUT"]),
         ("csv", ["export", case, "--to", "csv", "--out", "OUT"]),
         ("json", ["export", case, "--to", "slicer", "--posture", "erect", "--out", "OUT"]),
-        ("folder", ["export", case, "--to", "dicom-sr", "--out", "OUT"]),
+        ("folder", ["export", with_films, "--to", "dicom-sr", "--out", "OUT"]),
         ("json", ["reliability", str(samples / "readings.csv"), "--json", "OUT"]),
         ("csv", ["reliability", str(samples / "readings.csv"), "--csv", "OUT"]),
         ("folder", ["reliability", str(samples / "readings.csv"), "--figure", "OUT"]),

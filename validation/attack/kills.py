@@ -64,7 +64,7 @@ class Server:
 def attack(program: Path, samples: Path, kills: int, seed: int) -> Iterator[str]:
     """Faults over so many kills of one store."""
     dice = random.Random(f"{seed} kills")
-    film = (samples / "jpeg-ls.dcm").read_bytes()
+    film = (samples / "seeds" / "film" / "rle").read_bytes()
     clicks = uploads = 0
     with temporary() as place:
         store = Path(place) / "study.spineline"

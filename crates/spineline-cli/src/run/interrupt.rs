@@ -4,10 +4,11 @@
 //! parts count by themselves, such as replicates, stops after its present step ([`defer`]), and results that are being written
 //! are written to the end ([`begin_writing`]). The second one ends the program at once.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::{fs, io};
 
+use tempfile::NamedTempFile;
 use tokio::sync::Notify;
 
 use super::failure::{Failure, INTERRUPTED};
@@ -131,9 +132,15 @@ pub fn begin_writing() {
     state().is_writing = true;
 }
 
-/// A file that is removed if a signal ends the program.
-pub fn remember_part(part: &Path) {
-    state().parts.push(part.to_owned());
+/// Makes a file that is removed if a signal ends the program. No signal comes between the two.
+///
+/// # Errors
+/// If it cannot be made.
+pub fn make_part(make: impl FnOnce() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile> {
+    let mut state = state();
+    let part = make()?;
+    state.parts.push(part.path().to_owned());
+    Ok(part)
 }
 
 /// A file that has got its own name, or is gone.
@@ -141,9 +148,21 @@ pub fn forget_part(part: &Path) {
     state().parts.retain(|other| other != part);
 }
 
-/// A folder that is removed if a signal ends the program while it is empty.
-pub fn remember_folder(folder: &Path) {
-    state().folders.push(folder.to_owned());
+/// Makes a folder and those around it, which are removed if a signal ends the program while they are empty; returns those that were
+/// missing, the outer one first.
+///
+/// # Errors
+/// If they cannot be made.
+pub fn make_folder(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    let mut state = state();
+    let around = folder.ancestors().take_while(|one| !one.as_os_str().is_empty() && !one.exists());
+    let mut missing: Vec<PathBuf> = around.map(Path::to_owned).collect();
+    missing.reverse();
+    state.folders.extend_from_slice(&missing);
+    if !missing.is_empty() {
+        fs::create_dir_all(folder)?;
+    }
+    Ok(missing)
 }
 
 /// Whether a signal has come.

@@ -19,6 +19,7 @@ use args::StudyCommand;
 
 use crate::options::values::store_name;
 use crate::run::failure::{Ending, Failure};
+use crate::run::interrupt;
 use crate::run::messages::say;
 use crate::run::outputs::{Outputs, print};
 
@@ -28,6 +29,7 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
     let by = || Ok::<_, Failure>(Signature::new(store_name(&args.by)?, Utc::now().into()));
     match &args.command {
         StudyCommand::Create { .. } => {
+            interrupt::begin_writing();
             Store::create(path, &by()?).map_err(fail)?;
             print(&format!("{} was created as an empty store.\n", path.display()))
         }
@@ -74,7 +76,9 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
         StudyCommand::Log { .. } => print(&log(&view(path)?).map_err(fail)?),
         StudyCommand::Verify { head, .. } => verify(path, head.as_ref()),
         StudyCommand::Backup { out, .. } => {
-            let verification = view(path)?.backup_to(out).map_err(fail)?;
+            let store = view(path)?;
+            interrupt::begin_writing();
+            let verification = store.backup_to(out).map_err(fail)?;
             report(out, &verification)
         }
     }

@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use clap::Args;
 use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
-use tempfile::{NamedTempFile, TempPath};
+use tempfile::TempPath;
 
 use super::origin::is_result;
 use super::print;
@@ -176,8 +176,9 @@ impl Outputs {
                 Staged::Printed(text) => printed.push_str(&text),
                 Staged::Into(stream, content) => write_into(&stream, &content)?,
                 Staged::File { part, file, shown } => {
-                    interrupt::forget_part(&part);
+                    let name = part.to_path_buf();
                     part.persist(&file).map_err(|error| failed(&shown)(error.error))?;
+                    interrupt::forget_part(&name);
                 }
             }
         }
@@ -214,15 +215,8 @@ impl Outputs {
 
     /// Makes a folder and those around it.
     fn make_folder(&self, path: &Path, folder: &Path) -> Result<(), Failure> {
-        let mut state = self.state();
-        let missing =
-            folder.ancestors().take_while(|one| !one.as_os_str().is_empty() && !one.exists());
-        let missing: Vec<PathBuf> = missing.map(Path::to_owned).collect();
-        fs::create_dir_all(folder_or_here(folder)).map_err(failed(path))?;
-        for made in missing.into_iter().rev() {
-            interrupt::remember_folder(&made);
-            state.folders.push(made);
-        }
+        let made = interrupt::make_folder(folder).map_err(failed(path))?;
+        self.state().folders.extend(made);
         Ok(())
     }
 }
@@ -269,8 +263,7 @@ fn part(path: &Path, file: &Path, content: &[u8]) -> Result<TempPath, Failure> {
     // A temporary file is its owner's alone; a result has the permissions of an ordinary new file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut part: NamedTempFile = builder.tempfile_in(folder).map_err(failed(path))?;
-    interrupt::remember_part(part.path());
+    let mut part = interrupt::make_part(|| builder.tempfile_in(folder)).map_err(failed(path))?;
     part.write_all(content).and_then(|()| part.flush()).map_err(failed(path))?;
     Ok(part.into_temp_path())
 }
