@@ -120,7 +120,8 @@ fn landmarks(args: &ExportArgs) -> Result<Ending, Failure> {
     let target = match args.to {
         FormatName::Csv => LandmarkTarget::Csv,
         FormatName::Slicer => LandmarkTarget::Slicer,
-        _ => {
+        // The formats of models do not come here.
+        FormatName::DicomSr | FormatName::Mjcf | FormatName::Osim | FormatName::Urdf => {
             sources = read_sources(&file, &case, args)?;
             curves = curves_of(&case);
             written = args.written.clone().unwrap_or_else(now);
