@@ -23,7 +23,8 @@ pub(crate) struct OptionsRecord {
     /// Picked by hand, caudal first; `null` where they come from the erect curve.
     inflections: Option<[SiteRecord; 2]>,
     /// Minimum angle of a curve between inflections of the erect curve, in degrees.
-    min_lobe_deg: f64,
+    #[serde(alias = "min_lobe_deg")]
+    min_curve_deg: f64,
     /// Fewest and most segments of the erect chain.
     segment_window: [u32; 2],
     support: Key<Support>,
@@ -148,7 +149,7 @@ impl From<&AnalysisOptions> for OptionsRecord {
                 InflectionChoice::Automatic => None,
                 InflectionChoice::ByHand(sites) => Some(sites.map(site)),
             },
-            min_lobe_deg: border(options.min_lobe.rad(), options.min_lobe.deg(), |deg| {
+            min_curve_deg: border(options.min_curve.rad(), options.min_curve.deg(), |deg| {
                 Angle::from_deg(deg).rad()
             }),
             segment_window: [*options.segment_window.start(), *options.segment_window.end()],
@@ -188,7 +189,7 @@ impl OptionsRecord {
             inflections: self.inflections.map_or(InflectionChoice::Automatic, |sites| {
                 InflectionChoice::ByHand(sites.map(site))
             }),
-            min_lobe: Angle::from_deg(self.min_lobe_deg),
+            min_curve: Angle::from_deg(self.min_curve_deg),
             segment_window: fewest..=most,
             profile: SagittalProfile {
                 turns_deg: self.sagittal_profile.turns_deg,

@@ -59,7 +59,11 @@ enum GoalRecord {
     /// The loads as they are given: a factor of one.
     FullLoad,
     /// A lateral tilt of the line from L4 to T2.
-    Lean { lean_right_deg: f64 },
+    #[serde(alias = "lean")]
+    LateralTilt {
+        #[serde(alias = "lean_right_deg")]
+        lateral_tilt_right_deg: f64,
+    },
 }
 
 /// A warning of a simulation.
@@ -74,7 +78,8 @@ pub struct SimulationWarning {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct AnglesRecord {
     /// Lateral tilt of the line from L4 to T2; positive to the patient's right.
-    lean_right_deg: f64,
+    #[serde(alias = "lean_right_deg")]
+    lateral_tilt_right_deg: f64,
     /// Positive where convex to the left.
     cobb_deg: BTreeMap<Key<Region>, f64>,
     /// Positive where convex to the left.
@@ -168,7 +173,9 @@ impl SimulationFile {
         let writer = Writer { model, placed, places };
         let goal = match response.goal {
             Goal::FullLoad => GoalRecord::FullLoad,
-            Goal::Lean(lean) => GoalRecord::Lean { lean_right_deg: lean.deg() },
+            Goal::LateralTilt(tilt) => {
+                GoalRecord::LateralTilt { lateral_tilt_right_deg: tilt.deg() }
+            }
         };
         Self {
             format: "spineline-simulation".to_owned(),
@@ -218,10 +225,10 @@ struct Writer<'a> {
 
 impl Writer<'_> {
     fn angles(&self, shape: &Deformed) -> AnglesRecord {
-        let SpineAngles { lean, curves } = measure_angles(shape, self.places);
+        let SpineAngles { lateral_tilt: tilt, curves } = measure_angles(shape, self.places);
         let key = Key::<Region>;
         AnglesRecord {
-            lean_right_deg: lean.deg(),
+            lateral_tilt_right_deg: tilt.deg(),
             cobb_deg: curves.iter().map(|c| (key(c.region), c.cobb.deg())).collect(),
             ferguson_deg: curves.iter().map(|c| (key(c.region), c.ferguson.deg())).collect(),
         }

@@ -2,7 +2,7 @@
 
 use spineline::analysis::{Case, analyze};
 use spineline::anatomy::Posture;
-use spineline::measure::{FilmMarks, ImageGeometry};
+use spineline::measure::{FilmLandmarks, ImageGeometry};
 use spineline_files::{
     AnalysisFile, CaseFile, FilmOrigin, ModelFile, ProgramRun, Provenance, Request, StiffnessFile,
     to_text,
@@ -80,9 +80,9 @@ impl Seeds {
 
 /// The picture of the erect film.
 fn image(case: &Case) -> &ImageGeometry {
-    match &case.films[0].marks {
-        FilmMarks::Landmarks { image, .. } => image,
-        FilmMarks::Placements { .. } => unreachable!("phantoms have landmarks"),
+    match &case.films[0].landmarks {
+        FilmLandmarks::Corners { image, .. } => image,
+        FilmLandmarks::Placements { .. } => unreachable!("phantoms have landmarks"),
     }
 }
 
@@ -105,7 +105,7 @@ fn film(case: &Case, encoding: Encoding) -> Result<Vec<u8>, Box<dyn std::error::
 }
 
 fn report(case: &Case) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
-    let FilmMarks::Landmarks { image, iliac_crests, readings } = &case.films[0].marks else {
+    let FilmLandmarks::Corners { image, iliac_crests, readings } = &case.films[0].landmarks else {
         unreachable!("phantoms have landmarks")
     };
     let source = SourceImage {

@@ -104,13 +104,13 @@ pub fn parse_coco(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, Lan
     let mut films = Vec::new();
     for (image, points) in images.into_values().filter(|(_, points)| !points.is_empty()) {
         let what = format!("image {}", image.id);
-        let reading = Reading { id: hint.reading.clone(), vertebrae: points.marks(&what)? };
+        let reading = Reading { id: hint.reading.clone(), vertebrae: points.landmarks(&what)? };
         films.push(MarkedFilm {
             posture: hint.posture,
             picture: image.file_name.as_deref().map(shown),
             size: image.width.zip(image.height),
             iliac_crests: points.iliac_crests(&what)?,
-            marks: LandmarkReadings::Corners(vec![reading]),
+            landmarks: LandmarkReadings::Corners(vec![reading]),
         });
     }
     if films.is_empty() {

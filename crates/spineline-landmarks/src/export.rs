@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use spineline::analysis::Case;
 use spineline::anatomy::{Posture, Region};
 use spineline::clinical::CobbEnds;
-use spineline::measure::{Film, FilmMarks};
+use spineline::measure::{Film, FilmLandmarks};
 
 use super::{LandmarkExportError, ReportOf, SourceImage, csv, slicer, write_sr};
 
@@ -89,7 +89,7 @@ fn reports(
     written: [&str; 2],
 ) -> Result<Vec<ExportedFile>, LandmarkExportError> {
     let posture = film.posture;
-    let FilmMarks::Landmarks { image, iliac_crests, readings } = &film.marks else {
+    let FilmLandmarks::Corners { image, iliac_crests, readings } = &film.landmarks else {
         return Err(LandmarkExportError::NoCorners(posture));
     };
     let mut files = Vec::new();
@@ -113,8 +113,8 @@ fn reports(
 fn check(film: &Film) -> Result<(), LandmarkExportError> {
     let what = |id: &dyn std::fmt::Display| format!("{} film, observer {id}", film.posture);
     let nothing = |what| Err(LandmarkExportError::Nothing { what });
-    match &film.marks {
-        FilmMarks::Landmarks { readings, .. } => {
+    match &film.landmarks {
+        FilmLandmarks::Corners { readings, .. } => {
             if readings.is_empty() {
                 return nothing(format!("{} film", film.posture));
             }
@@ -122,14 +122,14 @@ fn check(film: &Film) -> Result<(), LandmarkExportError> {
                 if reading.vertebrae.is_empty() {
                     return nothing(what(&reading.id));
                 }
-                for (&level, mark) in &reading.vertebrae {
-                    if !mark.corners.points().iter().all(|point| point.is_finite()) {
+                for (&level, landmark) in &reading.vertebrae {
+                    if !landmark.corners.points().iter().all(|point| point.is_finite()) {
                         return Err(LandmarkExportError::Corner { what: what(&reading.id), level });
                     }
                 }
             }
         }
-        FilmMarks::Placements { readings, .. } => {
+        FilmLandmarks::Placements { readings, .. } => {
             if readings.is_empty() {
                 return nothing(format!("{} film", film.posture));
             }

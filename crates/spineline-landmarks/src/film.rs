@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{
-    CornerName, Corners, Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading,
-    ReadingId, SpacingPlane, check_marks,
+    CornerName, Corners, Film, FilmLandmarks, IliacCrests, ImageGeometry, Placement, Reading,
+    ReadingId, SpacingPlane, VertebraLandmarks, check_landmarks,
 };
 use spineline::spatial::Pixel;
 
@@ -55,14 +55,14 @@ pub struct MarkedFilm {
     /// Tips of the iliac crests, in pixels.
     pub iliac_crests: Option<IliacCrests>,
     /// The readings.
-    pub marks: LandmarkReadings,
+    pub landmarks: LandmarkReadings,
 }
 
 /// Landmarks of the vertebrae of a film.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LandmarkReadings {
     /// Corners in pixels.
-    Corners(Vec<Reading<Mark>>),
+    Corners(Vec<Reading<VertebraLandmarks>>),
     /// Locations and tilts in millimetres of any frontal frame.
     Placements(Vec<Reading<Placement>>),
 }
@@ -136,7 +136,7 @@ impl MarkedFilm {
                 what: "the posture of the patient",
             })?,
         };
-        let marks = match self.marks {
+        let landmarks = match self.landmarks {
             LandmarkReadings::Corners(readings) => {
                 let image = image.ok_or(LandmarkError::Needs {
                     format: "a film with corners",
@@ -146,21 +146,21 @@ impl MarkedFilm {
                 if let Some(stated) = self.size.filter(|&stated| stated != given) {
                     return Err(LandmarkError::OtherPicture { stated, given });
                 }
-                FilmMarks::Landmarks { image, iliac_crests: self.iliac_crests, readings }
+                FilmLandmarks::Corners { image, iliac_crests: self.iliac_crests, readings }
             }
             LandmarkReadings::Placements(readings) => {
-                FilmMarks::Placements { spacing_plane: SpacingPlane::Unknown, readings }
+                FilmLandmarks::Placements { spacing_plane: SpacingPlane::Unknown, readings }
             }
         };
-        let film = Film { posture, marks };
-        check_marks(&film)?;
+        let film = Film { posture, landmarks };
+        check_landmarks(&film)?;
         Ok(film)
     }
 
     /// Number of vertebrae over all readings.
     #[must_use]
     pub fn vertebrae(&self) -> usize {
-        match &self.marks {
+        match &self.landmarks {
             LandmarkReadings::Corners(readings) => {
                 readings.iter().map(|reading| reading.vertebrae.len()).sum()
             }
@@ -247,9 +247,14 @@ impl<P: Copy> Points<P> {
 }
 
 impl Points<Pixel> {
-    pub fn marks(&self, reading: &str) -> Result<BTreeMap<Level, Mark>, LandmarkError> {
+    pub fn landmarks(
+        &self,
+        reading: &str,
+    ) -> Result<BTreeMap<Level, VertebraLandmarks>, LandmarkError> {
         let bodies = self.bodies(reading)?.into_iter();
-        Ok(bodies.map(|(level, corners)| (level, Mark { corners, axis_clockwise: None })).collect())
+        Ok(bodies
+            .map(|(level, corners)| (level, VertebraLandmarks { corners, axis_clockwise: None }))
+            .collect())
     }
 
     pub fn iliac_crests(&self, reading: &str) -> Result<Option<IliacCrests>, LandmarkError> {

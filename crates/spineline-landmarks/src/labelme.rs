@@ -85,13 +85,14 @@ pub fn parse_labelme(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, 
             what: "a landmark".to_owned(),
         });
     }
-    let marks = Reading { id: hint.reading.clone(), vertebrae: points.marks("the annotation")? };
+    let landmarks =
+        Reading { id: hint.reading.clone(), vertebrae: points.landmarks("the annotation")? };
     let film = MarkedFilm {
         posture: hint.posture,
         picture: annotation.image_path.map(|path| shown(&path)),
         size: annotation.image_width.zip(annotation.image_height),
         iliac_crests: points.iliac_crests("the annotation")?,
-        marks: LandmarkReadings::Corners(vec![marks]),
+        landmarks: LandmarkReadings::Corners(vec![landmarks]),
     };
     Ok(LandmarkFile { format: LandmarkFormat::Labelme, films: vec![film], remarks: Vec::new() })
 }

@@ -56,7 +56,7 @@ pub(crate) fn spread(
     rng: &mut ChaCha12Rng,
 ) -> Result<Vec<Moved>, Posture> {
     let rod = Rod::new(spine);
-    let erect_lean = erect.top().lean();
+    let erect_tilt = erect.top().lateral_tilt();
     let solve = |direction: Frontal| {
         let rod = &rod;
         move |force_n: f64, base_nmm: &mut f64| {
@@ -66,8 +66,9 @@ pub(crate) fn spread(
     let mut moved = Vec::new();
     for (posture, change) in leans(rng) {
         let sense = change.rad().signum();
-        let target = erect_lean + change;
-        let reached = |shape: &ChainShape| (shape.top().lean() - target).rad() * sense >= 0.0;
+        let target = erect_tilt + change;
+        let reached =
+            |shape: &ChainShape| (shape.top().lateral_tilt() - target).rad() * sense >= 0.0;
         let left = solve(Frontal::new(1.0, 0.0));
         let (force_n, shape, ()) =
             force_for(-4.0 * sense, 4000.0, 0.0, left, reached).ok_or(posture)?;

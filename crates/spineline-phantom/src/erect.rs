@@ -89,7 +89,7 @@ impl Shape {
     }
 
     /// The shape whose curves have given angles: Newton with differences from a usual shape.
-    fn with_lobes(target_rad: [f64; 3]) -> Option<Self> {
+    fn with_turns(target_rad: [f64; 3]) -> Option<Self> {
         let mut shape = Self { amplitude: 20.0 * target_rad[1], inflections: [0.33, 0.73] };
         // The curves alternate: the first bends to the right in cranial direction.
         let goal = Vec3::new(target_rad[0], -target_rad[1], target_rad[2]);
@@ -133,7 +133,7 @@ impl ErectSpine {
             let factor = if deg == main { 1.0 } else { vary.sample(rng) };
             Angle::from_deg(deg * factor).rad()
         });
-        let shape = Shape::with_lobes(lobes).ok_or(PhantomError::NoCurve { number: row.number })?;
+        let shape = Shape::with_turns(lobes).ok_or(PhantomError::NoCurve { number: row.number })?;
         // The paper's chains: 0.39 ± 0.05 mm per segment, so 389 ± 50 mm.
         let length_mm = Normal::<f64>::new(389.0, 50.0)
             .expect("a positive deviation")

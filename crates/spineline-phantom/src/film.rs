@@ -8,8 +8,8 @@ use rand_distr::{Distribution, Uniform};
 use spineline::analysis::{Case, Subject};
 use spineline::anatomy::{ImageSide, Level, Morphometry, Posture, Side};
 use spineline::measure::{
-    Corners, Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Reading, ReadingId, Spacing,
-    SpacingPlane,
+    Corners, Film, FilmLandmarks, IliacCrests, ImageGeometry, Reading, ReadingId, Spacing,
+    SpacingPlane, VertebraLandmarks,
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
 
@@ -61,12 +61,12 @@ impl TrueFilm {
 }
 
 /// Landmarks of a film with larger pixels.
-pub(crate) fn coarsen_marks(marks: &mut FilmMarks, factor: u32) {
-    let FilmMarks::Landmarks { image, iliac_crests, readings } = marks else { return };
+pub(crate) fn coarsen_landmarks(landmarks: &mut FilmLandmarks, factor: u32) {
+    let FilmLandmarks::Corners { image, iliac_crests, readings } = landmarks else { return };
     *image = coarse_image(image, factor);
     *iliac_crests = iliac_crests.map(|crests| coarse_crests(crests, factor));
-    for mark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
-        mark.corners = mark.corners.map(|p| coarse(p, factor));
+    for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+        landmark.corners = landmark.corners.map(|p| coarse(p, factor));
     }
 }
 
@@ -181,12 +181,12 @@ impl Placed {
     }
 
     fn read(&self, readers: &Readers, rng: &mut ChaCha12Rng) -> Film {
-        let marks = FilmMarks::Landmarks {
+        let landmarks = FilmLandmarks::Corners {
             image: self.image,
             iliac_crests: Some(self.iliac_crests()),
             readings: read(&self.bodies, &self.image, readers, rng),
         };
-        Film { posture: self.posture, marks }
+        Film { posture: self.posture, landmarks }
     }
 
     fn true_film(&self, row: &TableRow, seed: u64) -> TrueFilm {
@@ -261,17 +261,17 @@ fn read(
     image: &ImageGeometry,
     readers: &Readers,
     rng: &mut ChaCha12Rng,
-) -> Vec<Reading<Mark>> {
+) -> Vec<Reading<VertebraLandmarks>> {
     let mut readings = Vec::new();
     for observer in 0..readers.observers {
         let name = char::from(b'A' + (observer % 26) as u8).to_string();
         let biases: Vec<Deviation> = bodies.iter().map(|_| readers.bias(rng)).collect();
         for repeat in 1..=readers.repeats {
-            let vertebrae: BTreeMap<Level, Mark> = bodies
+            let vertebrae: BTreeMap<Level, VertebraLandmarks> = bodies
                 .iter()
                 .zip(&biases)
                 .map(|((level, corners, tilt), bias)| {
-                    (*level, readers.mark(image, corners, *tilt, bias, rng))
+                    (*level, readers.landmark(image, corners, *tilt, bias, rng))
                 })
                 .collect();
             readings.push(Reading { id: ReadingId::new(name.clone(), repeat), vertebrae });

@@ -327,7 +327,7 @@ impl Phantom {
             *film = film.coarser(factor);
         }
         for film in &mut self.case.films {
-            film::coarsen_marks(&mut film.marks, factor);
+            film::coarsen_landmarks(&mut film.landmarks, factor);
         }
         self
     }

@@ -34,13 +34,13 @@ pub(crate) fn move_by(
         .into_iter()
         .map(|(posture, total_deg, sense)| {
             let target = Angle::from_deg(total_deg * vary.sample(rng));
-            let lean = Angle::from_deg(25.0 * sense);
+            let tilt = Angle::from_deg(25.0 * sense);
             // A tilted vertical; the film of every posture shows it.
-            let l4_on_film = (truth == Truth::Weight).then_some(lean);
+            let l4_on_film = (truth == Truth::Weight).then_some(tilt);
             let reached = |shape: &ChainShape| shape.rotation_from(erect) >= target;
             let solve = |size: f64, shape: &mut ChainShape| {
                 *shape = rod.bend_by(shape, couple(truth, size, sense), |now| {
-                    forces(truth, spine, now, size, (sense, lean))
+                    forces(truth, spine, now, size, (sense, tilt))
                 })?;
                 let line = LineOfAction::leaning(Frontal::default(), Angle::ZERO);
                 Some((shape.clone(), line))
@@ -62,14 +62,14 @@ fn forces(
     spine: &ErectSpine,
     shape: &ChainShape,
     size: f64,
-    (sense, lean): (f64, Angle),
+    (sense, tilt): (f64, Angle),
 ) -> Vec<PointForce> {
     let at = |s_mm: f64, force: Frontal| PointForce { s_mm, point: shape.point(s_mm), force };
     let s = &spine.vertebra_s_mm;
     let sideways = Frontal::new(-sense * size, 0.0);
     match truth {
         Truth::Weight => {
-            let down = Frontal::leaning(-lean) * -size;
+            let down = Frontal::leaning(-tilt) * -size;
             let levels = Level::MODEL.iter().zip(s).skip(1);
             levels.map(|(&level, &s)| at(s, down * trunk_weight_share(level))).collect()
         }

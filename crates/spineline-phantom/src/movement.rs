@@ -125,7 +125,7 @@ pub(crate) fn usual_variation() -> Uniform<f64> {
 
 /// Two bends, neutral and traction in the order of postures: the bend with the larger tilt to the left is the left one.
 pub(crate) fn in_order([first, second, neutral, traction]: [Moved; 4]) -> Vec<Moved> {
-    let left_first = first.shape.top().lean() < second.shape.top().lean();
+    let left_first = first.shape.top().lateral_tilt() < second.shape.top().lateral_tilt();
     let (left, right) = if left_first { (first, second) } else { (second, first) };
     vec![
         Moved { posture: Posture::LeftBending, ..left },

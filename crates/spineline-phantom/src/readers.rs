@@ -1,6 +1,6 @@
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, Normal};
-use spineline::measure::{Corners, ImageGeometry, Mark};
+use spineline::measure::{Corners, ImageGeometry, VertebraLandmarks};
 use spineline::spatial::{Angle, Frontal, Pixel};
 
 /// The virtual readers of a film.
@@ -61,14 +61,14 @@ impl Readers {
     }
 
     /// Marks one vertebra.
-    pub(crate) fn mark(
+    pub(crate) fn landmark(
         &self,
         image: &ImageGeometry,
         corners: &Corners<Frontal>,
         tilt: Angle,
         bias: &Deviation,
         rng: &mut ChaCha12Rng,
-    ) -> Mark {
+    ) -> VertebraLandmarks {
         let scatter = Deviation::draw(self.corner_sd_mm, self.axis_sd, rng);
         let names = corners.points();
         let moved: [Pixel; 4] = std::array::from_fn(|i| {
@@ -85,7 +85,7 @@ impl Readers {
         });
         let [superior_left, superior_right, inferior_left, inferior_right] = moved;
         let corners = Corners { superior_left, superior_right, inferior_left, inferior_right };
-        Mark { corners, axis_clockwise }
+        VertebraLandmarks { corners, axis_clockwise }
     }
 }
 

@@ -123,7 +123,7 @@ fn pull(
 ) -> Result<Vec<Moved>, Posture> {
     let rod = Rod::new(spine);
     let left = Frontal::new(1.0, 0.0);
-    let erect_lean = erect.top().lean();
+    let erect_tilt = erect.top().lateral_tilt();
     let solve = |direction: Frontal| {
         let rod = &rod;
         move |force_n: f64, top: &mut Frontal| {
@@ -136,8 +136,9 @@ fn pull(
     let mut moved = Vec::new();
     for (posture, change) in leans(rng) {
         let sense = change.rad().signum();
-        let target = erect_lean + change;
-        let reached = |shape: &ChainShape| (shape.top().lean() - target).rad() * sense >= 0.0;
+        let target = erect_tilt + change;
+        let reached =
+            |shape: &ChainShape| (shape.top().lateral_tilt() - target).rad() * sense >= 0.0;
         let (force_n, shape, line) =
             force_for(-2.0 * sense, 2000.0, erect.top(), solve(left), reached).ok_or(posture)?;
         moved.push(Moved { line: Some(line), ..Moved::at(posture, shape, force_n) });

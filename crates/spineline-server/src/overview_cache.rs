@@ -72,7 +72,7 @@ impl OverviewCache {
 
 fn complete_levels(state: &ReadingState) -> u32 {
     let of_model = state.vertebrae.iter().filter(|(level, _)| level.model_index().is_some());
-    of_model.filter(|(_, marks)| marks.is_complete()).count() as u32
+    of_model.filter(|(_, landmarks)| landmarks.is_complete()).count() as u32
 }
 
 /// The status of a study from its landmarks alone.

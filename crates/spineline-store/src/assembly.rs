@@ -6,7 +6,7 @@ use rusqlite::Connection;
 use spineline::analysis::{Case, Subject};
 use spineline::anatomy::{Posture, Side};
 use spineline::measure::{
-    Corners, Film, FilmMarks, IliacCrests, Mark, Reading, ReadingId as Reader,
+    Corners, Film, FilmLandmarks, IliacCrests, Reading, ReadingId as Reader, VertebraLandmarks,
 };
 use spineline::spatial::{Angle, Pixel};
 
@@ -15,7 +15,7 @@ use crate::event::Corner;
 use crate::films::{self, FilmRecord};
 use crate::names::Name;
 use crate::readings::ReadingRecord;
-use crate::state::{ReadingState, VertebraMarks};
+use crate::state::{ReadingState, VertebraReading};
 
 /// The films of a study, of which a case has one per posture.
 pub(crate) fn by_posture(
@@ -49,12 +49,12 @@ pub(crate) fn film(
     let image = spineline_files::parse_image(&record.image, record.posture)?;
     let iliac_crests = mean_crests(readings);
     let readings = readings.iter().map(|(reading, state)| marked(reading, state)).collect();
-    let marks = FilmMarks::Landmarks { image, iliac_crests, readings };
-    Ok(Film { posture: record.posture, marks })
+    let landmarks = FilmLandmarks::Corners { image, iliac_crests, readings };
+    Ok(Film { posture: record.posture, landmarks })
 }
 
-fn marked(reading: &ReadingRecord, state: &ReadingState) -> Reading<Mark> {
-    let vertebrae = state.vertebrae.iter().filter_map(|(&level, v)| Some((level, mark(v)?)));
+fn marked(reading: &ReadingRecord, state: &ReadingState) -> Reading<VertebraLandmarks> {
+    let vertebrae = state.vertebrae.iter().filter_map(|(&level, v)| Some((level, landmark(v)?)));
     Reading {
         id: Reader::new(reading.observer.to_string(), reading.repeat),
         vertebrae: vertebrae.collect(),
@@ -62,16 +62,16 @@ fn marked(reading: &ReadingRecord, state: &ReadingState) -> Reading<Mark> {
 }
 
 /// The landmarks of a vertebra, if all four corners are placed.
-fn mark(marks: &VertebraMarks) -> Option<Mark> {
-    let corner = |corner| marks.corners.get(&corner).copied().map(pixel);
-    Some(Mark {
+fn landmark(landmarks: &VertebraReading) -> Option<VertebraLandmarks> {
+    let corner = |corner| landmarks.corners.get(&corner).copied().map(pixel);
+    Some(VertebraLandmarks {
         corners: Corners {
             superior_left: corner(Corner::SuperiorLeft)?,
             superior_right: corner(Corner::SuperiorRight)?,
             inferior_left: corner(Corner::InferiorLeft)?,
             inferior_right: corner(Corner::InferiorRight)?,
         },
-        axis_clockwise: marks.axis_deg.map(Angle::from_deg),
+        axis_clockwise: landmarks.axis_deg.map(Angle::from_deg),
     })
 }
 

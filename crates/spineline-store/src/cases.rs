@@ -5,7 +5,7 @@ use std::fmt;
 use serde_json::Value;
 use spineline::analysis::Subject;
 use spineline::anatomy::Posture;
-use spineline::measure::{FilmMarks, IliacCrests, Mark, Reading};
+use spineline::measure::{FilmLandmarks, IliacCrests, Reading, VertebraLandmarks};
 use spineline_files::{FileError, LevelKey};
 
 use crate::accounts::{self, Role};
@@ -153,7 +153,7 @@ impl NewCase {
         let records = written["films"].as_array().into_iter().flatten();
         for (film, record) in case.films.iter().zip(records) {
             let posture = film.posture;
-            let FilmMarks::Landmarks { readings, iliac_crests, .. } = &film.marks else {
+            let FilmLandmarks::Corners { readings, iliac_crests, .. } = &film.landmarks else {
                 return Err(CaseError::NoPicture { posture });
             };
             let readings = readings.iter().map(|reading| CaseReading::of(reading, *iliac_crests));
@@ -239,15 +239,18 @@ impl NewCase {
 }
 
 impl CaseReading {
-    fn of(reading: &Reading<Mark>, crests: Option<IliacCrests>) -> Result<Self, StoreError> {
+    fn of(
+        reading: &Reading<VertebraLandmarks>,
+        crests: Option<IliacCrests>,
+    ) -> Result<Self, StoreError> {
         let mut events = Vec::new();
-        for (&level, mark) in &reading.vertebrae {
+        for (&level, landmark) in &reading.vertebrae {
             let level = LevelKey(level);
-            for (corner, place) in Corner::ALL.into_iter().zip(mark.corners.points()) {
+            for (corner, place) in Corner::ALL.into_iter().zip(landmark.corners.points()) {
                 let (column_px, row_px) = (place.column_px, place.row_px);
                 events.push(Event::PlaceCorner { level, corner, column_px, row_px });
             }
-            if let Some(axis) = mark.axis_clockwise {
+            if let Some(axis) = landmark.axis_clockwise {
                 let axis_deg = Some(spineline_files::written_axis_deg(axis));
                 events.push(Event::SetAxis { level, axis_deg });
             }

@@ -15,7 +15,7 @@ use crate::films::{self, FilmRecord};
 use crate::journal;
 use crate::names::{Name, ReadingId};
 use crate::readings::{self, ReadingRecord};
-use crate::state::{ReadingState, VertebraMarks};
+use crate::state::{ReadingState, VertebraReading};
 
 /// Which readings of a study the current case uses.
 #[derive(Debug, Clone, Copy)]
@@ -69,7 +69,7 @@ impl CurrentCase {
 
     /// Landmarks on one film.
     #[must_use]
-    pub fn marks(&self, posture: Posture) -> Option<&Film> {
+    pub fn landmarks(&self, posture: Posture) -> Option<&Film> {
         self.case.films.iter().find(|film| film.posture == posture)
     }
 
@@ -96,7 +96,7 @@ impl Store {
         let snapshot = self.connection.unchecked_transaction()?;
         let synthetic = films::study(&snapshot, study)?.synthetic;
         let readings = readings::of_study(&snapshot, study)?;
-        let (mut films, mut marks) = (Vec::new(), Vec::new());
+        let (mut films, mut landmarks) = (Vec::new(), Vec::new());
         for film in assembly::by_posture(&snapshot, study)?.into_values() {
             let of_film: Vec<&ReadingRecord> =
                 readings.iter().filter(|reading| reading.film == film.id).collect();
@@ -110,18 +110,19 @@ impl Store {
                 }
             };
             let complete = |state: &ReadingState| -> BTreeSet<Level> {
-                let marked = state.vertebrae.iter().filter(|(_, marks)| marks.is_complete());
+                let marked =
+                    state.vertebrae.iter().filter(|(_, landmarks)| landmarks.is_complete());
                 let levels = marked.map(|(&level, _)| level);
                 levels.filter(|level| level.model_index().is_some()).collect()
             };
             let marked: BTreeSet<Level> =
                 chosen.iter().flat_map(|(_, state)| complete(state)).collect();
             if !marked.is_empty() {
-                marks.push(assembly::film(&film, &chosen)?);
+                landmarks.push(assembly::film(&film, &chosen)?);
             }
             films.push(CurrentFilm { record: film, readings: chosen.len(), marked });
         }
-        let case = assembly::case(study, synthetic, marks);
+        let case = assembly::case(study, synthetic, landmarks);
         Ok(CurrentCase { films, case })
     }
 
@@ -151,8 +152,9 @@ impl Store {
         own.sort_by_key(|reading| std::cmp::Reverse(reading.id));
         for reading in own {
             let state = self.state_of(connection, reading)?;
-            let complete =
-                |level: &Level| state.vertebrae.get(level).is_some_and(VertebraMarks::is_complete);
+            let complete = |level: &Level| {
+                state.vertebrae.get(level).is_some_and(VertebraReading::is_complete)
+            };
             if Level::MODEL.iter().all(complete) {
                 return Ok(vec![(reading, state)]);
             }

@@ -68,7 +68,7 @@ pub use plan::{BlindFilm, FilmCode, Next, ObserverView, OwnReading, PlanDesign, 
 pub use privacy::wider_permissions;
 pub use readings::ReadingRecord;
 pub use sessions::{Access, Session, SessionLimits};
-pub use state::{ReadingState, Scale, VertebraMarks};
+pub use state::{ReadingState, Scale, VertebraReading};
 pub use thumbnails::Thumbnails;
 pub use verify::{Finding, Verification};
 pub use visibility::{LastChange, SeenReading, Visibility};

@@ -98,8 +98,8 @@ pub(crate) fn finish(
     reading: ReadingId,
     state: &ReadingState,
 ) -> Result<u64, StoreError> {
-    for (&level, marks) in &state.vertebrae {
-        let corners = marks.corners.len();
+    for (&level, landmarks) in &state.vertebrae {
+        let corners = landmarks.corners.len();
         if corners < Corner::ALL.len() {
             return Err(StoreError::Incomplete { reading, level, corners });
         }

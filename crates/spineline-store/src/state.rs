@@ -8,14 +8,14 @@ use crate::event::{Corner, CrestSide, Event};
 
 /// Landmarks of a vertebra.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct VertebraMarks {
+pub struct VertebraReading {
     /// Corners placed so far, `[column, row]` in pixels.
     pub corners: BTreeMap<Corner, [f64; 2]>,
     /// Axis turned by hand, against the image's vertical, positive clockwise as seen.
     pub axis_deg: Option<f64>,
 }
 
-impl VertebraMarks {
+impl VertebraReading {
     /// Whether all four corners are placed.
     #[must_use]
     pub fn is_complete(&self) -> bool {
@@ -40,7 +40,7 @@ pub struct ReadingState {
     /// Number of events, which is the revision for the next one.
     pub revision: u64,
     /// Vertebrae with at least a corner or an axis.
-    pub vertebrae: BTreeMap<Level, VertebraMarks>,
+    pub vertebrae: BTreeMap<Level, VertebraReading>,
     /// Superior tips of the iliac crests by the patient's side, `[column, row]`.
     pub iliac_crests_px: BTreeMap<Side, [f64; 2]>,
     /// The scale tool, where it was used.
@@ -96,7 +96,7 @@ impl ReadingState {
             Event::SetAxis { level, axis_deg } => {
                 let vertebra = self.vertebrae.entry(level.0).or_default();
                 vertebra.axis_deg = axis_deg;
-                if *vertebra == VertebraMarks::default() {
+                if *vertebra == VertebraReading::default() {
                     self.vertebrae.remove(&level.0);
                 }
             }

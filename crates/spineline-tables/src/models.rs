@@ -271,7 +271,7 @@ fn columns_of_lines<'a>() -> Vec<Column<LineRow<'a>>> {
             "lean",
             Unit::Degrees,
             "lateral tilt of the line; positive to the patient's right",
-            |row| Some(row.item.simulation.line.lean().deg()),
+            |row| Some(row.item.simulation.line.lateral_tilt().deg()),
         ),
         text("application", "`fixed` in space, or `at_t2`", |row| {
             Some(

@@ -152,10 +152,10 @@ fn movement<'a>() -> Vec<Column<PostureRow<'a>>> {
 fn own_line<'a>() -> Vec<Column<PostureRow<'a>>> {
     vec![
         number(
-            "preferred_line_lean",
+            "preferred_line_lateral_tilt",
             Unit::Degrees,
             "lateral tilt of the line of best fit to the rotations; positive to the patient's right",
-            |row| row.item.preferred_line.as_ref().map(|own| own.line.lean().deg()),
+            |row| row.item.preferred_line.as_ref().map(|own| own.line.lateral_tilt().deg()),
         ),
         number(
             "preferred_to_inflection_line",

@@ -71,7 +71,7 @@ fn general(criterion: &mut Criterion) {
         });
     }
     let options = PathOptions { look_beyond: false, ..Default::default() };
-    let target = Goal::Lean(Angle::from_deg(-15.0));
+    let target = Goal::LateralTilt(Angle::from_deg(-15.0));
     group.bench_function("path to an amplitude, force at T2", |bencher| {
         bencher.iter(|| black_box(statics.follow(&loadings[1].1, target, &options)));
     });

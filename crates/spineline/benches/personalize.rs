@@ -34,13 +34,13 @@ fn search(criterion: &mut Criterion) {
         let load = common::bending_loads(&analysis, kind)[0];
         let fitted = model.posture(BENDS[0]).expect("a left bend");
         let sign = if fitted.force_n < 0.0 { ForceSign::Negative } else { ForceSign::Positive };
-        let lean = fitted.locations[14].lean();
+        let tilt = fitted.locations[14].lateral_tilt();
         let mut step = 0_u32;
         group.bench_function(format!("{} phantom, {kind}", truth.key()), |bencher| {
             bencher.iter(|| {
                 // Another target each time, within half a degree.
                 step = (step + 1) % 64;
-                let target = lean * (1.0 - 1e-3 * f64::from(step) / 64.0);
+                let target = tilt * (1.0 - 1e-3 * f64::from(step) / 64.0);
                 black_box(match_amplitude(&statics, black_box(&load), sign, black_box(target)))
             });
         });

@@ -1,19 +1,19 @@
-import { CORNERS, marksOf, placeOf, type Mark, type ReadingView } from "./marks";
+import { CORNERS, landmarksOf, placeOf, type Landmark, type ReadingView } from "./landmarks";
 import { cssOf, filmPoint, type CssPoint, type Viewport } from "./viewport";
 
 /** The landmark nearest to a place on the screen, if it is within reach; axes only of the current vertebra. */
-export function markAt(
+export function landmarkAt(
   reading: ReadingView,
   view: Viewport,
   at: CssPoint,
   reach: number,
   axisOf: string | null,
-): Mark | null {
-  const candidates = marksOf(reading).filter(
-    (mark) => mark.kind !== "axis" || mark.level === axisOf,
+): Landmark | null {
+  const candidates = landmarksOf(reading).filter(
+    (landmark) => landmark.kind !== "axis" || landmark.level === axisOf,
   );
-  return nearest(candidates, at, reach, (mark) => {
-    const place = placeOf(reading, mark);
+  return nearest(candidates, at, reach, (landmark) => {
+    const place = placeOf(reading, landmark);
     return place && cssOf(view, place);
   });
 }
@@ -24,37 +24,37 @@ export function proposedAt(
   view: Viewport,
   at: CssPoint,
   reach: number,
-): Mark | null {
+): Landmark | null {
   const { proposal } = reading;
   if (!proposal) return null;
-  const candidates = CORNERS.map((corner): Mark => ({
+  const candidates = CORNERS.map((corner): Landmark => ({
     kind: "corner",
     level: proposal.level,
     corner,
   }));
-  return nearest(candidates, at, reach, (mark) => {
+  return nearest(candidates, at, reach, (landmark) => {
     const px = proposal.corners.find(
-      ({ corner }) => mark.kind === "corner" && corner === mark.corner,
+      ({ corner }) => landmark.kind === "corner" && corner === landmark.corner,
     )?.px;
     return px ? cssOf(view, filmPoint(px)) : null;
   });
 }
 
 function nearest(
-  candidates: readonly Mark[],
+  candidates: readonly Landmark[],
   at: CssPoint,
   reach: number,
-  placed: (mark: Mark) => CssPoint | null,
-): Mark | null {
-  let best: Mark | null = null;
+  placed: (landmark: Landmark) => CssPoint | null,
+): Landmark | null {
+  let best: Landmark | null = null;
   let closest = reach;
-  for (const mark of candidates) {
-    const place = placed(mark);
+  for (const landmark of candidates) {
+    const place = placed(landmark);
     if (!place) continue;
     const distance = Math.hypot(place[0] - at[0], place[1] - at[1]);
     if (distance > closest) continue;
     closest = distance;
-    best = mark;
+    best = landmark;
   }
   return best;
 }

@@ -1,5 +1,5 @@
 import type { Marking } from "./marking.svelte";
-import { placeOf, type Mark } from "./marks";
+import { placeOf, type Landmark } from "./landmarks";
 import type { Viewer } from "./viewer.svelte";
 import { filmPoint, type CssPoint, type FilmPoint } from "./viewport";
 
@@ -154,10 +154,10 @@ function markKeys(viewer: Viewer, marking: Marking, targets: KeyTargets): Action
 
 /** Expected place of the next landmark, if the program proposes one. */
 export function expected(marking: Marking): FilmPoint | null {
-  const mark: Mark | null = marking.target;
+  const landmark: Landmark | null = marking.target;
   const { proposal } = marking.reading;
-  if (mark?.kind !== "corner" || proposal?.level !== mark.level) return null;
-  const px = proposal.corners.find(({ corner }) => corner === mark.corner)?.px;
+  if (landmark?.kind !== "corner" || proposal?.level !== landmark.level) return null;
+  const px = proposal.corners.find(({ corner }) => corner === landmark.corner)?.px;
   return px ? filmPoint(px) : null;
 }
 

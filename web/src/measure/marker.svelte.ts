@@ -1,7 +1,7 @@
 import type { Hand } from "./gestures";
-import { markAt, proposedAt } from "./hit";
+import { landmarkAt, proposedAt } from "./hit";
 import type { Marking } from "./marking.svelte";
-import { placeOf, type Mark } from "./marks";
+import { placeOf, type Landmark } from "./landmarks";
 import type { Viewer } from "./viewer.svelte";
 import { cssOf, filmOf, type CssPoint, type FilmPoint } from "./viewport";
 
@@ -18,7 +18,7 @@ export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abando
   scale = $state.raw<readonly FilmPoint[]>([]);
   /** Whether a finger or a button is down. */
   isDown = $state(false);
-  #held: Mark | null = null;
+  #held: Landmark | null = null;
   /** Offset from the pointer to the grabbed landmark. */
   #grip: CssPoint = [0, 0];
   #reach: "mouse" | "touch" = "mouse";
@@ -43,7 +43,7 @@ export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abando
     this.#held = null;
     if (viewer.tool === "scale" || !marking.changeable) return;
     const reach = (marking.target ? ASKED_REACH_CSS : REACH_CSS)[this.#reach];
-    const placed = markAt(marking.reading, viewer.view, at, reach, this.level);
+    const placed = landmarkAt(marking.reading, viewer.view, at, reach, this.level);
     this.#held = placed ?? proposedAt(marking.reading, viewer.view, at, reach);
     const place = this.#held && (placeOf(marking.reading, this.#held) ?? this.#proposedPlace());
     const [x, y] = place ? cssOf(viewer.view, place) : at;
@@ -74,7 +74,7 @@ export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abando
   }
 
   /** Places the requested landmark, if the place is on the film. */
-  placeAt(at: FilmPoint): Mark | null {
+  placeAt(at: FilmPoint): Landmark | null {
     const { columns, rows } = this.viewer.film;
     const isOn = at[0] >= -0.5 && at[0] <= columns - 0.5 && at[1] >= -0.5 && at[1] <= rows - 0.5;
     if (isOn) return this.marking.place(at);
@@ -85,7 +85,7 @@ export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abando
   #click(at: CssPoint): void {
     const { viewer, marking } = this;
     const reach = (marking.target ? ASKED_CLICK_CSS : REACH_CSS)[this.#reach];
-    const near = markAt(marking.reading, viewer.view, at, reach, this.level);
+    const near = landmarkAt(marking.reading, viewer.view, at, reach, this.level);
     if (near) marking.select(near);
     else if (marking.target) marking.select(this.placeAt(filmOf(viewer.view, at)));
     else marking.select(null);

@@ -10,21 +10,21 @@ import {
 import type { Api } from "../api/types";
 import { keepingOf, keepsNothing, leftBehind, type ReadingKeeping } from "./keeping";
 import {
-  marksOf,
+  landmarksOf,
   missingCorner,
   missingCrest,
   placeOf,
   placing,
   remaining,
-  sameMark,
+  sameLandmark,
   stepsAfter,
   withEvents,
   wordsOf,
   wordsOfEvent,
   type Event,
-  type Mark,
+  type Landmark,
   type ReadingView,
-} from "./marks";
+} from "./landmarks";
 import { Outbox, type SaveState } from "./outbox";
 import { CRESTS, targetOf, type Chosen } from "./target";
 import { filmPoint, type FilmPoint } from "./viewport";
@@ -82,7 +82,7 @@ export class Marking {
   #live = $state.raw<LiveView | null>(null);
   #chosen = $state.raw<Chosen>(null);
   saving = $state.raw<SaveState>({ kind: "saved" });
-  selected = $state.raw<Mark | null>(null);
+  selected = $state.raw<Landmark | null>(null);
   lost = $state.raw<Lost | null>(null);
   /** The last failure. */
   trouble = $state.raw<Trouble | null>(null);
@@ -164,24 +164,24 @@ export class Marking {
   }
 
   /** Places the next landmark, or the chosen one. */
-  place(at: FilmPoint): Mark | null {
-    const mark = this.target;
-    if (!mark) return null;
-    this.#record([placing(this.reading, mark, round(at))]);
-    this.said = `${wordsOf(mark)} placed`;
-    return mark;
+  place(at: FilmPoint): Landmark | null {
+    const landmark = this.target;
+    if (!landmark) return null;
+    this.#record([placing(this.reading, landmark, round(at))]);
+    this.said = `${wordsOf(landmark)} placed`;
+    return landmark;
   }
 
   /** Shows a landmark at a place without recording it. */
-  drag(mark: Mark, to: FilmPoint): void {
-    this.selected = mark;
-    if (mark.kind === "axis") {
-      this.#turning = { level: mark.level, towards: to, isAnswered: false };
+  drag(landmark: Landmark, to: FilmPoint): void {
+    this.selected = landmark;
+    if (landmark.kind === "axis") {
+      this.#turning = { level: landmark.level, towards: to, isAnswered: false };
       this.#wish({ events: this.#pending, turn: this.#turning });
       return;
     }
     this.#turning = null;
-    this.#draft = this.#placingAt(mark, round(to));
+    this.#draft = this.#placingAt(landmark, round(to));
     this.#wish({ events: [...this.#pending, ...this.#draft] });
   }
 
@@ -222,11 +222,11 @@ export class Marking {
 
   /** Moves the selected landmark by pixels, or the selected axis by degrees. */
   nudge(by: FilmPoint): void {
-    const mark = this.selected;
-    if (!mark || !this.changeable) return;
-    const event = mark.kind === "axis" ? this.#turned(mark, by) : this.#moved(mark, by);
+    const landmark = this.selected;
+    if (!landmark || !this.changeable) return;
+    const event = landmark.kind === "axis" ? this.#turned(landmark, by) : this.#moved(landmark, by);
     if (!event) return;
-    this.#outbox.push([event], `nudge ${wordsOf(mark)}`);
+    this.#outbox.push([event], `nudge ${wordsOf(landmark)}`);
     this.#wish({ events: this.#pending });
   }
 
@@ -293,20 +293,20 @@ export class Marking {
 
   /** Selects the previous or next landmark; false at the ends. */
   step(by: 1 | -1): boolean {
-    const marks = marksOf(this.reading);
-    const now = marks.findIndex((mark) => sameMark(mark, this.selected));
-    const next = marks[now < 0 ? (by > 0 ? 0 : marks.length - 1) : now + by];
+    const landmarks = landmarksOf(this.reading);
+    const now = landmarks.findIndex((landmark) => sameLandmark(landmark, this.selected));
+    const next = landmarks[now < 0 ? (by > 0 ? 0 : landmarks.length - 1) : now + by];
     if (!next) return false;
     this.select(next);
     return true;
   }
 
-  select(mark: Mark | null): void {
-    this.selected = mark;
-    if (!mark) return;
-    const place = placeOf(this.reading, mark);
+  select(landmark: Landmark | null): void {
+    this.selected = landmark;
+    if (!landmark) return;
+    const place = placeOf(this.reading, landmark);
     const at = place ? `, column ${place[0].toFixed(1)} px, row ${place[1].toFixed(1)} px` : "";
-    this.said = `${wordsOf(mark)}${at}`;
+    this.said = `${wordsOf(landmark)}${at}`;
   }
 
   /** Whether a reported change is not known here. */
@@ -432,32 +432,32 @@ export class Marking {
     }
   }
 
-  #moved(mark: Mark, by: FilmPoint): Event | null {
-    const place = placeOf(this.reading, mark);
-    return place && placing(this.reading, mark, round([place[0] + by[0], place[1] + by[1]]));
+  #moved(landmark: Landmark, by: FilmPoint): Event | null {
+    const place = placeOf(this.reading, landmark);
+    return place && placing(this.reading, landmark, round([place[0] + by[0], place[1] + by[1]]));
   }
 
-  #turned(mark: Mark & { kind: "axis" }, by: FilmPoint): Event | null {
-    const axis = this.reading.vertebrae.find(({ level }) => level === mark.level)?.axis;
+  #turned(landmark: Landmark & { kind: "axis" }, by: FilmPoint): Event | null {
+    const axis = this.reading.vertebrae.find(({ level }) => level === landmark.level)?.axis;
     if (!axis) return null;
     // Right and up rotate clockwise as seen; a whole step rounds to 0.1°.
     const tenths = Math.round((axis.axis_deg + by[0] - by[1]) * 10);
-    return { kind: "set_axis", level: mark.level, axis_deg: tenths / 10 };
+    return { kind: "set_axis", level: landmark.level, axis_deg: tenths / 10 };
   }
 
   /** A dragged corner of a proposal accepts the other three corners too. */
-  #placingAt(mark: Mark, at: FilmPoint): Event[] {
-    const moved = placing(this.reading, mark, at);
+  #placingAt(landmark: Landmark, at: FilmPoint): Event[] {
+    const moved = placing(this.reading, landmark, at);
     const proposal = this.#proposal();
     const isProposed =
-      mark.kind === "corner" &&
-      proposal?.level === mark.level &&
-      !this.#recorded.vertebrae.some(({ level }) => level === mark.level);
-    if (!isProposed || mark.kind !== "corner") return [moved];
+      landmark.kind === "corner" &&
+      proposal?.level === landmark.level &&
+      !this.#recorded.vertebrae.some(({ level }) => level === landmark.level);
+    if (!isProposed || landmark.kind !== "corner") return [moved];
     return proposal.corners.map(({ corner, px }) => {
-      const place = corner === mark.corner ? at : filmPoint(px);
+      const place = corner === landmark.corner ? at : filmPoint(px);
       const [column_px, row_px] = place;
-      return { kind: "place_corner", level: mark.level, corner, column_px, row_px };
+      return { kind: "place_corner", level: landmark.level, corner, column_px, row_px };
     });
   }
 
@@ -495,6 +495,6 @@ function round([column, row]: FilmPoint): FilmPoint {
 /** The same event on a changed reading: a corner is placed or moved, depending on whether it exists. */
 function fresh(reading: ReadingView, event: Event): Event {
   if (event.kind !== "place_corner" && event.kind !== "move_corner") return event;
-  const mark: Mark = { kind: "corner", level: event.level, corner: event.corner };
-  return placing(reading, mark, [event.column_px, event.row_px]);
+  const landmark: Landmark = { kind: "corner", level: event.level, corner: event.corner };
+  return placing(reading, landmark, [event.column_px, event.row_px]);
 }

@@ -3,7 +3,7 @@ import { afterEach, beforeEach, expect, it, vi } from "vitest";
 import { lasting } from "../shell/storage.svelte";
 import { keepingOf } from "./keeping";
 import { Marking } from "./marking.svelte";
-import type { Event, ReadingView } from "./marks";
+import type { Event, ReadingView } from "./landmarks";
 import { reading } from "./reading.fixture";
 
 type Asked = { method: string; path: string; json: unknown };

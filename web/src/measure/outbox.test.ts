@@ -3,7 +3,7 @@ import { afterEach, beforeEach, expect, it, vi } from "vitest";
 import { Refusal, Unreachable } from "../api/client";
 import { reading } from "./reading.fixture";
 import type { Api } from "../api/types";
-import type { Event, ReadingView } from "./marks";
+import type { Event, ReadingView } from "./landmarks";
 import { Outbox, type Entry, type Keeping } from "./outbox";
 
 beforeEach(() => void vi.useFakeTimers());

@@ -1,4 +1,4 @@
-import type { ReadingView } from "./marks";
+import type { ReadingView } from "./landmarks";
 
 /** A reading without landmarks, for tests. */
 export function reading(): ReadingView {

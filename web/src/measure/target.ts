@@ -2,12 +2,12 @@ import {
   OPTIONAL_LEVELS,
   missingCorner,
   missingCrest,
-  nextMark,
+  nextLandmark,
   placeOf,
   type Event,
-  type Mark,
+  type Landmark,
   type ReadingView,
-} from "./marks";
+} from "./landmarks";
 
 /** Selected in place of a level. */
 export const CRESTS = Symbol("iliac crests");
@@ -21,11 +21,11 @@ export function targetOf(
   recorded: ReadingView,
   pending: readonly Event[],
   chosen: Chosen,
-): Mark | null {
+): Landmark | null {
   if (pending.some(({ kind }) => kind === "undo" || kind === "redo")) return null;
   const wanted = chosenTarget(reading, chosen);
   if (wanted) return wanted;
-  const next = nextMark(recorded);
+  const next = nextLandmark(recorded);
   if (pending.length === 0 || next?.kind !== "corner") {
     return next && !placeOf(reading, next) ? next : null;
   }
@@ -39,7 +39,7 @@ export function targetOf(
   return null;
 }
 
-function chosenTarget(reading: ReadingView, chosen: Chosen): Mark | null {
+function chosenTarget(reading: ReadingView, chosen: Chosen): Landmark | null {
   if (chosen === null) return null;
   return chosen === CRESTS ? missingCrest(reading) : missingCorner(reading, chosen);
 }

@@ -16,7 +16,7 @@ pub struct Case {
     pub application: Application,
     /// A point of a line fixed in space.
     pub point_mm: Vec3,
-    /// Lean of the line from the lowest to the uppermost vertebra; right positive, while the file counts left.
+    /// LateralTilt of the line from the lowest to the uppermost vertebra; right positive, while the file counts left.
     pub target: Angle,
     /// The whole file.
     pub json: Value,

@@ -99,7 +99,7 @@ fn solve(case: Case) -> Result<Solved, String> {
         ..PathOptions::default()
     };
     let path = general
-        .follow(&loading, Goal::Lean(case.target), &options)
+        .follow(&loading, Goal::LateralTilt(case.target), &options)
         .map_err(|error| error.to_string())?;
     let found = path
         .equilibria

@@ -80,7 +80,7 @@ pub struct Bend {
     pub direction: [f64; 3],
     /// The force.
     pub force_n: f64,
-    /// Lean of the line L4→T2, right positive: `atan2(-y, z)`.
+    /// LateralTilt of the line L4→T2, right positive: `atan2(-y, z)`.
     pub lean_rad: f64,
     /// `y, z` of all midpoints.
     pub locations_mm: Vec<[f64; 2]>,
@@ -224,7 +224,7 @@ impl Bend {
     }
 
     /// Its amplitude.
-    pub fn lean(&self) -> Angle {
+    pub fn lateral_tilt(&self) -> Angle {
         Angle::from_rad(self.lean_rad)
     }
 }

@@ -108,7 +108,7 @@ fn bend(case: &mut Case) {
         statics.solve(&bend.load(), &[bend.force_n], &[], &mut solution);
         let shape = &solution.deformed;
         let all = 0..shape.midpoints_mm.len();
-        bend.lean_rad = shape.lean().rad();
+        bend.lean_rad = shape.lateral_tilt().rad();
         bend.tilts_rad = all.clone().map(|i| shape.tilt(i).rad()).collect();
         bend.locations_mm =
             all.map(|i| shape.location(i)).map(|location| [location.y_mm, location.z_mm]).collect();
@@ -120,7 +120,7 @@ fn nominal_start(case: &Case) -> Start {
     let (model, library, groups) = (case.model(), case.library(), case.groups());
     let statics = Statics::new(&model, &library, &groups, &[0.0; 3], Support::Free);
     let forces_n = case.bends.each_ref().map(|bend| {
-        match_amplitude(&statics, &bend.load(), ForceSign::Positive, bend.lean()).force_n
+        match_amplitude(&statics, &bend.load(), ForceSign::Positive, bend.lateral_tilt()).force_n
     });
     Start { log_multipliers: [0.0; 3], forces_n }
 }

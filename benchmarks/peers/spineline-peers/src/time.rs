@@ -155,15 +155,15 @@ fn newton(case: &Case, model: &SpineModel, start: Start) -> Row {
 }
 
 fn amplitude(case: &Case, statics: &Statics<'_>) -> Row {
-    let goals = case.bends.each_ref().map(|bend| (bend.load(), bend.lean()));
+    let goals = case.bends.each_ref().map(|bend| (bend.load(), bend.lateral_tilt()));
     let forces_n = goals
         .iter()
-        .map(|(load, lean)| match_amplitude(statics, load, ForceSign::Positive, *lean).force_n);
+        .map(|(load, tilt)| match_amplitude(statics, load, ForceSign::Positive, *tilt).force_n);
     let forces_n = forces_n.collect();
     let seconds = median_seconds(1000, 10, |i| {
-        let (load, lean) = &goals[i % 2];
-        let lean = *lean * (1.0 - WOBBLE * (i % 64) as f64 / 64.0);
-        black_box(match_amplitude(statics, black_box(load), ForceSign::Positive, lean));
+        let (load, tilt) = &goals[i % 2];
+        let tilt = *tilt * (1.0 - WOBBLE * (i % 64) as f64 / 64.0);
+        black_box(match_amplitude(statics, black_box(load), ForceSign::Positive, tilt));
     });
     Row {
         task: "amplitude",

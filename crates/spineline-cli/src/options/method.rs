@@ -48,8 +48,8 @@ pub struct MethodArgs {
     #[arg(long, value_name = "SITE,SITE", value_parser = inflection_sites)]
     inflections: Option<[Site; 2]>,
     /// Minimum angle of a curve between inflections, in degrees
-    #[arg(long, value_name = "DEG", default_value = "5", value_parser = lobe)]
-    min_lobe: Angle,
+    #[arg(long, alias = "min-lobe", value_name = "DEG", default_value = "5", value_parser = curve_turn)]
+    min_curve: Angle,
     /// Additional line of action: POSTURE=Y,Z,TILT with a point in mm and the lateral tilt from cranial in degrees, positive
     /// to the right; may be repeated
     #[arg(long, value_name = "LINE", value_parser = given_line)]
@@ -76,7 +76,7 @@ impl MethodArgs {
             inflections: self
                 .inflections
                 .map_or(InflectionChoice::Automatic, InflectionChoice::ByHand),
-            min_lobe: self.min_lobe,
+            min_curve: self.min_curve,
             given_lines: self.given_line.clone(),
             hypotheses: self.compare_models.clone().map(|chosen| chosen.0).unwrap_or_default(),
             ..AnalysisOptions::default()
@@ -135,7 +135,7 @@ fn gauge(text: &str) -> Result<Gauge, String> {
     Ok(Gauge::KnownForce { posture: posture(name)?, force_n })
 }
 
-fn lobe(text: &str) -> Result<Angle, String> {
+fn curve_turn(text: &str) -> Result<Angle, String> {
     match number(text)? {
         degrees @ 0.0..=90.0 => Ok(Angle::from_deg(degrees)),
         _ => Err("expected 0 to 90 degrees".to_owned()),

@@ -163,10 +163,10 @@ fn landmarks_of_another_program_lie_on_their_films() {
         ]);
         assert_eq!(code, 0, "{error}");
         let found = here.json(&format!("{to}/case.json"));
-        let marks = |case: &Json| {
+        let landmarks = |case: &Json| {
             case["films"][0]["readings"][0]["vertebrae"]["T12"]["superior_left"].clone()
         };
-        let (found, truth) = (marks(&found), marks(&case));
+        let (found, truth) = (landmarks(&found), landmarks(&case));
         for i in 0..2 {
             let apart = found[i].as_f64().expect("a number") - truth[i].as_f64().expect("a number");
             assert!(apart.abs() < 1e-9, "{to}: {found} against {truth}");

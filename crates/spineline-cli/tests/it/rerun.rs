@@ -51,7 +51,7 @@ fn an_analysis_is_repeated_from_its_file() {
         "--seed",
         "7",
         "--identifiability",
-        "--min-lobe",
+        "--min-curve",
         "4.1",
     ];
     assert_eq!(run(here.path(), &asked).2, 0);
@@ -60,7 +60,8 @@ fn an_analysis_is_repeated_from_its_file() {
     let (text, error, code) =
         run(&at("elsewhere"), &["rerun", "a.json", "--json", "b.json", "--tolerance", "0"]);
     assert_eq!(code, 0, "{text}{error}");
-    for word in ["SYNTHETIC", "Nothing differs", "2026-01-02T03:04:05Z", "not here", "--min-lobe"] {
+    for word in ["SYNTHETIC", "Nothing differs", "2026-01-02T03:04:05Z", "not here", "--min-curve"]
+    {
         assert!(text.contains(word), "{word} is missing in\n{text}");
     }
     let (mut a, mut b) = (json(&at("elsewhere/a.json")), json(&at("elsewhere/b.json")));

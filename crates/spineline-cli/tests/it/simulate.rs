@@ -69,7 +69,7 @@ fn a_force_gives_a_report_and_complete_files() {
         "/path/0/timing",
         "/path/0/factor",
         "/path/0/arc_rad",
-        "/path/0/lean_right_deg",
+        "/path/0/lateral_tilt_right_deg",
         "/path/0/residual_rad",
         "/path/0/iterations",
         "/warnings/0/code",
@@ -86,7 +86,10 @@ fn a_force_gives_a_report_and_complete_files() {
     let columns: Vec<usize> = rows.lines().map(|row| row.split(',').count()).collect();
     assert!(columns.len() > 3 && columns.iter().all(|n| *n == columns[0]), "{columns:?}");
     assert_eq!(columns.len(), 1 + json["path"].as_array().expect("a list").len());
-    assert!(rows.contains("lean_right_deg") && rows.contains("cobb_main_thoracic_convex_left_deg"));
+    assert!(
+        rows.contains("lateral_tilt_right_deg")
+            && rows.contains("cobb_main_thoracic_convex_left_deg")
+    );
     let svg = read("out/s.svg");
     assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
     for words in ["synthetic data", "relative units, not newtons", "Seen from behind", "LEFT"] {
@@ -126,10 +129,10 @@ fn the_load_of_a_film_gives_the_shape_of_the_analysis() {
 #[test]
 fn an_amplitude_is_found_for_either_direction_of_the_loads() {
     let here = folder();
-    let lean = ["--amplitude", "20", "--towards"];
+    let tilt = ["--amplitude", "20", "--towards"];
     let with = |push: &str, side: &str| {
         let line: Vec<&str> =
-            ["--push", push].iter().chain(&lean).chain(&[side]).copied().collect();
+            ["--push", push].iter().chain(&tilt).chain(&[side]).copied().collect();
         simulate(here.path(), &line)
     };
     let ((left, code), (against, _), (right, _)) =
@@ -139,10 +142,10 @@ fn an_amplitude_is_found_for_either_direction_of_the_loads() {
     assert!(factor(&left) > 0.0 && (factor(&left) + factor(&against)).abs() < 1e-9 * factor(&left));
     assert_eq!(against["equilibria"][0]["direction"], "against");
     assert!(factor(&right) < 0.0);
-    assert!((number(&left, "/equilibria/0/lean_right_deg") + 20.0).abs() < 1e-7);
-    assert!((number(&right, "/equilibria/0/lean_right_deg") - 20.0).abs() < 1e-7);
+    assert!((number(&left, "/equilibria/0/lateral_tilt_right_deg") + 20.0).abs() < 1e-7);
+    assert!((number(&right, "/equilibria/0/lateral_tilt_right_deg") - 20.0).abs() < 1e-7);
     assert_eq!(left["equilibria"][0]["verdict"], "reached");
-    // Where several shapes lean alike, all are told, and why.
+    // Where several shapes lateral tilt alike, all are told, and why.
     let line = [
         "simulate",
         "model.json",
@@ -189,7 +192,7 @@ fn a_mirrored_model_has_the_mirrored_response() {
     let (right, _) =
         simulate(here.path(), &["--push", "right", "--force", "30", "--level", "T8", "--follow"]);
     for pointer in [
-        "lean_right_deg",
+        "lateral_tilt_right_deg",
         "cobb_deg/main_thoracic",
         "ferguson_deg/proximal_thoracic",
         "midpoints_mm/T2/1",

@@ -55,7 +55,8 @@ pub struct AnalysisFile {
     /// The two inflections of the erect curve that carry the line; empty where there is no such pair.
     inflections: Vec<InflectionRecord>,
     /// Curves between inflections of the erect curve, caudal first.
-    lobes: Vec<LobeRecord>,
+    #[serde(alias = "lobes")]
+    curves: Vec<TurnRecord>,
     clinical: ClinicalRecord,
     /// Where the spine's sagittal profile comes from: `measured` on the lateral film, or a `population`'s.
     sagittal_profile: String,
@@ -103,7 +104,7 @@ struct InflectionRecord {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-struct LobeRecord {
+struct TurnRecord {
     /// Positive where the spine turns to the patient's right as it rises.
     turn_deg: f64,
 }
@@ -162,11 +163,11 @@ impl AnalysisFile {
                 difference: analysis.chain.difference,
             },
             inflections: inflections(analysis),
-            lobes: analysis
+            curves: analysis
                 .inflections
-                .lobes
+                .curves
                 .iter()
-                .map(|lobe| LobeRecord { turn_deg: lobe.turn.deg() })
+                .map(|part| TurnRecord { turn_deg: part.turn.deg() })
                 .collect(),
             clinical: ClinicalRecord {
                 lenke_type: analysis.lenke.map(|lenke| lenke.number),

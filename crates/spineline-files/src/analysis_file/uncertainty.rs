@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
 use spineline::spatial::Angle;
-use spineline::uncertainty::{FilmNoise, MarkNoise, QuantitySpread, Uncertainty};
+use spineline::uncertainty::{FilmNoise, QuantitySpread, Uncertainty, VertebraNoise};
 
 use crate::keys::{Key, LevelKey};
 
@@ -108,8 +108,8 @@ impl UncertaintyRecord {
 
 fn noise(film: &FilmNoise) -> NoiseRecord {
     let source = film.source.key().to_owned();
-    match film.marks {
-        MarkNoise::Corners { sd_px, sd_mm, axis_sd } => NoiseRecord {
+    match film.landmarks {
+        VertebraNoise::Corners { sd_px, sd_mm, axis_sd } => NoiseRecord {
             source,
             corner_sd_px: Some(sd_px),
             corner_sd_mm: sd_mm,
@@ -117,7 +117,7 @@ fn noise(film: &FilmNoise) -> NoiseRecord {
             location_sd_mm: None,
             tilt_sd_deg: None,
         },
-        MarkNoise::Placements { location_sd_mm, tilt_sd } => NoiseRecord {
+        VertebraNoise::Placements { location_sd_mm, tilt_sd } => NoiseRecord {
             source,
             corner_sd_px: None,
             corner_sd_mm: None,

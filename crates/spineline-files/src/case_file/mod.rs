@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use spineline::analysis::{Case, Sex, Subject};
 use spineline::anatomy::Posture;
 use spineline::measure::{
-    Corners, Film, FilmMarks, IliacCrests, Mark, Placement, Reading, ReadingId, SpacingPlane,
+    Corners, Film, FilmLandmarks, IliacCrests, Placement, Reading, ReadingId, SpacingPlane,
+    VertebraLandmarks,
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
 
@@ -229,25 +230,25 @@ impl FilmRecord {
         let (mut marked, mut measured) = (Vec::new(), Vec::new());
         for reading in self.readings {
             let id = ReadingId::new(reading.observer, reading.repeat);
-            let mut marks = Reading { id: id.clone(), vertebrae: Default::default() };
+            let mut landmarks = Reading { id: id.clone(), vertebrae: Default::default() };
             let mut placements = Reading { id, vertebrae: Default::default() };
             for (LevelKey(level), record) in reading.vertebrae.0 {
                 match record.kind() {
-                    Some(Kind::Marked(mark)) => {
-                        marks.vertebrae.insert(level, mark);
+                    Some(Kind::Marked(landmark)) => {
+                        landmarks.vertebrae.insert(level, landmark);
                     }
                     Some(Kind::Measured(placement)) => {
                         placements.vertebrae.insert(level, placement);
                     }
                     None => {
-                        let place = format!("{posture} film, observer {}, {level}", marks.id);
+                        let place = format!("{posture} film, observer {}, {level}", landmarks.id);
                         return Err(FileError::Vertebra { place });
                     }
                 }
             }
-            match (marks.vertebrae.is_empty(), placements.vertebrae.is_empty()) {
+            match (landmarks.vertebrae.is_empty(), placements.vertebrae.is_empty()) {
                 (false, false) => return Err(FileError::MixedKinds { posture }),
-                (_, true) => marked.push(marks),
+                (_, true) => marked.push(landmarks),
                 (true, false) => measured.push(placements),
             }
         }
@@ -256,24 +257,24 @@ impl FilmRecord {
                 return Err(FileError::MixedKinds { posture });
             }
             let plane = self.image.map_or(SpacingPlane::Unknown, |image| image.plane());
-            let marks = FilmMarks::Placements { spacing_plane: plane, readings: measured };
-            return Ok(Film { posture, marks });
+            let landmarks = FilmLandmarks::Placements { spacing_plane: plane, readings: measured };
+            return Ok(Film { posture, landmarks });
         }
         let image = self.image.ok_or(FileError::NoImage { posture })?;
-        let marks = FilmMarks::Landmarks {
+        let landmarks = FilmLandmarks::Corners {
             image: image.geometry(posture)?,
             iliac_crests: self
                 .iliac_crests_px
                 .map(|crests| IliacCrests { left: pixel(crests.left), right: pixel(crests.right) }),
             readings: marked,
         };
-        Ok(Film { posture, marks })
+        Ok(Film { posture, landmarks })
     }
 
     fn from_film(film: &Film) -> Self {
         let posture = film.posture.into();
-        match &film.marks {
-            FilmMarks::Landmarks { image, iliac_crests, readings } => Self {
+        match &film.landmarks {
+            FilmLandmarks::Corners { image, iliac_crests, readings } => Self {
                 posture,
                 image: Some(ImageRecord::of(image)),
                 iliac_crests_px: iliac_crests.map(|crests| CrestsRecord {
@@ -282,7 +283,7 @@ impl FilmRecord {
                 }),
                 readings: readings.iter().map(|r| record(r, VertebraRecord::marked)).collect(),
             },
-            FilmMarks::Placements { readings, .. } => Self {
+            FilmLandmarks::Placements { readings, .. } => Self {
                 posture,
                 image: None,
                 iliac_crests_px: None,
@@ -306,7 +307,7 @@ fn record<T>(reading: &Reading<T>, vertebra: impl Fn(&T) -> VertebraRecord) -> R
 }
 
 enum Kind {
-    Marked(Mark),
+    Marked(VertebraLandmarks),
     Measured(Placement),
 }
 
@@ -316,15 +317,17 @@ impl VertebraRecord {
             [self.superior_left, self.superior_right, self.inferior_left, self.inferior_right];
         let placed = (self.location_mm, self.tilt_deg);
         match (corners, placed) {
-            ([Some(sl), Some(sr), Some(il), Some(ir)], (None, None)) => Some(Kind::Marked(Mark {
-                corners: Corners {
-                    superior_left: pixel(sl),
-                    superior_right: pixel(sr),
-                    inferior_left: pixel(il),
-                    inferior_right: pixel(ir),
-                },
-                axis_clockwise: self.axis_deg.map(Angle::from_deg),
-            })),
+            ([Some(sl), Some(sr), Some(il), Some(ir)], (None, None)) => {
+                Some(Kind::Marked(VertebraLandmarks {
+                    corners: Corners {
+                        superior_left: pixel(sl),
+                        superior_right: pixel(sr),
+                        inferior_left: pixel(il),
+                        inferior_right: pixel(ir),
+                    },
+                    axis_clockwise: self.axis_deg.map(Angle::from_deg),
+                }))
+            }
             ([None, None, None, None], (Some([y, z]), Some(tilt))) if self.axis_deg.is_none() => {
                 let location = Frontal::new(y, z);
                 Some(Kind::Measured(Placement { location, tilt: Angle::from_deg(tilt) }))
@@ -333,13 +336,13 @@ impl VertebraRecord {
         }
     }
 
-    fn marked(mark: &Mark) -> Self {
+    fn marked(landmark: &VertebraLandmarks) -> Self {
         Self {
-            superior_left: Some(pair(mark.corners.superior_left)),
-            superior_right: Some(pair(mark.corners.superior_right)),
-            inferior_left: Some(pair(mark.corners.inferior_left)),
-            inferior_right: Some(pair(mark.corners.inferior_right)),
-            axis_deg: mark.axis_clockwise.map(written_axis_deg),
+            superior_left: Some(pair(landmark.corners.superior_left)),
+            superior_right: Some(pair(landmark.corners.superior_right)),
+            inferior_left: Some(pair(landmark.corners.inferior_left)),
+            inferior_right: Some(pair(landmark.corners.inferior_right)),
+            axis_deg: landmark.axis_clockwise.map(written_axis_deg),
             ..Self::default()
         }
     }

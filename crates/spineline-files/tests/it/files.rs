@@ -3,7 +3,7 @@
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{
-    FilmMarks, LateralCorners, LateralFilm, Reading, ReadingId, Spacing, SpacingPlane,
+    FilmLandmarks, LateralCorners, LateralFilm, Reading, ReadingId, Spacing, SpacingPlane,
     SpacingSource,
 };
 use spineline::multibody::{Load, Solution, Statics, StiffnessLibrary};
@@ -55,9 +55,9 @@ fn spacing_provenance_picture_file_and_lateral_film_round_trip() {
         Some(spacing(SpacingSource::Distances, None)),
         None,
     ]) {
-        match &mut film.marks {
-            FilmMarks::Landmarks { image, .. } => image.spacing = spacing,
-            FilmMarks::Placements { .. } => panic!("phantoms have landmarks"),
+        match &mut film.landmarks {
+            FilmLandmarks::Corners { image, .. } => image.spacing = spacing,
+            FilmLandmarks::Placements { .. } => panic!("phantoms have landmarks"),
         }
     }
     let corners = LateralCorners {

@@ -45,7 +45,7 @@ fn odd_options() -> AnalysisOptions {
             site(Level::L1, Level::T12),
             site(Level::T6, Level::T6),
         ]),
-        min_lobe: Angle::from_deg(4.1),
+        min_curve: Angle::from_deg(4.1),
         segment_window: 800..=1234,
         profile: SagittalProfile::template(31.7, 52.3),
         library: StiffnessLibrary::from_rows(rows.collect()).expect("sound springs"),

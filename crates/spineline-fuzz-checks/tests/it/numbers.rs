@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use spineline::analysis::{AnalysisOptions, analyze};
-use spineline::measure::{FilmMarks, Placement, Reading, ReadingId, SpacingPlane};
+use spineline::measure::{FilmLandmarks, Placement, Reading, ReadingId, SpacingPlane};
 use spineline::multibody::{GeneralStatics, Goal};
 use spineline::response::respond;
 use spineline_files::{
@@ -117,8 +117,10 @@ fn placements() -> String {
         let vertebrae = posture.outline.vertebrae.iter();
         let placed = vertebrae.map(|v| (v.level, Placement { location: v.location, tilt: v.tilt }));
         let reading = Reading { id: ReadingId::new("program", 1), vertebrae: placed.collect() };
-        film.marks =
-            FilmMarks::Placements { spacing_plane: SpacingPlane::Patient, readings: vec![reading] };
+        film.landmarks = FilmLandmarks::Placements {
+            spacing_plane: SpacingPlane::Patient,
+            readings: vec![reading],
+        };
     }
     to_text(&CaseFile::from_case(&case))
 }
@@ -160,7 +162,7 @@ fn a_model_of_any_numbers_is_exported_or_refused() {
 }
 
 /// Shapes after which a search is ended.
-const MOST_SHAPES: usize = 10;
+const MAX_SHAPES: usize = 10;
 
 #[test]
 fn a_load_of_any_numbers_is_simulated_or_refused() {
@@ -174,7 +176,7 @@ fn a_load_of_any_numbers_is_simulated_or_refused() {
         let mut shapes = 0;
         let _ = respond(&statics, &placed.loading, Goal::FullLoad, 1.0, &mut |_, _| {
             shapes += 1;
-            if shapes < MOST_SHAPES { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+            if shapes < MAX_SHAPES { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         });
     });
     assert!(found.is_empty(), "{found:#?}");

@@ -22,7 +22,7 @@ pub use verdict::{AasceFault, AasceVerdict, judge_aasce};
 use std::collections::BTreeMap;
 
 use spineline::anatomy::{ImageSide, Level};
-use spineline::measure::{Mark, Reading};
+use spineline::measure::{Reading, VertebraLandmarks};
 use spineline::spatial::Pixel;
 
 use super::film::{from_image_sides, pixel};
@@ -46,14 +46,14 @@ fn film_of(
             *place = pixel(column, row, &format!("{at}, {level}"))?;
         }
         let corners = from_image_sides(places, patient_left);
-        vertebrae.insert(level, Mark { corners, axis_clockwise: None });
+        vertebrae.insert(level, VertebraLandmarks { corners, axis_clockwise: None });
     }
     Ok(MarkedFilm {
         posture: hint.posture,
         picture: None,
         size: None,
         iliac_crests: None,
-        marks: LandmarkReadings::Corners(vec![Reading { id: hint.reading.clone(), vertebrae }]),
+        landmarks: LandmarkReadings::Corners(vec![Reading { id: hint.reading.clone(), vertebrae }]),
     })
 }
 

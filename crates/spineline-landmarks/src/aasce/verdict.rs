@@ -2,7 +2,7 @@ use std::fmt;
 
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::clinical::tilt_range;
-use spineline::measure::{FilmMarks, ImageGeometry, MeasureError, measure_film};
+use spineline::measure::{FilmLandmarks, ImageGeometry, MeasureError, measure_film};
 use spineline::spatial::Angle;
 use spineline::warning::Warnings;
 
@@ -54,14 +54,17 @@ pub fn judge_aasce(
     let format = "a verdict";
     let (columns, rows) =
         film.size.ok_or(LandmarkError::Needs { format, what: "the size of the picture" })?;
-    let LandmarkReadings::Corners(readings) = &film.marks else {
+    let LandmarkReadings::Corners(readings) = &film.landmarks else {
         return Err(LandmarkError::Needs { format, what: "corners" });
     };
     let image = ImageGeometry { columns, rows, spacing: None, patient_left };
-    let marks = FilmMarks::Landmarks { image, iliac_crests: None, readings: readings.clone() };
+    let landmarks =
+        FilmLandmarks::Corners { image, iliac_crests: None, readings: readings.clone() };
     let posture = film.posture.unwrap_or(Posture::Erect);
     let mut warnings = Warnings::default();
-    if let Err(error) = measure_film(&spineline::measure::Film { posture, marks }, &mut warnings) {
+    if let Err(error) =
+        measure_film(&spineline::measure::Film { posture, landmarks }, &mut warnings)
+    {
         return Ok(AasceVerdict::Faults(vec![AasceFault::Marks(error)]));
     }
     let odd = warnings.all().iter().filter(|warning| warning.code == "spacing_unusual");
@@ -74,10 +77,9 @@ pub fn judge_aasce(
     if !faults.is_empty() {
         return Ok(AasceVerdict::Faults(faults));
     }
-    let tilts = readings
-        .iter()
-        .flat_map(|reading| reading.vertebrae.values())
-        .map(|mark| mark.corners.map(|corner| image.frontal(corner)).measure_endplate_tilt());
+    let tilts = readings.iter().flat_map(|reading| reading.vertebrae.values()).map(|landmark| {
+        landmark.corners.map(|corner| image.frontal(corner)).measure_endplate_tilt()
+    });
     match tilt_range(tilts) {
         Some(main_angle) => Ok(AasceVerdict::Clean { main_angle }),
         None => Err(LandmarkError::Needs { format, what: "a vertebra" }),

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use csv::{ByteRecord, ReaderBuilder, Trim};
 use spineline::anatomy::{Level, Named, Posture};
-use spineline::measure::{Corners, IliacCrests, Mark, Placement, Reading, ReadingId};
+use spineline::measure::{Corners, IliacCrests, Placement, Reading, ReadingId, VertebraLandmarks};
 use spineline::spatial::{Angle, Frontal};
 use spineline_files::nearest;
 
@@ -167,7 +167,7 @@ impl Columns {
 #[derive(Default)]
 struct FilmRows {
     crests: Option<IliacCrests>,
-    marks: BTreeMap<ReadingId, BTreeMap<Level, (Mark, u64)>>,
+    landmarks: BTreeMap<ReadingId, BTreeMap<Level, (VertebraLandmarks, u64)>>,
     placements: BTreeMap<ReadingId, BTreeMap<Level, (Placement, u64)>>,
 }
 
@@ -214,10 +214,12 @@ impl Table<'_> {
                 let corners =
                     Corners { superior_left, superior_right, inferior_left, inferior_right };
                 let film = self.films.entry(posture).or_default();
-                let reading = film.marks.entry(id.clone()).or_default();
+                let reading = film.landmarks.entry(id.clone()).or_default();
                 match reading.get(&level) {
                     Some((_, first)) => return Err(twice(*first)),
-                    None => reading.insert(level, (Mark { corners, axis_clockwise }, line)),
+                    None => {
+                        reading.insert(level, (VertebraLandmarks { corners, axis_clockwise }, line))
+                    }
                 };
             }
             Values::Placements(columns) => {
@@ -339,8 +341,8 @@ impl Table<'_> {
     ) -> Result<f64, LandmarkError> {
         let cell = text(record, column, line, name)?;
         let at = || place(line, name);
-        for mark in ['.', ','] {
-            if cell.contains(mark) && *self.decimal.get_or_insert(mark) != mark {
+        for landmark in ['.', ','] {
+            if cell.contains(landmark) && *self.decimal.get_or_insert(landmark) != landmark {
                 return Err(LandmarkError::Ambiguous {
                     at: at(),
                     reason: format!(
@@ -371,8 +373,8 @@ impl Table<'_> {
             picture: None,
             size: None,
             iliac_crests: rows.crests,
-            marks: if corners {
-                LandmarkReadings::Corners(readings(rows.marks))
+            landmarks: if corners {
+                LandmarkReadings::Corners(readings(rows.landmarks))
             } else {
                 LandmarkReadings::Placements(readings(rows.placements))
             },

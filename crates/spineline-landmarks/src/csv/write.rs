@@ -1,5 +1,5 @@
 use csv::{Terminator, WriterBuilder};
-use spineline::measure::{Film, FilmMarks, Reading};
+use spineline::measure::{Film, FilmLandmarks, Reading};
 use spineline::spatial::Pixel;
 
 use super::read::guarded;
@@ -8,7 +8,7 @@ use crate::LandmarkExportError;
 
 /// The table of some films, all of one kind; commas, points, line feeds.
 pub fn write(films: &[&Film]) -> Result<String, LandmarkExportError> {
-    let corners = |film: &&Film| matches!(film.marks, FilmMarks::Landmarks { .. });
+    let corners = |film: &&Film| matches!(film.landmarks, FilmLandmarks::Corners { .. });
     let marked = films.iter().filter(|film| corners(film)).count();
     if marked != 0 && marked != films.len() {
         return Err(LandmarkExportError::MixedKinds);
@@ -35,8 +35,8 @@ pub fn write(films: &[&Film]) -> Result<String, LandmarkExportError> {
 
 fn add_film(film: &Film, rows: &mut Vec<Vec<String>>) -> Result<(), LandmarkExportError> {
     let posture = film.posture.key();
-    match &film.marks {
-        FilmMarks::Landmarks { iliac_crests, readings, .. } => {
+    match &film.landmarks {
+        FilmLandmarks::Corners { iliac_crests, readings, .. } => {
             if let Some(crests) = iliac_crests {
                 let mut row =
                     vec![posture.to_owned(), String::new(), String::new(), CRESTS.to_owned()];
@@ -45,10 +45,10 @@ fn add_film(film: &Film, rows: &mut Vec<Vec<String>>) -> Result<(), LandmarkExpo
                 rows.push(row);
             }
             for reading in readings {
-                for (level, mark) in &reading.vertebrae {
+                for (level, landmark) in &reading.vertebrae {
                     let mut row = start(posture, reading, level.name())?;
-                    row.extend(cells(mark.corners.points()));
-                    let axis = mark.axis_clockwise;
+                    row.extend(cells(landmark.corners.points()));
+                    let axis = landmark.axis_clockwise;
                     // As in case files: steps of 0.1° without the rounding of radians.
                     row.push(axis.map_or(String::new(), |axis| {
                         ((axis.deg() * 1e9).round() / 1e9).to_string()
@@ -57,7 +57,7 @@ fn add_film(film: &Film, rows: &mut Vec<Vec<String>>) -> Result<(), LandmarkExpo
                 }
             }
         }
-        FilmMarks::Placements { readings, .. } => {
+        FilmLandmarks::Placements { readings, .. } => {
             for reading in readings {
                 for (level, placed) in &reading.vertebrae {
                     let mut row = start(posture, reading, level.name())?;

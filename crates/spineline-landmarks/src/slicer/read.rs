@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 use spineline::anatomy::{Level, Named, Posture};
-use spineline::measure::{Corners, IliacCrests, Mark, Placement, Reading, ReadingId};
+use spineline::measure::{Corners, IliacCrests, Placement, Reading, ReadingId, VertebraLandmarks};
 use spineline::spatial::Frontal;
 use spineline_files::nearest;
 
@@ -226,7 +226,7 @@ fn description(markup: &Markup, at: &str) -> Result<Option<Description>, Landmar
 #[derive(Default)]
 struct Film {
     crests: Option<IliacCrests>,
-    marked: Vec<Reading<Mark>>,
+    marked: Vec<Reading<VertebraLandmarks>>,
     placed: Vec<Reading<Placement>>,
 }
 
@@ -250,7 +250,7 @@ impl List {
                         inferior_left: to_pixel(body.inferior_left)?,
                         inferior_right: to_pixel(body.inferior_right)?,
                     };
-                    vertebrae.insert(level, Mark { corners, axis_clockwise: None });
+                    vertebrae.insert(level, VertebraLandmarks { corners, axis_clockwise: None });
                 }
                 let crests = match self.points.crests(&self.at)? {
                     Some([left, right]) => {
@@ -266,12 +266,12 @@ impl List {
                 match hint.image {
                     Some(image) => {
                         let to_pixel = |p: Lps| image.pixel(frontal(p));
-                        let mark = |body: Corners<Lps>| Mark {
+                        let landmark = |body: Corners<Lps>| VertebraLandmarks {
                             corners: body.map(to_pixel),
                             axis_clockwise: None,
                         };
                         let vertebrae =
-                            bodies.into_iter().map(|(l, body)| (l, mark(body))).collect();
+                            bodies.into_iter().map(|(l, body)| (l, landmark(body))).collect();
                         let crests = self.points.crests(&self.at)?;
                         let crests = crests.map(|[left, right]| IliacCrests {
                             left: to_pixel(left),
@@ -364,11 +364,11 @@ impl Film {
                 reason: "some lists lie on a picture and some in the patient".to_owned(),
             });
         }
-        let marks = if self.placed.is_empty() {
+        let landmarks = if self.placed.is_empty() {
             LandmarkReadings::Corners(self.marked)
         } else {
             LandmarkReadings::Placements(self.placed)
         };
-        Ok(MarkedFilm { posture, picture: None, size: None, iliac_crests: self.crests, marks })
+        Ok(MarkedFilm { posture, picture: None, size: None, iliac_crests: self.crests, landmarks })
     }
 }

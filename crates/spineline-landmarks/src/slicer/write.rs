@@ -1,5 +1,5 @@
 use serde_json::{Value, json};
-use spineline::measure::{CornerName, Film, FilmMarks};
+use spineline::measure::{CornerName, Film, FilmLandmarks};
 use spineline::spatial::Pixel;
 
 use super::{Description, SlicerFrame};
@@ -10,7 +10,7 @@ const SCHEMA: &str = "https://raw.githubusercontent.com/slicer/slicer/master/Mod
 
 /// The point lists of one film: one per reading, and one for the iliac crests.
 pub fn write(film: &Film) -> Result<String, LandmarkExportError> {
-    let FilmMarks::Landmarks { image, iliac_crests, readings } = &film.marks else {
+    let FilmLandmarks::Corners { image, iliac_crests, readings } = &film.landmarks else {
         return Err(LandmarkExportError::NoCorners(film.posture));
     };
     let steps = image.spacing.map_or([1.0, 1.0], |s| [s.column_mm, s.row_mm]);
@@ -30,8 +30,8 @@ pub fn write(film: &Film) -> Result<String, LandmarkExportError> {
             points.push((PointName::CrestLeft, crests.left));
             points.push((PointName::CrestRight, crests.right));
         }
-        for (&level, mark) in &reading.vertebrae {
-            let named = CornerName::ALL.into_iter().zip(mark.corners.points());
+        for (&level, landmark) in &reading.vertebrae {
+            let named = CornerName::ALL.into_iter().zip(landmark.corners.points());
             points.extend(named.map(|(corner, point)| (PointName::Corner(level, corner), point)));
         }
         lists.push(list(&description, &points, steps)?);

@@ -41,7 +41,7 @@ pub const COBB: Code = Code("285285000", "SCT", "Cobb angle");
 pub const TILT: Code = Code("tilt", SCHEME, "Frontal tilt, positive to the patient's right");
 pub const COLUMN: Code = Code("location-column", SCHEME, "Column of the crossing of the diagonals");
 pub const ROW: Code = Code("location-row", SCHEME, "Row of the crossing of the diagonals");
-pub const ILIAC_LEAN: Code =
+pub const ILIAC_TILT: Code =
     Code("iliac-lean", SCHEME, "Tilt of the iliac line's normal, positive to the right");
 pub const BY_HAND: Code = Code("axis-by-hand", SCHEME, "Axis of the body set by hand");
 pub const BY_CORNERS: Code =

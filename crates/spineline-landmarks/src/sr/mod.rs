@@ -23,7 +23,7 @@ pub use write::write_sr;
 
 use spineline::anatomy::{Posture, Region};
 use spineline::clinical::CobbEnds;
-use spineline::measure::{IliacCrests, ImageGeometry, Mark, Reading};
+use spineline::measure::{IliacCrests, ImageGeometry, Reading, VertebraLandmarks};
 
 /// Data that a report copies from its radiograph.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -68,7 +68,7 @@ pub struct ReportOf<'a> {
     /// Tips of the iliac crests.
     pub iliac_crests: Option<IliacCrests>,
     /// The reading.
-    pub reading: &'a Reading<Mark>,
+    pub reading: &'a Reading<VertebraLandmarks>,
     /// Between which vertebrae Cobb angles are measured.
     pub curves: &'a [(Region, CobbEnds)],
     /// The radiograph.

@@ -4,7 +4,7 @@ use dicom_core::Tag;
 use dicom_dictionary_std::{tags, uids};
 use dicom_object::InMemDicomObject;
 use spineline::anatomy::{Level, Named, Posture};
-use spineline::measure::{Corners, IliacCrests, Mark, Reading, ReadingId};
+use spineline::measure::{Corners, IliacCrests, Reading, ReadingId, VertebraLandmarks};
 use spineline::spatial::{Angle, Pixel};
 use spineline_films::read_data_set;
 
@@ -49,7 +49,7 @@ struct Report {
     posture: Option<Posture>,
     repeat: Option<u32>,
     crests: Option<IliacCrests>,
-    vertebrae: BTreeMap<Level, Mark>,
+    vertebrae: BTreeMap<Level, VertebraLandmarks>,
 }
 
 impl Report {
@@ -67,7 +67,7 @@ impl Report {
                     self.vertebra(items, &at)?;
                 }
                 Some((value, scheme)) if is(codes::ILIAC_LINE, &value, &scheme) => {
-                    let [left, right] = corners(items, codes::ILIAC_LEAN, &at)?;
+                    let [left, right] = corners(items, codes::ILIAC_TILT, &at)?;
                     if self.crests.replace(IliacCrests { left, right }).is_some() {
                         return Err(twice(&at, "the iliac line"));
                     }
@@ -85,7 +85,7 @@ impl Report {
             picture: None,
             size: None,
             iliac_crests: self.crests,
-            marks: LandmarkReadings::Corners(vec![Reading { id, vertebrae: self.vertebrae }]),
+            landmarks: LandmarkReadings::Corners(vec![Reading { id, vertebrae: self.vertebrae }]),
         })
     }
 
@@ -124,7 +124,7 @@ impl Report {
             corners(items, codes::TILT, at)?;
         let corners = Corners { superior_left, superior_right, inferior_left, inferior_right };
         let axis_clockwise = axis(items, at)?;
-        match self.vertebrae.insert(level, Mark { corners, axis_clockwise }) {
+        match self.vertebrae.insert(level, VertebraLandmarks { corners, axis_clockwise }) {
             None => Ok(()),
             Some(_) => Err(twice(at, level.name())),
         }

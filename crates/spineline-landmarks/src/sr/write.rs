@@ -4,7 +4,7 @@ use dicom_object::{FileMetaTableBuilder, InMemDicomObject};
 use sha2::{Digest, Sha256};
 use spineline::anatomy::Level;
 use spineline::clinical::convex_side;
-use spineline::measure::{Corners, Mark};
+use spineline::measure::{Corners, VertebraLandmarks};
 use spineline::spatial::{Angle, Frontal, Pixel};
 
 use super::codes::{self, Code};
@@ -165,8 +165,8 @@ fn content(report: &ReportOf<'_>) -> Result<Vec<InMemDicomObject>, LandmarkExpor
     let source = report.source;
     let mut groups = Vec::new();
     let mut tilts = Vec::new();
-    for (&level, mark) in &report.reading.vertebrae {
-        let (tilt, group) = vertebra(report, level, mark)?;
+    for (&level, landmark) in &report.reading.vertebrae {
+        let (tilt, group) = vertebra(report, level, landmark)?;
         tilts.push((level, tilt));
         groups.push(group);
     }
@@ -238,14 +238,14 @@ fn group(
 fn vertebra(
     report: &ReportOf<'_>,
     level: Level,
-    mark: &Mark,
+    landmark: &VertebraLandmarks,
 ) -> Result<(Angle, InMemDicomObject), LandmarkExportError> {
     let image = report.image;
     let unfit = || corner_of(report, level);
-    let places = places(report, level, &mark.corners.points())?;
-    let body: Corners<Frontal> = mark.corners.map(|corner| image.frontal(corner));
+    let places = places(report, level, &landmark.corners.points())?;
+    let body: Corners<Frontal> = landmark.corners.map(|corner| image.frontal(corner));
     let location = image.pixel(body.measure_location().map_err(|_| unfit())?);
-    let (tilt, method) = match mark.axis_clockwise {
+    let (tilt, method) = match landmark.axis_clockwise {
         Some(axis) => (image.tilt_from_clockwise(axis), codes::BY_HAND),
         None => (body.measure_tilt(), codes::BY_CORNERS),
     };
@@ -262,7 +262,7 @@ fn vertebra(
     ];
     // The axis as set, so that reading it needs no sides of the picture.
     let axis =
-        mark.axis_clockwise.map(|axis| number(codes::AXIS, axis.deg(), codes::DEGREE, vec![]));
+        landmark.axis_clockwise.map(|axis| number(codes::AXIS, axis.deg(), codes::DEGREE, vec![]));
     measured.extend(axis);
     let sites = [codes::vertebra(level)];
     Ok((tilt, group(report, level.name(), codes::VERTEBRA, &sites, measured)))
@@ -278,9 +278,9 @@ fn iliac_line(report: &ReportOf<'_>) -> Result<Option<InMemDicomObject>, Landmar
     };
     let places = places(report, Level::L5, &[crests.left, crests.right]).map_err(outside)?;
     let to_left = report.image.frontal(crests.left) - report.image.frontal(crests.right);
-    let normal = Frontal::new(-to_left.z_mm, to_left.y_mm).lean();
+    let normal = Frontal::new(-to_left.z_mm, to_left.y_mm).lateral_tilt();
     let from = points(codes::SOURCE, &places, report.source);
-    let measured = vec![number(codes::ILIAC_LEAN, normal.deg(), codes::DEGREE, vec![from])];
+    let measured = vec![number(codes::ILIAC_TILT, normal.deg(), codes::DEGREE, vec![from])];
     let sites = [codes::ILIAC_CREST];
     Ok(Some(group(report, "iliac line", codes::ILIAC_LINE, &sites, measured)))
 }

@@ -126,7 +126,7 @@ fn matlab_and_csv_files_give_the_same_film() {
         let picture = path.file_stem().expect("a name").to_str().expect("UTF-8").to_owned();
         let file = parse_mat(&std::fs::read(&path).expect("bytes"), &hint()).expect("a film");
         let row = rows.iter().find(|row| row.picture == picture).expect("its row");
-        assert_eq!(file.films[0].marks, row.film.marks, "{picture}");
+        assert_eq!(file.films[0].landmarks, row.film.landmarks, "{picture}");
         compared += 1;
     }
     assert!(compared >= 9, "{compared}");
@@ -140,7 +140,7 @@ fn the_patients_left_is_that_of_the_picture() {
     let corners = |side| {
         let hint = LandmarkHint { patient_left: Some(side), ..LandmarkHint::default() };
         let LandmarkReadings::Corners(readings) =
-            parse_mat(&bytes, &hint).expect("a film").films.remove(0).marks
+            parse_mat(&bytes, &hint).expect("a film").films.remove(0).landmarks
         else {
             panic!("corners are marked");
         };

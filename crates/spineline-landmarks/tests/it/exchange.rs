@@ -6,7 +6,7 @@ use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level, Posture, Region};
 use spineline::clinical::CobbEnds;
 use spineline::measure::{
-    Film, FilmMarks, ImageGeometry, Placement, Reading, ReadingId, Spacing, SpacingPlane,
+    Film, FilmLandmarks, ImageGeometry, Placement, Reading, ReadingId, Spacing, SpacingPlane,
 };
 use spineline::spatial::{Angle, Frontal};
 use spineline_landmarks::{
@@ -19,7 +19,7 @@ use spineline_phantom::{Readers, Truth, generate};
 fn case(patient_left: ImageSide) -> Case {
     let mut case = generate(2, Truth::Rod, &Readers::default(), 5).expect("subject 3 exists").case;
     for film in &mut case.films {
-        let FilmMarks::Landmarks { image, readings, iliac_crests } = &mut film.marks else {
+        let FilmLandmarks::Corners { image, readings, iliac_crests } = &mut film.landmarks else {
             continue;
         };
         let own = *image;
@@ -37,10 +37,10 @@ fn case(patient_left: ImageSide) -> Case {
             spineline::spatial::Pixel::new(column_px, 0.5 * p.row_px)
         };
         *image = wanted;
-        for mark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
-            mark.corners = mark.corners.map(moved);
+        for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+            landmark.corners = landmark.corners.map(moved);
             if mirrored {
-                mark.axis_clockwise = mark.axis_clockwise.map(|axis| -axis);
+                landmark.axis_clockwise = landmark.axis_clockwise.map(|axis| -axis);
             }
         }
         if let Some(crests) = iliac_crests {
@@ -52,9 +52,9 @@ fn case(patient_left: ImageSide) -> Case {
 }
 
 fn image(film: &Film) -> ImageGeometry {
-    match &film.marks {
-        FilmMarks::Landmarks { image, .. } => *image,
-        FilmMarks::Placements { .. } => panic!("phantoms have corners"),
+    match &film.landmarks {
+        FilmLandmarks::Corners { image, .. } => *image,
+        FilmLandmarks::Placements { .. } => panic!("phantoms have corners"),
     }
 }
 
@@ -67,9 +67,9 @@ fn read(bytes: &[u8]) -> LandmarkFile {
 fn apart(one: &Film, other: &Film) -> f64 {
     assert_eq!(one.posture, other.posture);
     let (
-        FilmMarks::Landmarks { image: a, iliac_crests: c, readings: r },
-        FilmMarks::Landmarks { image: b, iliac_crests: d, readings: s },
-    ) = (&one.marks, &other.marks)
+        FilmLandmarks::Corners { image: a, iliac_crests: c, readings: r },
+        FilmLandmarks::Corners { image: b, iliac_crests: d, readings: s },
+    ) = (&one.landmarks, &other.landmarks)
     else {
         panic!("corners on both sides");
     };
@@ -93,9 +93,9 @@ fn apart(one: &Film, other: &Film) -> f64 {
 }
 
 fn axes(film: &Film) -> Vec<Option<f64>> {
-    let FilmMarks::Landmarks { readings, .. } = &film.marks else { panic!("corners") };
-    let marks = readings.iter().flat_map(|reading| reading.vertebrae.values());
-    marks.map(|mark| mark.axis_clockwise.map(Angle::deg)).collect()
+    let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { panic!("corners") };
+    let landmarks = readings.iter().flat_map(|reading| reading.vertebrae.values());
+    landmarks.map(|landmark| landmark.axis_clockwise.map(Angle::deg)).collect()
 }
 
 #[track_caller]
@@ -171,13 +171,14 @@ fn a_list_in_the_patients_frame_is_converted_to_pixels() {
     for side in SIDES {
         let case = case(side);
         let film = &case.films[0];
-        let (image, FilmMarks::Landmarks { readings, .. }) = (image(film), &film.marks) else {
+        let (image, FilmLandmarks::Corners { readings, .. }) = (image(film), &film.landmarks)
+        else {
             panic!("corners");
         };
         let names = ["superior_left", "superior_right", "inferior_left", "inferior_right"];
         let mut points = Vec::new();
-        for (level, mark) in &readings[0].vertebrae {
-            for (name, corner) in names.into_iter().zip(mark.corners.points()) {
+        for (level, landmark) in &readings[0].vertebrae {
+            for (name, corner) in names.into_iter().zip(landmark.corners.points()) {
                 let at = image.frontal(corner);
                 points.push(serde_json::json!({
                     "label": format!("{level}_{name}"), "position": [at.y_mm, 17.0, at.z_mm],
@@ -194,9 +195,9 @@ fn a_list_in_the_patients_frame_is_converted_to_pixels() {
             ..LandmarkHint::default()
         };
         let mut found = parse_landmarks(list.to_string().as_bytes(), &hint).expect("a list");
-        let LandmarkReadings::Corners(back) = &found.films[0].marks else { panic!("corners") };
-        for (mark, again) in readings[0].vertebrae.values().zip(back[0].vertebrae.values()) {
-            for (p, q) in mark.corners.points().into_iter().zip(again.corners.points()) {
+        let LandmarkReadings::Corners(back) = &found.films[0].landmarks else { panic!("corners") };
+        for (landmark, again) in readings[0].vertebrae.values().zip(back[0].vertebrae.values()) {
+            for (p, q) in landmark.corners.points().into_iter().zip(again.corners.points()) {
                 assert!(
                     (p.column_px - q.column_px).abs() < 1e-9 && (p.row_px - q.row_px).abs() < 1e-9
                 );
@@ -206,7 +207,7 @@ fn a_list_in_the_patients_frame_is_converted_to_pixels() {
         // Without a picture the same list gives locations.
         let hint = LandmarkHint { image: None, ..hint };
         let placed = parse_landmarks(list.to_string().as_bytes(), &hint).expect("a list");
-        assert!(matches!(placed.films[0].marks, LandmarkReadings::Placements(_)));
+        assert!(matches!(placed.films[0].landmarks, LandmarkReadings::Placements(_)));
         let hint = LandmarkHint { slicer_frame: Some(SlicerFrame::Image), ..hint };
         let error = parse_landmarks(list.to_string().as_bytes(), &hint).expect_err("another plane");
         assert!(error.to_string().contains("Patient"), "{error}");
@@ -253,7 +254,7 @@ fn reports_round_trip_to_single_precision() {
             let mut read = read(&file.bytes);
             assert_eq!(read.format, LandmarkFormat::DicomSr);
             let found = read.films.remove(0);
-            let LandmarkReadings::Corners(readings) = found.marks else { panic!("corners") };
+            let LandmarkReadings::Corners(readings) = found.landmarks else { panic!("corners") };
             let posture = found.posture.expect("a posture");
             films.entry(posture).or_default().push((found.iliac_crests, readings));
         }
@@ -261,8 +262,8 @@ fn reports_round_trip_to_single_precision() {
             let reports = films.remove(&film.posture).expect("reports of every film");
             let iliac_crests = reports[0].0;
             let readings = reports.into_iter().flat_map(|(_, readings)| readings).collect();
-            let marks = FilmMarks::Landmarks { image: image(film), iliac_crests, readings };
-            let back = Film { posture: film.posture, marks };
+            let landmarks = FilmLandmarks::Corners { image: image(film), iliac_crests, readings };
+            let back = Film { posture: film.posture, landmarks };
             assert!(apart(film, &back) < TOLERANCE_PX, "{}", apart(film, &back));
             same_axes(film, &back);
         }
@@ -292,8 +293,8 @@ fn locations_of_another_program_are_read_from_a_table() {
     let vertebrae = Level::MODEL.into_iter().enumerate().map(|(i, level)| (level, placement(i)));
     let readings = vec![Reading { id: ReadingId::new("=B", 2), vertebrae: vertebrae.collect() }];
     let mut case = case(ImageSide::Right);
-    let placed = FilmMarks::Placements { spacing_plane: SpacingPlane::Unknown, readings };
-    case.films = vec![Film { posture: Posture::Erect, marks: placed }];
+    let placed = FilmLandmarks::Placements { spacing_plane: SpacingPlane::Unknown, readings };
+    case.films = vec![Film { posture: Posture::Erect, landmarks: placed }];
     let files = export_landmarks(&case, None, LandmarkTarget::Csv).expect("a table");
     let text = std::str::from_utf8(&files[0].bytes).expect("UTF-8");
     // No cell that a spreadsheet would run.
@@ -301,10 +302,12 @@ fn locations_of_another_program_are_read_from_a_table() {
         let formula = cell.starts_with(['=', '+', '-', '@']);
         assert!(!formula || cell.parse::<f64>().is_ok(), "{cell}");
     }
-    let LandmarkReadings::Placements(back) = &read(&files[0].bytes).films[0].marks else {
+    let LandmarkReadings::Placements(back) = &read(&files[0].bytes).films[0].landmarks else {
         panic!("locations");
     };
-    let FilmMarks::Placements { readings, .. } = &case.films[0].marks else { panic!("locations") };
+    let FilmLandmarks::Placements { readings, .. } = &case.films[0].landmarks else {
+        panic!("locations")
+    };
     assert_eq!(back[0].id, readings[0].id);
     for (p, q) in back[0].vertebrae.values().zip(readings[0].vertebrae.values()) {
         assert_eq!(p.location, q.location);

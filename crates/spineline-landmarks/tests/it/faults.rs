@@ -277,7 +277,9 @@ fn corners_of_a_labelme_quadrilateral_do_not_depend_on_start_and_sense() {
     let ring = [[10.5, 5.5], [50.5, 7.5], [52.5, 30.5], [12.5, 29.5]];
     let corners = |points| {
         let file = parse_labelme(labelme(&polygon(points)).as_bytes(), &hint()).expect("a body");
-        let LandmarkReadings::Corners(readings) = &file.films[0].marks else { panic!("corners") };
+        let LandmarkReadings::Corners(readings) = &file.films[0].landmarks else {
+            panic!("corners")
+        };
         readings[0].vertebrae[&Level::T5].corners
     };
     let first = corners(ring);

@@ -1,7 +1,7 @@
 //! Counter-examples move as they say, and readers of one phantom differ in the size of their errors alone.
 
 use spineline::anatomy::Posture;
-use spineline::measure::FilmMarks;
+use spineline::measure::FilmLandmarks;
 use spineline::spatial::{Angle, Pixel};
 use spineline_phantom::{Phantom, Readers, SUBJECTS, Truth, generate, generate_read};
 
@@ -26,11 +26,14 @@ fn rough(corner_sd_mm: f64) -> Readers {
 }
 
 fn corners(phantom: &Phantom) -> Vec<Pixel> {
-    let marks = phantom.case.films.iter().flat_map(|film| match &film.marks {
-        FilmMarks::Landmarks { readings, .. } => &readings[..],
-        FilmMarks::Placements { .. } => &[],
+    let landmarks = phantom.case.films.iter().flat_map(|film| match &film.landmarks {
+        FilmLandmarks::Corners { readings, .. } => &readings[..],
+        FilmLandmarks::Placements { .. } => &[],
     });
-    marks.flat_map(|r| r.vertebrae.values()).flat_map(|mark| mark.corners.points()).collect()
+    landmarks
+        .flat_map(|r| r.vertebrae.values())
+        .flat_map(|landmark| landmark.corners.points())
+        .collect()
 }
 
 #[test]
@@ -82,8 +85,9 @@ fn a_distributed_horizontal_load_rotates_every_joint_to_its_side_and_the_lowest_
         let moved = phantom.posture(posture).expect("five postures");
         assert!(moved.force_n * sense < 0.0, "+y is the patient's left");
         assert!(rotations_rad(&phantom, posture).iter().all(|turn| turn * sense > 0.0));
-        let lean = |posture| phantom.posture(posture).expect("five postures").locations[14].lean();
-        let change: Angle = lean(posture) - lean(Posture::Erect);
+        let tilt =
+            |posture| phantom.posture(posture).expect("five postures").locations[14].lateral_tilt();
+        let change: Angle = tilt(posture) - tilt(Posture::Erect);
         assert!((14.9..25.1).contains(&(sense * change.deg())), "{posture}: {change}");
     }
 }
@@ -93,8 +97,9 @@ fn random_rotations_have_both_signs_and_bends_have_their_sides() {
     // Oracle: 14 independent normal turns are of one sign once in 8000 times.
     for index in 0..SUBJECTS.len() {
         let phantom = phantom(index, Truth::Random);
-        let lean = |posture| phantom.posture(posture).expect("five postures").locations[14].lean();
-        assert!(lean(Posture::LeftBending) < lean(Posture::RightBending));
+        let tilt =
+            |posture| phantom.posture(posture).expect("five postures").locations[14].lateral_tilt();
+        assert!(tilt(Posture::LeftBending) < tilt(Posture::RightBending));
         let rotations = rotations_rad(&phantom, Posture::Traction);
         assert!(rotations.iter().any(|r| *r > 0.0) && rotations.iter().any(|r| *r < 0.0));
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use spineline::anatomy::{ImageSide, Level};
 use spineline::measure::{
-    CornerFault, CornerName, Corners, ImageGeometry, MarkingFault, NextLandmark, PartialMark,
+    CornerFault, CornerName, Corners, ImageGeometry, MarkingFault, NextLandmark, PartialLandmarks,
     PartialReading, turn_axis_towards,
 };
 use spineline::spatial::Pixel;
@@ -18,10 +18,10 @@ fn phantom(index: usize) -> Phantom {
 }
 
 fn marked(vertebrae: &BTreeMap<Level, Corners<Pixel>>, levels: &[Level]) -> PartialReading {
-    let marks = levels.iter().map(|&level| {
-        (level, PartialMark { corners: vertebrae[&level].map(Some), axis_clockwise: None })
+    let landmarks = levels.iter().map(|&level| {
+        (level, PartialLandmarks { corners: vertebrae[&level].map(Some), axis_clockwise: None })
     });
-    PartialReading { vertebrae: marks.collect(), crests: [None; 2] }
+    PartialReading { vertebrae: landmarks.collect(), crests: [None; 2] }
 }
 
 fn midpoint(image: &ImageGeometry, corners: &Corners<Pixel>) -> spineline::spatial::Frontal {
@@ -68,11 +68,11 @@ fn a_mirrored_picture_has_mirrored_proposals_and_axes() {
     for (p, q) in a.corners.map(flip).points().into_iter().zip(b.corners.points()) {
         assert!((p.column_px - q.column_px).abs() < 1e-6 && (p.row_px - q.row_px).abs() < 1e-6);
     }
-    for (mark, twin) in here.vertebrae.values().zip(there.vertebrae.values()) {
-        let (mark, twin) = (mark.body(&image), twin.body(&mirrored));
-        let (mark, twin) = (mark.expect("a body"), twin.expect("a body"));
-        assert!((mark.axis_clockwise + twin.axis_clockwise).rad().abs() < 1e-9);
-        assert!((mark.tilt - twin.tilt).rad().abs() < 1e-9, "the patient did not move");
+    for (landmark, twin) in here.vertebrae.values().zip(there.vertebrae.values()) {
+        let (landmark, twin) = (landmark.body(&image), twin.body(&mirrored));
+        let (landmark, twin) = (landmark.expect("a body"), twin.expect("a body"));
+        assert!((landmark.axis_clockwise + twin.axis_clockwise).rad().abs() < 1e-9);
+        assert!((landmark.tilt - twin.tilt).rad().abs() < 1e-9, "the patient did not move");
     }
 }
 
@@ -81,8 +81,8 @@ fn an_axis_rotated_towards_its_own_end_does_not_change() {
     // Subject 3 has pixels that are not square.
     for index in [0, 2] {
         let film = &phantom(index).films[0];
-        for mark in marked(&film.vertebrae, &Level::MODEL).vertebrae.values() {
-            let body = mark.body(&film.image).expect("a body");
+        for landmark in marked(&film.vertebrae, &Level::MODEL).vertebrae.values() {
+            let body = landmark.body(&film.image).expect("a body");
             let turned = turn_axis_towards(&film.image, body.midpoint, body.axis[1]);
             let off = turned.expect("a direction").deg() - body.axis_clockwise.deg();
             assert!(off.abs() <= 0.05 + 1e-9, "{off}");
@@ -119,8 +119,8 @@ fn swapped_corners_are_detected_with_three_and_four_corners() {
                 Some(CornerName::InferiorLeft) => some.inferior_left = None,
                 None => {}
             }
-            let mark = PartialMark { corners: some, axis_clockwise: None };
-            reading.vertebrae.insert(Level::T8, mark);
+            let landmark = PartialLandmarks { corners: some, axis_clockwise: None };
+            reading.vertebrae.insert(Level::T8, landmark);
             let expected = MarkingFault::Corners { level: Level::T8, fault };
             assert_eq!(reading.faults(&film.image).first(), Some(&expected), "{missing:?}");
         }

@@ -65,7 +65,7 @@ fn the_main_curve_has_the_cobb_angle_of_table_one() {
         let phantom = phantom(index, Truth::Bend, &Readers::exact(), 1);
         let erect = phantom.posture(Posture::Erect).expect("an erect posture");
         let tilts: Vec<f64> = erect.tilts.iter().map(|tilt| tilt.deg()).collect();
-        // The lumbar lobe turns right from L4's zero; the main thoracic one turns left from there.
+        // The lumbar curve turns right from L4's zero; the main thoracic one turns left from there.
         let rightmost = peak(&tilts);
         let leftmost = -peak(&tilts.iter().map(|tilt| -tilt).collect::<Vec<f64>>());
         let cobb = if main_region(row) == 0 { rightmost } else { rightmost - leftmost };
@@ -111,11 +111,11 @@ fn bends_of_phantoms_tilt_to_their_sides_and_films_are_complete() {
     for truth in Truth::ALL {
         for index in 0..SUBJECTS.len() {
             let phantom = phantom(index, truth, &Readers::exact(), 1);
-            let lean = |posture| {
+            let tilt = |posture| {
                 let top = phantom.posture(posture).expect("all five postures").locations[14];
-                top.lean()
+                top.lateral_tilt()
             };
-            assert!(lean(Posture::LeftBending) < lean(Posture::RightBending));
+            assert!(tilt(Posture::LeftBending) < tilt(Posture::RightBending));
             let postures: Vec<Posture> = phantom.case.films.iter().map(|f| f.posture).collect();
             assert_eq!(postures, Posture::ALL);
         }

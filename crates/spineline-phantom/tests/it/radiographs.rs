@@ -107,15 +107,15 @@ fn endplates_are_drawn_at_their_true_places() {
 fn true_films_equal_a_reading_without_error() {
     let phantom = phantom(3);
     for (film, marked) in phantom.films.iter().zip(&phantom.case.films) {
-        let spineline::measure::FilmMarks::Landmarks { image, readings, iliac_crests } =
-            &marked.marks
+        let spineline::measure::FilmLandmarks::Corners { image, readings, iliac_crests } =
+            &marked.landmarks
         else {
             panic!("phantoms are marked with corners");
         };
         assert_eq!(film.image, *image);
         assert_eq!(Some(film.iliac_crests), *iliac_crests);
-        for (level, mark) in &readings[0].vertebrae {
-            assert_eq!(film.vertebrae[level], mark.corners);
+        for (level, landmark) in &readings[0].vertebrae {
+            assert_eq!(film.vertebrae[level], landmark.corners);
         }
         assert_eq!(film.vertebrae.len(), 17);
     }

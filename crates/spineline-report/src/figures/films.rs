@@ -4,7 +4,9 @@ use kuva::render::render::Primitive;
 use spineline::action::{LineKind, LineOfAction};
 use spineline::analysis::{Analysis, Case, PostureAnalysis};
 use spineline::anatomy::Posture;
-use spineline::measure::{Film, FilmFrame, FilmMarks, Mark, Outline, SpacingPlane};
+use spineline::measure::{
+    Film, FilmFrame, FilmLandmarks, Outline, SpacingPlane, VertebraLandmarks,
+};
 use spineline::spatial::{Frontal, Pixel};
 
 use super::frontal::{Extent, VIEW, drawn, frontal_panel};
@@ -65,22 +67,22 @@ impl<'a> Displayed<'a> {
         LineOfAction { point: from, direction, application: line.application }
     }
 
-    fn marks(&self) -> impl Iterator<Item = &'a Mark> {
-        let readings = match &self.film.marks {
-            FilmMarks::Landmarks { readings, .. } => &readings[..],
-            FilmMarks::Placements { .. } => &[],
+    fn marks(&self) -> impl Iterator<Item = &'a VertebraLandmarks> {
+        let readings = match &self.film.landmarks {
+            FilmLandmarks::Corners { readings, .. } => &readings[..],
+            FilmLandmarks::Placements { .. } => &[],
         };
         readings.iter().flat_map(|reading| reading.vertebrae.values())
     }
 
-    fn corners(&self, mark: &Mark) -> Option<[Frontal; 4]> {
+    fn corners(&self, mark: &VertebraLandmarks) -> Option<[Frontal; 4]> {
         let frame = self.frame.as_ref()?;
         let c = mark.corners.map(|corner| self.pixel(frame, corner));
         Some([c.superior_left, c.superior_right, c.inferior_right, c.inferior_left])
     }
 
     fn crests(&self) -> Option<[Frontal; 2]> {
-        let FilmMarks::Landmarks { iliac_crests, .. } = &self.film.marks else { return None };
+        let FilmLandmarks::Corners { iliac_crests, .. } = &self.film.landmarks else { return None };
         let crests = iliac_crests.as_ref()?;
         let frame = self.frame.as_ref()?;
         Some([crests.left, crests.right].map(|tip| self.pixel(frame, tip)))

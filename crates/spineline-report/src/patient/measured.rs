@@ -194,7 +194,7 @@ pub fn best_fit(analysis: &Analysis) -> Table {
         let [caudal, cranial] = &found.crossings;
         table.row(vec![
             p.outline.posture.to_string(),
-            found.line.lean().leaning(),
+            found.line.lateral_tilt().leaning(),
             caudal.to_string(),
             cranial.to_string(),
             p_value(found.inflection.map(|found| found.test)),

@@ -83,7 +83,7 @@ fn inflection_words(options: &AnalysisOptions) -> String {
         InflectionChoice::Automatic => "from the erect curve",
         InflectionChoice::ByHand(_) => "picked by hand",
     };
-    format!("{from}; a curve between inflections counts from {} on", options.min_lobe)
+    format!("{from}; a curve between inflections counts from {} on", options.min_curve)
 }
 
 fn gauge_words(gauge: Gauge) -> String {

@@ -4,7 +4,7 @@ use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, Subject, analyze};
 use spineline::anatomy::{Level, Posture};
 use spineline::evaluate::Simulation;
-use spineline::measure::{Film, FilmMarks, Placement, Reading, ReadingId, SpacingPlane};
+use spineline::measure::{Film, FilmLandmarks, Placement, Reading, ReadingId, SpacingPlane};
 use spineline::multibody::MatchStatus;
 use spineline::spatial::{Angle, Frontal};
 use spineline_report::figures::{
@@ -13,7 +13,7 @@ use spineline_report::figures::{
     measured_and_simulated, rotations,
 };
 
-/// Turn of every vertebra against the one below, in degrees: three lobes, scaled, and a bend of one side.
+/// Turn of every vertebra against the one below, in degrees: three curves, scaled, and a bend of one side.
 fn film(posture: Posture, scale: f64, bend_deg: f64) -> Film {
     let mut tilt = 0.0;
     let mut place = Frontal::default();
@@ -33,7 +33,7 @@ fn film(posture: Posture, scale: f64, bend_deg: f64) -> Film {
     let readings = vec![Reading { id: ReadingId::new("A", 1), vertebrae }];
     Film {
         posture,
-        marks: FilmMarks::Placements { spacing_plane: SpacingPlane::Patient, readings },
+        landmarks: FilmLandmarks::Placements { spacing_plane: SpacingPlane::Patient, readings },
     }
 }
 

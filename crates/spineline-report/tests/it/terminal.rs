@@ -116,7 +116,7 @@ fn every_clinical_angle_and_every_fitted_curve_is_shown() {
         holds(&text, &cells);
         if let Some(line) = &p.preferred_line {
             let [caudal, cranial] = &line.crossings;
-            let tilt = line.line.lean().leaning();
+            let tilt = line.line.lateral_tilt().leaning();
             let posture = p.outline.posture.to_string();
             holds(&text, &[posture, tilt, caudal.to_string(), cranial.to_string()]);
         }

@@ -54,7 +54,7 @@ pub struct ReadingView {
     /// All levels in the guided order: L4 to T2, then the optional T1 and L5.
     pub order: Vec<String>,
     /// The next landmark in the guided order.
-    pub next: Option<NextMark>,
+    pub next: Option<ExpectedLandmark>,
     /// Extrapolated corners of the next vertebra; part of the reading only after a person has accepted or moved them.
     pub proposal: Option<Proposal>,
     /// Errors of the landmarks: crossed or swapped corners, places off the film, wrong order.
@@ -133,7 +133,7 @@ pub struct CrestsView {
 /// The next landmark.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-pub enum NextMark {
+pub enum ExpectedLandmark {
     /// A corner.
     Corner {
         /// Level.

@@ -4,14 +4,15 @@ use std::collections::BTreeMap;
 
 use spineline::anatomy::{Level, Side};
 use spineline::measure::{
-    CornerName, Corners, ImageGeometry, NextLandmark, PartialMark, PartialReading, ProposedVertebra,
+    CornerName, Corners, ImageGeometry, NextLandmark, PartialLandmarks, PartialReading,
+    ProposedVertebra,
 };
 use spineline::spatial::{Angle, Pixel};
 use spineline_store::{Corner, CrestSide, Event, ReadingState, SeenReading, Store, StoreError};
 
 use super::lost;
 use crate::api::{
-    AxisView, CornerView, CrestsView, LostChangeView, NextMark, Notice, PostureName,
+    AxisView, CornerView, CrestsView, ExpectedLandmark, LostChangeView, Notice, PostureName,
     Proposal as ProposalView, ReadingImage, ReadingView, Severity, VertebraView, Wire,
 };
 use crate::problem::Answer;
@@ -49,7 +50,7 @@ fn view_of(
     let (record, film) = (&seen.record, &seen.film);
     let image =
         spineline_files::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
-    let marks = marks(state);
+    let landmarks = landmarks(state);
     let is_blinded = seen.code.is_some();
     let posture = (!is_blinded).then_some(Wire(film.posture));
     let crest = |side| state.iliac_crests_px.get(&side).copied();
@@ -76,32 +77,38 @@ fn view_of(
         revision: state.revision,
         undoable: state.undoable,
         redoable: state.redoable,
-        vertebrae: marks.vertebrae.iter().map(|(&l, m)| vertebra(&image, l, m)).collect(),
+        vertebrae: landmarks.vertebrae.iter().map(|(&l, m)| vertebra(&image, l, m)).collect(),
         crests: CrestsView { left_px: crest(Side::Left), right_px: crest(Side::Right) },
         notes: state.notes.clone(),
         order: PartialReading::order().map(|level| level.to_string()).to_vec(),
-        next: marks.next().map(next_mark),
-        proposal: marks.propose_next(&image).map(|proposal| proposal_view(&proposal)),
-        faults: faults(&marks, &image, posture),
+        next: landmarks.next().map(next_landmark),
+        proposal: landmarks.propose_next(&image).map(|proposal| proposal_view(&proposal)),
+        faults: faults(&landmarks, &image, posture),
         conflicts,
     })
 }
 
 /// The landmarks in the library's types.
-fn marks(state: &ReadingState) -> PartialReading {
-    let vertebrae: BTreeMap<Level, PartialMark> = state
+fn landmarks(state: &ReadingState) -> PartialReading {
+    let vertebrae: BTreeMap<Level, PartialLandmarks> = state
         .vertebrae
         .iter()
-        .map(|(&level, marks)| {
+        .map(|(&level, landmarks)| {
             let corner =
-                |name| marks.corners.get(&name).map(|&[column, row]| Pixel::new(column, row));
+                |name| landmarks.corners.get(&name).map(|&[column, row]| Pixel::new(column, row));
             let corners = Corners {
                 superior_left: corner(Corner::SuperiorLeft),
                 superior_right: corner(Corner::SuperiorRight),
                 inferior_left: corner(Corner::InferiorLeft),
                 inferior_right: corner(Corner::InferiorRight),
             };
-            (level, PartialMark { corners, axis_clockwise: marks.axis_deg.map(Angle::from_deg) })
+            (
+                level,
+                PartialLandmarks {
+                    corners,
+                    axis_clockwise: landmarks.axis_deg.map(Angle::from_deg),
+                },
+            )
         })
         .collect();
     let crests = [Side::Left, Side::Right]
@@ -109,23 +116,23 @@ fn marks(state: &ReadingState) -> PartialReading {
     PartialReading { vertebrae, crests }
 }
 
-fn vertebra(image: &ImageGeometry, level: Level, mark: &PartialMark) -> VertebraView {
+fn vertebra(image: &ImageGeometry, level: Level, landmark: &PartialLandmarks) -> VertebraView {
     let corners = CornerName::ORDER.into_iter().filter_map(|name| {
-        let place = name.of(&mark.corners)?;
+        let place = name.of(&landmark.corners)?;
         Some(CornerView { corner: corner(name), px: pair(place) })
     });
-    let body = mark.body(image);
+    let body = landmark.body(image);
     let axis = body.map(|body| AxisView {
         from_px: pair(body.axis[0]),
         to_px: pair(body.axis[1]),
         axis_deg: spineline_files::written_axis_deg(body.axis_clockwise),
-        by_hand: mark.axis_clockwise.is_some(),
+        by_hand: landmark.axis_clockwise.is_some(),
         text: tilt_text(body.tilt),
     });
     VertebraView {
         level: level.to_string(),
         corners: corners.collect(),
-        complete: mark.complete().is_some(),
+        complete: landmark.complete().is_some(),
         midpoint_px: body.map(|body| pair(body.midpoint)),
         axis,
     }
@@ -140,13 +147,13 @@ fn tilt_text(tilt: Angle) -> String {
     }
 }
 
-fn next_mark(next: NextLandmark) -> NextMark {
+fn next_landmark(next: NextLandmark) -> ExpectedLandmark {
     match next {
         NextLandmark::Corner(level, name) => {
-            NextMark::Corner { level: level.to_string(), corner: corner(name) }
+            ExpectedLandmark::Corner { level: level.to_string(), corner: corner(name) }
         }
-        NextLandmark::Crest(Side::Left) => NextMark::Crest { side: CrestSide::Left },
-        NextLandmark::Crest(Side::Right) => NextMark::Crest { side: CrestSide::Right },
+        NextLandmark::Crest(Side::Left) => ExpectedLandmark::Crest { side: CrestSide::Left },
+        NextLandmark::Crest(Side::Right) => ExpectedLandmark::Crest { side: CrestSide::Right },
     }
 }
 
@@ -161,11 +168,11 @@ fn proposal_view(proposal: &ProposedVertebra) -> ProposalView {
 }
 
 fn faults(
-    marks: &PartialReading,
+    landmarks: &PartialReading,
     image: &ImageGeometry,
     posture: Option<PostureName>,
 ) -> Vec<Notice> {
-    let notices = marks.faults(image).into_iter().map(|fault| Notice {
+    let notices = landmarks.faults(image).into_iter().map(|fault| Notice {
         severity: if fault.is_error() { Severity::Error } else { Severity::Warning },
         code: fault.code().to_owned(),
         posture,

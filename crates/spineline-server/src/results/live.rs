@@ -2,7 +2,7 @@
 
 use axum::extract::State;
 use spineline::anatomy::Posture;
-use spineline::measure::{MeasureError, check_marks};
+use spineline::measure::{MeasureError, check_landmarks};
 use spineline_store::{
     CaseReadings, CurrentCase, CurrentFilm, Event, FilmId, Name, ReadingId, Store,
 };
@@ -63,7 +63,8 @@ fn of_film(result: &StudyResult, film: FilmId) -> LiveView {
     let hand = result.current.films.iter().find(|current| current.record.id == film);
     let posture = hand.map_or(Posture::Erect, |hand| hand.record.posture);
     let missing = hand.map(CurrentFilm::missing).unwrap_or_default();
-    let fault = result.current.marks(posture).and_then(|marks| check_marks(marks).err());
+    let fault =
+        result.current.landmarks(posture).and_then(|landmarks| check_landmarks(landmarks).err());
     let (status, status_text) = status(result, &missing, fault.as_ref());
     let study = result.analysis().map(findings::of_study);
     let overlay = if missing.is_empty() && fault.is_none() {

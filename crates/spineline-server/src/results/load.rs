@@ -155,7 +155,7 @@ fn texts(analysis: &Analysis, erect: &Deformed, shape: &Deformed) -> Vec<String>
     let [before, after] = [erect, shape].map(|shape| measure_angles(shape, &places));
     let mut texts = vec![format!("{level} moves most: {moved_mm:.1} mm")];
     texts.extend(curve_text(&before, &after));
-    texts.push(format!("lateral tilt of L4–T2: {}", after.lean.leaning()));
+    texts.push(format!("lateral tilt of L4–T2: {}", after.lateral_tilt.leaning()));
     texts
 }
 

@@ -74,7 +74,7 @@ const fn drawn_unit(scale: &LengthScale) -> &'static str {
 
 fn bodies(result: &StudyResult, analysis: &Analysis) -> Vec<BodySize> {
     let scale = analysis.scale();
-    let widths = result.current.marks(Posture::Erect).and_then(body_widths);
+    let widths = result.current.landmarks(Posture::Erect).and_then(body_widths);
     let widths_mm: Option<Vec<f64>> = widths.map(|widths| {
         widths.iter().map(|width| width / scale.pixels_per_mm.unwrap_or(1.0)).collect()
     });

@@ -21,7 +21,7 @@ const REACH_WIDTHS: f64 = 1.6;
 
 /// Drawing over a complete film: all results of the study if it is analysed, else the film's curve.
 pub fn of_film(result: &StudyResult, posture: Posture) -> Option<FilmOverlay> {
-    let film = result.current.marks(posture)?;
+    let film = result.current.landmarks(posture)?;
     if let Some((analysis, measured)) =
         result.analysis().and_then(|a| a.posture(posture).map(|p| (a, p)))
     {

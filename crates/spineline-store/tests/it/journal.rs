@@ -224,8 +224,8 @@ fn an_exported_case_round_trips_with_every_corner() {
     let case = parse_case(&exported.text).expect("a case");
     assert!(case.synthetic);
     assert_eq!(case.films.len(), 2);
-    let spineline::measure::FilmMarks::Landmarks { readings, iliac_crests, .. } =
-        &case.films[0].marks
+    let spineline::measure::FilmLandmarks::Corners { readings, iliac_crests, .. } =
+        &case.films[0].landmarks
     else {
         panic!("no corners")
     };

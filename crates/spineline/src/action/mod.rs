@@ -101,10 +101,10 @@ impl LineOfAction {
         Self { point: t2, direction, application: Application::AtT2 }
     }
 
-    /// A line fixed in space through a point, with a given lean from the cranial direction.
+    /// A line fixed in space through a point, with a given lateral tilt from the cranial direction.
     #[must_use]
-    pub fn leaning(point: Frontal, lean: Angle) -> Self {
-        Self { point, direction: Frontal::leaning(lean), application: Application::Fixed }
+    pub fn leaning(point: Frontal, tilt: Angle) -> Self {
+        Self { point, direction: Frontal::leaning(tilt), application: Application::Fixed }
     }
 
     /// Lever arm about a point: moment about +X of a unit force along the line.
@@ -119,10 +119,10 @@ impl LineOfAction {
         self.point.y_mm + (z_mm - self.point.z_mm) * self.direction.y_mm / self.direction.z_mm
     }
 
-    /// Lean of the line's direction from cranial.
+    /// LateralTilt of the line's direction from cranial.
     #[must_use]
-    pub fn lean(&self) -> Angle {
-        self.direction.lean()
+    pub fn lateral_tilt(&self) -> Angle {
+        self.direction.lateral_tilt()
     }
 
     /// Angle between two lines, whichever way they point, in [0, 90°].

@@ -13,7 +13,9 @@ use crate::clinical::{ClinicalCurve, LenkeType, Regions, lenke_type, measure_cur
 use crate::curve::{CurveFit, InflectionChoice, Inflections, find_inflections, fit_curve};
 use crate::error::Error;
 use crate::hypothesis::HypothesisFit;
-use crate::measure::{Film, FilmReadings, Noise, Outline, outline_of, warn_of_implausible_marks};
+use crate::measure::{
+    Film, FilmReadings, Noise, Outline, outline_of, warn_of_implausible_landmarks,
+};
 use crate::motion::{Motion, least_windows, mean_least};
 use crate::multibody::SpineModel;
 use crate::personalize::PreferredLoads;
@@ -220,7 +222,7 @@ fn measure(
     for film in &films {
         let measured = FilmReadings::measure(film)?;
         outlines.push(outline_of(film, &measured.readings, warnings)?);
-        warn_of_implausible_marks(film, warnings);
+        warn_of_implausible_landmarks(film, warnings);
         readings.push(measured);
     }
     for (outline, noise) in outlines.iter_mut().zip(noise.into_iter().flatten()) {
@@ -352,7 +354,7 @@ fn inflections_of(
     options: &AnalysisOptions,
     warnings: &mut Warnings,
 ) -> Inflections {
-    let found = find_inflections(erect, options.min_lobe);
+    let found = find_inflections(erect, options.min_curve);
     match options.inflections {
         InflectionChoice::ByHand(sites) => {
             warnings.push(
@@ -372,8 +374,8 @@ fn inflections_of(
 }
 
 fn warn_of_inflections(found: &Inflections, warnings: &mut Warnings) {
-    let lobes: Vec<String> =
-        found.lobes.iter().map(|lobe| format!("{:.0}°", lobe.turn.abs().deg())).collect();
+    let curves: Vec<String> =
+        found.curves.iter().map(|part| format!("{:.0}°", part.turn.abs().deg())).collect();
     let then = if found.pair.is_some() {
         "the pair around the largest curve is used"
     } else {
@@ -382,7 +384,7 @@ fn warn_of_inflections(found: &Inflections, warnings: &mut Warnings) {
     let text = format!(
         "the erect curve has {} (curves of {}), not two: {then}",
         counted(found.all.len()),
-        lobes.join(", ")
+        curves.join(", ")
     );
     warnings.film(Step::Motion, "inflections_not_two", Posture::Erect, text);
 }

@@ -2,12 +2,12 @@
 
 use crate::anatomy::{Posture, Side};
 use crate::error::CaseError;
-use crate::measure::{Film, Outline, body_widths, same_marks};
+use crate::measure::{Film, Outline, body_widths, same_landmarks};
 use crate::spatial::Angle;
 use crate::warning::{Step, Warnings};
 
 /// A lateral tilt to the wrong side counts above the tilt noise of L4.
-const LEAN_MARGIN: Angle = Angle::from_deg(2.0);
+const TILT_MARGIN: Angle = Angle::from_deg(2.0);
 
 /// No person is known to have lived longer than 122 years.
 const LARGEST_AGE_YEARS: f64 = 125.0;
@@ -26,7 +26,7 @@ pub(super) fn check_postures(films: &[Film]) -> Result<(), CaseError> {
         if films[..i].iter().any(|other| other.posture == film.posture) {
             return Err(CaseError::PostureTwice { posture: film.posture });
         }
-        if let Some(other) = films[..i].iter().find(|other| same_marks(other, film)) {
+        if let Some(other) = films[..i].iter().find(|other| same_landmarks(other, film)) {
             let (first, second) = (other.posture, film.posture);
             return Err(CaseError::FilmRepeated { first, second });
         }
@@ -45,14 +45,14 @@ pub(super) fn check_outlines(
 ) -> Result<(), CaseError> {
     let of = |posture| outlines.iter().find(|outline| outline.posture == posture);
     if let (Some(left), Some(right)) = (of(Posture::LeftBending), of(Posture::RightBending)) {
-        let [left, right] = [left, right].map(top_lean);
-        if left - right > LEAN_MARGIN {
+        let [left, right] = [left, right].map(top_tilt);
+        if left - right > TILT_MARGIN {
             return Err(CaseError::BendsExchanged { left, right });
         }
     }
     let erect = &outlines[0];
     for film in &outlines[1..] {
-        warn_of_wrong_lean(erect, film, warnings);
+        warn_of_wrong_tilt(erect, film, warnings);
         warn_of_mirror(erect, film, warnings);
         let ratio = film.polygon_mm() / erect.polygon_mm();
         if (ratio - 1.0).abs() > 0.05 {
@@ -76,18 +76,18 @@ pub(super) fn check_outlines(
     Ok(())
 }
 
-fn top_lean(outline: &Outline) -> Angle {
-    outline.vertebrae[outline.vertebrae.len() - 1].location.lean()
+fn top_tilt(outline: &Outline) -> Angle {
+    outline.vertebrae[outline.vertebrae.len() - 1].location.lateral_tilt()
 }
 
-fn warn_of_wrong_lean(erect: &Outline, film: &Outline, warnings: &mut Warnings) {
+fn warn_of_wrong_tilt(erect: &Outline, film: &Outline, warnings: &mut Warnings) {
     let Some(side) = film.posture.bend() else { return };
-    let change = top_lean(film) - top_lean(erect);
+    let change = top_tilt(film) - top_tilt(erect);
     let away = match side {
         Side::Left => change,
         Side::Right => -change,
     };
-    if away > LEAN_MARGIN {
+    if away > TILT_MARGIN {
         let text = format!(
             "the lateral tilt of L4 to T2 is {} of that on the erect film: the film may be mirrored or may show another posture",
             change.leaning()

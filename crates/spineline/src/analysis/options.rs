@@ -43,7 +43,7 @@ pub struct AnalysisOptions {
     /// Where the inflections come from.
     pub inflections: InflectionChoice,
     /// Minimum angle of a curve between inflections of the erect curve.
-    pub min_lobe: Angle,
+    pub min_curve: Angle,
     /// How many segments the erect chain may have.
     pub segment_window: RangeInclusive<u32>,
     /// Sagittal profile.
@@ -82,7 +82,7 @@ impl Default for AnalysisOptions {
         Self {
             order_rule: OrderRule::default(),
             inflections: InflectionChoice::default(),
-            min_lobe: MIN_TURN,
+            min_curve: MIN_TURN,
             segment_window: SEGMENT_WINDOW,
             profile: SagittalProfile::default(),
             library: StiffnessLibrary::default(),

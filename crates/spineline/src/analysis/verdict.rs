@@ -32,7 +32,7 @@ impl Analysis {
             None => sentences.push(format!(
                 "There is no inflection line: the erect curve has {} (minimum angle of a curve between inflections: {}).",
                 counted(self.inflections.all.len()),
-                self.options.min_lobe
+                self.options.min_curve
             )),
         }
         sentences.extend(self.postures.iter().filter_map(turning_sentence));

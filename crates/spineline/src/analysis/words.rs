@@ -22,13 +22,14 @@ impl Analysis {
     /// Angles of the curves between inflections, and the inflections.
     #[must_use]
     pub fn inflection_words(&self) -> String {
-        let lobes: Vec<String> = self.inflections.lobes.iter().map(|l| l.turn.leaning()).collect();
+        let curves: Vec<String> =
+            self.inflections.curves.iter().map(|l| l.turn.leaning()).collect();
         let place = |inflection: &Inflection| {
             let (below, above) = inflection.between;
             let height = self.scale().text(inflection.erect.z_mm, 0);
             format!("{below}/{above} ({height} above L4)")
         };
-        let turns = format!("Erect curve bends {}", lobes.join(", "));
+        let turns = format!("Erect curve bends {}", curves.join(", "));
         match &self.inflections.pair {
             Some([a, b]) => format!("{turns}\nInflections at {} and {}", place(a), place(b)),
             None => turns,
@@ -85,7 +86,7 @@ impl Analysis {
         let size = simulation.force_n.abs();
         // A positive force runs along the line's direction.
         let along = simulation.line.direction * simulation.force_n.signum();
-        let way = along.lean().leaning();
+        let way = along.lateral_tilt().leaning();
         if model.is_absolute(self.options.gauge) {
             format!("{size:.0} N, lateral tilt {way}")
         } else {

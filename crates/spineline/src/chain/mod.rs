@@ -170,13 +170,13 @@ impl Chain {
             joints.push(next.point);
             last = next;
         }
-        let mut lean_below = Angle::ZERO;
+        let mut tilt_below = Angle::ZERO;
         let joint_angles = joints
             .windows(2)
             .map(|link| {
-                let lean = (link[1] - link[0]).lean();
-                let angle = (lean - lean_below).wrapped();
-                lean_below = lean;
+                let tilt = (link[1] - link[0]).lateral_tilt();
+                let angle = (tilt - tilt_below).wrapped();
+                tilt_below = tilt;
                 angle
             })
             .collect();

@@ -91,8 +91,8 @@ impl Regions {
 /// ```
 #[must_use]
 pub fn ferguson_angle(locations: &[Frontal], bounds: &RegionBounds) -> Angle {
-    let upper = (locations[bounds.superior] - locations[bounds.apex]).lean();
-    let lower = (locations[bounds.apex] - locations[bounds.inferior]).lean();
+    let upper = (locations[bounds.superior] - locations[bounds.apex]).lateral_tilt();
+    let lower = (locations[bounds.apex] - locations[bounds.inferior]).lateral_tilt();
     (upper - lower).wrapped()
 }
 

@@ -7,7 +7,7 @@ pub(crate) const MIN_TURN: Angle = Angle::from_deg(5.0);
 
 /// A stretch of the curve that turns to one side.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lobe {
+pub struct CurveBetween {
     /// Parameter at its caudal end.
     pub from_mm: f64,
     /// Parameter at its cranial end.
@@ -33,7 +33,7 @@ pub struct Inflections {
     /// All that were seen, caudal first.
     pub all: Vec<Inflection>,
     /// The stretches between them; one more than inflections.
-    pub lobes: Vec<Lobe>,
+    pub curves: Vec<CurveBetween>,
     /// The pair that carries the line of action, caudal first; `None` with fewer than two.
     pub pair: Option<[Inflection; 2]>,
 }
@@ -66,31 +66,31 @@ pub enum InflectionChoice {
 #[must_use]
 pub fn find_inflections(fit: &CurveFit, min_turn: Angle) -> Inflections {
     let curve = &fit.curve;
-    let mut lobes = lobes_between(curve, &sign_changes(curve));
+    let mut curves = curves_between(curve, &sign_changes(curve));
     // Join the smallest curve to its neighbours until every curve reaches the minimum angle.
-    while lobes.len() > 1 {
-        let smallest = (0..lobes.len())
-            .min_by(|&a, &b| lobes[a].turn.abs().rad().total_cmp(&lobes[b].turn.abs().rad()))
+    while curves.len() > 1 {
+        let smallest = (0..curves.len())
+            .min_by(|&a, &b| curves[a].turn.abs().rad().total_cmp(&curves[b].turn.abs().rad()))
             .unwrap_or(0);
-        if lobes[smallest].turn.abs() >= min_turn {
+        if curves[smallest].turn.abs() >= min_turn {
             break;
         }
         let first = smallest.saturating_sub(1);
-        let last = (smallest + 1).min(lobes.len() - 1);
-        let joined = Lobe {
-            from_mm: lobes[first].from_mm,
-            to_mm: lobes[last].to_mm,
-            turn: lobes[first..=last].iter().fold(Angle::ZERO, |sum, lobe| sum + lobe.turn),
+        let last = (smallest + 1).min(curves.len() - 1);
+        let joined = CurveBetween {
+            from_mm: curves[first].from_mm,
+            to_mm: curves[last].to_mm,
+            turn: curves[first..=last].iter().fold(Angle::ZERO, |sum, part| sum + part.turn),
         };
-        lobes.splice(first..=last, [joined]);
+        curves.splice(first..=last, [joined]);
     }
     let all: Vec<Inflection> =
-        lobes[1..].iter().map(|lobe| inflection_at(fit, lobe.from_mm)).collect();
+        curves[1..].iter().map(|part| inflection_at(fit, part.from_mm)).collect();
     // The largest curve that has an inflection at either end.
-    let pair = (1..lobes.len().saturating_sub(1))
-        .max_by(|&a, &b| lobes[a].turn.abs().rad().total_cmp(&lobes[b].turn.abs().rad()))
-        .map(|lobe| [all[lobe - 1], all[lobe]]);
-    Inflections { all, lobes, pair }
+    let pair = (1..curves.len().saturating_sub(1))
+        .max_by(|&a, &b| curves[a].turn.abs().rad().total_cmp(&curves[b].turn.abs().rad()))
+        .map(|part| [all[part - 1], all[part]]);
+    Inflections { all, curves, pair }
 }
 
 impl Inflections {
@@ -152,12 +152,12 @@ fn bisect(curve: &Curve, mut from: f64, mut to: f64) -> f64 {
     0.5 * (from + to)
 }
 
-fn lobes_between(curve: &Curve, changes: &[f64]) -> Vec<Lobe> {
+fn curves_between(curve: &Curve, changes: &[f64]) -> Vec<CurveBetween> {
     let mut ends = vec![0.0];
     ends.extend_from_slice(changes);
     ends.push(curve.end_mm());
     ends.windows(2)
-        .map(|pair| Lobe {
+        .map(|pair| CurveBetween {
             from_mm: pair[0],
             to_mm: pair[1],
             turn: (curve.tilt(pair[1]) - curve.tilt(pair[0])).wrapped(),

@@ -24,7 +24,9 @@ mod spread;
 
 pub use fit::{CurveError, CurveFit, OrderRule, fit_curve};
 pub(crate) use inflection::MIN_TURN;
-pub use inflection::{Inflection, InflectionChoice, Inflections, Lobe, Site, find_inflections};
+pub use inflection::{
+    CurveBetween, Inflection, InflectionChoice, Inflections, Site, find_inflections,
+};
 pub use residual::CurveResidual;
 pub use spread::CurveSpread;
 
@@ -85,7 +87,7 @@ impl Curve {
     /// Lateral tilt of the tangent.
     #[must_use]
     pub fn tilt(&self, t_mm: f64) -> Angle {
-        self.tangent(t_mm).lean()
+        self.tangent(t_mm).lateral_tilt()
     }
 
     /// Rate at which the tilt grows with the parameter, in rad/mm; zero where the curve inflects.

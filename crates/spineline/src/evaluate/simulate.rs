@@ -172,8 +172,10 @@ pub fn simulate(
     let measured: Vec<Frontal> = film.locations().collect();
     let top = measured[measured.len() - 1];
     let found = match target {
-        Target::Fitted(force_n) => vec![ForceMatch::at(statics, &load, force_n, top.lean())],
-        Target::Amplitude => amplitude_matches(statics, &load, top.lean()),
+        Target::Fitted(force_n) => {
+            vec![ForceMatch::at(statics, &load, force_n, top.lateral_tilt())]
+        }
+        Target::Amplitude => amplitude_matches(statics, &load, top.lateral_tilt()),
         Target::NearestT2(None) => vec![match_t2(statics, &load, &ForceSign::BOTH, top)],
         Target::NearestT2(Some(sign)) => vec![match_t2(statics, &load, &[sign], top)],
     };

@@ -33,7 +33,7 @@ pub(super) struct LoadedFilm {
     solution: Solution,
     base: Angle,
     /// Joints of every group.
-    marks: Vec<Vec<bool>>,
+    landmarks: Vec<Vec<bool>>,
 }
 
 impl LoadedFilm {
@@ -52,7 +52,7 @@ impl LoadedFilm {
             work,
             solution: Solution::default(),
             base: Angle::ZERO,
-            marks: (0..spine.groups.len())
+            landmarks: (0..spine.groups.len())
                 .map(|group| joints.iter().map(|of| *of == group).collect())
                 .collect(),
         })
@@ -85,9 +85,9 @@ impl LoadedFilm {
             .flat_map(|(units, &times)| units.iter().flat_map(move |u| u.turned_items(times, base)))
             .collect();
         let parameters: Vec<ShapeParameter<'_>> = self
-            .marks
+            .landmarks
             .iter()
-            .map(|marks| ShapeParameter::LogLateral(marks))
+            .map(|landmarks| ShapeParameter::LogLateral(landmarks))
             .chain(by_component.iter().map(|items| ShapeParameter::Loads(items)))
             .chain([ShapeParameter::Loads(&by_base)])
             .collect();
@@ -164,7 +164,7 @@ impl LoadedFilm {
     }
 
     fn base_parameter(&self) -> usize {
-        self.marks.len() + self.units.len()
+        self.landmarks.len() + self.units.len()
     }
 
     /// Derivative of a location.
@@ -185,7 +185,7 @@ impl LoadedFilm {
 
     /// Turn of a joint per unit of a component.
     pub fn joint_rate(&self, component: usize, joint: usize) -> Vec3 {
-        let turns = &self.solution.turn_rates[self.marks.len() + component];
+        let turns = &self.solution.turn_rates[self.landmarks.len() + component];
         turns[joint + 1] - turns[joint]
     }
 }

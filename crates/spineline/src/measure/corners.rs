@@ -98,7 +98,7 @@ impl Corners<Frontal> {
     /// Lateral tilt of the line from the inferior to the superior endplate's centre: the paper's θ of a vertebra.
     #[must_use]
     pub fn measure_tilt(&self) -> Angle {
-        self.axis().lean()
+        self.axis().lateral_tilt()
     }
 
     /// Lateral tilt of the body by its two endplates: that of the normal of the line through the midpoints of its left and
@@ -125,7 +125,7 @@ impl Corners<Frontal> {
         let to_left =
             (self.superior_left + self.inferior_left) - (self.superior_right + self.inferior_right);
         // A quarter turn about +X carries the patient's left (+Y) to cranial (+Z).
-        Frontal::new(-to_left.z_mm, to_left.y_mm).lean()
+        Frontal::new(-to_left.z_mm, to_left.y_mm).lateral_tilt()
     }
 
     /// Whether the corners run the way in which a patient's left and right lie on this film.

@@ -89,7 +89,7 @@ impl fmt::Display for ReadingId {
 
 /// A vertebra as marked on the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Mark {
+pub struct VertebraLandmarks {
     /// The corners of its body.
     pub corners: Corners<Pixel>,
     /// Its axis where it was turned by hand: against the image's vertical, positive clockwise as seen.
@@ -125,15 +125,15 @@ pub struct IliacCrests {
 
 /// What is known of a film's vertebrae.
 #[derive(Debug, Clone, PartialEq)]
-pub enum FilmMarks {
+pub enum FilmLandmarks {
     /// Landmarks on a picture.
-    Landmarks {
+    Corners {
         /// The picture.
         image: ImageGeometry,
         /// Tips of the iliac crests.
         iliac_crests: Option<IliacCrests>,
         /// The readings.
-        readings: Vec<Reading<Mark>>,
+        readings: Vec<Reading<VertebraLandmarks>>,
     },
     /// Locations and tilts from another program, all readings in one frame of the film.
     Placements {
@@ -150,5 +150,5 @@ pub struct Film {
     /// Position of the patient.
     pub posture: Posture,
     /// What was marked.
-    pub marks: FilmMarks,
+    pub landmarks: FilmLandmarks,
 }

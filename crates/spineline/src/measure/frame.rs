@@ -1,4 +1,4 @@
-use super::{Film, FilmMarks, ImageGeometry, Outline};
+use super::{Film, FilmLandmarks, ImageGeometry, Outline};
 use crate::anatomy::Level;
 use crate::spatial::{Angle, Frontal, Pixel};
 
@@ -23,7 +23,7 @@ impl FilmFrame {
     /// The frame of an outline on the film that it was measured on; `None` for a film without a picture.
     #[must_use]
     pub fn of(film: &Film, outline: &Outline) -> Option<Self> {
-        let FilmMarks::Landmarks { image, .. } = &film.marks else { return None };
+        let FilmLandmarks::Corners { image, .. } = &film.landmarks else { return None };
         Some(Self {
             image: *image,
             origin: outline.l4_midpoint_on_film,
@@ -104,11 +104,11 @@ impl FilmFrame {
 /// Centres of the superior and the inferior endplate of a vertebra in `G`, mean over the readings that marked it.
 #[must_use]
 pub fn endplate_centres(film: &Film, frame: &FilmFrame, level: Level) -> Option<[Frontal; 2]> {
-    let FilmMarks::Landmarks { readings, .. } = &film.marks else { return None };
+    let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { return None };
     let bodies: Vec<_> = readings
         .iter()
         .filter_map(|reading| reading.vertebrae.get(&level))
-        .map(|mark| mark.corners.map(|corner| frame.point(corner)))
+        .map(|landmark| landmark.corners.map(|corner| frame.point(corner)))
         .collect();
     let share = 0.5 / bodies.len() as f64;
     let sum = |points: &dyn Fn(usize) -> Frontal| {
@@ -126,12 +126,12 @@ pub fn endplate_centres(film: &Film, frame: &FilmFrame, level: Level) -> Option<
 /// spacing; `None` where a corner is missing.
 #[must_use]
 pub fn body_widths(film: &Film) -> Option<Vec<f64>> {
-    let FilmMarks::Landmarks { image, readings, .. } = &film.marks else { return None };
+    let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return None };
     let width = |level: Level| {
-        let marks = readings.iter().filter_map(|reading| reading.vertebrae.get(&level));
-        let widths: Vec<f64> = marks
-            .map(|mark| {
-                let corners = mark.corners.map(|corner| image.frontal(corner));
+        let landmarks = readings.iter().filter_map(|reading| reading.vertebrae.get(&level));
+        let widths: Vec<f64> = landmarks
+            .map(|landmark| {
+                let corners = landmark.corners.map(|corner| image.frontal(corner));
                 let upper = corners.superior_left.distance_mm(corners.superior_right);
                 let lower = corners.inferior_left.distance_mm(corners.inferior_right);
                 0.5 * (upper + lower)

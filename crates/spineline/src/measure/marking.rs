@@ -2,7 +2,7 @@
 //!
 //! Places are pixels with the centre of the first one at zero. Directions are taken in the film's frontal frame
 //! ([`ImageGeometry::frontal`]: millimetres, or pixels where no spacing is known), so that pixels need not be square.
-//! An axis is written as [`Mark`](super::Mark) has it: against the image's vertical, positive clockwise as seen.
+//! An axis is written as [`VertebraLandmarks`](super::VertebraLandmarks) has it: against the image's vertical, positive clockwise as seen.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -14,7 +14,7 @@ use crate::spatial::{Angle, Frontal, Pixel};
 
 /// A vertebra of which some corners are placed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PartialMark {
+pub struct PartialLandmarks {
     /// The corners placed so far.
     pub corners: Corners<Option<Pixel>>,
     /// Its axis where it was turned by hand.
@@ -25,7 +25,7 @@ pub struct PartialMark {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PartialReading {
     /// Vertebrae with at least a corner or an axis.
-    pub vertebrae: BTreeMap<Level, PartialMark>,
+    pub vertebrae: BTreeMap<Level, PartialLandmarks>,
     /// The left and the right iliac crest.
     pub crests: [Option<Pixel>; 2],
 }
@@ -49,7 +49,7 @@ const AXIS_REACH: f64 = 0.9;
 /// A crossing of three corners flatter than this is one line.
 const MIN_CROSSING_ANGLE: Angle = Angle::from_deg(3.0);
 
-impl PartialMark {
+impl PartialLandmarks {
     /// All four corners, once they are placed.
     #[must_use]
     pub fn complete(&self) -> Option<Corners<Pixel>> {
@@ -98,7 +98,7 @@ pub fn turn_axis_towards(image: &ImageGeometry, midpoint: Pixel, place: Pixel) -
     if !way.is_finite() || way.norm_mm() == 0.0 {
         return None;
     }
-    let clockwise = image.tilt_from_clockwise(way.lean()).deg();
+    let clockwise = image.tilt_from_clockwise(way.lateral_tilt()).deg();
     Some(Angle::from_deg(((clockwise * 10.0).round() / 10.0).clamp(-90.0, 90.0)))
 }
 
@@ -241,10 +241,10 @@ impl PartialReading {
         let mut faults = Vec::new();
         let cranial = self.cranial(image);
         let mut bodies = BTreeMap::new();
-        for (&level, mark) in &self.vertebrae {
-            match fault_of(image, level, mark, cranial) {
+        for (&level, landmark) in &self.vertebrae {
+            match fault_of(image, level, landmark, cranial) {
                 Some(fault) => faults.push(fault),
-                None => bodies.extend(mark.body(image).map(|body| (level, body))),
+                None => bodies.extend(landmark.body(image).map(|body| (level, body))),
             }
         }
         let exchanged = |fault: &MarkingFault| {
@@ -262,9 +262,9 @@ impl PartialReading {
     /// Midpoints and axes of all bodies without a fault of their own.
     pub(super) fn sound(&self, image: &ImageGeometry) -> BTreeMap<Level, Corners<Frontal>> {
         let cranial = self.cranial(image);
-        let sound = self.vertebrae.iter().filter_map(|(&level, mark)| {
-            let corners = mark.complete()?.map(|corner| image.frontal(corner));
-            fault_of(image, level, mark, cranial).is_none().then_some((level, corners))
+        let sound = self.vertebrae.iter().filter_map(|(&level, landmark)| {
+            let corners = landmark.complete()?.map(|corner| image.frontal(corner));
+            fault_of(image, level, landmark, cranial).is_none().then_some((level, corners))
         });
         sound.collect()
     }
@@ -274,8 +274,8 @@ impl PartialReading {
         let centres: Vec<Frontal> = self
             .vertebrae
             .values()
-            .filter_map(|mark| {
-                let [a, b, c, d] = mark.complete()?.map(|p| image.frontal(p)).points();
+            .filter_map(|landmark| {
+                let [a, b, c, d] = landmark.complete()?.map(|p| image.frontal(p)).points();
                 Some((a + b + c + d) * 0.25)
             })
             .collect();
@@ -306,15 +306,15 @@ impl PartialReading {
 fn fault_of(
     image: &ImageGeometry,
     level: Level,
-    mark: &PartialMark,
+    landmark: &PartialLandmarks,
     cranial: Frontal,
 ) -> Option<MarkingFault> {
     let outside = |place: &Pixel| !image.contains(*place);
-    if let Some(place) = mark.corners.points().into_iter().flatten().find(outside) {
+    if let Some(place) = landmark.corners.points().into_iter().flatten().find(outside) {
         return Some(MarkingFault::OffPicture { level, place });
     }
-    let corners = mark.corners.map(|corner| corner.map(|place| image.frontal(place)));
-    let fault = match mark.complete() {
+    let corners = landmark.corners.map(|corner| corner.map(|place| image.frontal(place)));
+    let fault = match landmark.complete() {
         Some(_) => four_corners(corners.map(|corner| corner.unwrap_or_default()), cranial)?,
         None => Fault::Corners(three_corners(&corners, cranial)?),
     };

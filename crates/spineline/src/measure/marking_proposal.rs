@@ -89,11 +89,12 @@ impl PartialReading {
     pub fn next(&self) -> Option<NextLandmark> {
         let at_crests = self.crests.iter().any(Option::is_some);
         for level in Self::order() {
-            let mark = self.vertebrae.get(&level);
-            if mark.is_none() && at_crests && level.model_index().is_none() {
+            let landmark = self.vertebrae.get(&level);
+            if landmark.is_none() && at_crests && level.model_index().is_none() {
                 continue;
             }
-            let missing = |name: &CornerName| mark.is_none_or(|m| name.of(&m.corners).is_none());
+            let missing =
+                |name: &CornerName| landmark.is_none_or(|m| name.of(&m.corners).is_none());
             if let Some(corner) = CornerName::ORDER.into_iter().find(missing) {
                 return Some(NextLandmark::Corner(level, corner));
             }

@@ -32,16 +32,19 @@ pub use corners::{CornerFault, Corners};
 pub use evidence::{
     CalibrationType, SpacingEvidence, SpacingJudgement, SpacingRemark, judge_spacing,
 };
-pub use film::{Film, FilmMarks, IliacCrests, ImageGeometry, Mark, Placement, Reading, ReadingId};
+pub use film::{
+    Film, FilmLandmarks, IliacCrests, ImageGeometry, Placement, Reading, ReadingId,
+    VertebraLandmarks,
+};
 pub use frame::{FilmFrame, body_widths, endplate_centres};
 pub use lateral::{LateralCorners, LateralFilm};
-pub use marking::{MarkedBody, MarkingFault, PartialMark, PartialReading, turn_axis_towards};
+pub use marking::{MarkedBody, MarkingFault, PartialLandmarks, PartialReading, turn_axis_towards};
 pub use marking_proposal::{CornerName, NextLandmark, ProposedVertebra};
 pub use noise::Noise;
 pub(crate) use noise::ReadingSquares;
 pub(crate) use outline::outline_of;
-pub use outline::{MeasuredVertebra, Outline, check_marks, measure_film};
-pub(crate) use plausibility::{same_marks, warn_of_implausible_marks};
+pub use outline::{MeasuredVertebra, Outline, check_landmarks, measure_film};
+pub(crate) use plausibility::{same_landmarks, warn_of_implausible_landmarks};
 pub use readings::{FilmReadings, measure_readings};
 pub use spacing::{LengthScale, Spacing, SpacingPlane, SpacingSource};
 pub use view::{

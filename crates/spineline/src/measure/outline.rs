@@ -4,8 +4,9 @@ use super::order::{MIN_SPACING_SHARE, steps, typical_distance_mm};
 use super::plausibility::fits_exchanged;
 use super::spacing::is_spacing;
 use super::{
-    CornerFault, Corners, Film, FilmMarks, IliacCrests, ImageGeometry, LengthScale, Mark,
-    MeasureError, Noise, Placement, Reading, ReadingId, SpacingPlane, measure_readings,
+    CornerFault, Corners, Film, FilmLandmarks, IliacCrests, ImageGeometry, LengthScale,
+    MeasureError, Noise, Placement, Reading, ReadingId, SpacingPlane, VertebraLandmarks,
+    measure_readings,
 };
 use crate::anatomy::{Level, Posture};
 use crate::spatial::{Angle, Frontal};
@@ -65,7 +66,7 @@ impl Outline {
     #[must_use]
     pub fn amplitude(&self) -> Angle {
         let top = self.vertebrae[self.vertebrae.len() - 1].location;
-        top.lean() - self.iliac_normal.unwrap_or(Angle::ZERO)
+        top.lateral_tilt() - self.iliac_normal.unwrap_or(Angle::ZERO)
     }
 
     /// Length of the polygon through the midpoints.
@@ -163,7 +164,7 @@ struct PlacedFilm {
 ///
 /// # Errors
 /// As [`measure_film`], but for what concerns several vertebrae in their order.
-pub fn check_marks(film: &Film) -> Result<(), MeasureError> {
+pub fn check_landmarks(film: &Film) -> Result<(), MeasureError> {
     place_film(film, &measure_readings(film)?, &mut Warnings::default()).map(|_| ())
 }
 
@@ -174,9 +175,9 @@ fn place_film(
 ) -> Result<PlacedFilm, MeasureError> {
     let posture = film.posture;
     let readings = readings.iter().map(|reading| reading.vertebrae.clone()).collect();
-    let (image, iliac_crests) = match &film.marks {
-        FilmMarks::Landmarks { image, iliac_crests, .. } => (image, iliac_crests),
-        FilmMarks::Placements { spacing_plane, .. } => {
+    let (image, iliac_crests) = match &film.landmarks {
+        FilmLandmarks::Corners { image, iliac_crests, .. } => (image, iliac_crests),
+        FilmLandmarks::Placements { spacing_plane, .. } => {
             let scale = LengthScale::stated(*spacing_plane);
             return Ok(PlacedFilm { readings, scale, iliac_normal: None });
         }
@@ -237,17 +238,17 @@ pub(super) fn check_placements(
 fn bodies_of(
     posture: Posture,
     image: &ImageGeometry,
-    reading: &Reading<Mark>,
+    reading: &Reading<VertebraLandmarks>,
 ) -> Result<BTreeMap<Level, Corners<Frontal>>, MeasureError> {
     let id = || reading.id.clone();
     let mut bodies = BTreeMap::new();
-    for (&level, mark) in &reading.vertebrae {
-        let finite = mark.axis_clockwise.is_none_or(|axis| axis.rad().is_finite());
-        if !(finite && mark.corners.points().iter().all(|corner| corner.is_finite())) {
+    for (&level, landmark) in &reading.vertebrae {
+        let finite = landmark.axis_clockwise.is_none_or(|axis| axis.rad().is_finite());
+        if !(finite && landmark.corners.points().iter().all(|corner| corner.is_finite())) {
             return Err(MeasureError::NotFinite { posture, id: id(), level });
         }
         if let Some(corner) =
-            mark.corners.points().into_iter().find(|&corner| !image.contains(corner))
+            landmark.corners.points().into_iter().find(|&corner| !image.contains(corner))
         {
             if fits_exchanged(image, reading) {
                 let count = reading.vertebrae.len();
@@ -265,7 +266,7 @@ fn bodies_of(
                 rows,
             });
         }
-        bodies.insert(level, mark.corners.map(|corner| image.frontal(corner)));
+        bodies.insert(level, landmark.corners.map(|corner| image.frontal(corner)));
     }
     Ok(bodies)
 }
@@ -274,7 +275,7 @@ fn bodies_of(
 pub(super) fn place(
     posture: Posture,
     image: &ImageGeometry,
-    reading: &Reading<Mark>,
+    reading: &Reading<VertebraLandmarks>,
 ) -> Result<BTreeMap<Level, Placement>, MeasureError> {
     let id = || reading.id.clone();
     let bodies = bodies_of(posture, image, reading)?;
@@ -370,7 +371,7 @@ fn check_crests(
 fn iliac_normal(image: &ImageGeometry, crests: IliacCrests) -> Angle {
     let to_left = image.frontal(crests.left) - image.frontal(crests.right);
     // A quarter turn about +X carries the patient's left (+Y) to cranial (+Z).
-    Frontal::new(-to_left.z_mm, to_left.y_mm).lean()
+    Frontal::new(-to_left.z_mm, to_left.y_mm).lateral_tilt()
 }
 
 /// Mean over the readings that marked a level, and their number.

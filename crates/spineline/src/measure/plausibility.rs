@@ -1,6 +1,6 @@
 //! Landmarks that no film of a spine can show, or that one reading alone shows.
 
-use super::{Corners, Film, FilmMarks, ImageGeometry, Mark, Reading};
+use super::{Corners, Film, FilmLandmarks, ImageGeometry, Reading, VertebraLandmarks};
 use crate::anatomy::Level;
 use crate::spatial::{Angle, Frontal, Pixel};
 use crate::warning::{Step, Warnings};
@@ -27,29 +27,31 @@ const SMALLEST_OUTLIER_SHARE: f64 = 0.15;
 const LARGEST_AXIS_DIFFERENCE: Angle = Angle::from_deg(30.0);
 
 /// Whether two films carry the same landmarks or placements, whoever is named as their observer.
-pub(crate) fn same_marks(a: &Film, b: &Film) -> bool {
+pub(crate) fn same_landmarks(a: &Film, b: &Film) -> bool {
     fn same<T: PartialEq>(a: &[Reading<T>], b: &[Reading<T>]) -> bool {
         let marked = a.iter().any(|reading| !reading.vertebrae.is_empty());
         marked && a.iter().map(|one| &one.vertebrae).eq(b.iter().map(|one| &one.vertebrae))
     }
-    match (&a.marks, &b.marks) {
-        (FilmMarks::Landmarks { readings: a, .. }, FilmMarks::Landmarks { readings: b, .. }) => {
-            same(a, b)
-        }
-        (FilmMarks::Placements { readings: a, .. }, FilmMarks::Placements { readings: b, .. }) => {
-            same(a, b)
-        }
+    match (&a.landmarks, &b.landmarks) {
+        (
+            FilmLandmarks::Corners { readings: a, .. },
+            FilmLandmarks::Corners { readings: b, .. },
+        ) => same(a, b),
+        (
+            FilmLandmarks::Placements { readings: a, .. },
+            FilmLandmarks::Placements { readings: b, .. },
+        ) => same(a, b),
         _ => false,
     }
 }
 
 /// Whether all landmarks of a reading lie on the film, from bottom to top, once columns and rows are exchanged.
-pub(super) fn fits_exchanged(image: &ImageGeometry, reading: &Reading<Mark>) -> bool {
+pub(super) fn fits_exchanged(image: &ImageGeometry, reading: &Reading<VertebraLandmarks>) -> bool {
     let exchanged = |place: Pixel| Pixel::new(place.row_px, place.column_px);
     let bodies: Vec<Corners<Frontal>> = reading
         .vertebrae
         .values()
-        .map(|mark| mark.corners.map(exchanged))
+        .map(|landmark| landmark.corners.map(exchanged))
         .take_while(|corners| corners.points().iter().all(|&corner| image.contains(corner)))
         .map(|corners| corners.map(|corner| image.frontal(corner)))
         .collect();
@@ -60,11 +62,11 @@ pub(super) fn fits_exchanged(image: &ImageGeometry, reading: &Reading<Mark>) -> 
 }
 
 /// Warnings about the corners of every reading, and about readings against one another.
-pub(crate) fn warn_of_implausible_marks(film: &Film, warnings: &mut Warnings) {
-    let FilmMarks::Landmarks { image, readings, .. } = &film.marks else { return };
+pub(crate) fn warn_of_implausible_landmarks(film: &Film, warnings: &mut Warnings) {
+    let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return };
     for reading in readings {
-        for (&level, mark) in &reading.vertebrae {
-            warn_of_body(film, image, (reading, level, mark), warnings);
+        for (&level, landmark) in &reading.vertebrae {
+            warn_of_body(film, image, (reading, level, landmark), warnings);
         }
     }
     warn_of_outliers(film, image, readings, warnings);
@@ -74,10 +76,10 @@ pub(crate) fn warn_of_implausible_marks(film: &Film, warnings: &mut Warnings) {
 fn warn_of_body(
     film: &Film,
     image: &ImageGeometry,
-    (reading, level, mark): (&Reading<Mark>, Level, &Mark),
+    (reading, level, landmark): (&Reading<VertebraLandmarks>, Level, &VertebraLandmarks),
     warnings: &mut Warnings,
 ) {
-    let body = mark.corners.map(|corner| image.frontal(corner));
+    let body = landmark.corners.map(|corner| image.frontal(corner));
     for (sides, ratio) in body.side_ratios() {
         if ratio > LARGEST_SIDE_RATIO {
             let text = format!(
@@ -87,7 +89,7 @@ fn warn_of_body(
             warnings.vertebra(Step::Measure, "body_sides_differ", film.posture, level, text);
         }
     }
-    let Some(axis) = mark.axis_clockwise else { return };
+    let Some(axis) = landmark.axis_clockwise else { return };
     let apart = (image.tilt_from_clockwise(axis) - body.measure_tilt()).wrapped().abs();
     if apart > LARGEST_AXIS_DIFFERENCE {
         let text = format!(
@@ -104,15 +106,15 @@ fn warn_of_body(
 fn warn_of_outliers(
     film: &Film,
     image: &ImageGeometry,
-    readings: &[Reading<Mark>],
+    readings: &[Reading<VertebraLandmarks>],
     warnings: &mut Warnings,
 ) {
     let mut found = Vec::new();
     for level in Level::ALL {
-        let bodies: Vec<(&Reading<Mark>, Corners<Frontal>)> = readings
+        let bodies: Vec<(&Reading<VertebraLandmarks>, Corners<Frontal>)> = readings
             .iter()
             .filter_map(|one| Some((one, one.vertebrae.get(&level)?)))
-            .map(|(one, mark)| (one, mark.corners.map(|corner| image.frontal(corner))))
+            .map(|(one, landmark)| (one, landmark.corners.map(|corner| image.frontal(corner))))
             .collect();
         if bodies.len() < FEWEST_READINGS {
             continue;

@@ -1,5 +1,5 @@
 use super::outline::{check_placements, check_readings, check_spacing, place};
-use super::{Film, FilmMarks, MeasureError, Placement, Reading, SpacingPlane};
+use super::{Film, FilmLandmarks, MeasureError, Placement, Reading, SpacingPlane};
 use crate::anatomy::Posture;
 
 /// Every reading of one film by itself, for questions about the readers.
@@ -19,11 +19,11 @@ impl FilmReadings {
     /// # Errors
     /// As [`measure_readings`].
     pub fn measure(film: &Film) -> Result<Self, MeasureError> {
-        let plane = match &film.marks {
-            FilmMarks::Landmarks { image, .. } => {
+        let plane = match &film.landmarks {
+            FilmLandmarks::Corners { image, .. } => {
                 image.spacing.map_or(SpacingPlane::Pixels, |spacing| spacing.plane)
             }
-            FilmMarks::Placements { spacing_plane, .. } => *spacing_plane,
+            FilmLandmarks::Placements { spacing_plane, .. } => *spacing_plane,
         };
         let mut readings = measure_readings(film)?;
         readings.sort_by(|a, b| a.id.cmp(&b.id));
@@ -37,8 +37,8 @@ impl FilmReadings {
 /// [`MeasureError`], which names film, reading, vertebra, value and limit. Nothing is repaired.
 pub fn measure_readings(film: &Film) -> Result<Vec<Reading<Placement>>, MeasureError> {
     let posture = film.posture;
-    match &film.marks {
-        FilmMarks::Landmarks { image, readings, .. } => {
+    match &film.landmarks {
+        FilmLandmarks::Corners { image, readings, .. } => {
             check_spacing(posture, image)?;
             check_readings(posture, readings)?;
             readings
@@ -49,7 +49,7 @@ pub fn measure_readings(film: &Film) -> Result<Vec<Reading<Placement>>, MeasureE
                 })
                 .collect()
         }
-        FilmMarks::Placements { readings, .. } => {
+        FilmLandmarks::Placements { readings, .. } => {
             check_readings(posture, readings)?;
             check_placements(posture, readings)?;
             Ok(readings.clone())

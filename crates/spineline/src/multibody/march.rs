@@ -40,10 +40,10 @@ impl Deformed {
         Angle::from_sin_cos(-cranial[1], cranial[2])
     }
 
-    /// Lean of the line L4→T2.
+    /// LateralTilt of the line L4→T2.
     #[must_use]
-    pub fn lean(&self) -> Angle {
-        self.location(self.midpoints_mm.len() - 1).lean()
+    pub fn lateral_tilt(&self) -> Angle {
+        self.location(self.midpoints_mm.len() - 1).lateral_tilt()
     }
 
     /// The largest hinge angle.
@@ -88,9 +88,9 @@ impl Solution {
         Frontal::new(rate.y, rate.z)
     }
 
-    /// Derivative of the lean of the line L4→T2.
+    /// Derivative of the lateral tilt of the line L4→T2.
     #[must_use]
-    pub fn lean_rate(&self, parameter: usize) -> f64 {
+    pub fn lateral_tilt_rate(&self, parameter: usize) -> f64 {
         let top = self.deformed.midpoints_mm.len() - 1;
         let place = self.deformed.location(top);
         place.cross(self.location_rate(parameter, top)) / place.dot(place)

@@ -1,6 +1,6 @@
 use super::nearest::nearest_on_path;
 use super::roots::{Along, Lost, Sample, zeros_between};
-use super::target::{LeanTarget, PathState, SearchTarget};
+use super::target::{AmplitudeTarget, PathState, SearchTarget};
 use super::{Load, Parameter, Solution, Statics};
 use crate::spatial::{Angle, Frontal, Vec3};
 
@@ -72,12 +72,12 @@ pub struct ForceMatch {
 impl ForceMatch {
     /// The shape under a force that is known already; the residual is the remaining lateral tilt of L4→T2.
     #[must_use]
-    pub fn at(statics: &Statics<'_>, load: &Load, force_n: f64, lean: Angle) -> Self {
+    pub fn at(statics: &Statics<'_>, load: &Load, force_n: f64, tilt: Angle) -> Self {
         let mut solution = Solution::default();
         statics.solve(load, &[force_n], &[], &mut solution);
         let status =
             if solution.converged { MatchStatus::Matched } else { MatchStatus::NotConverged };
-        let residual = (solution.deformed.lean() - lean).wrapped().rad();
+        let residual = (solution.deformed.lateral_tilt() - tilt).wrapped().rad();
         Self { status, force_n, residual, evaluations: 1, solution }
     }
 
@@ -110,7 +110,7 @@ pub fn match_amplitude(
     sign: ForceSign,
     target: Angle,
 ) -> ForceMatch {
-    let mut path = Path::new(LineForce { statics, load }, LeanTarget(target));
+    let mut path = Path::new(LineForce { statics, load }, AmplitudeTarget(target));
     path.follow(sign, 1);
     path.first_or_nearest()
 }
@@ -121,7 +121,7 @@ pub fn match_amplitude(
 /// path did not converge, the last entry is [`MatchStatus::NotConverged`].
 #[must_use]
 pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> Vec<ForceMatch> {
-    let mut path = Path::new(LineForce { statics, load }, LeanTarget(target));
+    let mut path = Path::new(LineForce { statics, load }, AmplitudeTarget(target));
     for sign in ForceSign::BOTH {
         path.follow(sign, usize::MAX);
     }

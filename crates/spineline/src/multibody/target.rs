@@ -31,13 +31,13 @@ pub(super) trait SearchTarget {
     }
 }
 
-/// A lean of the line L4→T2.
-pub(super) struct LeanTarget(pub Angle);
+/// A lateral tilt of the line L4→T2.
+pub(super) struct AmplitudeTarget(pub Angle);
 
-impl SearchTarget for LeanTarget {
+impl SearchTarget for AmplitudeTarget {
     fn state(&self, force_n: f64, solution: &Solution, _nearest: f64) -> PathState {
-        let value = (solution.deformed.lean() - self.0).wrapped().rad();
-        let (rate, met) = (solution.lean_rate(0), value.abs() < 1e-9);
+        let value = (solution.deformed.lateral_tilt() - self.0).wrapped().rad();
+        let (rate, met) = (solution.lateral_tilt_rate(0), value.abs() < 1e-9);
         PathState {
             value,
             rate,

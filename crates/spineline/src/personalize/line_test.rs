@@ -172,18 +172,18 @@ mod tests {
     #[test]
     fn a_direction_is_tested_by_the_force_across_it() {
         // Across a line that leans by a, 100 sin a; its deviation is cos a for 1 N of fy.
-        let lean = Angle::from_deg(1.0);
-        let along = |sd| ProposedLine::Along { direction: Frontal::leaning(lean), sd };
+        let tilt = Angle::from_deg(1.0);
+        let along = |sd| ProposedLine::Along { direction: Frontal::leaning(tilt), sd };
         let loads = upwards([1.0, 0.0, 1.0]);
         let test = loads.test(0, &along(Angle::ZERO)).expect("a load");
-        let (sin, cos) = lean.rad().sin_cos();
+        let (sin, cos) = tilt.rad().sin_cos();
         assert!((test.chi_squared - (100.0 * sin / cos).powi(2)).abs() < 1e-9);
         assert_eq!(test.restrictions, 1);
         // On one degree of freedom p is 2 (1 - Φ(√χ²)), 0.0809 for 1.7455.
         assert!((test.p_value - 0.0809).abs() < 1e-4 && !test.rejects(), "{}", test.p_value);
         // A direction known to 1° only adds 100 N times that across.
         let unsure = loads.test(0, &along(Angle::from_deg(1.0))).expect("a load");
-        let variance = cos * cos + (100.0 * cos * lean.rad()).powi(2);
+        let variance = cos * cos + (100.0 * cos * tilt.rad()).powi(2);
         assert!((unsure.chi_squared - (100.0 * sin).powi(2) / variance).abs() < 1e-9);
     }
 

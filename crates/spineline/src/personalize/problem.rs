@@ -35,7 +35,7 @@ pub(super) struct FilmData {
     pub locations: Vec<Frontal>,
     pub tilts: Vec<Angle>,
     pub ferguson: [Angle; 3],
-    pub lean: Angle,
+    pub lateral_tilt: Angle,
     pub weights: ShapeWeights,
     pub parameters: Vec<Parameter>,
     pub solution: Solution,
@@ -47,8 +47,8 @@ impl FilmData {
         const MAX_STEP_RAD: f64 = 0.15;
         for _ in 0..15 {
             statics.solve(&self.load, &self.magnitude, &[Parameter::Load(0)], &mut self.solution);
-            let miss = (self.solution.deformed.lean() - self.lean).wrapped().rad();
-            let step = miss / self.solution.lean_rate(0);
+            let miss = (self.solution.deformed.lateral_tilt() - self.lateral_tilt).wrapped().rad();
+            let step = miss / self.solution.lateral_tilt_rate(0);
             if !(self.solution.converged && step.is_finite()) {
                 return false;
             }
@@ -116,7 +116,7 @@ impl<'a> Problem<'a> {
                         .bounds
                         .each_ref()
                         .map(|b| ferguson_angle(&locations, b)),
-                    lean: locations[locations.len() - 1].lean(),
+                    lateral_tilt: locations[locations.len() - 1].lateral_tilt(),
                     locations,
                     tilts: film.outline.vertebrae.iter().map(|v| v.tilt).collect(),
                     weights: ShapeWeights::of_film(&film.outline.noise),
@@ -276,7 +276,7 @@ impl<'a> Problem<'a> {
             .zip(signs)
             .map(|(film, &sign)| {
                 let sign = if sign < 0.0 { ForceSign::Negative } else { ForceSign::Positive };
-                vec![match_amplitude(&statics, &film.load, sign, film.lean).force_n]
+                vec![match_amplitude(&statics, &film.load, sign, film.lateral_tilt).force_n]
             })
             .collect()
     }

@@ -24,7 +24,7 @@ pub(super) fn ferguson_rows(
     for (k, bounds) in regions.iter().enumerate() {
         let upper = place(bounds.superior) - place(bounds.apex);
         let lower = place(bounds.apex) - place(bounds.inferior);
-        let angle = (upper.lean() - lower.lean()).wrapped();
+        let angle = (upper.lateral_tilt() - lower.lateral_tilt()).wrapped();
         system.residuals[row + k] = (angle - film.ferguson[k]).wrapped().rad() / unit;
         if wanted == Wanted::Derivatives {
             ferguson_rates(film, bounds, groups, row + k, system);
@@ -32,11 +32,12 @@ pub(super) fn ferguson_rows(
     }
     if let Some(first) = film.first {
         let row = row + regions.len();
-        system.residuals[row] = (solution.deformed.lean() - film.lean).wrapped().rad() / unit;
+        system.residuals[row] =
+            (solution.deformed.lateral_tilt() - film.lateral_tilt).wrapped().rad() / unit;
         if wanted == Wanted::Derivatives {
             for p in 0..=groups {
                 let column = if p == groups { first } else { p };
-                system.jacobian[(row, column)] = solution.lean_rate(p) / unit;
+                system.jacobian[(row, column)] = solution.lateral_tilt_rate(p) / unit;
             }
         }
     }
@@ -66,7 +67,7 @@ fn ferguson_rates(
     for p in 0..groups {
         // The force follows the amplitude where that holds it.
         let follow = match film.first {
-            None => -solution.lean_rate(p) / solution.lean_rate(force),
+            None => -solution.lateral_tilt_rate(p) / solution.lateral_tilt_rate(force),
             Some(_) => 0.0,
         };
         system.jacobian[(row, p)] = (rate(p) + by_force * follow) / unit;

@@ -24,7 +24,7 @@ pub struct CurveAngles {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpineAngles {
     /// Lateral tilt of the line from the lowest to the uppermost vertebra.
-    pub lean: Angle,
+    pub lateral_tilt: Angle,
     /// Curves, in the order of the places.
     pub curves: Vec<CurveAngles>,
 }
@@ -43,7 +43,7 @@ pub fn measure_angles(shape: &Deformed, places: &[CurvePlaces]) -> SpineAngles {
         cobb: place.cobb(&tilts),
         ferguson: place.ferguson(&locations),
     };
-    SpineAngles { lean: shape.lean(), curves: places.iter().map(angles).collect() }
+    SpineAngles { lateral_tilt: shape.lateral_tilt(), curves: places.iter().map(angles).collect() }
 }
 
 /// The unloaded spine as a shape.

@@ -93,7 +93,9 @@ impl Response {
         let grows = points().any(|point| point.timing == Timing::Growing);
         let counts = |point: &&PathPoint| !grows || point.timing == Timing::Growing;
         let away = |point: &PathPoint| match self.goal {
-            Goal::Lean(lean) if grows => (point.deformed.lean() - lean).wrapped().rad().abs(),
+            Goal::LateralTilt(tilt) if grows => {
+                (point.deformed.lateral_tilt() - tilt).wrapped().rad().abs()
+            }
             _ => (point.factor - 1.0).abs(),
         };
         points().filter(counts).min_by(|a, b| away(a).total_cmp(&away(b)))
@@ -175,7 +177,7 @@ pub fn respond(
 ) -> Result<Response, LoadingError> {
     let signs: &[ForceSign] = match goal {
         Goal::FullLoad => &[ForceSign::Positive],
-        Goal::Lean(_) => &ForceSign::BOTH,
+        Goal::LateralTilt(_) => &ForceSign::BOTH,
     };
     let (mut paths, mut equilibria) = (Vec::new(), Vec::new());
     let mut interrupted = false;

@@ -10,13 +10,13 @@ use crate::anatomy::Side;
 ///
 /// ```
 /// use spineline::{anatomy::Side, spatial::Angle};
-/// let lean = Angle::from_deg(-12.5);
-/// assert_eq!(lean.side(), Some(Side::Left));
-/// assert_eq!(lean.leaning(), "12.5° left");
+/// let tilt = Angle::from_deg(-12.5);
+/// assert_eq!(tilt.side(), Some(Side::Left));
+/// assert_eq!(tilt.leaning(), "12.5° left");
 /// ```
 /// A bare number is no angle:
 /// ```compile_fail
-/// let lean: spineline::spatial::Angle = 12.5;
+/// let tilt: spineline::spatial::Angle = 12.5;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Default)]
 pub struct Angle(f64);

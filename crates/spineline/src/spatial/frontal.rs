@@ -56,7 +56,7 @@ impl Frontal {
 
     /// The lateral tilt of this displacement from the cranial direction, in (-π, π]; the inverse of [`Frontal::leaning`].
     #[must_use]
-    pub fn lean(self) -> Angle {
+    pub fn lateral_tilt(self) -> Angle {
         Angle::from_sin_cos(-self.y_mm, self.z_mm)
     }
 

@@ -8,7 +8,8 @@ use super::UncertaintyError;
 use crate::analysis::{Analysis, Case};
 use crate::anatomy::{Level, Posture};
 use crate::measure::{
-    Film, FilmMarks, ImageGeometry, Mark, Noise, Outline, Placement, Reading, ReadingSquares,
+    Film, FilmLandmarks, ImageGeometry, Noise, Outline, Placement, Reading, ReadingSquares,
+    VertebraLandmarks,
 };
 use crate::spatial::{Angle, Frontal, Pixel};
 
@@ -54,12 +55,12 @@ pub struct FilmNoise {
     /// Where it comes from.
     pub source: NoiseSource,
     /// What is moved.
-    pub marks: MarkNoise,
+    pub landmarks: VertebraNoise,
 }
 
 /// Standard deviation of what a film's marks are.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum MarkNoise {
+pub enum VertebraNoise {
     /// Corners and crests on a picture.
     Corners {
         /// Of a corner's column and of its row.
@@ -97,9 +98,11 @@ impl NoisyCase {
         let mut case = case.clone();
         case.films.sort_by_key(|film| film.posture);
         for film in &mut case.films {
-            match &mut film.marks {
-                FilmMarks::Landmarks { readings, .. } => readings.sort_by(|a, b| a.id.cmp(&b.id)),
-                FilmMarks::Placements { readings, .. } => readings.sort_by(|a, b| a.id.cmp(&b.id)),
+            match &mut film.landmarks {
+                FilmLandmarks::Corners { readings, .. } => readings.sort_by(|a, b| a.id.cmp(&b.id)),
+                FilmLandmarks::Placements { readings, .. } => {
+                    readings.sort_by(|a, b| a.id.cmp(&b.id))
+                }
             }
         }
         let films = case
@@ -118,21 +121,21 @@ impl NoisyCase {
         let mut draw = Draw(rng);
         let mut case = self.case.clone();
         for (film, noise) in case.films.iter_mut().zip(&self.films) {
-            match (&mut film.marks, &noise.marks) {
+            match (&mut film.landmarks, &noise.landmarks) {
                 (
-                    FilmMarks::Landmarks { image, iliac_crests, readings },
-                    MarkNoise::Corners { sd_px, axis_sd, .. },
+                    FilmLandmarks::Corners { image, iliac_crests, readings },
+                    VertebraNoise::Corners { sd_px, axis_sd, .. },
                 ) => {
-                    for mark in readings.iter_mut().flat_map(|r| r.vertebrae.values_mut()) {
-                        move_mark(mark, image, *sd_px, *axis_sd, &mut draw);
+                    for landmark in readings.iter_mut().flat_map(|r| r.vertebrae.values_mut()) {
+                        move_landmarks(landmark, image, *sd_px, *axis_sd, &mut draw);
                     }
                     for crest in iliac_crests.iter_mut().flat_map(|c| [&mut c.left, &mut c.right]) {
                         *crest = draw.pixel(*crest, *sd_px);
                     }
                 }
                 (
-                    FilmMarks::Placements { readings, .. },
-                    MarkNoise::Placements { location_sd_mm, tilt_sd },
+                    FilmLandmarks::Placements { readings, .. },
+                    VertebraNoise::Placements { location_sd_mm, tilt_sd },
                 ) => {
                     for place in readings.iter_mut().flat_map(|r| r.vertebrae.values_mut()) {
                         let off = Frontal::new(draw.normal(), draw.normal()) * *location_sd_mm;
@@ -160,18 +163,18 @@ impl Draw {
     }
 }
 
-fn move_mark(
-    mark: &mut Mark,
+fn move_landmarks(
+    landmark: &mut VertebraLandmarks,
     image: &ImageGeometry,
     sd_px: [f64; 2],
     axis_sd: Option<Angle>,
     draw: &mut Draw,
 ) {
-    if let Some(axis) = mark.axis_clockwise {
-        let sd = axis_sd.unwrap_or_else(|| equivalent_axis_sd(mark, image, sd_px));
-        mark.axis_clockwise = Some(axis + sd * draw.normal());
+    if let Some(axis) = landmark.axis_clockwise {
+        let sd = axis_sd.unwrap_or_else(|| equivalent_axis_sd(landmark, image, sd_px));
+        landmark.axis_clockwise = Some(axis + sd * draw.normal());
     }
-    let corners = &mut mark.corners;
+    let corners = &mut landmark.corners;
     for corner in [
         &mut corners.superior_left,
         &mut corners.superior_right,
@@ -184,8 +187,12 @@ fn move_mark(
 
 /// Effect of the corners' standard deviation on the lateral tilt of the line through the endplates' centres: each centre is
 /// the mean of two corners, so that their difference has the deviation of one corner.
-fn equivalent_axis_sd(mark: &Mark, image: &ImageGeometry, sd_px: [f64; 2]) -> Angle {
-    let corners = mark.corners.map(|corner| image.frontal(corner));
+fn equivalent_axis_sd(
+    landmark: &VertebraLandmarks,
+    image: &ImageGeometry,
+    sd_px: [f64; 2],
+) -> Angle {
+    let corners = landmark.corners.map(|corner| image.frontal(corner));
     let axis = (corners.superior_left + corners.superior_right
         - corners.inferior_left
         - corners.inferior_right)
@@ -204,12 +211,12 @@ fn film_noise(
     noise: LandmarkNoise,
 ) -> Result<FilmNoise, UncertaintyError> {
     let posture = film.posture;
-    let image = match (&film.marks, noise) {
-        (FilmMarks::Landmarks { image, .. }, _) => image,
-        (FilmMarks::Placements { .. }, LandmarkNoise::Pixels(_)) => {
+    let image = match (&film.landmarks, noise) {
+        (FilmLandmarks::Corners { image, .. }, _) => image,
+        (FilmLandmarks::Placements { .. }, LandmarkNoise::Pixels(_)) => {
             return Err(UncertaintyError::NoPicture { posture });
         }
-        (FilmMarks::Placements { readings, .. }, LandmarkNoise::Measured) => {
+        (FilmLandmarks::Placements { readings, .. }, LandmarkNoise::Measured) => {
             return Ok(placement_noise(posture, readings, outline.noise));
         }
     };
@@ -232,7 +239,7 @@ fn film_noise(
         },
     };
     let sd_mm = image.spacing.map(|_| [sd_px[0] * steps[0], sd_px[1] * steps[1]]);
-    Ok(FilmNoise { posture, source, marks: MarkNoise::Corners { sd_px, sd_mm, axis_sd } })
+    Ok(FilmNoise { posture, source, landmarks: VertebraNoise::Corners { sd_px, sd_mm, axis_sd } })
 }
 
 /// A film's deviation is that of means over its readings; one reading has more.
@@ -249,7 +256,7 @@ fn placement_noise(
     FilmNoise {
         posture,
         source: if of_means.measured { NoiseSource::Readings } else { NoiseSource::Assumed },
-        marks: MarkNoise::Placements {
+        landmarks: VertebraNoise::Placements {
             location_sd_mm: of_means.location_mm * root,
             tilt_sd: of_means.tilt * root,
         },
@@ -261,15 +268,20 @@ fn placement_noise(
 fn pooled_corners(case: &Case, with_spacing: bool) -> Option<f64> {
     let mut pool = ReadingSquares::default();
     for film in &case.films {
-        let FilmMarks::Landmarks { image, readings, .. } = &film.marks else { continue };
+        let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { continue };
         if image.spacing.is_some() != with_spacing {
             continue;
         }
-        for marks in by_level(readings).values() {
+        for landmarks in by_level(readings).values() {
             for corner in 0..4 {
-                let place = |mark: &Mark| image.frontal(mark.corners.points()[corner]);
-                pool.add(marks.iter().map(|(observer, mark)| (*observer, place(mark).y_mm)));
-                pool.add(marks.iter().map(|(observer, mark)| (*observer, place(mark).z_mm)));
+                let place =
+                    |landmark: &VertebraLandmarks| image.frontal(landmark.corners.points()[corner]);
+                pool.add(
+                    landmarks.iter().map(|(observer, landmark)| (*observer, place(landmark).y_mm)),
+                );
+                pool.add(
+                    landmarks.iter().map(|(observer, landmark)| (*observer, place(landmark).z_mm)),
+                );
             }
         }
     }
@@ -280,11 +292,11 @@ fn pooled_corners(case: &Case, with_spacing: bool) -> Option<f64> {
 fn pooled_axes(case: &Case) -> Option<Angle> {
     let mut pool = ReadingSquares::default();
     for film in &case.films {
-        let FilmMarks::Landmarks { readings, .. } = &film.marks else { continue };
-        for marks in by_level(readings).values() {
-            let axes: Vec<(&str, Angle)> = marks
+        let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { continue };
+        for landmarks in by_level(readings).values() {
+            let axes: Vec<(&str, Angle)> = landmarks
                 .iter()
-                .filter_map(|(observer, mark)| Some((*observer, mark.axis_clockwise?)))
+                .filter_map(|(observer, landmark)| Some((*observer, landmark.axis_clockwise?)))
                 .collect();
             // Against one of them, so that a film held upside down counts as any other.
             pool.add(axes.iter().map(|(by, axis)| (*by, (*axis - axes[0].1).wrapped().rad())));
@@ -294,12 +306,14 @@ fn pooled_axes(case: &Case) -> Option<Angle> {
 }
 
 /// Marks of every level, with who set them.
-fn by_level(readings: &[Reading<Mark>]) -> BTreeMap<Level, Vec<(&str, &Mark)>> {
-    let mut marks: BTreeMap<Level, Vec<(&str, &Mark)>> = BTreeMap::new();
+fn by_level(
+    readings: &[Reading<VertebraLandmarks>],
+) -> BTreeMap<Level, Vec<(&str, &VertebraLandmarks)>> {
+    let mut landmarks: BTreeMap<Level, Vec<(&str, &VertebraLandmarks)>> = BTreeMap::new();
     for reading in readings {
-        for (&level, mark) in &reading.vertebrae {
-            marks.entry(level).or_default().push((&reading.id.observer, mark));
+        for (&level, landmark) in &reading.vertebrae {
+            landmarks.entry(level).or_default().push((&reading.id.observer, landmark));
         }
     }
-    marks
+    landmarks
 }

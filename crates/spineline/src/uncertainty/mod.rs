@@ -39,7 +39,7 @@ mod quantities;
 mod tally;
 mod words;
 
-pub use landmarks::{FilmNoise, LandmarkNoise, MarkNoise, NoiseSource};
+pub use landmarks::{FilmNoise, LandmarkNoise, NoiseSource, VertebraNoise};
 pub use quantities::{Absent, AnalysisQuantity, QuantityUnit};
 pub use tally::{FailureCount, QuantitySpread, Spread, Tally, Uncertainty};
 

@@ -60,7 +60,7 @@ impl AnalysisQuantity {
                 Place { group: Some(group), ..Place::of_line(line) }
             }
             Self::MeanLocationError(line, _) => Place::of_line(line),
-            Self::LineLean(line, posture)
+            Self::LineTilt(line, posture)
             | Self::LineOffset(line, posture)
             | Self::Force(line, posture)
             | Self::LocationError(line, posture)

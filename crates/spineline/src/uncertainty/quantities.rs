@@ -45,7 +45,7 @@ pub enum AnalysisQuantity {
     /// Distance of the former from the middle of the inflections.
     ComparisonDistance(Posture),
     /// Lateral tilt of a line of action.
-    LineLean(LineKind, Posture),
+    LineTilt(LineKind, Posture),
     /// Signed distance of a line of action from where the middle of the inflections was found in the case itself.
     LineOffset(LineKind, Posture),
     /// Force along the line, at the level that the gauge fixes; in the direction of the case's own line.
@@ -151,7 +151,7 @@ pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<AnalysisQuan
         all.extend((0..groups).map(|group| Q::LogMultiplier(kind, group)));
         all.extend([Q::MeanLocationError(kind, true), Q::MeanLocationError(kind, false)]);
         for posture in moved() {
-            let of_line = [Q::LineLean, Q::LineOffset, Q::Force, Q::LocationError];
+            let of_line = [Q::LineTilt, Q::LineOffset, Q::Force, Q::LocationError];
             all.extend(of_line.map(|quantity| quantity(kind, posture)));
             all.push(Q::ContradictedJoints(kind, posture));
             all.extend(Region::ALL.map(|region| Q::FergusonError(kind, posture, region)));
@@ -296,7 +296,7 @@ impl AnalysisQuantity {
         let own = own.and_then(|model| model.posture(posture));
         let sense = own.map_or(1.0, |own| own.line.direction.dot(line.direction).signum());
         Ok(match self {
-            Self::LineLean(..) => line.lean().deg(),
+            Self::LineTilt(..) => line.lateral_tilt().deg(),
             Self::LineOffset(..) => sense * line.lever_arm_mm(found(nominal, posture)?.middle()),
             Self::Force(..) => sense * simulation.force_n,
             Self::LocationError(..) => simulation.mean_location_error_mm(),
@@ -312,7 +312,7 @@ impl AnalysisQuantity {
     pub(super) const fn period_deg(self) -> Option<f64> {
         match self {
             Self::Tilt(..) | Self::Cobb(..) | Self::Ferguson(..) => Some(360.0),
-            Self::LineLean(..) => Some(180.0),
+            Self::LineTilt(..) => Some(180.0),
             _ => None,
         }
     }

@@ -2,7 +2,9 @@ use std::collections::BTreeMap;
 
 use super::distribution::Distribution;
 use super::quantities::wrapped_deg;
-use super::{Absent, AnalysisQuantity, FilmNoise, MarkNoise, MonteCarlo, NoiseSource, Replicate};
+use super::{
+    Absent, AnalysisQuantity, FilmNoise, MonteCarlo, NoiseSource, Replicate, VertebraNoise,
+};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
 
@@ -224,13 +226,13 @@ fn words_of(noise: &FilmNoise) -> String {
         NoiseSource::Assumed => "assumed for one careful reading, because no film was read twice",
         NoiseSource::Given => "as given",
     };
-    let size = match noise.marks {
-        MarkNoise::Corners { sd_px: [column, row], sd_mm, axis_sd } => {
+    let size = match noise.landmarks {
+        VertebraNoise::Corners { sd_px: [column, row], sd_mm, axis_sd } => {
             let mm = sd_mm.map_or_else(String::new, |[y, z]| format!(" ({y:.2} × {z:.2} mm)"));
             let axis = axis_sd.map_or_else(String::new, |sd| format!(", axes set by hand {sd:.2}"));
             format!("corners {column:.2} × {row:.2} px{mm}{axis}")
         }
-        MarkNoise::Placements { location_sd_mm, tilt_sd } => {
+        VertebraNoise::Placements { location_sd_mm, tilt_sd } => {
             format!("locations {location_sd_mm:.2} mm, tilts {tilt_sd:.2}")
         }
     };

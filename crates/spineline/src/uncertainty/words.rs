@@ -51,7 +51,7 @@ impl AnalysisQuantity {
             Self::LeastDistance(..) => "least_distance",
             Self::ComparisonAngle(_) => "line_comparison_angle",
             Self::ComparisonDistance(_) => "line_comparison_distance",
-            Self::LineLean(..) => "line_lean",
+            Self::LineTilt(..) => "line_lateral_tilt",
             Self::LineOffset(..) => "line_offset",
             Self::Force(..) => "force",
             Self::LogMultiplier(..) => "log_multiplier",
@@ -93,7 +93,7 @@ impl AnalysisQuantity {
             | Self::Cobb(..)
             | Self::Ferguson(..)
             | Self::ComparisonAngle(_)
-            | Self::LineLean(..)
+            | Self::LineTilt(..)
             | Self::FergusonError(..) => QuantityUnit::Degrees,
             Self::Force(..) => QuantityUnit::Force,
             Self::LeastSegment(..) | Self::LeastDistanceSegments(..) => QuantityUnit::Segments,
@@ -130,7 +130,7 @@ impl AnalysisQuantity {
             Self::ComparisonDistance(_) => {
                 "distance of the line of best fit to the rotations from the inflections"
             }
-            Self::LineLean(..) => "lateral tilt of the line of action, positive to the right",
+            Self::LineTilt(..) => "lateral tilt of the line of action, positive to the right",
             Self::LineOffset(..) => {
                 "distance of the line of action from the midpoint of the inflections"
             }

@@ -18,7 +18,7 @@ const INFLECTION_MM: f64 = 1e-6;
 const CHAIN_MM: f64 = 1e-6;
 const CHORD_MM: f64 = 1e-10;
 const ROUNDING: f64 = 1e-12;
-/// A lobe counts from 5° on; those made here are far larger.
+/// A curve counts from 5° on; those made here are far larger.
 const MIN_TURN: Angle = Angle::from_deg(5.0);
 
 /// A polynomial by its coefficients from `z²` upwards, with `u = z / height`.
@@ -66,7 +66,7 @@ impl Polynomial {
     }
 }
 
-/// Curves of two inflections whose three lobes all turn far enough to count.
+/// Curves of two inflections whose three curves all turn far enough to count.
 fn any_polynomial() -> impl Strategy<Value = (Polynomial, f64, f64)> {
     (300.0..480.0_f64, 60.0..110.0_f64, 0.3..0.4_f64, 0.66..0.75_f64)
         .prop_map(|(height_mm, amplitude, p, q)| {
@@ -108,9 +108,9 @@ proptest! {
                 assert_near(found.erect.z_mm, z, INFLECTION_MM, "inflection");
                 assert_near(found.erect.y_mm, curve.at(z).0, INFLECTION_MM, "inflection");
             }
-            let lean = fit.curve.tilt(curve.height_mm);
-            let turns = inflections.lobes.iter().fold(Angle::ZERO, |sum, lobe| sum + lobe.turn);
-            assert_near(turns.rad(), lean.rad(), RESIDUAL_MM, "the lobes together turn as far as T2");
+            let tilt = fit.curve.tilt(curve.height_mm);
+            let turns = inflections.curves.iter().fold(Angle::ZERO, |sum, part| sum + part.turn);
+            assert_near(turns.rad(), tilt.rad(), RESIDUAL_MM, "the lobes together turn as far as T2");
         }
         prop_assert_eq!(fit(&outline, OrderRule::LeaveOneOut).order, 6);
     }
@@ -141,16 +141,16 @@ proptest! {
         }).sum();
         let polygon = pose.segments() as f64 * link + pose.leftover_mm;
         assert_near(polygon + lost, length, CHAIN_MM, "length");
-        // The joint angles add up to the lean of the last link.
+        // The joint angles add up to the lateral tilt of the last link.
         let sum = pose.joint_angles.iter().fold(Angle::ZERO, |sum, &angle| sum + angle);
         let last = pose.joints[pose.segments()] - pose.joints[pose.segments() - 1];
-        assert_near(sum.rad(), last.lean().rad(), 1e3 * ROUNDING, "sum of the joint angles");
+        assert_near(sum.rad(), last.lateral_tilt().rad(), 1e3 * ROUNDING, "sum of the joint angles");
         let table = pose.to_denavit_hartenberg(&chain);
         prop_assert_eq!(table.len(), pose.segments());
         prop_assert!(table.iter().all(|row| row.a_mm == link && row.alpha == Angle::ZERO && row.d_mm == 0.0));
     }
 
-    /// Oracle: the chords of either half of an arc lean by a quarter of its angle from the middle chord.
+    /// Oracle: the chords of either half of an arc lateral tilt by a quarter of its angle from the middle chord.
     #[test]
     fn an_arc_has_half_its_angle_by_ferguson_and_all_by_cobb(
         a in 10.0..60.0_f64,

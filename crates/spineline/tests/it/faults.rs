@@ -36,18 +36,18 @@ fn mistake_sides(film: &mut Film) {
         ImageSide::Left => ImageSide::Right,
         ImageSide::Right => ImageSide::Left,
     };
-    for mark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
-        let corners = &mut mark.corners;
+    for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+        let corners = &mut landmark.corners;
         swap(&mut corners.superior_left, &mut corners.superior_right);
         swap(&mut corners.inferior_left, &mut corners.inferior_right);
     }
     *crests = crests.map(|crests| IliacCrests { left: crests.right, right: crests.left });
 }
 
-/// A spine of `lobes` equal lobes that turn by about `turn` each, with or without its two bends.
-fn wavy(lobes: u32, turn: Angle, bends: bool) -> Case {
+/// A spine of `curves` equal curves that turn by about `turn` each, with or without its two bends.
+fn wavy(curves: u32, turn: Angle, bends: bool) -> Case {
     const HEIGHT_MM: f64 = 390.0;
-    let waves = f64::from(lobes) * std::f64::consts::PI / HEIGHT_MM;
+    let waves = f64::from(curves) * std::f64::consts::PI / HEIGHT_MM;
     let size = 0.5 * turn.rad().tan();
     // y'' = a sin(waves z): inflections at equal distances, none at the ends.
     let wave =
@@ -202,10 +202,10 @@ fn a_film_upside_down_is_measured_like_any_other() {
     let turn = |p: spineline::spatial::Pixel| {
         spineline::spatial::Pixel::new(columns - p.column_px, rows - p.row_px)
     };
-    for mark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
-        mark.corners = mark.corners.map(turn);
-        mark.axis_clockwise =
-            mark.axis_clockwise.map(|axis| (axis + Angle::from_deg(180.0)).wrapped());
+    for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+        landmark.corners = landmark.corners.map(turn);
+        landmark.axis_clockwise =
+            landmark.axis_clockwise.map(|axis| (axis + Angle::from_deg(180.0)).wrapped());
     }
     *crests = crests.map(|c| IliacCrests { left: turn(c.left), right: turn(c.right) });
     // Half a turn carries the patient's left to the other side of the picture and back: corners keep their names.
@@ -220,7 +220,8 @@ fn tilts_of_the_wrong_sign_are_detected_by_the_curve() {
     // Oracle: locations and tilts of one spine belong to one curve.
     let mut case = wavy(2, Angle::from_deg(25.0), true);
     for film in &mut case.films {
-        if let spineline::measure::FilmMarks::Placements { readings, .. } = &mut film.marks {
+        if let spineline::measure::FilmLandmarks::Placements { readings, .. } = &mut film.landmarks
+        {
             for placement in readings.iter_mut().flat_map(|r| r.vertebrae.values_mut()) {
                 placement.tilt = -placement.tilt;
             }
@@ -247,9 +248,9 @@ fn a_straight_spine_still_has_an_iliac_and_an_estimated_line() {
 
 #[test]
 fn one_inflection_gives_all_results_except_the_inflection_line() {
-    // Oracle: two lobes meet in one inflection, half way up.
+    // Oracle: two curves meet in one inflection, half way up.
     let analysis = analyzed(&wavy(2, Angle::from_deg(30.0), true), &on_a_table());
-    assert_eq!((analysis.inflections.all.len(), analysis.inflections.lobes.len()), (1, 2));
+    assert_eq!((analysis.inflections.all.len(), analysis.inflections.curves.len()), (1, 2));
     assert_eq!(analysis.inflections.pair, None);
     // The curve is a sine fitted by a polynomial: a percent of its length.
     assert!((analysis.inflections.all[0].t_mm - 195.0).abs() < 4.0);
@@ -260,7 +261,7 @@ fn one_inflection_gives_all_results_except_the_inflection_line() {
 
 #[test]
 fn of_three_inflections_two_carry_the_line() {
-    // Oracle: four lobes meet in three inflections, at quarters of the height.
+    // Oracle: four curves meet in three inflections, at quarters of the height.
     let analysis = analyzed(&wavy(4, Angle::from_deg(30.0), true), &on_a_table());
     let found: Vec<f64> = analysis.inflections.all.iter().map(|i| i.t_mm / 390.0).collect();
     assert_eq!(found.len(), 3, "{found:?}");

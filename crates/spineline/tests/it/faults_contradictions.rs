@@ -1,9 +1,11 @@
 //! Films and landmarks that contradict themselves.
 
-use crate::common::{analyzed, exact_case, film_mut, landmarks, mark_mut, on_a_table, refused};
+use crate::common::{
+    analyzed, exact_case, film_mut, landmarks, landmarks_mut, on_a_table, refused,
+};
 use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level, Posture};
-use spineline::measure::{Mark, Reading, ReadingId};
+use spineline::measure::{Reading, ReadingId, VertebraLandmarks};
 use spineline::spatial::{Angle, Pixel};
 
 /// The same patient on films of both kinds: as held, mirrored, and with pixels twice as high as wide.
@@ -20,8 +22,8 @@ fn variants() -> [Case; 3] {
             ImageSide::Right => ImageSide::Left,
         };
         change(readings, flip);
-        for mark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
-            mark.axis_clockwise = mark.axis_clockwise.map(|axis| -axis);
+        for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
+            landmark.axis_clockwise = landmark.axis_clockwise.map(|axis| -axis);
         }
         if let Some(crests) = crests {
             (crests.left, crests.right) = (flip(crests.left), flip(crests.right));
@@ -41,9 +43,9 @@ fn variants() -> [Case; 3] {
     [plain, mirrored, oblong]
 }
 
-fn change(readings: &mut [Reading<Mark>], to: impl Fn(Pixel) -> Pixel) {
-    for mark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
-        mark.corners = mark.corners.map(&to);
+fn change(readings: &mut [Reading<VertebraLandmarks>], to: impl Fn(Pixel) -> Pixel) {
+    for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
+        landmark.corners = landmark.corners.map(&to);
     }
 }
 
@@ -58,7 +60,7 @@ fn codes(case: &Case, level: Level) -> Vec<&'static str> {
 fn the_same_landmarks_in_two_postures_are_one_film() {
     for mut case in variants() {
         let erect = film_mut(&mut case, Posture::Erect).clone();
-        film_mut(&mut case, Posture::RightBending).marks = erect.marks;
+        film_mut(&mut case, Posture::RightBending).landmarks = erect.landmarks;
         let error = refused(&case);
         assert_eq!(error.code(), "film_repeated");
         let text = error.to_string();
@@ -96,7 +98,7 @@ fn impossible_ages_and_nameless_observers_are_refused() {
 fn a_body_with_unlike_sides_is_doubted() {
     for mut case in variants() {
         assert!(codes(&case, Level::T8).is_empty());
-        let corners = &mut mark_mut(&mut case, Posture::Erect, Level::T8).corners;
+        let corners = &mut landmarks_mut(&mut case, Posture::Erect, Level::T8).corners;
         // The left side keeps a quarter of its height.
         let (upper, lower) = (corners.superior_left, corners.inferior_left);
         corners.superior_left = Pixel::new(
@@ -110,7 +112,8 @@ fn a_body_with_unlike_sides_is_doubted() {
 #[test]
 fn an_axis_far_from_its_corners_is_doubted() {
     for mut case in variants() {
-        mark_mut(&mut case, Posture::Erect, Level::T8).axis_clockwise = Some(Angle::from_deg(80.0));
+        landmarks_mut(&mut case, Posture::Erect, Level::T8).axis_clockwise =
+            Some(Angle::from_deg(80.0));
         assert!(codes(&case, Level::T8).contains(&"axis_against_corners"));
     }
 }

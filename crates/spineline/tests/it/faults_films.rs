@@ -3,12 +3,12 @@
 use std::mem::swap;
 
 use crate::common::{
-    case_of, exact_case, film_mut, graph_film, landmarks, mark_mut, refused, spacing,
+    case_of, exact_case, film_mut, graph_film, landmarks, landmarks_mut, refused, spacing,
 };
 use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::error::Error;
-use spineline::measure::{CornerFault, Corners, FilmMarks, MeasureError};
+use spineline::measure::{CornerFault, Corners, FilmLandmarks, MeasureError};
 use spineline::spatial::{Angle, Pixel};
 use spineline::warning::Step;
 
@@ -41,7 +41,7 @@ fn refused_corners(case: &Case, level: Level, expected: CornerFault) {
 /// A sound case with the corners of one vertebra of the left bend changed.
 fn with_corners(level: Level, change: impl FnOnce(&mut Corners<Pixel>)) -> Case {
     let mut case = exact_case(0);
-    change(&mut mark_mut(&mut case, Posture::LeftBending, level).corners);
+    change(&mut landmarks_mut(&mut case, Posture::LeftBending, level).corners);
     case
 }
 
@@ -110,7 +110,8 @@ fn a_coordinate_that_is_not_finite_is_refused() {
         assert!(matches!(error, MeasureError::NotFinite { level: Level::T5, .. }), "{error:?}");
     }
     let mut case = exact_case(0);
-    mark_mut(&mut case, Posture::Erect, Level::L1).axis_clockwise = Some(Angle::from_rad(f64::NAN));
+    landmarks_mut(&mut case, Posture::Erect, Level::L1).axis_clockwise =
+        Some(Angle::from_rad(f64::NAN));
     let error = refused_in_measure(&case, &["erect", "L1"]);
     assert!(matches!(error, MeasureError::NotFinite { level: Level::L1, .. }), "{error:?}");
 }
@@ -192,7 +193,7 @@ fn a_film_without_a_reading_is_refused() {
     let error = refused_in_measure(&case, &["neutral"]);
     assert_eq!(error, MeasureError::NoReading { posture: Posture::Neutral });
     let mut case = case_of(vec![graph_film(Posture::Erect, 390.0, |_| (0.0, 0.0))]);
-    let FilmMarks::Placements { readings, .. } = &mut case.films[0].marks else {
+    let FilmLandmarks::Placements { readings, .. } = &mut case.films[0].landmarks else {
         unreachable!("a graph film has placements")
     };
     readings.clear();
@@ -236,7 +237,8 @@ fn a_vertebra_read_twice_under_two_names_is_out_of_order() {
 fn an_axis_with_a_large_angle_is_refused_with_its_angle() {
     // Oracle: no spine tilts a vertebra by 130° against L4.
     let mut case = exact_case(0);
-    mark_mut(&mut case, Posture::Erect, Level::T9).axis_clockwise = Some(Angle::from_deg(130.0));
+    landmarks_mut(&mut case, Posture::Erect, Level::T9).axis_clockwise =
+        Some(Angle::from_deg(130.0));
     let error = refused_in_measure(&case, &["erect", "T9", "120°"]);
     assert!(matches!(error, MeasureError::TiltTooLarge { level: Level::T9, .. }), "{error:?}");
 }

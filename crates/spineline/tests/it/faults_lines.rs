@@ -53,8 +53,8 @@ fn f37_a_line_through_t2_or_l4_has_no_lever_arm_there_and_a_named_ending() {
     // Oracle: a force on a line through a point has no moment about it.
     for level in [Level::T2, Level::L4] {
         let through = place(level);
-        for lean_deg in [-60.0, 0.0, 35.0, 90.0] {
-            let line = LineOfAction::leaning(through, Angle::from_deg(lean_deg));
+        for tilt_deg in [-60.0, 0.0, 35.0, 90.0] {
+            let line = LineOfAction::leaning(through, Angle::from_deg(tilt_deg));
             assert_near(line.lever_arm_mm(through), 0.0, 1e-9, "lever arm");
             check_ending(&with_line(line));
         }
@@ -178,9 +178,10 @@ fn f47_rounding_of_inputs_changes_results_within_tolerance_only() {
     let mut case = exact_case(1);
     for film in &mut case.films {
         let (_, _, readings) = landmarks(film);
-        for (i, mark) in readings.iter_mut().flat_map(|r| r.vertebrae.values_mut()).enumerate() {
+        for (i, landmark) in readings.iter_mut().flat_map(|r| r.vertebrae.values_mut()).enumerate()
+        {
             let part = if i % 2 == 0 { 1.0 + f64::EPSILON } else { 1.0 - f64::EPSILON };
-            mark.corners = mark.corners.map(|mut corner| {
+            landmark.corners = landmark.corners.map(|mut corner| {
                 corner.column_px *= part;
                 corner.row_px *= 2.0 - part;
                 corner

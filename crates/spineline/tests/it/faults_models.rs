@@ -97,7 +97,7 @@ const OUT_OF_REACH: Angle = Angle::from_deg(100.0);
 
 #[test]
 fn an_unreachable_amplitude_reports_the_remaining_difference() {
-    // Oracle: one hinge that turns by less than a radian does not lean the spine by 100°.
+    // Oracle: one hinge that turns by less than a radian does not lateral tilt the spine by 100°.
     let (_, model) = spine(0);
     for support in [Support::Free, Support::Frontal] {
         let statics = Statics::from_stiffness(&model, one_soft_joint(), &[0; 14], support);
@@ -106,7 +106,7 @@ fn an_unreachable_amplitude_reports_the_remaining_difference() {
             assert_eq!(end.status, MatchStatus::Unreachable);
             assert!(!end.is_usable() && end.evaluations > 1);
             // The residual is that of the shape which comes back.
-            let left = (end.solution.deformed.lean() - OUT_OF_REACH).wrapped();
+            let left = (end.solution.deformed.lateral_tilt() - OUT_OF_REACH).wrapped();
             assert_near(end.residual, left.rad(), 1e-12, "residual");
             assert!(left.abs() > Angle::from_deg(30.0));
         }
@@ -130,17 +130,22 @@ fn a_pull_along_the_spine_gives_small_amplitudes_only() {
 
 #[test]
 fn every_force_that_is_found_meets_the_amplitude() {
-    // Oracle: solving at the found force gives the target lean.
+    // Oracle: solving at the found force gives the target lateral tilt.
     let (erect, model) = spine(0);
     let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint());
     let statics = Statics::new(&model, &library, &groups, &[0.0; 14], Support::Frontal);
-    let lean = erect.vertebrae[14].location.lean();
+    let tilt = erect.vertebrae[14].location.lateral_tilt();
     for change_deg in [-12.0, -4.0, 4.0, 12.0] {
-        let target = lean + Angle::from_deg(change_deg);
+        let target = tilt + Angle::from_deg(change_deg);
         for found in amplitude_matches(&statics, &load(), target) {
             if found.is_usable() {
                 // An amplitude counts as met at 1e-9 rad.
-                assert_near(found.solution.deformed.lean().rad(), target.rad(), 1e-9, "lean");
+                assert_near(
+                    found.solution.deformed.lateral_tilt().rad(),
+                    target.rad(),
+                    1e-9,
+                    "lean",
+                );
             }
         }
     }
@@ -148,7 +153,7 @@ fn every_force_that_is_found_meets_the_amplitude() {
 
 #[test]
 fn a_simulation_of_an_unreachable_amplitude_is_not_a_result() {
-    // Oracle: one hinge that turns by less than a radian does not lean the spine by 100°.
+    // Oracle: one hinge that turns by less than a radian does not lateral tilt the spine by 100°.
     let (erect, model) = spine(0);
     let statics = Statics::from_stiffness(&model, one_soft_joint(), &[0; 14], Support::Frontal);
     let mut vertebrae: Vec<(Frontal, Angle)> =
@@ -165,15 +170,15 @@ fn a_simulation_of_an_unreachable_amplitude_is_not_a_result() {
 
 #[test]
 fn of_several_forces_the_one_with_the_smallest_ferguson_error_is_chosen_and_reported() {
-    // Oracle: a film made with one of the forces that meet a lean has no Ferguson error under that force.
+    // Oracle: a film made with one of the forces that meet a lateral tilt has no Ferguson error under that force.
     let (erect, model) = spine(0);
     let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint());
     let statics = Statics::new(&model, &library, &groups, &[0.0; 14], Support::Frontal);
     let Load::Line { line, depth_mm } = load() else { unreachable!("a line") };
-    let lean = erect.vertebrae[14].location.lean();
+    let tilt = erect.vertebrae[14].location.lateral_tilt();
     let mut several = 0;
     for change_deg in [-12.0, -4.0, 4.0, 12.0] {
-        let all = amplitude_matches(&statics, &load(), lean + Angle::from_deg(change_deg));
+        let all = amplitude_matches(&statics, &load(), tilt + Angle::from_deg(change_deg));
         for made in all.iter().filter(|made| made.is_usable()) {
             let shape = &made.solution.deformed;
             let vertebrae: Vec<_> = (0..15).map(|i| (shape.location(i), shape.tilt(i))).collect();

@@ -193,9 +193,9 @@ fn renamed(phantom: &spineline_phantom::Phantom, posture: Posture, down: usize) 
     let (_, _, readings) = landmarks(film_mut(&mut case, posture));
     readings.truncate(1);
     for (place, level) in Level::ALL.into_iter().enumerate() {
-        let Some(mark) = readings[0].vertebrae.get_mut(&level) else { continue };
-        mark.corners = truth.vertebrae[&Level::ALL[place + down]];
-        mark.axis_clockwise = None;
+        let Some(landmark) = readings[0].vertebrae.get_mut(&level) else { continue };
+        landmark.corners = truth.vertebrae[&Level::ALL[place + down]];
+        landmark.axis_clockwise = None;
     }
     case
 }
@@ -227,9 +227,9 @@ fn a_gap_in_a_stitched_film_is_reported_between_two_vertebrae() {
     let (image, _, readings) = landmarks(film_mut(&mut case, Posture::Erect));
     let rows = 25.0 / spacing(image).row_mm;
     image.rows += rows as u32;
-    for (level, mark) in &mut readings[0].vertebrae {
+    for (level, landmark) in &mut readings[0].vertebrae {
         let lower = if *level <= Level::T10 { rows } else { 0.0 };
-        mark.corners = mark.corners.map(|p| Pixel::new(p.column_px, p.row_px + lower));
+        landmark.corners = landmark.corners.map(|p| Pixel::new(p.column_px, p.row_px + lower));
     }
     let analysis = analyzed(&case, &on_a_table());
     let warning = analysis.warnings.all().iter().find(|w| w.code == "spacing_unusual");

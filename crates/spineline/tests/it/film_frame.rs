@@ -38,9 +38,9 @@ fn film(subject: usize, readers: &Readers, spacing: Option<(f64, f64)>, flip: bo
         };
     }
     *crests = None;
-    for mark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
-        mark.corners = mark.corners.map(moved);
-        mark.axis_clockwise = None;
+    for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+        landmark.corners = landmark.corners.map(moved);
+        landmark.axis_clockwise = None;
     }
     film
 }
@@ -116,7 +116,7 @@ fn landmarks_of(film: &Film) -> (u32, u32, Vec<Bodies>) {
     let mut film = film.clone();
     let (image, _, readings) = landmarks(&mut film);
     let bodies = readings.iter().map(|reading| {
-        reading.vertebrae.iter().map(|(&level, mark)| (level, mark.corners)).collect()
+        reading.vertebrae.iter().map(|(&level, landmark)| (level, landmark.corners)).collect()
     });
     (image.columns, image.rows, bodies.collect())
 }
@@ -148,7 +148,7 @@ fn the_angle_between_endplate_lines_is_the_cobb_angle() {
             let [right, left] =
                 endplate_line(centre, outline.vertebra(level).expect("marked").tilt, 40.0);
             assert!(((left - right).norm_mm() - 80.0).abs() < 1e-9 && left.y_mm > right.y_mm);
-            (left - right).lean()
+            (left - right).lateral_tilt()
         });
         let cobb = curve.cobb_in(Posture::Erect).expect("the erect film");
         assert!(((upper - lower).wrapped() - cobb).rad().abs() < 1e-12);

@@ -117,7 +117,7 @@ fn ten_thousand_bad_or_extreme_loads_end_in_a_named_status() {
         let statics = GeneralStatics::new(model, springs, support).expect("sound springs");
         let loading = any_loading(&mut draw);
         let goal = match draw.below(3) {
-            0 => Goal::Lean(Angle::from_deg(draw.between(-40.0, 40.0))),
+            0 => Goal::LateralTilt(Angle::from_deg(draw.between(-40.0, 40.0))),
             _ => Goal::FullLoad,
         };
         let sign = if draw.below(4) == 0 { ForceSign::Negative } else { ForceSign::Positive };

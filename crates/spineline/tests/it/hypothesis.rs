@@ -37,30 +37,30 @@ fn loads(times: [f64; 3]) -> Vec<LoadItem> {
     ]
 }
 
-fn springs(marks: &[bool], log: f64) -> Vec<Mat3> {
+fn springs(landmarks: &[bool], log: f64) -> Vec<Mat3> {
     let rows = StiffnessLibrary::default();
     let of = |(row, &marked): (&spineline::multibody::JointStiffness, &bool)| {
         let [x, y, z] = row.nmm_per_rad;
         Mat3::from_diagonal(&Vec3::new(if marked { x * log.exp() } else { x }, y, z))
     };
-    rows.rows().iter().zip(marks).map(of).collect()
+    rows.rows().iter().zip(landmarks).map(of).collect()
 }
 
 #[test]
 fn derivatives_of_a_shape_equal_finite_differences() {
     // Oracle: central differences of equilibria; their error is of the order of the step's square.
     let analysis = analysis();
-    let marks: Vec<bool> = (0..14).map(|joint| (4..9).contains(&joint)).collect();
+    let landmarks: Vec<bool> = (0..14).map(|joint| (4..9).contains(&joint)).collect();
     let solved = |times: [f64; 3], log: f64| -> Vec<Vec3> {
-        let statics =
-            GeneralStatics::new(&analysis.spine, springs(&marks, log), Support::Free).expect("ok");
+        let statics = GeneralStatics::new(&analysis.spine, springs(&landmarks, log), Support::Free)
+            .expect("ok");
         let loading = Loading { items: loads(times), rods: Vec::new() };
         let mut work = statics.work(&loading).expect("sound loads");
         assert!(statics.solve_near(&loading, 1.0, &mut work).converged);
         work.midpoints_mm().to_vec()
     };
     let statics =
-        GeneralStatics::new(&analysis.spine, springs(&marks, 0.3), Support::Free).expect("ok");
+        GeneralStatics::new(&analysis.spine, springs(&landmarks, 0.3), Support::Free).expect("ok");
     let loading = Loading { items: loads([1.0; 3]), rods: Vec::new() };
     let mut work: NewtonWork = statics.work(&loading).expect("sound loads");
     assert!(statics.solve_near(&loading, 1.0, &mut work).converged);
@@ -69,7 +69,7 @@ fn derivatives_of_a_shape_equal_finite_differences() {
         ShapeParameter::Loads(&all[..2]),
         ShapeParameter::Loads(&all[2..3]),
         ShapeParameter::Loads(&all[3..]),
-        ShapeParameter::LogLateral(&marks),
+        ShapeParameter::LogLateral(&landmarks),
     ];
     let mut solution = Solution::default();
     statics.differentiate(&loading, &mut work, &parameters, &mut solution);
@@ -121,10 +121,10 @@ fn a_line_alone_has_the_shape_and_derivatives_of_the_march() {
     let loading = Loading { items: vec![LoadItem { load, ..unit }], rods: Vec::new() };
     let mut work = statics.work(&loading).expect("sound loads");
     assert!(statics.solve_near(&loading, 1.0, &mut work).converged);
-    let mut marks = [false; 14];
-    marks[5] = true;
+    let mut landmarks = [false; 14];
+    landmarks[5] = true;
     let mut found = Solution::default();
-    let parameters = [ShapeParameter::Loads(&[unit]), ShapeParameter::LogLateral(&marks)];
+    let parameters = [ShapeParameter::Loads(&[unit]), ShapeParameter::LogLateral(&landmarks)];
     statics.differentiate(&loading, &mut work, &parameters, &mut found);
     for v in 0..15 {
         assert!((found.deformed.midpoints_mm[v] - expected.deformed.midpoints_mm[v]).norm() < 1e-9);

@@ -22,6 +22,6 @@ mod uncertainty;
 mod verification_beam;
 mod verification_branches;
 mod verification_hand;
-mod verification_lean;
 mod verification_loads;
 mod verification_symmetry;
+mod verification_tilt;

@@ -51,9 +51,9 @@ fn scan(
 fn line(draw: &mut Draw, model: &SpineModel) -> LineOfAction {
     let t2 = model.midpoints_mm[model.midpoints_mm.len() - 1];
     // Steep ones buckle: T2 hardly moves at first, and then fast.
-    let lean = Angle::from_deg(draw.between(-100.0, 100.0));
+    let tilt = Angle::from_deg(draw.between(-100.0, 100.0));
     let place = Frontal::new(t2.y + draw.between(-60.0, 60.0), t2.z * draw.between(0.3, 1.0));
-    let line = LineOfAction::leaning(place, lean);
+    let line = LineOfAction::leaning(place, tilt);
     let application = if draw.below(2) == 0 { Application::Fixed } else { Application::AtT2 };
     LineOfAction { application, ..line }
 }

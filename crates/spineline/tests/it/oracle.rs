@@ -108,14 +108,19 @@ impl Bench {
                 assert_near(rate, tilt.eps, RATE * most_rad, &what("rate of the tilt"));
             }
             let top = bodies[bodies.len() - 1].midpoint;
-            let lean = independent_tilt(top);
-            assert_near(solution.deformed.lean().rad(), lean.re, VALUE_MM, "lean");
-            assert_near(solution.lean_rate(p), lean.eps, RATE * most_rad, "rate of the lean");
+            let tilt = independent_tilt(top);
+            assert_near(solution.deformed.lateral_tilt().rad(), tilt.re, VALUE_MM, "lean");
+            assert_near(
+                solution.lateral_tilt_rate(p),
+                tilt.eps,
+                RATE * most_rad,
+                "rate of the lean",
+            );
         }
     }
 }
 
-/// Lean of a direction in the frontal plane: positive to the patient's right, which is -y.
+/// LateralTilt of a direction in the frontal plane: positive to the patient's right, which is -y.
 fn independent_tilt(v: [Dual64; 3]) -> Dual64 {
     use num_dual::DualNum;
     (-v[1]).atan2(v[2])
@@ -123,8 +128,8 @@ fn independent_tilt(v: [Dual64; 3]) -> Dual64 {
 
 fn random_line(draw: &mut Draw) -> (Load, f64) {
     let point = Frontal::new(draw.between(-40.0, 40.0), draw.between(50.0, 150.0));
-    let lean = Angle::from_deg(draw.between(-60.0, 60.0));
-    let load = Load::along(LineOfAction::leaning(point, lean), draw.between(-30.0, 30.0));
+    let tilt = Angle::from_deg(draw.between(-60.0, 60.0));
+    let load = Load::along(LineOfAction::leaning(point, tilt), draw.between(-30.0, 30.0));
     (load, draw.between(-150.0, 150.0))
 }
 

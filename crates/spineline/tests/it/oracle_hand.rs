@@ -59,15 +59,15 @@ fn two_joints_rotate_in_series() {
     // Oracle: θ1 = F d1 / k1; joint 2 moves with θ1; θ2 = F d2 / k2 with d2 at the place where joint 2 then is.
     let model = chain(&[0.0, 40.0, 80.0], &[15.0, 55.0]);
     let (k1, k2, force_n) = (120_000.0, 150_000.0, 400.0);
-    let (point, lean) = (Frontal::new(-30.0, 90.0), Angle::from_deg(-15.0));
+    let (point, tilt) = (Frontal::new(-30.0, 90.0), Angle::from_deg(-15.0));
     let statics = Statics::from_stiffness(
         &model,
         [[k1, 1.0, 1.0], [k2, 1.0, 1.0]],
         &[0, 0],
         Support::Frontal,
     );
-    let end = solve(&statics, &Load::along(LineOfAction::leaning(point, lean), 7.0), force_n);
-    let (u, v) = (-lean.rad().sin(), lean.rad().cos());
+    let end = solve(&statics, &Load::along(LineOfAction::leaning(point, tilt), 7.0), force_n);
+    let (u, v) = (-tilt.rad().sin(), tilt.rad().cos());
     let arm = |y: f64, z: f64| (point.y_mm - y) * v - (point.z_mm - z) * u;
     let first = force_n * arm(0.0, 15.0) / k1;
     let (joint_y, joint_z) = (-40.0 * first.sin(), 15.0 + 40.0 * first.cos());

@@ -44,13 +44,13 @@ fn mirrored(film: &Film) -> Film {
     let (image, crests, readings) = landmarks(&mut film);
     let last = f64::from(image.columns - 1);
     let flip = |place: Pixel| Pixel::new(last - place.column_px, place.row_px);
-    for mark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
-        let seen = mark.corners.map(flip);
-        mark.corners.superior_left = seen.superior_right;
-        mark.corners.superior_right = seen.superior_left;
-        mark.corners.inferior_left = seen.inferior_right;
-        mark.corners.inferior_right = seen.inferior_left;
-        mark.axis_clockwise = mark.axis_clockwise.map(|axis| -axis);
+    for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+        let seen = landmark.corners.map(flip);
+        landmark.corners.superior_left = seen.superior_right;
+        landmark.corners.superior_right = seen.superior_left;
+        landmark.corners.inferior_left = seen.inferior_right;
+        landmark.corners.inferior_right = seen.inferior_left;
+        landmark.axis_clockwise = landmark.axis_clockwise.map(|axis| -axis);
     }
     *crests =
         crests.map(|crests| IliacCrests { left: flip(crests.right), right: flip(crests.left) });
@@ -287,8 +287,8 @@ proptest! {
             spacing(image).row_mm *= factor;
             image.rows = (f64::from(image.rows) / factor).ceil() as u32 + 1;
             let stretch = |p: Pixel| Pixel::new(p.column_px, p.row_px / factor);
-            for mark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
-                mark.corners = mark.corners.map(stretch);
+            for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+                landmark.corners = landmark.corners.map(stretch);
             }
             *crests = crests.map(|c| IliacCrests { left: stretch(c.left), right: stretch(c.right) });
         }

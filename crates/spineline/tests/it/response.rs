@@ -1,4 +1,4 @@
-//! Which shape a spine takes for a wanted lean, and where its angles are measured.
+//! Which shape a spine takes for a wanted lateral tilt, and where its angles are measured.
 
 use std::ops::ControlFlow;
 
@@ -42,7 +42,7 @@ fn springs(model: &SpineModel) -> Vec<Mat3> {
 fn reversing_the_force_reverses_the_factor() {
     let model = spine(0).1;
     let springs = springs(&model);
-    let goal = Goal::Lean(Angle::from_deg(-20.0));
+    let goal = Goal::LateralTilt(Angle::from_deg(-20.0));
     let along = push(&model, &springs, Vec3::new(0.0, 100.0, 0.0), goal).1;
     let against = push(&model, &springs, Vec3::new(0.0, -100.0, 0.0), goal).1;
     let factor = |response: &Response| response.result().expect("a result").factor;
@@ -61,11 +61,12 @@ fn the_chosen_shape_is_the_least_loaded_one_on_the_erect_branch() {
     let model = spine(0).1;
     let springs = springs(&model);
     let mut several = 0;
-    for lean in [-12.0, -6.0, -3.0, -2.0, 1.0, 4.0, 9.0, 15.0] {
+    for tilt in [-12.0, -6.0, -3.0, -2.0, 1.0, 4.0, 9.0, 15.0] {
         // A pull along a line fixed in space beside the joints bends first one way, then the other.
         let (force_n, point_mm) = (Vec3::new(0.0, 64.5, 290.5), Vec3::new(-16.0, -8.0, 115.6));
         let load = BodyLoad::ForceOnLine { force_n, point_mm };
-        let (_, response) = load_top(&model, &springs, load, Goal::Lean(Angle::from_deg(lean)));
+        let (_, response) =
+            load_top(&model, &springs, load, Goal::LateralTilt(Angle::from_deg(tilt)));
         several += usize::from(response.equilibria.len() > 1);
         if let Some(result) = response.result() {
             assert_eq!(response.equilibria[0].verdict, Verdict::Reached);
@@ -76,8 +77,8 @@ fn the_chosen_shape_is_the_least_loaded_one_on_the_erect_branch() {
             }
         }
         for met in &response.equilibria {
-            let found = met.equilibrium.deformed.lean();
-            assert!((found.deg() - lean).abs() < 1e-7, "every shape that is told leans as asked");
+            let found = met.equilibrium.deformed.lateral_tilt();
+            assert!((found.deg() - tilt).abs() < 1e-7, "every shape that is told leans as asked");
         }
     }
     assert!(several > 0, "the test means something");
@@ -86,8 +87,9 @@ fn the_chosen_shape_is_the_least_loaded_one_on_the_erect_branch() {
 #[test]
 fn an_existing_lateral_tilt_needs_no_load_and_is_met_once() {
     let model = spine(0).1;
-    let lean = erect_shape(&model).lean();
-    let (_, response) = push(&model, &springs(&model), Vec3::new(0.0, 50.0, 0.0), Goal::Lean(lean));
+    let tilt = erect_shape(&model).lateral_tilt();
+    let (_, response) =
+        push(&model, &springs(&model), Vec3::new(0.0, 50.0, 0.0), Goal::LateralTilt(tilt));
     assert_eq!(response.equilibria.iter().filter(|met| met.equilibrium.factor == 0.0).count(), 1);
     assert!(response.result().is_some_and(|result| result.factor == 0.0));
 }
@@ -115,7 +117,7 @@ fn the_largest_factor_scales_with_springs_and_against_loads() {
 #[test]
 fn an_interrupted_or_unreachable_search_has_no_result() {
     let model = spine(0).1;
-    let goal = Goal::Lean(Angle::from_deg(-89.0));
+    let goal = Goal::LateralTilt(Angle::from_deg(-89.0));
     let (_, response) = push(&model, &springs(&model), Vec3::new(0.0, 100.0, 0.0), goal);
     assert_eq!(response.ending, PathEnding::Unreachable);
     assert!(response.result().is_none() && response.nearest().is_some());
@@ -143,7 +145,7 @@ fn angles_and_acting_loads_belong_to_the_shape() {
     for (now, then) in after.curves.iter().zip(&before.curves) {
         assert!(now.cobb < then.cobb, "{}", now.region);
     }
-    assert!(after.lean < before.lean);
+    assert!(after.lateral_tilt < before.lateral_tilt);
 }
 
 #[test]
@@ -151,7 +153,7 @@ fn the_unit_of_loads_does_not_change_the_shape() {
     // Oracle: a force is a force, in newtons or in units of ten micronewtons.
     let model = spine(0).1;
     let springs = springs(&model);
-    let goal = Goal::Lean(Angle::from_deg(-20.0));
+    let goal = Goal::LateralTilt(Angle::from_deg(-20.0));
     let shape = |size: f64| {
         let response = push(&model, &springs, Vec3::new(0.0, size, 0.0), goal).1;
         let factor = response.result().expect("a result").factor;
@@ -169,7 +171,7 @@ fn the_lateral_tilt_of_the_unloaded_spine_is_met_once() {
     let model = spine(0).1;
     let springs = springs(&model);
     let top = model.midpoints_mm[14];
-    let goal = Goal::Lean(Angle::from_sin_cos(-top.y, top.z));
+    let goal = Goal::LateralTilt(Angle::from_sin_cos(-top.y, top.z));
     let response = push(&model, &springs, Vec3::new(0.0, 50.0, 0.0), goal).1;
     let unloaded = response.equilibria.iter().filter(|met| met.equilibrium.factor.abs() < 1e-6);
     assert_eq!(unloaded.count(), 1, "{:?}", response.ending);
@@ -182,7 +184,7 @@ fn a_straight_column_that_must_buckle_to_tilt_is_reported() {
     let centres = [Vec3::new(0.0, 0.0, 14.0); 14];
     let model = SpineModel::from_poses(midpoints, vec![Mat3::identity(); 15], &centres);
     let springs = springs(&model);
-    let goal = Goal::Lean(Angle::from_deg(-10.0));
+    let goal = Goal::LateralTilt(Angle::from_deg(-10.0));
     let response = push(&model, &springs, Vec3::new(0.0, 0.0, -300.0), goal).1;
     assert_eq!(response.ending, PathEnding::BranchPoint);
     assert!(response.result().is_none());
@@ -190,7 +192,7 @@ fn a_straight_column_that_must_buckle_to_tilt_is_reported() {
 
 #[test]
 fn a_path_lost_beyond_its_result_is_reported_as_incomplete() {
-    // Oracle: joints do not stretch, so a rod cannot push its vertebrae 20 mm apart; the lean half-way there is met before.
+    // Oracle: joints do not stretch, so a rod cannot push its vertebrae 20 mm apart; the lateral tilt half-way there is met before.
     let model = spine(0).1;
     let springs = springs(&model);
     let statics = GeneralStatics::new(&model, springs, Support::Free).expect("sound springs");
@@ -209,8 +211,8 @@ fn a_path_lost_beyond_its_result_is_reported_as_incomplete() {
     assert!(full.result().is_none(), "{:?}", full.ending);
     assert!(matches!(full.ending, PathEnding::NotConverged | PathEnding::Unreachable));
     let points = &full.paths[0].path.points;
-    let lean = points[points.len() / 3].deformed.lean();
-    let found = answer(Goal::Lean(lean));
+    let tilt = points[points.len() / 3].deformed.lateral_tilt();
+    let found = answer(Goal::LateralTilt(tilt));
     assert!(!found.equilibria.is_empty());
     // The same path is lost at the same place, result or not.
     assert!(!full.is_complete() && !found.is_complete());

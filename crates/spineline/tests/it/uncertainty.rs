@@ -2,11 +2,11 @@
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{Level, Posture, Region};
-use spineline::measure::{Corners, FilmMarks, Placement, Reading, SpacingPlane};
+use spineline::measure::{Corners, FilmLandmarks, Placement, Reading, SpacingPlane};
 use spineline::spatial::{Angle, Frontal};
 use spineline::uncertainty::{
-    Absent, AnalysisQuantity, LandmarkNoise, MarkNoise, MonteCarlo, NoiseSource, Replicate,
-    Uncertainty, UncertaintyError,
+    Absent, AnalysisQuantity, LandmarkNoise, MonteCarlo, NoiseSource, Replicate, Uncertainty,
+    UncertaintyError, VertebraNoise,
 };
 use spineline_phantom::{Readers, Truth, generate};
 
@@ -63,7 +63,7 @@ fn replicates_may_be_computed_in_any_order_and_from_any_order_of_readings() {
     let mut turned = case.clone();
     turned.films.reverse();
     for film in &mut turned.films {
-        if let FilmMarks::Landmarks { readings, .. } = &mut film.marks {
+        if let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks {
             readings.reverse();
         }
     }
@@ -164,7 +164,7 @@ fn the_standard_deviation_of_a_single_reading_follows_from_corner_noise() {
     let (sd_px, count) = (3.0, 2000);
     let case = erect(case(2, Truth::Rod, &Readers::exact()));
     let found = run(&case, LandmarkNoise::Pixels(sd_px), 5, count);
-    let FilmMarks::Landmarks { image, readings, .. } = &case.films[0].marks else {
+    let FilmLandmarks::Corners { image, readings, .. } = &case.films[0].landmarks else {
         panic!("phantoms have landmarks")
     };
     // This film has pixels that are higher than wide.
@@ -191,7 +191,7 @@ fn the_standard_deviation_of_a_mean_decreases_with_the_root_of_n() {
     // Oracle: s/√n for tilts, which are linear in small noise.
     let one = erect(case(2, Truth::Rod, &Readers::exact()));
     let mut four = one.clone();
-    if let FilmMarks::Landmarks { readings, .. } = &mut four.films[0].marks {
+    if let FilmLandmarks::Corners { readings, .. } = &mut four.films[0].landmarks {
         for repeat in 2..=4 {
             let mut again = readings[0].clone();
             again.id.repeat = repeat;
@@ -217,7 +217,9 @@ fn the_measured_noise_equals_that_of_the_readers() {
     let of_axes = readers.axis_sd.deg().hypot(shared * readers.axis_bias_sd.deg());
     for film in &found.noise {
         assert_eq!(film.source, NoiseSource::Readings);
-        let MarkNoise::Corners { sd_mm: Some([y, z]), axis_sd: Some(axis), .. } = film.marks else {
+        let VertebraNoise::Corners { sd_mm: Some([y, z]), axis_sd: Some(axis), .. } =
+            film.landmarks
+        else {
             panic!("corners with a spacing")
         };
         assert!((y / expected - 1.0).abs() < 0.1 && (z - y).abs() < 1e-12, "{y} {expected}");
@@ -238,7 +240,7 @@ fn placed(case: &Case) -> Case {
             .map(|v| (v.level, Placement { location: v.location, tilt: v.tilt }))
             .collect();
         let id = spineline::measure::ReadingId::new("program", 1);
-        film.marks = FilmMarks::Placements {
+        film.landmarks = FilmLandmarks::Placements {
             spacing_plane: SpacingPlane::Patient,
             readings: vec![Reading { id, vertebrae }],
         };
@@ -286,16 +288,16 @@ fn a_film_that_often_cannot_be_measured_is_counted() {
 
 #[test]
 fn inflections_absent_in_some_replicates_are_counted() {
-    // A lobe counts from so many degrees on: at the size of the smallest one, noise decides.
+    // A curve counts from so many degrees on: at the size of the smallest one, noise decides.
     let case = erect(case(0, Truth::Rod, &Readers::exact()));
     let smallest = analyzed(&case)
         .inflections
-        .lobes
+        .curves
         .iter()
-        .map(|lobe| lobe.turn.abs().deg())
+        .map(|part| part.turn.abs().deg())
         .fold(f64::INFINITY, f64::min);
     let options =
-        AnalysisOptions { min_lobe: Angle::from_deg(smallest), ..AnalysisOptions::default() };
+        AnalysisOptions { min_curve: Angle::from_deg(smallest), ..AnalysisOptions::default() };
     let nominal = analyze(&case, &options).expect("a sound case");
     let monte_carlo =
         MonteCarlo::new(&case, &nominal, LandmarkNoise::Pixels(3.0), 1).expect("sound noise");

@@ -138,15 +138,15 @@ fn a_pendulum_tilted_forward_buckles_sideways_at_the_closed_form() {
     let (length, kx, ky) = (100.0, 1e5, 2e5);
     let (h, p) = (300.0, 1000.0);
     let factor = |b: f64| ky * b / (length * (h * f64::cos(b) + p * f64::sin(b)));
-    let lean = root(1e-6, 0.9, |b| factor(b) * p * length * b.cos() - kx);
+    let tilt = root(1e-6, 0.9, |b| factor(b) * p * length * b.cos() - kx);
     let model = pendulum(length);
     let loading = Loading::single(1, dead(Vec3::new(h, 0.0, -p)));
     let path = follow(&model, &springs(&model, [kx, ky, 1e5]), Support::Free, &loading, &far());
     let points = events(&path, BranchEventKind::BranchPoint);
     assert_eq!(points.len(), path.events.len(), "{:?}", path.events);
-    assert_near(points[0], factor(lean), SINGULAR_POINT, "buckling");
+    assert_near(points[0], factor(tilt), SINGULAR_POINT, "buckling");
     let first = &path.equilibria[0];
-    assert_eq!(first.is_on_erect_branch(), factor(lean) > 1.0);
+    assert_eq!(first.is_on_erect_branch(), factor(tilt) > 1.0);
 }
 
 /// An upright pendulum of 100 mm on springs about x and y under twice the load that buckles the weaker.

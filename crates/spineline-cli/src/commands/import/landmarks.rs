@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use spineline::anatomy::Posture;
-use spineline::measure::{FilmMarks, ImageGeometry};
+use spineline::measure::{FilmLandmarks, ImageGeometry};
 use spineline_landmarks::{LandmarkError, LandmarkHint, read_landmarks};
 
 use super::args::ImportArgs;
@@ -12,7 +12,7 @@ use crate::run::failure::Failure;
 use crate::run::messages::say;
 
 /// What was marked, by posture.
-pub type LandmarksByPosture = BTreeMap<Posture, FilmMarks>;
+pub type LandmarksByPosture = BTreeMap<Posture, FilmLandmarks>;
 
 impl ResolvedFilm {
     /// How the picture of a frontal film lies.
@@ -28,7 +28,7 @@ impl ResolvedFilm {
 
 /// Reads every file of landmarks and lays it on its film; a posture that is marked twice is refused.
 pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksByPosture, Failure> {
-    let mut marks = LandmarksByPosture::new();
+    let mut landmarks = LandmarksByPosture::new();
     for of in &args.landmarks {
         let fail = |error: &LandmarkError| Failure::landmarks(&of.value, error);
         // A file that is for one film may need that film's picture to be read.
@@ -52,7 +52,7 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksB
             let film = films.iter().find(|f| posture.is_some() && f.role.posture() == posture);
             let image = film.map(ResolvedFilm::image);
             let film = marked.into_film(hint.posture, image).map_err(|error| fail(&error))?;
-            if matches!(film.marks, FilmMarks::Placements { .. }) {
+            if matches!(film.landmarks, FilmLandmarks::Placements { .. }) {
                 let what = format!(
                     "it has locations and tilts of the {} film, but no corners in its picture",
                     film.posture
@@ -60,7 +60,7 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksB
                 let help = "such a case needs no picture: write the locations into a case file";
                 return Err(Failure::input(&of.value.display().to_string(), &what, help));
             }
-            if marks.insert(film.posture, film.marks).is_some() {
+            if landmarks.insert(film.posture, film.landmarks).is_some() {
                 let what = format!(
                     "it has landmarks of the {} film, which has landmarks already",
                     film.posture
@@ -70,12 +70,12 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksB
             }
         }
     }
-    let unmatched = marks.keys().find(|&&p| !films.iter().any(|f| f.role.posture() == Some(p)));
+    let unmatched = landmarks.keys().find(|&&p| !films.iter().any(|f| f.role.posture() == Some(p)));
     match unmatched {
         Some(posture) => Err(Failure::usage(format!(
             "the landmarks are of the {posture} film, but no such film was chosen: add --film {}=…",
             posture.key().replace('_', "-")
         ))),
-        None => Ok(marks),
+        None => Ok(landmarks),
     }
 }

@@ -54,9 +54,9 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
     if let Some(first) = films.first_mut() {
         first.notes.extend(same_identifier(&seen));
     }
-    let marks = landmarks::read_onto(args, &films)?;
-    write::write(args, folder, case_id, &candidates, &films, &marks)?;
-    print(&text::outcome(&films, folder, marks.len()))
+    let landmarks = landmarks::read_onto(args, &films)?;
+    write::write(args, folder, case_id, &candidates, &films, &landmarks)?;
+    print(&text::outcome(&films, folder, landmarks.len()))
 }
 
 /// The films that the command line chooses.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use spineline::analysis::{Case, Subject};
 use spineline::anatomy::Posture;
-use spineline::measure::{Film, FilmMarks, LateralFilm};
+use spineline::measure::{Film, FilmLandmarks, LateralFilm};
 use spineline_files::{CaseFile, FilmSource, sha256_hex};
 use spineline_films::intake::{IntakeLimits, read};
 use spineline_films::{DeidAction, DeidOptions, DeidReport, FilmKind, FilmLimits, deidentify};
@@ -96,7 +96,7 @@ pub fn write(
     case_id: &str,
     candidates: &Candidates,
     films: &[ResolvedFilm],
-    marks: &LandmarksByPosture,
+    landmarks: &LandmarksByPosture,
 ) -> Result<(), Failure> {
     // Films and landmarks are never overwritten: `check_free` found the folder without them.
     let outputs = Outputs::new(OverwriteArgs { overwrite: false }, []);
@@ -110,7 +110,7 @@ pub fn write(
         sources.push((film.role, source));
         reports.push(report);
     }
-    let mut case = CaseFile::from_case(&case(case_id, films, marks));
+    let mut case = CaseFile::from_case(&case(case_id, films, landmarks));
     for (role, source) in sources {
         case = match role {
             Role::Frontal(posture) => case.with_source(posture, source),
@@ -184,15 +184,15 @@ const fn extension(kind: FilmKind) -> &'static str {
 }
 
 /// The case: pictures, sides and scales, with imported landmarks.
-fn case(case_id: &str, films: &[ResolvedFilm], marks: &LandmarksByPosture) -> Case {
+fn case(case_id: &str, films: &[ResolvedFilm], landmarks: &LandmarksByPosture) -> Case {
     let frontal = films.iter().filter_map(|film| {
         let posture = film.role.posture()?;
-        let unmarked = || FilmMarks::Landmarks {
+        let unmarked = || FilmLandmarks::Corners {
             image: film.image(),
             iliac_crests: None,
             readings: Vec::new(),
         };
-        Some(Film { posture, marks: marks.get(&posture).cloned().unwrap_or_else(unmarked) })
+        Some(Film { posture, landmarks: landmarks.get(&posture).cloned().unwrap_or_else(unmarked) })
     });
     let lateral = films.iter().find(|film| film.role == Role::Lateral);
     Case {

@@ -4,7 +4,7 @@ use std::path::{Component, Path};
 
 use spineline::analysis::Case;
 use spineline::anatomy::Posture;
-use spineline::measure::{FilmMarks, ImageGeometry};
+use spineline::measure::{FilmLandmarks, ImageGeometry};
 use spineline_files::{CaseFile, FilmSource, sha256_hex};
 use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_report::figures::FilmPicture;
@@ -37,7 +37,7 @@ pub fn pictures(
         .films
         .iter()
         .filter_map(|film| {
-            let FilmMarks::Landmarks { image, .. } = &film.marks else { return None };
+            let FilmLandmarks::Corners { image, .. } = &film.landmarks else { return None };
             let source = file.source(film.posture).filter(|source| source.file.is_some())?;
             Some(Named { posture: film.posture, image: *image, source })
         })

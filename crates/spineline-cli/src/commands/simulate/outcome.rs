@@ -41,7 +41,7 @@ impl Outcome {
         let places = places(&model, &mut notes);
         let factor = args.largest_factor.unwrap_or_else(|| match goal {
             Goal::FullLoad => PathOptions::default().largest_factor,
-            Goal::Lean(_) => largest_factor(&model.spine, &model.stiffness, &placed.loading),
+            Goal::LateralTilt(_) => largest_factor(&model.spine, &model.stiffness, &placed.loading),
         });
         let response =
             respond(&statics, &placed.loading, goal, factor, on_point).map_err(|error| {
@@ -97,7 +97,7 @@ fn goal(args: &SimulateArgs, placed: &PlacedLoads) -> Result<Goal, Failure> {
         ));
     }
     let tilt = Angle::from_deg(degrees);
-    Ok(Goal::Lean(match towards {
+    Ok(Goal::LateralTilt(match towards {
         Side::Right => tilt,
         Side::Left => -tilt,
     }))

@@ -29,7 +29,7 @@ fn heading(outcome: &Outcome) -> Vec<String> {
         "timing",
         "factor",
         "arc_rad",
-        "lean_right_deg",
+        "lateral_tilt_right_deg",
     ]
     .map(str::to_owned)
     .to_vec();
@@ -54,7 +54,7 @@ fn row(outcome: &Outcome, sign: ForceSign, point: &PathPoint) -> Vec<String> {
         point.timing.key().to_owned(),
         point.factor.to_string(),
         point.arc_rad.to_string(),
-        angles.lean.deg().to_string(),
+        angles.lateral_tilt.deg().to_string(),
     ];
     let top = &point.deformed.midpoints_mm[point.deformed.midpoints_mm.len() - 1];
     cells.extend(top.iter().map(f64::to_string));

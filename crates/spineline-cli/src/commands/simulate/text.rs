@@ -58,7 +58,7 @@ fn head(outcome: &Outcome) -> String {
     }
     let _ = match outcome.response.goal {
         Goal::FullLoad => writeln!(text, "  target: the shape under these loads"),
-        Goal::Lean(tilt) => writeln!(
+        Goal::LateralTilt(tilt) => writeln!(
             text,
             "  target: the factor of the proportional loads for a lateral tilt of L4-T2 of {}, up to {:.4} in either direction",
             tilt.leaning(),
@@ -95,7 +95,7 @@ fn ending_text(outcome: &Outcome) -> String {
             "  nearest shape on the path: factor {:.4} of the {} loads, lateral tilt {}, largest joint rotation {:.1}°",
             point.factor,
             timing_words(point.timing),
-            point.deformed.lean().leaning(),
+            point.deformed.lateral_tilt().leaning(),
             largest_hinge(&point.deformed).2.abs().deg()
         );
     }
@@ -189,12 +189,12 @@ fn angles_text(outcome: &Outcome, result: &Equilibrium) -> String {
             ]);
         }
     }
-    let SpineAngles { lean, .. } = after;
+    let SpineAngles { lateral_tilt: tilt, .. } = after;
     table.row(vec![
         "lateral tilt of L4-T2".to_owned(),
-        before.lean.leaning(),
-        lean.leaning(),
-        (lean - before.lean).wrapped().leaning(),
+        before.lateral_tilt.leaning(),
+        tilt.leaning(),
+        (tilt - before.lateral_tilt).wrapped().leaning(),
     ]);
     format!("{}\n", terminal::table(&table, terminal::WIDTH))
 }
@@ -242,7 +242,7 @@ fn solutions_text(outcome: &Outcome) -> String {
             equilibrium.limit_points.to_string(),
             equilibrium.branch_points.to_string(),
             format!("{:.1}°", largest_hinge(&equilibrium.deformed).2.abs().deg()),
-            equilibrium.deformed.lean().leaning(),
+            equilibrium.deformed.lateral_tilt().leaning(),
             verdict_words(met).to_owned(),
         ]);
     }

@@ -1,7 +1,7 @@
 use serde_json::{Value, json};
 use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level, Posture};
-use spineline::measure::{Corners, FilmMarks};
+use spineline::measure::{Corners, FilmLandmarks};
 use spineline::spatial::Pixel;
 use spineline_store::{PlanDesign, ReadingId, Store};
 
@@ -20,10 +20,10 @@ fn begun(store: &mut Store, case: &Case, study: &str, count: usize) -> ReadingId
     let film = films.iter().find(|film| film.posture == Posture::Erect).expect("erect");
     let by = by(READER);
     let reading = store.begin_reading(film.id, 9, &by).expect("a new reading");
-    let (_, marks) = reading_of(case, Posture::Erect);
+    let (_, landmarks) = reading_of(case, Posture::Erect);
     let clicks: Vec<_> = Level::MODEL[..count]
         .iter()
-        .flat_map(|level| vertebra(*level, &marks.vertebrae[level]))
+        .flat_map(|level| vertebra(*level, &landmarks.vertebrae[level]))
         .collect();
     record(store, reading, &clicks, &by);
     reading
@@ -87,7 +87,7 @@ fn overlays_lie_within_their_films_and_curves_pass_midpoints() {
     for (film, posture) in (1..).zip(case.films.iter().map(|film| film.posture)) {
         let overlay = running.get(&format!("/api/studies/S1/films/{film}/overlay"));
         let (marked, reading) = reading_of(&case, posture);
-        let FilmMarks::Landmarks { image, .. } = &marked.marks else { panic!("landmarks") };
+        let FilmLandmarks::Corners { image, .. } = &marked.landmarks else { panic!("landmarks") };
         let all = places(&overlay);
         assert!(all.len() > 150, "{posture}");
         for [column, row] in &all {
@@ -138,7 +138,7 @@ fn crossing(corners: &Corners<Pixel>) -> [f64; 2] {
 fn mirrored(case: &Case) -> Case {
     let mut case = case.clone();
     for film in &mut case.films {
-        let FilmMarks::Landmarks { image, iliac_crests, readings } = &mut film.marks else {
+        let FilmLandmarks::Corners { image, iliac_crests, readings } = &mut film.landmarks else {
             panic!("landmarks")
         };
         let last = f64::from(image.columns - 1);
@@ -150,9 +150,9 @@ fn mirrored(case: &Case) -> Case {
         if let Some(crests) = iliac_crests {
             (crests.left, crests.right) = (mirror(crests.left), mirror(crests.right));
         }
-        for mark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
-            mark.corners = mark.corners.map(mirror);
-            mark.axis_clockwise = mark.axis_clockwise.map(|axis| -axis);
+        for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+            landmark.corners = landmark.corners.map(mirror);
+            landmark.axis_clockwise = landmark.axis_clockwise.map(|axis| -axis);
         }
     }
     case
@@ -167,7 +167,7 @@ fn a_mirrored_film_has_the_mirrored_overlay() {
     });
     let films = case.films.len();
     for (film, marked) in case.films.iter().enumerate() {
-        let FilmMarks::Landmarks { image, .. } = &marked.marks else { panic!("landmarks") };
+        let FilmLandmarks::Corners { image, .. } = &marked.landmarks else { panic!("landmarks") };
         let last = f64::from(image.columns - 1);
         let [plain, turned] = [(1, film), (2, film + films)].map(|(study, film)| {
             running.get(&format!("/api/studies/S{study}/films/{}/overlay", film + 1))
@@ -190,7 +190,7 @@ fn swapped_sides_are_refused_with_a_reason() {
     let case = phantom().case;
     let mut wrong = case.clone();
     for film in &mut wrong.films {
-        let FilmMarks::Landmarks { image, .. } = &mut film.marks else { panic!("landmarks") };
+        let FilmLandmarks::Corners { image, .. } = &mut film.landmarks else { panic!("landmarks") };
         image.patient_left = match image.patient_left {
             ImageSide::Left => ImageSide::Right,
             ImageSide::Right => ImageSide::Left,
@@ -218,8 +218,8 @@ fn a_bending_film_has_its_curve_before_the_erect_film_is_read() {
             films.into_iter().find(|(p, _)| *p == Posture::LeftBending).expect("a bend");
         let by = by(READER);
         let begun = store.begin_reading(film, 1, &by).expect("a new reading");
-        let (film, marks) = reading_of(&case, Posture::LeftBending);
-        record(store, begun, &events(film, marks), &by);
+        let (film, landmarks) = reading_of(&case, Posture::LeftBending);
+        record(store, begun, &events(film, landmarks), &by);
         reading = Some(begun);
     });
     let live = running.get(&format!("/api/readings/{}/live", reading.expect("begun").0));
@@ -258,8 +258,8 @@ fn a_preview_gives_results_and_records_no_event() {
     });
     let reading = reading.expect("begun").0;
     let before = running.get(&format!("/api/readings/{reading}/live"));
-    let (_, marks) = reading_of(&case, Posture::Erect);
-    let corner = marks.vertebrae[&Level::T8].corners.superior_left;
+    let (_, landmarks) = reading_of(&case, Posture::Erect);
+    let corner = landmarks.vertebrae[&Level::T8].corners.superior_left;
     let moved = json!({
         "kind": "move_corner", "level": "T8", "corner": "superior_left",
         "column_px": corner.column_px + 6.0, "row_px": corner.row_px,
@@ -294,8 +294,8 @@ fn recorded_events_are_answered_with_their_results() {
     let path = format!("/api/readings/{}", reading.expect("begun").0);
     let revision = running.get(&path)["revision"].as_u64().expect("a number");
     let before = running.get(&format!("{path}/live"));
-    let (_, marks) = reading_of(&case, Posture::Erect);
-    let corner = marks.vertebrae[&Level::T8].corners.superior_left;
+    let (_, landmarks) = reading_of(&case, Posture::Erect);
+    let corner = landmarks.vertebrae[&Level::T8].corners.superior_left;
     let moved = json!([{
         "kind": "move_corner", "level": "T8", "corner": "superior_left",
         "column_px": corner.column_px + 6.0, "row_px": corner.row_px,

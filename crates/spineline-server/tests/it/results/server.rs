@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level, Posture};
-use spineline::measure::{Film, FilmMarks, ImageGeometry, Mark, Reading};
+use spineline::measure::{Film, FilmLandmarks, ImageGeometry, Reading, VertebraLandmarks};
 use spineline_files::LevelKey;
 use spineline_phantom::{Phantom, Readers, Truth, generate};
 use spineline_store::{
@@ -82,7 +82,7 @@ pub fn add_study(store: &mut Store, study: &str, case: &Case) -> Vec<(Posture, F
     let record = Study { id: id.clone(), label: None, synthetic: case.synthetic };
     store.add_study(&record, &by("lead")).expect("a new study");
     let films = case.films.iter().map(|film| {
-        let FilmMarks::Landmarks { image, .. } = &film.marks else { panic!("landmarks") };
+        let FilmLandmarks::Corners { image, .. } = &film.landmarks else { panic!("landmarks") };
         let bytes = format!("{study} {}", film.posture);
         let image = image_json(image);
         let added = store.add_film(&id, film.posture, bytes.as_bytes(), &image, &by("lead"));
@@ -95,7 +95,9 @@ pub fn add_study(store: &mut Store, study: &str, case: &Case) -> Vec<(Posture, F
 pub fn add_read_study(store: &mut Store, study: &str, case: &Case) {
     for (posture, film) in add_study(store, study, case) {
         let marked = case.films.iter().find(|film| film.posture == posture).expect("its film");
-        let FilmMarks::Landmarks { readings, .. } = &marked.marks else { panic!("landmarks") };
+        let FilmLandmarks::Corners { readings, .. } = &marked.landmarks else {
+            panic!("landmarks")
+        };
         for reading in readings {
             let by = by(&reading.id.observer);
             let begun = store.begin_reading(film, reading.id.repeat, &by).expect("a new reading");
@@ -114,11 +116,11 @@ pub fn record(store: &mut Store, reading: ReadingId, events: &[Event], by: &Sign
 }
 
 /// A reading as clicks.
-pub fn events(film: &Film, reading: &Reading<Mark>) -> Vec<Event> {
-    let FilmMarks::Landmarks { iliac_crests, .. } = &film.marks else { panic!("landmarks") };
+pub fn events(film: &Film, reading: &Reading<VertebraLandmarks>) -> Vec<Event> {
+    let FilmLandmarks::Corners { iliac_crests, .. } = &film.landmarks else { panic!("landmarks") };
     let mut events: Vec<Event> = Vec::new();
-    for (&level, mark) in &reading.vertebrae {
-        events.extend(vertebra(level, mark));
+    for (&level, landmark) in &reading.vertebrae {
+        events.extend(vertebra(level, landmark));
     }
     if let Some(crests) = iliac_crests {
         for (side, place) in [(CrestSide::Left, crests.left), (CrestSide::Right, crests.right)] {
@@ -130,8 +132,8 @@ pub fn events(film: &Film, reading: &Reading<Mark>) -> Vec<Event> {
 }
 
 /// A vertebra as clicks.
-pub fn vertebra(level: Level, mark: &Mark) -> Vec<Event> {
-    let corners = Corner::ALL.into_iter().zip(mark.corners.points());
+pub fn vertebra(level: Level, landmark: &VertebraLandmarks) -> Vec<Event> {
+    let corners = Corner::ALL.into_iter().zip(landmark.corners.points());
     let mut events: Vec<Event> = corners
         .map(|(corner, place)| Event::PlaceCorner {
             level: LevelKey(level),
@@ -140,16 +142,16 @@ pub fn vertebra(level: Level, mark: &Mark) -> Vec<Event> {
             row_px: place.row_px,
         })
         .collect();
-    if let Some(axis) = mark.axis_clockwise {
+    if let Some(axis) = landmark.axis_clockwise {
         events.push(Event::SetAxis { level: LevelKey(level), axis_deg: Some(axis.deg()) });
     }
     events
 }
 
 /// The one reading of a film of a case.
-pub fn reading_of(case: &Case, posture: Posture) -> (&Film, &Reading<Mark>) {
+pub fn reading_of(case: &Case, posture: Posture) -> (&Film, &Reading<VertebraLandmarks>) {
     let film = case.films.iter().find(|film| film.posture == posture).expect("its film");
-    let FilmMarks::Landmarks { readings, .. } = &film.marks else { panic!("landmarks") };
+    let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { panic!("landmarks") };
     (film, &readings[0])
 }
 

@@ -16,7 +16,7 @@ pub enum Goal {
     /// The loads as they are given: a factor of one.
     FullLoad,
     /// A lateral tilt of the line L4→T2: the loads grow, or shrink below zero, until it is met.
-    Lean(Angle),
+    LateralTilt(Angle),
 }
 
 /// How far a path is followed.
@@ -64,7 +64,7 @@ const MAX_DEPARTURE: f64 = 0.5;
 /// A place of the goal that is nearer to a point that meets it is that point.
 const SAME_POINT_RAD: f64 = 1e-7;
 /// Tolerance of the lateral tilt; a load factor is met exactly.
-const LEAN_MET_RAD: f64 = 1e-10;
+const TILT_MET_RAD: f64 = 1e-10;
 
 /// Called for every point of a path; breaking off leaves the path as far as it is.
 pub type OnPoint<'o> = &'o mut dyn FnMut(&PathPoint) -> ControlFlow<()>;
@@ -264,15 +264,15 @@ impl<'w, 'b> Walk<'w, 'b> {
                 let rate = tangent.factor;
                 Sample { at, value, rate, exact: true, met: value.abs() < 1e-15 }
             }
-            Goal::Lean(target) => {
+            Goal::LateralTilt(target) => {
                 let top = self.newton.state.midpoints.len() - 1;
                 let midpoint = self.newton.state.midpoints[top];
                 let velocity = velocity_at(&self.newton.twist_of(top, &tangent.turns), &midpoint);
                 let place = Frontal::new(midpoint.y, midpoint.z);
                 let moves = Frontal::new(velocity.y, velocity.z);
-                let value = (place.lean() - target).wrapped().rad();
+                let value = (place.lateral_tilt() - target).wrapped().rad();
                 let rate = place.cross(moves) / place.dot(place);
-                Sample { at, value, rate, exact: true, met: value.abs() < LEAN_MET_RAD }
+                Sample { at, value, rate, exact: true, met: value.abs() < TILT_MET_RAD }
             }
         }
     }

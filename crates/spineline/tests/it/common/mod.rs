@@ -12,8 +12,8 @@ use spineline::anatomy::{Level, Posture, Region, SagittalProfile};
 use spineline::clinical::{RegionBounds, Regions};
 use spineline::error::Error;
 use spineline::measure::{
-    Film, FilmMarks, IliacCrests, ImageGeometry, LengthScale, Mark, MeasuredVertebra, Noise,
-    Outline, Placement, Reading, ReadingId, Spacing, SpacingPlane, measure_film,
+    Film, FilmLandmarks, IliacCrests, ImageGeometry, LengthScale, MeasuredVertebra, Noise, Outline,
+    Placement, Reading, ReadingId, Spacing, SpacingPlane, VertebraLandmarks, measure_film,
 };
 use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Angle, Frontal, Pixel};
@@ -101,10 +101,10 @@ pub fn film_mut(case: &mut Case, posture: Posture) -> &mut Film {
 /// The parts of a film with landmarks.
 pub fn landmarks(
     film: &mut Film,
-) -> (&mut ImageGeometry, &mut Option<IliacCrests>, &mut Vec<Reading<Mark>>) {
-    match &mut film.marks {
-        FilmMarks::Landmarks { image, iliac_crests, readings } => (image, iliac_crests, readings),
-        FilmMarks::Placements { .. } => panic!("phantoms have landmarks"),
+) -> (&mut ImageGeometry, &mut Option<IliacCrests>, &mut Vec<Reading<VertebraLandmarks>>) {
+    match &mut film.landmarks {
+        FilmLandmarks::Corners { image, iliac_crests, readings } => (image, iliac_crests, readings),
+        FilmLandmarks::Placements { .. } => panic!("phantoms have landmarks"),
     }
 }
 
@@ -114,7 +114,7 @@ pub fn spacing(image: &mut ImageGeometry) -> &mut Spacing {
 }
 
 /// One mark of the first reading.
-pub fn mark_mut(case: &mut Case, posture: Posture, level: Level) -> &mut Mark {
+pub fn landmarks_mut(case: &mut Case, posture: Posture, level: Level) -> &mut VertebraLandmarks {
     let (_, _, readings) = landmarks(film_mut(case, posture));
     readings[0].vertebrae.get_mut(&level).expect("phantoms mark every vertebra")
 }
@@ -132,9 +132,9 @@ pub fn move_landmarks(film: &mut Film, turn: Angle, shift: Frontal) {
         old.frontal(Pixel::new(0.0, 20_000.0)).z_mm,
     );
     let moved = |place: Pixel| old.pixel(old.frontal(place).rotated(turn) + shift + middle);
-    for mark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
-        mark.corners = mark.corners.map(moved);
-        mark.axis_clockwise = mark
+    for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+        landmark.corners = landmark.corners.map(moved);
+        landmark.axis_clockwise = landmark
             .axis_clockwise
             .map(|axis| old.tilt_from_clockwise(old.tilt_from_clockwise(axis) + turn));
     }
@@ -153,9 +153,9 @@ pub fn placement_film(
         .map(|(level, location, tilt)| (level, Placement { location, tilt }))
         .collect();
     let reading = Reading { id: ReadingId::new("A", 1), vertebrae };
-    let marks =
-        FilmMarks::Placements { spacing_plane: SpacingPlane::Patient, readings: vec![reading] };
-    Film { posture, marks }
+    let landmarks =
+        FilmLandmarks::Placements { spacing_plane: SpacingPlane::Patient, readings: vec![reading] };
+    Film { posture, landmarks }
 }
 
 /// A film of vertebrae that stand on the graph `y(z)` at equal heights; `shape` gives `y` and `dy/dz`.

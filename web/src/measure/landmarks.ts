@@ -26,70 +26,74 @@ export const CORNER_WORDS: Record<Corner, string> = {
 };
 
 /** A landmark or an axis on the film that can be selected and moved. */
-export type Mark =
+export type Landmark =
   | { kind: "corner"; level: string; corner: Corner }
   | { kind: "axis"; level: string }
   | { kind: "crest"; side: CrestSide };
 
-export function sameMark(a: Mark | null, b: Mark | null): boolean {
+export function sameLandmark(a: Landmark | null, b: Landmark | null): boolean {
   return a !== null && b !== null && wordsOf(a) === wordsOf(b);
 }
 
-export function wordsOf(mark: Mark): string {
-  if (mark.kind === "corner") return `${mark.level} – ${CORNER_WORDS[mark.corner]}`;
-  if (mark.kind === "axis") return `${mark.level} – axis`;
-  return `iliac crest, patient’s ${mark.side}`;
+export function wordsOf(landmark: Landmark): string {
+  if (landmark.kind === "corner") return `${landmark.level} – ${CORNER_WORDS[landmark.corner]}`;
+  if (landmark.kind === "axis") return `${landmark.level} – axis`;
+  return `iliac crest, patient’s ${landmark.side}`;
 }
 
-export function placeOf(reading: ReadingView, mark: Mark): FilmPoint | null {
-  if (mark.kind === "crest") {
-    const px = mark.side === "left" ? reading.crests.left_px : reading.crests.right_px;
+export function placeOf(reading: ReadingView, landmark: Landmark): FilmPoint | null {
+  if (landmark.kind === "crest") {
+    const px = landmark.side === "left" ? reading.crests.left_px : reading.crests.right_px;
     return px ? filmPoint(px) : null;
   }
-  const vertebra = reading.vertebrae.find(({ level }) => level === mark.level);
-  if (mark.kind === "axis") return vertebra?.axis ? filmPoint(vertebra.axis.to_px) : null;
-  const corner = vertebra?.corners.find(({ corner }) => corner === mark.corner);
+  const vertebra = reading.vertebrae.find(({ level }) => level === landmark.level);
+  if (landmark.kind === "axis") return vertebra?.axis ? filmPoint(vertebra.axis.to_px) : null;
+  const corner = vertebra?.corners.find(({ corner }) => corner === landmark.corner);
   return corner ? filmPoint(corner.px) : null;
 }
 
 /** All placed landmarks in cranial order, in which the keys go through them. */
-export function marksOf(reading: ReadingView): Mark[] {
-  const vertebrae = reading.vertebrae.flatMap(({ level, corners, axis }): Mark[] => [
+export function landmarksOf(reading: ReadingView): Landmark[] {
+  const vertebrae = reading.vertebrae.flatMap(({ level, corners, axis }): Landmark[] => [
     ...CORNERS.filter((name) => corners.some(({ corner }) => corner === name)).map(
-      (corner): Mark => ({ kind: "corner", level, corner }),
+      (corner): Landmark => ({ kind: "corner", level, corner }),
     ),
     ...(axis ? [{ kind: "axis", level } as const] : []),
   ]);
   const crests = (["left", "right"] as const)
-    .map((side): Mark => ({ kind: "crest", side }))
-    .filter((mark) => placeOf(reading, mark) !== null);
+    .map((side): Landmark => ({ kind: "crest", side }))
+    .filter((landmark) => placeOf(reading, landmark) !== null);
   return [...vertebrae, ...crests];
 }
 
 /** The event that places a landmark. */
-export function placing(reading: ReadingView, mark: Mark, [column_px, row_px]: FilmPoint): Event {
-  if (mark.kind === "crest") {
-    return { kind: "place_iliac_crest", side: mark.side, column_px, row_px };
+export function placing(
+  reading: ReadingView,
+  landmark: Landmark,
+  [column_px, row_px]: FilmPoint,
+): Event {
+  if (landmark.kind === "crest") {
+    return { kind: "place_iliac_crest", side: landmark.side, column_px, row_px };
   }
-  if (mark.kind === "axis") throw new Error("an axis is rotated, not placed");
-  const kind = placeOf(reading, mark) ? "move_corner" : "place_corner";
-  return { kind, level: mark.level, corner: mark.corner, column_px, row_px };
+  if (landmark.kind === "axis") throw new Error("an axis is rotated, not placed");
+  const kind = placeOf(reading, landmark) ? "move_corner" : "place_corner";
+  return { kind, level: landmark.level, corner: landmark.corner, column_px, row_px };
 }
 
 /** The next missing corner of a level; null when its four corners exist. */
-export function missingCorner(reading: ReadingView, level: string): Mark | null {
+export function missingCorner(reading: ReadingView, level: string): Landmark | null {
   const placed = reading.vertebrae.find((vertebra) => vertebra.level === level)?.corners ?? [];
   const corner = CORNERS.find((name) => !placed.some(({ corner }) => corner === name));
   return corner ? { kind: "corner", level, corner } : null;
 }
 
 /** The next missing crest; null when both exist. */
-export function missingCrest(reading: ReadingView): Mark | null {
-  const marks = (["left", "right"] as const).map((side): Mark => ({ kind: "crest", side }));
-  return marks.find((mark) => placeOf(reading, mark) === null) ?? null;
+export function missingCrest(reading: ReadingView): Landmark | null {
+  const landmarks = (["left", "right"] as const).map((side): Landmark => ({ kind: "crest", side }));
+  return landmarks.find((landmark) => placeOf(reading, landmark) === null) ?? null;
 }
 
-export function nextMark(reading: ReadingView): Mark | null {
+export function nextLandmark(reading: ReadingView): Landmark | null {
   const next = reading.next;
   if (!next) return null;
   return next.kind === "corner"

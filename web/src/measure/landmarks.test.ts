@@ -1,9 +1,9 @@
 import { expect, it } from "vitest";
 
 import { reading } from "./reading.fixture";
-import { markAt, proposedAt } from "./hit";
+import { landmarkAt, proposedAt } from "./hit";
 import {
-  marksOf,
+  landmarksOf,
   missingCorner,
   placeOf,
   placing,
@@ -12,7 +12,7 @@ import {
   withEvents,
   wordsOfEvent,
   type Event,
-} from "./marks";
+} from "./landmarks";
 
 const VIEW = { scale: 1, aspect: 1, left: -0.5, top: -0.5 };
 
@@ -35,12 +35,12 @@ it("shows events before they are recorded", () => {
 });
 
 it("places new landmarks and moves existing ones", () => {
-  const mark = { kind: "corner", level: "L4", corner: "superior_left" } as const;
-  const first = placing(reading(), mark, [1, 2]);
+  const landmark = { kind: "corner", level: "L4", corner: "superior_left" } as const;
+  const first = placing(reading(), landmark, [1, 2]);
   expect(first.kind).toBe("place_corner");
   const placed = withEvents(reading(), [first]);
-  expect(placing(placed, mark, [3, 4]).kind).toBe("move_corner");
-  expect(wordsOfEvent(placing(placed, mark, [3, 4.26]))).toBe(
+  expect(placing(placed, landmark, [3, 4]).kind).toBe("move_corner");
+  expect(wordsOfEvent(placing(placed, landmark, [3, 4.26]))).toBe(
     "L4 – superior endplate, patient’s left to (3.0, 4.3) px",
   );
 });
@@ -50,9 +50,11 @@ it("grabs the nearest landmark within reach", () => {
     { kind: "place_corner", level: "L4", corner: "superior_left", column_px: 100, row_px: 100 },
     { kind: "place_corner", level: "L4", corner: "superior_right", column_px: 112, row_px: 100 },
   ]);
-  expect(markAt(marked, VIEW, [107, 100], 10, null)).toMatchObject({ corner: "superior_right" });
-  expect(markAt(marked, VIEW, [100, 111], 10, null)).toBeNull();
-  expect(marksOf(marked)).toHaveLength(2);
+  expect(landmarkAt(marked, VIEW, [107, 100], 10, null)).toMatchObject({
+    corner: "superior_right",
+  });
+  expect(landmarkAt(marked, VIEW, [100, 111], 10, null)).toBeNull();
+  expect(landmarksOf(marked)).toHaveLength(2);
 });
 
 it("offers the corners of a proposal", () => {
