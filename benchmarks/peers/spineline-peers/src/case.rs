@@ -190,6 +190,7 @@ impl Case {
                 location,
                 tilt: Angle::from_rad(tilt),
                 readings: 1,
+                interpolated: None,
             })
             .collect();
         Outline {

@@ -134,7 +134,7 @@ fn layer(shape: &Shape, shown: bool) -> SpaceLayer {
 
 /// The erect shape, then those of the first line's model.
 fn shapes(analysis: &Analysis) -> Vec<Shape> {
-    let sizes = analysis.spine.body_sizes(None);
+    let sizes = analysis.spine.body_sizes(analysis.levels(), &[]);
     let erect = erect_shape(&analysis.spine);
     let mut all =
         vec![Shape { name: "erect".to_owned(), ink: ERECT, lines: outlines(&erect, &sizes) }];

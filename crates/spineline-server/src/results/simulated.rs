@@ -51,7 +51,8 @@ pub fn simulated(
         },
         line_direction: [0.0, sign * line.direction.y_mm, sign * line.direction.z_mm],
         path: path.iter().map(|part| deformed_shape(&analysis.spine, part)).collect(),
-        errors: Simulation::mobile_levels()
+        errors: simulation
+            .compared
             .iter()
             .zip(&simulation.location_errors_mm)
             .map(|(level, &error_mm)| LevelError { level: level.to_string(), error_mm })

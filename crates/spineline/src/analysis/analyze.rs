@@ -14,10 +14,11 @@ use crate::curve::{CurveFit, InflectionChoice, Inflections, find_inflections, fi
 use crate::error::Error;
 use crate::hypothesis::HypothesisFit;
 use crate::measure::{
-    Film, FilmReadings, Noise, Outline, outline_of, warn_of_implausible_landmarks,
+    Film, FilmReadings, Noise, Outline, common_levels, outline_of, seen_levels,
+    warn_of_implausible_landmarks, warn_of_shortened_chain,
 };
 use crate::motion::{Motion, least_windows, mean_least};
-use crate::multibody::SpineModel;
+use crate::multibody::{SpineModel, StiffnessLibrary};
 use crate::personalize::PreferredLoads;
 use crate::personalize::evidence::FilmEvidence;
 use crate::spatial::Frontal;
@@ -93,6 +94,7 @@ struct Movement {
     inflection_segments: Option<[usize; 2]>,
     mean_least_segments: Option<[usize; 2]>,
     spine: SpineModel,
+    library: StiffnessLibrary,
     lateral_measured: bool,
     postures: Vec<PostureAnalysis>,
 }
@@ -113,6 +115,7 @@ impl Movement {
             .map(|pair| pair.map(|inflection| poses[0].nearest_segment(inflection.erect)));
         // Step 6 comes before step 4: the rotations of joints on the films need the unloaded spine.
         let (spine, lateral_measured) = unloaded_spine(case, &outlines[0], options, warnings)?;
+        let library = options.library.between(outlines[0].levels());
         let motions = motions(&outlines, &fits[0], &poses);
         let mean_least_segments = mean_least_segments(&outlines, &motions);
         let segments = [inflection_segments, mean_least_segments];
@@ -120,8 +123,7 @@ impl Movement {
             .iter()
             .map(|outline| {
                 let moved = outline.posture != Posture::Erect;
-                let measure =
-                    || FilmEvidence::measure(&spine, &options.library, &outlines[0], outline);
+                let measure = || FilmEvidence::measure(&spine, &library, &outlines[0], outline);
                 moved.then(measure)
             })
             .collect();
@@ -133,6 +135,7 @@ impl Movement {
             inflection_segments,
             mean_least_segments,
             spine,
+            library,
             lateral_measured,
             postures,
         })
@@ -146,6 +149,7 @@ impl Movement {
             chain: &self.chain,
             regions: &self.curves.regions,
             spine: &self.spine,
+            library: &self.library,
             options,
         }
     }
@@ -176,6 +180,7 @@ impl Movement {
             clinical: self.curves.clinical,
             lenke: self.curves.lenke,
             spine: self.spine,
+            library: self.library,
             lateral_measured: self.lateral_measured,
             models: mechanics.models,
             hypotheses: mechanics.hypotheses,
@@ -218,12 +223,16 @@ fn measure(
     check_postures(&case.films)?;
     let mut films: Vec<&Film> = case.films.iter().collect();
     films.sort_by_key(|film| film.posture);
-    let (mut readings, mut outlines) = (Vec::new(), Vec::new());
-    for film in &films {
-        let measured = FilmReadings::measure(film)?;
-        outlines.push(outline_of(film, &measured.readings, warnings)?);
+    let readings: Vec<FilmReadings> =
+        films.iter().copied().map(FilmReadings::measure).collect::<Result<_, _>>()?;
+    let seen: Vec<_> =
+        readings.iter().map(|film| (film.posture, seen_levels(&film.readings))).collect();
+    let levels = common_levels(&seen)?;
+    warn_of_shortened_chain(levels, &seen, warnings);
+    let mut outlines = Vec::new();
+    for (film, measured) in films.iter().zip(&readings) {
+        outlines.push(outline_of(film, &measured.readings, levels, warnings)?);
         warn_of_implausible_landmarks(film, warnings);
-        readings.push(measured);
     }
     for (outline, noise) in outlines.iter_mut().zip(noise.into_iter().flatten()) {
         outline.noise = *noise;

@@ -1,14 +1,14 @@
 use super::findings::Findings;
 use super::preference::PreferredLine;
 use super::{AnalysisOptions, LineModel};
-use crate::anatomy::{Level, Posture};
+use crate::anatomy::{Levels, Posture};
 use crate::chain::{Chain, ChainPose};
 use crate::clinical::{ClinicalCurve, LenkeType, Regions};
 use crate::curve::{CurveFit, Inflections};
 use crate::hypothesis::HypothesisFit;
 use crate::measure::{FilmReadings, LengthScale, Outline};
 use crate::motion::{Motion, SegmentEstimate};
-use crate::multibody::SpineModel;
+use crate::multibody::{SpineModel, StiffnessLibrary};
 use crate::personalize::evidence::FilmEvidence;
 use crate::reliability::{QuantityReliability, assess, film_quantities};
 use crate::spatial::{Angle, Frontal};
@@ -64,6 +64,8 @@ pub struct Analysis {
     pub lenke: Option<LenkeType>,
     /// The unloaded spine.
     pub spine: SpineModel,
+    /// Springs of its joints before personalisation: those of the options, for the joints that the films show.
+    pub library: StiffnessLibrary,
     /// Whether its sagittal profile was measured on a lateral film; else it is a population's.
     pub lateral_measured: bool,
     /// One personalised model per line of action.
@@ -94,6 +96,12 @@ impl Analysis {
         film_quantities(&[(&self.case_id, &self.readings)]).iter().map(assess).collect()
     }
 
+    /// The vertebrae of the model: L4 to T2, or those that all films show.
+    #[must_use]
+    pub fn levels(&self) -> Levels {
+        self.erect().outline.levels()
+    }
+
     /// The erect posture.
     #[must_use]
     pub fn erect(&self) -> &PostureAnalysis {
@@ -115,6 +123,7 @@ impl Analysis {
             chain: &self.chain,
             regions: &self.regions,
             spine: &self.spine,
+            library: &self.library,
             options: &self.options,
         }
     }
@@ -132,7 +141,7 @@ impl PostureAnalysis {
     pub fn middle(&self) -> Frontal {
         match self.inflection_points {
             Some([caudal, cranial]) => (caudal + cranial) * 0.5,
-            None => self.outline.vertebrae[Level::MODEL.len() / 2].location,
+            None => self.outline.vertebrae[self.outline.vertebrae.len() / 2].location,
         }
     }
 

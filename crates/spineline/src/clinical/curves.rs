@@ -55,6 +55,7 @@ impl ClinicalCurve {
 #[must_use]
 pub fn measure_curves(regions: &Regions, outlines: &[&Outline]) -> Vec<ClinicalCurve> {
     let erect = outlines[0];
+    let level = |i: usize| erect.vertebrae[i].level;
     regions
         .bounds
         .iter()
@@ -74,8 +75,8 @@ pub fn measure_curves(regions: &Regions, outlines: &[&Outline]) -> Vec<ClinicalC
                 .collect();
             let mut curve = ClinicalCurve {
                 region: bounds.region,
-                ends: CobbEnds { inferior: Level::MODEL[lower], superior: Level::MODEL[upper] },
-                apex: Level::MODEL[bounds.apex],
+                ends: CobbEnds { inferior: level(lower), superior: level(upper) },
+                apex: level(bounds.apex),
                 convex: convex_side(cobb[0].1),
                 cobb,
                 ferguson,

@@ -1,5 +1,5 @@
 use super::{RegionBounds, Regions, ferguson_angle};
-use crate::anatomy::{Level, Side};
+use crate::anatomy::{Levels, Side};
 use crate::spatial::{Angle, Frontal};
 
 /// Between which vertebrae a curve is measured: chosen on the erect spine, and then held.
@@ -27,13 +27,20 @@ impl CurvePlaces {
         Self { bounds, cobb_ends: [lower, upper] }
     }
 
-    /// The usual regions ([`Regions::usual`]) of an erect spine from L4 to T2; `None` for any other number of vertebrae.
+    /// The usual regions ([`Regions::usual`]) of an erect spine; `None` for any other number of vertebrae, or levels that no
+    /// analysis has.
     #[must_use]
-    pub fn usual(erect_locations: &[Frontal], erect_tilts: &[Angle]) -> Option<[Self; 3]> {
-        let count = Level::MODEL.len();
-        let complete = erect_locations.len() == count && erect_tilts.len() == count;
+    pub fn usual(
+        levels: Levels,
+        erect_locations: &[Frontal],
+        erect_tilts: &[Angle],
+    ) -> Option<[Self; 3]> {
+        if levels.base() > Levels::HIGHEST_BASE || levels.top() < Levels::LOWEST_TOP {
+            return None;
+        }
+        let complete = erect_locations.len() == levels.len() && erect_tilts.len() == levels.len();
         let choose = |bounds| Self::choose(bounds, erect_tilts);
-        complete.then(|| Regions::usual(erect_locations).bounds.map(choose))
+        complete.then(|| Regions::usual(levels, erect_locations).bounds.map(choose))
     }
 
     /// Cobb angle: how much the tilt grows from the lower to the upper end vertebra; positive where convex to the left.

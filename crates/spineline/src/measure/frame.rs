@@ -1,5 +1,5 @@
 use super::{Film, FilmLandmarks, ImageGeometry, Outline};
-use crate::anatomy::Level;
+use crate::anatomy::{Level, Levels};
 use crate::spatial::{Angle, Frontal, Pixel};
 
 /// Where the global frame of an outline lies on its film: points of `G` as sub-pixel places of the picture, and back.
@@ -122,11 +122,13 @@ pub fn endplate_centres(film: &Film, frame: &FilmFrame, level: Level) -> Option<
     })
 }
 
-/// Mean widths of the bodies L4 to T2 over endplates and readings, in the film's millimetres, or in pixels where it has no
-/// spacing; `None` where a corner is missing.
+/// Mean widths of some bodies over endplates and readings, in the film's millimetres, or in pixels where it has no
+/// spacing; `None` for a vertebra without corners.
 #[must_use]
-pub fn body_widths(film: &Film) -> Option<Vec<f64>> {
-    let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return None };
+pub fn body_widths(film: &Film, levels: Levels) -> Vec<Option<f64>> {
+    let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else {
+        return vec![None; levels.len()];
+    };
     let width = |level: Level| {
         let landmarks = readings.iter().filter_map(|reading| reading.vertebrae.get(&level));
         let widths: Vec<f64> = landmarks
@@ -139,5 +141,5 @@ pub fn body_widths(film: &Film) -> Option<Vec<f64>> {
             .collect();
         (!widths.is_empty()).then(|| widths.iter().sum::<f64>() / widths.len() as f64)
     };
-    Level::MODEL.into_iter().map(width).collect()
+    levels.iter().map(width).collect()
 }

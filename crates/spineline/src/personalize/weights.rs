@@ -3,18 +3,24 @@
 use nalgebra::{DMatrix, DVector, Dyn, Vector2};
 
 use super::evidence::FilmEvidence;
+use crate::spatial::Angle;
 
 /// The inverse of the noise's covariance.
-///
-/// Neighbouring joints share a vertebra on every film alike, and all films share the erect one at every joint alike: the
-/// covariance is the product of one over films and one over joints, and so is its inverse.
-pub(super) struct Precision {
-    pub films: DMatrix<f64>,
-    pub joints: DMatrix<f64>,
+pub(super) enum Precision {
+    /// Neighbouring joints share a vertebra on every film alike, and all films share the erect one at every joint alike: the
+    /// covariance is the product of one over films and one over joints, and so is its inverse.
+    Product { films: DMatrix<f64>, joints: DMatrix<f64> },
+    /// Some vertebra is interpolated on some film, and its tilt is less certain than the others': the whole matrix, over the
+    /// joints of the first film, then over those of the next one.
+    Whole { matrix: DMatrix<f64>, films: usize, joints: usize },
 }
 
 impl Precision {
     pub fn new(films: &[&FilmEvidence], joints: usize) -> Option<Self> {
+        if films.iter().any(|film| film.tilt_variances.is_some()) {
+            let matrix = whole_covariance(films, joints).cholesky()?.inverse();
+            return Some(Self::Whole { matrix, films: films.len(), joints });
+        }
         let over_films = DMatrix::from_fn(films.len(), films.len(), |a, b| {
             let own = if a == b { films[a].tilt_sd.rad().powi(2) } else { 0.0 };
             own + films[a].erect_tilt_sd.rad().powi(2)
@@ -23,19 +29,70 @@ impl Precision {
         let over_joints = DMatrix::from_fn(joints, joints, |a, b| {
             ((a.min(b) + 1) * (joints - a.max(b))) as f64 / (joints + 1) as f64
         });
-        Some(Self { films: over_films.cholesky()?.inverse(), joints: over_joints })
+        Some(Self::Product { films: over_films.cholesky()?.inverse(), joints: over_joints })
     }
 
     /// Times columns of rotations of all films below one another.
     pub fn times(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let (films, joints) = match self {
+            Self::Product { films, joints } => (films, joints),
+            Self::Whole { matrix, .. } => return matrix * columns,
+        };
         let mut product = DMatrix::zeros(columns.nrows(), columns.ncols());
         for (from, mut to) in columns.column_iter().zip(product.column_iter_mut()) {
-            let from = from.reshape_generic(Dyn(self.joints.nrows()), Dyn(self.films.nrows()));
-            let weighed = &self.joints * (from * &self.films);
+            let from = from.reshape_generic(Dyn(joints.nrows()), Dyn(films.nrows()));
+            let weighed = joints * (from * films);
             to.copy_from_slice(weighed.as_slice());
         }
         product
     }
+
+    fn joints(&self) -> usize {
+        match self {
+            Self::Product { joints, .. } => joints.nrows(),
+            Self::Whole { joints, .. } => *joints,
+        }
+    }
+
+    /// Per pair of joints: the sum over pairs of films of their precision times a rotation of either joint's own part.
+    fn between(&self, [a, b]: [&DMatrix<f64>; 2]) -> DMatrix<f64> {
+        match self {
+            Self::Product { films, joints } => (a * (b * films).transpose()).component_mul(joints),
+            Self::Whole { matrix, films, joints } => DMatrix::from_fn(*joints, *joints, |j, k| {
+                let of = |(f, g): (usize, usize)| {
+                    a[(j, f)] * matrix[(f * joints + j, g * joints + k)] * b[(k, g)]
+                };
+                (0..*films).flat_map(|f| (0..*films).map(move |g| (f, g))).map(of).sum()
+            }),
+        }
+    }
+}
+
+/// Covariance of the rotations of all films: differences of neighbouring tilts, minus those of the erect film that all share.
+fn whole_covariance(films: &[&FilmEvidence], joints: usize) -> DMatrix<f64> {
+    let differences = |variances: &[f64]| {
+        DMatrix::from_fn(joints, joints, |a: usize, b: usize| match a.abs_diff(b) {
+            0 => variances[a] + variances[a + 1],
+            1 => -variances[a.max(b)],
+            _ => 0.0,
+        })
+    };
+    let alike = |sd: Angle| vec![sd.rad().powi(2); joints + 1];
+    let mut covariance = DMatrix::zeros(films.len() * joints, films.len() * joints);
+    // The erect film is one and the same.
+    let erect = films.iter().find_map(|film| film.tilt_variances.as_ref());
+    for (i, film) in films.iter().enumerate() {
+        let erect = erect.map_or_else(|| alike(film.erect_tilt_sd), |v| v.erect.clone());
+        let shared = differences(&erect);
+        for k in 0..films.len() {
+            covariance.view_mut((i * joints, k * joints), (joints, joints)).copy_from(&shared);
+        }
+        let own = film.tilt_variances.as_ref();
+        let own = own.map_or_else(|| alike(film.tilt_sd), |variances| variances.film.clone());
+        let mut block = covariance.view_mut((i * joints, i * joints), (joints, joints));
+        block += differences(&own);
+    }
+    covariance
 }
 
 /// The joints' random effects: what each has of its own on all films, beside the noise.
@@ -52,12 +109,11 @@ impl RandomEffects {
         precision: &Precision,
         variances: Vector2<f64>,
     ) -> Option<Self> {
-        let joints = precision.joints.nrows();
+        let joints = precision.joints();
         let mut known = DMatrix::zeros(2 * joints, 2 * joints);
-        let weighed = rotations.each_ref().map(|part| part * &precision.films);
         for (a, part) in rotations.iter().enumerate() {
-            for (b, weighed) in weighed.iter().enumerate() {
-                let block = (part * weighed.transpose()).component_mul(&precision.joints);
+            for (b, other) in rotations.iter().enumerate() {
+                let block = precision.between([part, other]);
                 known.view_mut((a * joints, b * joints), (joints, joints)).copy_from(&block);
             }
         }

@@ -203,7 +203,13 @@ pub fn outline(posture: Posture, vertebrae: &[(Frontal, Angle)]) -> Outline {
     let vertebrae = Level::MODEL
         .into_iter()
         .zip(vertebrae)
-        .map(|(level, &(location, tilt))| MeasuredVertebra { level, location, tilt, readings: 1 })
+        .map(|(level, &(location, tilt))| MeasuredVertebra {
+            level,
+            location,
+            tilt,
+            readings: 1,
+            interpolated: None,
+        })
         .collect();
     Outline {
         posture,
