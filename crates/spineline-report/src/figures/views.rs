@@ -5,7 +5,7 @@ use spineline::multibody::{BodySize, Deformed};
 use spineline::response::erect_shape;
 use spineline::spatial::{Angle, Frontal, Vec3};
 
-use super::frontal::{Extent, frontal_panel};
+use super::frontal::{Extent, extent_words, frontal_panel};
 use super::page::{Page, Sample};
 use super::panel::{HeadingKind, Panel, Ticks};
 use super::style::{GREY, Ink, posture_style};
@@ -69,7 +69,8 @@ pub fn spine_in_space(analysis: &Analysis) -> (String, Space) {
     let mut page = Page::new(title, analysis.synthetic);
     let shapes = shapes(analysis);
     page.notes.push(format!(
-        "Vertebrae L4 to T2 as boxes of typical size about their measured midpoints; {}.",
+        "Vertebrae {} as boxes of typical size about their measured midpoints; {}.",
+        extent_words(analysis),
         analysis.profile_words()
     ));
     for shape in &shapes {
