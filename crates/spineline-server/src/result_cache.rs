@@ -74,7 +74,7 @@ impl StudyResult {
             Outcome::Waiting => {
                 let text = words::progress(&self.current);
                 Err(Failure::new(StatusCode::CONFLICT, "not_ready", text).help(
-                    "place the landmarks of all vertebrae from L4 to T2 on the erect film, and finish the reading",
+                    "place the landmarks of all vertebrae from L4 to T2 that are seen on the erect film, L2 to T6 at least, and finish the reading",
                 ))
             }
             Outcome::Refused { text, help } => {

@@ -5,6 +5,7 @@ mod comparison;
 mod endless;
 mod film;
 mod guide;
+mod hidden;
 mod import;
 #[path = "../../../spineline-films/tests/it/maker.rs"]
 mod maker;

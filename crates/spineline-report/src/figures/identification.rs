@@ -69,7 +69,7 @@ fn fill(panel: &mut Panel, posture: &PostureAnalysis) {
         ),
     );
     let locations: Vec<Frontal> = posture.outline.locations().collect();
-    panel.end_levels(&locations, analysis.levels());
+    panel.end_levels(&locations, posture.outline.levels());
     if let Some([caudal, cranial]) = posture.inflection_points
         && let Ok(line) = spineline::action::LineOfAction::through(caudal, cranial)
         && let Some(mark) = panel.action_mark(&line, action_ink(LineKind::Inflection))

@@ -173,3 +173,60 @@ pub(super) fn scale_columns(matrix: &mut DMatrix<f64>) -> DVector<f64> {
     }
     scales
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::evidence::TiltVariances;
+    use super::*;
+    use crate::anatomy::Levels;
+
+    fn film(sd_deg: f64, spelled_out: bool) -> FilmEvidence {
+        let levels = Levels::COMPLETE;
+        let [film, erect] = [sd_deg, 0.7].map(Angle::from_deg);
+        let alike = |sd: Angle| vec![sd.rad().powi(2); levels.len()];
+        let variances = TiltVariances { film: alike(film), erect: alike(erect) };
+        FilmEvidence {
+            joints: Vec::new(),
+            tilt_sd: film,
+            erect_tilt_sd: erect,
+            levels,
+            tilt_variances: spelled_out.then_some(variances),
+        }
+    }
+
+    #[test]
+    fn the_whole_matrix_of_equal_variances_is_the_product() {
+        // Oracle: the two forms are the same covariance.
+        let [short, long] = [false, true].map(|whole| {
+            let films = [film(0.5, whole), film(0.9, whole)];
+            Precision::new(&films.iter().collect::<Vec<_>>(), 14).expect("positive definite")
+        });
+        assert!(
+            matches!(long, Precision::Whole { .. }) && matches!(short, Precision::Product { .. })
+        );
+        let columns = DMatrix::from_fn(28, 3, |i, j| ((i * 7 + j * 5) % 11) as f64 - 5.0);
+        let [a, b] = [&short, &long].map(|precision| precision.times(&columns));
+        assert!((&a - &b).amax() < 1e-9 * a.amax());
+        let parts = [2, 3].map(|k| DMatrix::from_fn(14, 2, |i, j| ((i * k + j) % 5) as f64 - 2.0));
+        let [a, b] = [&short, &long].map(|precision| precision.between([&parts[0], &parts[1]]));
+        assert!((&a - &b).amax() < 1e-9 * a.amax());
+    }
+
+    #[test]
+    fn an_unknown_tilt_leaves_the_sum_of_its_two_joints() {
+        // Oracle: with a tilt that is not known at all, opposite errors of the joints beside it have no weight, and their sum
+        // has as much as the rotation of one joint over both.
+        let mut unknown = film(0.5, true);
+        unknown.tilt_variances.as_mut().expect("spelled out").film[7] = 1e6;
+        let precision = Precision::new(&[&unknown], 14).expect("positive definite");
+        let weight = |of: [f64; 2]| {
+            let column = DMatrix::from_fn(14, 1, |i, _| match i {
+                6 => of[0],
+                7 => of[1],
+                _ => 0.0,
+            });
+            (column.transpose() * precision.times(&column))[(0, 0)]
+        };
+        assert!(weight([1.0, -1.0]) < 1e-3 * weight([0.5, 0.5]));
+    }
+}
