@@ -10,13 +10,13 @@ use crate::program;
 fn write_partial_case(folder: &std::path::Path) {
     let (_, error, code) = program::run(folder, &["phantom", "--subject", "1", "--out", "cases"]);
     assert_eq!(code, 0, "{error}");
-    let entry = fs::read_dir(folder.join("cases"))
-        .expect("a folder")
-        .map(|entry| entry.expect("a file").path())
-        .find(|path| path.extension().is_some_and(|end| end == "json"));
-    let path = entry.expect("a case");
-    let text = fs::read_to_string(&path).expect("a case");
-    let mut case: Value = serde_json::from_str(&text).expect("JSON");
+    let read = |entry: std::io::Result<fs::DirEntry>| -> Option<Value> {
+        let text = fs::read_to_string(entry.expect("a file").path()).ok()?;
+        serde_json::from_str(&text).ok()
+    };
+    let files = fs::read_dir(folder.join("cases")).expect("a folder");
+    let mut all = files.filter_map(read);
+    let mut case = all.find(|file| file["format"] == "spineline-case").expect("a case");
     for film in case["films"].as_array_mut().expect("films") {
         let hidden = match film["posture"].as_str() {
             Some("left_bending") => "T8",

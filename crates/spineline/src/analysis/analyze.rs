@@ -14,7 +14,7 @@ use crate::curve::{CurveFit, InflectionChoice, Inflections, find_inflections, fi
 use crate::error::Error;
 use crate::hypothesis::HypothesisFit;
 use crate::measure::{
-    Film, FilmReadings, Noise, Outline, common_levels, outline_of, seen_levels,
+    Film, FilmReadings, InterpolationError, Noise, Outline, common_levels, outline_of, seen_levels,
     warn_of_implausible_landmarks, warn_of_shortened_chain,
 };
 use crate::motion::{Motion, least_windows, mean_least};
@@ -73,15 +73,16 @@ pub(crate) struct OtherReadings<'a> {
     pub models: &'a [LineModel],
 }
 
-/// As [`analyze`], with what is known from other readings of the films.
+/// As [`analyze`], with what is known from other readings of the films, and errors of interpolated vertebrae.
 pub(crate) fn analyze_known(
     case: &Case,
     options: &AnalysisOptions,
-    known: Option<&OtherReadings<'_>>,
+    known: Option<(&OtherReadings<'_>, &[InterpolationError])>,
 ) -> Result<Analysis, Error> {
     let mut warnings = Warnings::default();
-    let noise = known.map(|known| &known.noise[..]);
-    let movement = Movement::of(case, options, noise, &mut warnings)?;
+    let measured = known.map(|(known, errors)| (&known.noise[..], errors));
+    let movement = Movement::of(case, options, measured, &mut warnings)?;
+    let known = known.map(|(known, _)| known);
     let mechanics = Mechanics::of(movement.findings(options), known, &mut warnings);
     Ok(movement.into_analysis(case, options, mechanics, warnings))
 }
@@ -103,10 +104,10 @@ impl Movement {
     fn of(
         case: &Case,
         options: &AnalysisOptions,
-        noise: Option<&[Noise]>,
+        known: Option<(&[Noise], &[InterpolationError])>,
         warnings: &mut Warnings,
     ) -> Result<Self, Error> {
-        let (readings, outlines) = measure(case, noise, warnings)?;
+        let (readings, outlines) = measure(case, known, warnings)?;
         let (curves, fits) = fit_curves(&outlines, options, warnings)?;
         let (chain, poses) = lay_chain(&fits, options)?;
         let inflection_segments = curves
@@ -216,7 +217,7 @@ impl Mechanics {
 /// Step 1: the readings and the outline of every film, the erect one first.
 fn measure(
     case: &Case,
-    noise: Option<&[Noise]>,
+    known: Option<(&[Noise], &[InterpolationError])>,
     warnings: &mut Warnings,
 ) -> Result<(Vec<FilmReadings>, Vec<Outline>), Error> {
     check_age(case.subject.age_years)?;
@@ -234,8 +235,11 @@ fn measure(
         outlines.push(outline_of(film, &measured.readings, levels, warnings)?);
         warn_of_implausible_landmarks(film, warnings);
     }
-    for (outline, noise) in outlines.iter_mut().zip(noise.into_iter().flatten()) {
-        outline.noise = *noise;
+    if let Some((noise, errors)) = known {
+        for (outline, noise) in outlines.iter_mut().zip(noise) {
+            outline.noise = *noise;
+            errors.iter().for_each(|error| error.add_to(outline));
+        }
     }
     for film in &films[1..] {
         warn_of_shifted_levels(films[0], film, warnings);

@@ -188,7 +188,10 @@ fn geometric_line(
     match kind {
         LineKind::Iliac => {
             if posture.outline.iliac_normal.is_none() {
-                let text = "the iliac crests are not marked: a line perpendicular to L4's axis replaces the iliac line";
+                let text = format!(
+                    "the iliac crests are not marked: a line perpendicular to {}'s axis replaces the iliac line",
+                    posture.outline.levels().base()
+                );
                 warnings.film(Step::Measure, "iliac_crests_missing", name, text);
             }
             let t2 = posture.outline.vertebrae[posture.outline.vertebrae.len() - 1].location;

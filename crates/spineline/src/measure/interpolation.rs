@@ -1,8 +1,8 @@
 //! A vertebra that a film does not show, between two that it does.
 
 use super::order::typical_distance_mm;
-use super::{MeasuredVertebra, Noise};
-use crate::anatomy::Level;
+use super::{MeasuredVertebra, Noise, Outline};
+use crate::anatomy::{Level, Posture};
 use crate::spatial::{Angle, Frontal};
 
 /// Where a vertebra without landmarks was taken from, and how uncertain it is.
@@ -14,6 +14,30 @@ pub struct Interpolation {
     pub location_sd_mm: f64,
     /// Standard deviation of its tilt.
     pub tilt_sd: Angle,
+}
+
+/// An error of an interpolated vertebra, in its standard deviations: of both coordinates and of the tilt.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct InterpolationError {
+    pub posture: Posture,
+    pub level: Level,
+    pub deviations: [f64; 3],
+}
+
+impl InterpolationError {
+    /// Moves the vertebra that it is about, where this film does not show it.
+    pub fn add_to(&self, outline: &mut Outline) {
+        if outline.posture != self.posture {
+            return;
+        }
+        let vertebra = outline.vertebrae.iter_mut().find(|vertebra| vertebra.level == self.level);
+        let Some((vertebra, found)) = vertebra.and_then(|v| v.interpolated.map(|i| (v, i))) else {
+            return;
+        };
+        let [y, z, turn] = self.deviations;
+        vertebra.location = vertebra.location + Frontal::new(y, z) * found.location_sd_mm;
+        vertebra.tilt = vertebra.tilt + found.tilt_sd * turn;
+    }
 }
 
 /// The most neighbouring vertebrae that are interpolated: four would span more than a curve between inflections may.

@@ -42,6 +42,7 @@ pub use film::{
 };
 pub use frame::{FilmFrame, body_widths, endplate_centres};
 pub use interpolation::Interpolation;
+pub(crate) use interpolation::InterpolationError;
 pub use lateral::{LateralCorners, LateralFilm};
 pub use marking::{MarkedBody, MarkingFault, PartialLandmarks, PartialReading, turn_axis_towards};
 pub use marking_proposal::{CornerName, NextLandmark, ProposedVertebra};

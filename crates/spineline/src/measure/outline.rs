@@ -172,7 +172,8 @@ pub(crate) fn outline_of(
     let iliac_normal = iliac_normal.map(|normal| (normal - base.tilt).wrapped());
     if let Some(normal) = iliac_normal.filter(|normal| normal.abs() > Angle::from_deg(60.0)) {
         let text = format!(
-            "the angle between the iliac line and L4 is {:.0}°: the left and right crests may be exchanged",
+            "the angle between the iliac line and {} is {:.0}°: the left and right crests may be exchanged",
+            levels.base(),
             normal.abs().deg()
         );
         warnings.film(Step::Measure, "iliac_line_unusual", posture, text);
