@@ -13,8 +13,8 @@ use crate::{LandmarkError, LandmarkReadings, MarkedFilm};
 pub enum AasceVerdict {
     /// No findings.
     Clean {
-        /// The main angle as the set defines it: the range, over T1 to L5, of the tilt of the mean endplates. A T1 or L5 whose
-        /// marks make no body takes no part in it, as in any analysis.
+        /// The main angle as the set defines it: the range, over T1 to L5, of the tilt of the mean endplates. A T1 or L5 that
+        /// an analysis leaves out takes no part in it.
         main_angle: Angle,
     },
     /// The film needs a manual check.

@@ -50,10 +50,15 @@ pub(super) fn warn_of_interpolated(
         let Some(found) = vertebra.interpolated else { continue };
         let [below, above] = found.between;
         let text = format!(
-            "{} is not marked; it is interpolated between {below} and {above} (standard deviation {} and {:.1}), and takes no part in fits to this film and in location errors",
+            "{} is not marked; it is interpolated between {below} and {above} (standard deviation {} and {:.1}), and takes no part in fits to this film and in location errors{}",
             vertebra.level,
             scale.text(found.location_sd_mm, 1),
-            found.tilt_sd
+            found.tilt_sd,
+            if posture == Posture::Erect {
+                "; the model's own place of it is as uncertain"
+            } else {
+                ""
+            }
         );
         warnings.vertebra(Step::Measure, "level_interpolated", posture, vertebra.level, text);
     }

@@ -11,9 +11,14 @@ use crate::anatomy::{Level, Posture};
 use crate::spatial::Frontal;
 use crate::warning::{Step, Warnings};
 
-/// A vertebra that no model has, so that its marks cannot stop an analysis.
-fn is_needless(level: Level) -> bool {
-    level.model_index().is_none()
+/// Whether an analysis can do without a vertebra that no model has. T1 is never needed. An L5 beyond the edge of the picture
+/// is not either; but one whose corners are wrong may be what a film with shifted names shows, and stays an error.
+fn is_needless(level: Level, error: &MeasureError) -> bool {
+    match level {
+        Level::T1 => true,
+        Level::L5 => matches!(error, MeasureError::OffImage { .. }),
+        _ => false,
+    }
 }
 
 /// The vertebral body of a level in millimetres of the film, whose corners all lie on the picture.
@@ -51,7 +56,8 @@ fn body_of(
     Ok(landmark.corners.map(|corner| image.frontal(corner)))
 }
 
-/// One reading in millimetres of the film: midpoints and tilts. L5 and T1 are absent where their marks make no body.
+/// One reading in millimetres of the film: midpoints and tilts. T1 is absent where its marks make no body, and L5 where
+/// they lie beyond the picture.
 pub(super) fn place(
     posture: Posture,
     image: &ImageGeometry,
@@ -60,10 +66,13 @@ pub(super) fn place(
     place_usable(posture, image, reading, &mut Vec::new())
 }
 
-/// Says of L5 and T1 whose marks make no body that they are left out.
+/// Says of T1 and L5 where their marks cannot be used that they are left out.
 pub(super) fn warn_of_unusable_ends(film: &Film, warnings: &mut Warnings) {
     let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return };
-    for reading in readings.iter().filter(|one| one.vertebrae.keys().copied().any(is_needless)) {
+    for reading in readings
+        .iter()
+        .filter(|one| one.vertebrae.keys().any(|level| level.model_index().is_none()))
+    {
         let mut unusable = Vec::new();
         // What else is wrong has stopped the measurement before.
         let _ = place_usable(film.posture, image, reading, &mut unusable);
@@ -87,15 +96,20 @@ fn place_usable(
         match body_of(posture, image, reading, level) {
             Ok(body) => drop(bodies.insert(level, body)),
             Err(error @ MeasureError::AxesExchanged { .. }) => return Err(error),
-            Err(error) if is_needless(level) => unusable.push((level, error)),
+            Err(error) if is_needless(level, &error) => unusable.push((level, error)),
             Err(error) => return Err(error),
         }
     }
     for (&level, body) in &bodies {
         match body.measure_location() {
             Ok(centre) => drop(centres.insert(level, centre)),
-            Err(found) if is_needless(level) => unusable.push((level, fault(level, found))),
-            Err(found) => return Err(fault(level, found)),
+            Err(found) => {
+                let error = fault(level, found);
+                if !is_needless(level, &error) {
+                    return Err(error);
+                }
+                unusable.push((level, error));
+            }
         }
     }
     bodies.retain(|level, _| centres.contains_key(level));
@@ -123,11 +137,12 @@ fn place_usable(
     let wrong = [(turned, CornerFault::UpsideDown), (exchanged, CornerFault::SidesExchanged)];
     for (levels, found) in wrong {
         for level in levels {
-            if !is_needless(level) {
-                return Err(fault(level, found));
+            let error = fault(level, found);
+            if !is_needless(level, &error) {
+                return Err(error);
             }
             if bodies.remove(&level).is_some() {
-                unusable.push((level, fault(level, found)));
+                unusable.push((level, error));
             }
         }
     }

@@ -106,8 +106,12 @@ pub(crate) fn warn_of_shortened_chain(
         |missing: &[Level]| missing.iter().map(|level| level.name()).collect::<Vec<_>>().join(", ");
     let without = |missing: &[Level]| {
         let lacks = |seen: &BTreeSet<Level>| missing.iter().any(|level| !seen.contains(level));
-        let all = films.iter().filter(|(_, seen)| lacks(seen));
-        all.map(|(posture, _)| posture.to_string()).collect::<Vec<_>>().join(", ")
+        let lacking: Vec<&(Posture, BTreeSet<Level>)> =
+            films.iter().filter(|(_, seen)| lacks(seen)).collect();
+        if lacking.len() == films.len() {
+            return "all films".to_owned();
+        }
+        lacking.iter().map(|(posture, _)| posture.to_string()).collect::<Vec<_>>().join(", ")
     };
     let (base, top) = (levels.base(), levels.top());
     let missing: Vec<Level> = Level::MODEL.into_iter().filter(|&level| level > top).collect();
