@@ -1,7 +1,7 @@
 //! From the command line to loads.
 
 use spineline::action::Application;
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::Posture;
 use spineline::multibody::Timing;
 use spineline::spatial::Vec3;
 use spineline_files::{
