@@ -65,8 +65,16 @@ fn hidden_vertebrae_reach_terminal_tables_and_report() {
     let (_, error, code) = program::run(here.path(), &["report", "case.json", "--out", "r.html"]);
     assert_eq!(code, 0, "{error}");
     let report = fs::read_to_string(here.path().join("r.html")).expect("a report");
-    for part in ["Interpolated, not marked: left bending: T8", "not marked on this film", "L4–T3"]
-    {
+    for part in ["Interpolated, not marked: left bending: T8", "without interpolated", "L4–T3"] {
         assert!(report.contains(part), "`{part}` is not in the report");
     }
+    let arguments = ["analyze", "case.json", "--figures", "figures"];
+    let (_, error, code) = program::run(here.path(), &arguments);
+    assert_eq!(code, 0, "{error}");
+    let figures = fs::read_dir(here.path().join("figures")).expect("a folder");
+    let marked = figures.filter(|figure| {
+        let path = figure.as_ref().expect("a file").path();
+        fs::read_to_string(path).is_ok_and(|svg| svg.contains("not marked on this film"))
+    });
+    assert!(marked.count() > 0, "the overview marks interpolated vertebrae");
 }
