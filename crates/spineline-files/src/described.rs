@@ -3,7 +3,8 @@
 use spineline::action::Application;
 use spineline::analysis::{Grouping, Sex};
 use spineline::anatomy::{ImageSide, Named, Posture, Region};
-use spineline::measure::SpacingPlane;
+use spineline::clinical::EndRule;
+use spineline::measure::{SpacingPlane, TiltRule};
 use spineline::multibody::{Support, Timing};
 use spineline::personalize::FitTarget;
 
@@ -100,6 +101,14 @@ impl Described for Sex {
 
 impl Described for FitTarget {
     const DEFINITION: &'static str = "FitKey";
+}
+
+impl Described for TiltRule {
+    const DEFINITION: &'static str = "TiltRuleKey";
+}
+
+impl Described for EndRule {
+    const DEFINITION: &'static str = "EndRuleKey";
 }
 
 impl Described for Grouping {

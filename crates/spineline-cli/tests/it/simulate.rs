@@ -179,6 +179,9 @@ fn mirrored(model: &str) -> String {
     for joint in json["joints"].as_array_mut().expect("a list") {
         flip(&mut joint["centre_mm"][1]);
     }
+    for region in json["regions"].as_array_mut().expect("a list") {
+        flip(&mut region["endplate_difference_deg"]);
+    }
     json.to_string()
 }
 
@@ -295,5 +298,8 @@ fn a_model_without_regions_is_measured_at_default_levels_with_a_note() {
     let (json, code) = simulate(here.path(), &["--push", "left", "--force", "5"]);
     assert_eq!(code, 0);
     assert_eq!(json["warnings"][0]["code"], "usual_regions");
-    assert!(json["equilibria"][0]["cobb_deg"]["main_thoracic"].is_number());
+    let angles = &json["equilibria"][0];
+    assert!(angles["tilt_range_deg"]["main_thoracic"].is_number());
+    // Without its regions a model does not say how its endplates lie.
+    assert_eq!(angles["cobb_deg"], json!({}));
 }

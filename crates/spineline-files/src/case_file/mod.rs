@@ -330,7 +330,7 @@ impl VertebraRecord {
             }
             ([None, None, None, None], (Some([y, z]), Some(tilt))) if self.axis_deg.is_none() => {
                 let location = Frontal::new(y, z);
-                Some(Kind::Measured(Placement { location, tilt: Angle::from_deg(tilt) }))
+                Some(Kind::Measured(Placement::new(location, Angle::from_deg(tilt))))
             }
             _ => None,
         }

@@ -115,7 +115,7 @@ fn placements() -> String {
     let nominal = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     for (film, posture) in case.films.iter_mut().zip(&nominal.postures) {
         let vertebrae = posture.outline.vertebrae.iter();
-        let placed = vertebrae.map(|v| (v.level, Placement { location: v.location, tilt: v.tilt }));
+        let placed = vertebrae.map(|v| (v.level, Placement::new(v.location, v.tilt)));
         let reading = Reading { id: ReadingId::new("program", 1), vertebrae: placed.collect() };
         film.landmarks = FilmLandmarks::Placements {
             spacing_plane: SpacingPlane::Patient,

@@ -225,8 +225,7 @@ impl Table<'_> {
             Values::Placements(columns) => {
                 let [y, z, tilt] =
                     [0, 1, 2].map(|i| self.number(record, columns[i], line, PLACED[i]));
-                let placement =
-                    Placement { location: Frontal::new(y?, z?), tilt: Angle::from_deg(tilt?) };
+                let placement = Placement::new(Frontal::new(y?, z?), Angle::from_deg(tilt?));
                 let film = self.films.entry(posture).or_default();
                 let reading = film.placements.entry(id.clone()).or_default();
                 match reading.get(&level) {

@@ -2,7 +2,9 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 use spineline::anatomy::{Level, Named, Posture};
-use spineline::measure::{Corners, IliacCrests, Placement, Reading, ReadingId, VertebraLandmarks};
+use spineline::measure::{
+    Corners, IliacCrests, Placement, Reading, ReadingId, TiltRule, VertebraLandmarks,
+};
 use spineline::spatial::Frontal;
 use spineline_files::nearest;
 
@@ -298,7 +300,14 @@ impl List {
                 at: format!("{}, {level}", self.at),
                 reason: fault.to_string(),
             })?;
-            placed.insert(level, Placement { location, tilt: body.measure_tilt() });
+            placed.insert(
+                level,
+                Placement {
+                    location,
+                    tilt: TiltRule::default().tilt_of(&body),
+                    endplates: Some(body.measure_endplates()),
+                },
+            );
         }
         Ok(placed)
     }

@@ -3,7 +3,9 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use spineline::anatomy::{ImageSide, Level};
+use spineline::analysis::{AnalysisOptions, Case, Subject, analyze};
+use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::measure::{Film, FilmLandmarks, ImageGeometry};
 use spineline_landmarks::{
     AasceRow, AasceRows, AasceVerdict, LandmarkError, LandmarkHint, LandmarkReadings, image_sizes,
     judge_aasce, parse_mat,
@@ -175,4 +177,44 @@ fn a_damaged_matlab_file_is_an_error_or_a_film() {
             }
         }
     }
+}
+
+#[test]
+fn cobb_angles_by_endplates_are_about_one_degree_above_those_of_the_data_set() {
+    // Oracle: the set's own angles are differences of mean endplate tilts; between superior and inferior endplates they are
+    // about 1° larger. Axes gave 8°.
+    let Some(folder) = folder() else { return };
+    let angles =
+        std::fs::read_to_string(folder.join("labels/training/angles.csv")).expect("angles");
+    let main: Vec<f64> = angles
+        .lines()
+        .map(|line| line.split(',').next().expect("a column").parse().expect("a number"))
+        .collect();
+    let mut off: Vec<f64> = Vec::new();
+    for row in rows(&folder) {
+        let clean = judge_aasce(&row.film, ImageSide::Right).expect("a film with its size");
+        let LandmarkReadings::Corners(readings) = &row.film.landmarks else { panic!("corners") };
+        let (columns, rows) = row.film.size.expect("a size");
+        let image = ImageGeometry { columns, rows, spacing: None, patient_left: ImageSide::Right };
+        let landmarks =
+            FilmLandmarks::Corners { image, iliac_crests: None, readings: readings.clone() };
+        let film = Film { posture: Posture::Erect, landmarks };
+        let case = Case {
+            id: "aasce".to_owned(),
+            synthetic: false,
+            subject: Subject::default(),
+            films: vec![film],
+            lateral: None,
+        };
+        let Ok(analysis) = analyze(&case, &AnalysisOptions::default()) else { continue };
+        if let (AasceVerdict::Clean { .. }, Some(curve)) = (clean, analysis.main_curve()) {
+            off.push(curve.erect_size().abs().deg() - main[row.row]);
+        }
+    }
+    let n = off.len() as f64;
+    let mean = off.iter().sum::<f64>() / n;
+    let sd = (off.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+    let above_ten = off.iter().filter(|d| d.abs() > 10.0).count();
+    println!("{n} films: mean {mean:.2}°, SD {sd:.2}°, more than 10° in {above_ten}");
+    assert!(n > 400.0 && mean.abs() < 2.0 && sd < 6.0, "{mean} {sd}");
 }

@@ -286,9 +286,9 @@ fn a_report_needs_its_radiograph() {
 
 #[test]
 fn locations_of_another_program_are_read_from_a_table() {
-    let placement = |i: usize| Placement {
-        location: Frontal::new(0.1 * i as f64, -31.25 * i as f64),
-        tilt: Angle::from_deg(3.0 - i as f64),
+    let placement = |i: usize| {
+        let location = Frontal::new(0.1 * i as f64, -31.25 * i as f64);
+        Placement::new(location, Angle::from_deg(3.0 - i as f64))
     };
     let vertebrae = Level::MODEL.into_iter().enumerate().map(|(i, level)| (level, placement(i)));
     let readings = vec![Reading { id: ReadingId::new("=B", 2), vertebrae: vertebrae.collect() }];

@@ -5,7 +5,7 @@ use spineline::analysis::{Analysis, probability};
 use spineline::cohort::{Cohort, ErrorKind, ErrorStatistics, LinePairTest, LineStatistics};
 
 use super::movement::tested;
-use super::people::main_curve;
+use super::people::curve_size;
 use super::with_interval;
 use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures::{self, LocationErrorSample};
@@ -201,7 +201,7 @@ pub fn by_patient(analyses: &[Analysis], detail: Detail) -> Section {
     let kinds = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
     let mut columns = vec![
         Column::words("Case"),
-        Column::numbers("Main Cobb (°)"),
+        Column::numbers("Main Cobb angle (°)"),
         Column::numbers("Inflections"),
     ];
     for kind in kinds {
@@ -233,10 +233,10 @@ pub fn by_patient(analyses: &[Analysis], detail: Detail) -> Section {
 }
 
 fn patient_row(analysis: &Analysis, kinds: [LineKind; 3], detail: Detail) -> Vec<String> {
-    let main = main_curve(analysis).map(|curve| curve.cobb[0].1.abs().deg());
+    let main = analysis.main_curve();
     let mut row = vec![
         analysis.case_id.clone(),
-        main.map_or_else(none, |cobb| format!("{cobb:.0}")),
+        main.map_or_else(none, curve_size),
         analysis.inflections.all.len().to_string(),
     ];
     for kind in kinds {

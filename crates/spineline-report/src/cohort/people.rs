@@ -159,10 +159,10 @@ fn films_table(analyses: &[Analysis]) -> Table {
     table
 }
 
-/// The curve with the largest Cobb angle.
-pub fn main_curve(analysis: &Analysis) -> Option<&ClinicalCurve> {
-    let size = |curve: &ClinicalCurve| curve.cobb[0].1.abs().rad();
-    analysis.clinical.iter().max_by(|a, b| size(a).total_cmp(&size(b)))
+/// Size of an erect curve in degrees; a tilt range is named as such, since it is no Cobb angle.
+pub fn curve_size(curve: &ClinicalCurve) -> String {
+    let name = if curve.has_cobb() { "" } else { " (tilt range)" };
+    format!("{:.0}{name}", curve.erect_size().abs().deg())
 }
 
 /// Table 1 of the paper, with the sizes of the chain.
@@ -181,7 +181,7 @@ pub fn table_1(patients: &Patients<'_>) -> Section {
     ];
     let mut table = Table::new("Descriptive data of the patients (table 1 of the paper)", columns);
     for (analysis, subject) in patients.analyses.iter().zip(patients.subjects) {
-        let main = main_curve(analysis);
+        let main = analysis.main_curve();
         let flexibility = main.and_then(|curve| curve.flexibility);
         table.row(vec![
             analysis.case_id.clone(),
@@ -189,7 +189,7 @@ pub fn table_1(patients: &Patients<'_>) -> Section {
             subject.age_years.map_or_else(none, |age| format!("{age:.0}")),
             subject.lenke.clone().unwrap_or_else(none),
             analysis.lenke.map_or_else(none, |lenke| lenke.number.to_string()),
-            main.map_or_else(none, |curve| format!("{:.0}", curve.cobb[0].1.abs().deg())),
+            main.map_or_else(none, curve_size),
             flexibility.map_or_else(none, |f| format!("{:.0}", 100.0 * f)),
             analysis.inflections.all.len().to_string(),
         ]);
@@ -226,8 +226,8 @@ fn summary(patients: &Patients<'_>) -> Table {
         }
     }
     let ages = patients.subjects.iter().filter_map(|subject| subject.age_years).collect();
-    let cobb = patients.analyses.iter().filter_map(main_curve);
-    let cobb = cobb.map(|curve| curve.cobb[0].1.abs().deg()).collect();
+    let main = patients.analyses.iter().filter_map(Analysis::main_curve);
+    let cobb = main.filter_map(|curve| Some(curve.cobb_in(Posture::Erect)?.abs().deg())).collect();
     let segments = patients.analyses.iter().map(|a| f64::from(a.chain.segments as u32)).collect();
     let lengths =
         patients.analyses.iter().filter_map(|a| a.scale().mm(a.chain.segment_mm)).collect();

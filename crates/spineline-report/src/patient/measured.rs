@@ -1,6 +1,7 @@
 //! What the films show: landmarks, curve, movement, and where the line of action runs.
 
 use spineline::analysis::{Analysis, probability};
+use spineline::clinical::{Balance, ClinicalCurve};
 use spineline::motion::SegmentEstimate;
 use spineline::personalize::LineTest;
 
@@ -26,7 +27,10 @@ pub fn films(patient: &Patient<'_>) -> Section {
         section.paragraph(sentence);
     }
     section.table(clinical(analysis));
-    section.paragraph(format!("{}.", analysis.lenke_words()));
+    section.paragraph(format!("{}. {}.", analysis.balance_words(), analysis.lenke_words()));
+    if analysis.balance.is_some() {
+        section.paragraph(format!("{}.", Balance::MISSING));
+    }
     section.table(curves(analysis));
     section
 }
@@ -51,23 +55,34 @@ pub fn clinical(analysis: &Analysis) -> Table {
         Column::words("Apex"),
     ];
     let postures = analysis.postures.iter().map(|p| p.outline.posture);
-    columns.extend(postures.map(|posture| Column::numbers(format!("Cobb {posture} (°)"))));
+    let cobb = analysis.clinical.iter().all(ClinicalCurve::has_cobb);
+    let name = if cobb { "Cobb" } else { "Tilt range" };
+    columns.extend(postures.map(|posture| Column::numbers(format!("{name} {posture} (°)"))));
     columns.push(Column::numbers("Flexibility (%)"));
-    let mut table = Table::new("Cobb angles", columns);
+    let mut table = Table::new(if cobb { "Cobb angles" } else { "Tilt ranges" }, columns);
     for curve in &analysis.clinical {
-        let sign = curve.cobb[0].1.rad().signum();
+        let sign = curve.erect_size().rad().signum();
         let mut row = vec![
             curve.region.to_string(),
             curve.convex.map_or_else(none, |side| side.to_string()),
             format!("{}–{}", curve.ends.superior, curve.ends.inferior),
             curve.apex.to_string(),
         ];
-        row.extend(curve.cobb.iter().map(|(_, angle)| format!("{:.1}", angle.deg() * sign)));
+        row.extend(curve.angles.iter().map(|(posture, _)| {
+            let size = curve.size_in(*posture);
+            size.map_or_else(none, |angle| format!("{:.1}", angle.deg() * sign))
+        }));
         row.push(curve.flexibility.map_or_else(none, |f| format!("{:.0}", 100.0 * f)));
         table.row(row);
     }
-    table.note =
-        "Positive in the direction of the erect curve: a negative angle is convex to the other side.".to_owned();
+    let what = if cobb {
+        "Superior endplate of the upper against inferior endplate of the lower end vertebra."
+    } else {
+        "The corners of the vertebrae are not known, so there is no Cobb angle: a tilt range is the difference of the tilts of the end vertebrae."
+    };
+    table.note = format!(
+        "{what} Positive in the direction of the erect curve: a negative angle is convex to the other side."
+    );
     table
 }
 

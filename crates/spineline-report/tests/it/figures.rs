@@ -28,7 +28,7 @@ fn film(posture: Posture, scale: f64, bend_deg: f64) -> Film {
             tilt += turn;
             place = place + along * (32.0 - 0.8 * i as f64);
         }
-        vertebrae.insert(level, Placement { location: place, tilt: Angle::from_deg(tilt) });
+        vertebrae.insert(level, Placement::new(place, Angle::from_deg(tilt)));
     }
     let readings = vec![Reading { id: ReadingId::new("A", 1), vertebrae }];
     Film {

@@ -9,12 +9,14 @@ use super::result::{Analysis, PostureAnalysis, is_read_once};
 use super::{AnalysisOptions, Case, LineModel};
 use crate::anatomy::Posture;
 use crate::chain::{Chain, ChainPose};
-use crate::clinical::{ClinicalCurve, LenkeType, Regions, lenke_type, measure_curves};
+use crate::clinical::{
+    Balance, ClinicalCurve, LenkeType, Regions, lenke_type, measure_balance, measure_curves,
+};
 use crate::curve::{CurveFit, InflectionChoice, Inflections, find_inflections, fit_curve};
 use crate::error::Error;
 use crate::hypothesis::HypothesisFit;
 use crate::measure::{
-    Film, FilmReadings, Noise, Outline, outline_of, warn_of_implausible_landmarks,
+    Film, FilmReadings, Noise, Outline, TiltRule, outline_of, warn_of_implausible_landmarks,
 };
 use crate::motion::{Motion, least_windows, mean_least};
 use crate::multibody::SpineModel;
@@ -104,7 +106,7 @@ impl Movement {
         noise: Option<&[Noise]>,
         warnings: &mut Warnings,
     ) -> Result<Self, Error> {
-        let (readings, outlines) = measure(case, noise, warnings)?;
+        let (readings, outlines) = measure(case, (options.tilt, noise), warnings)?;
         let (curves, fits) = fit_curves(&outlines, options, warnings)?;
         let (chain, poses) = lay_chain(&fits, options)?;
         let inflection_segments = curves
@@ -174,6 +176,7 @@ impl Movement {
             chain: self.chain,
             regions: self.curves.regions,
             clinical: self.curves.clinical,
+            balance: self.curves.balance,
             lenke: self.curves.lenke,
             spine: self.spine,
             lateral_measured: self.lateral_measured,
@@ -211,7 +214,7 @@ impl Mechanics {
 /// Step 1: the readings and the outline of every film, the erect one first.
 fn measure(
     case: &Case,
-    noise: Option<&[Noise]>,
+    (tilt, noise): (TiltRule, Option<&[Noise]>),
     warnings: &mut Warnings,
 ) -> Result<(Vec<FilmReadings>, Vec<Outline>), Error> {
     check_age(case.subject.age_years)?;
@@ -220,7 +223,7 @@ fn measure(
     films.sort_by_key(|film| film.posture);
     let (mut readings, mut outlines) = (Vec::new(), Vec::new());
     for film in &films {
-        let measured = FilmReadings::measure(film)?;
+        let measured = FilmReadings::measure(film, tilt)?;
         outlines.push(outline_of(film, &measured.readings, warnings)?);
         warn_of_implausible_landmarks(film, warnings);
         readings.push(measured);
@@ -244,6 +247,7 @@ struct Curves {
     inflections: Inflections,
     regions: Regions,
     clinical: Vec<ClinicalCurve>,
+    balance: Option<Balance>,
     lenke: Option<LenkeType>,
 }
 
@@ -260,10 +264,11 @@ fn fit_curves(
     let inflections = inflections_of(&fits[0], options, warnings);
     let locations: Vec<Frontal> = outlines[0].locations().collect();
     let regions = Regions::from_inflections(&fits[0], &inflections, &locations, warnings);
-    let clinical = measure_curves(&regions, &outlines.iter().collect::<Vec<_>>());
+    let clinical = measure_curves(&regions, &outlines.iter().collect::<Vec<_>>(), &options.ends);
+    let balance = measure_balance(&outlines[0], &regions, &clinical);
     // Regions that end at usual vertebrae are no curves, and give no type.
     let lenke = inflections.pair.and_then(|_| lenke_type(&clinical));
-    Ok((Curves { inflections, regions, clinical, lenke }, fits))
+    Ok((Curves { inflections, regions, clinical, balance, lenke }, fits))
 }
 
 /// Step 3: one segment length for all films, and the chain laid on every curve.

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use super::{Corners, Spacing, SpacingPlane};
+use super::{Corners, EndplateTilts, Spacing, SpacingPlane};
 use crate::anatomy::{ImageSide, Level, Posture};
 use crate::spatial::{Angle, Frontal, Pixel};
 
@@ -96,13 +96,23 @@ pub struct VertebraLandmarks {
     pub axis_clockwise: Option<Angle>,
 }
 
-/// A vertebra as measured by another program, in any frontal frame of its film.
+/// A vertebra as measured on one reading, or by another program, in any frontal frame of its film.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
     /// Midpoint.
     pub location: Frontal,
     /// Tilt.
     pub tilt: Angle,
+    /// Tilts of its two endplates; `None` where its corners are not known.
+    pub endplates: Option<EndplateTilts>,
+}
+
+impl Placement {
+    /// A location and a tilt without corners.
+    #[must_use]
+    pub const fn new(location: Frontal, tilt: Angle) -> Self {
+        Self { location, tilt, endplates: None }
+    }
 }
 
 /// One pass of one reader over one film.

@@ -372,7 +372,7 @@ fn order_faults(image: &ImageGeometry, bodies: &BTreeMap<Level, MarkedBody>) -> 
         .iter()
         .map(|(&level, body)| {
             let location = image.frontal(body.midpoint);
-            (level, Placement { location, tilt: body.tilt })
+            (level, Placement::new(location, body.tilt))
         })
         .collect();
     let faults = steps(&placed).into_iter().filter_map(|step| {

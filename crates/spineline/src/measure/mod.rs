@@ -1,12 +1,13 @@
 //! Step 1: landmarks on a radiograph → location and tilt of every vertebra in the global frame.
 //!
-//! The location of a vertebra is the intersection of the two diagonals of its body; its tilt is the lateral tilt of the line
-//! through the centres of its endplates, or an axis turned by hand. Readings are averaged on the film, and the film is
+//! The location of a vertebra is the intersection of the two diagonals of its body; its tilt is that of its endplates
+//! ([`TiltRule`]), or an axis turned by hand. Readings are averaged on the film, and the film is
 //! then brought into `G`: L4's midpoint is the origin and L4's own axis is +Z, so L4's tilt is zero in every posture,
 //! however the film was held.
 //!
 //! # Departures from the paper
-//! Landmarks may be sub-pixel, pixels need not be square, and the patient's side is part of the film.
+//! Landmarks may be sub-pixel, pixels need not be square, and the patient's side is part of the film. The paper takes tilts
+//! from the line through the endplates' centres, which has twice the noise; that is an option.
 //!
 //! # References
 //! [jalalian-loa], section 2.1 and figure 3.
@@ -25,6 +26,7 @@ mod outline;
 mod plausibility;
 mod readings;
 mod spacing;
+mod tilt;
 mod view;
 
 pub use calibration::{Calibration, CalibrationError, Calibrator};
@@ -47,6 +49,7 @@ pub use outline::{MeasuredVertebra, Outline, check_landmarks, measure_film};
 pub(crate) use plausibility::{same_landmarks, warn_of_implausible_landmarks};
 pub use readings::{FilmReadings, measure_readings};
 pub use spacing::{LengthScale, Spacing, SpacingPlane, SpacingSource};
+pub use tilt::{EndplateTilts, TiltRule};
 pub use view::{
     PatientDirection, Stance, View, ViewEvidence, ViewJudgement, ViewPosition, ViewQuestion,
     judge_view,

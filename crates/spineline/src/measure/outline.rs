@@ -1,12 +1,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::corners::normal_tilt;
 use super::order::{MIN_SPACING_SHARE, steps, typical_distance_mm};
 use super::plausibility::fits_exchanged;
 use super::spacing::is_spacing;
 use super::{
-    CornerFault, Corners, Film, FilmLandmarks, IliacCrests, ImageGeometry, LengthScale,
-    MeasureError, Noise, Placement, Reading, ReadingId, SpacingPlane, VertebraLandmarks,
-    measure_readings,
+    CornerFault, Corners, EndplateTilts, Film, FilmLandmarks, IliacCrests, ImageGeometry,
+    LengthScale, MeasureError, Noise, Placement, Reading, ReadingId, SpacingPlane, TiltRule,
+    VertebraLandmarks, measure_readings,
 };
 use crate::anatomy::{Level, Posture};
 use crate::spatial::{Angle, Frontal};
@@ -21,6 +22,8 @@ pub struct MeasuredVertebra {
     pub location: Frontal,
     /// Tilt against L4, mean over the readings.
     pub tilt: Angle,
+    /// Tilts of its endplates against L4, means over the readings; `None` where its corners are not known.
+    pub endplates: Option<EndplateTilts>,
     /// Readings that marked it.
     pub readings: usize,
 }
@@ -36,6 +39,10 @@ pub struct Outline {
     pub others: Vec<MeasuredVertebra>,
     /// Lateral tilt of the normal of the iliac line in `G`; `None` where the crests were not marked.
     pub iliac_normal: Option<Angle>,
+    /// Midpoint between the tips of the iliac crests; `None` where they were not marked.
+    pub iliac_middle: Option<Frontal>,
+    /// Tilt of the film's vertical in `G`; `None` for locations and tilts of another program, whose frame need not be upright.
+    pub vertical: Option<Angle>,
     /// L4's tilt on the film, which `G` has taken out.
     pub l4_on_film: Angle,
     /// L4's midpoint in the film's own frame, which is the origin of `G`.
@@ -86,19 +93,23 @@ impl Outline {
 ///
 /// ```
 /// use spineline::anatomy::Level;
-/// use spineline::measure::measure_film;
+/// use spineline::measure::{TiltRule, measure_film};
 /// use spineline::warning::Warnings;
 /// use spineline_phantom::{Readers, Truth, generate};
 ///
 /// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
-/// let outline = measure_film(&case.films[0], &mut Warnings::default())?;
+/// let outline = measure_film(&case.films[0], TiltRule::default(), &mut Warnings::default())?;
 /// assert_eq!(outline.vertebrae.len(), Level::MODEL.len());
 /// // L4 is the origin.
 /// assert!(outline.vertebrae[0].location.norm_mm() < 1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, MeasureError> {
-    outline_of(film, &measure_readings(film)?, warnings)
+pub fn measure_film(
+    film: &Film,
+    rule: TiltRule,
+    warnings: &mut Warnings,
+) -> Result<Outline, MeasureError> {
+    outline_of(film, &measure_readings(film, rule)?, warnings)
 }
 
 /// The outline of a film whose readings were measured before.
@@ -108,7 +119,7 @@ pub(crate) fn outline_of(
     warnings: &mut Warnings,
 ) -> Result<Outline, MeasureError> {
     let posture = film.posture;
-    let PlacedFilm { readings: placed, scale, iliac_normal } =
+    let PlacedFilm { readings: placed, scale, iliac_normal, iliac_middle } =
         place_film(film, readings, warnings)?;
     let on_film = average(&placed);
     let observers: Vec<&str> = readings.iter().map(|one| one.id.observer.as_str()).collect();
@@ -120,7 +131,8 @@ pub(crate) fn outline_of(
         .map(|(&level, &(placement, readings))| {
             let location = (placement.location - base.location).rotated(-base.tilt);
             let tilt = (placement.tilt - base.tilt).wrapped();
-            (level, MeasuredVertebra { level, location, tilt, readings })
+            let endplates = placement.endplates.map(|tilts| tilts.against(base.tilt));
+            (level, MeasuredVertebra { level, location, tilt, endplates, readings })
         })
         .collect();
     let vertebrae = Level::MODEL
@@ -145,6 +157,8 @@ pub(crate) fn outline_of(
         others: in_global.into_values().filter(|v| v.level.model_index().is_none()).collect(),
         vertebrae,
         iliac_normal,
+        iliac_middle: iliac_middle.map(|middle| (middle - base.location).rotated(-base.tilt)),
+        vertical: matches!(film.landmarks, FilmLandmarks::Corners { .. }).then(|| -base.tilt),
         l4_on_film: base.tilt,
         l4_midpoint_on_film: base.location,
         noise: Noise::of_means(&observers, &placed, &on_film),
@@ -158,6 +172,7 @@ struct PlacedFilm {
     readings: Vec<BTreeMap<Level, Placement>>,
     scale: LengthScale,
     iliac_normal: Option<Angle>,
+    iliac_middle: Option<Frontal>,
 }
 
 /// Checks all marks of a film, of whichever vertebrae: what [`measure_film`] refuses before it asks whether all are there.
@@ -165,7 +180,8 @@ struct PlacedFilm {
 /// # Errors
 /// As [`measure_film`], but for what concerns several vertebrae in their order.
 pub fn check_landmarks(film: &Film) -> Result<(), MeasureError> {
-    place_film(film, &measure_readings(film)?, &mut Warnings::default()).map(|_| ())
+    place_film(film, &measure_readings(film, TiltRule::default())?, &mut Warnings::default())
+        .map(|_| ())
 }
 
 fn place_film(
@@ -179,7 +195,7 @@ fn place_film(
         FilmLandmarks::Corners { image, iliac_crests, .. } => (image, iliac_crests),
         FilmLandmarks::Placements { spacing_plane, .. } => {
             let scale = LengthScale::stated(*spacing_plane);
-            return Ok(PlacedFilm { readings, scale, iliac_normal: None });
+            return Ok(PlacedFilm { readings, scale, iliac_normal: None, iliac_middle: None });
         }
     };
     if let Some(crests) = iliac_crests {
@@ -190,7 +206,10 @@ fn place_film(
         Some(spacing) => (readings, LengthScale::of(&spacing)),
         None => scaled_from_pixels(posture, readings, warnings),
     };
-    Ok(PlacedFilm { readings, scale, iliac_normal })
+    let per_mm = 1.0 / scale.pixels_per_mm.unwrap_or(1.0);
+    let iliac_middle = iliac_crests
+        .map(|crests| (image.frontal(crests.left) + image.frontal(crests.right)) * (0.5 * per_mm));
+    Ok(PlacedFilm { readings, scale, iliac_normal, iliac_middle })
 }
 
 pub(super) fn check_spacing(posture: Posture, image: &ImageGeometry) -> Result<(), MeasureError> {
@@ -276,6 +295,7 @@ pub(super) fn place(
     posture: Posture,
     image: &ImageGeometry,
     reading: &Reading<VertebraLandmarks>,
+    rule: TiltRule,
 ) -> Result<BTreeMap<Level, Placement>, MeasureError> {
     let id = || reading.id.clone();
     let bodies = bodies_of(posture, image, reading)?;
@@ -316,8 +336,9 @@ pub(super) fn place(
         .map(|(&level, body)| {
             let by_hand = reading.vertebrae[&level].axis_clockwise;
             let tilt =
-                by_hand.map_or_else(|| body.measure_tilt(), |axis| image.tilt_from_clockwise(axis));
-            (level, Placement { location: centres[&level], tilt })
+                by_hand.map_or_else(|| rule.tilt_of(body), |axis| image.tilt_from_clockwise(axis));
+            let endplates = Some(body.measure_endplates());
+            (level, Placement { location: centres[&level], tilt, endplates })
         })
         .collect())
 }
@@ -369,9 +390,7 @@ fn check_crests(
 }
 
 fn iliac_normal(image: &ImageGeometry, crests: IliacCrests) -> Angle {
-    let to_left = image.frontal(crests.left) - image.frontal(crests.right);
-    // A quarter turn about +X carries the patient's left (+Y) to cranial (+Z).
-    Frontal::new(-to_left.z_mm, to_left.y_mm).lateral_tilt()
+    normal_tilt(image.frontal(crests.left) - image.frontal(crests.right))
 }
 
 /// Mean over the readings that marked a level, and their number.
@@ -396,8 +415,16 @@ fn mean_placement(all: &[Placement]) -> Placement {
     let n = all.len() as f64;
     let location = all.iter().fold(Frontal::default(), |sum, p| sum + p.location) * (1.0 / n);
     // Against one of them, so that a film held upside down averages as any other.
-    let off = all.iter().fold(Angle::ZERO, |sum, p| sum + (p.tilt - all[0].tilt).wrapped());
-    Placement { location, tilt: all[0].tilt + off * (1.0 / n) }
+    let mean = |first: Angle, tilts: &mut dyn Iterator<Item = Angle>| {
+        first + tilts.fold(Angle::ZERO, |sum, tilt| sum + (tilt - first).wrapped()) * (1.0 / n)
+    };
+    let tilt = mean(all[0].tilt, &mut all.iter().map(|p| p.tilt));
+    let endplates: Option<Vec<EndplateTilts>> = all.iter().map(|p| p.endplates).collect();
+    let endplates = endplates.map(|all| EndplateTilts {
+        superior: mean(all[0].superior, &mut all.iter().map(|tilts| tilts.superior)),
+        inferior: mean(all[0].inferior, &mut all.iter().map(|tilts| tilts.inferior)),
+    });
+    Placement { location, tilt, endplates }
 }
 
 fn check_order(
@@ -411,10 +438,8 @@ fn check_order(
         let (tilt_deg, limit_deg) = (v.tilt.deg(), TILT_LIMIT.deg());
         return Err(MeasureError::TiltTooLarge { posture, level: v.level, tilt_deg, limit_deg });
     }
-    let placed: Vec<(Level, Placement)> = vertebrae
-        .iter()
-        .map(|v| (v.level, Placement { location: v.location, tilt: v.tilt }))
-        .collect();
+    let placed: Vec<(Level, Placement)> =
+        vertebrae.iter().map(|v| (v.level, Placement::new(v.location, v.tilt))).collect();
     for step in steps(&placed) {
         let (inferior, superior, share) = (step.inferior, step.superior, step.share);
         if step.is_out_of_order() {

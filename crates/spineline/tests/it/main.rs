@@ -1,5 +1,7 @@
 //! The tests of this crate that see it from outside, in one executable so that they are linked once.
 
+mod balance;
+mod cobb;
 mod common;
 mod curves;
 mod faults;

@@ -13,7 +13,8 @@ use spineline::clinical::{RegionBounds, Regions};
 use spineline::error::Error;
 use spineline::measure::{
     Film, FilmLandmarks, IliacCrests, ImageGeometry, LengthScale, MeasuredVertebra, Noise, Outline,
-    Placement, Reading, ReadingId, Spacing, SpacingPlane, VertebraLandmarks, measure_film,
+    Placement, Reading, ReadingId, Spacing, SpacingPlane, TiltRule, VertebraLandmarks,
+    measure_film,
 };
 use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Angle, Frontal, Pixel};
@@ -150,7 +151,7 @@ pub fn placement_film(
 ) -> Film {
     let vertebrae = vertebrae
         .into_iter()
-        .map(|(level, location, tilt)| (level, Placement { location, tilt }))
+        .map(|(level, location, tilt)| (level, Placement::new(location, tilt)))
         .collect();
     let reading = Reading { id: ReadingId::new("A", 1), vertebrae };
     let landmarks =
@@ -173,7 +174,7 @@ pub fn case_of(films: Vec<Film>) -> Case {
 }
 
 pub fn measured(film: &Film) -> Outline {
-    measure_film(film, &mut Warnings::default()).expect("a sound film")
+    measure_film(film, TiltRule::default(), &mut Warnings::default()).expect("a sound film")
 }
 
 /// The erect outline of a subject and the unloaded spine that it gives.
@@ -203,13 +204,21 @@ pub fn outline(posture: Posture, vertebrae: &[(Frontal, Angle)]) -> Outline {
     let vertebrae = Level::MODEL
         .into_iter()
         .zip(vertebrae)
-        .map(|(level, &(location, tilt))| MeasuredVertebra { level, location, tilt, readings: 1 })
+        .map(|(level, &(location, tilt))| MeasuredVertebra {
+            level,
+            location,
+            tilt,
+            endplates: None,
+            readings: 1,
+        })
         .collect();
     Outline {
         posture,
         vertebrae,
         others: Vec::new(),
         iliac_normal: None,
+        iliac_middle: None,
+        vertical: None,
         l4_on_film: Angle::ZERO,
         l4_midpoint_on_film: Frontal::default(),
         noise: Noise::ONE_READING,
