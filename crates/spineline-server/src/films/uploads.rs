@@ -94,7 +94,7 @@ async fn discard(
 }
 
 /// A thumbnail of an upload.
-#[utoipa::path(get, path = "/api/uploads/{upload}/thumbnail",
+#[utoipa::path(get, path = "/api/uploads/{upload}/thumbnail", params(("upload" = String, Path)),
     responses((status = 200, content_type = "image/png"), (status = 401, body = Problem),
         (status = 404, body = Problem)))]
 async fn thumbnail(
