@@ -13,6 +13,7 @@ mod outputs;
 mod privacy;
 mod program;
 mod reliability;
+mod repeated_films;
 mod report;
 mod rerun;
 mod results;

@@ -51,11 +51,8 @@ pub(super) fn warn_of_corners_off_the_trend(
     let usual = median(all.iter().flatten().map(Predicted::share).collect());
     let limit = (OUTLIER_MEDIANS * usual).max(SMALLEST_OUTLIER_SHARE);
     for (index, corners) in all.iter().enumerate() {
-        let near = &all[index.saturating_sub(2)..(index + 3).min(all.len())];
         for (corner, found) in corners.iter().enumerate() {
-            // A misplaced corner spoils the predictions of its neighbours too.
-            let is_worst = near.iter().all(|other| other[corner].share() <= found.share());
-            if found.share() > limit && is_worst {
+            if found.share() > limit && is_worst(&all, index, corner) {
                 let text = format!(
                     "observer {}: the {} corner is {:.0} % of the body's diagonal from where the neighbouring vertebrae put it (limit {:.0} %): check this corner",
                     reading.id,
@@ -67,6 +64,25 @@ pub(super) fn warn_of_corners_off_the_trend(
             }
         }
     }
+}
+
+/// Whether a corner far from its prediction is itself misplaced: a misplaced corner spoils the predictions of its
+/// neighbours too, to the half.
+fn is_worst(all: &[[Predicted; 4]], index: usize, corner: usize) -> bool {
+    let share = |at: usize| all[at][corner].share();
+    let last = all.len() - 1;
+    // The first vertebra and the second one are judged by the same three corners, and so are the last two. Where the inner
+    // one is misplaced, the prediction of the third is off by half as much; where the outer one is, not at all.
+    let (is_end, partner, third) = match index {
+        0 | 1 => (index == 0, 1 - index, 2),
+        _ if index + 1 >= last => (index == last, 2 * last - 1 - index, last - 2),
+        _ => (false, index, index),
+    };
+    if third != index && is_end != (share(third) < 0.25 * share(index)) {
+        return false;
+    }
+    let near = index.saturating_sub(2)..=(index + 2).min(last);
+    near.filter(|&at| at != partner).all(|at| share(at) <= share(index))
 }
 
 /// The four corners of one body of at least three, against the line through the two nearest bodies.

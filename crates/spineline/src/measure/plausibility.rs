@@ -24,15 +24,19 @@ const OUTLIER_MEDIANS: f64 = 8.0;
 /// other readings agree.
 const SMALLEST_OUTLIER_SHARE: f64 = 0.15;
 
-/// Angle between an axis turned by hand and that of the corners, above which one of them is doubted. Assumption: far
-/// above the deviation of either (assumption).
+/// Angle between an axis turned by hand and that of the corners, above which one of them is doubted. Far above the
+/// deviation of either (assumption).
 const LARGEST_AXIS_DIFFERENCE: Angle = Angle::from_deg(30.0);
 
-/// Whether two films carry the same landmarks or placements, whoever is named as their observer.
+/// Vertebrae from which equal coordinates on two films are no accident.
+const FEWEST_SAME: usize = 2;
+
+/// Whether a reading of one film has the landmarks or placements of a reading of the other one, whoever is named as its
+/// observer.
 pub(crate) fn same_landmarks(a: &Film, b: &Film) -> bool {
     fn same<T: PartialEq>(a: &[Reading<T>], b: &[Reading<T>]) -> bool {
-        let marked = a.iter().any(|reading| !reading.vertebrae.is_empty());
-        marked && a.iter().map(|one| &one.vertebrae).eq(b.iter().map(|one| &one.vertebrae))
+        let mut marked = a.iter().filter(|reading| reading.vertebrae.len() >= FEWEST_SAME);
+        marked.any(|one| b.iter().any(|other| one.vertebrae == other.vertebrae))
     }
     match (&a.landmarks, &b.landmarks) {
         (

@@ -84,7 +84,7 @@ fn lateral(
     let mut vertebrae = std::collections::BTreeMap::new();
     let place = |x: f64, z: f64| {
         let column = if anterior == ImageSide::Right { x } else { -x };
-        Pixel::new(1000.0 + column / column_mm, 5000.0 - z / row_mm)
+        Pixel::new(2000.0 + column / column_mm, 5000.0 - z / row_mm)
     };
     for (i, level) in Level::MODEL.into_iter().enumerate() {
         let corner = |ahead: f64, up: f64| {
@@ -107,7 +107,7 @@ fn lateral(
         }
     }
     LateralFilm {
-        columns: 2000,
+        columns: 4000,
         rows: 6000,
         spacing: Some(Spacing::stated(column_mm, row_mm, SpacingPlane::Unknown)),
         patient_anterior: anterior,

@@ -341,13 +341,16 @@ fn vertebra_mut(case: &mut Case, level: Level) -> &mut VertebraLandmarks {
 fn doubtful_corners_of_an_incomplete_reading_are_named() {
     let thin = |case: &mut Case| {
         let corners = &mut vertebra_mut(case, Level::L1).corners;
-        corners.superior_left.row_px +=
-            0.75 * (corners.inferior_left.row_px - corners.superior_left.row_px);
+        let (upper, lower) = (corners.superior_left, corners.inferior_left);
+        corners.superior_left = Pixel::new(
+            lower.column_px + 0.25 * (upper.column_px - lower.column_px),
+            lower.row_px + 0.25 * (upper.row_px - lower.row_px),
+        );
     };
     let wide = |case: &mut Case| {
         let corners = &mut vertebra_mut(case, Level::L1).corners;
         corners.superior_left.column_px +=
-            0.5 * (corners.superior_left.column_px - corners.superior_right.column_px);
+            0.8 * (corners.superior_left.column_px - corners.superior_right.column_px);
     };
     let turned = |case: &mut Case| {
         vertebra_mut(case, Level::L1).axis_clockwise = Some(Angle::from_deg(80.0));
