@@ -23,3 +23,4 @@ mod simulate;
 mod streams;
 mod study;
 mod tables;
+mod unpacked;

@@ -78,7 +78,7 @@ fn spacing_provenance_picture_file_and_lateral_film_round_trip() {
     });
     let source = |file: &str| FilmSource {
         file: Some(file.to_owned()),
-        sha256: Some("ab".repeat(32)),
+        sha256: Some(spineline_files::sha256_hex(file.as_bytes())),
         inverted: true,
     };
     let file = CaseFile::from_case(&case)

@@ -23,7 +23,7 @@ const OUTLIER_MEDIANS: f64 = 5.0;
 /// 40, 50 and 60 % of the diagonal in any direction, 59, 80 and 90 % of them are found.
 const SMALLEST_OUTLIER_SHARE: f64 = 0.25;
 
-/// A corner with its distance from the prediction, as parts of the body's diagonal.
+/// A corner with its distance from the prediction, as parts of the diagonal of such a body.
 struct Predicted {
     distance: f64,
     /// Standard deviation of that distance for errors of 1 in every corner.
@@ -99,7 +99,9 @@ fn predicted(bodies: &[(Level, Corners<Frontal>)], index: usize) -> [Predicted; 
         points(index)[corner] - points(near)[corner] * (1.0 - part) - points(far)[corner] * part
     });
     let error = (1.0 + (1.0 - part).powi(2) + part.powi(2)).sqrt();
-    let diagonal_mm = bodies[index].1.longer_diagonal_mm();
+    // A misplaced corner lengthens its own body's diagonal.
+    let of_three = [index, near, far].map(|at| bodies[at].1.longer_diagonal_mm());
+    let diagonal_mm = median(of_three.to_vec());
     std::array::from_fn(|corner| {
         let distance = off[corner].distance_mm(common(&off, corner)) / diagonal_mm;
         Predicted { distance, error }
