@@ -299,8 +299,9 @@ fn landmarks_of_a_de_identified_film_leave_without_its_patient() {
     let choice = ["--film", "erect=1", "--patient-left", "image-left", "--accept"];
     for (name, keep, patient) in [("p07", None, false), ("kept", Some("--keep-identity"), true)] {
         let out = here.path().join(PLACES[3]).join(name);
-        let import = ["import", &from, "--landmarks", &marks, "--case-id", "P07", "--out"];
-        let import = [&import[..], &[&text(out.clone())], &choice, keep.as_slice()].concat();
+        let to = text(out.clone());
+        let import = ["import", &from, "--landmarks", &marks, "--case-id", "P07", "--out", &to];
+        let import = [&import[..], &choice, keep.as_slice()].concat();
         run_there(here.path(), &words(&import));
         let case = text(out.join("case.json"));
         let exports = out.join("exports");
