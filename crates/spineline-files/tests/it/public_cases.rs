@@ -8,7 +8,7 @@ use spineline::analysis::{AnalysisOptions, analyze_movement};
 use spineline_files::parse_case;
 
 /// Errors and warnings of films that contradict themselves or one another.
-const CHECKS: [&str; 12] = [
+const CHECKS: [&str; 11] = [
     "axes_exchanged",
     "bend_leans_away",
     "bends_exchanged",
@@ -16,7 +16,6 @@ const CHECKS: [&str; 12] = [
     "film_looks_mirrored",
     "film_mirrored",
     "film_repeated",
-    "lengths_differ",
     "levels_may_be_shifted",
     "out_of_order",
     "spacing_unusual",
@@ -24,7 +23,7 @@ const CHECKS: [&str; 12] = [
 ];
 
 #[test]
-fn films_of_real_patients_raise_few_alarms() {
+fn films_of_real_patients_raise_no_alarm_but_about_lengths() {
     let Some(data) = std::env::var_os("SPINELINE_DATA") else {
         println!("skipped: SPINELINE_DATA is not set");
         return;
@@ -51,5 +50,8 @@ fn films_of_real_patients_raise_few_alarms() {
     }
     println!("{cases} cases of three films: {counts:?}");
     let alarms: usize = CHECKS.iter().filter_map(|code| counts.get(*code)).sum();
-    assert!(alarms * 10 <= cases * 3, "{alarms} alarms on {cases} cases: {counts:?}");
+    assert_eq!(alarms, 0, "{counts:?}");
+    // These are lines on the skin of the back, which a bend stretches.
+    let longer = counts.get("lengths_differ").copied().unwrap_or_default();
+    assert!(longer * 10 <= 2 * cases * 3, "{longer} of {} bends", 2 * cases);
 }

@@ -80,3 +80,10 @@ impl<'a> ReadBodies<'a> {
         self.bodies.iter().find(|(of, _)| *of == level).map(|(_, body)| body)
     }
 }
+
+/// Median of at least one value, all finite.
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
+}

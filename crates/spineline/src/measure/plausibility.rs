@@ -1,6 +1,6 @@
 //! Landmarks that no film of a spine can show, or that one reading alone shows.
 
-use super::bodies::{CheckedFilm, ReadBodies};
+use super::bodies::{CheckedFilm, ReadBodies, median};
 use super::neighbours::warn_of_corners_off_the_trend;
 use super::{Corners, Film, FilmLandmarks, ImageGeometry, Reading, ReadingId, VertebraLandmarks};
 use crate::anatomy::Level;
@@ -212,11 +212,4 @@ fn warn_of_outliers(
         );
         film.warn("corner_far_from_readings", level, text, warnings);
     }
-}
-
-/// Median of at least one value, all finite.
-pub(super) fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
 }
