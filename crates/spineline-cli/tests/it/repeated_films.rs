@@ -76,6 +76,25 @@ fn one_picture_in_two_files_is_refused_for_two_postures() {
 }
 
 #[test]
+fn landmarks_of_one_film_are_refused_for_two_postures_by_every_command() {
+    let here = tempfile::tempdir().expect("a temporary folder");
+    let here = here.path();
+    case(here, &film(1, "1.2.3.1", EXPLICIT), &film(2, "1.2.3.2", EXPLICIT));
+    let text = fs::read_to_string(here.join(CASE)).expect("written");
+    let mut copied: Value = serde_json::from_str(&text).expect("JSON");
+    let films = copied["films"].as_array_mut().expect("films");
+    let of = |films: &[Value], posture: &str| films.iter().position(|f| f["posture"] == posture);
+    let [erect, neutral] = ["erect", "neutral"].map(|name| of(films, name).expect("a film"));
+    films[neutral]["readings"] = films[erect]["readings"].clone();
+    fs::write(here.join(CASE), copied.to_string()).expect("written");
+    for command in readers(here) {
+        let (_, error, code) = run(here, &command);
+        assert_eq!(code, 3, "{command:?}: {error}");
+        assert!(error.contains("the same landmarks"), "{command:?}: {error}");
+    }
+}
+
+#[test]
 fn two_pictures_of_one_identifier_are_warned_about() {
     let here = tempfile::tempdir().expect("a temporary folder");
     let here = here.path();

@@ -10,6 +10,7 @@ mod guards;
 mod numbers;
 mod openapi;
 mod privacy;
+mod repeated_films;
 mod results;
 mod routes;
 mod sessions;
