@@ -68,7 +68,7 @@ fn is_zlib(bytes: &[u8]) -> bool {
     method & 0x0f == 8
         && method >> 4 <= 7
         && flags & 0x20 == 0
-        && (u16::from(*method) << 8 | u16::from(*flags)) % 31 == 0
+        && u16::from_be_bytes([*method, *flags]).is_multiple_of(31)
 }
 
 /// As much of a stream as can be decoded; `None` where that is nothing.
@@ -115,11 +115,11 @@ fn base64(bytes: &[u8]) -> Vec<u8> {
     let digit = |byte: &u8| LETTERS.iter().position(|letter| letter == byte);
     let (mut held, mut bits, mut out) = (0_u32, 0, Vec::new());
     for value in bytes.iter().map_while(digit) {
-        held = (held << 6 | value as u32) & 0xfff;
+        held = ((held << 6) | value as u32) & 0xfff;
         bits += 6;
         if bits >= 8 {
             bits -= 8;
-            out.push((held >> bits & 0xff) as u8);
+            out.push(((held >> bits) & 0xff) as u8);
         }
     }
     out
