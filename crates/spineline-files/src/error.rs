@@ -160,13 +160,13 @@ pub enum FileError {
         /// Where the next midpoint lies along the axis of the caudal vertebra; negative where it is caudal.
         cranial_mm: f64,
     },
-    /// One picture file of two postures.
+    /// One picture file of two films.
     #[error("the {a} and the {b} film are the same picture: {picture}")]
     PictureTwice {
-        /// One posture.
-        a: Posture,
-        /// The other one.
-        b: Posture,
+        /// Posture of one film, or `lateral`.
+        a: String,
+        /// That of the other one.
+        b: String,
         /// Its file, or its SHA-256.
         picture: String,
     },

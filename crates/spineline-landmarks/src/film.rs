@@ -48,7 +48,7 @@ pub struct LandmarkFile {
 pub struct MarkedFilm {
     /// Posture, if the file contains it.
     pub posture: Option<Posture>,
-    /// Name of the picture, if the file contains it.
+    /// Name of the picture, or of a DICOM film its SOP Instance UID, if the file contains it.
     pub picture: Option<String>,
     /// Columns and rows of the picture, if the file contains them.
     pub size: Option<(u32, u32)>,

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use serde_json::Value;
-use spineline::analysis::Subject;
+use spineline::analysis::{Subject, check_repeated};
 use spineline::anatomy::Posture;
 use spineline::measure::{FilmLandmarks, IliacCrests, Reading, VertebraLandmarks};
 use spineline_files::{FileError, LevelKey};
@@ -72,6 +72,8 @@ pub enum CaseError<E> {
     File(FileError),
     /// The case or an observer has a name that a store does not take.
     Name(StoreError),
+    /// Two postures have the landmarks of one film.
+    Repeated(spineline::error::Error),
     /// A film has locations from another program.
     NoPicture {
         /// Film.
@@ -96,6 +98,7 @@ impl<E: fmt::Display> fmt::Display for CaseError<E> {
         match self {
             Self::File(error) => error.fmt(f),
             Self::Name(error) => error.fmt(f),
+            Self::Repeated(error) => error.fmt(f),
             Self::NoPicture { posture } => {
                 write!(f, "{posture} film: it has locations from another program, but no picture")
             }
@@ -116,6 +119,7 @@ impl<E> CaseError<E> {
         match self {
             Self::File(error) => error.help(),
             Self::Name(error) => error.help(),
+            Self::Repeated(error) => error.help(),
             Self::NoPicture { .. } => "a study store holds pictures and their landmarks",
             Self::NotNamed { .. } => "give `image.file`; `import` and `phantom --films` write it",
             Self::OtherPicture { .. } => "use the original film, or create the case again",
@@ -149,6 +153,7 @@ impl NewCase {
         let case = spineline_files::parse_case(text).map_err(CaseError::File)?;
         let written = spineline_files::parse_json(text).map_err(CaseError::File)?;
         let id = Name::new(&case.id).map_err(CaseError::Name)?;
+        check_repeated(&case.films).map_err(|error| CaseError::Repeated(error.into()))?;
         let mut films = Vec::new();
         let records = written["films"].as_array().into_iter().flatten();
         for (film, record) in case.films.iter().zip(records) {

@@ -181,14 +181,15 @@ impl CaseFile {
         Ok(Case { id: self.case_id, synthetic: self.synthetic, subject, films, lateral })
     }
 
-    /// Refuses a picture that is named for two postures.
+    /// Refuses a picture that is named for two films.
     fn check_pictures(&self) -> Result<(), FileError> {
-        let sources = self
+        let frontal = self
             .films
             .iter()
-            .filter_map(|film| Some((film.posture.0, film.image.as_ref()?.source())));
-        let mut known: Vec<(Posture, FilmSource)> = Vec::new();
-        for (b, source) in sources {
+            .filter_map(|film| Some((film.posture.0.to_string(), film.image.as_ref()?.source())));
+        let lateral = self.lateral_source().map(|source| ("lateral".to_owned(), source));
+        let mut known: Vec<(String, FilmSource)> = Vec::new();
+        for (b, source) in frontal.chain(lateral) {
             for (a, other) in &known {
                 let same = |x: &Option<String>, y: &Option<String>| {
                     x.clone().filter(|x| y.as_ref() == Some(x))
@@ -196,7 +197,7 @@ impl CaseFile {
                 let picture =
                     same(&source.file, &other.file).or_else(|| same(&source.sha256, &other.sha256));
                 if let Some(picture) = picture {
-                    return Err(FileError::PictureTwice { a: *a, b, picture });
+                    return Err(FileError::PictureTwice { a: a.clone(), b, picture });
                 }
             }
             known.push((b, source));

@@ -78,7 +78,7 @@ fn spacing_provenance_picture_file_and_lateral_film_round_trip() {
     });
     let source = |file: &str| FilmSource {
         file: Some(file.to_owned()),
-        sha256: Some("ab".repeat(32)),
+        sha256: Some(spineline_files::sha256_hex(file.as_bytes())),
         inverted: true,
     };
     let file = CaseFile::from_case(&case)
@@ -364,5 +364,21 @@ fn one_picture_of_two_postures_is_refused_by_its_name_or_its_bytes() {
         assert!(
             with(&case, key, [value, if key == "file" { "other.dcm" } else { &other }]).is_ok()
         );
+    }
+}
+
+#[test]
+fn the_picture_of_a_frontal_film_is_no_lateral_one() {
+    let mut case: serde_json::Value = serde_json::from_str(&text()).expect("JSON");
+    let image =
+        serde_json::json!({ "columns": 900, "rows": 2500, "patient_anterior": "image_left" });
+    case["lateral"] = serde_json::json!({ "image": image });
+    case["films"][0]["image"]["file"] = "one.dcm".into();
+    for (file, is_refused) in [("other.dcm", false), ("one.dcm", true)] {
+        case["lateral"]["image"]["file"] = file.into();
+        let parsed = parse_case(&case.to_string());
+        assert_eq!(parsed.is_err(), is_refused, "{file}");
+        let texts = parsed.err().map(|error| error.to_string());
+        assert!(texts.is_none_or(|text| text.contains("lateral") && text.contains("erect")));
     }
 }

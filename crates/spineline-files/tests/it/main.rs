@@ -3,5 +3,6 @@
 mod exports;
 mod files;
 mod loads;
+mod public_cases;
 mod readings;
 mod repeat;

@@ -84,9 +84,11 @@ async fn import_case(
         let bytes_of =
             |file: &str| uploads.get(file).map(|upload| upload.bytes.clone()).ok_or(missing);
         let case = NewCase::read(&import.text, bytes_of).map_err(|error| case_refused(&error))?;
+        let mut pictures = Pictures::default();
         for (posture, file, size) in case.pictures() {
             let upload = uploads.get(file).ok_or_else(|| refused(missing))?;
             check_picture(posture, size, upload)?;
+            pictures.add(posture, upload)?;
         }
         let (id, salt) = (case.id().clone(), salt()?);
         case.rewritten(|bytes| clean(&id, bytes, salt))
@@ -116,7 +118,7 @@ fn check(films: &[(NewFilm, Arc<Upload>)]) -> Answer<()> {
     if films.is_empty() {
         return Err(refused("a study needs at least one film"));
     }
-    let (mut postures, mut pictures) = (BTreeSet::new(), BTreeSet::new());
+    let (mut postures, mut pictures) = (BTreeSet::new(), Pictures::default());
     for (film, upload) in films {
         let posture = film.posture.0;
         if upload.is_lateral {
@@ -127,12 +129,25 @@ fn check(films: &[(NewFilm, Arc<Upload>)]) -> Answer<()> {
             return Err(refused(&format!("the study has two {posture} films"))
                 .help("choose one film per posture"));
         }
-        if !pictures.insert(&upload.picture) {
-            return Err(refused(&format!("{posture}: the same picture is used twice"))
-                .help("choose a different film for each posture"));
-        }
+        pictures.add(posture, upload)?;
     }
     Ok(())
+}
+
+/// The pictures of a study, each for one posture.
+#[derive(Default)]
+struct Pictures(BTreeMap<String, Posture>);
+
+impl Pictures {
+    fn add(&mut self, posture: Posture, upload: &Upload) -> Answer<()> {
+        match self.0.insert(upload.picture.clone(), posture) {
+            None => Ok(()),
+            Some(other) => {
+                let text = format!("the {other} film and the {posture} film are the same picture");
+                Err(refused(&text).help("choose a different film for each posture"))
+            }
+        }
+    }
 }
 
 /// Whether an upload can be the film of a case.

@@ -10,7 +10,7 @@ use spineline_store::Access;
 use crate::browser::{App, Browser, options};
 
 /// A program that decodes films: the example, which is built beside the tests.
-fn decoding() -> ServeOptions {
+pub fn decoding() -> ServeOptions {
     let tests = std::env::current_exe().expect("this program");
     let built = tests.parent().and_then(std::path::Path::parent).expect("a folder of builds");
     let decoder = built.join("examples").join(format!("decoder{}", std::env::consts::EXE_SUFFIX));
@@ -196,7 +196,7 @@ fn f59_a_stale_edit_of_a_film_is_refused_and_kept() {
 }
 
 /// A DICOM film with a patient's name, which is the demonstration's with the name exchanged for another of its length.
-fn film_of(browser: &Browser<'_>, app: &App) -> Vec<u8> {
+pub fn film_of(browser: &Browser<'_>, app: &App) -> Vec<u8> {
     demo(browser);
     let store = spineline_store::Store::open(&app.store_path()).expect("the store");
     let film = store.films(&crate::browser::name("demo-rod-01")).expect("films").remove(0);
@@ -207,7 +207,7 @@ fn film_of(browser: &Browser<'_>, app: &App) -> Vec<u8> {
     bytes
 }
 
-fn upload(browser: &Browser<'_>, bytes: Vec<u8>) -> crate::browser::Answer {
+pub fn upload(browser: &Browser<'_>, bytes: Vec<u8>) -> crate::browser::Answer {
     browser.send(Method::POST, "/api/uploads", "application/octet-stream", bytes)
 }
 

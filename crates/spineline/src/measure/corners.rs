@@ -169,16 +169,13 @@ impl Corners<Frontal> {
     }
 
     /// The longer over the shorter of opposite sides: left and right, superior and inferior.
-    pub(super) fn side_ratios(&self) -> [(&'static str, f64); 2] {
+    pub(super) fn side_ratios(&self) -> [f64; 2] {
         let ratio = |a: f64, b: f64| a.max(b) / a.min(b);
         let left = self.superior_left.distance_mm(self.inferior_left);
         let right = self.superior_right.distance_mm(self.inferior_right);
         let superior = self.superior_left.distance_mm(self.superior_right);
         let inferior = self.inferior_left.distance_mm(self.inferior_right);
-        [
-            ("its left and right sides", ratio(left, right)),
-            ("its superior and inferior sides", ratio(superior, inferior)),
-        ]
+        [ratio(left, right), ratio(superior, inferior)]
     }
 
     /// The longer of the two diagonals.

@@ -12,6 +12,7 @@
 //! # References
 //! [jalalian-loa], section 2.1 and figure 3.
 
+mod bodies;
 mod calibration;
 mod corners;
 mod evidence;
@@ -20,6 +21,7 @@ mod frame;
 mod lateral;
 mod marking;
 mod marking_proposal;
+mod neighbours;
 mod noise;
 mod order;
 mod outline;
@@ -39,13 +41,14 @@ pub use film::{
     VertebraLandmarks,
 };
 pub use frame::{FilmFrame, body_widths, endplate_centres};
-pub use lateral::{LateralCorners, LateralFilm};
+pub use lateral::{LateralCorners, LateralFault, LateralFilm};
 pub use marking::{MarkedBody, MarkingFault, PartialLandmarks, PartialReading, turn_axis_towards};
 pub use marking_proposal::{CornerName, NextLandmark, ProposedVertebra};
 pub use noise::Noise;
 pub(crate) use noise::ReadingSquares;
 pub(crate) use outline::outline_of;
 pub use outline::{MeasuredVertebra, Outline, check_landmarks, measure_film};
+pub use plausibility::{judge_landmarks, judge_reading};
 pub(crate) use plausibility::{same_landmarks, warn_of_implausible_landmarks};
 pub use readings::{FilmReadings, measure_readings};
 pub use spacing::{LengthScale, Spacing, SpacingPlane, SpacingSource};
@@ -168,6 +171,9 @@ pub enum MeasureError {
         /// What is wrong with them.
         fault: CornerFault,
     },
+    /// Anything else that is wrong with the lateral film.
+    #[error(transparent)]
+    LateralFilm(#[from] LateralFault),
     /// Iliac crests that give no line.
     #[error("{posture} film: the iliac crests {}", if *outside { "do not both lie on the picture".to_owned() } else { format!("are {apart_mm:.1} mm apart, and the minimum is {limit_mm:.0} mm") })]
     Crests {
@@ -239,6 +245,7 @@ impl MeasureError {
             Self::OffImage { .. } => "off_image",
             Self::Crests { .. } => "crests",
             Self::Corners { .. } | Self::Lateral { .. } => "corners",
+            Self::LateralFilm(fault) => fault.code(),
             Self::FilmMirrored { .. } => "film_mirrored",
             Self::OutOfOrder { .. } => "out_of_order",
             Self::TiltTooLarge { .. } => "tilt_too_large",
@@ -274,6 +281,7 @@ impl MeasureError {
             Self::Lateral { .. } => {
                 "mark this vertebra's superior and inferior corners again, anterior ones on the side of `patient_anterior`"
             }
+            Self::LateralFilm(fault) => fault.help(),
             Self::FilmMirrored { .. } => {
                 "check the lead marker, then correct `patient_left` of this film's image"
             }

@@ -229,14 +229,24 @@ pub(super) fn check_readings<T>(
     if readings.is_empty() {
         return Err(MeasureError::NoReading { posture });
     }
-    if let Some(nameless) = readings.iter().find(|reading| reading.id.observer.trim().is_empty()) {
+    if let Some(nameless) = nameless(readings) {
         return Err(MeasureError::NoObserver { posture, repeat: nameless.id.repeat });
     }
-    let mut seen = BTreeSet::new();
-    match readings.iter().find(|reading| !seen.insert(&reading.id)) {
+    match repeated(readings) {
         Some(twice) => Err(MeasureError::DuplicateReading { posture, id: twice.id.clone() }),
         None => Ok(()),
     }
+}
+
+/// A reading without the name or code of its observer.
+pub(super) fn nameless<T>(readings: &[Reading<T>]) -> Option<&Reading<T>> {
+    readings.iter().find(|reading| reading.id.observer.trim().is_empty())
+}
+
+/// A reading with the observer and repeat of an earlier one.
+pub(super) fn repeated<T>(readings: &[Reading<T>]) -> Option<&Reading<T>> {
+    let mut seen = BTreeSet::new();
+    readings.iter().find(|reading| !seen.insert(&reading.id))
 }
 
 pub(super) fn check_placements(

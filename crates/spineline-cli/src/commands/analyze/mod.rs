@@ -13,7 +13,7 @@ use spineline_files::{AnalysisFile, ModelFile, to_text};
 use spineline_report::{Document, patient, terminal};
 use spineline_tables::{Patient, chain_csv, cohort_csv, vertebrae_csv};
 
-use crate::analysis::case::analyze_case;
+use crate::analysis::case::analyze_input;
 use crate::analysis::cohort;
 use crate::analysis::confidence::Confidence;
 use crate::analysis::figures::draw_figures;
@@ -106,7 +106,7 @@ fn analyze_all(
     let options = &record.request.options;
     let results = map_all("analysing", paths, args.threads, |path| {
         let input = CaseInput::read(path)?;
-        Ok((analyze_case(path, &input.case, options)?, input))
+        Ok((analyze_input(path, &input, options)?, input))
     })?;
     let (mut analyses, mut confidences, mut ending) = (Vec::new(), Vec::new(), Ending::Done);
     for result in results {

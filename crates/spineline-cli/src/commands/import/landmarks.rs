@@ -2,8 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use spineline::analysis::check_repeated;
 use spineline::anatomy::Posture;
-use spineline::measure::{FilmLandmarks, ImageGeometry};
+use spineline::error::Error;
+use spineline::measure::{Film, FilmLandmarks, ImageGeometry, judge_landmarks};
 use spineline_landmarks::{LandmarkError, LandmarkHint, read_landmarks};
 
 use super::args::ImportArgs;
@@ -29,6 +31,7 @@ impl ResolvedFilm {
 /// Reads every file of landmarks and lays it on its film; a posture that is marked twice is refused.
 pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksByPosture, Failure> {
     let mut landmarks = LandmarksByPosture::new();
+    let mut pictures: BTreeMap<String, Posture> = BTreeMap::new();
     for of in &args.landmarks {
         let fail = |error: &LandmarkError| Failure::landmarks(&of.value, error);
         // A file that is for one film may need that film's picture to be read.
@@ -48,6 +51,7 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksB
             say(&format!("note: {}: {remark}\n", of.value.display()));
         }
         for marked in file.films {
+            let picture = marked.picture.clone();
             let posture = marked.posture.or(hint.posture);
             let film = films.iter().find(|f| posture.is_some() && f.role.posture() == posture);
             let image = film.map(ResolvedFilm::image);
@@ -60,6 +64,22 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksB
                 let help = "such a case needs no picture: write the locations into a case file";
                 return Err(Failure::input(&of.value.display().to_string(), &what, help));
             }
+            for warning in judge_landmarks(&film).all() {
+                let level = warning.level.map_or_else(String::new, |level| format!(", {level}"));
+                let (posture, text) = (film.posture, warning.text());
+                say(&format!("note: {}: {posture} film{level}: {text}\n", of.value.display()));
+            }
+            let other = picture.and_then(|name| {
+                let other = pictures.insert(name.clone(), film.posture)?;
+                (other != film.posture).then_some((name, other))
+            });
+            if let Some((name, other)) = other {
+                say(&format!(
+                    "note: {}: the landmarks of the {} film and of the {other} film name one picture, {name}: check that they are of two films\n",
+                    of.value.display(),
+                    film.posture
+                ));
+            }
             if landmarks.insert(film.posture, film.landmarks).is_some() {
                 let what = format!(
                     "it has landmarks of the {} film, which has landmarks already",
@@ -70,6 +90,7 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksB
             }
         }
     }
+    check_all(&landmarks)?;
     let unmatched = landmarks.keys().find(|&&p| !films.iter().any(|f| f.role.posture() == Some(p)));
     match unmatched {
         Some(posture) => Err(Failure::usage(format!(
@@ -78,4 +99,17 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksB
         ))),
         None => Ok(landmarks),
     }
+}
+
+/// Refuses landmarks of one film for two postures, in whatever formats they came.
+fn check_all(landmarks: &LandmarksByPosture) -> Result<(), Failure> {
+    let film = |(&posture, landmarks): (&Posture, &FilmLandmarks)| Film {
+        posture,
+        landmarks: landmarks.clone(),
+    };
+    let films: Vec<Film> = landmarks.iter().map(film).collect();
+    check_repeated(&films).map_err(|error| {
+        let error = Error::from(error);
+        Failure::input("the landmarks", &error, error.help())
+    })
 }
