@@ -131,10 +131,11 @@ pub fn movement(analysis: &Analysis) -> Section {
         distances_segments: estimates.iter().map(|(.., e)| e.distance_segments as f64).collect(),
         rotations_deg: estimates.iter().map(|(.., e)| e.rotation.deg()).collect(),
     };
-    let svg = figures::inflection_distances(&[sample], analysis.synthetic);
-    let caption =
-        "Inflection segments against the least-rotating segments (figure 6 of the paper).";
-    section.figure(Figure::new("inflections", caption, svg));
+    if let Some(svg) = figures::inflection_distances(&[sample], analysis.synthetic) {
+        let caption =
+            "Inflection segments against the least-rotating segments (figure 6 of the paper).";
+        section.figure(Figure::new("inflections", caption, svg));
+    }
     let columns = vec![
         Column::words("Film"),
         Column::words("Inflection"),
