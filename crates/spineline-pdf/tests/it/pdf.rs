@@ -102,6 +102,20 @@ fn long_tables_continue_over_pages() {
 }
 
 #[test]
+fn a_figure_of_a_whole_page_is_as_wide_as_the_page() {
+    // As tall as the films of five postures: two of them on one page are letters of a millimetre.
+    let tall = || Figure::new("films", "Films of five postures", svg(900, 1130, "synthetic"));
+    let with = |figures: Vec<Figure>| {
+        let mut section = Section::new("films", "Films");
+        figures.into_iter().for_each(|figure| section.figure(figure));
+        let document = Document { sections: vec![section], ..document("P07") };
+        pages(&pdf(&document, MADE).expect("it can be typeset"))
+    };
+    assert_eq!(with(vec![tall(), tall()]), 2, "the second one has no room below the notices");
+    assert_eq!(with(vec![tall().on_whole_page(), tall().on_whole_page()]), 3);
+}
+
+#[test]
 fn f54_a_report_of_five_hundred_pages_is_typeset() {
     // Oracle: every section begins a table of its own; a page holds fewer than sixty rows.
     let mut document = document("cohort");

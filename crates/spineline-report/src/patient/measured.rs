@@ -21,7 +21,7 @@ pub fn films(patient: &Patient<'_>) -> Section {
     let caption = format!(
         "Films with landmarks, fitted curve, inflections and candidate lines of action. {pictures}"
     );
-    section.figure(Figure::new("films", caption, svg));
+    section.figure(Figure::new("films", caption, svg).on_whole_page());
     for sentence in curve_sentences(analysis) {
         section.paragraph(sentence);
     }
