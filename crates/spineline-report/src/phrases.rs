@@ -44,7 +44,7 @@ pub fn films_without_scale(analysis: &Analysis) -> Option<String> {
 /// Why a patient has no personalised model.
 pub fn no_model_reason(analysis: &Analysis) -> String {
     if let Some(films) = films_without_scale(analysis) {
-        return format!("no scale ({films})");
+        return format!("films without a scale ({films})");
     }
     let is_bend = |posture: &PostureAnalysis| posture.outline.posture.bend().is_some();
     let reason = match analysis.postures.iter().any(is_bend) {

@@ -138,8 +138,8 @@ pub fn tests(cohort: &Cohort) -> Section {
 fn films_left_out(cohort: &Cohort) -> Table {
     let columns = vec![
         Column::words("Case"),
+        Column::words("Kind of film"),
         Column::words("Films"),
-        Column::words("Film"),
         Column::words("Lines without a result"),
         Column::words("Reason"),
     ];

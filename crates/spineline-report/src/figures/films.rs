@@ -112,7 +112,7 @@ impl<'a> Displayed<'a> {
         let corners = self.marks().filter_map(|mark| self.corners(mark)).flatten();
         let locations = self.outline.locations().map(|p| self.place(p));
         let points: Vec<Frontal> = corners.chain(locations).collect();
-        let bare = Extent::of(points);
+        let bare = Extent::around(points);
         let room = ROOM * bare.height_mm();
         bare.grown([2.0 * room, room])
     }
@@ -191,16 +191,13 @@ struct Frames {
 }
 
 impl Frames {
-    /// The largest scale at which all landmarks of every film lie in a frame of this width and height.
+    /// The largest scale at which all landmarks of every film lie in a frame of at most this width and height.
     fn of(displayed: &[(Displayed<'_>, &PostureAnalysis)], [wide_px, tall_px]: [f64; 2]) -> Self {
         let extents = || displayed.iter().map(|(film, _)| film.extent());
         let all = extents().reduce(Extent::union).unwrap_or_else(|| Extent::of([]));
         let widest = extents().map(|extent| extent.width_mm()).fold(0.0, f64::max);
         let px_per_mm = (tall_px / all.height_mm()).min(wide_px / widest.max(f64::MIN_POSITIVE));
-        // Where the width limits the scale, there is room above and below.
-        let more = 0.5 * (tall_px / px_per_mm - all.height_mm()).max(0.0);
-        let [low, high] = all.z_mm;
-        Self { z_mm: [low - more, high + more], wide_mm: wide_px / px_per_mm, px_per_mm }
+        Self { z_mm: all.z_mm, wide_mm: wide_px / px_per_mm, px_per_mm }
     }
 
     fn panel(&self, film: &Displayed<'_>) -> Panel {

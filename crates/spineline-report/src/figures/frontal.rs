@@ -32,13 +32,18 @@ pub fn drawn(point: Frontal) -> (f64, f64) {
 impl Extent {
     /// Holds points, with some room around them.
     pub fn of(points: impl IntoIterator<Item = Frontal>) -> Self {
+        Self::around(points).grown(PAD_MM)
+    }
+
+    /// Holds points and the origin, and nothing more.
+    pub fn around(points: impl IntoIterator<Item = Frontal>) -> Self {
         let mut extent = Self { x_mm: [0.0; 2], z_mm: [0.0; 2] };
         for point in points.into_iter().filter(|point| point.is_finite()) {
             let (x, z) = drawn(point);
             extent.x_mm = [extent.x_mm[0].min(x), extent.x_mm[1].max(x)];
             extent.z_mm = [extent.z_mm[0].min(z), extent.z_mm[1].max(z)];
         }
-        extent.grown(PAD_MM)
+        extent
     }
 
     /// The same with more room on all sides.

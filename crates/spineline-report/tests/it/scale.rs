@@ -66,7 +66,7 @@ fn sections_without_a_model_name_the_films_without_a_scale() {
     let document = document(&case(&[Posture::LeftBending, Posture::Traction]));
     for id in ["simulated", "stiffness", "errors", "comparison"] {
         let words = paragraphs(section(&document, id));
-        assert!(words.contains("no scale (left bending, traction)"), "{id}: {words}");
+        assert!(words.contains("without a scale (left bending, traction)"), "{id}: {words}");
         assert!(words.contains("ball or ruler"), "{id}: {words}");
     }
     let words = paragraphs(section(&document, "line"));
