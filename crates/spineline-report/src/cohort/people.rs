@@ -11,7 +11,7 @@ use spineline::evaluate::statistics::{Summary, quantile};
 use super::Patients;
 use crate::document::{Column, Figure, NoticeKind, Section, Table};
 use crate::figures::{self, FlowStep};
-use crate::phrases::none;
+use crate::phrases::{no_model_reason, none};
 
 /// Reason for the exclusion of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -120,6 +120,7 @@ pub fn flow(patients: &Patients<'_>) -> Section {
     let caption = "Cases at every step. A missing film removes a case from the last step only: all its other films count.";
     section.figure(Figure::new("flow", caption, svg));
     section.table(refused_table(refused));
+    section.table(incomplete_table(analyses));
     section.table(films_table(analyses));
     section
 }
@@ -129,6 +130,29 @@ fn refused_table(refused: &[Refused]) -> Table {
     let mut table = Table::new("Cases that were refused", columns);
     for one in refused {
         table.row(vec![one.name.clone(), one.refusal.words().to_owned(), one.why.clone()]);
+    }
+    table
+}
+
+/// Cases that do not reach the last step: which films they lack, and why they have no model.
+fn incomplete_table(analyses: &[Analysis]) -> Table {
+    let columns = vec![
+        Column::words("Case"),
+        Column::words("Films that are missing"),
+        Column::words("Reason why there is no model"),
+    ];
+    let mut table = Table::new("Cases without a model or without all five postures", columns);
+    for analysis in analyses {
+        let missing = Posture::ALL.iter().filter(|&&posture| analysis.posture(posture).is_none());
+        let missing: Vec<String> = missing.map(ToString::to_string).collect();
+        if missing.is_empty() && !analysis.models.is_empty() {
+            continue;
+        }
+        table.row(vec![
+            analysis.case_id.clone(),
+            if missing.is_empty() { none() } else { missing.join(", ") },
+            if analysis.models.is_empty() { no_model_reason(analysis) } else { none() },
+        ]);
     }
     table
 }
@@ -262,7 +286,10 @@ pub fn lenke(patients: &Patients<'_>) -> Section {
         .collect();
     let without = patients.analyses.iter().filter(|a| a.lenke.is_none()).count();
     counts.push(("none".to_owned(), without));
-    let svg = figures::lenke_types(&counts, patients.together.synthetic);
+    let Some(svg) = figures::lenke_types(&counts, patients.together.synthetic) else {
+        section.paragraph("There is no patient.");
+        return section;
+    };
     let caption = "Lenke types as far as frontal films determine them; none: a bending film or a pair of inflections is missing, or the curves match no type.";
     section.figure(Figure::new("lenke", caption, svg));
     section.table(recorded(patients));

@@ -21,7 +21,8 @@ pub fn bland_altman(
     design: &DesignReliability,
     synthetic: bool,
 ) -> Option<String> {
-    let pairs = &design.bland_altman;
+    let pairs: Vec<&BlandAltman> =
+        design.bland_altman.iter().filter(|pair| !pair.points.is_empty()).collect();
     if pairs.is_empty() {
         return None;
     }

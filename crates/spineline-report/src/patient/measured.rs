@@ -8,7 +8,7 @@ use spineline::personalize::LineTest;
 use super::Patient;
 use crate::document::{Column, Figure, Section, Table};
 use crate::figures::{self, InflectionSample};
-use crate::phrases::none;
+use crate::phrases::{GIVE_SCALE, films_without_scale, none};
 
 /// Films with everything on them, the curve, and clinical angles.
 pub fn films(patient: &Patient<'_>) -> Section {
@@ -22,7 +22,7 @@ pub fn films(patient: &Patient<'_>) -> Section {
     let caption = format!(
         "Films with landmarks, fitted curve, inflections and candidate lines of action. {pictures}"
     );
-    section.figure(Figure::new("films", caption, svg));
+    section.figure(Figure::new("films", caption, svg).on_whole_page());
     for sentence in curve_sentences(analysis) {
         section.paragraph(sentence);
     }
@@ -146,10 +146,11 @@ pub fn movement(analysis: &Analysis) -> Section {
         distances_segments: estimates.iter().map(|(.., e)| e.distance_segments as f64).collect(),
         rotations_deg: estimates.iter().map(|(.., e)| e.rotation.deg()).collect(),
     };
-    let svg = figures::inflection_distances(&[sample], analysis.synthetic);
-    let caption =
-        "Inflection segments against the least-rotating segments (figure 6 of the paper).";
-    section.figure(Figure::new("inflections", caption, svg));
+    if let Some(svg) = figures::inflection_distances(&[sample], analysis.synthetic) {
+        let caption =
+            "Inflection segments against the least-rotating segments (figure 6 of the paper).";
+        section.figure(Figure::new("inflections", caption, svg));
+    }
     let columns = vec![
         Column::words("Film"),
         Column::words("Inflection"),
@@ -179,11 +180,23 @@ pub fn movement(analysis: &Analysis) -> Section {
 pub fn line(analysis: &Analysis) -> Section {
     let mut section = Section::new("line", "Identification of the line of action");
     let Some(svg) = figures::line_identification(analysis) else {
-        section.paragraph("Only the erect film is available: no line can be identified.");
+        section.paragraph(if analysis.postures.iter().all(|p| p.motion.is_none()) {
+            "Only the erect film is available: no line can be identified."
+        } else {
+            "No line can be identified: the erect curve has no pair of inflections, and no film has a line of best fit to the rotations."
+        });
         return section;
     };
-    let caption = "The line through the inflections, and the line of best fit to the joints' rotations on each film (after figure 7 of the paper).";
-    section.figure(Figure::new("line", caption, svg));
+    let best_fits = analysis.postures.iter().any(|p| p.preferred_line.is_some());
+    let lines = if best_fits {
+        "The line through the inflections, and the line of best fit to the joints' rotations on each film"
+    } else {
+        "The line through the inflections on each film"
+    };
+    section.figure(Figure::new("line", format!("{lines} (after figure 7 of the paper)."), svg));
+    if let (false, Some(films)) = (best_fits, films_without_scale(analysis)) {
+        section.paragraph(format!("The line of best fit to the rotations is not computed: without a scale ({films}) its place in millimetres is not known. {GIVE_SCALE}"));
+    }
     let mut table = best_fit(analysis);
     table.note = format!(
         "In brackets the 95 % confidence interval of each place alone; negative is right. {}",

@@ -398,10 +398,13 @@ fn a_cohort_shows_every_patient_line_and_test() {
             analysis.inflections.all.len().to_string(),
         ];
         for kind in [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated] {
-            let model = analysis.models.iter().find(|model| model.kind == kind);
-            let errors =
-                [true, false].map(|fitted| model.and_then(|m| m.mean_location_error_mm(fitted)));
-            let errors = errors.map(|e| e.map_or("–".to_owned(), |e| format!("{e:.1}")));
+            let place =
+                analysis.models.iter().position(|model| model.kind == kind).expect("a model");
+            let [fitted, held_out] =
+                [true, false].map(|fitted| analysis.models[place].mean_location_error_mm(fitted));
+            let left_out = analysis.compare_lines().errors(place, FilmRole::LeftOutBend);
+            let errors = [fitted, left_out.map(|errors| errors.location_mm), held_out]
+                .map(|e| e.map_or("–".to_owned(), |e| format!("{e:.1}")));
             cells.push(errors.join(" / "));
         }
         holds(&text, &cells);

@@ -14,7 +14,7 @@ mod words;
 
 pub use claims::{ClaimVerdict, Claims, NEAR_SEGMENTS, PatientClaims};
 pub use comparison::PairedComparison;
-pub use lines::{ErrorKind, LinePairTest, LinesOverPatients, RoleErrors};
+pub use lines::{ErrorKind, LinePairTest, LinesOverPatients, MissingResult, NoResult, RoleErrors};
 
 use crate::action::LineKind;
 use crate::analysis::{Analysis, PostureAnalysis, ferguson_errors_deg};

@@ -1,6 +1,8 @@
 //! Sentences about a cohort, shared by all front ends.
 
-use super::{Cohort, ErrorKind, LinePairTest, LinesOverPatients, PairedComparison};
+use std::fmt;
+
+use super::{Cohort, ErrorKind, LinePairTest, LinesOverPatients, NoResult, PairedComparison};
 use crate::analysis::{FilmRole, listed, probability};
 use crate::evaluate::statistics::PairedT;
 use crate::personalize::SIGNIFICANCE;
@@ -38,6 +40,17 @@ impl Cohort {
         }
         all.extend(self.compared.sentences());
         all
+    }
+}
+
+impl fmt::Display for NoResult {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::NoModel => "the line has no model",
+            Self::NoLine => "the line has no place on this film",
+            Self::Unreachable => "no force up to the limit gives the shape",
+            Self::NotConverged => "the search for the force did not converge",
+        })
     }
 }
 
