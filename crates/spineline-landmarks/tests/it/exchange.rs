@@ -6,7 +6,8 @@ use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level, Posture, Region};
 use spineline::clinical::CobbEnds;
 use spineline::measure::{
-    Film, FilmLandmarks, ImageGeometry, Placement, Reading, ReadingId, Spacing, SpacingPlane,
+    Film, FilmLandmarks, ImageGeometry, Placement, PlacementSource, Reading, ReadingId, Spacing,
+    SpacingPlane,
 };
 use spineline::spatial::{Angle, Frontal};
 use spineline_landmarks::{
@@ -293,7 +294,11 @@ fn locations_of_another_program_are_read_from_a_table() {
     let vertebrae = Level::MODEL.into_iter().enumerate().map(|(i, level)| (level, placement(i)));
     let readings = vec![Reading { id: ReadingId::new("=B", 2), vertebrae: vertebrae.collect() }];
     let mut case = case(ImageSide::Right);
-    let placed = FilmLandmarks::Placements { spacing_plane: SpacingPlane::Unknown, readings };
+    let placed = FilmLandmarks::Placements {
+        spacing_plane: SpacingPlane::Unknown,
+        source: PlacementSource::Vertebrae,
+        readings,
+    };
     case.films = vec![Film { posture: Posture::Erect, landmarks: placed }];
     let files = export_landmarks(&case, None, LandmarkTarget::Csv).expect("a table");
     let text = std::str::from_utf8(&files[0].bytes).expect("UTF-8");

@@ -1,5 +1,6 @@
 //! Landmarks that no film of a spine can show, or that one reading alone shows.
 
+use super::confidence::warn_of_confidence;
 use super::{Corners, Film, FilmLandmarks, ImageGeometry, Reading, VertebraLandmarks};
 use crate::anatomy::Level;
 use crate::spatial::{Angle, Frontal, Pixel};
@@ -65,6 +66,7 @@ pub(super) fn fits_exchanged(image: &ImageGeometry, reading: &Reading<VertebraLa
 pub(crate) fn warn_of_implausible_landmarks(film: &Film, warnings: &mut Warnings) {
     let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return };
     for reading in readings {
+        warn_of_confidence(film.posture, reading, warnings);
         for (&level, landmark) in &reading.vertebrae {
             warn_of_body(film, image, (reading, level, landmark), warnings);
         }
