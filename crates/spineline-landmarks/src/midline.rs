@@ -42,7 +42,7 @@ struct MidlineFile {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MidlineRecord {
-    posture: Option<String>,
+    posture: String,
     observer: Option<String>,
     repeat: Option<u32>,
     cranial_end: String,
@@ -61,7 +61,7 @@ pub fn parse_midlines(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile,
     for (place, record) in file.midlines.iter().enumerate() {
         let at = format!("midlines[{place}]");
         let identity = record.identity();
-        let readings = films.entry(identity.posture(&at)?.or(hint.posture)).or_default();
+        let readings = films.entry(identity.posture(&at)?).or_default();
         let id = identity.reading(hint, &at)?;
         if readings.iter().any(|reading| reading.id == id) {
             let what = format!("the midline of observer {id} in this posture");
@@ -93,7 +93,7 @@ pub fn parse_midlines(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile,
 impl MidlineRecord {
     fn identity(&self) -> Identity {
         Identity {
-            film: self.posture.clone(),
+            film: Some(self.posture.clone()),
             observer: self.observer.clone(),
             repeat: self.repeat,
         }

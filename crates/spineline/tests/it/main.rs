@@ -1,6 +1,7 @@
 //! The tests of this crate that see it from outside, in one executable so that they are linked once.
 
 mod common;
+mod confidence;
 mod curves;
 mod faults;
 mod faults_contradictions;

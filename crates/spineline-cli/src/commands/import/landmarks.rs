@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use spineline::anatomy::Posture;
-use spineline::measure::{FilmLandmarks, ImageGeometry};
+use spineline::measure::{FilmLandmarks, ImageGeometry, PlacementSource};
 use spineline_landmarks::{LandmarkError, LandmarkHint, read_landmarks};
 
 use super::args::ImportArgs;
@@ -52,12 +52,19 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksB
             let film = films.iter().find(|f| posture.is_some() && f.role.posture() == posture);
             let image = film.map(ResolvedFilm::image);
             let film = marked.into_film(hint.posture, image).map_err(|error| fail(&error))?;
-            if matches!(film.landmarks, FilmLandmarks::Placements { .. }) {
+            if let FilmLandmarks::Placements { source, .. } = film.landmarks {
                 let what = format!(
                     "it has locations and tilts of the {} film, but no corners in its picture",
                     film.posture
                 );
-                let help = "such a case needs no picture: write the locations into a case file";
+                let help = match source {
+                    PlacementSource::Vertebrae => {
+                        "such a case needs no picture: write the locations into a case file"
+                    }
+                    PlacementSource::SurfaceMidline => {
+                        "a midline needs no picture: make a case of it with `spineline import --midlines`"
+                    }
+                };
                 return Err(Failure::input(&of.value.display().to_string(), &what, help));
             }
             if landmarks.insert(film.posture, film.landmarks).is_some() {
