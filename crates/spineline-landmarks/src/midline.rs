@@ -148,7 +148,7 @@ impl MidlineRecord {
 }
 
 fn end(name: &str, at: &str) -> Result<MidlineEnd, LandmarkError> {
-    name.parse().map_err(|()| LandmarkError::Value {
+    name.parse().map_err(|_| LandmarkError::Value {
         at: at.to_owned(),
         value: shown(name),
         expected: "an end of a midline: C7, T1 to L5, or S1",

@@ -45,6 +45,7 @@ const TO_FILE: [&[&str]; 18] = [
     &["export", "model.json", "--to", "urdf", "--out"],
     &["export", "case.json", "--to", "csv", "--out"],
     &["export", "case.json", "--to", "slicer", "--posture", "erect", "--out"],
+    &["export", "case.json", "--to", "coco", "--out"],
     &["reliability", "readings.csv", "--json"],
     &["reliability", "readings.csv", "--csv"],
 ];

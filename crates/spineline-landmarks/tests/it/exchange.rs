@@ -419,7 +419,7 @@ fn annotations_name_their_picture_and_have_what_their_programs_need() {
         assert_eq!(file["imagePath"], "standing.jpg");
         assert_eq!(file["imageWidth"], image.columns);
         assert!(file["imageData"].is_null() && file["version"].is_string());
-        assert_eq!(file["shapes"][0]["label"], "T1_superior_left");
+        assert_eq!(file["shapes"][0]["label"], "T2_superior_left");
     }
     let none = BTreeMap::new();
     let coco = &json(LandmarkTarget::Coco { pictures: &none })[0];

@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::str::FromStr;
 
 use super::{Placement, PlacementSource};
-use crate::anatomy::{Level, Morphometry, Posture};
+use crate::anatomy::{Level, Morphometry, Posture, UnknownLevel};
 use crate::spatial::Frontal;
 use crate::warning::{Step, Warnings};
 
@@ -50,13 +50,13 @@ impl MidlineEnd {
 }
 
 impl FromStr for MidlineEnd {
-    type Err = ();
+    type Err = UnknownLevel;
 
-    fn from_str(name: &str) -> Result<Self, ()> {
+    fn from_str(name: &str) -> Result<Self, UnknownLevel> {
         match name {
             "C7" => Ok(Self::C7),
             "S1" => Ok(Self::S1),
-            level => level.parse().map(Self::Middle).map_err(|_| ()),
+            level => level.parse().map(Self::Middle),
         }
     }
 }
