@@ -4,7 +4,7 @@ use spineline::action::Application;
 use spineline::analysis::{Grouping, Sex};
 use spineline::anatomy::{ImageSide, Named, Posture, Region};
 use spineline::clinical::EndRule;
-use spineline::measure::{SpacingPlane, TiltRule};
+use spineline::measure::{PlacementSource, SpacingPlane, TiltRule};
 use spineline::multibody::{Support, Timing};
 use spineline::personalize::FitTarget;
 
@@ -32,6 +32,20 @@ impl Described for Posture {
             Self::RightBending => "Bending to the patient's right.",
             Self::Neutral => "Lying at rest.",
             Self::Traction => "Lying under traction.",
+        }
+    }
+}
+
+impl Described for PlacementSource {
+    const DEFINITION: &'static str = "PlacementSourceKey";
+    const DESCRIPTION: &'static str = "Where locations and tilts come from.";
+
+    fn meaning(self) -> &'static str {
+        match self {
+            Self::Vertebrae => "Vertebrae that were seen.",
+            Self::SurfaceMidline => {
+                "A midline of the back surface: levels by arc length, none of them seen."
+            }
         }
     }
 }

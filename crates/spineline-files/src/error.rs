@@ -101,6 +101,14 @@ pub enum FileError {
         /// Film.
         posture: Posture,
     },
+    /// A midline as the source of corners.
+    #[error(
+        "{posture} film: `placement_source` is `surface_midline`, but the film has no locations and tilts"
+    )]
+    SourceOfCorners {
+        /// Film.
+        posture: Posture,
+    },
     /// A spacing in one direction only, or a plane without a spacing.
     #[error(
         "{posture} film: `column_spacing_mm`, `row_spacing_mm` and `spacing_plane` contradict one another"
@@ -270,6 +278,9 @@ impl FileError {
             }
             Self::NoImage { .. } => {
                 "add `image`: columns, rows, column_spacing_mm, row_spacing_mm, patient_left"
+            }
+            Self::SourceOfCorners { .. } => {
+                "remove `placement_source`: a surface midline gives locations and tilts, and no corners"
             }
             Self::PictureTwice { .. } => {
                 "a film shows one posture: name the right picture, or remove the film that was not taken"

@@ -47,9 +47,10 @@ pub enum Severity {
 }
 
 /// Codes of choices.
-const NOTES: [&str; 6] = [
+const NOTES: [&str; 7] = [
     "iliac_crests_missing",
     "inflections_by_hand",
+    "landmarks_by_program",
     "no_bending_film",
     "parametric_curve",
     "reliability_one_reading",

@@ -3,11 +3,11 @@
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{
-    FilmLandmarks, LateralCorners, LateralFilm, Reading, ReadingId, Spacing, SpacingPlane,
-    SpacingSource,
+    Corners, FilmLandmarks, LateralCorners, LateralFilm, Placement, PlacementSource, Reading,
+    ReadingId, Spacing, SpacingPlane, SpacingSource,
 };
 use spineline::multibody::{Load, Solution, Statics, StiffnessLibrary};
-use spineline::spatial::Pixel;
+use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::uncertainty::{LandmarkNoise, MonteCarlo};
 use spineline_files::{
     AnalysisFile, CaseFile, FileError, FilmOrigin, FilmSource, InputFile, ModelFile, ProgramRun,
@@ -38,6 +38,38 @@ fn a_case_round_trips() {
     assert_eq!(case.films.len(), read.films.len());
     let exact = phantom(&Readers::exact()).case;
     assert_eq!(parse_case(&to_text(&CaseFile::from_case(&exact))).expect("our own file"), exact);
+}
+
+#[test]
+fn confidences_and_estimated_levels_are_kept_in_a_case() {
+    let mut case = phantom(&Readers::exact()).case;
+    let FilmLandmarks::Corners { readings, .. } = &mut case.films[0].landmarks else {
+        panic!("phantoms have landmarks")
+    };
+    let t5 = readings[0].vertebrae.get_mut(&Level::T5).expect("marked");
+    t5.confidence = Some(Corners {
+        superior_left: 0.9,
+        superior_right: 0.8,
+        inferior_left: 0.125,
+        inferior_right: 1.0,
+    });
+    let located = Placement::new(Frontal::new(1.0, 2.0), Angle::from_deg(3.0));
+    case.films[1].landmarks = FilmLandmarks::Placements {
+        spacing_plane: SpacingPlane::Patient,
+        source: PlacementSource::SurfaceMidline,
+        readings: vec![Reading {
+            id: ReadingId::new("scan", 1),
+            vertebrae: [(Level::T5, located)].into(),
+        }],
+    };
+    let text = to_text(&CaseFile::from_case(&case));
+    assert_eq!(parse_case(&text).expect("our own file"), case);
+    let corners = text.replacen(
+        "\"posture\": \"erect\"",
+        "\"posture\": \"erect\", \"placement_source\": \"surface_midline\"",
+        1,
+    );
+    assert!(matches!(refused(&corners), FileError::SourceOfCorners { .. }));
 }
 
 #[test]

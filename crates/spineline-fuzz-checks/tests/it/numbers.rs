@@ -5,7 +5,9 @@ use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use spineline::analysis::{AnalysisOptions, analyze};
-use spineline::measure::{FilmLandmarks, Placement, Reading, ReadingId, SpacingPlane};
+use spineline::measure::{
+    FilmLandmarks, Placement, PlacementSource, Reading, ReadingId, SpacingPlane,
+};
 use spineline::multibody::{GeneralStatics, Goal};
 use spineline::response::respond;
 use spineline_files::{
@@ -119,6 +121,7 @@ fn placements() -> String {
         let reading = Reading { id: ReadingId::new("program", 1), vertebrae: placed.collect() };
         film.landmarks = FilmLandmarks::Placements {
             spacing_plane: SpacingPlane::Patient,
+            source: PlacementSource::Vertebrae,
             readings: vec![reading],
         };
     }

@@ -46,7 +46,8 @@ fn film_of(
             *place = pixel(column, row, &format!("{at}, {level}"))?;
         }
         let corners = from_image_sides(places, patient_left);
-        vertebrae.insert(level, VertebraLandmarks { corners, axis_clockwise: None });
+        vertebrae
+            .insert(level, VertebraLandmarks { corners, axis_clockwise: None, confidence: None });
     }
     Ok(MarkedFilm {
         posture: hint.posture,

@@ -4,7 +4,9 @@ use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, Subject, analyze};
 use spineline::anatomy::{Level, Posture};
 use spineline::evaluate::Simulation;
-use spineline::measure::{Film, FilmLandmarks, Placement, Reading, ReadingId, SpacingPlane};
+use spineline::measure::{
+    Film, FilmLandmarks, Placement, PlacementSource, Reading, ReadingId, SpacingPlane,
+};
 use spineline::multibody::MatchStatus;
 use spineline::spatial::{Angle, Frontal};
 use spineline_report::figures::{
@@ -33,7 +35,11 @@ fn film(posture: Posture, scale: f64, bend_deg: f64) -> Film {
     let readings = vec![Reading { id: ReadingId::new("A", 1), vertebrae }];
     Film {
         posture,
-        landmarks: FilmLandmarks::Placements { spacing_plane: SpacingPlane::Patient, readings },
+        landmarks: FilmLandmarks::Placements {
+            spacing_plane: SpacingPlane::Patient,
+            source: PlacementSource::Vertebrae,
+            readings,
+        },
     }
 }
 

@@ -189,7 +189,7 @@ fn check_order(readings: &[ReadBodies<'_>]) -> Result<(), MeasureError> {
         for &(level, body) in &reading.bodies {
             let fault = |fault| MeasureError::Lateral { id: reading.id.clone(), level, fault };
             let (location, tilt) = (body.measure_location().map_err(fault)?, body.measure_tilt());
-            placed.push((level, Placement { location, tilt }));
+            placed.push((level, Placement::new(location, tilt)));
         }
         if let Some(step) = steps(&placed).into_iter().find(|step| step.is_out_of_order()) {
             let (inferior, superior, share) = (step.inferior, step.superior, step.share);

@@ -14,6 +14,7 @@
 
 mod bodies;
 mod calibration;
+mod confidence;
 mod corners;
 mod evidence;
 mod film;
@@ -21,6 +22,7 @@ mod frame;
 mod lateral;
 mod marking;
 mod marking_proposal;
+mod midline;
 mod neighbours;
 mod noise;
 mod order;
@@ -37,13 +39,14 @@ pub use evidence::{
     CalibrationType, SpacingEvidence, SpacingJudgement, SpacingRemark, judge_spacing,
 };
 pub use film::{
-    Film, FilmLandmarks, IliacCrests, ImageGeometry, Placement, Reading, ReadingId,
-    VertebraLandmarks,
+    Film, FilmLandmarks, IliacCrests, ImageGeometry, Placement, PlacementSource, Reading,
+    ReadingId, VertebraLandmarks,
 };
 pub use frame::{FilmFrame, body_widths, endplate_centres};
 pub use lateral::{LateralCorners, LateralFault, LateralFilm};
 pub use marking::{MarkedBody, MarkingFault, PartialLandmarks, PartialReading, turn_axis_towards};
 pub use marking_proposal::{CornerName, NextLandmark, ProposedVertebra};
+pub use midline::{Midline, MidlineEnd, MidlineError, MidlinePoint};
 pub use noise::Noise;
 pub(crate) use noise::ReadingSquares;
 pub(crate) use outline::outline_of;
@@ -125,6 +128,20 @@ pub enum MeasureError {
         id: ReadingId,
         /// Vertebra.
         level: Level,
+    },
+    /// A confidence that is no number from 0 to 1.
+    #[error(
+        "{posture} film, observer {id}, {level}: a confidence is {value}, and must be from 0 to 1"
+    )]
+    Confidence {
+        /// Film.
+        posture: Posture,
+        /// Reading.
+        id: ReadingId,
+        /// Vertebra.
+        level: Level,
+        /// What it is.
+        value: f64,
     },
     /// A landmark outside of the picture.
     #[error(
@@ -242,6 +259,7 @@ impl MeasureError {
             Self::Spacing { .. } => "spacing",
             Self::LevelMissing { .. } => "level_missing",
             Self::NotFinite { .. } => "not_finite",
+            Self::Confidence { .. } => "confidence",
             Self::OffImage { .. } => "off_image",
             Self::Crests { .. } => "crests",
             Self::Corners { .. } | Self::Lateral { .. } => "corners",
@@ -271,6 +289,9 @@ impl MeasureError {
                 "mark this vertebra, or leave this film out of the case (only the erect film is needed)"
             }
             Self::NotFinite { .. } => "mark this vertebra again",
+            Self::Confidence { .. } => {
+                "give the probability that the program assigns to the landmark, or no confidence at all"
+            }
             Self::OffImage { .. } => {
                 "corner points are [column, row] in pixels of the full-size picture"
             }

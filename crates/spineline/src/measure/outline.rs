@@ -1,6 +1,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::confidence::check_confidence;
 use super::corners::normal_tilt;
+use super::midline::warn_of_source;
 use super::order::{MIN_SPACING_SHARE, steps, typical_distance_mm};
 use super::plausibility::fits_exchanged;
 use super::spacing::is_spacing;
@@ -193,7 +195,8 @@ fn place_film(
     let readings = readings.iter().map(|reading| reading.vertebrae.clone()).collect();
     let (image, iliac_crests) = match &film.landmarks {
         FilmLandmarks::Corners { image, iliac_crests, .. } => (image, iliac_crests),
-        FilmLandmarks::Placements { spacing_plane, .. } => {
+        FilmLandmarks::Placements { spacing_plane, source, .. } => {
+            warn_of_source(posture, *source, warnings);
             let scale = LengthScale::stated(*spacing_plane);
             return Ok(PlacedFilm { readings, scale, iliac_normal: None, iliac_middle: None });
         }
@@ -276,6 +279,7 @@ fn bodies_of(
         if !(finite && landmark.corners.points().iter().all(|corner| corner.is_finite())) {
             return Err(MeasureError::NotFinite { posture, id: id(), level });
         }
+        check_confidence(posture, &reading.id, level, landmark)?;
         if let Some(corner) =
             landmark.corners.points().into_iter().find(|&corner| !image.contains(corner))
         {

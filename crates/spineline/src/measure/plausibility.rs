@@ -1,6 +1,7 @@
 //! Landmarks that no film of a spine can show, or that one reading alone shows.
 
 use super::bodies::{CheckedFilm, ReadBodies, median};
+use super::confidence::warn_of_confidence;
 use super::neighbours::warn_of_corners_off_the_trend;
 use super::{Corners, Film, FilmLandmarks, ImageGeometry, Reading, ReadingId, VertebraLandmarks};
 use crate::anatomy::Level;
@@ -72,6 +73,7 @@ pub(crate) fn warn_of_implausible_landmarks(film: &Film, warnings: &mut Warnings
     warn_of_corners(CheckedFilm::Frontal(film.posture), &ReadBodies::of_film(film), warnings);
     let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return };
     for reading in readings {
+        warn_of_confidence(film.posture, reading, warnings);
         for (&level, landmark) in &reading.vertebrae {
             warn_of_axis(film, image, (reading, level, landmark), warnings);
         }

@@ -4,7 +4,9 @@ use crate::common::{analyzed, exact_case, film_mut, landmarks_mut, on_a_table, p
 use spineline::analysis::{AnalysisOptions, Case};
 use spineline::anatomy::{ImageSide, Level, Posture, Region, Side};
 use spineline::clinical::{ClinicalCurve, CobbEnds, EndChoice, EndRule};
-use spineline::measure::{FilmLandmarks, ImageGeometry, Placement, TiltRule, VertebraLandmarks};
+use spineline::measure::{
+    FilmLandmarks, ImageGeometry, Placement, PlacementSource, TiltRule, VertebraLandmarks,
+};
 use spineline::spatial::Angle;
 use spineline_phantom::{Readers, Truth};
 
@@ -153,6 +155,7 @@ fn without_corners_there_is_a_tilt_range_and_no_cobb_angle() {
         let vertebrae = vertebrae.map(|v| (v.level, Placement::new(v.location, v.tilt))).collect();
         film.landmarks = FilmLandmarks::Placements {
             spacing_plane: spineline::measure::SpacingPlane::Patient,
+            source: PlacementSource::Vertebrae,
             readings: vec![spineline::measure::Reading { id, vertebrae }],
         };
     }

@@ -6,7 +6,8 @@ use crate::common::{
 use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{
-    Film, FilmLandmarks, Reading, ReadingId, VertebraLandmarks, judge_landmarks, judge_reading,
+    Film, FilmLandmarks, PlacementSource, Reading, ReadingId, TiltRule, VertebraLandmarks,
+    judge_landmarks, judge_reading,
 };
 use spineline::spatial::{Angle, Pixel};
 
@@ -228,9 +229,11 @@ fn a_reading_is_compared_with_the_others_without_warnings_about_them() {
 #[test]
 fn films_with_placements_have_no_corners_to_judge() {
     let film = exact_case(0).films.remove(0);
-    let readings = spineline::measure::measure_readings(&film).expect("a sound film");
+    let readings =
+        spineline::measure::measure_readings(&film, TiltRule::default()).expect("a sound film");
     let spacing_plane = spineline::measure::SpacingPlane::Patient;
-    let landmarks = FilmLandmarks::Placements { spacing_plane, readings };
+    let landmarks =
+        FilmLandmarks::Placements { spacing_plane, source: PlacementSource::Vertebrae, readings };
     let film = Film { landmarks, ..film };
     assert!(judge_landmarks(&film).all().is_empty());
 }

@@ -3,6 +3,7 @@
 mod balance;
 mod cobb;
 mod common;
+mod confidence;
 mod curves;
 mod faults;
 mod faults_contradictions;

@@ -2,7 +2,9 @@
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{Level, Posture, Region};
-use spineline::measure::{Corners, FilmLandmarks, Placement, Reading, SpacingPlane};
+use spineline::measure::{
+    Corners, FilmLandmarks, Placement, PlacementSource, Reading, SpacingPlane,
+};
 use spineline::spatial::{Angle, Frontal};
 use spineline::uncertainty::{
     Absent, AnalysisQuantity, LandmarkNoise, MonteCarlo, NoiseSource, Replicate, Uncertainty,
@@ -244,6 +246,7 @@ fn placed(case: &Case) -> Case {
         let id = spineline::measure::ReadingId::new("program", 1);
         film.landmarks = FilmLandmarks::Placements {
             spacing_plane: SpacingPlane::Patient,
+            source: PlacementSource::Vertebrae,
             readings: vec![Reading { id, vertebrae }],
         };
     }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use spineline::analysis::check_repeated;
 use spineline::anatomy::Posture;
 use spineline::error::Error;
-use spineline::measure::{Film, FilmLandmarks, ImageGeometry, judge_landmarks};
+use spineline::measure::{Film, FilmLandmarks, ImageGeometry, PlacementSource, judge_landmarks};
 use spineline_landmarks::{LandmarkError, LandmarkHint, read_landmarks};
 
 use super::args::ImportArgs;
@@ -56,12 +56,19 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksB
             let film = films.iter().find(|f| posture.is_some() && f.role.posture() == posture);
             let image = film.map(ResolvedFilm::image);
             let film = marked.into_film(hint.posture, image).map_err(|error| fail(&error))?;
-            if matches!(film.landmarks, FilmLandmarks::Placements { .. }) {
+            if let FilmLandmarks::Placements { source, .. } = film.landmarks {
                 let what = format!(
                     "it has locations and tilts of the {} film, but no corners in its picture",
                     film.posture
                 );
-                let help = "such a case needs no picture: write the locations into a case file";
+                let help = match source {
+                    PlacementSource::Vertebrae => {
+                        "such a case needs no picture: write the locations into a case file"
+                    }
+                    PlacementSource::SurfaceMidline => {
+                        "a midline needs no picture: make a case of it with `spineline import --midlines`"
+                    }
+                };
                 return Err(Failure::input(&of.value.display().to_string(), &what, help));
             }
             for warning in judge_landmarks(&film).all() {

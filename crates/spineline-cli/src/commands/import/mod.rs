@@ -5,6 +5,7 @@ mod args;
 mod candidates;
 mod dialogue;
 mod landmarks;
+mod midlines;
 mod resolve;
 mod role;
 mod text;
@@ -25,6 +26,9 @@ use crate::run::outputs::print;
 pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
     if args.aasce {
         return aasce::run(args);
+    }
+    if args.midlines {
+        return midlines::run(args);
     }
     let (Some(folder), Some(case_id), false) = (&args.out, &args.case_id, args.list) else {
         return print(&text::list(&Candidates::find(args)?));

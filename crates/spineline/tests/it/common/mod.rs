@@ -13,8 +13,8 @@ use spineline::clinical::{RegionBounds, Regions};
 use spineline::error::Error;
 use spineline::measure::{
     Film, FilmLandmarks, IliacCrests, ImageGeometry, LengthScale, MeasuredVertebra, Noise, Outline,
-    Placement, Reading, ReadingId, Spacing, SpacingPlane, TiltRule, VertebraLandmarks,
-    measure_film,
+    Placement, PlacementSource, Reading, ReadingId, Spacing, SpacingPlane, TiltRule,
+    VertebraLandmarks, measure_film,
 };
 use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Angle, Frontal, Pixel};
@@ -154,8 +154,11 @@ pub fn placement_film(
         .map(|(level, location, tilt)| (level, Placement::new(location, tilt)))
         .collect();
     let reading = Reading { id: ReadingId::new("A", 1), vertebrae };
-    let landmarks =
-        FilmLandmarks::Placements { spacing_plane: SpacingPlane::Patient, readings: vec![reading] };
+    let landmarks = FilmLandmarks::Placements {
+        spacing_plane: SpacingPlane::Patient,
+        source: PlacementSource::Vertebrae,
+        readings: vec![reading],
+    };
     Film { posture, landmarks }
 }
 
