@@ -49,6 +49,34 @@ pub struct ExportedFile {
     pub bytes: Vec<u8>,
 }
 
+impl LandmarkTarget<'_> {
+    /// What this format leaves out of a case.
+    #[must_use]
+    pub fn left_out(self, case: &Case) -> Vec<&'static str> {
+        let landmarks = || {
+            let corners = case.films.iter().filter_map(|film| match &film.landmarks {
+                FilmLandmarks::Corners { readings, .. } => Some(readings),
+                FilmLandmarks::Placements { .. } => None,
+            });
+            corners.flatten().flat_map(|reading| reading.vertebrae.values())
+        };
+        let (axes, confidences) = match self {
+            Self::Csv => (false, false),
+            Self::Slicer => (true, true),
+            Self::Labelme { .. } | Self::Coco { .. } => (true, false),
+            Self::DicomSr { .. } => (false, true),
+        };
+        let mut left_out = Vec::new();
+        if axes && landmarks().any(|landmark| landmark.axis_clockwise.is_some()) {
+            left_out.push("axes that were set by hand");
+        }
+        if confidences && landmarks().any(|landmark| landmark.confidence.is_some()) {
+            left_out.push("confidences");
+        }
+        left_out
+    }
+}
+
 /// The landmarks of a case, of one posture or of all. The same case gives the same bytes.
 ///
 /// # Errors

@@ -141,6 +141,9 @@ fn landmarks(args: &ExportArgs) -> Result<Ending, Failure> {
     };
     let files = export_landmarks(&case, args.posture, target)
         .map_err(|error| Failure::input(&place, &error, error.help()))?;
+    for part in target.left_out(&case) {
+        say(&format!("note: this format has no place for {part}; the case keeps them\n"));
+    }
     write_landmarks(args, &case, &files)
 }
 

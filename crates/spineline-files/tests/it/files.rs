@@ -53,7 +53,7 @@ fn confidences_and_estimated_levels_are_kept_in_a_case() {
         inferior_left: 0.125,
         inferior_right: 1.0,
     });
-    let located = Placement::new(Frontal::new(1.0, 2.0), Angle::from_deg(3.0));
+    let located = Placement::new(Frontal::new(1.0, 2.0), Angle::ZERO);
     case.films[1].landmarks = FilmLandmarks::Placements {
         spacing_plane: SpacingPlane::Patient,
         source: PlacementSource::SurfaceMidline,

@@ -406,6 +406,20 @@ fn annotations_and_keypoints_round_trip_with_confidences() {
 }
 
 #[test]
+fn what_a_format_leaves_out_is_named() {
+    let none = BTreeMap::new();
+    let axes = case(ImageSide::Right);
+    let sure = with_confidences(axes.clone());
+    let slicer = LandmarkTarget::Slicer;
+    let coco = LandmarkTarget::Coco { pictures: &none };
+    assert_eq!(LandmarkTarget::Csv.left_out(&sure), [""; 0]);
+    assert_eq!(slicer.left_out(&sure), ["confidences"]);
+    assert_eq!(coco.left_out(&sure), [""; 0]);
+    assert_eq!(slicer.left_out(&axes), ["axes that were set by hand"]);
+    assert_eq!(coco.left_out(&axes), ["axes that were set by hand"]);
+}
+
+#[test]
 fn annotations_name_their_picture_and_have_what_their_programs_need() {
     let case = without_axes(case(ImageSide::Right));
     let pictures = BTreeMap::from([(Posture::Erect, "standing.jpg".to_owned())]);
