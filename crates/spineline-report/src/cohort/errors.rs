@@ -130,7 +130,6 @@ pub fn tests(cohort: &Cohort) -> Section {
     table.row(tested("Ferguson error (°)", &cohort.ferguson_test, "°"));
     section.table(table);
     compared(&mut section, cohort);
-    section.table(films_left_out(cohort));
     section
 }
 
@@ -166,8 +165,13 @@ fn films_left_out(cohort: &Cohort) -> Table {
     table
 }
 
-/// The lines on the same films, and the test of every pair of them.
+/// The lines on the same films, the test of every pair of them, and the films that are left out.
 pub fn compared(section: &mut Section, cohort: &Cohort) {
+    pairs(section, cohort);
+    section.table(films_left_out(cohort));
+}
+
+fn pairs(section: &mut Section, cohort: &Cohort) {
     let compared = &cohort.compared;
     if compared.family() == 0 {
         section.paragraph(

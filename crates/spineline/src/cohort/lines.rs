@@ -123,6 +123,17 @@ pub enum NoResult {
 }
 
 impl NoResult {
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::NoModel => "no_model",
+            Self::NoLine => "no_line",
+            Self::Unreachable => MatchStatus::Unreachable.key(),
+            Self::NotConverged => MatchStatus::NotConverged.key(),
+        }
+    }
+
     /// Of a line's model on a film; `None` where it has a result.
     fn of(models: &[LineModel], kind: LineKind, posture: Posture) -> Option<Self> {
         let Some(model) = models.iter().find(|model| model.kind == kind) else {
