@@ -155,6 +155,7 @@ fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
 fn code(remark: &FilmRemark) -> &'static str {
     match remark {
         FilmRemark::BurnedIn | FilmRemark::BurnedInUnknown => "burned_in_text",
+        FilmRemark::OtherBodyPart { .. } => "other_body_part",
         _ => "film_remark",
     }
 }
