@@ -102,7 +102,7 @@ pub(super) fn other_body_part(
     modality: Option<&str>,
 ) -> Option<FilmRemark> {
     let stated = data.text(BODY_PART).map(|text| text.to_ascii_uppercase().replace([' ', '_'], ""));
-    let by_part = OTHER_PARTS.into_iter().find(|part| stated.as_deref() == Some(part));
+    let by_part = OTHER_PARTS.into_iter().find(|part| stated.as_deref() == Some(*part));
     let part = by_part.or_else(|| (modality == Some("MG")).then_some("BREAST"))?;
     Some(FilmRemark::OtherBodyPart { part: part.into() })
 }

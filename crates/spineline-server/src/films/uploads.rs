@@ -146,6 +146,7 @@ fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
         spacing: spacing.spacing,
         is_lateral,
         is_synthetic: film.tags.is_phantom,
+        patient: film.tags.patient,
         picture: sha256_hex(&picture),
         thumbnail: draw_thumbnails(film).plain,
     };
