@@ -3,7 +3,7 @@
 use crate::common::{Draw, analyzed, exact_case, film_mut, landmarks, move_landmarks, on_a_table};
 use spineline::analysis::{Analysis, Case, analyze_movement};
 use spineline::anatomy::{ImageSide, Posture};
-use spineline::measure::IliacCrests;
+use spineline::measure::{Corners, IliacCrests};
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::Severity;
 
@@ -62,10 +62,12 @@ fn copy_landmarks(case: &mut Case, from: Posture, to: Posture, by_px: f64) {
     let (_, _, readings) = landmarks(film);
     for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
         landmark.axis_clockwise = None;
-        landmark.corners = landmark.corners.map(|place| {
-            let mut moved = || draw.between(-by_px, by_px);
-            Pixel::new(place.column_px + moved(), place.row_px + moved())
-        });
+        let [superior_left, superior_right, inferior_left, inferior_right] =
+            landmark.corners.points().map(|place| {
+                let mut moved = || draw.between(-by_px, by_px);
+                Pixel::new(place.column_px + moved(), place.row_px + moved())
+            });
+        landmark.corners = Corners { superior_left, superior_right, inferior_left, inferior_right };
     }
 }
 
