@@ -7,6 +7,12 @@ use crate::action::LineKind;
 use crate::anatomy::Posture;
 
 impl Analysis {
+    /// Whether some film may not show the posture or the patient that it is named after, as far as its landmarks show.
+    #[must_use]
+    pub fn has_doubted_film(&self) -> bool {
+        self.warnings.all().iter().any(doubts_film)
+    }
+
     /// The findings on the lines of action, in sentences.
     ///
     /// First the films that may not show what they are named after: then no line is called consistent with them. Then
@@ -61,7 +67,6 @@ impl Analysis {
 
     fn inflection_verdict(&self, model: &LineModel) -> Vec<String> {
         let found = self.compatibility(model);
-        let is_doubted = self.warnings.all().iter().any(doubts_film);
         let mut sentences: Vec<String> = found
             .without_force
             .iter()
@@ -85,7 +90,7 @@ impl Analysis {
                 ));
             }
         }
-        if !found.rejects() && !found.bends.is_empty() && !is_doubted {
+        if !found.rejects() && !found.bends.is_empty() && !self.has_doubted_film() {
             let joints = match found.bends.iter().map(|bend| bend.against).sum::<usize>() {
                 0 => "no joint turns against it".to_owned(),
                 _ => format!(

@@ -3,6 +3,7 @@
 use crate::common::{Draw, analyzed, exact_case, film_mut, landmarks, move_landmarks, on_a_table};
 use spineline::analysis::{Analysis, Case, analyze_movement};
 use spineline::anatomy::{ImageSide, Posture};
+use spineline::cohort::Cohort;
 use spineline::measure::{Corners, IliacCrests};
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::Severity;
@@ -193,4 +194,17 @@ fn bodies_of_another_shape_are_reported_and_another_magnification_is_not() {
             assert_eq!(doubts(&analyzed(&case, &on_a_table())), []);
         }
     }
+}
+
+#[test]
+fn a_cohort_counts_patients_with_doubted_films_and_does_not_test_them() {
+    let sound = analyzed(&exact_case(1), &on_a_table());
+    let mut case = exact_case(0);
+    copy_landmarks(&mut case, Posture::Erect, Posture::LeftBending, 5.0);
+    let doubted = analyzed(&case, &on_a_table());
+    let cohort = Cohort::of(&[&sound, &doubted], 1);
+    assert_eq!(cohort.doubted, 1);
+    assert!(cohort.incompatible.1 <= 1, "{:?}", cohort.incompatible);
+    assert!(cohort.verdict()[0].starts_with("Films of 1 of 2 patients"), "{:?}", cohort.verdict());
+    assert_eq!(Cohort::of(&[&sound], 1).doubted, 0);
 }
