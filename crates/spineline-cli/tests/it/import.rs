@@ -478,7 +478,7 @@ fn a_breast_a_leg_or_another_patient_needs_confirmation() {
         put(&here, &file, &other);
         let import = |more: &[&str]| {
             let films = ["--film", "erect=1", "--film", "left_bending=2"];
-            let base = ["a.dcm", &file, "--case-id", "A", "--out", name];
+            let base = ["a.dcm", file.as_str(), "--case-id", "A", "--out", name];
             here.import(&[&base[..], &films[..], more].concat())
         };
         let (_, error, code) = import(&[]);
