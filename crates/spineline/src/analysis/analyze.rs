@@ -237,7 +237,7 @@ fn measure(
         warnings.push(Step::Measure, "reliability_one_reading", text);
     }
     check_outlines(&outlines, warnings)?;
-    warn_of_wrong_films(&films, &outlines, warnings);
+    warn_of_wrong_films((&films, case.synthetic), &outlines, warnings);
     Ok((readings, outlines))
 }
 

@@ -144,7 +144,7 @@ fn one_film_for_two_lying_postures_is_reported() {
 #[test]
 fn a_leaning_erect_film_is_reported_and_a_turned_one_with_crests_is_not() {
     for turn in [-26.0, 26.0] {
-        let mut case = exact_case(0);
+        let mut case = Case { synthetic: false, ..exact_case(0) };
         let erect = film_mut(&mut case, Posture::Erect);
         move_landmarks(erect, Angle::from_deg(turn), Frontal::default());
         for case in both_ways(&case) {
