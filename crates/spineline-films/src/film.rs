@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 use spineline::measure::{SpacingEvidence, ViewEvidence};
 
 use super::error::{FilmError, UnsupportedPhotometric};
-use super::{FilmRemark, Look};
+use super::{FilmRemark, Look, PatientMarks};
 
 /// What kind of file a film came from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -114,6 +114,8 @@ pub struct FilmTags {
     /// Whether the file states that its picture is of a phantom: Quality Control Image (0028,0300). Films of synthetic
     /// patients say so.
     pub is_phantom: bool,
+    /// For comparison with the patient of another film.
+    pub patient: PatientMarks,
     /// Identifiers of the film.
     pub uids: FilmUids,
     /// Name of the transfer syntax of a DICOM file.

@@ -50,6 +50,7 @@ pub(super) fn read(
         presentation_lut_shape: None,
         burned_in_annotation: None,
         is_phantom: false,
+        patient: super::PatientMarks::default(),
         uids: FilmUids::default(),
         transfer_syntax: None,
         bits_stored,

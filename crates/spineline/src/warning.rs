@@ -57,8 +57,13 @@ const NOTES: [&str; 7] = [
     "usual_regions",
 ];
 /// Codes of what contradicts.
-const CONTRADICTIONS: [&str; 4] =
-    ["fit_not_converged", "force_not_found", "joints_contradict_line", "multiplier_at_bound"];
+const CONTRADICTIONS: [&str; 5] = [
+    "bend_keeps_shape",
+    "fit_not_converged",
+    "force_not_found",
+    "joints_contradict_line",
+    "multiplier_at_bound",
+];
 
 /// One warning, or the reason why a number is absent.
 #[derive(Debug, Clone, PartialEq)]

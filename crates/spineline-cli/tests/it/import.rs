@@ -508,3 +508,40 @@ fn pictures_are_stored_without_metadata() {
     let film = read_film(&written, &FilmLimits::default()).expect("a film");
     assert!(film.stored.iter().eq(pixels.iter().map(|&p| i32::from(p))));
 }
+
+#[test]
+fn a_breast_a_leg_or_another_patient_needs_confirmation() {
+    let here = Here::new();
+    let altered: [(&str, (u16, u16), &'static str, &str, &str); 5] = [
+        ("breast", (0x18, 0x15), "CS", "BREAST", "(BREAST)"),
+        ("leg", (0x18, 0x15), "CS", "LEG", "(LEG)"),
+        ("mammogram", (0x08, 0x60), "CS", "MG", "(BREAST)"),
+        ("patient", (0x10, 0x20), "LO", "SOMEONE-ELSE-7", "Patient ID differs"),
+        ("sex", (0x10, 0x40), "CS", "M", "Patient's Sex differs"),
+    ];
+    let mut first = film(1);
+    first.text((0x10, 0x20), "LO", "SOMEONE-1").text((0x10, 0x40), "CS", "F");
+    first.text((0x18, 0x15), "CS", "SPINE");
+    put(&here, "a.dcm", &first);
+    for (name, tag, vr, value, expected) in altered {
+        let mut other = film(2);
+        other.text((0x10, 0x20), "LO", "SOMEONE-1").text((0x10, 0x40), "CS", "F");
+        other.text(tag, vr, value);
+        let file = format!("{name}.dcm");
+        put(&here, &file, &other);
+        let import = |more: &[&str]| {
+            let films = ["--film", "erect=1", "--film", "left_bending=2"];
+            let base = ["a.dcm", file.as_str(), "--case-id", "A", "--out", name];
+            here.import(&[&base[..], &films[..], more].concat())
+        };
+        let (_, error, code) = import(&[]);
+        assert_eq!(code, 2, "{name}: {error}");
+        assert!(error.contains(expected) && error.contains("--accept"), "{name}: {error}");
+        // The patient's own identity appears in no message.
+        assert!(!error.contains("SOMEONE"), "{error}");
+        let (out, error, code) = import(&["--accept"]);
+        assert_eq!(code, 0, "{name}: {error}");
+        assert!(out.contains("accepted as said") || error.contains("accepted as said"), "{out}");
+        assert!(!holds(&everything(&here.path(name)), "SOMEONE"), "{name}");
+    }
+}

@@ -145,6 +145,7 @@ fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
         spacing: spacing.spacing,
         is_lateral,
         is_synthetic: film.tags.is_phantom,
+        patient: film.tags.patient,
         picture: film.picture_sha256(),
         instance: film.tags.uids.sop_instance.clone(),
         thumbnail: draw_thumbnails(film).plain,
@@ -155,6 +156,7 @@ fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
 fn code(remark: &FilmRemark) -> &'static str {
     match remark {
         FilmRemark::BurnedIn | FilmRemark::BurnedInUnknown => "burned_in_text",
+        FilmRemark::OtherBodyPart { .. } => "other_body_part",
         _ => "film_remark",
     }
 }

@@ -45,6 +45,7 @@ async fn new_study(
         .map(|film| Ok((film.clone(), state.films().uploads.get(&user.name, &film.upload, now)?)));
     let films = uploads.collect::<Answer<Vec<_>>>()?;
     check(&films)?;
+    check_patient(films.iter().map(|(_, upload)| upload.as_ref()))?;
     let synthetic = films.iter().all(|(_, upload)| upload.is_synthetic);
     let study = Study { id, label: new.label, synthetic };
     let prepared = computed(move || {
@@ -78,6 +79,7 @@ async fn import_case(
         let upload = state.films().uploads.get(&user.name, &film.upload, now)?;
         uploads.insert(film.name.clone(), upload);
     }
+    check_patient(uploads.values().map(Arc::as_ref))?;
     let used = import.films.iter().map(|film| film.upload.clone()).collect();
     let read = computed(move || {
         let missing = "a film that the case names was not uploaded";
@@ -148,6 +150,24 @@ impl Pictures {
             }
         }
     }
+}
+
+/// Refuses films of two patients. One attribute may be mistyped; that two differ is no mistake.
+fn check_patient<'a>(mut films: impl Iterator<Item = &'a Upload>) -> Answer<()> {
+    let Some(first) = films.next() else { return Ok(()) };
+    for film in films {
+        let found = first.patient.differences(&film.patient);
+        if found.len() > 1 {
+            let text = format!(
+                "the films are of two patients: their files differ in {}",
+                found.join(" and ")
+            );
+            return Err(refused(&text).help(
+                "choose the films of one patient; if they are, `spineline import --accept` makes a case of them",
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Whether an upload can be the film of a case.

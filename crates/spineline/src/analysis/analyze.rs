@@ -6,6 +6,7 @@ use super::hypotheses::fit_hypotheses;
 use super::models::fit_models;
 use super::preference::{PreferredLine, prefer_lines};
 use super::result::{Analysis, PostureAnalysis, is_read_once};
+use super::wrong_film::warn_of_wrong_films;
 use super::{AnalysisOptions, Case, LineModel};
 use crate::anatomy::Posture;
 use crate::chain::{Chain, ChainPose};
@@ -239,6 +240,7 @@ fn measure(
         warnings.push(Step::Measure, "reliability_one_reading", text);
     }
     check_outlines(&outlines, warnings)?;
+    warn_of_wrong_films((&films, case.synthetic), &outlines, warnings);
     Ok((readings, outlines))
 }
 

@@ -68,7 +68,7 @@ pub(super) fn check_outlines(
         let ratio = film.polygon_mm() / erect.polygon_mm();
         if (ratio - 1.0).abs() > 0.05 {
             let text = format!(
-                "the spine is {:.0} mm long, and {:.0} mm on the erect film ({:+.0} %): check the spacing of both films",
+                "the spine is {:.0} mm long, and {:.0} mm on the erect film ({:+.0} %): check the spacing of both films, and that they show the same patient",
                 film.polygon_mm(),
                 erect.polygon_mm(),
                 100.0 * (ratio - 1.0)

@@ -16,6 +16,7 @@ mod preference;
 mod result;
 mod verdict;
 mod words;
+mod wrong_film;
 
 pub(crate) use analyze::{OtherReadings, analyze_known};
 pub use analyze::{analyze, analyze_movement};

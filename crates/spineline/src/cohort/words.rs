@@ -26,6 +26,12 @@ impl Cohort {
     #[must_use]
     pub fn verdict(&self) -> Vec<String> {
         let mut all = Vec::new();
+        if self.doubted > 0 {
+            all.push(format!(
+                "Films of {} of {} patients may be wrong ones; check them first: `check` names them.",
+                self.doubted, self.patients
+            ));
+        }
         let (rejecting, tested) = self.incompatible;
         if tested > 0 {
             all.push(format!(

@@ -126,18 +126,27 @@ pub fn endplate_centres(film: &Film, frame: &FilmFrame, level: Level) -> Option<
 /// spacing; `None` where a corner is missing.
 #[must_use]
 pub fn body_widths(film: &Film) -> Option<Vec<f64>> {
+    Some(body_shapes(film)?.into_iter().map(|[_, width]| width).collect())
+}
+
+/// Mean height of the two sides and mean width of the endplates of the bodies L4 to T2, as [`body_widths`].
+pub(crate) fn body_shapes(film: &Film) -> Option<Vec<[f64; 2]>> {
     let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return None };
-    let width = |level: Level| {
+    let shape = |level: Level| {
         let landmarks = readings.iter().filter_map(|reading| reading.vertebrae.get(&level));
-        let widths: Vec<f64> = landmarks
+        let shapes: Vec<[f64; 2]> = landmarks
             .map(|landmark| {
                 let corners = landmark.corners.map(|corner| image.frontal(corner));
                 let upper = corners.superior_left.distance_mm(corners.superior_right);
                 let lower = corners.inferior_left.distance_mm(corners.inferior_right);
-                0.5 * (upper + lower)
+                let left = corners.superior_left.distance_mm(corners.inferior_left);
+                let right = corners.superior_right.distance_mm(corners.inferior_right);
+                [0.5 * (left + right), 0.5 * (upper + lower)]
             })
             .collect();
-        (!widths.is_empty()).then(|| widths.iter().sum::<f64>() / widths.len() as f64)
+        let mean =
+            |side: usize| shapes.iter().map(|shape| shape[side]).sum::<f64>() / shapes.len() as f64;
+        (!shapes.is_empty()).then(|| [mean(0), mean(1)])
     };
-    Level::MODEL.into_iter().map(width).collect()
+    Level::MODEL.into_iter().map(shape).collect()
 }

@@ -42,6 +42,7 @@ pub use film::{
     Film, FilmLandmarks, IliacCrests, ImageGeometry, Placement, PlacementSource, Reading,
     ReadingId, VertebraLandmarks,
 };
+pub(crate) use frame::body_shapes;
 pub use frame::{FilmFrame, body_widths, endplate_centres};
 pub use lateral::{LateralCorners, LateralFault, LateralFilm};
 pub use marking::{MarkedBody, MarkingFault, PartialLandmarks, PartialReading, turn_axis_towards};

@@ -28,3 +28,4 @@ mod verification_hand;
 mod verification_loads;
 mod verification_symmetry;
 mod verification_tilt;
+mod wrong_films;
