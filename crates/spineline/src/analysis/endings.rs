@@ -1,4 +1,5 @@
 use super::LineModel;
+use crate::multibody::{MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT, MatchStatus};
 use crate::personalize::{FitStatus, StiffnessBound};
 use crate::warning::{Step, Warnings};
 
@@ -20,7 +21,13 @@ pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
     }
     for simulation in &model.postures {
         let posture = Some(simulation.posture);
-        if !simulation.is_usable() {
+        if simulation.status == MatchStatus::BeyondHumanRange {
+            let text = format!(
+                "the simulated shape is beyond the human range of motion (limits: {MAX_HUMAN_JOINT:.0} at a joint, {MAX_HUMAN_COLUMN:.0} over the spine), \
+                 so it is not a result: check the landmarks and the amplitude of this film"
+            );
+            warn(Step::Evaluate, "beyond_human_range", posture, text);
+        } else if !simulation.is_usable() {
             let text = format!(
                 "the force was not found (`{}`): the nearest shape is shown, which is not a result",
                 simulation.status.key()
