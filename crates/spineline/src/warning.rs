@@ -2,6 +2,12 @@
 
 use crate::anatomy::{Level, LineKind, Posture};
 
+/// A number of things in words: `1 film`, `2 films`. `noun` is in the singular and takes an s.
+#[must_use]
+pub fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
 /// A step of the pipeline, in its order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[allow(missing_docs)]

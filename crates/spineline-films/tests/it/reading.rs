@@ -103,7 +103,8 @@ fn jpeg_of_8_bits_is_read_within_tolerance_and_of_12_bits_is_refused() {
     coded[frame + 4] = 12;
     maker.word((0x28, 0x100), 16);
     let error = read(&maker.fragments(vec![coded]).file(JPEG_EXTENDED)).unwrap_err();
-    let fault = CodecFault::Precision { bits: 12 };
+    let fault = CodecFault::LossyBits { bits: 12 };
+    assert!(error.to_string().ends_with("12-bit lossy JPEG is not supported"), "{error}");
     assert_eq!(error, FilmError::Codec { codec: Codec::Jpeg, fault });
 }
 

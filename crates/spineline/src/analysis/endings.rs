@@ -1,7 +1,7 @@
 use super::LineModel;
 use crate::multibody::{MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT, MatchStatus};
 use crate::personalize::{FitStatus, StiffnessBound};
-use crate::warning::{Step, Warnings};
+use crate::warning::{Step, Warnings, counted};
 
 /// Warns of fits and simulations without result, and of joints that contradict the line.
 pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
@@ -36,8 +36,8 @@ pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
         }
         if simulation.lost_forces > 0 {
             let text = format!(
-                "the search for forces that reach the amplitude did not converge {} times: there may be more such forces",
-                simulation.lost_forces
+                "the search for forces that reach the amplitude did not converge {}: there may be more such forces",
+                counted(simulation.lost_forces, "time")
             );
             warn(Step::Evaluate, "forces_lost", posture, text);
         }
