@@ -53,8 +53,8 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
             print(&format!(
                 "Planned {}: every observer reads every film {}, {} apart, in a random order each.\n",
                 counted(slots, "reading"),
-                counted(*repeats as usize, "time"),
-                counted(*washout_days as usize, "day")
+                counted(*repeats, "time"),
+                counted(*washout_days, "day")
             ))
         }
         StudyCommand::Next { study, observer, .. } => {
