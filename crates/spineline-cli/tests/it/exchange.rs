@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::maker::{EXPLICIT, Maker, ramp};
+use crate::maker::{EXPLICIT, Maker};
 use crate::program::run;
 
 fn read(folder: &Path, name: &str) -> Value {
@@ -13,10 +13,15 @@ fn read(folder: &Path, name: &str) -> Value {
     serde_json::from_str(&text).expect("JSON")
 }
 
-/// A DICOM film of so many pixels.
-fn film(columns: u16, rows: u16) -> Vec<u8> {
-    let mut maker = Maker::new(columns, rows, &ramp(columns, rows));
-    maker.text((0x20, 0x20), "CS", "L\\F").text((0x08, 0x18), "UI", "1.2.3.4");
+/// An empty DICOM film, as large as the picture of a case says and with the same side to the left.
+fn film(image: &Value) -> Vec<u8> {
+    let size = |key: &str| {
+        u16::try_from(image[key].as_u64().expect("a size")).expect("a picture of a film")
+    };
+    let (columns, rows) = (size("columns"), size("rows"));
+    let mut maker = Maker::new(columns, rows, &vec![7; usize::from(columns) * usize::from(rows)]);
+    let left = if image["patient_left"] == "image_left" { "R\\F" } else { "L\\F" };
+    maker.text((0x20, 0x20), "CS", left).text((0x28, 0x30), "DS", "0.1\\0.1");
     maker.file(EXPLICIT)
 }
 
@@ -27,11 +32,7 @@ fn reports_of_several_readings_are_imported_together() {
     assert_eq!(run(at, &["phantom", "--subject", "1", "--out", "p", "--noise", "2"]).2, 0);
     let mut case = read(at, "p/phantom-rod-01.json");
     let erect = &mut case["films"][0];
-    let size = |key: &str| {
-        let pixels = erect["image"][key].as_u64().expect("a size");
-        u16::try_from(pixels).expect("a film")
-    };
-    fs::write(at.join("p/erect.dcm"), film(size("columns"), size("rows"))).expect("written");
+    fs::write(at.join("p/erect.dcm"), film(&erect["image"])).expect("written");
     erect["image"]["file"] = "erect.dcm".into();
     let mut second = erect["readings"][0].clone();
     second["observer"] = json!("other");
@@ -44,7 +45,7 @@ fn reports_of_several_readings_are_imported_together() {
     let import = |out: &str, reports: [&str; 2]| {
         let [first, second] = reports;
         let mut line = vec!["import", "p/erect.dcm", "--case-id", "A", "--out", out];
-        line.extend(["--film", "erect=1", "--patient-left", "erect=image-right", "--accept"]);
+        line.extend(["--film", "erect=1"]);
         line.extend(["--landmarks", first, "--landmarks", second]);
         run(at, &line)
     };
