@@ -10,13 +10,21 @@ pub(crate) const NEIGHBOURS_MM: [f64; 2] = [2.0, 90.0];
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {
-    /// The file could not be opened or is not text.
+    /// The file could not be opened.
     #[error("{}: {source}", path.display())]
     Read {
         /// Which file.
         path: PathBuf,
         /// Why.
         source: std::io::Error,
+    },
+    /// The file is not text in UTF-8.
+    #[error("{}: its text is not UTF-8 (byte {at})", path.display())]
+    NotUtf8 {
+        /// Which file.
+        path: PathBuf,
+        /// The first byte that is not, from 1.
+        at: usize,
     },
     /// More bytes than any file of its kind needs.
     #[error(
@@ -66,7 +74,7 @@ pub enum FileError {
         reason: String,
     },
     /// The file has another format.
-    #[error("its format is `{found}`, and should be `{expected}`")]
+    #[error("{}", format_words(found, expected))]
     Format {
         /// Value in the file.
         found: String,
@@ -252,12 +260,24 @@ pub enum FileError {
     },
 }
 
+/// What is said of a file of another format, or of none.
+fn format_words(found: &str, expected: &str) -> String {
+    if found.is_empty() {
+        format!("not a Spineline file: it has no `format`, which should be `{expected}`")
+    } else if found.starts_with("spineline-") {
+        format!("its format is `{found}`, and should be `{expected}`")
+    } else {
+        format!("not a Spineline file: its format is `{found}`, and should be `{expected}`")
+    }
+}
+
 impl FileError {
     /// Remedy.
     #[must_use]
     pub fn help(&self) -> &'static str {
         match self {
             Self::Read { .. } => "check the path and its permissions",
+            Self::NotUtf8 { .. } => "save the file as UTF-8",
             Self::TooLarge { .. } => {
                 "check that it is the right file; give a cohort as one file per patient"
             }

@@ -35,7 +35,7 @@ pub struct SimulationFile {
     absolute: bool,
     /// `N`, or `relative units, not newtons`.
     force_unit: String,
-    /// `converged`, `several_equilibria`, `limit_point`, `branch_point`, `unreachable`, `not_converged` or `interrupted`.
+    /// `converged`, `several_equilibria`, `limit_point`, `branch_point`, `beyond_human_range`, `unreachable`, `not_converged` or `interrupted`.
     /// Only the first two have a result.
     status: String,
     /// What was sought: the target.
@@ -95,7 +95,7 @@ struct EquilibriumRecord {
     direction: String,
     /// Load factor of the proportional loads; negative where they are reversed.
     factor: f64,
-    /// `reached`, `later`, `beyond_limit_point` or `beyond_branch_point`.
+    /// `reached`, `later`, `beyond_limit_point`, `beyond_branch_point` or `beyond_human_range`.
     verdict: String,
     on_erect_branch: bool,
     limit_points: usize,

@@ -216,7 +216,7 @@ pub enum FilmError {
         frames: u32,
     },
     /// Colours that are no grey.
-    #[error("its photometric interpretation {photometric} is not supported")]
+    #[error("{photometric}")]
     Photometric {
         /// What it is.
         photometric: UnsupportedPhotometric,
@@ -361,15 +361,22 @@ impl std::fmt::Display for ElementFault {
 pub enum UnsupportedPhotometric {
     Palette,
     Compressed,
+    /// More than 8 bits per channel.
+    Deep,
     Unknown,
 }
 
 impl std::fmt::Display for UnsupportedPhotometric {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Self::Palette => "PALETTE COLOR",
-            Self::Compressed => "(colour in this transfer syntax)",
-            Self::Unknown => "(unknown)",
+            Self::Palette => "colour image (PALETTE COLOR); a greyscale one is needed",
+            Self::Compressed => {
+                "colour image in a transfer syntax that is read for greyscale only; a greyscale one is needed"
+            }
+            Self::Deep => {
+                "colour image with more than 8 bits per channel; a greyscale one is needed"
+            }
+            Self::Unknown => "its photometric interpretation is unknown and not supported",
         })
     }
 }

@@ -24,6 +24,7 @@ use std::path::Path;
 
 pub use aasce::{
     AasceFault, AasceRow, AasceRows, AasceVerdict, image_sizes, judge_aasce, parse_mat,
+    picture_names,
 };
 pub use coco::parse_coco;
 pub use csv::{MAX_ROWS, parse_csv};
@@ -53,7 +54,7 @@ Landmark files, detected by their content:
   COCO          keypoints: a category per vertebra (superior_left, …), or names such as T12_superior_left. Confidences:
                 `keypoint_scores`, or one `score` per annotation.
   Midlines      of the back surface, as JSON with `midlines`: for import --midlines only. Levels are placed by arc length.
-  AASCE         a .mat file with p2, or the folder with filenames.csv, landmarks.csv and image_sizes.csv.
+  AASCE         a .mat file with p2, or the folder with filenames.csv and landmarks.csv, and the pictures or image_sizes.csv.
   DICOM SR      a report that `spineline export --to dicom-sr` wrote.
 Left and right are the patient's. AASCE and polygons name sides of the picture, so they need the side of it
 the patient's left is. Pixels count from the centre of the first pixel, which is 0.";

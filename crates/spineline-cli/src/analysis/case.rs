@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
+use spineline::personalize::Gauge;
 
 use crate::analysis::films::check_films;
 use crate::run::failure::Failure;
@@ -36,12 +37,20 @@ pub fn analyze_input(
 /// Analyses a case; an error names its file.
 ///
 /// # Errors
-/// What stops the analysis.
+/// What stops the analysis; wrong usage, where the force of a film is known that the case does not have.
 pub fn analyze_case(
     path: &Path,
     case: &Case,
     options: &AnalysisOptions,
 ) -> Result<Analysis, Failure> {
+    if let Gauge::KnownForce { posture, .. } = options.gauge {
+        if !case.films.iter().any(|film| film.posture == posture) {
+            return Err(Failure::usage(format!(
+                "{}: --gauge known-force names the {posture} film, and this case has no such film",
+                path.display()
+            )));
+        }
+    }
     analyze(case, options)
         .map_err(|error| Failure::input(&path.display().to_string(), &error, error.help()))
 }

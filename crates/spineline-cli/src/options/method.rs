@@ -141,10 +141,17 @@ fn gauge(text: &str) -> Result<Gauge, String> {
         .and_then(|rest| rest.split_once('='))
         .ok_or_else(|| expected.to_owned())?;
     let force_n = number(force)?;
-    if force_n == 0.0 {
-        return Err("a known force must not be zero".to_owned());
+    if force_n <= 0.0 {
+        return Err(
+            "a known force must be greater than 0 N: it is a magnitude, and its direction is found"
+                .to_owned(),
+        );
     }
-    Ok(Gauge::KnownForce { posture: posture(name)?, force_n })
+    let posture = posture(name)?;
+    if posture == Posture::Erect {
+        return Err("the erect film has no force: all others are measured from it; name the film on which the force was measured".to_owned());
+    }
+    Ok(Gauge::KnownForce { posture, force_n })
 }
 
 fn curve_turn(text: &str) -> Result<Angle, String> {

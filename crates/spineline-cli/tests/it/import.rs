@@ -86,7 +86,7 @@ fn films_become_a_deidentified_case() {
         "left-bending",
     ]);
     assert_eq!(code, 0, "{error}");
-    assert!(out.contains("p07/case.json and 2 films were written"), "{out}");
+    assert!(out.contains("Wrote p07/case.json and 2 films."), "{out}");
     let case = here.json("p07/case.json");
     let image = &case["films"][0]["image"];
     assert_eq!(case["films"][0]["posture"], "erect");

@@ -2,7 +2,9 @@
 
 mod commands;
 mod comparison;
+mod endings;
 mod endless;
+mod exchange;
 mod film;
 mod guide;
 mod import;

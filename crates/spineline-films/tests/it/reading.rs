@@ -289,3 +289,15 @@ fn an_unreadable_table_is_named() {
     let attribute = Attribute(0x28, 0x3010);
     assert_eq!(film.remarks, [FilmRemark::Unusable { attribute }]);
 }
+
+#[test]
+fn a_colour_picture_of_16_bits_is_refused_as_one() {
+    let words = vec![500_u16; 4 * 3 * 3];
+    let picture = image::ImageBuffer::<image::Rgb<u16>, _>::from_raw(4, 3, words).unwrap();
+    let mut file = std::io::Cursor::new(Vec::new());
+    picture.write_to(&mut file, image::ImageFormat::Tiff).unwrap();
+    let error = read(&file.into_inner()).unwrap_err();
+    assert!(error.to_string().contains("colour image"), "{error}");
+    assert!(error.to_string().contains("a greyscale one is needed"), "{error}");
+    assert!(error.help().contains("greyscale"), "{error}");
+}

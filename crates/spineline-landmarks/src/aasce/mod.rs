@@ -15,7 +15,7 @@ mod labels;
 mod mat;
 mod verdict;
 
-pub use labels::{AasceRow, AasceRows, image_sizes};
+pub use labels::{AasceRow, AasceRows, image_sizes, picture_names};
 pub use mat::parse_mat;
 pub use verdict::{AasceFault, AasceVerdict, judge_aasce};
 

@@ -7,6 +7,7 @@ mod people;
 mod readers;
 
 use spineline::analysis::{Analysis, Subject};
+use spineline::warning::counted;
 
 use crate::document::{Document, Section};
 use crate::{hypotheses, patient};
@@ -82,10 +83,7 @@ pub fn summary(
 }
 
 fn size(analyses: &[Analysis]) -> String {
-    match analyses.len() {
-        1 => "1 patient".to_owned(),
-        n => format!("{n} patients"),
-    }
+    counted(analyses.len(), "patient")
 }
 
 fn how(patients: &Patients<'_>) -> Section {

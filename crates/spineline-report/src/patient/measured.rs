@@ -4,6 +4,7 @@ use spineline::analysis::{Analysis, probability};
 use spineline::clinical::{Balance, ClinicalCurve};
 use spineline::motion::SegmentEstimate;
 use spineline::personalize::LineTest;
+use spineline::warning::counted;
 
 use super::Patient;
 use crate::document::{Column, Figure, Section, Table};
@@ -17,7 +18,7 @@ pub fn films(patient: &Patient<'_>) -> Section {
     let svg = figures::films(patient.case, analysis, patient.pictures);
     let pictures = match patient.pictures.len() {
         0 => "No image of a film was available: landmarks alone are shown.".to_owned(),
-        n => format!("{n} of {} films with their images.", analysis.postures.len()),
+        n => format!("{n} of {} with images.", counted(analysis.postures.len(), "film")),
     };
     let caption = format!(
         "Films with landmarks, fitted curve, inflections and candidate lines of action. {pictures}"

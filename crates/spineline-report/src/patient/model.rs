@@ -5,6 +5,7 @@ use spineline::anatomy::Posture;
 use spineline::multibody::StiffnessLibrary;
 use spineline::personalize::{FitStatus, StiffnessBound};
 use spineline::uncertainty::{AnalysisQuantity, Uncertainty};
+use spineline::warning::counted;
 
 use super::Patient;
 use super::uncertainty;
@@ -298,7 +299,7 @@ pub fn not_compared(found: &LinesCompared) -> Vec<String> {
     let mut notes = Vec::new();
     for role in FilmRole::ALL {
         if let (all, left @ 1..) = found.counted(role) {
-            notes.push(format!("{left} of {all} films ({role}) are not compared, because at least one line has no result on them."));
+            notes.push(format!("{left} of {} ({role}) left out of the comparison, because at least one line has no result there.", counted(all, "film")));
         }
     }
     if !found.same_data() {

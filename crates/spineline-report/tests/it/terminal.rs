@@ -288,7 +288,7 @@ fn requested_numbers_of_replicates_are_shown() {
     let text = terminal(&summary(&case, &analysis, None, Some(&found)), WIDE);
     let head = format!("4 replicates, seed 7; {} of them failed", found.failed);
     assert!(text.contains(&head), "{text}");
-    assert!(text.contains("Interrupted: 5 replicates were requested."), "{text}");
+    assert!(text.contains("Interrupted: requested were 5 replicates."), "{text}");
     let said = found.noise_words().into_iter().chain(found.failure_words());
     for sentence in said.chain([Uncertainty::CAVEAT.to_owned()]) {
         assert!(words(&text).contains(&words(&sentence)), "`{sentence}` is missing in\n{text}");

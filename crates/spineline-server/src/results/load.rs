@@ -123,7 +123,7 @@ fn equilibrium(
         let deformed = result.deformed.clone();
         return Ok(Found { deformed, part: 1.0, status_text, converged: true });
     }
-    let (part, deformed) = response.last_reached().unwrap_or((0.0, erect));
+    let (part, deformed) = response.last_reached(&analysis.spine).unwrap_or((0.0, erect));
     let status_text = format!(
         "NO RESULT: {}; the shape at {:.0} % of the load is shown",
         response.ending.meaning(),

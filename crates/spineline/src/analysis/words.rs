@@ -8,6 +8,7 @@ use crate::clinical::ClinicalCurve;
 use crate::curve::Inflection;
 use crate::evaluate::Simulation;
 use crate::personalize::{FitStatus, Gauge, StiffnessBound};
+use crate::warning::counted;
 
 impl Analysis {
     /// The scale constraint: what fixes the overall level of stiffness and force.
@@ -107,7 +108,10 @@ impl Analysis {
             other => format!("fit NOT CONVERGED ({})", other.key().replace('_', " ")),
         };
         if lost > 0 {
-            text.push_str(&format!("; {lost} of {} films without a result", model.postures.len()));
+            text.push_str(&format!(
+                "; {lost} of {} without a result",
+                counted(model.postures.len(), "film")
+            ));
         }
         text
     }

@@ -217,9 +217,7 @@ pub enum MeasureError {
         count: usize,
     },
     /// A vertebra is marked at or below the next lower one.
-    #[error(
-        "{posture} film: {superior} lies {:.0} % of the expected distance above {inferior}, and the minimum is {:.0} %", 100.0 * share, 100.0 * limit
-    )]
+    #[error("{posture} film: {}", order::out_of_order_words(*inferior, *superior, *share))]
     OutOfOrder {
         /// Film.
         posture: Posture,

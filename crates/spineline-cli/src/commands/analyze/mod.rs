@@ -7,7 +7,7 @@ pub use args::AnalyzeArgs;
 
 use std::path::{Path, PathBuf};
 
-use spineline::analysis::Analysis;
+use spineline::analysis::{Analysis, LineModel};
 use spineline::cohort::Cohort;
 use spineline_files::{AnalysisFile, ModelFile, to_text};
 use spineline_report::{Document, patient, terminal};
@@ -50,7 +50,12 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     if !to_stdout {
         print(&results.text(is_one))?;
     }
-    if ending == Ending::Done && !analyses.iter().all(Analysis::is_converged) {
+    let is_written = |analysis: &Analysis| {
+        let written = analysis.models.iter().filter(|model| model.kind == args.model_line);
+        args.model.is_none() || written.into_iter().all(LineModel::is_converged)
+    };
+    let has_all = |one: &Analysis| one.has_what_was_asked() && is_written(one);
+    if ending == Ending::Done && !analyses.iter().all(has_all) {
         ending = Ending::NotConverged;
     }
     if confidences.iter().any(Confidence::is_cut_short) {

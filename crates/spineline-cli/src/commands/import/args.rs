@@ -84,9 +84,14 @@ pub struct ImportArgs {
     /// arc length and marked as estimated
     #[arg(long, conflicts_with_all = ["list", "film", "lateral", "landmarks", "aasce", "patient_left", "spacing", "ball", "ruler"])]
     pub midlines: bool,
-    /// Sizes of the pictures of an AASCE folder, in pixels [default: image_sizes.csv in the folder]
-    #[arg(long, value_name = "FILE", requires = "aasce")]
+    /// Table with the sizes of the pictures of an AASCE folder, in pixels [default: image_sizes.csv in the folder; without it,
+    /// the sizes are read from the pictures]
+    #[arg(long, value_name = "FILE", requires = "aasce", conflicts_with = "pictures")]
     pub sizes: Option<PathBuf>,
+    /// Folder with the pictures of an AASCE folder, whose sizes are read [default: the folder itself, or ../../data/NAME as in
+    /// the published set]
+    #[arg(long, value_name = "DIR", requires = "aasce")]
+    pub pictures: Option<PathBuf>,
     /// Invert black and white of this film; may be repeated
     #[arg(long, value_name = "POSTURE", value_parser = posture)]
     pub invert: Vec<Posture>,

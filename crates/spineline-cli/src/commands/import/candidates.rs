@@ -82,7 +82,7 @@ impl Candidates {
                 FilmChoice::File(path) => path.display().to_string(),
             };
             Failure::usage(format!(
-                "{what} is not among the {} films that were found; `--list` prints them with their numbers",
+                "{what} is not among the films that were found ({}); `--list` prints them with their numbers",
                 self.films.len()
             ))
         })

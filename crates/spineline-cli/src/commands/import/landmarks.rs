@@ -1,6 +1,7 @@
 //! Landmarks of other programs for the films of a case.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use spineline::analysis::check_repeated;
 use spineline::anatomy::Posture;
@@ -28,7 +29,40 @@ impl ResolvedFilm {
     }
 }
 
-/// Reads every file of landmarks and lays it on its film; a posture that is marked twice is refused.
+/// Adds the landmarks of a film. Where the film has landmarks from another file, such as one of several DICOM reports, the
+/// readings of both are joined; the same reading twice, or other iliac crests, are refused.
+fn add(landmarks: &mut LandmarksByPosture, film: Film) -> Result<(), String> {
+    let posture = film.posture;
+    let first = match landmarks.entry(posture) {
+        Entry::Vacant(place) => {
+            place.insert(film.landmarks);
+            return Ok(());
+        }
+        Entry::Occupied(first) => first.into_mut(),
+    };
+    let (
+        FilmLandmarks::Corners { readings, iliac_crests, .. },
+        FilmLandmarks::Corners { readings: more, iliac_crests: other, .. },
+    ) = (first, film.landmarks)
+    else {
+        return Err(format!("it has landmarks of the {posture} film, which has landmarks already"));
+    };
+    if let Some(twice) = more.iter().find(|new| readings.iter().any(|old| old.id == new.id)) {
+        return Err(format!(
+            "it has landmarks of the {posture} film, observer {}, which has landmarks already",
+            twice.id
+        ));
+    }
+    if *iliac_crests != other {
+        return Err(format!(
+            "its iliac crests of the {posture} film differ from those of an earlier file"
+        ));
+    }
+    readings.extend(more);
+    Ok(())
+}
+
+/// Reads every file of landmarks and lays it on its film; a reading that is given twice is refused.
 pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksByPosture, Failure> {
     let mut landmarks = LandmarksByPosture::new();
     let mut pictures: BTreeMap<String, Posture> = BTreeMap::new();
@@ -87,14 +121,11 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksB
                     film.posture
                 ));
             }
-            if landmarks.insert(film.posture, film.landmarks).is_some() {
-                let what = format!(
-                    "it has landmarks of the {} film, which has landmarks already",
-                    film.posture
-                );
-                let help = "give one file of landmarks per film";
-                return Err(Failure::input(&of.value.display().to_string(), &what, help));
-            }
+            add(&mut landmarks, film).map_err(|what| {
+                let help = "give every reading of a film once, with the same iliac crests; one file of landmarks per film \
+                            unless each holds another reading";
+                Failure::input(&of.value.display().to_string(), &what, help)
+            })?;
         }
     }
     check_all(&landmarks)?;

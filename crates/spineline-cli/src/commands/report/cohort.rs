@@ -71,7 +71,7 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs, outputs: Outputs) -> Result<End
     let provenance = record.provenance();
     let report = write::Report { document: &document, stem: STEM, provenance: &provenance };
     report.write(&out, args, outputs)?;
-    Ok(match (refused.is_empty(), analyses.iter().all(Analysis::is_converged)) {
+    Ok(match (refused.is_empty(), analyses.iter().all(Analysis::has_what_was_asked)) {
         (false, _) => Ending::BadInput,
         (true, false) => Ending::NotConverged,
         (true, true) => Ending::Done,

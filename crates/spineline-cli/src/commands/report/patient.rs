@@ -49,7 +49,7 @@ pub fn run(path: &Path, args: &ReportArgs, outputs: Outputs) -> Result<Ending, F
     report.write(&out, args, outputs)?;
     Ok(if confidence.is_cut_short() {
         Ending::Interrupted
-    } else if analysis.is_converged() {
+    } else if analysis.has_what_was_asked() {
         Ending::Done
     } else {
         Ending::NotConverged

@@ -258,6 +258,7 @@ fn verdict_words(met: &GoalEquilibrium) -> &'static str {
         Verdict::Reached => "chosen: smallest factor on the erect branch",
         Verdict::Later => "not chosen: larger factor, or later on the path",
         Verdict::BeyondLimitPoint => "not chosen: beyond a limit point (snapped)",
+        Verdict::BeyondHumanRange => "not chosen: beyond the human range of motion",
         Verdict::BeyondBranchPoint => "not chosen: beyond a branch point (buckled)",
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use spineline::warning::counted;
 use spineline_files::parse_case_file;
 use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_store::{CaseError, NewCase, Signature, Store};
@@ -19,8 +20,9 @@ pub fn add(store: &mut Store, at: &Path, path: &Path, by: &Signature) -> Result<
     let case = NewCase::read(&text, bytes_of).map_err(|error| refusal(path, error))?;
     let repeated = same_identifiers(path, &text)?;
     let added = store.add_case(&case, by).map_err(|error| Failure::store(at, &error))?;
-    let (films, readings) = (added.films.len(), added.readings);
-    let mut text = format!("{}: {films} films and {readings} readings were added.\n", added.study);
+    let (films, readings) =
+        (counted(added.films.len(), "film"), counted(added.readings, "reading"));
+    let mut text = format!("{}: added {films} and {readings}.\n", added.study);
     for remark in &added.remarks {
         text.push_str(&format!("  ! {remark}\n"));
     }
