@@ -120,6 +120,8 @@ pub enum NoResult {
     Unreachable,
     /// The search for the force did not converge.
     NotConverged,
+    /// The shape that was found is beyond the human range of motion.
+    BeyondHumanRange,
 }
 
 impl NoResult {
@@ -131,6 +133,7 @@ impl NoResult {
             Self::NoLine => "no_line",
             Self::Unreachable => MatchStatus::Unreachable.key(),
             Self::NotConverged => MatchStatus::NotConverged.key(),
+            Self::BeyondHumanRange => MatchStatus::BeyondHumanRange.key(),
         }
     }
 
@@ -144,6 +147,7 @@ impl NoResult {
             Some(MatchStatus::Matched) => None,
             Some(MatchStatus::Unreachable) => Some(Self::Unreachable),
             Some(MatchStatus::NotConverged) => Some(Self::NotConverged),
+            Some(MatchStatus::BeyondHumanRange) => Some(Self::BeyondHumanRange),
         }
     }
 }

@@ -59,6 +59,7 @@ impl fmt::Display for NoResult {
             Self::NoLine => "the line has no place on this film",
             Self::Unreachable => "no force up to the limit gives the shape",
             Self::NotConverged => "the search for the force did not converge",
+            Self::BeyondHumanRange => "the shape found is beyond the human range of motion",
         })
     }
 }
