@@ -73,7 +73,7 @@ const STATUSES: [Api<"StudyStatus">, string][] = [
 export function manyStudies(count: number): Api<"StudySummary">[] {
   return Array.from({ length: count }, (_, index) => {
     const [status, status_text] = STATUSES[index % STATUSES.length] ?? STATUSES[0]!;
-    const cobb_deg = 22 + ((index * 7.3) % 41);
+    const size_deg = 22 + ((index * 7.3) % 41);
     const isMeasured = ["modelled", "measured", "not_converged"].includes(status);
     const postures = index % 4 === 3 ? POSTURES.slice(0, 3) : POSTURES;
     return study(`S-${String(count - index).padStart(3, "0")}`, {
@@ -87,10 +87,11 @@ export function manyStudies(count: number): Api<"StudySummary">[] {
       curve: isMeasured
         ? {
             lenke: "1",
-            cobb_deg,
+            size_deg,
+            is_cobb: true,
             region: "main thoracic",
             convex: "right",
-            text: `Lenke 1, main thoracic ${cobb_deg.toFixed(1)}° convex right (T5–T12)`,
+            text: `Lenke 1, main thoracic ${size_deg.toFixed(1)}° convex right (T5–T12)`,
           }
         : null,
       warnings: index % 3,

@@ -185,7 +185,14 @@ test("hostile texts are shown as text and do not run", async ({ app, page }) => 
     label: EVIL[0] ?? "",
     status_text: EVIL[1] ?? "",
     status: "measured",
-    curve: { lenke: "1", cobb_deg: 40, region: "x", convex: "right", text: EVIL[2] ?? "" },
+    curve: {
+      lenke: "1",
+      size_deg: 40,
+      is_cobb: true,
+      region: "x",
+      convex: "right",
+      text: EVIL[2] ?? "",
+    },
   });
   for (const film of evil.films)
     for (const reading of film.readings) reading.observer = EVIL[3] ?? "";

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use spineline::cohort::{Clustered, Cohort, LinePairTest, RoleErrors};
+use spineline::cohort::{Clustered, Cohort, LinePairTest, MissingResult, RoleErrors};
 use spineline::evaluate::statistics::PairedT;
 
 use crate::Provenance;
@@ -38,6 +38,9 @@ pub struct CohortFile {
     numbers: BTreeMap<String, NumbersRecord>,
     /// By line and role, over the films on which every line has a result.
     errors: Vec<ErrorsRecord>,
+    /// Films that are left out of `errors`, once per line without a result on them.
+    #[serde(default)]
+    left_out_films: Vec<LeftOutRecord>,
     /// By pair of lines, role and error.
     tests: Vec<TestRecord>,
     /// Patients whose bends are not compatible with a single force through the inflections, and all who were asked.
@@ -69,6 +72,18 @@ struct SampleRecord {
     /// As the paper has it: of all values, as if they were independent.
     pooled_mean: Option<f64>,
     pooled_sd: Option<f64>,
+}
+
+/// A line without a result on a film.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct LeftOutRecord {
+    case_id: String,
+    posture: String,
+    /// `fitted`, `left_out_bend` or `held_out`.
+    role: String,
+    line: String,
+    /// `no_model`, `no_line`, `unreachable` or `not_converged`.
+    reason: String,
 }
 
 /// Two lines on the films that both could simulate. Differences are first minus second.
@@ -136,6 +151,7 @@ impl CohortFile {
                 .map(|(kind, n)| (kind.key().to_owned(), NumbersRecord::new(n)))
                 .collect(),
             errors: compared.errors.iter().map(errors).collect(),
+            left_out_films: compared.missing.iter().map(left_out).collect(),
             tests: compared.tests.iter().map(test).collect(),
             incompatible_patients: [against, asked],
             verdict: cohort.sentences(),
@@ -170,6 +186,16 @@ fn errors(found: &RoleErrors) -> ErrorsRecord {
         films_left_out: found.left_out,
         location_mm: sample(&found.location_mm),
         ferguson_deg: sample(&found.ferguson_deg),
+    }
+}
+
+fn left_out(found: &MissingResult) -> LeftOutRecord {
+    LeftOutRecord {
+        case_id: found.case_id.clone(),
+        posture: found.posture.key().to_owned(),
+        role: found.role.key().to_owned(),
+        line: found.kind.key().to_owned(),
+        reason: found.reason.key().to_owned(),
     }
 }
 

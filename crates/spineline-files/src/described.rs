@@ -3,7 +3,8 @@
 use spineline::action::Application;
 use spineline::analysis::{Grouping, Sex};
 use spineline::anatomy::{ImageSide, Named, Posture, Region};
-use spineline::measure::SpacingPlane;
+use spineline::clinical::EndRule;
+use spineline::measure::{PlacementSource, SpacingPlane, TiltRule};
 use spineline::multibody::{Support, Timing};
 use spineline::personalize::FitTarget;
 
@@ -31,6 +32,20 @@ impl Described for Posture {
             Self::RightBending => "Bending to the patient's right.",
             Self::Neutral => "Lying at rest.",
             Self::Traction => "Lying under traction.",
+        }
+    }
+}
+
+impl Described for PlacementSource {
+    const DEFINITION: &'static str = "PlacementSourceKey";
+    const DESCRIPTION: &'static str = "Where locations and tilts come from.";
+
+    fn meaning(self) -> &'static str {
+        match self {
+            Self::Vertebrae => "Vertebrae that were seen.",
+            Self::SurfaceMidline => {
+                "A midline of the back surface: levels by arc length, none of them seen."
+            }
         }
     }
 }
@@ -100,6 +115,14 @@ impl Described for Sex {
 
 impl Described for FitTarget {
     const DEFINITION: &'static str = "FitKey";
+}
+
+impl Described for TiltRule {
+    const DEFINITION: &'static str = "TiltRuleKey";
+}
+
+impl Described for EndRule {
+    const DEFINITION: &'static str = "EndRuleKey";
 }
 
 impl Described for Grouping {

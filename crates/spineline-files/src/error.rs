@@ -10,13 +10,21 @@ pub(crate) const NEIGHBOURS_MM: [f64; 2] = [2.0, 90.0];
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {
-    /// The file could not be opened or is not text.
+    /// The file could not be opened.
     #[error("{}: {source}", path.display())]
     Read {
         /// Which file.
         path: PathBuf,
         /// Why.
         source: std::io::Error,
+    },
+    /// The file is not text in UTF-8.
+    #[error("{}: its text is not UTF-8 (byte {at})", path.display())]
+    NotUtf8 {
+        /// Which file.
+        path: PathBuf,
+        /// The first byte that is not, from 1.
+        at: usize,
     },
     /// More bytes than any file of its kind needs.
     #[error(
@@ -66,7 +74,7 @@ pub enum FileError {
         reason: String,
     },
     /// The file has another format.
-    #[error("its format is `{found}`, and should be `{expected}`")]
+    #[error("{}", format_words(found, expected))]
     Format {
         /// Value in the file.
         found: String,
@@ -98,6 +106,14 @@ pub enum FileError {
     /// Corners without a picture.
     #[error("{posture} film: corners need an `image` with its spacing and `patient_left`")]
     NoImage {
+        /// Film.
+        posture: Posture,
+    },
+    /// A midline as the source of corners.
+    #[error(
+        "{posture} film: `placement_source` is `surface_midline`, but the film has no locations and tilts"
+    )]
+    SourceOfCorners {
         /// Film.
         posture: Posture,
     },
@@ -160,13 +176,13 @@ pub enum FileError {
         /// Where the next midpoint lies along the axis of the caudal vertebra; negative where it is caudal.
         cranial_mm: f64,
     },
-    /// One picture file of two postures.
+    /// One picture file of two films.
     #[error("the {a} and the {b} film are the same picture: {picture}")]
     PictureTwice {
-        /// One posture.
-        a: Posture,
-        /// The other one.
-        b: Posture,
+        /// Posture of one film, or `lateral`.
+        a: String,
+        /// That of the other one.
+        b: String,
         /// Its file, or its SHA-256.
         picture: String,
     },
@@ -244,12 +260,24 @@ pub enum FileError {
     },
 }
 
+/// What is said of a file of another format, or of none.
+fn format_words(found: &str, expected: &str) -> String {
+    if found.is_empty() {
+        format!("not a Spineline file: it has no `format`, which should be `{expected}`")
+    } else if found.starts_with("spineline-") {
+        format!("its format is `{found}`, and should be `{expected}`")
+    } else {
+        format!("not a Spineline file: its format is `{found}`, and should be `{expected}`")
+    }
+}
+
 impl FileError {
     /// Remedy.
     #[must_use]
     pub fn help(&self) -> &'static str {
         match self {
             Self::Read { .. } => "check the path and its permissions",
+            Self::NotUtf8 { .. } => "save the file as UTF-8",
             Self::TooLarge { .. } => {
                 "check that it is the right file; give a cohort as one file per patient"
             }
@@ -270,6 +298,9 @@ impl FileError {
             }
             Self::NoImage { .. } => {
                 "add `image`: columns, rows, column_spacing_mm, row_spacing_mm, patient_left"
+            }
+            Self::SourceOfCorners { .. } => {
+                "remove `placement_source`: a surface midline gives locations and tilts, and no corners"
             }
             Self::PictureTwice { .. } => {
                 "a film shows one posture: name the right picture, or remove the film that was not taken"

@@ -36,6 +36,14 @@ pub(crate) fn format_of(text: &str) -> Option<String> {
     serde_json::from_str::<Header>(without_mark(text)).ok()?.format
 }
 
+/// The format that a JSON file of this program states in its `format`; for a list of files, that of the first one. `None` for any
+/// other text.
+#[must_use]
+pub fn file_format(text: &str) -> Option<String> {
+    let list = || serde_json::from_str::<Vec<Header>>(without_mark(text)).ok();
+    format_of(text).or_else(|| list()?.into_iter().next()?.format)
+}
+
 fn without_mark(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }

@@ -43,7 +43,7 @@ pub use described::Described;
 pub use digest::sha256_hex;
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};
-pub use json::{nearest, parse_json};
+pub use json::{file_format, nearest, parse_json};
 pub use keys::{Key, LevelKey};
 pub use load_file::{AppliedLoad, LoadFile, PlacedLoads, parse_load};
 pub use model_file::{LoadRecord, ModelFile, StoredModel, parse_model};

@@ -5,7 +5,7 @@ use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::{Level, Levels, Posture, Region};
 use spineline::clinical::{CurvePlaces, RegionBounds};
 use spineline::multibody::{SpineModel, Support};
-use spineline::spatial::{Mat3, Vec3};
+use spineline::spatial::{Angle, Mat3, Vec3};
 
 use crate::FileError;
 use crate::Provenance;
@@ -70,6 +70,10 @@ struct RegionRecord {
     cobb_inferior: LevelKey,
     /// Upper end vertebra of the Cobb angle.
     cobb_superior: LevelKey,
+    /// Cobb angle between endplates minus the difference of the end vertebrae's tilts, which rigid vertebrae keep; absent
+    /// where the endplates are not known, and then there is no Cobb angle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    endplate_difference_deg: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -262,6 +266,10 @@ fn regions(analysis: &Analysis) -> Vec<RegionRecord> {
             superior: level(bounds.superior),
             cobb_inferior: LevelKey(curve.ends.inferior),
             cobb_superior: LevelKey(curve.ends.superior),
+            endplate_difference_deg: curve
+                .angles
+                .first()
+                .and_then(|(_, all)| Some((all.cobb? - all.tilt_range).wrapped().deg())),
         })
         .collect()
 }
@@ -283,7 +291,8 @@ fn places(records: &[RegionRecord], levels: &[Level]) -> Result<Vec<CurvePlaces>
         let region = record.region.0;
         if inferior < apex && apex < superior && low < high {
             let bounds = RegionBounds { region, inferior, apex, superior };
-            Ok(CurvePlaces { bounds, cobb_ends: [low, high] })
+            let endplate_difference = record.endplate_difference_deg.map(Angle::from_deg);
+            Ok(CurvePlaces { bounds, cobb_ends: [low, high], endplate_difference })
         } else {
             Err(FileError::RegionOrder { region })
         }

@@ -4,9 +4,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::action::{Application, LineOfAction};
 use spineline::analysis::{AnalysisOptions, Grouping};
-use spineline::anatomy::{Posture, SagittalProfile};
+use spineline::anatomy::{Posture, Region, SagittalProfile};
+use spineline::clinical::{CobbEnds, EndChoice, EndRule};
 use spineline::curve::{InflectionChoice, OrderRule, Site};
 use spineline::hypothesis::Hypothesis;
+use spineline::measure::TiltRule;
 use spineline::multibody::Support;
 use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
@@ -18,6 +20,15 @@ use crate::stiffness_file::{StiffnessFile, border};
 /// The options of an analysis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct OptionsRecord {
+    /// From which landmarks tilts are measured; files from before this choice have those of the axes.
+    #[serde(default = "axis_tilts")]
+    tilt: Key<TiltRule>,
+    /// Where end vertebrae of Cobb angles are the most tilted ones.
+    #[serde(default = "erect_ends")]
+    end_vertebrae: Key<EndRule>,
+    /// End vertebrae picked by the user.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    given_end_vertebrae: Vec<GivenEndsRecord>,
     /// `leave_one_out`, `paper`, or an order.
     order_rule: OrderRuleKey,
     /// Picked by hand, caudal first; `null` where they come from the erect curve.
@@ -144,6 +155,9 @@ impl From<&AnalysisOptions> for OptionsRecord {
             superior: LevelKey(site.superior),
         };
         Self {
+            tilt: options.tilt.into(),
+            end_vertebrae: options.ends.rule.into(),
+            given_end_vertebrae: given_ends(&options.ends),
             order_rule: OrderRuleKey(options.order_rule),
             inflections: match options.inflections {
                 InflectionChoice::Automatic => None,
@@ -179,12 +193,54 @@ impl From<&AnalysisOptions> for OptionsRecord {
     }
 }
 
+/// End vertebrae of one region.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct GivenEndsRecord {
+    region: Key<Region>,
+    /// Lower end vertebra.
+    inferior: LevelKey,
+    /// Upper end vertebra.
+    superior: LevelKey,
+}
+
+const fn axis_tilts() -> Key<TiltRule> {
+    Key(TiltRule::Axis)
+}
+
+const fn erect_ends() -> Key<EndRule> {
+    Key(EndRule::Erect)
+}
+
+fn given_ends(choice: &EndChoice) -> Vec<GivenEndsRecord> {
+    let given = Region::ALL.into_iter().zip(choice.given);
+    let record = |(region, ends): (Region, Option<CobbEnds>)| {
+        let CobbEnds { inferior, superior } = ends?;
+        Some(GivenEndsRecord {
+            region: region.into(),
+            inferior: LevelKey(inferior),
+            superior: LevelKey(superior),
+        })
+    };
+    given.filter_map(record).collect()
+}
+
 impl OptionsRecord {
+    fn ends(&self) -> EndChoice {
+        let mut choice = EndChoice { rule: self.end_vertebrae.0, ..EndChoice::default() };
+        for ends in &self.given_end_vertebrae {
+            let given = CobbEnds { inferior: ends.inferior.0, superior: ends.superior.0 };
+            choice.given[ends.region.0.index()] = Some(given);
+        }
+        choice
+    }
+
     /// The library's options.
     pub fn options(&self) -> Result<AnalysisOptions, FileError> {
         let site = |site: SiteRecord| Site { inferior: site.inferior.0, superior: site.superior.0 };
         let [fewest, most] = self.segment_window;
         Ok(AnalysisOptions {
+            tilt: self.tilt.0,
+            ends: self.ends(),
             order_rule: self.order_rule.0,
             inflections: self.inflections.map_or(InflectionChoice::Automatic, |sites| {
                 InflectionChoice::ByHand(sites.map(site))

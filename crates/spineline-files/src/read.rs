@@ -12,12 +12,12 @@ pub const MAX_ANALYSES_BYTES: u64 = 256 << 20;
 /// Reads a text file whole, if it has at most [`MAX_FILE_BYTES`].
 ///
 /// # Errors
-/// [`FileError::Read`], [`FileError::TooLarge`].
+/// [`FileError::Read`], [`FileError::TooLarge`], [`FileError::NotUtf8`].
 pub fn read_text(path: &Path) -> Result<String, FileError> {
     let bytes = read_bytes(path, MAX_FILE_BYTES)?;
-    String::from_utf8(bytes).map_err(|error| FileError::Read {
+    String::from_utf8(bytes).map_err(|error| FileError::NotUtf8 {
         path: path.to_owned(),
-        source: std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error()),
+        at: error.utf8_error().valid_up_to() + 1,
     })
 }
 

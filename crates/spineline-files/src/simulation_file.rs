@@ -35,7 +35,7 @@ pub struct SimulationFile {
     absolute: bool,
     /// `N`, or `relative units, not newtons`.
     force_unit: String,
-    /// `converged`, `several_equilibria`, `limit_point`, `branch_point`, `unreachable`, `not_converged` or `interrupted`.
+    /// `converged`, `several_equilibria`, `limit_point`, `branch_point`, `beyond_human_range`, `unreachable`, `not_converged` or `interrupted`.
     /// Only the first two have a result.
     status: String,
     /// What was sought: the target.
@@ -80,8 +80,11 @@ struct AnglesRecord {
     /// Lateral tilt of the line from L4 to T2; positive to the patient's right.
     #[serde(alias = "lean_right_deg")]
     lateral_tilt_right_deg: f64,
-    /// Positive where convex to the left.
+    /// Between endplates, positive where convex to the left; empty where the model file has no endplates.
     cobb_deg: BTreeMap<Key<Region>, f64>,
+    /// Tilt of the upper minus tilt of the lower end vertebra; positive where convex to the left.
+    #[serde(default)]
+    tilt_range_deg: BTreeMap<Key<Region>, f64>,
     /// Positive where convex to the left.
     ferguson_deg: BTreeMap<Key<Region>, f64>,
 }
@@ -92,7 +95,7 @@ struct EquilibriumRecord {
     direction: String,
     /// Load factor of the proportional loads; negative where they are reversed.
     factor: f64,
-    /// `reached`, `later`, `beyond_limit_point` or `beyond_branch_point`.
+    /// `reached`, `later`, `beyond_limit_point`, `beyond_branch_point` or `beyond_human_range`.
     verdict: String,
     on_erect_branch: bool,
     limit_points: usize,
@@ -229,7 +232,14 @@ impl Writer<'_> {
         let key = Key::<Region>;
         AnglesRecord {
             lateral_tilt_right_deg: tilt.deg(),
-            cobb_deg: curves.iter().map(|c| (key(c.region), c.cobb.deg())).collect(),
+            cobb_deg: curves
+                .iter()
+                .filter_map(|c| Some((key(c.region), c.ends.cobb?.deg())))
+                .collect(),
+            tilt_range_deg: curves
+                .iter()
+                .map(|c| (key(c.region), c.ends.tilt_range.deg()))
+                .collect(),
             ferguson_deg: curves.iter().map(|c| (key(c.region), c.ferguson.deg())).collect(),
         }
     }

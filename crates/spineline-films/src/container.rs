@@ -47,7 +47,7 @@ pub(super) const EXPLICIT: Syntax =
     native("1.2.840.10008.1.2.1", "Explicit VR Little Endian", Encoding::EXPLICIT);
 const EXPLICIT_BIG: Syntax = native("1.2.840.10008.1.2.2", "Explicit VR Big Endian", BIG_ENDIAN);
 
-const SYNTAXES: [Syntax; 13] = [
+const SYNTAXES: [Syntax; 16] = [
     IMPLICIT,
     EXPLICIT,
     Syntax {
@@ -67,6 +67,9 @@ const SYNTAXES: [Syntax; 13] = [
     packed("1.2.840.10008.1.2.4.81", "JPEG-LS Near-Lossless", Codec::JpegLs),
     packed("1.2.840.10008.1.2.4.90", "JPEG 2000 (Lossless Only)", Codec::Jpeg2000),
     packed("1.2.840.10008.1.2.4.91", "JPEG 2000", Codec::Jpeg2000),
+    packed("1.2.840.10008.1.2.4.201", "HTJ2K (Lossless Only)", Codec::Jpeg2000),
+    packed("1.2.840.10008.1.2.4.202", "HTJ2K with RPCL (Lossless Only)", Codec::Jpeg2000),
+    packed("1.2.840.10008.1.2.4.203", "HTJ2K", Codec::Jpeg2000),
     packed("1.2.840.10008.1.2.5", "RLE Lossless", Codec::Rle),
 ];
 

@@ -96,6 +96,11 @@ pub enum CodecFault {
         /// Bits of the compressed picture.
         bits: u8,
     },
+    /// Lossy JPEG of more than 8 bits per sample.
+    LossyPrecision {
+        /// Bits of the compressed picture.
+        bits: u8,
+    },
     /// A number of components other than what the data set says.
     Components {
         /// Components of the compressed picture.
@@ -127,6 +132,7 @@ impl std::fmt::Display for CodecFault {
                 f,
                 "they have {bits} bits per sample, which their decoder or the file's Bits Allocated does not hold"
             ),
+            Self::LossyPrecision { bits } => write!(f, "{bits}-bit lossy JPEG is not supported"),
             Self::Components { count } => write!(f, "they have {count} components"),
             Self::Unsupported => f.write_str("they use a part of the format that is not supported"),
             Self::Corrupt => f.write_str("the decoder rejects them"),
@@ -210,7 +216,7 @@ pub enum FilmError {
         frames: u32,
     },
     /// Colours that are no grey.
-    #[error("its photometric interpretation {photometric} is not supported")]
+    #[error("{photometric}")]
     Photometric {
         /// What it is.
         photometric: UnsupportedPhotometric,
@@ -355,15 +361,22 @@ impl std::fmt::Display for ElementFault {
 pub enum UnsupportedPhotometric {
     Palette,
     Compressed,
+    /// More than 8 bits per channel.
+    Deep,
     Unknown,
 }
 
 impl std::fmt::Display for UnsupportedPhotometric {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Self::Palette => "PALETTE COLOR",
-            Self::Compressed => "(colour in this transfer syntax)",
-            Self::Unknown => "(unknown)",
+            Self::Palette => "colour image (PALETTE COLOR); a greyscale one is needed",
+            Self::Compressed => {
+                "colour image in a transfer syntax that is read for greyscale only; a greyscale one is needed"
+            }
+            Self::Deep => {
+                "colour image with more than 8 bits per channel; a greyscale one is needed"
+            }
+            Self::Unknown => "its photometric interpretation is unknown and not supported",
         })
     }
 }
@@ -381,8 +394,11 @@ impl FilmError {
                 "copy the file again: it is incomplete"
             }
             Self::Element { .. } | Self::DataSet => "export the film again from its archive",
+            Self::Codec { fault: CodecFault::LossyPrecision { .. }, .. } => {
+                "convert the file with `dcmdjpeg IN OUT` (DCMTK) or `gdcmconv --raw IN OUT` (GDCM), or export the film uncompressed"
+            }
             Self::TransferSyntax { .. } | Self::Codec { .. } => {
-                "export the film uncompressed or as JPEG lossless, JPEG-LS or JPEG 2000"
+                "export the film uncompressed or as JPEG lossless, JPEG-LS, JPEG 2000 or HTJ2K"
             }
             Self::Modality { .. } => {
                 "choose a radiograph: CR, DX, RG, RF, XA, MG, or a digitised film (SC, OT, HC)"

@@ -3,10 +3,11 @@
 use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 use spineline::measure::{SpacingEvidence, ViewEvidence};
 
 use super::error::{FilmError, UnsupportedPhotometric};
-use super::{FilmRemark, Look};
+use super::{FilmRemark, Look, PatientMarks};
 
 /// What kind of file a film came from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -113,6 +114,8 @@ pub struct FilmTags {
     /// Whether the file states that its picture is of a phantom: Quality Control Image (0028,0300). Films of synthetic
     /// patients say so.
     pub is_phantom: bool,
+    /// For comparison with the patient of another film.
+    pub patient: PatientMarks,
     /// Identifiers of the film.
     pub uids: FilmUids,
     /// Name of the transfer syntax of a DICOM file.
@@ -166,6 +169,26 @@ impl StoredPixels {
             Self::Unsigned(values) => of(values),
             Self::Signed(values) => of(values),
         }
+    }
+}
+
+impl FilmFile {
+    /// SHA-256 of size and stored values, in hexadecimal: equal for the same picture in two files, however each is
+    /// compressed. Another depth of grey, window, polarity or direction makes it another picture.
+    #[must_use]
+    pub fn picture_sha256(&self) -> String {
+        let mut digest = Sha256::new();
+        for side in [self.columns, self.rows] {
+            digest.update(side.to_le_bytes());
+        }
+        // Row by row, so that a large film is not held twice.
+        let columns = self.columns.max(1) as usize;
+        let mut values = self.stored.iter().peekable();
+        while values.peek().is_some() {
+            let row: Vec<u8> = values.by_ref().take(columns).flat_map(i32::to_le_bytes).collect();
+            digest.update(&row);
+        }
+        digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }
 }
 

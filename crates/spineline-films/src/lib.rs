@@ -29,6 +29,7 @@ mod film;
 pub mod intake;
 mod limits;
 mod lookup;
+mod patient;
 mod pixels;
 mod raster;
 mod read;
@@ -53,6 +54,7 @@ pub use film::{
 };
 pub use limits::FilmLimits;
 pub use lookup::{Look, Lut, ModalityTransform, Voi, Window, WindowFunction};
+pub use patient::PatientMarks;
 pub use read::{read_data_set, read_film};
 pub use remark::FilmRemark;
 pub use write::{

@@ -7,7 +7,7 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use spineline::measure::{SpacingEvidence, ViewEvidence};
 
 use super::codec::foreign;
-use super::error::{Codec, CodecFault, FilmError, Measure};
+use super::error::{Codec, CodecFault, FilmError, Measure, UnsupportedPhotometric};
 use super::pixels::luminance;
 use super::{
     FilmFile, FilmKind, FilmLimits, FilmRemark, FilmTags, FilmUids, Look, Photometric, StoredPixels,
@@ -38,8 +38,7 @@ pub(super) fn read(
         }
         // Floating point and colour of 16 bits.
         _ => {
-            let fault = CodecFault::Unsupported;
-            return Err(FilmError::Codec { codec: Codec::Raster, fault });
+            return Err(FilmError::Photometric { photometric: UnsupportedPhotometric::Deep });
         }
     };
     let tags = FilmTags {
@@ -50,6 +49,7 @@ pub(super) fn read(
         presentation_lut_shape: None,
         burned_in_annotation: None,
         is_phantom: false,
+        patient: super::PatientMarks::default(),
         uids: FilmUids::default(),
         transfer_syntax: None,
         bits_stored,

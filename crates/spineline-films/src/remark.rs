@@ -18,6 +18,11 @@ pub enum FilmRemark {
     },
     /// The file does not say by which kind of device it was made.
     NoModality,
+    /// The file states that another part of the body was examined than the spine.
+    OtherBodyPart {
+        /// One of the defined terms of Body Part Examined, such as `BREAST`.
+        part: Cow<'static, str>,
+    },
     /// An attribute with an implausible value; it is not used.
     Unusable {
         /// Which.
@@ -72,6 +77,10 @@ impl fmt::Display for FilmRemark {
                 "the file does not state its encoding; {name} fits its first bytes"
             ),
             Self::NoModality => f.write_str("the file does not state its modality"),
+            Self::OtherBodyPart { part } => write!(
+                f,
+                "the file states that it shows another part of the body ({part}), not the spine"
+            ),
             Self::Unusable { attribute } => {
                 write!(f, "{attribute} holds a value that is not plausible; it is not used")
             }

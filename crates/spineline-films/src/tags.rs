@@ -10,6 +10,7 @@ use spineline::measure::{
 use super::element::{Attributes, DataSet, number, numbers};
 use super::error::FilmError;
 use super::lookup::{Look, look};
+use super::patient::{PatientMarks, other_body_part};
 use super::scan::PIXEL_DATA;
 use super::{Attribute, FilmRemark, FilmTags, FilmUids, Photometric, PresentationShape};
 
@@ -57,6 +58,7 @@ pub(super) fn read(
     let with_pixels = data;
     let data = &data.object;
     let modality = modality(data, remarks)?;
+    remarks.extend(other_body_part(data, modality.as_deref()));
     refuse_other_pixels(with_pixels)?;
     name_left_out(with_pixels, remarks);
     let photometric = Photometric::read(data.text(PHOTOMETRIC).as_deref())?;
@@ -111,6 +113,7 @@ pub(super) fn read(
         presentation_lut_shape: shape,
         burned_in_annotation: burned_in,
         is_phantom: data.text(QUALITY_CONTROL).as_deref() == Some("YES"),
+        patient: PatientMarks::read(data),
         uids: FilmUids {
             sop_class: uid(data, SOP_CLASS, remarks),
             sop_instance: uid(data, SOP_INSTANCE, remarks),

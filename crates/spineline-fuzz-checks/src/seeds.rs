@@ -61,6 +61,7 @@ pub fn seeds() -> Result<Vec<Seed>, Box<dyn std::error::Error>> {
     }
     all.put("landmarks", "labelme", LABELME);
     all.put("landmarks", "coco", COCO);
+    all.put("landmarks", "midlines", MIDLINES);
     all.put("landmarks", "mat", mat());
     let report = report(case)?;
     all.put("landmarks", "report", &report);
@@ -170,8 +171,13 @@ tilt,deg,1,A,1,2.5\ntilt,deg,1,B,1,2.7\ntilt,deg,2,A,1,-3\ntilt,deg,2,B,1,-2.1\n
 
 const LABELME: &str = r#"{ "version": "5.0", "imagePath": "a.png", "imageWidth": 600, "imageHeight": 900, "shapes": [
   { "label": "T12", "shape_type": "polygon", "points": [[100, 200], [160, 202], [158, 240], [102, 238]] },
-  { "label": "L1_superior_left", "shape_type": "point", "points": [[101, 260]] } ] }"#;
+  { "label": "L1_superior_left", "shape_type": "point", "points": [[101, 260]], "score": 0.5 } ] }"#;
 
 const COCO: &str = r#"{ "images": [{ "id": 1, "file_name": "a.png", "width": 600, "height": 900 }],
   "categories": [{ "id": 1, "name": "T12", "keypoints": ["superior_left", "superior_right", "inferior_left", "inferior_right"] }],
-  "annotations": [{ "id": 1, "image_id": 1, "category_id": 1, "keypoints": [100, 200, 2, 160, 202, 2, 102, 238, 2, 158, 240, 2] }] }"#;
+  "annotations": [{ "id": 1, "image_id": 1, "category_id": 1, "keypoints": [100, 200, 2, 160, 202, 2, 102, 238, 2, 158, 240, 2],
+    "keypoint_scores": [0.9, 0.8, 0.75, 1] }] }"#;
+
+const MIDLINES: &str = r#"{ "midlines": [{ "posture": "erect", "observer": "A", "repeat": 1, "cranial_end": "T2", "caudal_end": "L4",
+  "axes": ["right", "caudal"], "points_mm": [[0, 0], [4, 38], [8, 76], [10, 114], [9, 152], [6, 190], [2, 228], [0, 266],
+  [-1, 304], [0, 342], [1, 370]] }] }"#;

@@ -1,5 +1,5 @@
 use spineline::anatomy::Level;
-use spineline::measure::MeasureError;
+use spineline::measure::{MeasureError, MidlineError};
 use spineline_files::FileError;
 
 /// Error of reading a file of landmarks.
@@ -91,6 +91,22 @@ pub enum LandmarkError {
         /// Missing points.
         missing: Vec<String>,
     },
+    /// Confidences for some corners of a vertebra only.
+    #[error("{what}: confidences missing: {}", missing.join(", "))]
+    Confidences {
+        /// Reading and vertebra.
+        what: String,
+        /// Corners without a confidence.
+        missing: Vec<String>,
+    },
+    /// A midline on which no levels can be placed.
+    #[error("{at}: {fault}")]
+    Midline {
+        /// Where in the file.
+        at: String,
+        /// What is wrong with it.
+        fault: MidlineError,
+    },
     /// The file can be understood in more than one way.
     #[error("{at}: {reason}")]
     Ambiguous {
@@ -144,7 +160,7 @@ impl LandmarkError {
             Self::File(error) => error.help(),
             Self::TooLarge { .. } => "give the landmarks of one patient in one file",
             Self::Unrecognised { .. } => {
-                "give CSV, Slicer markups, labelme or COCO JSON, an AASCE .mat or folder, or a DICOM report of Spineline"
+                "give CSV, Slicer markups, labelme or COCO JSON, surface midlines, an AASCE .mat or folder, or a DICOM report of Spineline"
             }
             Self::Syntax { .. } => "correct the file at that place, or export it again",
             Self::Unknown { .. } => "correct the name, or remove it from the file",
@@ -157,6 +173,8 @@ impl LandmarkError {
                 "name each vertebra once per reading; a second reading needs its own observer or repeat"
             }
             Self::Incomplete { .. } => "place the missing landmarks, or remove the vertebra",
+            Self::Confidences { .. } => "give all four corners a confidence, or none",
+            Self::Midline { fault, .. } => fault.help(),
             Self::Ambiguous { .. } => "specify it with an option: the file does not determine it",
             Self::Needs { .. } => "specify it with an option",
             Self::OtherPicture { .. } => "give the picture on which the landmarks were placed",
@@ -182,6 +200,11 @@ pub enum LandmarkExportError {
     /// Films with corners and films with locations do not go into one table.
     #[error("some films hold corners and some hold locations; a table holds only one kind")]
     MixedKinds,
+    /// Estimated levels in a format that cannot say so.
+    #[error(
+        "{0} film: its levels were estimated on a surface midline, which this format cannot state"
+    )]
+    Estimated(spineline::anatomy::Posture),
     /// The name of an observer that a format cannot represent.
     #[error("the observer `{name}` cannot be written: {reason}")]
     Observer {
@@ -221,6 +244,7 @@ impl LandmarkExportError {
             Self::NoCorners(_) => {
                 "give a case whose vertebrae have corners, or export as CSV or Slicer"
             }
+            Self::Estimated(_) => "pass on the case file or the midline itself",
             Self::MixedKinds => "export one posture at a time",
             Self::Observer { .. } => "give the observer a short code without control characters",
             Self::Nothing { .. } => {

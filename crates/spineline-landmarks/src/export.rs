@@ -5,9 +5,12 @@ use std::collections::BTreeMap;
 use spineline::analysis::Case;
 use spineline::anatomy::{Posture, Region};
 use spineline::clinical::CobbEnds;
-use spineline::measure::{Film, FilmLandmarks};
+use spineline::measure::{
+    Film, FilmLandmarks, IliacCrests, ImageGeometry, PlacementSource, Reading, VertebraLandmarks,
+};
 
-use super::{LandmarkExportError, ReportOf, SourceImage, csv, slicer, write_sr};
+use super::identity::Identity;
+use super::{LandmarkExportError, ReportOf, SourceImage, coco, csv, labelme, slicer, write_sr};
 
 /// Formats for writing landmarks.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,6 +19,16 @@ pub enum LandmarkTarget<'a> {
     Csv,
     /// Point lists of 3D Slicer, one file per film.
     Slicer,
+    /// Named points of labelme, one file per reading.
+    Labelme {
+        /// Names of the pictures, beside the files; a film without one has `POSTURE.png`.
+        pictures: &'a BTreeMap<Posture, String>,
+    },
+    /// Keypoints of COCO, one dataset of all films.
+    Coco {
+        /// Names of the pictures; a film without one has `POSTURE.png`.
+        pictures: &'a BTreeMap<Posture, String>,
+    },
     /// DICOM reports, one per reading: a report is by one observer.
     DicomSr {
         /// The radiographs on which the landmarks were placed.
@@ -34,6 +47,34 @@ pub struct ExportedFile {
     pub name: String,
     /// Its bytes.
     pub bytes: Vec<u8>,
+}
+
+impl LandmarkTarget<'_> {
+    /// What this format leaves out of a case.
+    #[must_use]
+    pub fn left_out(self, case: &Case) -> Vec<&'static str> {
+        let landmarks = || {
+            let corners = case.films.iter().filter_map(|film| match &film.landmarks {
+                FilmLandmarks::Corners { readings, .. } => Some(readings),
+                FilmLandmarks::Placements { .. } => None,
+            });
+            corners.flatten().flat_map(|reading| reading.vertebrae.values())
+        };
+        let (axes, confidences) = match self {
+            Self::Csv => (false, false),
+            Self::Slicer => (true, true),
+            Self::Labelme { .. } | Self::Coco { .. } => (true, false),
+            Self::DicomSr { .. } => (false, true),
+        };
+        let mut left_out = Vec::new();
+        if axes && landmarks().any(|landmark| landmark.axis_clockwise.is_some()) {
+            left_out.push("axes that were set by hand");
+        }
+        if confidences && landmarks().any(|landmark| landmark.confidence.is_some()) {
+            left_out.push("confidences");
+        }
+        left_out
+    }
 }
 
 /// The landmarks of a case, of one posture or of all. The same case gives the same bytes.
@@ -66,6 +107,22 @@ pub fn export_landmarks(
                 Ok(ExportedFile { name, bytes: slicer::write(film)?.into_bytes() })
             })
             .collect(),
+        LandmarkTarget::Labelme { pictures } => {
+            let mut files = Vec::new();
+            for film in films {
+                files.extend(annotations(film, &picture(pictures, film.posture))?);
+            }
+            Ok(files)
+        }
+        LandmarkTarget::Coco { pictures } => {
+            let films = films.into_iter().map(|film| {
+                let (image, iliac_crests, readings) = corners(film)?;
+                let (posture, picture) = (film.posture, picture(pictures, film.posture));
+                Ok(coco::CocoFilm { posture, image, picture, iliac_crests, readings })
+            });
+            let bytes = coco::write(films.collect::<Result<_, _>>()?).into_bytes();
+            Ok(vec![ExportedFile { name: "landmarks.coco.json".to_owned(), bytes }])
+        }
         LandmarkTarget::DicomSr { sources, curves, written } => {
             let mut files = Vec::new();
             for film in films {
@@ -82,6 +139,35 @@ pub fn export_landmarks(
     }
 }
 
+/// The picture of a film by name.
+fn picture(pictures: &BTreeMap<Posture, String>, posture: Posture) -> String {
+    pictures.get(&posture).cloned().unwrap_or_else(|| format!("{}.png", posture.key()))
+}
+
+/// A film's corners: picture, crests and readings.
+fn corners(film: &Film) -> Result<CornersOfFilm<'_>, LandmarkExportError> {
+    match &film.landmarks {
+        FilmLandmarks::Corners { image, iliac_crests, readings } => {
+            Ok((image, *iliac_crests, readings))
+        }
+        FilmLandmarks::Placements { .. } => Err(LandmarkExportError::NoCorners(film.posture)),
+    }
+}
+
+type CornersOfFilm<'a> = (&'a ImageGeometry, Option<IliacCrests>, &'a [Reading<VertebraLandmarks>]);
+
+/// The files of labelme of a film; the crests stand in each.
+fn annotations(film: &Film, picture: &str) -> Result<Vec<ExportedFile>, LandmarkExportError> {
+    let (image, iliac_crests, readings) = corners(film)?;
+    let files = readings.iter().enumerate().map(|(place, reading)| {
+        let identity = Identity::of_film(film.posture).with_reading(&reading.id);
+        let text = labelme::write(identity, (image, picture), iliac_crests, reading);
+        let name = format!("{}-{}.json", film.posture.key(), place + 1);
+        ExportedFile { name, bytes: text.into_bytes() }
+    });
+    Ok(files.collect())
+}
+
 fn reports(
     film: &Film,
     source: &SourceImage,
@@ -89,20 +175,10 @@ fn reports(
     written: [&str; 2],
 ) -> Result<Vec<ExportedFile>, LandmarkExportError> {
     let posture = film.posture;
-    let FilmLandmarks::Corners { image, iliac_crests, readings } = &film.landmarks else {
-        return Err(LandmarkExportError::NoCorners(posture));
-    };
+    let (image, iliac_crests, readings) = corners(film)?;
     let mut files = Vec::new();
     for (place, reading) in readings.iter().enumerate() {
-        let report = ReportOf {
-            posture,
-            image,
-            iliac_crests: *iliac_crests,
-            reading,
-            curves,
-            source,
-            written,
-        };
+        let report = ReportOf { posture, image, iliac_crests, reading, curves, source, written };
         let name = format!("{}-{}.dcm", posture.key(), place + 1);
         files.push(ExportedFile { name, bytes: write_sr(&report)? });
     }
@@ -128,6 +204,9 @@ fn check(film: &Film) -> Result<(), LandmarkExportError> {
                     }
                 }
             }
+        }
+        FilmLandmarks::Placements { source: PlacementSource::SurfaceMidline, .. } => {
+            return Err(LandmarkExportError::Estimated(film.posture));
         }
         FilmLandmarks::Placements { readings, .. } => {
             if readings.is_empty() {

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{
-    CornerName, Corners, Film, FilmLandmarks, IliacCrests, ImageGeometry, Placement, Reading,
-    ReadingId, SpacingPlane, VertebraLandmarks, check_landmarks,
+    CornerName, Corners, Film, FilmLandmarks, IliacCrests, ImageGeometry, Placement,
+    PlacementSource, Reading, ReadingId, SpacingPlane, VertebraLandmarks, check_landmarks,
 };
 use spineline::spatial::Pixel;
 
@@ -30,6 +30,8 @@ pub enum LandmarkFormat {
     AasceFolder,
     /// A DICOM report of Spineline.
     DicomSr,
+    /// Midlines of the back surface.
+    SurfaceMidlines,
 }
 
 /// The landmarks of a file.
@@ -48,7 +50,7 @@ pub struct LandmarkFile {
 pub struct MarkedFilm {
     /// Posture, if the file contains it.
     pub posture: Option<Posture>,
-    /// Name of the picture, if the file contains it.
+    /// Name of the picture, or of a DICOM film its SOP Instance UID, if the file contains it.
     pub picture: Option<String>,
     /// Columns and rows of the picture, if the file contains them.
     pub size: Option<(u32, u32)>,
@@ -65,6 +67,8 @@ pub enum LandmarkReadings {
     Corners(Vec<Reading<VertebraLandmarks>>),
     /// Locations and tilts in millimetres of any frontal frame.
     Placements(Vec<Reading<Placement>>),
+    /// Levels that were placed by arc length on midlines of the back surface.
+    SurfaceMidlines(Vec<Reading<Placement>>),
 }
 
 /// Plane of the points of a list.
@@ -149,8 +153,15 @@ impl MarkedFilm {
                 FilmLandmarks::Corners { image, iliac_crests: self.iliac_crests, readings }
             }
             LandmarkReadings::Placements(readings) => {
-                FilmLandmarks::Placements { spacing_plane: SpacingPlane::Unknown, readings }
+                let (spacing_plane, source) = (SpacingPlane::Unknown, PlacementSource::Vertebrae);
+                FilmLandmarks::Placements { spacing_plane, source, readings }
             }
+            LandmarkReadings::SurfaceMidlines(readings) => FilmLandmarks::Placements {
+                // A scanner measures the patient.
+                spacing_plane: SpacingPlane::Patient,
+                source: PlacementSource::SurfaceMidline,
+                readings,
+            },
         };
         let film = Film { posture, landmarks };
         check_landmarks(&film)?;
@@ -164,7 +175,8 @@ impl MarkedFilm {
             LandmarkReadings::Corners(readings) => {
                 readings.iter().map(|reading| reading.vertebrae.len()).sum()
             }
-            LandmarkReadings::Placements(readings) => {
+            LandmarkReadings::Placements(readings)
+            | LandmarkReadings::SurfaceMidlines(readings) => {
                 readings.iter().map(|reading| reading.vertebrae.len()).sum()
             }
         }
@@ -172,14 +184,62 @@ impl MarkedFilm {
 }
 
 /// Points of one reading, gathered by name.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Points<P> {
     found: BTreeMap<PointName, (P, String)>,
+    confidences: BTreeMap<PointName, f64>,
+}
+
+impl<P> Default for Points<P> {
+    fn default() -> Self {
+        Self { found: BTreeMap::new(), confidences: BTreeMap::new() }
+    }
 }
 
 impl<P: Copy> Points<P> {
-    pub const fn new() -> Self {
-        Self { found: BTreeMap::new() }
+    /// The confidence of a point, where the file has one.
+    pub fn set_confidence(
+        &mut self,
+        name: PointName,
+        value: Option<f64>,
+        at: &str,
+    ) -> Result<(), LandmarkError> {
+        if let Some(value) = value {
+            self.confidences.insert(name, confidence(value, at)?);
+        }
+        Ok(())
+    }
+
+    /// The confidences of a body's corners; those of one, two or three corners are an error.
+    fn confidences(
+        &self,
+        level: Level,
+        reading: &str,
+    ) -> Result<Option<Corners<f64>>, LandmarkError> {
+        let get = |corner| self.confidences.get(&PointName::Corner(level, corner)).copied();
+        match CornerName::ALL.map(get) {
+            [None, None, None, None] => Ok(None),
+            [
+                Some(superior_left),
+                Some(superior_right),
+                Some(inferior_left),
+                Some(inferior_right),
+            ] => Ok(Some(Corners { superior_left, superior_right, inferior_left, inferior_right })),
+            _ => {
+                let missing = CornerName::ALL.into_iter().filter(|&corner| get(corner).is_none());
+                Err(LandmarkError::Confidences {
+                    what: format!("{reading}, {level}"),
+                    missing: missing.map(|corner| corner.key().to_owned()).collect(),
+                })
+            }
+        }
+    }
+
+    /// A remark where confidences of iliac crests are left out: a case has no place for them.
+    pub fn remarks(&self) -> Vec<String> {
+        let crests = [PointName::CrestLeft, PointName::CrestRight];
+        let has = crests.iter().any(|crest| self.confidences.contains_key(crest));
+        has.then(|| "confidences of iliac crests are not kept".to_owned()).into_iter().collect()
     }
 
     pub fn insert(&mut self, name: PointName, point: P, at: &str) -> Result<(), LandmarkError> {
@@ -251,15 +311,28 @@ impl Points<Pixel> {
         &self,
         reading: &str,
     ) -> Result<BTreeMap<Level, VertebraLandmarks>, LandmarkError> {
-        let bodies = self.bodies(reading)?.into_iter();
-        Ok(bodies
-            .map(|(level, corners)| (level, VertebraLandmarks { corners, axis_clockwise: None }))
-            .collect())
+        let landmark = |(level, corners)| {
+            let confidence = self.confidences(level, reading)?;
+            Ok((level, VertebraLandmarks { corners, axis_clockwise: None, confidence }))
+        };
+        self.bodies(reading)?.into_iter().map(landmark).collect()
     }
 
     pub fn iliac_crests(&self, reading: &str) -> Result<Option<IliacCrests>, LandmarkError> {
         Ok(self.crests(reading)?.map(|[left, right]| IliacCrests { left, right }))
     }
+}
+
+/// A confidence from 0 to 1.
+pub(super) fn confidence(value: f64, at: &str) -> Result<f64, LandmarkError> {
+    if (0.0..=1.0).contains(&value) {
+        return Ok(value);
+    }
+    Err(LandmarkError::Value {
+        at: at.to_owned(),
+        value: value.to_string(),
+        expected: "a confidence from 0 to 1",
+    })
 }
 
 /// A pixel with plausible coordinates.

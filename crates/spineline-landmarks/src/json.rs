@@ -32,4 +32,5 @@ pub(super) struct Outline {
     pub markups: Option<serde::de::IgnoredAny>,
     pub shapes: Option<serde::de::IgnoredAny>,
     pub annotations: Option<serde::de::IgnoredAny>,
+    pub midlines: Option<serde::de::IgnoredAny>,
 }

@@ -12,8 +12,10 @@ mod csv;
 mod error;
 mod export;
 mod film;
+mod identity;
 mod json;
 mod labelme;
+mod midline;
 mod names;
 mod slicer;
 mod sr;
@@ -22,6 +24,7 @@ use std::path::Path;
 
 pub use aasce::{
     AasceFault, AasceRow, AasceRows, AasceVerdict, image_sizes, judge_aasce, parse_mat,
+    picture_names,
 };
 pub use coco::parse_coco;
 pub use csv::{MAX_ROWS, parse_csv};
@@ -31,6 +34,7 @@ pub use film::{
     LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm, SlicerFrame,
 };
 pub use labelme::parse_labelme;
+pub use midline::parse_midlines;
 pub use slicer::parse_slicer;
 pub use sr::{ReportOf, SourceImage, read_source, read_sr, write_sr};
 
@@ -43,12 +47,14 @@ Landmark files, detected by their content:
   CSV           one row per vertebra: posture, observer, repeat, vertebra, superior_left_column_px, superior_left_row_px,
                 and so on for superior_right, inferior_left, inferior_right; axis_clockwise_deg if set by hand. A row whose
                 vertebra is iliac_crests has the left and right tip in the superior columns. Commas, or semicolons with
-                decimal commas. At most 100000 rows.
+                decimal commas. At most 100000 rows. Confidences from 0 to 1: superior_left_confidence, and so on.
   3D Slicer     point lists (.mrk.json) with labels such as T12_superior_left or T12 SL, iliac_crest_left and _right.
                 coordinateSystem, LPS or RAS, has to be there.
-  labelme       points with such labels, or polygons of four points labelled T12.
-  COCO          keypoints: a category per vertebra (superior_left, …), or names such as T12_superior_left.
-  AASCE         a .mat file with p2, or the folder with filenames.csv, landmarks.csv and image_sizes.csv.
+  labelme       points with such labels, or polygons of four points labelled T12; `score` is a confidence.
+  COCO          keypoints: a category per vertebra (superior_left, …), or names such as T12_superior_left. Confidences:
+                `keypoint_scores`, or one `score` per annotation.
+  Midlines      of the back surface, as JSON with `midlines`: for import --midlines only. Levels are placed by arc length.
+  AASCE         a .mat file with p2, or the folder with filenames.csv and landmarks.csv, and the pictures or image_sizes.csv.
   DICOM SR      a report that `spineline export --to dicom-sr` wrote.
 Left and right are the patient's. AASCE and polygons name sides of the picture, so they need the side of it
 the patient's left is. Pixels count from the centre of the first pixel, which is 0.";
@@ -83,10 +89,18 @@ pub fn parse_landmarks(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile
             json::Outline { markups: Some(_), .. } => parse_slicer(bytes, hint),
             json::Outline { shapes: Some(_), .. } => parse_labelme(bytes, hint),
             json::Outline { annotations: Some(_), .. } => parse_coco(bytes, hint),
+            json::Outline { midlines: Some(_), .. } => parse_midlines(bytes, hint),
             _ => Err(LandmarkError::Unrecognised {
-                reason: "the JSON has none of `markups`, `shapes` and `annotations`".to_owned(),
+                reason: "the JSON has none of `markups`, `shapes`, `annotations` and `midlines`"
+                    .to_owned(),
             }),
         };
+    }
+    if text.starts_with(b"[") {
+        return Err(LandmarkError::Unrecognised {
+            reason: "a list of COCO results names no pictures and keypoints; put it into `annotations` of its dataset"
+                .to_owned(),
+        });
     }
     if csv::looks_like_csv(bytes) {
         return parse_csv(bytes, hint);

@@ -91,6 +91,7 @@ fn block_value(block: &Block, letters: &Letters, figures: &mut usize) -> Value {
                 "path": path,
                 "caption": letters.words(&figure.caption),
                 "alternative": letters.plain(&figure.caption),
+                "whole_page": figure.whole_page,
             } })
         }
     }

@@ -198,13 +198,22 @@ pub struct Figure {
     /// The same in 3D, for writers with rotatable views.
     #[serde(skip)]
     pub space: Option<Space>,
+    /// Whether it may fill a page of its own; two others fit onto one.
+    #[serde(skip)]
+    pub whole_page: bool,
 }
 
 impl Figure {
+    /// The same, as large as a page.
+    #[must_use]
+    pub fn on_whole_page(self) -> Self {
+        Self { whole_page: true, ..self }
+    }
+
     /// A flat picture.
     #[must_use]
     pub fn new(name: impl Into<String>, caption: impl Into<String>, svg: String) -> Self {
-        Self { name: name.into(), caption: caption.into(), svg, space: None }
+        Self { name: name.into(), caption: caption.into(), svg, space: None, whole_page: false }
     }
 }
 

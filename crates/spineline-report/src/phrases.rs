@@ -1,11 +1,15 @@
 //! Phrases that reports of patients and of cohorts share.
 
-use spineline::analysis::{FilmRole, FreeNumbers};
+use spineline::analysis::{Analysis, FilmRole, FreeNumbers, PostureAnalysis};
+use spineline::measure::SpacingPlane;
 
 /// Note on errors on held-out films.
 pub const HELD_OUT: &str = "No model was fitted to these films.";
 /// Note on errors on fitted films.
 pub const FITTED: &str = "The stiffness was fitted to these films: a small error here shows how well a line adapts to the data, and is no evidence for it.";
+
+/// Note on errors on bends that are left out of the fit in turn.
+pub const LEFT_OUT: &str = "Each bend is predicted with the stiffness fitted to the other bend, so this takes both bends. Only films on which all lines have a result count.";
 
 /// Text in place of a missing number.
 pub fn none() -> String {
@@ -28,3 +32,38 @@ pub fn sentence_case(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
+
+/// Films of a patient whose lengths are pixels, as text such as `erect, left bending`; `None` where all have a scale.
+pub fn films_without_scale(analysis: &Analysis) -> Option<String> {
+    let outlines = analysis.postures.iter().map(|posture| &posture.outline);
+    let without = outlines.filter(|outline| outline.scale.plane == SpacingPlane::Pixels);
+    let names: Vec<String> = without.map(|outline| outline.posture.to_string()).collect();
+    (!names.is_empty()).then(|| names.join(", "))
+}
+
+/// Why a patient has no personalised model.
+pub fn no_model_reason(analysis: &Analysis) -> String {
+    if let Some(films) = films_without_scale(analysis) {
+        return format!("films without a scale ({films})");
+    }
+    let is_bend = |posture: &PostureAnalysis| posture.outline.posture.bend().is_some();
+    let reason = match analysis.postures.iter().any(is_bend) {
+        false => "no bending film",
+        true => "no line of action on any bend",
+    };
+    reason.to_owned()
+}
+
+/// Why a patient has no personalised model, and what would give one.
+pub fn no_model(analysis: &Analysis) -> String {
+    let scale = films_without_scale(analysis).map(|_| format!(" {GIVE_SCALE}"));
+    format!(
+        "There is no personalised model: {}.{}",
+        no_model_reason(analysis),
+        scale.unwrap_or_default()
+    )
+}
+
+/// How a film gets a scale.
+pub const GIVE_SCALE: &str =
+    "A pixel spacing, or a ball or ruler of known size on the film, gives a scale.";

@@ -27,7 +27,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 
 /// Server-sent events `change` with a `Change`. A blinded reader receives own changes only. The stream ends with the
 /// session, and when the role of the account or its grant is another one.
-#[utoipa::path(get, path = "/api/studies/{study}/changes",
+#[utoipa::path(get, path = "/api/studies/{study}/changes", params(("study" = String, Path)),
     responses((status = 200, content_type = "text/event-stream", body = Change),
         (status = 404, body = Problem)))]
 async fn changes(

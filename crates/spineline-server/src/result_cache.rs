@@ -19,6 +19,8 @@ pub enum Outcome {
     Waiting,
     /// Landmarks contradict each other.
     Refused {
+        /// Stable name of the error.
+        code: &'static str,
         /// What is wrong.
         text: String,
         /// What to do about it.
@@ -46,9 +48,11 @@ impl StudyResult {
         let outcome = if has_erect {
             match analyze(&current.usable_case(), &AnalysisOptions::default()) {
                 Ok(analysis) => Outcome::Analysed(Box::new(analysis)),
-                Err(error) => {
-                    Outcome::Refused { text: error.to_string(), help: error.help().to_owned() }
-                }
+                Err(error) => Outcome::Refused {
+                    code: error.code(),
+                    text: error.to_string(),
+                    help: error.help().to_owned(),
+                },
             }
         } else {
             Outcome::Waiting
@@ -77,7 +81,7 @@ impl StudyResult {
                     "place the landmarks of all vertebrae from L4 to T2 that are seen on the erect film, L2 to T6 at least, and finish the reading",
                 ))
             }
-            Outcome::Refused { text, help } => {
+            Outcome::Refused { text, help, .. } => {
                 Err(Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text).help(help))
             }
         }

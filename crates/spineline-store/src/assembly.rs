@@ -72,6 +72,7 @@ fn landmark(landmarks: &VertebraReading) -> Option<VertebraLandmarks> {
             inferior_right: corner(Corner::InferiorRight)?,
         },
         axis_clockwise: landmarks.axis_deg.map(Angle::from_deg),
+        confidence: None,
     })
 }
 

@@ -3,9 +3,9 @@
 use std::fmt;
 
 use serde_json::Value;
-use spineline::analysis::Subject;
+use spineline::analysis::{Subject, check_repeated};
 use spineline::anatomy::Posture;
-use spineline::measure::{FilmLandmarks, IliacCrests, Reading, VertebraLandmarks};
+use spineline::measure::{Film, FilmLandmarks, IliacCrests, Reading, VertebraLandmarks};
 use spineline_files::{FileError, LevelKey};
 
 use crate::accounts::{self, Role};
@@ -51,6 +51,8 @@ pub enum CaseRemark {
     Lateral,
     /// Sex, age and Lenke class.
     Subject,
+    /// Confidences of landmarks that a program found.
+    Confidences,
 }
 
 impl fmt::Display for CaseRemark {
@@ -58,6 +60,9 @@ impl fmt::Display for CaseRemark {
         f.write_str(match self {
             Self::Lateral => {
                 "the study store does not hold the lateral film and its landmarks: keep the case file"
+            }
+            Self::Confidences => {
+                "the study store does not hold the confidences of landmarks: keep the case file"
             }
             Self::Subject => "the study store does not hold sex, age and Lenke class: keep the case file",
         })
@@ -72,6 +77,8 @@ pub enum CaseError<E> {
     File(FileError),
     /// The case or an observer has a name that a store does not take.
     Name(StoreError),
+    /// Two postures have the landmarks of one film.
+    Repeated(spineline::error::Error),
     /// A film has locations from another program.
     NoPicture {
         /// Film.
@@ -96,6 +103,7 @@ impl<E: fmt::Display> fmt::Display for CaseError<E> {
         match self {
             Self::File(error) => error.fmt(f),
             Self::Name(error) => error.fmt(f),
+            Self::Repeated(error) => error.fmt(f),
             Self::NoPicture { posture } => {
                 write!(f, "{posture} film: it has locations from another program, but no picture")
             }
@@ -116,6 +124,7 @@ impl<E> CaseError<E> {
         match self {
             Self::File(error) => error.help(),
             Self::Name(error) => error.help(),
+            Self::Repeated(error) => error.help(),
             Self::NoPicture { .. } => "a study store holds pictures and their landmarks",
             Self::NotNamed { .. } => "give `image.file`; `import` and `phantom --films` write it",
             Self::OtherPicture { .. } => "use the original film, or create the case again",
@@ -149,6 +158,7 @@ impl NewCase {
         let case = spineline_files::parse_case(text).map_err(CaseError::File)?;
         let written = spineline_files::parse_json(text).map_err(CaseError::File)?;
         let id = Name::new(&case.id).map_err(CaseError::Name)?;
+        check_repeated(&case.films).map_err(|error| CaseError::Repeated(error.into()))?;
         let mut films = Vec::new();
         let records = written["films"].as_array().into_iter().flatten();
         for (film, record) in case.films.iter().zip(records) {
@@ -173,6 +183,9 @@ impl NewCase {
         }
         if case.subject != Subject::default() {
             remarks.push(CaseRemark::Subject);
+        }
+        if case.films.iter().any(has_confidences) {
+            remarks.push(CaseRemark::Confidences);
         }
         let study = Study { id, label: None, synthetic: case.synthetic };
         Ok(Self { study, films, remarks })
@@ -236,6 +249,12 @@ impl NewCase {
         self.study.id = id;
         self
     }
+}
+
+fn has_confidences(film: &Film) -> bool {
+    let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { return false };
+    let mut landmarks = readings.iter().flat_map(|reading| reading.vertebrae.values());
+    landmarks.any(|landmark| landmark.confidence.is_some())
 }
 
 impl CaseReading {
@@ -322,4 +341,27 @@ fn add_reading(ledger: &Ledger<'_>, film: FilmId, reading: &CaseReading) -> Resu
         journal::append(&ledger, id, Vec::new(), &reading.events)?;
     }
     readings::finish(&ledger, id, &ReadingState::replay(&reading.events, false)).map(drop)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_case_with_confidences_says_that_they_stay_in_its_file() {
+        let case = |confidence: &str| {
+            format!(
+                r#"{{"format":"spineline-case","version":1,"case_id":"P1","films":[{{"posture":"erect",
+                "image":{{"columns":200,"rows":300,"patient_left":"image_left","file":"a.png"}},
+                "readings":[{{"observer":"net","repeat":1,"vertebrae":{{"T5":{{"superior_left":[50,100],
+                "superior_right":[90,100],"inferior_left":[50,130],"inferior_right":[90,130]{confidence}}}}}}}]}}]}}"#
+            )
+        };
+        let remarks = |confidence: &str| {
+            let bytes_of = |_: &str| Ok::<_, StoreError>(vec![1]);
+            NewCase::read(&case(confidence), bytes_of).expect("a case").remarks
+        };
+        assert_eq!(remarks(""), []);
+        assert_eq!(remarks(r#","confidence":[0.9,0.8,0.7,0.6]"#), [CaseRemark::Confidences]);
+    }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use rusqlite::Connection;
 use spineline::analysis::Case;
 use spineline::anatomy::{Level, Posture};
-use spineline::measure::{Film, shows_enough};
+use spineline::measure::{Film, ReadingId as Reader, shows_enough};
 
 use crate::assembly;
 use crate::connection::Store;
@@ -67,6 +67,17 @@ pub struct CurrentCase {
     pub films: Vec<CurrentFilm>,
     /// Landmarks on the films with readings, of any vertebra.
     pub case: Case,
+    /// The open reading with all finished readings of its film, to compare it with them.
+    pub compared: Option<ComparedReading>,
+}
+
+/// A reading among all others of its film.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ComparedReading {
+    /// The reading.
+    pub id: Reader,
+    /// Landmarks of this reading and of all finished ones.
+    pub film: Film,
 }
 
 impl CurrentCase {
@@ -104,7 +115,7 @@ impl Store {
         let snapshot = self.connection.unchecked_transaction()?;
         let synthetic = films::study(&snapshot, study)?.synthetic;
         let readings = readings::of_study(&snapshot, study)?;
-        let (mut films, mut landmarks) = (Vec::new(), Vec::new());
+        let (mut films, mut landmarks, mut compared) = (Vec::new(), Vec::new(), None);
         for film in assembly::by_posture(&snapshot, study)?.into_values() {
             let of_film: Vec<&ReadingRecord> =
                 readings.iter().filter(|reading| reading.film == film.id).collect();
@@ -114,7 +125,16 @@ impl Store {
                     let hand = readings.iter().find(|record| record.id == reading);
                     let object = || reading.to_string();
                     let hand = hand.ok_or_else(|| StoreError::Unknown { object: object() })?;
-                    self.beside(&snapshot, hand, pending, &of_film)?
+                    let chosen = self.beside(&snapshot, hand, pending, &of_film)?;
+                    if hand.film == film.id {
+                        let others = self.finished(&snapshot, &of_film)?.into_iter();
+                        let others = others.filter(|(other, _)| other.id != hand.id);
+                        let all: Vec<_> = chosen.iter().cloned().chain(others).collect();
+                        let id = Reader::new(hand.observer.to_string(), hand.repeat);
+                        let film = assembly::film(&film, &all)?;
+                        compared = Some(ComparedReading { id, film });
+                    }
+                    chosen
                 }
             };
             let complete = |state: &ReadingState| -> BTreeSet<Level> {
@@ -132,7 +152,7 @@ impl Store {
             films.push(CurrentFilm { record: film, readings: chosen.len(), marked, finished });
         }
         let case = assembly::case(study, synthetic, landmarks);
-        Ok(CurrentCase { films, case })
+        Ok(CurrentCase { films, case, compared })
     }
 
     fn finished<'r>(

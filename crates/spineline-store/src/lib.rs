@@ -58,7 +58,7 @@ pub use audit::{AuditEntry, Head};
 pub use cases::{AddedCase, CaseError, CaseRemark, NewCase};
 pub use conflicts::{Acknowledged, LostChange};
 pub use connection::Store;
-pub use current_case::{CaseReadings, CurrentCase, CurrentFilm};
+pub use current_case::{CaseReadings, ComparedReading, CurrentCase, CurrentFilm};
 pub use error::StoreError;
 pub use event::{Corner, CrestSide, Event};
 pub use export::{ExportRemark, ExportedCase};

@@ -166,6 +166,17 @@ impl Store {
         films::is_planned(&self.connection, study)
     }
 
+    /// The observers of a study's plan, in the order of their codes; none without a plan.
+    ///
+    /// # Errors
+    /// [`StoreError::Database`].
+    pub fn planned_observers(&self, study: &Name) -> Result<Vec<Name>, StoreError> {
+        let slots = slots_of(&self.connection, study, None)?;
+        let mut observers: Vec<Name> = slots.into_iter().map(|slot| slot.observer).collect();
+        observers.dedup();
+        Ok(observers)
+    }
+
     /// Begins the planned reading of a code. The observer is the author.
     ///
     /// # Errors

@@ -93,7 +93,7 @@ impl std::fmt::Display for Finding {
                 write!(f, "entry {sequence} of the log was edited, exchanged or moved")
             }
             Self::Length { expected, found } => {
-                write!(f, "the log has {found} entries instead of {expected}")
+                write!(f, "the number of log entries is {found} instead of {expected}")
             }
             Self::HeadChanged => f.write_str("the end of the log differs from its head"),
             Self::Rewritten => {

@@ -59,8 +59,14 @@ fn columns_of_curves<'a>() -> Vec<Column<ClinicalRow<'a>>> {
         number(
             "cobb",
             Unit::Degrees,
-            "Cobb angle; positive where convex to the patient's left",
-            |row| row.item.angle(&row.item.curve.cobb),
+            "Cobb angle between endplates; positive where convex to the patient's left; empty where no corners are known",
+            |row| row.item.curve.cobb_in(row.item.posture).map(Angle::deg),
+        ),
+        number(
+            "tilt_range",
+            Unit::Degrees,
+            "tilt of the upper minus tilt of the lower end vertebra; positive where convex to the patient's left",
+            |row| Some(row.item.curve.angles_in(row.item.posture)?.tilt_range.deg()),
         ),
         number(
             "ferguson",
@@ -71,16 +77,17 @@ fn columns_of_curves<'a>() -> Vec<Column<ClinicalRow<'a>>> {
         number(
             "apical_translation",
             Unit::Millimetres,
-            "translation of the apex on the erect film; only in the row of the erect film",
+            "distance of the apex from the central sacral vertical line on the erect film, positive to the patient's left; only in the row of the erect film",
             |row| {
-                let translation = row.item.erect()?.apical_translation_mm;
-                row.patient.analysis.scale().mm(translation)
+                let region = row.item.erect()?.region;
+                let balance = row.patient.analysis.balance.as_ref()?;
+                row.patient.analysis.scale().mm(balance.apical_translation_mm[region.index()])
             },
         ),
         number(
             "flexibility",
             Unit::One,
-            "share of the erect Cobb angle that the bend to the convex side corrects; only in the row of the erect film",
+            "share of the erect Cobb angle (tilt range without corners) that the bend to the convex side corrects; only in the row of the erect film",
             |row| row.item.erect()?.flexibility,
         ),
     ]

@@ -255,7 +255,7 @@ fn columns_of_lines<'a>() -> Vec<Column<LineRow<'a>>> {
         ),
         text(
             "status",
-            "`converged`, `unreachable` or `not_converged`; only the first is a result",
+            "`converged`, `unreachable`, `beyond_human_range` or `not_converged`; only the first is a result",
             |row| Some(row.item.simulation.status.key().to_owned()),
         ),
         number(

@@ -2,6 +2,7 @@ use spineline::analysis::{Grouping, Sex};
 use spineline::curve::{Inflection, OrderRule};
 use spineline::multibody::Support;
 use spineline::personalize::FitTarget;
+use spineline::spatial::Angle;
 use spineline::warning::Severity;
 
 use crate::Patient;
@@ -17,6 +18,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let mut columns = keys();
     columns.extend(subject());
     columns.extend(curve());
+    columns.extend(balance());
     columns.extend(options());
     Definition { name: "patients", row: "patient", columns }.fill(&rows)
 }
@@ -171,5 +173,48 @@ fn options<'a>() -> Vec<Column<PatientRow<'a>>> {
         number("prior_log_sd", Unit::One, "prior standard deviation of ln multiplier", |row| {
             row.patient.analysis.options.prior.map(|prior| prior.log_sd)
         }),
+    ]
+}
+
+/// How the spine stands over the pelvis; empty where the erect film's vertical is not known.
+fn balance<'a>() -> Vec<Column<PatientRow<'a>>> {
+    vec![
+        text(
+            "sacral_reference",
+            "what the central sacral vertical line runs through: `iliac_crests`, `l5` or `base`",
+            |row| Some(row.patient.analysis.balance.as_ref()?.reference.key().to_owned()),
+        ),
+        text("plumb_level", "vertebra from which the plumb line falls", |row| {
+            Some(row.patient.analysis.balance.as_ref()?.plumb_level.to_string())
+        }),
+        number(
+            "coronal_balance",
+            Unit::Millimetres,
+            "distance of the plumb line from the central sacral vertical line, positive to the patient's left",
+            |row| {
+                let balance = row.patient.analysis.balance.as_ref()?;
+                row.patient.analysis.scale().mm(balance.coronal_balance_mm)
+            },
+        ),
+        number(
+            "t1_tilt",
+            Unit::Degrees,
+            "tilt of the superior endplate of T1 against the horizontal; its normal leans to the patient's right where positive",
+            |row| row.patient.analysis.balance.as_ref()?.t1_tilt.map(Angle::deg),
+        ),
+        number("l4_tilt", Unit::Degrees, "the same of L4", |row| {
+            row.patient.analysis.balance.as_ref()?.l4_tilt.map(Angle::deg)
+        }),
+        number(
+            "pelvic_obliquity",
+            Unit::Degrees,
+            "tilt of the iliac line against the horizontal; positive where the patient's left crest is higher",
+            |row| row.patient.analysis.balance.as_ref()?.pelvic_obliquity.map(Angle::deg),
+        ),
+        text(
+            "stable_vertebra",
+            "vertebra below the apex of the main thoracic curve that is nearest to the central sacral vertical line",
+            |row| Some(row.patient.analysis.balance.as_ref()?.stable.to_string()),
+        ),
     ]
 }

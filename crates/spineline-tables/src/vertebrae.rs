@@ -118,7 +118,7 @@ fn simulated<'a>() -> Vec<Column<VertebraRow<'a>>> {
         ),
         text(
             "status",
-            "`converged`, `unreachable` or `not_converged`; only the first is a result",
+            "`converged`, `unreachable`, `beyond_human_range` or `not_converged`; only the first is a result",
             |row| simulation(row).map(|s| s.status.key().to_owned()),
         ),
         number(

@@ -8,7 +8,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use spineline::analysis::{Case, analyze};
 use spineline::anatomy::Posture;
 use spineline::curve::{CurveFit, OrderRule, fit_curve};
-use spineline::measure::{Outline, measure_film};
+use spineline::measure::{Outline, TiltRule, measure_film};
 use spineline::multibody::Support;
 use spineline::warning::Warnings;
 use spineline_phantom::{Readers, Truth};
@@ -54,7 +54,7 @@ fn steps(criterion: &mut Criterion) {
     let outlines: Vec<Outline> = cases()
         .iter()
         .flat_map(|case| &case.films)
-        .map(|film| measure_film(film, &mut warnings).expect("a sound film"))
+        .map(|film| measure_film(film, TiltRule::default(), &mut warnings).expect("a sound film"))
         .collect();
     let fit = |outline: &Outline, rule| -> CurveFit {
         fit_curve(outline, rule, &mut Warnings::default()).expect("a plain spine")

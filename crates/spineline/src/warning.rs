@@ -2,6 +2,13 @@
 
 use crate::anatomy::{Level, LineKind, Posture};
 
+/// A number of things in words: `1 film`, `2 films`. `noun` is in the singular and takes an s.
+#[must_use]
+pub fn counted<N: std::fmt::Display + PartialEq + From<u8>>(count: N, noun: &str) -> String {
+    let ending = if count == N::from(1) { "" } else { "s" };
+    format!("{count} {noun}{ending}")
+}
+
 /// A step of the pipeline, in its order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[allow(missing_docs)]
@@ -47,17 +54,23 @@ pub enum Severity {
 }
 
 /// Codes of choices.
-const NOTES: [&str; 6] = [
+const NOTES: [&str; 7] = [
     "iliac_crests_missing",
     "inflections_by_hand",
+    "landmarks_by_program",
     "no_bending_film",
     "parametric_curve",
     "reliability_one_reading",
     "usual_regions",
 ];
 /// Codes of what contradicts.
-const CONTRADICTIONS: [&str; 4] =
-    ["fit_not_converged", "force_not_found", "joints_contradict_line", "multiplier_at_bound"];
+const CONTRADICTIONS: [&str; 5] = [
+    "bend_keeps_shape",
+    "fit_not_converged",
+    "force_not_found",
+    "joints_contradict_line",
+    "multiplier_at_bound",
+];
 
 /// One warning, or the reason why a number is absent.
 #[derive(Debug, Clone, PartialEq)]
@@ -165,5 +178,17 @@ impl Warnings {
     #[must_use]
     pub fn has(&self, code: &str) -> bool {
         self.0.iter().any(|warning| warning.code == code)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::counted;
+
+    #[test]
+    fn one_thing_is_singular_and_any_other_number_plural() {
+        assert_eq!(counted(0_usize, "film"), "0 films");
+        assert_eq!(counted(1_u64, "film"), "1 film");
+        assert_eq!(counted(2_u32, "film"), "2 films");
     }
 }

@@ -1,6 +1,6 @@
 import createClient from "openapi-fetch";
 
-import type { Routes } from "./paths";
+import type { paths } from "./schema";
 import type { Api } from "./types";
 
 const TOKEN_HEADER = "X-Spineline-Csrf";
@@ -93,7 +93,7 @@ function problemOf(body: unknown): Api<"Problem"> | null {
 }
 
 /** The routes of the program, with the types of its interface. A refusal is thrown. */
-export const api = createClient<Routes>({ baseUrl: location.origin, fetch: send });
+export const api = createClient<paths>({ baseUrl: location.origin, fetch: send });
 
 /** The data of a response; errors have been thrown before. */
 export async function answerOf<T>(asked: Promise<{ data?: T }>): Promise<T> {
@@ -111,7 +111,7 @@ export function uploadFile(
   onsent: (fraction: number) => void,
   signal: AbortSignal,
 ): Promise<Api<"UploadView">> {
-  const path: keyof Routes = "/api/uploads";
+  const path: keyof paths = "/api/uploads";
   return new Promise((resolve, reject) => {
     const request = new XMLHttpRequest();
     request.open("POST", path);

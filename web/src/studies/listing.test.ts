@@ -22,7 +22,12 @@ const STUDIES = [
   study("S-10", {
     status: "measured",
     changed_ms: 1,
-    curve: { cobb_deg: 48.2, region: "main thoracic", text: "Lenke 1, main thoracic 48.2°" },
+    curve: {
+      size_deg: 48.2,
+      is_cobb: true,
+      region: "main thoracic",
+      text: "Lenke 1, main thoracic 48.2°",
+    },
   }),
   study("A", { status: "refused", contradictions: 2, changed_ms: 2 }),
 ];

@@ -40,7 +40,7 @@ const byId = (a: Study, b: Study): number =>
 const BY: Record<Order, (a: Study, b: Study) => number> = {
   changed: (a, b) => b.changed_ms - a.changed_ms,
   id: byId,
-  cobb: (a, b) => (b.curve?.cobb_deg ?? -1) - (a.curve?.cobb_deg ?? -1),
+  cobb: (a, b) => (b.curve?.size_deg ?? -1) - (a.curve?.size_deg ?? -1),
   status: (a, b) => statuses.indexOf(a.status) - statuses.indexOf(b.status),
   trouble: (a, b) => b.contradictions - a.contradictions || b.warnings - a.warnings,
 };

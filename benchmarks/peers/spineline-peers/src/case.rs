@@ -189,6 +189,7 @@ impl Case {
                 level,
                 location,
                 tilt: Angle::from_rad(tilt),
+                endplates: None,
                 readings: 1,
                 interpolated: None,
             })
@@ -198,6 +199,8 @@ impl Case {
             vertebrae,
             others: Vec::new(),
             iliac_normal: None,
+            iliac_middle: None,
+            vertical: None,
             l4_on_film: Angle::ZERO,
             l4_midpoint_on_film: Frontal::default(),
             noise: Noise {

@@ -3,6 +3,7 @@
 use spineline::analysis::{Analysis, Case};
 use spineline::personalize::Identifiability;
 use spineline::uncertainty::Uncertainty;
+use spineline::warning::counted;
 use spineline_files::{AnalysisFile, Request};
 use spineline_report::document::{Notice, NoticeKind};
 use spineline_report::patient::Patient as ReportedPatient;
@@ -51,7 +52,11 @@ impl Confidence {
         Some(Notice {
             kind: NoticeKind::Warning,
             place: analysis.case_id.clone(),
-            text: format!("interrupted: {} of {} replicates count", found.done, found.requested),
+            text: format!(
+                "interrupted: {} of {} finished, which count",
+                found.done,
+                counted(found.requested, "replicate")
+            ),
             code: "interrupted".to_owned(),
         })
     }

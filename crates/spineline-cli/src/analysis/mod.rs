@@ -4,5 +4,6 @@ pub mod case;
 pub mod cohort;
 pub mod confidence;
 pub mod figures;
+pub mod films;
 pub mod record;
 pub mod replicates;

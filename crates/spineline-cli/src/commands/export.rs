@@ -34,6 +34,8 @@ Examples:
   spineline export model.json --to urdf --out spine.urdf
       pinocchio.buildModelFromUrdf('spine.urdf')
   spineline export CASE.json --to slicer --posture erect --out erect.mrk.json
+  spineline export CASE.json --to labelme --posture erect --out erect.json
+  spineline export CASE.json --to coco --out landmarks.json
   spineline export CASE.json --to dicom-sr --out reports
 
 All models are in metres, newtons and radians. MJCF and URDF keep x anterior, y left, z cranial; OpenSim has x anterior, \
@@ -41,8 +43,9 @@ y cranial, z right. MJCF and OpenSim contain the springs; URDF has no element fo
 elements. The comment at the top of each file lists the loads of the films. Masses and damping \
 are nominal.
 
-Landmarks are named by the patient's sides. CSV holds all films in one table; Slicer gets one file per film; DICOM SR one \
-per reading, for which the case has to name the DICOM file of each film. Reports contain the patient's name and ID from that \
+Landmarks are named by the patient's sides. CSV and COCO hold all films in one file; Slicer gets one file per film; \
+labelme and DICOM SR one per reading. labelme and COCO name the picture of a film, or POSTURE.png where the case has a DICOM \
+file or none: `spineline film FILE --png POSTURE.png` writes it. For DICOM SR the case has to name the DICOM file of each film. Reports contain the patient's name and ID from that \
 file. Several files are written into the folder that `--out` names.";
 
 #[derive(Args)]
@@ -51,7 +54,7 @@ pub struct ExportArgs {
     #[arg(value_name = "MODEL|CASE")]
     file: PathBuf,
     /// Format: `mjcf` for MuJoCo, `osim` for OpenSim 4, `urdf` for Pinocchio, Gazebo, Drake and others; of landmarks,
-    /// `csv`, `slicer` for 3D Slicer, `dicom-sr` for a DICOM report
+    /// `csv`, `slicer` for 3D Slicer, `labelme`, `coco` for COCO keypoints, `dicom-sr` for a DICOM report
     #[arg(long, value_enum, value_name = "FORMAT")]
     to: FormatName,
     /// File to write (`-`: standard output), or a folder for several files
@@ -79,6 +82,10 @@ enum FormatName {
     Csv,
     /// Landmarks as point lists of 3D Slicer
     Slicer,
+    /// Landmarks as named points of labelme
+    Labelme,
+    /// Landmarks as keypoints of COCO
+    Coco,
     /// Landmarks, tilts and Cobb angles as DICOM reports
     DicomSr,
 }
@@ -90,7 +97,7 @@ impl FormatName {
             Self::Mjcf => Some(ExportFormat::Mjcf),
             Self::Osim => Some(ExportFormat::Osim),
             Self::Urdf => Some(ExportFormat::Urdf),
-            Self::Csv | Self::Slicer | Self::DicomSr => None,
+            Self::Csv | Self::Slicer | Self::Labelme | Self::Coco | Self::DicomSr => None,
         }
     }
 }
@@ -117,9 +124,12 @@ fn landmarks(args: &ExportArgs) -> Result<Ending, Failure> {
     let case = file.clone().into_case().map_err(|error| Failure::file(&args.file, &error))?;
     let place = args.file.display().to_string();
     let (sources, curves, written);
+    let pictures = pictures(&file, &case);
     let target = match args.to {
         FormatName::Csv => LandmarkTarget::Csv,
         FormatName::Slicer => LandmarkTarget::Slicer,
+        FormatName::Labelme => LandmarkTarget::Labelme { pictures: &pictures },
+        FormatName::Coco => LandmarkTarget::Coco { pictures: &pictures },
         // The formats of models do not come here.
         FormatName::DicomSr | FormatName::Mjcf | FormatName::Osim | FormatName::Urdf => {
             sources = read_sources(&file, &case, args)?;
@@ -131,6 +141,9 @@ fn landmarks(args: &ExportArgs) -> Result<Ending, Failure> {
     };
     let files = export_landmarks(&case, args.posture, target)
         .map_err(|error| Failure::input(&place, &error, error.help()))?;
+    for part in target.left_out(&case) {
+        say(&format!("note: this format has no place for {part}; the case keeps them\n"));
+    }
     write_landmarks(args, &case, &files)
 }
 
@@ -173,6 +186,17 @@ fn read_case_file(path: &Path) -> Result<CaseFile, Failure> {
         ),
         _ => Failure::file(path, &error),
     })
+}
+
+/// The pictures that the case names and other programs can open: no DICOM files.
+fn pictures(file: &CaseFile, case: &Case) -> BTreeMap<Posture, String> {
+    let named = case.films.iter().filter_map(|film| {
+        let name = file.source(film.posture)?.file?;
+        let is_dicom =
+            Path::new(&name).extension().is_none_or(|end| end.eq_ignore_ascii_case("dcm"));
+        (!is_dicom).then_some((film.posture, name))
+    });
+    named.collect()
 }
 
 /// The DICOM files that the case names, beside it.

@@ -4,6 +4,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use spineline::action::LineKind;
 use spineline::analysis::Grouping;
 use spineline::anatomy::{ImageSide, Named, Side};
+use spineline::measure::TiltRule;
 use spineline::multibody::Support;
 use spineline::personalize::FitTarget;
 
@@ -72,6 +73,15 @@ impl Choice for Support {
         match self {
             Self::Free => "Every joint rotates about three axes (the paper)",
             Self::Frontal => "The patient lies on a table: flexion and axial rotation are locked",
+        }
+    }
+}
+
+impl Choice for TiltRule {
+    fn help(self) -> &'static str {
+        match self {
+            Self::Endplates => "Mean direction of both endplates",
+            Self::Axis => "Line through the centres of the endplates (the paper)",
         }
     }
 }

@@ -7,13 +7,16 @@ use clap::Args;
 use spineline::action::LineOfAction;
 use spineline::analysis::{AnalysisOptions, Grouping};
 use spineline::anatomy::{Level, Posture};
+use spineline::clinical::EndChoice;
 use spineline::curve::{InflectionChoice, OrderRule, Site};
 use spineline::hypothesis::Hypothesis;
+use spineline::measure::TiltRule;
 use spineline::multibody::Support;
 use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
 
 use super::choice::{Choice, choice};
+use super::ends::end_vertebrae;
 use super::values::{number, posture};
 use crate::run::failure::Failure;
 
@@ -34,6 +37,13 @@ pub struct MethodArgs {
     /// Quantity that the stiffness is fitted to
     #[arg(long, value_parser = choice::<FitTarget>(), default_value = FitTarget::Shape.spelling())]
     fit: FitTarget,
+    /// Landmarks from which the tilt of a vertebra is measured
+    #[arg(long, value_parser = choice::<TiltRule>(), default_value = TiltRule::Endplates.spelling())]
+    tilt: TiltRule,
+    /// End vertebrae of Cobb angles: `erect` (the most tilted ones of the erect film, kept on every film), `each-film`, or
+    /// REGION=LEVEL/LEVEL such as main-thoracic=T12/T5
+    #[arg(long, value_name = "CHOICE", default_value = "erect", value_parser = end_vertebrae)]
+    end_vertebrae: EndChoice,
     /// Joints that share a stiffness multiplier
     #[arg(long, value_parser = choice::<Grouping>(), default_value = Grouping::Regional.spelling())]
     multipliers: Grouping,
@@ -67,6 +77,8 @@ impl MethodArgs {
     /// If the stiffness table cannot be read.
     pub fn options(&self) -> Result<AnalysisOptions, Failure> {
         let mut options = AnalysisOptions {
+            tilt: self.tilt,
+            ends: self.end_vertebrae,
             order_rule: self.order_rule,
             gauge: self.gauge,
             support: self.support,
@@ -129,10 +141,17 @@ fn gauge(text: &str) -> Result<Gauge, String> {
         .and_then(|rest| rest.split_once('='))
         .ok_or_else(|| expected.to_owned())?;
     let force_n = number(force)?;
-    if force_n == 0.0 {
-        return Err("a known force must not be zero".to_owned());
+    if force_n <= 0.0 {
+        return Err(
+            "a known force must be greater than 0 N: it is a magnitude, and its direction is found"
+                .to_owned(),
+        );
     }
-    Ok(Gauge::KnownForce { posture: posture(name)?, force_n })
+    let posture = posture(name)?;
+    if posture == Posture::Erect {
+        return Err("the erect film has no force: all others are measured from it; name the film on which the force was measured".to_owned());
+    }
+    Ok(Gauge::KnownForce { posture, force_n })
 }
 
 fn curve_turn(text: &str) -> Result<Angle, String> {

@@ -91,6 +91,7 @@ impl Failure {
         // Reading errors name the path themselves.
         let what = match error {
             spineline_files::FileError::Read { .. }
+            | spineline_files::FileError::NotUtf8 { .. }
             | spineline_files::FileError::TooLarge { .. } => error.to_string(),
             _ => format!("{}: {error}", path.display()),
         };

@@ -9,9 +9,13 @@ use spineline_files::{
 };
 
 use super::failure::Failure;
+use super::messages::say;
 use super::provenance::shown_name;
 
-/// The case files that the given paths name, in order; a folder stands for the `.json` files in it.
+/// The format of analyses, which contain their cases.
+const ANALYSIS: &str = "spineline-analysis";
+
+/// The case files that the given paths name, in order; a folder stands for the cases among the `.json` files in it.
 ///
 /// # Errors
 /// If a folder cannot be read or has no `.json` file.
@@ -28,7 +32,7 @@ pub fn case_files(given: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         let mut inside: Vec<PathBuf> = entries
             .into_iter()
             .map(|entry| entry.path())
-            .filter(|file| file.extension().is_some_and(|e| e == "json") && !is_truth(file))
+            .filter(|file| file.extension().is_some_and(|e| e == "json"))
             .collect();
         if inside.is_empty() {
             let place = path.display().to_string();
@@ -45,9 +49,44 @@ pub fn case_files(given: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
             return Err(Failure::input(&place, &"it is no plain file", help));
         }
         inside.sort();
-        files.append(&mut inside);
+        files.append(&mut without_outputs(path, inside)?);
     }
     Ok(files)
+}
+
+/// The cases among the files of a folder: files that this program wrote are passed over, and a message says so. Analyses count as
+/// cases where the folder has no others.
+fn without_outputs(folder: &Path, inside: Vec<PathBuf>) -> Result<Vec<PathBuf>, Failure> {
+    let inside: Vec<PathBuf> = inside.into_iter().filter(|file| !is_truth(file)).collect();
+    let (outputs, mut cases): (Vec<_>, Vec<_>) = inside
+        .into_iter()
+        .map(|file| (output_format(&file), file))
+        .partition(|(format, _)| format.is_some());
+    let mut outputs = outputs;
+    if cases.is_empty() {
+        let is_analysis = |format: &Option<String>| format.as_deref() == Some(ANALYSIS);
+        (cases, outputs) = outputs.into_iter().partition(|(format, _)| is_analysis(format));
+    }
+    if cases.is_empty() {
+        let help = "give a folder of case files";
+        let what = "no case file in this folder; what is there was written by this program";
+        return Err(Failure::input(&folder.display().to_string(), &what, help));
+    }
+    for (format, file) in &outputs {
+        let format = format.as_deref().unwrap_or_default();
+        say(&format!(
+            "note: {} is passed over: it is an output (`{format}`), not a case\n",
+            file.display()
+        ));
+    }
+    Ok(cases.into_iter().map(|(_, file)| file).collect())
+}
+
+/// The format of a file of this program that is no case; a list of analyses counts as one. `None` for anything else.
+fn output_format(path: &Path) -> Option<String> {
+    let text = read_text(path).ok()?;
+    let format = spineline_files::file_format(&text)?;
+    (format.starts_with("spineline-") && format != "spineline-case").then_some(format)
 }
 
 /// Whether a file holds the true values of a phantom, which lie beside its case.

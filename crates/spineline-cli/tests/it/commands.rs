@@ -443,6 +443,12 @@ fn landmarks_are_exported_for_image_programs() {
     let out = ["export", case, "--to", "slicer", "--out", "lists"];
     assert_eq!(run(here.path(), &out).2, 0);
     assert!(here.path().join("lists/left_bending.mrk.json").exists());
+    let (keypoints, error, code) = run(here.path(), &["export", case, "--to", "coco"]);
+    assert_eq!(code, 0, "{error}");
+    assert!(keypoints.contains("\"file_name\": \"left_bending.png\""), "{keypoints}");
+    let out = ["export", case, "--to", "labelme", "--posture", "erect", "--out", "points"];
+    assert_eq!(run(here.path(), &out).2, 0);
+    assert!(here.path().join("points/erect-1.json").exists());
     // Phantoms have no pictures, so there is nothing that a report could be about.
     let out = ["export", case, "--to", "dicom-sr", "--out", "reports"];
     let (_, error, code) = run(here.path(), &out);

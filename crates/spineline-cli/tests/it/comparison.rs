@@ -108,3 +108,32 @@ fn a_cohort_is_tested_by_patient_with_its_family_of_tests() {
         "the bytes depend on the threads"
     );
 }
+
+#[test]
+fn films_without_a_result_are_named_with_line_and_reason() {
+    let here = with_phantoms("rod", &["1", "2"]);
+    let path = here.path().join("cases/phantom-rod-02.json");
+    let text = fs::read_to_string(&path).expect("the second patient");
+    let mut case: Value = serde_json::from_str(&text).expect("JSON");
+    for film in case["films"].as_array_mut().expect("films") {
+        let image = film["image"].as_object_mut().expect("a picture");
+        image.retain(|key, _| !key.contains("spacing"));
+    }
+    fs::write(&path, case.to_string()).expect("a case without a scale");
+    let arguments = ["analyze", "cases", "--cohort", "all.json"];
+    let (text, error, code) = run(here.path(), &arguments);
+    assert!(code == 0 || code == 4, "{error}");
+    assert!(words(&text).contains("Films left out of the comparison of all lines"), "{text}");
+    let json = fs::read_to_string(here.path().join("all.json")).expect("it was written");
+    let json: Value = serde_json::from_str(&json).expect("JSON");
+    let left_out = json["left_out_films"].as_array().expect("films");
+    assert_eq!(left_out.len(), 18, "three lines on two films of three kinds: {left_out:?}");
+    for film in left_out {
+        assert_eq!(
+            (&film["case_id"], &film["reason"]),
+            (&"phantom-rod-02".into(), &"no_model".into())
+        );
+    }
+    let errors = json["errors"].as_array().expect("errors");
+    assert!(errors.iter().all(|error| error["films_left_out"] == 2), "{errors:?}");
+}

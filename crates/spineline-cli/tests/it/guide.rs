@@ -70,6 +70,27 @@ fn every_command_of_the_guide_runs() {
 }
 
 #[test]
+fn the_guide_shows_every_command_on_studies_and_accounts() {
+    let shown: String =
+        pages().iter().flat_map(|page| blocks(page)).map(|block| block.text).collect();
+    for group in ["study", "account"] {
+        let mut help = Command::new(env!("CARGO_BIN_EXE_spineline"));
+        let help = help.args([group, "--help"]).output().expect("it runs").stdout;
+        let help = String::from_utf8(help).expect("a text");
+        let (_, commands) = help.split_once("Commands:\n").expect("a list of commands");
+        let (commands, _) = commands.split_once("\n\n").expect("an end of the list");
+        // Further lines of a text begin with more spaces.
+        let commands = commands.lines().filter_map(|line| line.strip_prefix("  "));
+        let names = commands.filter_map(|line| line.split(' ').next());
+        let names: Vec<&str> = names.filter(|name| !name.is_empty() && *name != "help").collect();
+        assert!(names.len() >= 5, "{help}");
+        for name in names {
+            assert!(shown.contains(&format!("spineline {group} {name} ")), "{group} {name}");
+        }
+    }
+}
+
+#[test]
 fn every_page_is_in_the_summary() {
     let listed = pages();
     for entry in fs::read_dir(guide()).expect("the guide") {

@@ -86,7 +86,7 @@ fn films_become_a_deidentified_case() {
         "left-bending",
     ]);
     assert_eq!(code, 0, "{error}");
-    assert!(out.contains("p07/case.json and 2 films were written"), "{out}");
+    assert!(out.contains("Wrote p07/case.json and 2 films."), "{out}");
     let case = here.json("p07/case.json");
     let image = &case["films"][0]["image"];
     assert_eq!(case["films"][0]["posture"], "erect");
@@ -146,7 +146,12 @@ fn landmarks_of_another_program_lie_on_their_films() {
     let left = if image["patient_left"] == "image_left" { "R\\F" } else { "L\\F" };
     blank.text((0x20, 0x20), "CS", left).text((0x28, 0x30), "DS", "0.1\\0.1");
     put(&here, "erect.dcm", &blank);
-    for (to, file) in [("csv", "marks.csv"), ("slicer", "marks.mrk.json")] {
+    for (to, file) in [
+        ("csv", "marks.csv"),
+        ("slicer", "marks.mrk.json"),
+        ("labelme", "marks.labelme.json"),
+        ("coco", "marks.coco.json"),
+    ] {
         let export =
             ["export", "p/phantom-rod-01.json", "--to", to, "--posture", "erect", "--out", file];
         program().current_dir(here.path("")).args(export).assert().success();
@@ -172,6 +177,54 @@ fn landmarks_of_another_program_lie_on_their_films() {
             assert!(apart.abs() < 1e-9, "{to}: {found} against {truth}");
         }
     }
+}
+
+/// A line of the back that bends, as a scanner with x to the patient's right and y down has it.
+fn midline(posture: &str, bend_mm: f64) -> Json {
+    let points = (0..=90).map(|i| {
+        let part = f64::from(i) / 90.0;
+        let bend = bend_mm * (1.0 - part) + 12.0 * (2.0 * std::f64::consts::PI * part).sin();
+        [bend, 430.0 * part, 1000.0]
+    });
+    serde_json::json!({
+        "posture": posture, "observer": "scan", "repeat": 1, "cranial_end": "C7", "caudal_end": "S1",
+        "axes": ["right", "caudal", "anterior"], "points_mm": points.collect::<Vec<_>>(),
+    })
+}
+
+#[test]
+fn midlines_of_the_back_make_a_case_that_says_its_levels_are_estimates() {
+    let here = Here::new();
+    let lines =
+        serde_json::json!({ "midlines": [midline("erect", 0.0), midline("left_bending", -120.0)] });
+    fs::write(here.path("lines.json"), lines.to_string()).expect("a file");
+    let import = ["--midlines", "lines.json", "--case-id", "P07", "--out", "p07"];
+    let (out, error, code) = here.import(&import);
+    assert_eq!(code, 0, "{error}");
+    assert!(out.contains("No vertebra was seen"), "{out}");
+    let case = here.json("p07/case.json");
+    assert_eq!(case["films"][0]["placement_source"], "surface_midline");
+    assert_eq!(case["films"][1]["posture"], "left_bending");
+    let t2 = &case["films"][1]["readings"][0]["vertebrae"]["T2"];
+    // The bend is to the patient's left, where tilts are negative.
+    assert!(t2["location_mm"][0].as_f64() > Some(90.0), "{t2}");
+    assert!(t2["tilt_deg"].as_f64() < Some(-5.0), "{t2}");
+    let mut check = spineline(here.0.path());
+    let (out, error, _) = finish(check.args(["check", "p07/case.json"]));
+    assert!(out.contains("no vertebra was seen"), "{out}{error}");
+    // Nothing is overwritten, and a file of landmarks is no file of midlines.
+    assert_ne!(here.import(&import).2, 0);
+    fs::write(here.path("marks.json"), r#"{"shapes":[]}"#).expect("a file");
+    let (_, error, code) =
+        here.import(&["--midlines", "marks.json", "--case-id", "B", "--out", "b"]);
+    assert_eq!(code, 3, "{error}");
+    let (_, error, _) =
+        here.import(&["--midlines", "lines.json", "lines.json", "--case-id", "B", "--out", "b"]);
+    assert!(error.contains("second erect midline"), "{error}");
+    // Estimated levels are not passed on as seen ones.
+    let mut export = spineline(here.0.path());
+    let (_, error, code) = finish(export.args(["export", "p07/case.json", "--to", "csv"]));
+    assert!(code != 0 && error.contains("surface midline"), "{error}");
 }
 
 #[test]
@@ -454,4 +507,41 @@ fn pictures_are_stored_without_metadata() {
     assert!(!holds(&written, CANARY));
     let film = read_film(&written, &FilmLimits::default()).expect("a film");
     assert!(film.stored.iter().eq(pixels.iter().map(|&p| i32::from(p))));
+}
+
+#[test]
+fn a_breast_a_leg_or_another_patient_needs_confirmation() {
+    let here = Here::new();
+    let altered: [(&str, (u16, u16), &'static str, &str, &str); 5] = [
+        ("breast", (0x18, 0x15), "CS", "BREAST", "(BREAST)"),
+        ("leg", (0x18, 0x15), "CS", "LEG", "(LEG)"),
+        ("mammogram", (0x08, 0x60), "CS", "MG", "(BREAST)"),
+        ("patient", (0x10, 0x20), "LO", "SOMEONE-ELSE-7", "Patient ID differs"),
+        ("sex", (0x10, 0x40), "CS", "M", "Patient's Sex differs"),
+    ];
+    let mut first = film(1);
+    first.text((0x10, 0x20), "LO", "SOMEONE-1").text((0x10, 0x40), "CS", "F");
+    first.text((0x18, 0x15), "CS", "SPINE");
+    put(&here, "a.dcm", &first);
+    for (name, tag, vr, value, expected) in altered {
+        let mut other = film(2);
+        other.text((0x10, 0x20), "LO", "SOMEONE-1").text((0x10, 0x40), "CS", "F");
+        other.text(tag, vr, value);
+        let file = format!("{name}.dcm");
+        put(&here, &file, &other);
+        let import = |more: &[&str]| {
+            let films = ["--film", "erect=1", "--film", "left_bending=2"];
+            let base = ["a.dcm", file.as_str(), "--case-id", "A", "--out", name];
+            here.import(&[&base[..], &films[..], more].concat())
+        };
+        let (_, error, code) = import(&[]);
+        assert_eq!(code, 2, "{name}: {error}");
+        assert!(error.contains(expected) && error.contains("--accept"), "{name}: {error}");
+        // The patient's own identity appears in no message.
+        assert!(!error.contains("SOMEONE"), "{error}");
+        let (out, error, code) = import(&["--accept"]);
+        assert_eq!(code, 0, "{name}: {error}");
+        assert!(out.contains("accepted as said") || error.contains("accepted as said"), "{out}");
+        assert!(!holds(&everything(&here.path(name)), "SOMEONE"), "{name}");
+    }
 }

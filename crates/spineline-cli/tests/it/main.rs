@@ -2,7 +2,9 @@
 
 mod commands;
 mod comparison;
+mod endings;
 mod endless;
+mod exchange;
 mod film;
 mod guide;
 mod hidden;
@@ -14,6 +16,7 @@ mod outputs;
 mod privacy;
 mod program;
 mod reliability;
+mod repeated_films;
 mod report;
 mod rerun;
 mod results;
@@ -23,3 +26,4 @@ mod simulate;
 mod streams;
 mod study;
 mod tables;
+mod unpacked;

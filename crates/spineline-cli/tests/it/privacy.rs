@@ -1,13 +1,17 @@
 //! Nothing private leaves by accident: canaries in paths and in films reach no output.
 
+use std::collections::BTreeSet;
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use parquet::file::reader::{FileReader, SerializedFileReader};
 use tempfile::TempDir;
 
-use crate::maker::{EXPLICIT, Maker, ramp};
+use crate::maker::{DEFLATED, EXPLICIT, Maker, ramp};
 use crate::program::{run, spineline};
+use crate::unpacked::{holds, wrapped};
 
 /// In the folders of all inputs and outputs, the home folder and the user's name.
 const PLACES: [&str; 4] = ["zq-folder-canary", "zq-home-canary", "zq-user-canary", "zq-out-canary"];
@@ -24,12 +28,17 @@ const PATIENT: [&str; 8] = [
 ];
 
 fn film() -> Vec<u8> {
-    let mut maker = Maker::new(60, 40, &ramp(60, 40));
+    patients_film(60, 40).file(EXPLICIT)
+}
+
+/// A film with the patient in its attributes.
+fn patients_film(columns: u16, rows: u16) -> Maker {
+    let mut maker = Maker::new(columns, rows, &ramp(columns, rows));
     maker.text((0x10, 0x10), "PN", PATIENT[0]).text((0x10, 0x20), "LO", PATIENT[1]);
     maker.text((0x10, 0x30), "DA", PATIENT[2]).text((0x8, 0x80), "LO", PATIENT[3]);
     maker.text((0x8, 0x90), "PN", PATIENT[4]).text((0x8, 0x50), "SH", PATIENT[5]);
     maker.text((0x8, 0x1070), "PN", PATIENT[6]).text((0x10, 0x4000), "LT", PATIENT[7]);
-    maker.file(EXPLICIT)
+    maker
 }
 
 /// A folder whose path holds a canary, and its path.
@@ -62,16 +71,23 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// Whether bytes hold a text as it is, in UTF-16, or written for an address.
-fn holds(bytes: &[u8], text: &str) -> bool {
-    let wide = |unit: fn(u16) -> [u8; 2]| text.encode_utf16().flat_map(unit).collect::<Vec<u8>>();
-    let forms = [
-        text.as_bytes().to_vec(),
-        wide(u16::to_le_bytes),
-        wide(u16::to_be_bytes),
-        text.replace('-', "%2D").into_bytes(),
-    ];
-    forms.iter().any(|form| bytes.windows(form.len()).any(|window| window == form.as_slice()))
+/// All cells of a Parquet file as text: its pages are compressed by Snappy.
+fn cells(path: &Path) -> String {
+    let file = fs::File::open(path).expect("a file");
+    let file = SerializedFileReader::new(file).expect("Parquet");
+    let rows = file.get_row_iter(None).expect("rows");
+    rows.map(|row| row.expect("a row").to_string() + "\n").collect()
+}
+
+/// Panics where a file, or anything packed in it, holds one of these texts.
+fn assert_without(path: &Path, canaries: &[&str]) {
+    let mut bytes = fs::read(path).expect("a file");
+    if path.extension().is_some_and(|end| end == "parquet") {
+        bytes.extend(cells(path).into_bytes());
+    }
+    for canary in canaries {
+        assert!(!holds(&bytes, canary), "{canary} in {}", path.display());
+    }
 }
 
 /// Every command with an output, with its files in one folder.
@@ -157,12 +173,51 @@ fn no_output_names_a_folder_a_home_or_a_user() {
     }
     let files = files(&out);
     assert!(files.len() > 60, "{} files", files.len());
+    let kinds: BTreeSet<_> = files.iter().filter_map(|file| file.extension()).collect();
+    for kind in ["json", "csv", "parquet", "svg", "html", "md"] {
+        assert!(kinds.contains(OsStr::new(kind)), "no {kind} among {kinds:?}");
+    }
     let here = here.path().display().to_string();
     for file in files {
-        let bytes = fs::read(&file).expect("a file");
-        for canary in PLACES.iter().copied().chain([here.as_str()]) {
-            assert!(!holds(&bytes, canary), "{canary} in {}", file.display());
-        }
+        assert_without(&file, &[&PLACES[..], &[here.as_str()]].concat());
+    }
+}
+
+#[test]
+fn canaries_are_found_in_what_is_packed() {
+    for (kind, bytes) in wrapped(PATIENT[0]) {
+        assert!(holds(&bytes, PATIENT[0]), "{kind}");
+    }
+    let mut maker = Maker::new(60, 40, &ramp(60, 40));
+    maker.text((0x10, 0x10), "PN", PATIENT[0]);
+    assert!(holds(&maker.file(DEFLATED), PATIENT[0]), "deflated DICOM");
+    let mut png = Vec::new();
+    let mut encoder = png::Encoder::new(&mut png, 1, 1);
+    let text = format!("{} {}", PATIENT[0], PATIENT[0]);
+    encoder.add_ztxt_chunk("Comment".to_owned(), text).expect("Latin 1");
+    let mut writer = encoder.write_header().expect("into memory");
+    writer.write_image_data(&[0]).expect("one pixel");
+    writer.finish().expect("into memory");
+    assert!(holds(&png, PATIENT[0]), "a text of PNG");
+}
+
+#[test]
+fn the_search_looks_into_real_outputs() {
+    // The identifier of the case stands in all of them, and in some of them only compressed.
+    let (here, folder) = folder();
+    inputs(&folder);
+    let case = folder.join("phantom-rod-01.json").display().to_string();
+    let out = here.path().join("out");
+    let to = |name: &str| out.join(name).display().to_string();
+    run_there(here.path(), &["analyze", &case, "--tables", &to("t")].map(str::to_owned));
+    let table = out.join("t").join("vertebrae.parquet");
+    assert!(cells(&table).contains("phantom-rod-01"), "{}", cells(&table));
+    if cfg!(feature = "pdf") {
+        let line = ["report", &case, "--to", "pdf", "--out", &to("r.pdf")];
+        run_there(here.path(), &line.map(str::to_owned));
+        let bytes = fs::read(out.join("r.pdf")).expect("a report");
+        // A key of the attached analysis.
+        assert!(holds(&bytes, "sagittal_profile"));
     }
 }
 
@@ -217,10 +272,94 @@ fn an_imported_film_keeps_nothing_of_its_patient() {
     run_there(here.path(), &words(&["study", "add", &store, &case]));
     let made = files(&out).into_iter().chain([PathBuf::from(store)]);
     for file in made {
-        let bytes = fs::read(&file).expect("a file");
-        for canary in PATIENT.iter().chain(&PLACES) {
-            assert!(!holds(&bytes, canary), "{canary} in {}", file.display());
+        assert_without(&file, &[&PATIENT[..], &PLACES].concat());
+    }
+}
+
+/// Landmarks of two vertebrae on a film of 60 × 400 pixels.
+const LANDMARKS: &str =
+    "posture,observer,repeat,vertebra,superior_left_column_px,superior_left_row_px,\
+superior_right_column_px,superior_right_row_px,inferior_left_column_px,inferior_left_row_px,\
+inferior_right_column_px,inferior_right_row_px
+erect,A,1,T9,15,100,45,100,15,120,45,120\nerect,A,1,T8,15,70,45,70,15,90,45,90\n";
+
+#[test]
+fn landmarks_of_a_de_identified_film_leave_without_its_patient() {
+    let (here, folder) = folder();
+    let mut film = patients_film(60, 400);
+    film.text((0x28, 0x30), "DS", "1\\1");
+    fs::write(folder.join("film.dcm"), film.file(DEFLATED)).expect("a film");
+    fs::write(folder.join("marks.csv"), LANDMARKS).expect("landmarks");
+    let text = |path: PathBuf| path.display().to_string();
+    let words = |line: &[&str]| line.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
+    let (from, marks) = (text(folder.join("film.dcm")), text(folder.join("marks.csv")));
+    let root = here.path().display().to_string();
+    let places = [&PLACES[..], &[root.as_str()]].concat();
+    let choice = ["--film", "erect=1", "--patient-left", "image-left", "--accept"];
+    for (name, keep, patient) in [("p07", None, false), ("kept", Some("--keep-identity"), true)] {
+        let out = here.path().join(PLACES[3]).join(name);
+        let to = text(out.clone());
+        let import = ["import", &from, "--landmarks", &marks, "--case-id", "P07", "--out", &to];
+        let import = [&import[..], &choice, keep.as_slice()].concat();
+        run_there(here.path(), &words(&import));
+        let case = text(out.join("case.json"));
+        let exports = out.join("exports");
+        for (format, file) in [("dicom-sr", "r.dcm"), ("slicer", "s.mrk.json"), ("csv", "l.csv")] {
+            let to = text(exports.join(file));
+            run_there(here.path(), &words(&["export", &case, "--to", format, "--out", &to]));
         }
+        let preview = text(exports.join("film.png"));
+        let film = text(out.join("erect.dcm"));
+        run_there(here.path(), &words(&["film", &film, "--png", &preview, "--json"]));
+        let made = files(&exports);
+        assert!(made.len() >= 4, "{made:?}");
+        for file in made {
+            assert_without(&file, &places);
+            // Reports carry the patient of their film, as the help of `export` says; nothing else does.
+            let is_report = file.extension().is_some_and(|end| end == "dcm");
+            if !(patient && is_report) {
+                assert_without(&file, &PATIENT);
+            }
+        }
+    }
+}
+
+#[test]
+fn results_with_a_patients_film_do_not_name_the_patient() {
+    let (here, folder) = folder();
+    inputs(&folder);
+    let path = folder.join("phantom-rod-01.json");
+    let text = fs::read_to_string(&path).expect("a case");
+    let mut case: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let image = &mut case["films"][0]["image"];
+    image["file"] = "film.dcm".into();
+    let side = |key: &str| {
+        let side = image[key].as_u64().expect("a number");
+        u16::try_from(side).expect("a film")
+    };
+    let film = patients_film(side("columns"), side("rows"));
+    fs::write(folder.join("film.dcm"), film.file(EXPLICIT)).expect("a film");
+    fs::write(&path, case.to_string()).expect("a case");
+    let case = path.display().to_string();
+    let out = here.path().join(PLACES[3]);
+    let to = |name: &str| out.join(name).display().to_string();
+    let mut lines = vec![
+        vec!["report".to_owned(), case.clone(), "--out".to_owned(), to("r.html")],
+        ["analyze", &case, "--json", &to("a.json"), "--tables", &to("t"), "--figures", &to("f")]
+            .map(str::to_owned)
+            .to_vec(),
+    ];
+    if cfg!(feature = "pdf") {
+        let line = ["report", &case, "--to", "pdf", "--out", &to("r.pdf")];
+        lines.push(line.map(str::to_owned).to_vec());
+    }
+    for line in lines {
+        run_there(here.path(), &line);
+    }
+    let report = fs::read(out.join("r.html")).expect("a report");
+    assert!(holds(&report, "base64,") && holds(&report, "IHDR"), "the film is in the report");
+    for file in files(&out) {
+        assert_without(&file, &[&PATIENT[..], &PLACES].concat());
     }
 }
 

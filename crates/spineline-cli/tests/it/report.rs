@@ -66,8 +66,10 @@ fn markdown_figures_are_written_beside_it() {
 #[test]
 fn a_program_without_typesetter_says_how_to_build_it_before_any_work() {
     let here = phantoms(&["1"]);
-    let (_, error, code) = run(here.path(), &["report", "no-such-case", "--to", "pdf"]);
-    assert!(code == 2 && error.contains("--features pdf"), "{code} {error}");
+    for form in [["--to", "pdf"], ["--out", "r.pdf"]] {
+        let (_, error, code) = run(here.path(), &[&["report", "no-such-case"], &form[..]].concat());
+        assert!(code == 2 && error.contains("--features pdf"), "{form:?}: {code} {error}");
+    }
     fs::write(here.path().join("report.pdf"), "%PDF-1.7").expect("a file");
     let (_, error, code) = run(here.path(), &["rerun", "report.pdf"]);
     assert!(code == 2 && error.contains("--features pdf"), "{code} {error}");
@@ -153,4 +155,17 @@ fn a_report_is_repeated_from_itself() {
         let (said, error, code) = run(here.path(), &["rerun", name]);
         assert!(code == 0 && said.contains("Nothing differs"), "{code} {said} {error}");
     }
+}
+
+#[test]
+fn the_extension_of_the_output_chooses_the_format() {
+    let here = phantoms(&["1"]);
+    let (_, error, code) = run(here.path(), &["report", "demo", "--out", "r.md"]);
+    assert_eq!(code, 0, "{error}");
+    let text = fs::read_to_string(here.path().join("r.md")).expect("it is text");
+    assert!(text.contains("](r-figures/"), "Markdown with figures beside it");
+    let contradiction = ["report", "demo", "--to", "html", "--out", "r.pdf"];
+    let (_, error, code) = run(here.path(), &contradiction);
+    assert!(code == 2 && error.contains("contradicts the extension"), "{code} {error}");
+    assert!(!here.path().join("r.pdf").exists());
 }

@@ -179,6 +179,9 @@ fn mirrored(model: &str) -> String {
     for joint in json["joints"].as_array_mut().expect("a list") {
         flip(&mut joint["centre_mm"][1]);
     }
+    for region in json["regions"].as_array_mut().expect("a list") {
+        flip(&mut region["endplate_difference_deg"]);
+    }
     json.to_string()
 }
 
@@ -227,6 +230,29 @@ fn weight_and_a_pad_come_from_a_file() {
 }
 
 #[test]
+fn a_whole_body_weight_that_folds_the_spine_is_no_result() {
+    let here = folder();
+    let load = r#"{"format":"spineline-load","version":1,"loads":[{"kind":"gravity","body_weight_n":700}]}"#;
+    fs::write(here.path().join("weight.json"), load).expect("a file");
+    let line = ["simulate", "model.json", "--load", "weight.json", "--json", "w.json"];
+    let (text, _, code) = run(here.path(), &line);
+    assert_eq!(code, 4, "{text}");
+    assert!(text.contains("BEYOND HUMAN RANGE · NO RESULT"), "{text}");
+    assert!(!text.contains("Cobb"), "no angle of a folded spine: {text}");
+    let json: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(here.path().join("w.json")).expect("written"))
+            .expect("JSON");
+    assert_eq!(json["status"], "beyond_human_range");
+    let codes: Vec<&str> = json["warnings"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter_map(|warning| warning["code"].as_str())
+        .collect();
+    assert!(codes.contains(&"beyond_human_range"), "{codes:?}");
+}
+
+#[test]
 fn a_missing_result_ends_with_4_and_is_labelled_everywhere() {
     let here = folder();
     let line = [
@@ -245,8 +271,8 @@ fn a_missing_result_ends_with_4_and_is_labelled_everywhere() {
     assert_eq!(code, 4);
     assert!(text.contains("NO RESULT") && !text.contains("Cobb"), "{text}");
     let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("it was written");
-    assert!(read("s.svg").contains("not a result (unreachable)"));
-    assert!(read("s.json").contains("\"status\": \"unreachable\""));
+    assert!(read("s.svg").contains("not a result (beyond_human_range)"));
+    assert!(read("s.json").contains("\"status\": \"beyond_human_range\""));
     let line = ["--push", "left", "--amplitude", "80", "--towards", "left"];
     assert_eq!(simulate(here.path(), &line).1, 4);
 }
@@ -295,5 +321,8 @@ fn a_model_without_regions_is_measured_at_default_levels_with_a_note() {
     let (json, code) = simulate(here.path(), &["--push", "left", "--force", "5"]);
     assert_eq!(code, 0);
     assert_eq!(json["warnings"][0]["code"], "usual_regions");
-    assert!(json["equilibria"][0]["cobb_deg"]["main_thoracic"].is_number());
+    let angles = &json["equilibria"][0];
+    assert!(angles["tilt_range_deg"]["main_thoracic"].is_number());
+    // Without its regions a model does not say how its endplates lie.
+    assert_eq!(angles["cobb_deg"], json!({}));
 }

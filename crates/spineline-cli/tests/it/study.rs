@@ -80,12 +80,16 @@ fn an_observer_sees_only_a_code() {
     let plan = ["study", "plan", "s.db", "blind", "--observers", "A,B", "--repeats", "2"];
     let (out, error, code) = run(here.path(), &plan);
     assert_eq!(code, 0, "{error}");
-    assert!(out.contains("20 readings are planned"), "{out}");
+    assert!(out.contains("Planned 20 readings"), "{out}");
     let (out, _, _) = run(here.path(), &["study", "next", "s.db", "blind", "--observer", "A"]);
     assert!(out.starts_with("Next: film "), "{out}");
     for word in ["erect", "bending", "neutral", "traction", "repeat"] {
         assert!(!out.contains(word), "{out}");
     }
+    let (out, error, code) =
+        run(here.path(), &["study", "next", "s.db", "blind", "--observer", "Typo"]);
+    assert_eq!((out.as_str(), code), ("", 3), "{error}");
+    assert!(error.contains("unknown observer `Typo`: the plan of blind has A, B"), "{error}");
 }
 
 #[test]

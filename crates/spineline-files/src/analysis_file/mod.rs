@@ -14,7 +14,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::analysis::Analysis;
 use spineline::anatomy::{Level, Posture};
-use spineline::clinical::ClinicalCurve;
+use spineline::clinical::{Balance, ClinicalCurve, EndAngles};
 use spineline::measure::LengthScale;
 use spineline::personalize::Identifiability;
 use spineline::spatial::{Angle, Frontal};
@@ -113,25 +113,66 @@ struct TurnRecord {
 struct ClinicalRecord {
     /// Lenke's curve type as far as frontal films determine it.
     lenke_type: Option<u8>,
+    /// Of the erect film; absent where its vertical is not known.
+    #[serde(default)]
+    balance: Option<BalanceRecord>,
     curves: BTreeMap<String, ClinicalCurveRecord>,
+}
+
+/// How the spine stands over the pelvis on the erect film. Distances are from the central sacral vertical line.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct BalanceRecord {
+    /// What stands for the sacrum: `iliac_crests`, `l5` or `base`.
+    reference: String,
+    /// Vertebra from which the plumb line falls.
+    plumb_level: LevelKey,
+    /// Positive to the patient's left.
+    coronal_balance_mm: Option<f64>,
+    coronal_balance_px: Option<f64>,
+    /// Of the superior endplate against the horizontal, positive where its normal leans to the patient's right.
+    t1_tilt_deg: Option<f64>,
+    l4_tilt_deg: Option<f64>,
+    /// Positive where the patient's left iliac crest is higher.
+    pelvic_obliquity_deg: Option<f64>,
+    stable_vertebra: LevelKey,
+}
+
+impl BalanceRecord {
+    fn new(balance: &Balance, scale: &LengthScale) -> Self {
+        Self {
+            reference: balance.reference.key().to_owned(),
+            plumb_level: LevelKey(balance.plumb_level),
+            coronal_balance_mm: scale.mm(balance.coronal_balance_mm),
+            coronal_balance_px: scale.px(balance.coronal_balance_mm),
+            t1_tilt_deg: balance.t1_tilt.map(Angle::deg),
+            l4_tilt_deg: balance.l4_tilt.map(Angle::deg),
+            pelvic_obliquity_deg: balance.pelvic_obliquity.map(Angle::deg),
+            stable_vertebra: LevelKey(balance.stable),
+        }
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct ClinicalCurveRecord {
-    /// Lower and upper end vertebra, chosen on the erect film.
+    /// Lower and upper end vertebra on the erect film.
     ends: [LevelKey; 2],
     apex: LevelKey,
     /// The patient's side to which the erect curve is convex.
     convex: Option<String>,
+    /// Superior endplate of the upper against the inferior endplate of the lower end vertebra; films without corners have none.
     cobb_deg: BTreeMap<Key<Posture>, f64>,
+    /// Tilt of the upper minus tilt of the lower end vertebra.
+    #[serde(default)]
+    tilt_range_deg: BTreeMap<Key<Posture>, f64>,
     ferguson_deg: BTreeMap<Key<Posture>, f64>,
-    /// Absent where the erect film has no spacing.
+    /// Distance of the apex from the central sacral vertical line, positive to the patient's left; absent where the erect film
+    /// has no spacing or no known vertical.
     apical_translation_mm: Option<f64>,
     /// Standard deviation from the scale of the erect film alone.
     apical_translation_scale_sd_mm: Option<f64>,
     /// In pixels, where it has none.
     apical_translation_px: Option<f64>,
-    /// Part of the erect Cobb angle that the bend to the convex side takes away.
+    /// Part of the erect Cobb angle that the bend to the convex side takes away; of the tilt range where there is no Cobb angle.
     flexibility: Option<f64>,
 }
 
@@ -171,7 +212,12 @@ impl AnalysisFile {
                 .collect(),
             clinical: ClinicalRecord {
                 lenke_type: analysis.lenke.map(|lenke| lenke.number),
-                curves: analysis.clinical.iter().map(|c| clinical_curve(c, scale)).collect(),
+                balance: analysis.balance.as_ref().map(|found| BalanceRecord::new(found, scale)),
+                curves: analysis
+                    .clinical
+                    .iter()
+                    .map(|c| clinical_curve(c, analysis.balance.as_ref(), scale))
+                    .collect(),
             },
             sagittal_profile: if analysis.lateral_measured { "measured" } else { "population" }
                 .to_owned(),
@@ -255,19 +301,29 @@ fn inflections(analysis: &Analysis) -> Vec<InflectionRecord> {
         .collect()
 }
 
-fn clinical_curve(curve: &ClinicalCurve, scale: &LengthScale) -> (String, ClinicalCurveRecord) {
+fn clinical_curve(
+    curve: &ClinicalCurve,
+    balance: Option<&Balance>,
+    scale: &LengthScale,
+) -> (String, ClinicalCurveRecord) {
+    let translation_mm = balance.map(|found| found.apical_translation_mm[curve.region.index()]);
     let angles = |all: &[(Posture, Angle)]| {
         all.iter().map(|(posture, angle)| ((*posture).into(), angle.deg())).collect()
+    };
+    let ends = |pick: &dyn Fn(&EndAngles) -> Option<Angle>| {
+        let known = curve.angles.iter().filter_map(|(posture, all)| Some((posture, pick(all)?)));
+        known.map(|(posture, angle)| ((*posture).into(), angle.deg())).collect()
     };
     let record = ClinicalCurveRecord {
         ends: [LevelKey(curve.ends.inferior), LevelKey(curve.ends.superior)],
         apex: LevelKey(curve.apex),
         convex: curve.convex.map(|side| side.to_string()),
-        cobb_deg: angles(&curve.cobb),
+        cobb_deg: ends(&|angles| angles.cobb),
+        tilt_range_deg: ends(&|angles| Some(angles.tilt_range)),
         ferguson_deg: angles(&curve.ferguson),
-        apical_translation_mm: scale.mm(curve.apical_translation_mm),
-        apical_translation_scale_sd_mm: scale.sd_mm(curve.apical_translation_mm),
-        apical_translation_px: scale.px(curve.apical_translation_mm),
+        apical_translation_mm: translation_mm.and_then(|mm| scale.mm(mm)),
+        apical_translation_scale_sd_mm: translation_mm.and_then(|mm| scale.sd_mm(mm.abs())),
+        apical_translation_px: translation_mm.and_then(|mm| scale.px(mm)),
         flexibility: curve.flexibility,
     };
     (curve.region.key().to_owned(), record)

@@ -48,7 +48,7 @@ struct FitRecord {
 struct SimulationRecord {
     /// Whether the stiffness was fitted to this film; else it was held out.
     fitted: bool,
-    /// `converged`, `unreachable` or `not_converged`; only the first is a result.
+    /// `converged`, `unreachable`, `beyond_human_range` or `not_converged`; only the first is a result.
     status: String,
     /// Signed force along the line's direction.
     force_n: f64,

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use spineline::analysis::{Case, Sex, Subject};
 use spineline::anatomy::Posture;
 use spineline::measure::{
-    Corners, Film, FilmLandmarks, IliacCrests, Placement, Reading, ReadingId, SpacingPlane,
-    VertebraLandmarks,
+    Corners, Film, FilmLandmarks, IliacCrests, Placement, PlacementSource, Reading, ReadingId,
+    SpacingPlane, VertebraLandmarks,
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
 
@@ -71,8 +71,15 @@ struct FilmRecord {
     /// Superior tips of the iliac crests.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     iliac_crests_px: Option<CrestsRecord>,
+    /// Where locations and tilts come from.
+    #[serde(default, skip_serializing_if = "is_of_vertebrae")]
+    placement_source: Key<PlacementSource>,
     /// One entry per observer and repeat.
     readings: Vec<ReadingRecord>,
+}
+
+fn is_of_vertebrae(source: &Key<PlacementSource>) -> bool {
+    source.0 == PlacementSource::Vertebrae
 }
 
 /// The patient's left and right crest, `[column, row]`.
@@ -107,6 +114,10 @@ struct VertebraRecord {
     /// Axis set by hand: angle to the image's vertical, positive clockwise as seen.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     axis_deg: Option<f64>,
+    /// Confidences of the corners from 0 to 1, where a program found them: superior left, superior right, inferior left,
+    /// inferior right.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    confidence: Option<[f64; 4]>,
     /// Midpoint in any frontal frame of the film: `[y to the patient's left, z cranial]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     location_mm: Option<[f64; 2]>,
@@ -181,14 +192,15 @@ impl CaseFile {
         Ok(Case { id: self.case_id, synthetic: self.synthetic, subject, films, lateral })
     }
 
-    /// Refuses a picture that is named for two postures.
+    /// Refuses a picture that is named for two films.
     fn check_pictures(&self) -> Result<(), FileError> {
-        let sources = self
+        let frontal = self
             .films
             .iter()
-            .filter_map(|film| Some((film.posture.0, film.image.as_ref()?.source())));
-        let mut known: Vec<(Posture, FilmSource)> = Vec::new();
-        for (b, source) in sources {
+            .filter_map(|film| Some((film.posture.0.to_string(), film.image.as_ref()?.source())));
+        let lateral = self.lateral_source().map(|source| ("lateral".to_owned(), source));
+        let mut known: Vec<(String, FilmSource)> = Vec::new();
+        for (b, source) in frontal.chain(lateral) {
             for (a, other) in &known {
                 let same = |x: &Option<String>, y: &Option<String>| {
                     x.clone().filter(|x| y.as_ref() == Some(x))
@@ -196,7 +208,7 @@ impl CaseFile {
                 let picture =
                     same(&source.file, &other.file).or_else(|| same(&source.sha256, &other.sha256));
                 if let Some(picture) = picture {
-                    return Err(FileError::PictureTwice { a: *a, b, picture });
+                    return Err(FileError::PictureTwice { a: a.clone(), b, picture });
                 }
             }
             known.push((b, source));
@@ -256,9 +268,19 @@ impl FilmRecord {
             if marked.iter().any(|reading| !reading.vertebrae.is_empty()) {
                 return Err(FileError::MixedKinds { posture });
             }
-            let plane = self.image.map_or(SpacingPlane::Unknown, |image| image.plane());
-            let landmarks = FilmLandmarks::Placements { spacing_plane: plane, readings: measured };
+            let source = self.placement_source.0;
+            let without_picture = match source {
+                PlacementSource::Vertebrae => SpacingPlane::Unknown,
+                // A scanner measures the patient.
+                PlacementSource::SurfaceMidline => SpacingPlane::Patient,
+            };
+            let plane = self.image.map_or(without_picture, |image| image.plane());
+            let landmarks =
+                FilmLandmarks::Placements { spacing_plane: plane, source, readings: measured };
             return Ok(Film { posture, landmarks });
+        }
+        if self.placement_source.0 != PlacementSource::Vertebrae {
+            return Err(FileError::SourceOfCorners { posture });
         }
         let image = self.image.ok_or(FileError::NoImage { posture })?;
         let landmarks = FilmLandmarks::Corners {
@@ -281,12 +303,14 @@ impl FilmRecord {
                     left: pair(crests.left),
                     right: pair(crests.right),
                 }),
+                placement_source: Key(PlacementSource::Vertebrae),
                 readings: readings.iter().map(|r| record(r, VertebraRecord::marked)).collect(),
             },
-            FilmLandmarks::Placements { readings, .. } => Self {
+            FilmLandmarks::Placements { source, readings, .. } => Self {
                 posture,
                 image: None,
                 iliac_crests_px: None,
+                placement_source: Key(*source),
                 readings: readings.iter().map(|r| record(r, VertebraRecord::measured)).collect(),
             },
         }
@@ -326,11 +350,14 @@ impl VertebraRecord {
                         inferior_right: pixel(ir),
                     },
                     axis_clockwise: self.axis_deg.map(Angle::from_deg),
+                    confidence: self.confidence.map(corners_of),
                 }))
             }
-            ([None, None, None, None], (Some([y, z]), Some(tilt))) if self.axis_deg.is_none() => {
+            ([None, None, None, None], (Some([y, z]), Some(tilt)))
+                if self.axis_deg.is_none() && self.confidence.is_none() =>
+            {
                 let location = Frontal::new(y, z);
-                Some(Kind::Measured(Placement { location, tilt: Angle::from_deg(tilt) }))
+                Some(Kind::Measured(Placement::new(location, Angle::from_deg(tilt))))
             }
             _ => None,
         }
@@ -343,6 +370,7 @@ impl VertebraRecord {
             inferior_left: Some(pair(landmark.corners.inferior_left)),
             inferior_right: Some(pair(landmark.corners.inferior_right)),
             axis_deg: landmark.axis_clockwise.map(written_axis_deg),
+            confidence: landmark.confidence.map(|corners| corners.points()),
             ..Self::default()
         }
     }
@@ -361,6 +389,12 @@ impl VertebraRecord {
 #[must_use]
 pub fn written_axis_deg(axis: Angle) -> f64 {
     (axis.deg() * 1e9).round() / 1e9
+}
+
+fn corners_of(
+    [superior_left, superior_right, inferior_left, inferior_right]: [f64; 4],
+) -> Corners<f64> {
+    Corners { superior_left, superior_right, inferior_left, inferior_right }
 }
 
 fn pixel([column, row]: [f64; 2]) -> Pixel {

@@ -3,11 +3,11 @@
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{
-    FilmLandmarks, LateralCorners, LateralFilm, Reading, ReadingId, Spacing, SpacingPlane,
-    SpacingSource,
+    Corners, FilmLandmarks, LateralCorners, LateralFilm, Placement, PlacementSource, Reading,
+    ReadingId, Spacing, SpacingPlane, SpacingSource,
 };
 use spineline::multibody::{Load, Solution, Statics, StiffnessLibrary};
-use spineline::spatial::Pixel;
+use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::uncertainty::{LandmarkNoise, MonteCarlo};
 use spineline_files::{
     AnalysisFile, CaseFile, FileError, FilmOrigin, FilmSource, InputFile, ModelFile, ProgramRun,
@@ -38,6 +38,38 @@ fn a_case_round_trips() {
     assert_eq!(case.films.len(), read.films.len());
     let exact = phantom(&Readers::exact()).case;
     assert_eq!(parse_case(&to_text(&CaseFile::from_case(&exact))).expect("our own file"), exact);
+}
+
+#[test]
+fn confidences_and_estimated_levels_are_kept_in_a_case() {
+    let mut case = phantom(&Readers::exact()).case;
+    let FilmLandmarks::Corners { readings, .. } = &mut case.films[0].landmarks else {
+        panic!("phantoms have landmarks")
+    };
+    let t5 = readings[0].vertebrae.get_mut(&Level::T5).expect("marked");
+    t5.confidence = Some(Corners {
+        superior_left: 0.9,
+        superior_right: 0.8,
+        inferior_left: 0.125,
+        inferior_right: 1.0,
+    });
+    let located = Placement::new(Frontal::new(1.0, 2.0), Angle::ZERO);
+    case.films[1].landmarks = FilmLandmarks::Placements {
+        spacing_plane: SpacingPlane::Patient,
+        source: PlacementSource::SurfaceMidline,
+        readings: vec![Reading {
+            id: ReadingId::new("scan", 1),
+            vertebrae: [(Level::T5, located)].into(),
+        }],
+    };
+    let text = to_text(&CaseFile::from_case(&case));
+    assert_eq!(parse_case(&text).expect("our own file"), case);
+    let corners = text.replacen(
+        "\"posture\": \"erect\"",
+        "\"posture\": \"erect\", \"placement_source\": \"surface_midline\"",
+        1,
+    );
+    assert!(matches!(refused(&corners), FileError::SourceOfCorners { .. }));
 }
 
 #[test]
@@ -78,7 +110,7 @@ fn spacing_provenance_picture_file_and_lateral_film_round_trip() {
     });
     let source = |file: &str| FilmSource {
         file: Some(file.to_owned()),
-        sha256: Some("ab".repeat(32)),
+        sha256: Some(spineline_files::sha256_hex(file.as_bytes())),
         inverted: true,
     };
     let file = CaseFile::from_case(&case)
@@ -364,5 +396,21 @@ fn one_picture_of_two_postures_is_refused_by_its_name_or_its_bytes() {
         assert!(
             with(&case, key, [value, if key == "file" { "other.dcm" } else { &other }]).is_ok()
         );
+    }
+}
+
+#[test]
+fn the_picture_of_a_frontal_film_is_no_lateral_one() {
+    let mut case: serde_json::Value = serde_json::from_str(&text()).expect("JSON");
+    let image =
+        serde_json::json!({ "columns": 900, "rows": 2500, "patient_anterior": "image_left" });
+    case["lateral"] = serde_json::json!({ "image": image });
+    case["films"][0]["image"]["file"] = "one.dcm".into();
+    for (file, is_refused) in [("other.dcm", false), ("one.dcm", true)] {
+        case["lateral"]["image"]["file"] = file.into();
+        let parsed = parse_case(&case.to_string());
+        assert_eq!(parsed.is_err(), is_refused, "{file}");
+        let texts = parsed.err().map(|error| error.to_string());
+        assert!(texts.is_none_or(|text| text.contains("lateral") && text.contains("erect")));
     }
 }

@@ -4,5 +4,6 @@ mod exports;
 mod files;
 mod hidden;
 mod loads;
+mod public_cases;
 mod readings;
 mod repeat;

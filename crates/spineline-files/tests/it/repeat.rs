@@ -3,8 +3,10 @@
 use spineline::action::LineOfAction;
 use spineline::analysis::{AnalysisOptions, Grouping, analyze};
 use spineline::anatomy::{Level, Posture, SagittalProfile};
+use spineline::clinical::{CobbEnds, EndChoice, EndRule};
 use spineline::curve::{InflectionChoice, OrderRule, Site};
 use spineline::hypothesis::{Base, Hypothesis, LoadShape};
+use spineline::measure::TiltRule;
 use spineline::multibody::{JointStiffness, StiffnessLibrary, Support};
 use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
@@ -39,7 +41,10 @@ fn odd_options() -> AnalysisOptions {
         ..row.clone()
     });
     let site = |inferior, superior| Site { inferior, superior };
+    let ends = CobbEnds { inferior: Level::T12, superior: Level::T5 };
     AnalysisOptions {
+        tilt: TiltRule::Axis,
+        ends: EndChoice { rule: EndRule::EachFilm, given: [None, Some(ends), None] },
         order_rule: OrderRule::Fixed(7),
         inflections: InflectionChoice::ByHand([
             site(Level::L1, Level::T12),

@@ -51,7 +51,7 @@ pub(super) fn check_lossy(data: &[u8], format: Format) -> Result<u8, CodecFault>
     }
     frame.check(format, format.samples)?;
     if frame.bits != 8 {
-        return Err(CodecFault::Precision { bits: frame.bits });
+        return Err(CodecFault::LossyPrecision { bits: frame.bits });
     }
     has_end(&data[start..])?;
     Ok(decoded_bits(frame))

@@ -26,6 +26,9 @@ pub const JPEG_LOSSLESS: Syntax = Syntax { uid: "1.2.840.10008.1.2.4.57", ..EXPL
 pub const JPEG_LOSSLESS_1: Syntax = Syntax { uid: "1.2.840.10008.1.2.4.70", ..EXPLICIT };
 pub const JPEG_LS: Syntax = Syntax { uid: "1.2.840.10008.1.2.4.80", ..EXPLICIT };
 pub const JPEG_2000: Syntax = Syntax { uid: "1.2.840.10008.1.2.4.90", ..EXPLICIT };
+pub const HTJ2K: Syntax = Syntax { uid: "1.2.840.10008.1.2.4.201", ..EXPLICIT };
+pub const HTJ2K_RPCL: Syntax = Syntax { uid: "1.2.840.10008.1.2.4.202", ..EXPLICIT };
+pub const HTJ2K_LOSSY: Syntax = Syntax { uid: "1.2.840.10008.1.2.4.203", ..EXPLICIT };
 pub const RLE: Syntax = Syntax { uid: "1.2.840.10008.1.2.5", ..EXPLICIT };
 
 /// The value of an element.

@@ -9,8 +9,9 @@ use spineline_films::{
 };
 
 use crate::maker::{
-    BIG_ENDIAN, DEFLATED, EXPLICIT, IMPLICIT, JPEG, JPEG_EXTENDED, JPEG_LOSSLESS, JPEG_LOSSLESS_1,
-    JPEG_LS, Maker, RLE, Value, jpeg_lossless, jpeg_ls, ramp, rle, text,
+    BIG_ENDIAN, DEFLATED, EXPLICIT, HTJ2K, HTJ2K_LOSSY, HTJ2K_RPCL, IMPLICIT, JPEG, JPEG_EXTENDED,
+    JPEG_LOSSLESS, JPEG_LOSSLESS_1, JPEG_LS, Maker, RLE, Value, jpeg_lossless, jpeg_ls, ramp, rle,
+    text,
 };
 
 pub fn read(bytes: &[u8]) -> Result<FilmFile, FilmError> {
@@ -103,8 +104,67 @@ fn jpeg_of_8_bits_is_read_within_tolerance_and_of_12_bits_is_refused() {
     coded[frame + 4] = 12;
     maker.word((0x28, 0x100), 16);
     let error = read(&maker.fragments(vec![coded]).file(JPEG_EXTENDED)).unwrap_err();
-    let fault = CodecFault::Precision { bits: 12 };
+    let fault = CodecFault::LossyPrecision { bits: 12 };
     assert_eq!(error, FilmError::Codec { codec: Codec::Jpeg, fault });
+    assert!(error.to_string().contains("12-bit lossy JPEG is not supported"), "{error}");
+    assert!(error.help().contains("dcmdjpeg"), "{}", error.help());
+}
+
+/// The ramp of 13 × 9 pixels as OpenJPH 0.26.3 compresses it: header, then lengths of tile parts, then the tile.
+const HT_HEADER: &str = "ff4fff51002940000000000d0000000900000000000000000000000d00000009000000000000000000010f0101ff50000800020000000a\
+ff52000c00020001000204044001ff5c000a2088909090888888";
+const HT_LENGTHS: &str = "ff55000a006000000000007d";
+const HT_TILE: &str = "ff90000a00000000007d0001ff93c0002de0ff7ff7f0d7fe3ff0d7fea9fa90ff19fd1e7ef0fd7cdfb73f73420031b700c0001590000554\
+000150bfdf5f0011402e30606fd900bffef7fb004080bfd600ff7e0000c06fd600c0002a600015b0000940feff7bec308c305600fefee1\
+ff7ef0063811da305800fee8505400ffd9";
+/// The same with losses.
+const HT_LOSSY: &str = "ff4fff51002940000000000d0000000900000000000000000000000d00000009000000000000000000010f0101ff50000800020000002a\
+ff52000c00020001000204044000ff5c0011229f8690039003904697d297d29761ff90000a0000000000ca0001ff93c0000ba2b9103c80\
+1fca4028f7d50b3c49bf834085f347b237afce69debdfc3f735ac0d0b700c0001694000168c00015a00c76bc3181c55a7087003085e600\
+81bf9900807682b5210150dc0820e300288011b6001b8084c854247d001181bf9600c00016ec000174d00005681022001648c86356e618\
+e114be451ce1003ef267ddf0c5d7f85f0b7d00f070381c0e87c7c70b04ab64ad64f8a65b54e3bc609107380fe99040132c0003dd00006a\
+30010b48e11a7a0519e820fca1d600ffd9";
+
+fn from_hex(text: &str) -> Vec<u8> {
+    let digits: Vec<u8> = text.bytes().map(|c| (c as char).to_digit(16).unwrap() as u8).collect();
+    digits.chunks(2).map(|pair| 16 * pair[0] + pair[1]).collect()
+}
+
+#[test]
+fn high_throughput_jpeg_2000_is_read() {
+    let pixels = ramp(13, 9);
+    let file = |text: &str, syntax| {
+        let mut stream = from_hex(text);
+        if stream.len() % 2 == 1 {
+            stream.push(0);
+        }
+        Maker::new(13, 9, &pixels).fragments(vec![stream]).file(syntax)
+    };
+    let plain = [HT_HEADER, HT_TILE].concat();
+    let with_lengths = [HT_HEADER, HT_LENGTHS, HT_TILE].concat();
+    for (text, syntax) in [(&plain, HTJ2K), (&with_lengths, HTJ2K_RPCL), (&plain, HTJ2K_LOSSY)] {
+        let film =
+            read(&file(text, syntax)).unwrap_or_else(|error| panic!("{}: {error}", syntax.uid));
+        assert_eq!(film.stored, StoredPixels::Unsigned(pixels.clone()), "{}", syntax.uid);
+    }
+    let film = read(&file(HT_LOSSY, HTJ2K_LOSSY)).unwrap();
+    let largest = film.stored.iter().zip(&pixels).map(|(a, &b)| (a - i32::from(b)).abs()).max();
+    assert!(largest <= Some(2), "{largest:?}");
+    // Single damaged bits give a picture of the right size, or an error.
+    let whole = from_hex(&plain);
+    for at in 0..8 * whole.len() {
+        let mut damaged = whole.clone();
+        damaged[at / 8] ^= 1 << (at % 8);
+        let mut maker = Maker::new(13, 9, &pixels);
+        if let Ok(film) = read(&maker.fragments(vec![damaged]).file(HTJ2K)) {
+            assert_eq!(film.stored.len(), 13 * 9);
+        }
+    }
+    // Cut off, it is an error and no picture that the decoder makes up.
+    let cut = &plain[..plain.len() - 40];
+    let error = read(&file(cut, HTJ2K)).unwrap_err();
+    let fault = CodecFault::Truncated;
+    assert_eq!(error, FilmError::Codec { codec: Codec::Jpeg2000, fault });
 }
 
 #[test]
@@ -228,4 +288,16 @@ fn an_unreadable_table_is_named() {
     assert_eq!(film.look.voi, []);
     let attribute = Attribute(0x28, 0x3010);
     assert_eq!(film.remarks, [FilmRemark::Unusable { attribute }]);
+}
+
+#[test]
+fn a_colour_picture_of_16_bits_is_refused_as_one() {
+    let words = vec![500_u16; 4 * 3 * 3];
+    let picture = image::ImageBuffer::<image::Rgb<u16>, _>::from_raw(4, 3, words).unwrap();
+    let mut file = std::io::Cursor::new(Vec::new());
+    picture.write_to(&mut file, image::ImageFormat::Tiff).unwrap();
+    let error = read(&file.into_inner()).unwrap_err();
+    assert!(error.to_string().contains("colour image"), "{error}");
+    assert!(error.to_string().contains("a greyscale one is needed"), "{error}");
+    assert!(error.help().contains("greyscale"), "{error}");
 }

@@ -27,7 +27,7 @@ fn expected_error(name: &str) -> Option<FilmError> {
         "no-pixel-data.dcm" => modality("SR"),
         "rtplan.dcm" => modality("RTPLAN"),
         "RG2_JPLY.dcm" | "RG3_JPLY.dcm" => {
-            let fault = CodecFault::Precision { bits: 12 };
+            let fault = CodecFault::LossyPrecision { bits: 12 };
             FilmError::Codec { codec: Codec::Jpeg, fault }
         }
         _ => return None,

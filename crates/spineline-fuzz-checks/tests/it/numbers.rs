@@ -5,7 +5,9 @@ use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use spineline::analysis::{AnalysisOptions, analyze};
-use spineline::measure::{FilmLandmarks, Placement, Reading, ReadingId, SpacingPlane};
+use spineline::measure::{
+    FilmLandmarks, Placement, PlacementSource, Reading, ReadingId, SpacingPlane,
+};
 use spineline::multibody::{GeneralStatics, Goal};
 use spineline::response::respond;
 use spineline_files::{
@@ -115,10 +117,11 @@ fn placements() -> String {
     let nominal = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     for (film, posture) in case.films.iter_mut().zip(&nominal.postures) {
         let vertebrae = posture.outline.vertebrae.iter();
-        let placed = vertebrae.map(|v| (v.level, Placement { location: v.location, tilt: v.tilt }));
+        let placed = vertebrae.map(|v| (v.level, Placement::new(v.location, v.tilt)));
         let reading = Reading { id: ReadingId::new("program", 1), vertebrae: placed.collect() };
         film.landmarks = FilmLandmarks::Placements {
             spacing_plane: SpacingPlane::Patient,
+            source: PlacementSource::Vertebrae,
             readings: vec![reading],
         };
     }

@@ -15,6 +15,8 @@ const MAX_ROWS: u64 = 100_000;
 pub struct AasceRow {
     /// Row in the tables, from 0.
     pub row: usize,
+    /// Line of `landmarks.csv`, from 1; the tables have no heading.
+    pub line: u64,
     /// Name of the picture.
     pub picture: String,
     /// Its landmarks, in pixels.
@@ -50,7 +52,8 @@ impl<'a> AasceRows<'a> {
 
     fn row(&mut self) -> Result<Option<AasceRow>, LandmarkError> {
         let (mut name, mut values) = (ByteRecord::new(), ByteRecord::new());
-        let at = format!("landmarks.csv, row {}", self.row + 1);
+        let line = self.row as u64 + 1;
+        let at = format!("landmarks.csv, line {line}");
         let unreadable = |_| LandmarkError::Syntax {
             at: at.clone(),
             reason: "the row cannot be read".to_owned(),
@@ -96,7 +99,7 @@ impl<'a> AasceRows<'a> {
         let mut film = film_of(&points, self.hint, self.side, &at)?;
         film.picture = Some(shown(&picture));
         film.size = Some((columns, rows));
-        Ok(Some(AasceRow { row: self.row, picture, film }))
+        Ok(Some(AasceRow { row: self.row, line, picture, film }))
     }
 }
 
@@ -111,6 +114,26 @@ impl Iterator for AasceRows<'_> {
         self.row += 1;
         row
     }
+}
+
+/// Names of the pictures in the bytes of `filenames.csv`, in its order.
+///
+/// # Errors
+/// [`LandmarkError`], which names the line.
+pub fn picture_names(names: &[u8]) -> Result<Vec<String>, LandmarkError> {
+    let mut found = Vec::new();
+    for record in reader(names, false).into_byte_records() {
+        if found.len() as u64 >= MAX_ROWS {
+            let found = MAX_ROWS + 1;
+            return Err(LandmarkError::TooLarge { what: "films", found, limit: MAX_ROWS });
+        }
+        let record = record.map_err(|error| LandmarkError::Syntax {
+            at: format!("filenames.csv, line {}", error.position().map_or(1, csv::Position::line)),
+            reason: "the row cannot be read".to_owned(),
+        })?;
+        found.push(String::from_utf8_lossy(record.get(0).unwrap_or_default()).into_owned());
+    }
+    Ok(found)
 }
 
 /// Sizes of pictures from a table with the columns `filename`, `width_px` and `height_px`; other columns are passed over.

@@ -15,7 +15,7 @@ mod labels;
 mod mat;
 mod verdict;
 
-pub use labels::{AasceRow, AasceRows, image_sizes};
+pub use labels::{AasceRow, AasceRows, image_sizes, picture_names};
 pub use mat::parse_mat;
 pub use verdict::{AasceFault, AasceVerdict, judge_aasce};
 
@@ -46,7 +46,8 @@ fn film_of(
             *place = pixel(column, row, &format!("{at}, {level}"))?;
         }
         let corners = from_image_sides(places, patient_left);
-        vertebrae.insert(level, VertebraLandmarks { corners, axis_clockwise: None });
+        vertebrae
+            .insert(level, VertebraLandmarks { corners, axis_clockwise: None, confidence: None });
     }
     Ok(MarkedFilm {
         posture: hint.posture,

@@ -1,8 +1,8 @@
 use std::fmt;
 
 use spineline::anatomy::{ImageSide, Level, Posture};
-use spineline::clinical::tilt_range;
-use spineline::measure::{FilmLandmarks, ImageGeometry, MeasureError, measure_film};
+use spineline::clinical::largest_tilt_difference;
+use spineline::measure::{FilmLandmarks, ImageGeometry, MeasureError, TiltRule, measure_film};
 use spineline::spatial::Angle;
 use spineline::warning::Warnings;
 
@@ -63,9 +63,11 @@ pub fn judge_aasce(
         FilmLandmarks::Corners { image, iliac_crests: None, readings: readings.clone() };
     let posture = film.posture.unwrap_or(Posture::Erect);
     let mut warnings = Warnings::default();
-    if let Err(error) =
-        measure_film(&spineline::measure::Film { posture, landmarks }, &mut warnings)
-    {
+    if let Err(error) = measure_film(
+        &spineline::measure::Film { posture, landmarks },
+        TiltRule::default(),
+        &mut warnings,
+    ) {
         return Ok(AasceVerdict::Faults(vec![AasceFault::Marks(error)]));
     }
     let odd = warnings.all().iter().filter(|warning| warning.code == "spacing_unusual");
@@ -86,7 +88,7 @@ pub fn judge_aasce(
     let tilts = usable.filter(|(level, _)| !left_out(level)).map(|(_, landmark)| {
         landmark.corners.map(|corner| image.frontal(corner)).measure_endplate_tilt()
     });
-    match tilt_range(tilts) {
+    match largest_tilt_difference(tilts) {
         Some(main_angle) => Ok(AasceVerdict::Clean { main_angle }),
         None => Err(LandmarkError::Needs { format, what: "a vertebra" }),
     }

@@ -3,7 +3,8 @@
 //! Columns are found by their names, in any order. `vertebra` and the eight corner columns have to be there; `posture`,
 //! `observer`, `repeat` and `axis_clockwise_deg` need not. A row whose vertebra is `iliac_crests` holds the tips of the
 //! patient's left and right crest in the `superior_left` and `superior_right` columns, and nothing in the other corners.
-//! A film that another program measured has `location_left_mm`, `location_cranial_mm` and `tilt_right_deg` in place of
+//! Confidences of corners that a program found, from 0 to 1, stand in `superior_left_confidence` and so on: all four or none
+//! of them. A film that another program measured has `location_left_mm`, `location_cranial_mm` and `tilt_right_deg` in place of
 //! corners.
 //!
 //! # Separators
@@ -37,6 +38,14 @@ pub(super) const CORNERS: [&str; 8] = [
     "inferior_left_row_px",
     "inferior_right_column_px",
     "inferior_right_row_px",
+];
+
+/// Confidence of each corner, in the same order.
+pub(super) const CONFIDENCES: [&str; 4] = [
+    "superior_left_confidence",
+    "superior_right_confidence",
+    "inferior_left_confidence",
+    "inferior_right_confidence",
 ];
 
 /// What makes a spreadsheet take a cell for a formula.

@@ -7,9 +7,10 @@ use spineline::spatial::{Angle, Frontal};
 use spineline_files::nearest;
 
 use super::{
-    AXIS, CORNERS, CRESTS, MAX_ROWS, OBSERVER, PLACED, POSTURE, REPEAT, VERTEBRA, starts_formula,
+    AXIS, CONFIDENCES, CORNERS, CRESTS, MAX_ROWS, OBSERVER, PLACED, POSTURE, REPEAT, VERTEBRA,
+    starts_formula,
 };
-use crate::film::{merge_crests, pixel};
+use crate::film::{confidence, merge_crests, pixel};
 use crate::names::{coordinate, observer, parse_level, shown};
 use crate::{
     LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm,
@@ -96,6 +97,7 @@ struct Columns {
     observer: Option<usize>,
     repeat: Option<usize>,
     axis: Option<usize>,
+    confidences: Option<[usize; 4]>,
     values: Values,
 }
 
@@ -110,6 +112,7 @@ impl Columns {
             .into_iter()
             .chain(CORNERS)
             .chain(PLACED)
+            .chain(CONFIDENCES)
             .collect();
         let mut places: BTreeMap<&str, usize> = BTreeMap::new();
         for (place, cell) in heading.iter().enumerate() {
@@ -133,7 +136,8 @@ impl Columns {
             })
         };
         let placed = PLACED.iter().any(|name| get(name).is_some());
-        if placed && (CORNERS.iter().any(|name| get(name).is_some()) || get(AXIS).is_some()) {
+        let of_corners = || CORNERS.iter().chain(&CONFIDENCES).chain([&AXIS]);
+        if placed && of_corners().any(|name| get(name).is_some()) {
             return Err(LandmarkError::Ambiguous {
                 at: "line 1".to_owned(),
                 reason:
@@ -151,6 +155,15 @@ impl Columns {
             }
             Values::Corners(corners)
         };
+        let confidences = if CONFIDENCES.iter().any(|name| get(name).is_some()) {
+            let mut columns = [0; 4];
+            for (place, name) in columns.iter_mut().zip(CONFIDENCES) {
+                *place = need(name)?;
+            }
+            Some(columns)
+        } else {
+            None
+        };
         Ok(Self {
             count: heading.len(),
             vertebra: need(VERTEBRA)?,
@@ -158,6 +171,7 @@ impl Columns {
             observer: get(OBSERVER),
             repeat: get(REPEAT),
             axis: get(AXIS),
+            confidences,
             values,
         })
     }
@@ -210,6 +224,7 @@ impl Table<'_> {
                     }
                     _ => None,
                 };
+                let confidence = self.confidence(record, line)?;
                 let [superior_left, superior_right, inferior_left, inferior_right] = points;
                 let corners =
                     Corners { superior_left, superior_right, inferior_left, inferior_right };
@@ -218,15 +233,15 @@ impl Table<'_> {
                 match reading.get(&level) {
                     Some((_, first)) => return Err(twice(*first)),
                     None => {
-                        reading.insert(level, (VertebraLandmarks { corners, axis_clockwise }, line))
+                        let landmarks = VertebraLandmarks { corners, axis_clockwise, confidence };
+                        reading.insert(level, (landmarks, line))
                     }
                 };
             }
             Values::Placements(columns) => {
                 let [y, z, tilt] =
                     [0, 1, 2].map(|i| self.number(record, columns[i], line, PLACED[i]));
-                let placement =
-                    Placement { location: Frontal::new(y?, z?), tilt: Angle::from_deg(tilt?) };
+                let placement = Placement::new(Frontal::new(y?, z?), Angle::from_deg(tilt?));
                 let film = self.films.entry(posture).or_default();
                 let reading = film.placements.entry(id.clone()).or_default();
                 match reading.get(&level) {
@@ -236,6 +251,25 @@ impl Table<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The confidences of a row, all of them or none.
+    fn confidence(
+        &mut self,
+        record: &ByteRecord,
+        line: u64,
+    ) -> Result<Option<Corners<f64>>, LandmarkError> {
+        let Some(columns) = self.columns.confidences else { return Ok(None) };
+        if columns.iter().all(|&column| record[column].is_empty()) {
+            return Ok(None);
+        }
+        let mut values = [0.0; 4];
+        for i in 0..4 {
+            let value = self.number(record, columns[i], line, CONFIDENCES[i])?;
+            values[i] = confidence(value, &place(line, CONFIDENCES[i]))?;
+        }
+        let [superior_left, superior_right, inferior_left, inferior_right] = values;
+        Ok(Some(Corners { superior_left, superior_right, inferior_left, inferior_right }))
     }
 
     fn crests(

@@ -3,7 +3,7 @@ use spineline::measure::{Film, FilmLandmarks, Reading};
 use spineline::spatial::Pixel;
 
 use super::read::guarded;
-use super::{AXIS, CORNERS, CRESTS, OBSERVER, PLACED, POSTURE, REPEAT, VERTEBRA};
+use super::{AXIS, CONFIDENCES, CORNERS, CRESTS, OBSERVER, PLACED, POSTURE, REPEAT, VERTEBRA};
 use crate::LandmarkExportError;
 
 /// The table of some films, all of one kind; commas, points, line feeds.
@@ -13,16 +13,21 @@ pub fn write(films: &[&Film]) -> Result<String, LandmarkExportError> {
     if marked != 0 && marked != films.len() {
         return Err(LandmarkExportError::MixedKinds);
     }
+    // Columns that no film needs are left out.
+    let with_confidence = films.iter().any(|film| has_confidence(film));
     let mut heading = vec![POSTURE, OBSERVER, REPEAT, VERTEBRA];
     if marked > 0 {
         heading.extend(CORNERS);
         heading.push(AXIS);
+        if with_confidence {
+            heading.extend(CONFIDENCES);
+        }
     } else {
         heading.extend(PLACED);
     }
     let mut rows = vec![heading.into_iter().map(str::to_owned).collect()];
     for film in films {
-        add_film(film, &mut rows)?;
+        add_film(film, with_confidence, &mut rows)?;
     }
     let mut table = WriterBuilder::new().terminator(Terminator::Any(b'\n')).from_writer(Vec::new());
     let encode = |error: String| LandmarkExportError::Encode(error);
@@ -33,7 +38,17 @@ pub fn write(films: &[&Film]) -> Result<String, LandmarkExportError> {
     String::from_utf8(bytes).map_err(|error| encode(error.to_string()))
 }
 
-fn add_film(film: &Film, rows: &mut Vec<Vec<String>>) -> Result<(), LandmarkExportError> {
+fn has_confidence(film: &Film) -> bool {
+    let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { return false };
+    let mut landmarks = readings.iter().flat_map(|reading| reading.vertebrae.values());
+    landmarks.any(|landmark| landmark.confidence.is_some())
+}
+
+fn add_film(
+    film: &Film,
+    with_confidence: bool,
+    rows: &mut Vec<Vec<String>>,
+) -> Result<(), LandmarkExportError> {
     let posture = film.posture.key();
     match &film.landmarks {
         FilmLandmarks::Corners { iliac_crests, readings, .. } => {
@@ -41,7 +56,7 @@ fn add_film(film: &Film, rows: &mut Vec<Vec<String>>) -> Result<(), LandmarkExpo
                 let mut row =
                     vec![posture.to_owned(), String::new(), String::new(), CRESTS.to_owned()];
                 row.extend(cells([crests.left, crests.right]));
-                row.extend(vec![String::new(); 5]);
+                row.extend(vec![String::new(); if with_confidence { 9 } else { 5 }]);
                 rows.push(row);
             }
             for reading in readings {
@@ -53,6 +68,12 @@ fn add_film(film: &Film, rows: &mut Vec<Vec<String>>) -> Result<(), LandmarkExpo
                     row.push(axis.map_or(String::new(), |axis| {
                         ((axis.deg() * 1e9).round() / 1e9).to_string()
                     }));
+                    if with_confidence {
+                        let confidences = landmark.confidence.map(|corners| corners.points());
+                        row.extend(confidences.map_or_else(Default::default, |values| {
+                            values.map(|value| value.to_string())
+                        }));
+                    }
                     rows.push(row);
                 }
             }

@@ -2,7 +2,9 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 use spineline::anatomy::{Level, Named, Posture};
-use spineline::measure::{Corners, IliacCrests, Placement, Reading, ReadingId, VertebraLandmarks};
+use spineline::measure::{
+    Corners, IliacCrests, Placement, Reading, ReadingId, TiltRule, VertebraLandmarks,
+};
 use spineline::spatial::Frontal;
 use spineline_files::nearest;
 
@@ -122,7 +124,7 @@ fn gather(
     let list = lists.entry(key).or_insert_with(|| List {
         at: at.to_owned(),
         about: about.clone(),
-        points: Points::new(),
+        points: Points::default(),
     });
     if list.about != about {
         return Err(LandmarkError::Ambiguous {
@@ -250,7 +252,10 @@ impl List {
                         inferior_left: to_pixel(body.inferior_left)?,
                         inferior_right: to_pixel(body.inferior_right)?,
                     };
-                    vertebrae.insert(level, VertebraLandmarks { corners, axis_clockwise: None });
+                    vertebrae.insert(
+                        level,
+                        VertebraLandmarks { corners, axis_clockwise: None, confidence: None },
+                    );
                 }
                 let crests = match self.points.crests(&self.at)? {
                     Some([left, right]) => {
@@ -269,6 +274,7 @@ impl List {
                         let landmark = |body: Corners<Lps>| VertebraLandmarks {
                             corners: body.map(to_pixel),
                             axis_clockwise: None,
+                            confidence: None,
                         };
                         let vertebrae =
                             bodies.into_iter().map(|(l, body)| (l, landmark(body))).collect();
@@ -298,7 +304,14 @@ impl List {
                 at: format!("{}, {level}", self.at),
                 reason: fault.to_string(),
             })?;
-            placed.insert(level, Placement { location, tilt: body.measure_tilt() });
+            placed.insert(
+                level,
+                Placement {
+                    location,
+                    tilt: TiltRule::default().tilt_of(&body),
+                    endplates: Some(body.measure_endplates()),
+                },
+            );
         }
         Ok(placed)
     }

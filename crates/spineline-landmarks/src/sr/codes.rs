@@ -44,8 +44,7 @@ pub const ROW: Code = Code("location-row", SCHEME, "Row of the crossing of the d
 pub const ILIAC_TILT: Code =
     Code("iliac-lean", SCHEME, "Tilt of the iliac line's normal, positive to the right");
 pub const BY_HAND: Code = Code("axis-by-hand", SCHEME, "Axis of the body set by hand");
-pub const BY_CORNERS: Code =
-    Code("four-corners", SCHEME, "Line through the centres of the endplates");
+pub const BY_ENDPLATES: Code = Code("endplates", SCHEME, "Mean direction of both endplates");
 pub const AXIS: Code =
     Code("axis", SCHEME, "Axis set by hand, clockwise from the image's vertical");
 pub const POSTURE: Code = Code("posture", SCHEME, "Posture of the patient");

@@ -41,7 +41,19 @@ pub fn read_sr(bytes: &[u8]) -> Result<MarkedFilm, LandmarkError> {
         .find(|item| is_named(item, codes::MEASUREMENTS))
         .map(children)
         .unwrap_or_default();
-    Report::default().read(groups, name)
+    let film = Report::default().read(groups, name)?;
+    Ok(MarkedFilm { picture: film_uid(document), ..film })
+}
+
+/// The SOP Instance UID of the film, from the list of what the report is about.
+fn film_uid(document: &InMemDicomObject) -> Option<String> {
+    let first = |object: &InMemDicomObject, tag: Tag| -> Option<InMemDicomObject> {
+        object.get(tag)?.items()?.first().cloned()
+    };
+    let study = first(document, tags::CURRENT_REQUESTED_PROCEDURE_EVIDENCE_SEQUENCE)?;
+    let series = first(&study, tags::REFERENCED_SERIES_SEQUENCE)?;
+    let film = first(&series, tags::REFERENCED_SOP_SEQUENCE)?;
+    text(&film, tags::REFERENCED_SOP_INSTANCE_UID)
 }
 
 #[derive(Default)]
@@ -124,7 +136,10 @@ impl Report {
             corners(items, codes::TILT, at)?;
         let corners = Corners { superior_left, superior_right, inferior_left, inferior_right };
         let axis_clockwise = axis(items, at)?;
-        match self.vertebrae.insert(level, VertebraLandmarks { corners, axis_clockwise }) {
+        match self
+            .vertebrae
+            .insert(level, VertebraLandmarks { corners, axis_clockwise, confidence: None })
+        {
             None => Ok(()),
             Some(_) => Err(twice(at, level.name())),
         }

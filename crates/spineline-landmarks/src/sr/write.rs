@@ -1,10 +1,12 @@
+use std::collections::BTreeMap;
+
 use dicom_core::VR;
 use dicom_dictionary_std::{tags, uids};
 use dicom_object::{FileMetaTableBuilder, InMemDicomObject};
 use sha2::{Digest, Sha256};
 use spineline::anatomy::Level;
 use spineline::clinical::convex_side;
-use spineline::measure::{Corners, VertebraLandmarks};
+use spineline::measure::{Corners, EndplateTilts, VertebraLandmarks};
 use spineline::spatial::{Angle, Frontal, Pixel};
 
 use super::codes::{self, Code};
@@ -164,21 +166,21 @@ fn content(report: &ReportOf<'_>) -> Result<Vec<InMemDicomObject>, LandmarkExpor
     use Relation::{AcquisitionContext, Contains, Modifier, ObservationContext};
     let source = report.source;
     let mut groups = Vec::new();
-    let mut tilts = Vec::new();
+    let mut endplates = BTreeMap::new();
     for (&level, landmark) in &report.reading.vertebrae {
-        let (tilt, group) = vertebra(report, level, landmark)?;
-        tilts.push((level, tilt));
+        let (tilts, group) = vertebra(report, level, landmark)?;
+        endplates.insert(level, tilts);
         groups.push(group);
     }
     groups.extend(iliac_line(report)?);
-    let tilt = |level| tilts.iter().find(|(l, _)| *l == level).map(|(_, tilt)| *tilt);
     for (region, ends) in report.curves {
-        if let (Some(lower), Some(upper)) = (tilt(ends.inferior), tilt(ends.superior)) {
+        let ends_of = (endplates.get(&ends.inferior), endplates.get(&ends.superior));
+        if let (Some(lower), Some(upper)) = ends_of {
             groups.push(curve(
                 report,
                 codes::region(*region),
                 [ends.superior, ends.inferior],
-                upper - lower,
+                (upper.superior - lower.inferior).wrapped(),
             )?);
         }
     }
@@ -239,7 +241,7 @@ fn vertebra(
     report: &ReportOf<'_>,
     level: Level,
     landmark: &VertebraLandmarks,
-) -> Result<(Angle, InMemDicomObject), LandmarkExportError> {
+) -> Result<(EndplateTilts, InMemDicomObject), LandmarkExportError> {
     let image = report.image;
     let unfit = || corner_of(report, level);
     let places = places(report, level, &landmark.corners.points())?;
@@ -247,7 +249,7 @@ fn vertebra(
     let location = image.pixel(body.measure_location().map_err(|_| unfit())?);
     let (tilt, method) = match landmark.axis_clockwise {
         Some(axis) => (image.tilt_from_clockwise(axis), codes::BY_HAND),
-        None => (body.measure_tilt(), codes::BY_CORNERS),
+        None => (body.measure_endplate_tilt(), codes::BY_ENDPLATES),
     };
     let from = || points(codes::SOURCE, &places, report.source);
     let mut measured = vec![
@@ -265,7 +267,8 @@ fn vertebra(
         landmark.axis_clockwise.map(|axis| number(codes::AXIS, axis.deg(), codes::DEGREE, vec![]));
     measured.extend(axis);
     let sites = [codes::vertebra(level)];
-    Ok((tilt, group(report, level.name(), codes::VERTEBRA, &sites, measured)))
+    let endplates = body.measure_endplates();
+    Ok((endplates, group(report, level.name(), codes::VERTEBRA, &sites, measured)))
 }
 
 fn iliac_line(report: &ReportOf<'_>) -> Result<Option<InMemDicomObject>, LandmarkExportError> {

@@ -6,7 +6,8 @@ use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level, Posture, Region};
 use spineline::clinical::CobbEnds;
 use spineline::measure::{
-    Film, FilmLandmarks, ImageGeometry, Placement, Reading, ReadingId, Spacing, SpacingPlane,
+    Corners, Film, FilmLandmarks, ImageGeometry, Placement, PlacementSource, Reading, ReadingId,
+    Spacing, SpacingPlane,
 };
 use spineline::spatial::{Angle, Frontal};
 use spineline_landmarks::{
@@ -286,14 +287,18 @@ fn a_report_needs_its_radiograph() {
 
 #[test]
 fn locations_of_another_program_are_read_from_a_table() {
-    let placement = |i: usize| Placement {
-        location: Frontal::new(0.1 * i as f64, -31.25 * i as f64),
-        tilt: Angle::from_deg(3.0 - i as f64),
+    let placement = |i: usize| {
+        let location = Frontal::new(0.1 * i as f64, -31.25 * i as f64);
+        Placement::new(location, Angle::from_deg(3.0 - i as f64))
     };
     let vertebrae = Level::MODEL.into_iter().enumerate().map(|(i, level)| (level, placement(i)));
     let readings = vec![Reading { id: ReadingId::new("=B", 2), vertebrae: vertebrae.collect() }];
     let mut case = case(ImageSide::Right);
-    let placed = FilmLandmarks::Placements { spacing_plane: SpacingPlane::Unknown, readings };
+    let placed = FilmLandmarks::Placements {
+        spacing_plane: SpacingPlane::Unknown,
+        source: PlacementSource::Vertebrae,
+        readings,
+    };
     case.films = vec![Film { posture: Posture::Erect, landmarks: placed }];
     let files = export_landmarks(&case, None, LandmarkTarget::Csv).expect("a table");
     let text = std::str::from_utf8(&files[0].bytes).expect("UTF-8");
@@ -315,4 +320,159 @@ fn locations_of_another_program_are_read_from_a_table() {
     }
     let error = export_landmarks(&case, None, LandmarkTarget::Slicer).expect_err("no corners");
     assert_eq!(error, LandmarkExportError::NoCorners(Posture::Erect));
+}
+
+/// The corners of an annotated film, without what labelme and COCO cannot hold: axes set by hand.
+fn without_axes(mut case: Case) -> Case {
+    for film in &mut case.films {
+        let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else { continue };
+        for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+            landmark.axis_clockwise = None;
+        }
+    }
+    case
+}
+
+/// The same case as a network would have found it: every corner has another confidence.
+fn with_confidences(case: Case) -> Case {
+    let mut case = without_axes(case);
+    let mut count = 0.0;
+    for film in &mut case.films {
+        let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else { continue };
+        for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+            count += 1.0;
+            let value = |corner: f64| 1.0 / (1.0 + 0.001 * (4.0 * count + corner));
+            landmark.confidence = Some(Corners {
+                superior_left: value(0.0),
+                superior_right: value(1.0),
+                inferior_left: value(2.0),
+                inferior_right: value(3.0),
+            });
+        }
+    }
+    case
+}
+
+/// The films that an export gives when it is read back; readings of one film may stand in several files.
+fn read_back(case: &Case, target: LandmarkTarget<'_>) -> Vec<Film> {
+    let mut films: BTreeMap<Posture, Film> = BTreeMap::new();
+    for file in export_landmarks(case, None, target).expect("corners") {
+        for found in read(&file.bytes).films {
+            let posture = found.posture.expect("our own files name the film");
+            let film = case.films.iter().find(|film| film.posture == posture).expect("of the case");
+            let found = found.into_film(None, Some(image(film))).expect("sound marks");
+            match films.get_mut(&posture).map(|film| &mut film.landmarks) {
+                None => drop(films.insert(posture, found)),
+                Some(FilmLandmarks::Corners { readings, .. }) => {
+                    let FilmLandmarks::Corners { readings: more, .. } = found.landmarks else {
+                        panic!("corners")
+                    };
+                    readings.extend(more);
+                }
+                Some(FilmLandmarks::Placements { .. }) => panic!("corners"),
+            }
+        }
+    }
+    films.into_values().collect()
+}
+
+fn confidences(film: &Film) -> Vec<Option<Corners<f64>>> {
+    let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { panic!("corners") };
+    let landmarks = readings.iter().flat_map(|reading| reading.vertebrae.values());
+    landmarks.map(|landmark| landmark.confidence).collect()
+}
+
+#[test]
+fn annotations_and_keypoints_round_trip_with_confidences() {
+    let pictures = BTreeMap::from([(Posture::Erect, "standing.jpg".to_owned())]);
+    for side in SIDES {
+        for case in [without_axes(case(side)), with_confidences(case(side))] {
+            for target in [
+                LandmarkTarget::Labelme { pictures: &pictures },
+                LandmarkTarget::Coco { pictures: &pictures },
+                LandmarkTarget::Csv,
+            ] {
+                let back = read_back(&case, target);
+                assert_eq!(back.len(), case.films.len());
+                for film in &back {
+                    let original = case.films.iter().find(|one| one.posture == film.posture);
+                    let original = original.expect("of the case");
+                    assert!(apart(original, film) < 1e-9);
+                    assert_eq!(confidences(original), confidences(film));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_a_format_leaves_out_is_named() {
+    let none = BTreeMap::new();
+    let axes = case(ImageSide::Right);
+    let sure = with_confidences(axes.clone());
+    let slicer = LandmarkTarget::Slicer;
+    let coco = LandmarkTarget::Coco { pictures: &none };
+    assert_eq!(LandmarkTarget::Csv.left_out(&sure), [""; 0]);
+    assert_eq!(slicer.left_out(&sure), ["confidences"]);
+    assert_eq!(coco.left_out(&sure), [""; 0]);
+    assert_eq!(slicer.left_out(&axes), ["axes that were set by hand"]);
+    assert_eq!(coco.left_out(&axes), ["axes that were set by hand"]);
+}
+
+#[test]
+fn annotations_name_their_picture_and_have_what_their_programs_need() {
+    let case = without_axes(case(ImageSide::Right));
+    let pictures = BTreeMap::from([(Posture::Erect, "standing.jpg".to_owned())]);
+    let json = |target| -> Vec<serde_json::Value> {
+        let files = export_landmarks(&case, Some(Posture::Erect), target).expect("files");
+        files.iter().map(|f| serde_json::from_slice(&f.bytes).expect("JSON")).collect()
+    };
+    let labelme = json(LandmarkTarget::Labelme { pictures: &pictures });
+    let image = image(&case.films[0]);
+    for file in &labelme {
+        assert_eq!(file["imagePath"], "standing.jpg");
+        assert_eq!(file["imageWidth"], image.columns);
+        assert!(file["imageData"].is_null() && file["version"].is_string());
+        assert_eq!(file["shapes"][0]["label"], "T2_superior_left");
+    }
+    let none = BTreeMap::new();
+    let coco = &json(LandmarkTarget::Coco { pictures: &none })[0];
+    assert_eq!(coco["images"][0]["file_name"], "erect.png");
+    for annotation in coco["annotations"].as_array().expect("a list") {
+        let numbers = annotation["keypoints"].as_array().expect("a list").len() as u64;
+        assert_eq!(annotation["num_keypoints"], numbers / 3);
+        assert!(annotation["bbox"][2].as_f64() > Some(0.0), "{annotation}");
+    }
+}
+
+#[test]
+fn a_keypoint_dataset_of_a_network_keeps_its_scores() {
+    let keypoints = "[100,100,2,50,100,2,100,130,2,50,130,2]";
+    let with = |scores: &str| {
+        let text = format!(
+            r#"{{"images":[{{"id":1,"width":200,"height":400}}],"categories":[{{"id":5,"name":"T5","keypoints":["superior_left","superior_right","inferior_left","inferior_right"]}}],"annotations":[{{"id":1,"image_id":1,"category_id":5,"keypoints":{keypoints}{scores}}}]}}"#
+        );
+        parse_landmarks(text.as_bytes(), &LandmarkHint::default()).map(|mut file| {
+            let LandmarkReadings::Corners(readings) = file.films.remove(0).landmarks else {
+                panic!("corners")
+            };
+            readings[0].vertebrae[&Level::T5].confidence.map(|corners| corners.points())
+        })
+    };
+    assert_eq!(with("").expect("a dataset"), None);
+    assert_eq!(with(r#","score":0.25"#).expect("a dataset"), Some([0.25; 4]));
+    let each = with(r#","score":0.25,"keypoint_scores":[0.9,0.8,0.7,0.6]"#).expect("a dataset");
+    assert_eq!(each, Some([0.9, 0.8, 0.7, 0.6]));
+    for (scores, part) in [
+        (r#","keypoint_scores":[0.9,0.8]"#, "2 keypoint_scores"),
+        (r#","score":87"#, "confidence from 0 to 1"),
+        (r#","score":-0.1"#, "confidence from 0 to 1"),
+    ] {
+        let error = with(scores).expect_err("no confidence").to_string();
+        assert!(error.contains(part), "{error}");
+    }
+    let list =
+        parse_landmarks(br#"[{"image_id":1,"keypoints":[1,2,0.9]}]"#, &LandmarkHint::default());
+    let error = list.expect_err("results alone").to_string();
+    assert!(error.contains("COCO results"), "{error}");
 }

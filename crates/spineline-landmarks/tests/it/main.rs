@@ -3,3 +3,4 @@
 mod aasce;
 mod exchange;
 mod faults;
+mod midlines;

@@ -102,6 +102,30 @@ fn long_tables_continue_over_pages() {
 }
 
 #[test]
+fn a_figure_of_a_whole_page_is_as_wide_as_the_page() {
+    // As tall as the films of five postures: two of them on one page are letters of a millimetre.
+    let tall = || Figure::new("films", "Films of five postures", svg(900, 1130, "synthetic"));
+    let five = |figure: &dyn Fn() -> Figure| {
+        let mut section = Section::new("films", "Films");
+        (0..5).for_each(|_| section.figure(figure()));
+        let document = Document { sections: vec![section], ..document("P07") };
+        pages(&pdf(&document, MADE).expect("it can be typeset"))
+    };
+    assert_eq!(five(&tall), 3, "two on each page but the first");
+    assert_eq!(five(&|| tall().on_whole_page()), 5, "one on each page");
+}
+
+#[test]
+fn short_tables_are_not_divided_over_pages() {
+    let mut section = Section::new("short", "Short tables");
+    (0..30).for_each(|_| section.table(tall(15)));
+    let document = Document { sections: vec![section], ..document("P07") };
+    let found = pages(&pdf(&document, MADE).expect("it can be typeset"));
+    // A page has room for three and a half: divided ones would take nine pages.
+    assert_eq!(found, 10, "three on each page");
+}
+
+#[test]
 fn f54_a_report_of_five_hundred_pages_is_typeset() {
     // Oracle: every section begins a table of its own; a page holds fewer than sixty rows.
     let mut document = document("cohort");

@@ -1,20 +1,21 @@
-//! Errors of the models over a cohort, fitted and held out apart, and every test between the lines.
+//! Errors of the models over a cohort, by kind of film, and every test between the lines.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, probability};
-use spineline::cohort::{Cohort, ErrorKind, ErrorStatistics, LinePairTest, LineStatistics};
+use spineline::analysis::{FilmRole, probability};
+use spineline::cohort::{
+    Clustered, Cohort, ErrorKind, ErrorStatistics, LinePairTest, MissingResult,
+};
 
 use super::movement::tested;
-use super::people::main_curve;
 use super::with_interval;
 use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures::{self, LocationErrorSample};
-use crate::phrases::{FITTED, HELD_OUT, none, numbers, sentence_case};
+use crate::phrases::{FITTED, HELD_OUT, LEFT_OUT, none, numbers};
 
 const NO_MODEL: &str = "No patient has a personalised model.";
 
 /// Figure 8 of the paper and its numbers, once per kind of film.
-pub fn fitted_and_held_out(cohort: &Cohort) -> Section {
+pub fn by_kind_of_film(cohort: &Cohort) -> Section {
     let mut section = Section::new("errors", "Errors of the models");
     if cohort.lines.is_empty() {
         section.paragraph(NO_MODEL);
@@ -22,12 +23,45 @@ pub fn fitted_and_held_out(cohort: &Cohort) -> Section {
     }
     section.heading("Fitted films");
     section.paragraph(FITTED);
-    kind_of_film(&mut section, cohort, "fitted", "bending films, fitted", |line| &line.fitted);
+    let lines = cohort.lines.iter().map(|line| LineErrors::of(line.kind, &line.fitted));
+    kind_of_film(&mut section, cohort, "fitted", "bending films, fitted", lines.collect());
+    section.heading("Bends left out of the fit in turn");
+    section.paragraph(LEFT_OUT);
+    kind_of_film(&mut section, cohort, "left-out", "bending films, left out", left_out(cohort));
     section.heading("Held-out films");
     section.paragraph(HELD_OUT);
     let films = "neutral and traction films, held out";
-    kind_of_film(&mut section, cohort, "held-out", films, |line| &line.held_out);
+    let lines = cohort.lines.iter().map(|line| LineErrors::of(line.kind, &line.held_out));
+    kind_of_film(&mut section, cohort, "held-out", films, lines.collect());
     section
+}
+
+/// Errors of one line over films of one kind.
+struct LineErrors<'a> {
+    kind: LineKind,
+    location_mm: &'a Clustered,
+    ferguson_deg: &'a Clustered,
+    /// Films of this kind that do not count.
+    without: usize,
+}
+
+impl<'a> LineErrors<'a> {
+    fn of(kind: LineKind, errors: &'a ErrorStatistics) -> Self {
+        let ErrorStatistics { ferguson_deg, location_mm, unusable } = errors;
+        Self { kind, location_mm, ferguson_deg, without: *unusable }
+    }
+}
+
+fn left_out(cohort: &Cohort) -> Vec<LineErrors<'_>> {
+    let bends = cohort.compared.errors.iter().filter(|e| e.role == FilmRole::LeftOutBend);
+    bends
+        .map(|errors| LineErrors {
+            kind: errors.kind,
+            location_mm: &errors.location_mm,
+            ferguson_deg: &errors.ferguson_deg,
+            without: errors.left_out,
+        })
+        .collect()
 }
 
 fn kind_of_film(
@@ -35,19 +69,21 @@ fn kind_of_film(
     cohort: &Cohort,
     name: &str,
     films: &str,
-    of: fn(&LineStatistics) -> &ErrorStatistics,
+    lines: Vec<LineErrors<'_>>,
 ) {
     let group = if cohort.synthetic { "all patients (synthetic)" } else { "all patients" };
-    let samples: Vec<LocationErrorSample> = cohort
-        .lines
+    let samples: Vec<LocationErrorSample> = lines
         .iter()
         .map(|line| LocationErrorSample {
             group: group.to_owned(),
             line: line.kind,
-            errors_mm: of(line).location_mm.values(),
+            errors_mm: line.location_mm.values(),
         })
         .collect();
-    let svg = figures::location_errors(&samples, films, cohort.synthetic);
+    let Some(svg) = figures::location_errors(&samples, films, cohort.synthetic) else {
+        section.paragraph("No such film has a result.");
+        return;
+    };
     let caption = format!(
         "Location errors on {films} (figure 8 of the paper). Boxes: quartiles and median; whiskers: last values within 1.5 IQR of the box; circles: values beyond; diamonds: means."
     );
@@ -62,17 +98,16 @@ fn kind_of_film(
         Column::numbers("Films without a result"),
     ];
     let mut table = Table::new(format!("Errors on {films}"), columns);
-    for line in &cohort.lines {
-        let ErrorStatistics { ferguson_deg, location_mm, unusable } = of(line);
+    for LineErrors { kind, location_mm, ferguson_deg, without } in lines {
         let pooled = location_mm.pooled;
         table.row(vec![
-            line.kind.to_string(),
+            kind.to_string(),
             location_mm.patients.n.to_string(),
             pooled.n.to_string(),
             if pooled.n > 0 { format!("{:.2} ± {:.2}", pooled.mean, pooled.sd) } else { none() },
             with_interval(location_mm.patients.mean, location_mm.bootstrap, 2),
             with_interval(ferguson_deg.patients.mean, ferguson_deg.bootstrap, 2),
-            unusable.to_string(),
+            without.to_string(),
         ]);
     }
     section.table(table);
@@ -98,8 +133,45 @@ pub fn tests(cohort: &Cohort) -> Section {
     section
 }
 
-/// The lines on the same films, and the test of every pair of them.
+/// Films on which at least one line has no result, and the lines: films of a patient with the same lines in one row.
+fn films_left_out(cohort: &Cohort) -> Table {
+    let columns = vec![
+        Column::words("Case"),
+        Column::words("Kind of film"),
+        Column::words("Films"),
+        Column::words("Lines without a result"),
+        Column::words("Reason"),
+    ];
+    let mut table = Table::new("Films left out of the comparison of all lines", columns);
+    // Per row: case, kind of films, reason, lines; the films.
+    let mut rows: Vec<([String; 4], Vec<String>)> = Vec::new();
+    let missing = &cohort.compared.missing;
+    let same_film = |a: &MissingResult, b: &MissingResult| {
+        (&a.case_id, a.role, a.posture, a.reason) == (&b.case_id, b.role, b.posture, b.reason)
+    };
+    for film in missing.chunk_by(same_film) {
+        let lines: Vec<String> = film.iter().map(|one| one.kind.to_string()).collect();
+        let one = &film[0];
+        let row =
+            [one.case_id.clone(), one.role.to_string(), one.reason.to_string(), lines.join(", ")];
+        match rows.iter_mut().find(|(known, _)| *known == row) {
+            Some((_, films)) => films.push(one.posture.to_string()),
+            None => rows.push((row, vec![one.posture.to_string()])),
+        }
+    }
+    for ([case, role, reason, lines], films) in rows {
+        table.row(vec![case, role, films.join(", "), lines, reason]);
+    }
+    table
+}
+
+/// The lines on the same films, the test of every pair of them, and the films that are left out.
 pub fn compared(section: &mut Section, cohort: &Cohort) {
+    pairs(section, cohort);
+    section.table(films_left_out(cohort));
+}
+
+fn pairs(section: &mut Section, cohort: &Cohort) {
     let compared = &cohort.compared;
     if compared.family() == 0 {
         section.paragraph(
@@ -184,83 +256,4 @@ fn test_row(test: &LinePairTest) -> Vec<String> {
         p(test.holm_p),
         p(c.pooled.map(|t| t.p_two_sided)),
     ]
-}
-
-/// How many columns a table may have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Detail {
-    /// As many as a terminal has room for.
-    Summary,
-    /// One per number.
-    Full,
-}
-
-/// One row per patient.
-pub fn by_patient(analyses: &[Analysis], detail: Detail) -> Section {
-    let mut section = Section::new("by-patient", "Patient by patient");
-    let kinds = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
-    let mut columns = vec![
-        Column::words("Case"),
-        Column::numbers("Main Cobb (°)"),
-        Column::numbers("Inflections"),
-    ];
-    for kind in kinds {
-        let name = sentence_case(&kind.to_string());
-        match detail {
-            Detail::Summary => columns.push(Column::words(format!("{name} (mm)"))),
-            Detail::Full => {
-                columns.push(Column::numbers(format!("{name}: fitted (mm)")));
-                columns.push(Column::numbers(format!("{name}: held out (mm)")));
-            }
-        }
-    }
-    columns.push(Column::numbers("Counter-rotating joints"));
-    columns.push(Column::numbers("Contradictions, warnings, notes"));
-    let mut table = Table::new("Mean location errors of every patient", columns);
-    for analysis in analyses {
-        table.row(patient_row(analysis, kinds, detail));
-    }
-    let columns = match detail {
-        Detail::Summary => "Location errors: fitted bends / held-out films. ",
-        Detail::Full => "",
-    };
-    table.note = format!(
-        "{columns}Counter-rotating joints: joints of each fitted bend that turn against the force along the {}.",
-        kinds[0]
-    );
-    section.table(table);
-    section
-}
-
-fn patient_row(analysis: &Analysis, kinds: [LineKind; 3], detail: Detail) -> Vec<String> {
-    let main = main_curve(analysis).map(|curve| curve.cobb[0].1.abs().deg());
-    let mut row = vec![
-        analysis.case_id.clone(),
-        main.map_or_else(none, |cobb| format!("{cobb:.0}")),
-        analysis.inflections.all.len().to_string(),
-    ];
-    for kind in kinds {
-        let model = analysis.models.iter().find(|model| model.kind == kind);
-        let errors = [true, false].map(|fitted| {
-            let error = model.and_then(|model| model.mean_location_error_mm(fitted));
-            error.map_or_else(none, |error| format!("{error:.1}"))
-        });
-        match detail {
-            Detail::Summary => row.push(errors.join(" / ")),
-            Detail::Full => row.extend(errors),
-        }
-    }
-    let inflection = analysis.models.iter().find(|model| model.kind == kinds[0]);
-    let against = inflection.map(|model| {
-        let fitted = model.postures.iter().filter(|s| s.fitted);
-        fitted.map(|s| s.contradicted.len().to_string()).collect::<Vec<_>>().join(", ")
-    });
-    row.push(against.unwrap_or_else(none));
-    let count = |kind: NoticeKind| {
-        let all = analysis.warnings.all().iter();
-        all.filter(|warning| NoticeKind::from(warning.severity()) == kind).count().to_string()
-    };
-    let kinds = [NoticeKind::Contradiction, NoticeKind::Warning, NoticeKind::Note];
-    row.push(kinds.map(count).join(", "));
-    row
 }

@@ -1,16 +1,16 @@
 //! Analyses of many patients → a report: verdict and exclusions first, the method last.
 
+mod by_patient;
 mod errors;
 mod movement;
 mod people;
 mod readers;
 
 use spineline::analysis::{Analysis, Subject};
+use spineline::warning::counted;
 
 use crate::document::{Document, Section};
 use crate::{hypotheses, patient};
-use errors::Detail;
-
 pub use people::{Refusal, Refused};
 
 /// What a report of a cohort is made from.
@@ -37,10 +37,10 @@ pub fn report(patients: &Patients<'_>) -> Document {
     sections.push(people::table_1(patients));
     sections.push(people::lenke(patients));
     sections.push(movement::section(patients.together));
-    sections.push(errors::fitted_and_held_out(patients.together));
+    sections.push(errors::by_kind_of_film(patients.together));
     sections.push(errors::tests(patients.together));
     sections.extend(hypotheses::section(patients.analyses));
-    sections.push(errors::by_patient(patients.analyses, Detail::Full));
+    sections.push(by_patient::section(patients.analyses, patients.together));
     sections.push(readers::section(patients.analyses));
     sections.push(how(patients));
     Document {
@@ -68,7 +68,7 @@ pub fn summary(
         people::sentences(&mut verdict, together);
         let mut tests = Section::new("tests", "Comparison of the lines");
         errors::compared(&mut tests, together);
-        vec![verdict, errors::by_patient(analyses, Detail::Summary), tests]
+        vec![verdict, by_patient::summary(analyses, together), tests]
     };
     sections.extend(hypotheses::section(analyses));
     let synthetic = if together.synthetic { " · SYNTHETIC" } else { "" };
@@ -83,10 +83,7 @@ pub fn summary(
 }
 
 fn size(analyses: &[Analysis]) -> String {
-    match analyses.len() {
-        1 => "1 patient".to_owned(),
-        n => format!("{n} patients"),
-    }
+    counted(analyses.len(), "patient")
 }
 
 fn how(patients: &Patients<'_>) -> Section {

@@ -6,6 +6,8 @@ use super::with_interval;
 use crate::document::{Column, Figure, Section, Table};
 use crate::figures::{self, EstimateGroup, EstimateSample, InflectionSample};
 
+const NO_MOVEMENT: &str = "No patient has both a pair of inflections and a film of another posture than erect: inflections and least-rotating segments cannot be compared.";
+
 /// Figures 6 and 10, and the tests between the two estimates.
 pub fn section(cohort: &Cohort) -> Section {
     let mut section = Section::new("movement", "Movement of the spine");
@@ -15,19 +17,24 @@ pub fn section(cohort: &Cohort) -> Section {
         distances_segments: all.distance_segments.values(),
         rotations_deg: all.rotation_deg.values(),
     };
-    let svg = figures::inflection_distances(&[sample], cohort.synthetic);
-    let caption =
-        "Inflection segments against the least-rotating segments (figure 6 of the paper).";
-    section.figure(Figure::new("inflections", caption, svg));
+    match figures::inflection_distances(&[sample], cohort.synthetic) {
+        Some(svg) => {
+            let caption =
+                "Inflection segments against the least-rotating segments (figure 6 of the paper).";
+            section.figure(Figure::new("inflections", caption, svg));
+        }
+        None => section.paragraph(NO_MOVEMENT),
+    }
     let group = |name: &str, films: usize| EstimateGroup {
         name: name.to_owned(),
         inflection: estimates(&cohort.inflection[films + 1]),
         mean_least: estimates(&cohort.mean_least[films]),
     };
     let groups = [group("bends", 0), group("neutral and traction", 1)];
-    let svg = figures::least_rotating_estimates(&groups, cohort.synthetic);
-    let caption = "Inflections and MMS_Mean as estimates of the least-rotating segments (figure 10 of the paper).";
-    section.figure(Figure::new("estimates", caption, svg));
+    if let Some(svg) = figures::least_rotating_estimates(&groups, cohort.synthetic) {
+        let caption = "Inflections and MMS_Mean as estimates of the least-rotating segments (figure 10 of the paper).";
+        section.figure(Figure::new("estimates", caption, svg));
+    }
     section.table(rotations(cohort));
     section.table(table_2(cohort));
     section
@@ -83,7 +90,8 @@ fn table_2(cohort: &Cohort) -> Table {
         ("rotation on bends", "°"),
         ("rotation on neutral and traction films", "°"),
     ];
-    for ((name, unit), test) in names.into_iter().zip(&cohort.table_2) {
+    let tests = names.into_iter().zip(&cohort.table_2);
+    for ((name, unit), test) in tests.filter(|(_, test)| test.patients() > 0) {
         table.row(tested(&format!("{name} ({unit})"), test, unit));
     }
     table

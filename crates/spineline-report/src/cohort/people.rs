@@ -11,7 +11,7 @@ use spineline::evaluate::statistics::{Summary, quantile};
 use super::Patients;
 use crate::document::{Column, Figure, NoticeKind, Section, Table};
 use crate::figures::{self, FlowStep};
-use crate::phrases::none;
+use crate::phrases::{no_model_reason, none};
 
 /// Reason for the exclusion of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -120,6 +120,7 @@ pub fn flow(patients: &Patients<'_>) -> Section {
     let caption = "Cases at every step. A missing film removes a case from the last step only: all its other films count.";
     section.figure(Figure::new("flow", caption, svg));
     section.table(refused_table(refused));
+    section.table(incomplete_table(analyses));
     section.table(films_table(analyses));
     section
 }
@@ -129,6 +130,29 @@ fn refused_table(refused: &[Refused]) -> Table {
     let mut table = Table::new("Cases that were refused", columns);
     for one in refused {
         table.row(vec![one.name.clone(), one.refusal.words().to_owned(), one.why.clone()]);
+    }
+    table
+}
+
+/// Cases that do not reach the last step: which films they lack, and why they have no model.
+fn incomplete_table(analyses: &[Analysis]) -> Table {
+    let columns = vec![
+        Column::words("Case"),
+        Column::words("Films that are missing"),
+        Column::words("Reason why there is no model"),
+    ];
+    let mut table = Table::new("Cases without a model or without all five postures", columns);
+    for analysis in analyses {
+        let missing = Posture::ALL.iter().filter(|&&posture| analysis.posture(posture).is_none());
+        let missing: Vec<String> = missing.map(ToString::to_string).collect();
+        if missing.is_empty() && !analysis.models.is_empty() {
+            continue;
+        }
+        table.row(vec![
+            analysis.case_id.clone(),
+            if missing.is_empty() { none() } else { missing.join(", ") },
+            if analysis.models.is_empty() { no_model_reason(analysis) } else { none() },
+        ]);
     }
     table
 }
@@ -159,10 +183,10 @@ fn films_table(analyses: &[Analysis]) -> Table {
     table
 }
 
-/// The curve with the largest Cobb angle.
-pub fn main_curve(analysis: &Analysis) -> Option<&ClinicalCurve> {
-    let size = |curve: &ClinicalCurve| curve.cobb[0].1.abs().rad();
-    analysis.clinical.iter().max_by(|a, b| size(a).total_cmp(&size(b)))
+/// Size of an erect curve in degrees; a tilt range is named as such, since it is no Cobb angle.
+pub fn curve_size(curve: &ClinicalCurve) -> String {
+    let name = if curve.has_cobb() { "" } else { " (tilt range)" };
+    format!("{:.0}{name}", curve.erect_size().abs().deg())
 }
 
 /// Table 1 of the paper, with the sizes of the chain.
@@ -181,7 +205,7 @@ pub fn table_1(patients: &Patients<'_>) -> Section {
     ];
     let mut table = Table::new("Descriptive data of the patients (table 1 of the paper)", columns);
     for (analysis, subject) in patients.analyses.iter().zip(patients.subjects) {
-        let main = main_curve(analysis);
+        let main = analysis.main_curve();
         let flexibility = main.and_then(|curve| curve.flexibility);
         table.row(vec![
             analysis.case_id.clone(),
@@ -189,7 +213,7 @@ pub fn table_1(patients: &Patients<'_>) -> Section {
             subject.age_years.map_or_else(none, |age| format!("{age:.0}")),
             subject.lenke.clone().unwrap_or_else(none),
             analysis.lenke.map_or_else(none, |lenke| lenke.number.to_string()),
-            main.map_or_else(none, |curve| format!("{:.0}", curve.cobb[0].1.abs().deg())),
+            main.map_or_else(none, curve_size),
             flexibility.map_or_else(none, |f| format!("{:.0}", 100.0 * f)),
             analysis.inflections.all.len().to_string(),
         ]);
@@ -226,8 +250,8 @@ fn summary(patients: &Patients<'_>) -> Table {
         }
     }
     let ages = patients.subjects.iter().filter_map(|subject| subject.age_years).collect();
-    let cobb = patients.analyses.iter().filter_map(main_curve);
-    let cobb = cobb.map(|curve| curve.cobb[0].1.abs().deg()).collect();
+    let main = patients.analyses.iter().filter_map(Analysis::main_curve);
+    let cobb = main.filter_map(|curve| Some(curve.cobb_in(Posture::Erect)?.abs().deg())).collect();
     let segments = patients.analyses.iter().map(|a| f64::from(a.chain.segments as u32)).collect();
     let lengths =
         patients.analyses.iter().filter_map(|a| a.scale().mm(a.chain.segment_mm)).collect();
@@ -262,7 +286,10 @@ pub fn lenke(patients: &Patients<'_>) -> Section {
         .collect();
     let without = patients.analyses.iter().filter(|a| a.lenke.is_none()).count();
     counts.push(("none".to_owned(), without));
-    let svg = figures::lenke_types(&counts, patients.together.synthetic);
+    let Some(svg) = figures::lenke_types(&counts, patients.together.synthetic) else {
+        section.paragraph("There is no patient.");
+        return section;
+    };
     let caption = "Lenke types as far as frontal films determine them; none: a bending film or a pair of inflections is missing, or the curves match no type.";
     section.figure(Figure::new("lenke", caption, svg));
     section.table(recorded(patients));

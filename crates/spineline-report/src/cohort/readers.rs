@@ -91,5 +91,8 @@ fn plot(
         quantity.key.replace('_', " "),
         design.design
     );
-    Some(Figure::new(format!("agreement-{}-{}", quantity.key, design.design.key()), caption, svg))
+    let name = format!("agreement-{}-{}", quantity.key, design.design.key());
+    let figure = Figure::new(name, caption, svg);
+    // More than one row of panels.
+    Some(if design.bland_altman.len() > 2 { figure.on_whole_page() } else { figure })
 }

@@ -2,6 +2,7 @@
 
 use kuva::render::render::Primitive;
 use spineline::reliability::{BlandAltman, DesignReliability, QuantityReliability, shown_measure};
+use spineline::warning::counted;
 
 use super::page::{Page, Sample};
 use super::panel::{Axis, Heading, HeadingKind, Panel, Ticks};
@@ -21,7 +22,8 @@ pub fn bland_altman(
     design: &DesignReliability,
     synthetic: bool,
 ) -> Option<String> {
-    let pairs = &design.bland_altman;
+    let pairs: Vec<&BlandAltman> =
+        design.bland_altman.iter().filter(|pair| !pair.points.is_empty()).collect();
     if pairs.is_empty() {
         return None;
     }
@@ -29,8 +31,8 @@ pub fn bland_altman(
     let mut page = Page::new(title, synthetic);
     page.notes.push(format!("{}.", quantity.meaning));
     page.notes.push(format!(
-        "{} subjects. Bands: 95 % intervals of bias and limits, as if subjects were independent.",
-        design.subjects
+        "{}. Bands: 95 % intervals of bias and limits, as if subjects were independent.",
+        counted(design.subjects, "subject")
     ));
     page.notes.extend(design.remarks.iter().map(|remark| format!("{remark}.")));
     let point = Marker { radius_px: 2.6, ..Marker::new(Shape::Circle, BLACK, false) };

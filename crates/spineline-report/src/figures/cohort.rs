@@ -60,9 +60,24 @@ const BINS: [(&str, f64); 7] = [
     (">20", f64::INFINITY),
 ];
 
-/// Distances of inflection segments from least-rotating ones and their rotations, like figure 6 of the paper.
+/// Whether a sample has something to draw.
+fn has_values(values: &[f64]) -> bool {
+    values.iter().any(|value| value.is_finite())
+}
+
+/// Distances of inflection segments from least-rotating ones and their rotations, like figure 6 of the paper. Groups without
+/// values are left out; `None` where no group has any.
 #[must_use]
-pub fn inflection_distances(samples: &[InflectionSample], synthetic: bool) -> String {
+pub fn inflection_distances(samples: &[InflectionSample], synthetic: bool) -> Option<String> {
+    let samples: Vec<&InflectionSample> = samples
+        .iter()
+        .filter(|sample| {
+            has_values(&sample.distances_segments) && has_values(&sample.rotations_deg)
+        })
+        .collect();
+    if samples.is_empty() {
+        return None;
+    }
     let title = "Inflection segments and least-rotating segments";
     let mut page = Page::new(title, synthetic);
     page.notes.push(format!("From the erect to all other postures. {RULE}"));
@@ -70,7 +85,7 @@ pub fn inflection_distances(samples: &[InflectionSample], synthetic: bool) -> St
         let n = sample.distances_segments.iter().filter(|d| d.is_finite()).count();
         page.legend.push((Sample::Fill(fill), format!("{} (n = {n})", sample.name)));
     }
-    let mut bars = distance_bars(samples, [0.56 * page.inner_px() - 84.0, 340.0]);
+    let mut bars = distance_bars(&samples, [0.56 * page.inner_px() - 84.0, 340.0]);
     bars.heading(HeadingKind::Title, "(a) distance between them");
     let columns: Vec<Column> = samples
         .iter()
@@ -86,11 +101,11 @@ pub fn inflection_distances(samples: &[InflectionSample], synthetic: bool) -> St
     let mut boxes = box_panel(&columns, "rotation of a segment (deg)", frame_px);
     boxes.heading(HeadingKind::Title, "(b) rotation of inflection segments");
     page.rows.push(vec![bars, boxes]);
-    page.into_svg()
+    Some(page.into_svg())
 }
 
 /// Share of the distances of every sample per bin.
-fn distance_bars(samples: &[InflectionSample], frame_px: [f64; 2]) -> Panel {
+fn distance_bars(samples: &[&InflectionSample], frame_px: [f64; 2]) -> Panel {
     let shares: Vec<Vec<f64>> =
         samples.iter().map(|sample| bin_shares(&sample.distances_segments)).collect();
     let most = shares.iter().flatten().copied().fold(0.0, f64::max);
@@ -131,9 +146,19 @@ fn bin_shares(distances: &[f64]) -> Vec<f64> {
 /// Location errors by group of cases and line of action, like figure 8 of the paper.
 ///
 /// `films` says over which films, such as `bending films, fitted` or `neutral and traction films, held out`: errors on
-/// films that were fitted and on films that were not belong into figures of their own.
+/// films that were fitted and on films that were not belong into figures of their own. Samples without values are left out;
+/// `None` where none has any.
 #[must_use]
-pub fn location_errors(samples: &[LocationErrorSample], films: &str, synthetic: bool) -> String {
+pub fn location_errors(
+    samples: &[LocationErrorSample],
+    films: &str,
+    synthetic: bool,
+) -> Option<String> {
+    let samples: Vec<&LocationErrorSample> =
+        samples.iter().filter(|sample| has_values(&sample.errors_mm)).collect();
+    if samples.is_empty() {
+        return None;
+    }
     let mut page = Page::new(format!("Location errors: {films}"), synthetic);
     page.notes.push(format!(
         "Distance between simulated and measured vertebra midpoints, L3 to T2. {RULE}"
@@ -154,12 +179,21 @@ pub fn location_errors(samples: &[LocationErrorSample], films: &str, synthetic: 
     page.legend.extend(legend);
     let frame_px = [page.inner_px() - 84.0, 380.0];
     page.rows.push(vec![box_panel(&columns, "location error (mm)", frame_px)]);
-    page.into_svg()
+    Some(page.into_svg())
 }
 
-/// Inflection segments against the mean of the least-rotating segments of both bends, like figure 10 of the paper.
+/// Inflection segments against the mean of the least-rotating segments of both bends, like figure 10 of the paper. Groups
+/// and estimates without values are left out; `None` where no group has any.
 #[must_use]
-pub fn least_rotating_estimates(groups: &[EstimateGroup], synthetic: bool) -> String {
+pub fn least_rotating_estimates(groups: &[EstimateGroup], synthetic: bool) -> Option<String> {
+    let samples = |group: &&EstimateGroup| {
+        let samples = [&group.inflection, &group.mean_least];
+        samples.iter().any(|s| has_values(&s.distances_segments) && has_values(&s.rotations_deg))
+    };
+    let groups: Vec<&EstimateGroup> = groups.iter().filter(samples).collect();
+    if groups.is_empty() {
+        return None;
+    }
     let mut page = Page::new("Two estimates of the least-rotating segments", synthetic);
     page.notes.push(
         "Inflection: inflection segments of the erect curve (INF). Mean: segment midway between the least-rotating \
@@ -174,7 +208,9 @@ pub fn least_rotating_estimates(groups: &[EstimateGroup], synthetic: bool) -> St
             .iter()
             .flat_map(|group| {
                 let both = [("inflection", &group.inflection), ("mean", &group.mean_least)];
-                both.into_iter().zip(FILLS).map(|((name, sample), fill)| Column {
+                let drawn = both.into_iter().zip(FILLS);
+                let drawn = drawn.filter(|((_, sample), _)| has_values(pick(sample)));
+                drawn.map(|((name, sample), fill)| Column {
                     group: group.name.clone(),
                     name: name.to_owned(),
                     values: pick(sample).clone(),
@@ -199,7 +235,7 @@ pub fn least_rotating_estimates(groups: &[EstimateGroup], synthetic: bool) -> St
     } else {
         panels.into_iter().map(|panel| vec![panel]).collect()
     };
-    page.into_svg()
+    Some(page.into_svg())
 }
 
 #[cfg(test)]

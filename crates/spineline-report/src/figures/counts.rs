@@ -9,9 +9,12 @@ use super::style::{
     BLACK, BLUE, Ink, LABEL_PX, NOTE_PX, SKY, bold, line_px, outlined, text, wrapped,
 };
 
-/// Patients per Lenke type, one bar each.
+/// Patients per Lenke type, one bar each; `None` without patients.
 #[must_use]
-pub fn lenke_types(counts: &[(String, usize)], synthetic: bool) -> String {
+pub fn lenke_types(counts: &[(String, usize)], synthetic: bool) -> Option<String> {
+    if counts.iter().all(|(_, count)| *count == 0) {
+        return None;
+    }
     let mut page = Page::new("Lenke types from frontal films", synthetic);
     page.notes.push("Kyphosis and modifiers are not visible on frontal films.".to_owned());
     page.width_px = 640.0;
@@ -35,7 +38,7 @@ pub fn lenke_types(counts: &[(String, usize)], synthetic: bool) -> String {
         panel.name_below(middle, 0, words, false);
     }
     page.rows.push(vec![panel]);
-    page.into_svg()
+    Some(page.into_svg())
 }
 
 /// A step of the flow of cases.

@@ -4,18 +4,18 @@ use kuva::render::render::Primitive;
 use spineline::action::{LineKind, LineOfAction};
 use spineline::analysis::{Analysis, Case, PostureAnalysis};
 use spineline::anatomy::Posture;
-use spineline::measure::{
-    Film, FilmFrame, FilmLandmarks, Outline, SpacingPlane, VertebraLandmarks,
-};
+use spineline::measure::{Film, FilmFrame, FilmLandmarks, Outline, VertebraLandmarks};
 use spineline::spatial::{Frontal, Pixel};
 
-use super::frontal::{Extent, VIEW, drawn, frontal_panel};
+use super::frontal::{
+    Extent, VIEW, axes_of_row, drawn, frame_px, frontal_panel, has_scale, scale_note,
+};
 use super::page::{Page, Sample};
 use super::panel::{HeadingKind, Panel, Picture};
-use super::style::{BLACK, GREY, Ink, Marker, ORANGE, Shape, VERMILLION, action_ink};
+use super::style::{
+    BLACK, GREY, Ink, Marker, ORANGE, PAGE_WIDTH_PX, Shape, VERMILLION, action_ink,
+};
 
-const TALL_PX: f64 = 390.0;
-const PANELS_PER_ROW: usize = 3;
 /// Room around the landmarks, as a part of their height.
 const ROOM: f64 = 0.06;
 
@@ -34,6 +34,26 @@ pub struct FilmPicture {
     pub png: Vec<u8>,
 }
 
+/// How the films of a case share a page, so that any number of them fills it.
+#[derive(Debug, Clone, Copy)]
+struct Arrangement {
+    per_row: usize,
+    page_px: f64,
+    tall_px: f64,
+}
+
+impl Arrangement {
+    const fn of(films: usize) -> Self {
+        let (per_row, page_px, tall_px) = match films {
+            0 | 1 => (1, 640.0, 760.0),
+            2 => (2, PAGE_WIDTH_PX, 590.0),
+            4 => (2, PAGE_WIDTH_PX, 470.0),
+            _ => (3, PAGE_WIDTH_PX, 400.0),
+        };
+        Self { per_row, page_px, tall_px }
+    }
+}
+
 /// Coordinates on a film that is displayed upright: `-y` and `z` from L4's midpoint.
 struct Displayed<'a> {
     film: &'a Film,
@@ -48,16 +68,12 @@ impl<'a> Displayed<'a> {
 
     /// A point of the analysis.
     fn place(&self, point: Frontal) -> Frontal {
-        match &self.frame {
-            Some(frame) => self.pixel(frame, frame.pixel(point)),
-            None => point.rotated(self.outline.l4_on_film),
-        }
+        point.rotated(self.outline.l4_on_film)
     }
 
     /// A place of the picture.
     fn pixel(&self, frame: &FilmFrame, place: Pixel) -> Frontal {
-        let image = frame.image();
-        image.frontal(place) - image.frontal(frame.pixel(Frontal::default()))
+        self.place(frame.point(place))
     }
 
     fn line(&self, line: &LineOfAction) -> LineOfAction {
@@ -65,6 +81,10 @@ impl<'a> Displayed<'a> {
         let along = to - from;
         let direction = along * (1.0 / along.norm_mm());
         LineOfAction { point: from, direction, application: line.application }
+    }
+
+    fn has_scale(&self) -> bool {
+        has_scale(self.outline)
     }
 
     fn marks(&self) -> impl Iterator<Item = &'a VertebraLandmarks> {
@@ -92,7 +112,7 @@ impl<'a> Displayed<'a> {
         let corners = self.marks().filter_map(|mark| self.corners(mark)).flatten();
         let locations = self.outline.locations().map(|p| self.place(p));
         let points: Vec<Frontal> = corners.chain(locations).collect();
-        let bare = Extent::of(points);
+        let bare = Extent::around(points);
         let room = ROOM * bare.height_mm();
         bare.grown([2.0 * room, room])
     }
@@ -107,6 +127,7 @@ pub fn films(case: &Case, analysis: &Analysis, pictures: &[FilmPicture]) -> Stri
     page.notes.push(format!(
         "{VIEW} Films are shown as they were taken; L4's midpoint is at the origin."
     ));
+    page.notes.extend(scale_note(analysis));
     let displayed: Vec<(Displayed<'_>, &PostureAnalysis)> = analysis
         .postures
         .iter()
@@ -116,24 +137,29 @@ pub fn films(case: &Case, analysis: &Analysis, pictures: &[FilmPicture]) -> Stri
         })
         .collect();
     legend(&mut page, analysis, &displayed);
-    let columns = PANELS_PER_ROW.min(displayed.len()).max(1);
-    // Heights differ from film to film, so that every panel has an axis of its own.
-    let cell_px = page.inner_px() / columns as f64 - 84.0;
-    for row in displayed.chunks(columns) {
-        let mut panels: Vec<Panel> = Vec::new();
-        for (film, posture) in row {
-            let mut panel = empty_panel(film, cell_px.min(TALL_PX));
+    let arrangement = Arrangement::of(displayed.len());
+    page.width_px = arrangement.page_px;
+    let rows: Vec<_> = displayed.chunks(arrangement.per_row).collect();
+    let axes: Vec<Vec<bool>> =
+        rows.iter().map(|row| axes_of_row(row.iter().map(|(film, _)| film.has_scale()))).collect();
+    let widths = axes.iter().map(|axes| frame_px(page.inner_px(), axes, arrangement.per_row));
+    let wide_px = widths.fold(f64::INFINITY, f64::min);
+    let frames = Frames::of(&displayed, [wide_px, arrangement.tall_px]);
+    for (row, axes) in rows.into_iter().zip(axes) {
+        let panel = |(shown, written): (&(Displayed<'_>, &PostureAnalysis), bool)| {
+            let (film, posture) = shown;
+            let mut panel = frames.panel(film);
+            panel.y_written = written;
             panel.heading(HeadingKind::Title, film.outline.posture.to_string());
-            if film.outline.scale.plane == SpacingPlane::Pixels {
+            if !film.has_scale() {
                 panel.without_scale();
             }
-            panel.y.label = if panels.is_empty() { panel.y.label } else { String::new() };
             let picture = pictures.iter().find(|p| p.posture == film.outline.posture);
             panel.picture = picture.and_then(|picture| placed(&panel, film, picture));
             fill(&mut panel, film, analysis, posture);
-            panels.push(panel);
-        }
-        page.rows.push(panels);
+            panel
+        };
+        page.rows.push(row.iter().zip(axes).map(panel).collect());
     }
     page.into_svg()
 }
@@ -156,15 +182,29 @@ fn legend(page: &mut Page, analysis: &Analysis, displayed: &[(Displayed<'_>, &Po
     }
 }
 
-/// A panel that holds all landmarks, as wide as its cell.
-fn empty_panel(film: &Displayed<'_>, cell_px: f64) -> Panel {
-    let extent = film.extent();
-    let px_per_mm = (TALL_PX / extent.height_mm()).min(cell_px / extent.width_mm());
-    let mut extent = extent.at_least_wide(cell_px / px_per_mm);
-    // All frames equally high, so that a row has no holes.
-    let more = 0.5 * (TALL_PX / px_per_mm - extent.height_mm()).max(0.0);
-    extent.z_mm = [extent.z_mm[0] - more, extent.z_mm[1] + more];
-    frontal_panel(extent, px_per_mm)
+/// Frames of one size, at one scale and over the same heights, so that films can be compared and a row needs one axis. A
+/// film without a scale is taken at the typical length of a spine.
+struct Frames {
+    z_mm: [f64; 2],
+    wide_mm: f64,
+    px_per_mm: f64,
+}
+
+impl Frames {
+    /// The largest scale at which all landmarks of every film lie in a frame of at most this width and height.
+    fn of(displayed: &[(Displayed<'_>, &PostureAnalysis)], [wide_px, tall_px]: [f64; 2]) -> Self {
+        let extents = || displayed.iter().map(|(film, _)| film.extent());
+        let all = extents().reduce(Extent::union).unwrap_or_else(|| Extent::of([]));
+        let widest = extents().map(|extent| extent.width_mm()).fold(0.0, f64::max);
+        let px_per_mm = (tall_px / all.height_mm()).min(wide_px / widest.max(f64::MIN_POSITIVE));
+        Self { z_mm: all.z_mm, wide_mm: wide_px / px_per_mm, px_per_mm }
+    }
+
+    fn panel(&self, film: &Displayed<'_>) -> Panel {
+        let mut extent = film.extent().at_least_wide(self.wide_mm);
+        extent.z_mm = self.z_mm;
+        frontal_panel(extent, self.px_per_mm)
+    }
 }
 
 /// Where the picture lies in a panel.

@@ -4,6 +4,7 @@ use kuva::render::render::{Primitive, TextAnchor};
 use spineline::action::LineOfAction;
 use spineline::analysis::Analysis;
 use spineline::anatomy::Levels;
+use spineline::measure::{Outline, SpacingPlane};
 use spineline::spatial::Frontal;
 
 use super::panel::{Axis, Panel, Ticks};
@@ -32,13 +33,18 @@ pub fn drawn(point: Frontal) -> (f64, f64) {
 impl Extent {
     /// Holds points, with some room around them.
     pub fn of(points: impl IntoIterator<Item = Frontal>) -> Self {
+        Self::around(points).grown(PAD_MM)
+    }
+
+    /// Holds points and the origin, and nothing more.
+    pub fn around(points: impl IntoIterator<Item = Frontal>) -> Self {
         let mut extent = Self { x_mm: [0.0; 2], z_mm: [0.0; 2] };
         for point in points.into_iter().filter(|point| point.is_finite()) {
             let (x, z) = drawn(point);
             extent.x_mm = [extent.x_mm[0].min(x), extent.x_mm[1].max(x)];
             extent.z_mm = [extent.z_mm[0].min(z), extent.z_mm[1].max(z)];
         }
-        extent.grown(PAD_MM)
+        extent
     }
 
     /// The same with more room on all sides.
@@ -73,6 +79,39 @@ impl Extent {
     pub fn height_mm(&self) -> f64 {
         self.z_mm[1] - self.z_mm[0]
     }
+}
+
+/// Whether lengths on a film are millimetres.
+pub fn has_scale(outline: &Outline) -> bool {
+    outline.scale.plane != SpacingPlane::Pixels
+}
+
+/// How films without a scale are drawn; `None` where all have one.
+pub fn scale_note(analysis: &Analysis) -> Option<String> {
+    let all = analysis.postures.iter().all(|posture| has_scale(&posture.outline));
+    let words = "A film without a scale is drawn as if the spine had a typical length: only its shape is measured.";
+    (!all).then(|| words.to_owned())
+}
+
+/// Which panels of a row write their vertical axis: the first, and every one that has a scale where the one before it has
+/// none, or the reverse.
+pub fn axes_of_row(scaled: impl IntoIterator<Item = bool>) -> Vec<bool> {
+    let mut before = None;
+    scaled.into_iter().map(|scaled| before.replace(scaled) != Some(scaled)).collect()
+}
+
+/// Width between the frames of a row, without and with a written vertical axis.
+const GAPS_PX: [f64; 2] = [18.0, 84.0];
+
+/// Width of the gaps of a row.
+pub fn gaps_px(axes: &[bool]) -> f64 {
+    axes.iter().map(|written| GAPS_PX[usize::from(*written)]).sum()
+}
+
+/// Width of one of the equally wide frames of a row that has room for `most` of them.
+pub fn frame_px(row_px: f64, axes: &[bool], most: usize) -> f64 {
+    let empty_px = most.saturating_sub(axes.len()) as f64 * GAPS_PX[0];
+    (row_px - gaps_px(axes) - empty_px) / most.max(1) as f64
 }
 
 impl Panel {

@@ -5,7 +5,9 @@ use spineline::analysis::{Analysis, LineCrossing, PostureAnalysis, PreferredLine
 use spineline::personalize::Crossing;
 use spineline::spatial::Frontal;
 
-use super::frontal::{Extent, VIEW, drawn, frontal_panel};
+use super::frontal::{
+    Extent, VIEW, axes_of_row, drawn, frame_px, frontal_panel, has_scale, scale_note,
+};
 use super::page::{Page, Sample};
 use super::panel::{HeadingKind, Panel};
 use super::style::{BLACK, GREY, Ink, Marker, ORANGE, PURPLE, Shape, action_ink};
@@ -20,54 +22,70 @@ const BEST_FIT: Ink = Ink::new(PURPLE, "", 1.8);
 const INTERVAL: Ink = Ink::new(PURPLE, "", 4.0);
 
 /// The line through the inflections beside the line of best fit to the rotations of each film, with its 95 % intervals at the
-/// heights of the inflections, like figure 7 of the paper. `None` where no film was moved from the erect posture.
+/// heights of the inflections, like figure 7 of the paper. `None` where no film that was moved from the erect posture has
+/// either line.
 #[must_use]
 pub fn line_identification(analysis: &Analysis) -> Option<String> {
     let moved: Vec<&PostureAnalysis> =
         analysis.postures.iter().filter(|p| p.motion.is_some()).collect();
-    if moved.is_empty() {
+    let through = moved.iter().any(|p| p.inflection_points.is_some());
+    let best_fit = moved.iter().any(|p| p.preferred_line.is_some());
+    if !through && !best_fit {
         return None;
     }
     let title = format!("Identification of the line of action, case {}", analysis.case_id);
     let mut page = Page::new(title, analysis.synthetic);
-    page.notes.push(format!(
-        "{VIEW} p: the line of best fit runs through both inflections; below 0.05 rejects it."
-    ));
-    let line_ink = action_ink(LineKind::Inflection);
-    page.legend = vec![
-        (Sample::Stroke(SPINE.0, Some(SPINE.1)), "measured spine".to_owned()),
-        (Sample::Marker(INFLECTION), "inflections of the erect curve".to_owned()),
-        (Sample::Stroke(line_ink, None), "line through them".to_owned()),
-        (Sample::Stroke(BEST_FIT, None), "line of best fit to the rotations".to_owned()),
-        (Sample::Stroke(INTERVAL, None), "its 95 % interval, for each place alone".to_owned()),
-    ];
-    let room_px = 84.0 + 18.0 * (moved.len() as f64 - 1.0);
-    let cell_px = (page.inner_px() - room_px) / moved.len() as f64;
+    page.notes.push(match best_fit {
+        true => format!(
+            "{VIEW} p: the line of best fit runs through both inflections; below 0.05 rejects it."
+        ),
+        false => VIEW.to_owned(),
+    });
+    page.notes.extend(scale_note(analysis));
+    page.legend = legend(through, best_fit);
+    let axes = axes_of_row(moved.iter().map(|p| has_scale(&p.outline)));
+    let wide_px = frame_px(page.inner_px(), &axes, moved.len());
     let extents: Vec<Extent> = moved.iter().map(|p| Extent::of(p.outline.locations())).collect();
     let all = extents.iter().copied().reduce(Extent::union).expect("a film was moved");
-    let px_per_mm = (TALL_PX / all.height_mm()).min(cell_px / all.width_mm());
-    let panels = moved.iter().zip(extents).enumerate().map(|(i, (posture, mut extent))| {
+    let px_per_mm = (TALL_PX / all.height_mm()).min(wide_px / all.width_mm());
+    let panels = moved.iter().zip(extents).zip(axes).map(|((posture, mut extent), written)| {
         extent.z_mm = all.z_mm;
-        let mut panel = frontal_panel(extent.at_least_wide(cell_px / px_per_mm), px_per_mm);
-        panel.y_written = i == 0;
-        fill(&mut panel, posture);
+        let mut panel = frontal_panel(extent.at_least_wide(wide_px / px_per_mm), px_per_mm);
+        panel.y_written = written;
+        if !has_scale(&posture.outline) {
+            panel.without_scale();
+        }
+        fill(&mut panel, posture, best_fit);
         panel
     });
     page.rows.push(panels.collect());
     Some(page.into_svg())
 }
 
-fn fill(panel: &mut Panel, posture: &PostureAnalysis) {
+/// Entries for what is drawn: the line through the inflections, the line of best fit, or both.
+fn legend(through: bool, best_fit: bool) -> Vec<(Sample, String)> {
+    let mut entries = vec![(Sample::Stroke(SPINE.0, Some(SPINE.1)), "measured spine")];
+    if through {
+        let ink = action_ink(LineKind::Inflection);
+        entries.push((Sample::Marker(INFLECTION), "inflections of the erect curve"));
+        entries.push((Sample::Stroke(ink, None), "line through them"));
+    }
+    if best_fit {
+        entries.push((Sample::Stroke(BEST_FIT, None), "line of best fit to the rotations"));
+        entries.push((Sample::Stroke(INTERVAL, None), "its 95 % interval, for each place alone"));
+    }
+    entries.into_iter().map(|(sample, words)| (sample, words.to_owned())).collect()
+}
+
+/// One posture; `tested` says whether any film of the figure has a line of best fit.
+fn fill(panel: &mut Panel, posture: &PostureAnalysis, tested: bool) {
     panel.heading(HeadingKind::Title, posture.outline.posture.to_string());
     let best_fit = posture.preferred_line.as_ref();
-    let test = best_fit.and_then(|line| line.inflection);
-    panel.heading(
-        HeadingKind::Plain,
-        test.map_or_else(
-            || "not tested".to_owned(),
-            |found| format!("p {}", probability(found.test.p_value)),
-        ),
-    );
+    if tested {
+        let test = best_fit.and_then(|line| line.inflection);
+        let p_value = test.map(|found| format!("p {}", probability(found.test.p_value)));
+        panel.heading(HeadingKind::Plain, p_value.unwrap_or_else(|| "not tested".to_owned()));
+    }
     let locations: Vec<Frontal> = posture.outline.locations().collect();
     panel.end_levels(&locations, posture.outline.levels());
     if let Some([caudal, cranial]) = posture.inflection_points

@@ -2,10 +2,11 @@
 
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, PostureAnalysis};
-use spineline::measure::SpacingPlane;
 use spineline::spatial::Frontal;
 
-use super::frontal::{Extent, VIEW, drawn, extent_words, frontal_panel};
+use super::frontal::{
+    Extent, VIEW, axes_of_row, drawn, extent_words, frontal_panel, gaps_px, has_scale, scale_note,
+};
 use super::page::{Page, Sample};
 use super::panel::{HeadingKind, Panel};
 use super::style::{BLACK, GREY, Ink, Marker, ORANGE, Shape, action_ink};
@@ -26,6 +27,7 @@ pub fn case_overview(analysis: &Analysis) -> String {
     let mut page = Page::new(title, analysis.synthetic);
     let base = analysis.levels().base();
     page.notes.push(format!("{VIEW} All panels have the same scale; {base} is at the origin."));
+    page.notes.extend(scale_note(analysis));
     let midpoints = format!("vertebra midpoints, {}", extent_words(analysis));
     page.legend.push((Sample::Marker(VERTEBRA), midpoints));
     if analysis.postures.iter().any(|p| p.outline.interpolated().next().is_some()) {
@@ -41,12 +43,13 @@ pub fn case_overview(analysis: &Analysis) -> String {
     for kind in kinds {
         page.legend.push((Sample::Stroke(action_ink(kind), None), kind.to_string()));
     }
-    let (extents, px_per_mm) = scaled(analysis, page.inner_px());
+    let axes = axes_of_row(analysis.postures.iter().map(|posture| has_scale(&posture.outline)));
+    let (extents, px_per_mm) = scaled(analysis, page.inner_px() - gaps_px(&axes));
     let mut panels: Vec<Panel> = Vec::new();
-    for (posture, extent) in analysis.postures.iter().zip(extents) {
+    for ((posture, extent), written) in analysis.postures.iter().zip(extents).zip(axes) {
         let mut panel = frontal_panel(extent, px_per_mm);
-        panel.y_written = panels.is_empty();
-        if posture.outline.scale.plane == SpacingPlane::Pixels {
+        panel.y_written = written;
+        if !has_scale(&posture.outline) {
             panel.without_scale();
         }
         fill(&mut panel, analysis, posture);
@@ -56,16 +59,15 @@ pub fn case_overview(analysis: &Analysis) -> String {
     page.into_svg()
 }
 
-/// Extents of the postures and the scale with which they stand side by side in a given width.
+/// Extents of the postures and the scale with which their frames together have a given width.
 fn scaled(analysis: &Analysis, width_px: f64) -> (Vec<Extent>, f64) {
-    let room_px = 84.0 + 18.0 * (analysis.postures.len() as f64 - 1.0);
     let mut px_per_mm = 1.0;
     // The least width is one on the screen, so it in turn depends on the scale; a few rounds settle it.
     for _ in 0..6 {
         let extents = extents(analysis, NARROW_PX / px_per_mm);
         let width_mm: f64 = extents.iter().map(Extent::width_mm).sum();
         let height_mm = extents.first().map_or(1.0, Extent::height_mm);
-        px_per_mm = (TALL_PX / height_mm).min((width_px - room_px) / width_mm);
+        px_per_mm = (TALL_PX / height_mm).min(width_px / width_mm);
     }
     (extents(analysis, NARROW_PX / px_per_mm), px_per_mm)
 }

@@ -5,7 +5,7 @@ use spineline::multibody::{BodySize, Deformed};
 use spineline::response::erect_shape;
 use spineline::spatial::{Angle, Frontal, Vec3};
 
-use super::frontal::{Extent, extent_words, frontal_panel};
+use super::frontal::{Extent, extent_words, frontal_panel, has_scale};
 use super::page::{Page, Sample};
 use super::panel::{HeadingKind, Panel, Ticks};
 use super::style::{GREY, Ink, posture_style};
@@ -62,9 +62,12 @@ struct Shape {
 }
 
 /// The model of a patient in its erect posture and, as far as forces were found, in every simulated one: a flat figure of
-/// three views, and the same lines in space.
+/// three views, and the same lines in space. `None` where the erect film has no scale: the size of its model is not known.
 #[must_use]
-pub fn spine_in_space(analysis: &Analysis) -> (String, Space) {
+pub fn spine_in_space(analysis: &Analysis) -> Option<(String, Space)> {
+    if !has_scale(&analysis.erect().outline) {
+        return None;
+    }
     let title = format!("The multibody model in space, case {}", analysis.case_id);
     let mut page = Page::new(title, analysis.synthetic);
     let shapes = shapes(analysis);
@@ -109,7 +112,7 @@ pub fn spine_in_space(analysis: &Analysis) -> (String, Space) {
     });
     page.rows.push(panels.collect());
     let layers = shapes.iter().enumerate().map(|(i, shape)| layer(shape, i < 2)).collect();
-    (page.into_svg(), Space { layers })
+    Some((page.into_svg(), Space { layers }))
 }
 
 fn draw(panel: &mut Panel, shape: &Shape, view: View) {

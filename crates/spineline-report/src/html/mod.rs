@@ -11,6 +11,11 @@ const SCRIPT: &str = include_str!("report.js");
 const POLICY: &str =
     "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
 
+/// A table of at most so many rows is not divided over two printed pages.
+const SHORT_ROWS: usize = 16;
+/// A table of more columns is printed in smaller letters.
+const MANY_COLUMNS: usize = 8;
+
 /// The report as one HTML file. Its script sorts tables, hides and shows layers of figures and turns views in space; without
 /// it, everything can be read as well.
 #[must_use]
@@ -83,7 +88,7 @@ fn notice(notice: &Notice) -> Markup {
 fn table(table: &Table) -> Markup {
     let class = |column: usize| if table.columns[column].numeric { "number" } else { "words" };
     html! {
-        figure.table {
+        figure.table.short[table.rows.len() <= SHORT_ROWS].many-columns[table.columns.len() > MANY_COLUMNS] {
             figcaption { (table.caption) }
             div.wide {
                 table {
@@ -114,7 +119,7 @@ fn table(table: &Table) -> Markup {
 
 fn figure(figure: &Figure) -> Markup {
     html! {
-        figure.picture id={ "figure-" (figure.name) } {
+        figure.picture.whole-page[figure.whole_page] id={ "figure-" (figure.name) } {
             (PreEscaped(&figure.svg))
             @if let Some(space) = &figure.space {
                 div.space {

@@ -20,7 +20,9 @@
     if (body.rows.length < 3) continue;
     const heads = [...table.tHead.rows[0].cells];
     heads.forEach((head, column) => {
-      const button = make("button", { type: "button", title: "Sort" }, ...head.childNodes);
+      // Above the text and not around it: Chromium does not print controls in the repeated heads of long tables.
+      const label = `Sort by ${head.textContent.trim()}`;
+      const button = make("button", { type: "button", title: label, ariaLabel: label });
       head.append(button);
       button.addEventListener("click", () => {
         const down = head.getAttribute("aria-sort") === "ascending";

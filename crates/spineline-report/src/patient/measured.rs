@@ -2,15 +2,16 @@
 
 use spineline::analysis::{Analysis, PostureAnalysis, probability};
 use spineline::anatomy::Posture;
-use spineline::clinical::CobbEnds;
+use spineline::clinical::{Balance, ClinicalCurve, CobbEnds};
 use spineline::measure::{Interpolation, MeasuredVertebra};
 use spineline::motion::SegmentEstimate;
 use spineline::personalize::LineTest;
+use spineline::warning::counted;
 
 use super::Patient;
 use crate::document::{Column, Figure, Section, Table};
 use crate::figures::{self, InflectionSample};
-use crate::phrases::none;
+use crate::phrases::{GIVE_SCALE, films_without_scale, none};
 
 /// Films with everything on them, the curve, and clinical angles.
 pub fn films(patient: &Patient<'_>) -> Section {
@@ -19,17 +20,20 @@ pub fn films(patient: &Patient<'_>) -> Section {
     let svg = figures::films(patient.case, analysis, patient.pictures);
     let pictures = match patient.pictures.len() {
         0 => "No image of a film was available: landmarks alone are shown.".to_owned(),
-        n => format!("{n} of {} films with their images.", analysis.postures.len()),
+        n => format!("{n} of {} with images.", counted(analysis.postures.len(), "film")),
     };
     let caption = format!(
         "Films with landmarks, fitted curve, inflections and candidate lines of action. {pictures}"
     );
-    section.figure(Figure::new("films", caption, svg));
+    section.figure(Figure::new("films", caption, svg).on_whole_page());
     for sentence in curve_sentences(analysis) {
         section.paragraph(sentence);
     }
     section.table(clinical(analysis));
-    section.paragraph(format!("{}.", analysis.lenke_words()));
+    section.paragraph(format!("{}. {}.", analysis.balance_words(), analysis.lenke_words()));
+    if analysis.balance.is_some() {
+        section.paragraph(format!("{}.", Balance::MISSING));
+    }
     section.table(curves(analysis));
     section
 }
@@ -54,26 +58,35 @@ pub fn clinical(analysis: &Analysis) -> Table {
         Column::words("Apex"),
     ];
     let postures = analysis.postures.iter().map(|p| p.outline.posture);
-    columns.extend(postures.map(|posture| Column::numbers(format!("Cobb {posture} (°)"))));
+    let cobb = analysis.clinical.iter().all(ClinicalCurve::has_cobb);
+    let name = if cobb { "Cobb" } else { "Tilt range" };
+    columns.extend(postures.map(|posture| Column::numbers(format!("{name} {posture} (°)"))));
     columns.push(Column::numbers("Flexibility (%)"));
-    let mut table = Table::new("Cobb angles", columns);
+    let mut table = Table::new(if cobb { "Cobb angles" } else { "Tilt ranges" }, columns);
     for curve in &analysis.clinical {
-        let sign = curve.cobb[0].1.rad().signum();
+        let sign = curve.erect_size().rad().signum();
         let mut row = vec![
             curve.region.to_string(),
             curve.convex.map_or_else(none, |side| side.to_string()),
             format!("{}–{}", curve.ends.superior, curve.ends.inferior),
             curve.apex.to_string(),
         ];
-        row.extend(curve.cobb.iter().map(|(posture, angle)| {
+        row.extend(curve.angles.iter().map(|(posture, _)| {
             let mark = if ends_interpolated(analysis, *posture, curve.ends) { " ~" } else { "" };
-            format!("{:.1}{mark}", angle.deg() * sign)
+            let size = curve.size_in(*posture);
+            size.map_or_else(none, |angle| format!("{:.1}{mark}", angle.deg() * sign))
         }));
         row.push(curve.flexibility.map_or_else(none, |f| format!("{:.0}", 100.0 * f)));
         table.row(row);
     }
-    table.note =
-        "Positive in the direction of the erect curve: a negative angle is convex to the other side.".to_owned();
+    let what = if cobb {
+        "Superior endplate of the upper against inferior endplate of the lower end vertebra."
+    } else {
+        "The corners of the vertebrae are not known, so there is no Cobb angle: a tilt range is the difference of the tilts of the end vertebrae."
+    };
+    table.note = format!(
+        "{what} Positive in the direction of the erect curve: a negative angle is convex to the other side."
+    );
     if table.rows.iter().flatten().any(|cell| cell.ends_with(" ~")) {
         table.note.push_str(" ~: ends at an interpolated vertebra.");
     }
@@ -169,10 +182,11 @@ pub fn movement(analysis: &Analysis) -> Section {
         distances_segments: estimates.iter().map(|(.., e)| e.distance_segments as f64).collect(),
         rotations_deg: estimates.iter().map(|(.., e)| e.rotation.deg()).collect(),
     };
-    let svg = figures::inflection_distances(&[sample], analysis.synthetic);
-    let caption =
-        "Inflection segments against the least-rotating segments (figure 6 of the paper).";
-    section.figure(Figure::new("inflections", caption, svg));
+    if let Some(svg) = figures::inflection_distances(&[sample], analysis.synthetic) {
+        let caption =
+            "Inflection segments against the least-rotating segments (figure 6 of the paper).";
+        section.figure(Figure::new("inflections", caption, svg));
+    }
     let columns = vec![
         Column::words("Film"),
         Column::words("Inflection"),
@@ -202,11 +216,23 @@ pub fn movement(analysis: &Analysis) -> Section {
 pub fn line(analysis: &Analysis) -> Section {
     let mut section = Section::new("line", "Identification of the line of action");
     let Some(svg) = figures::line_identification(analysis) else {
-        section.paragraph("Only the erect film is available: no line can be identified.");
+        section.paragraph(if analysis.postures.iter().all(|p| p.motion.is_none()) {
+            "Only the erect film is available: no line can be identified."
+        } else {
+            "No line can be identified: the erect curve has no pair of inflections, and no film has a line of best fit to the rotations."
+        });
         return section;
     };
-    let caption = "The line through the inflections, and the line of best fit to the joints' rotations on each film (after figure 7 of the paper).";
-    section.figure(Figure::new("line", caption, svg));
+    let best_fits = analysis.postures.iter().any(|p| p.preferred_line.is_some());
+    let lines = if best_fits {
+        "The line through the inflections, and the line of best fit to the joints' rotations on each film"
+    } else {
+        "The line through the inflections on each film"
+    };
+    section.figure(Figure::new("line", format!("{lines} (after figure 7 of the paper)."), svg));
+    if let (false, Some(films)) = (best_fits, films_without_scale(analysis)) {
+        section.paragraph(format!("The line of best fit to the rotations is not computed: without a scale ({films}) its place in millimetres is not known. {GIVE_SCALE}"));
+    }
     let mut table = best_fit(analysis);
     table.note = format!(
         "In brackets the 95 % confidence interval of each place alone; negative is right. {}",

@@ -5,22 +5,22 @@ use spineline::anatomy::Posture;
 use spineline::multibody::StiffnessLibrary;
 use spineline::personalize::{FitStatus, StiffnessBound};
 use spineline::uncertainty::{AnalysisQuantity, Uncertainty};
+use spineline::warning::counted;
 
 use super::Patient;
 use super::uncertainty;
 use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures;
-use crate::phrases::{FITTED, HELD_OUT, none, numbers, sentence_case};
+use crate::phrases::{FITTED, GIVE_SCALE, HELD_OUT, no_model, none, numbers, sentence_case};
 
 /// Parts of the force at which figure 11 shows the spine.
 const PARTS: [f64; 4] = [0.0, 0.5, 1.0, 1.25];
-const NO_MODEL: &str = "There is no personalised model: the warnings above give the reason.";
 
 /// Figures 9 and 11 of the paper, for every posture.
 pub fn simulated(analysis: &Analysis) -> Section {
     let mut section = Section::new("simulated", "Measured and simulated spines");
     if analysis.models.is_empty() {
-        section.paragraph(NO_MODEL);
+        section.paragraph(no_model(analysis));
     }
     for posture in Posture::MOVED {
         let Some(svg) = figures::measured_and_simulated(analysis, posture) else { continue };
@@ -45,7 +45,10 @@ pub fn simulated(analysis: &Analysis) -> Section {
 /// The model from three sides.
 pub fn space(analysis: &Analysis) -> Section {
     let mut section = Section::new("space", "The model in space");
-    let (svg, space) = figures::spine_in_space(analysis);
+    let Some((svg, space)) = figures::spine_in_space(analysis) else {
+        section.paragraph(format!("The model is not drawn: its vertebrae are those of the erect film, which has no scale, so that their size in millimetres is not known. {GIVE_SCALE}"));
+        return section;
+    };
     let caption = format!("The multibody model from three sides; {}.", analysis.profile_words());
     let mut figure = Figure::new("space", caption, svg);
     figure.space = Some(space);
@@ -58,7 +61,7 @@ pub fn stiffness(patient: &Patient<'_>) -> Section {
     let analysis = patient.analysis;
     let mut section = Section::new("stiffness", "Stiffness");
     if analysis.models.is_empty() {
-        section.paragraph(NO_MODEL);
+        section.paragraph(no_model(analysis));
         return section;
     }
     section.paragraph(format!("Scale constraint (gauge): {}.", analysis.gauge_words()));
@@ -193,7 +196,7 @@ fn springs(analysis: &Analysis) -> Table {
 pub fn errors(analysis: &Analysis) -> Section {
     let mut section = Section::new("errors", "Errors of the models");
     if analysis.models.is_empty() {
-        section.paragraph(NO_MODEL);
+        section.paragraph(no_model(analysis));
         return section;
     }
     section.heading("Fitted films");
@@ -262,7 +265,7 @@ fn is_interpolated(analysis: &Analysis) -> bool {
 pub fn comparison(analysis: &Analysis, found: &LinesCompared) -> Section {
     let mut section = Section::new("comparison", "Comparison of the lines");
     if analysis.models.is_empty() {
-        section.paragraph(NO_MODEL);
+        section.paragraph(no_model(analysis));
         return section;
     }
     section.table(same_films(found));
@@ -307,7 +310,7 @@ pub fn not_compared(found: &LinesCompared) -> Vec<String> {
     let mut notes = Vec::new();
     for role in FilmRole::ALL {
         if let (all, left @ 1..) = found.counted(role) {
-            notes.push(format!("{left} of {all} films ({role}) are not compared, because at least one line has no result on them."));
+            notes.push(format!("{left} of {} ({role}) left out of the comparison, because at least one line has no result there.", counted(all, "film")));
         }
     }
     if !found.same_data() {

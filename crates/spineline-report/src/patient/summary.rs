@@ -62,12 +62,13 @@ fn subject(analysis: &Analysis) -> String {
 fn films(analysis: &Analysis) -> Section {
     let mut section = Section::new("films", "");
     let mut words = measured::curve_sentences(analysis);
-    words.push(format!("{}.", analysis.lenke_words()));
+    words.push(format!("{}. {}.", analysis.balance_words(), analysis.lenke_words()));
     section.paragraph(words.join(" "));
+    let clinical = measured::clinical(analysis);
     section.table(Table {
-        caption: "Cobb angles, positive in the direction of the erect curve".to_owned(),
+        caption: format!("{}, positive in the direction of the erect curve", clinical.caption),
         note: String::new(),
-        ..measured::clinical(analysis)
+        ..clinical
     });
     section.table(measured::curves(analysis));
     section

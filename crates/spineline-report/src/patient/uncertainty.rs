@@ -4,6 +4,7 @@ use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::Level;
 use spineline::personalize::{Identifiability, MultiplierInformation, ProfileEnd};
 use spineline::uncertainty::{AnalysisQuantity, QuantityUnit, Uncertainty};
+use spineline::warning::counted;
 
 use crate::document::{Column, Notice, NoticeKind, Section, Table};
 use crate::phrases::none;
@@ -104,15 +105,18 @@ fn deviation(log_sd: f64) -> String {
 pub fn numbers(analysis: &Analysis, found: &Uncertainty) -> Section {
     let mut section = Section::new("uncertainty", "Effect of landmark noise on the results");
     section.paragraph(format!(
-        "Monte Carlo over landmark noise: {} replicates, seed {}; {} of them failed. Means and 95 % intervals are those of the others.",
-        found.done, found.seed, found.failed
+        "Monte Carlo over landmark noise: {}, seed {}; {} of them failed. Means and 95 % intervals are those of the others.",
+        counted(found.done, "replicate"),
+        found.seed,
+        found.failed
     ));
     for words in found.noise_words().into_iter().chain(found.failure_words()) {
         section.paragraph(words);
     }
     section.notice(Notice::new(NoticeKind::Note, Uncertainty::CAVEAT));
     if found.done < found.requested {
-        let text = format!("Interrupted: {} replicates were requested.", found.requested);
+        let text =
+            format!("Interrupted: requested were {}.", counted(found.requested, "replicate"));
         section.notice(Notice::new(NoticeKind::Warning, text));
     }
     section.table(places(analysis, found));

@@ -4,7 +4,9 @@ use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, Subject, analyze};
 use spineline::anatomy::{Level, Posture};
 use spineline::evaluate::Simulation;
-use spineline::measure::{Film, FilmLandmarks, Placement, Reading, ReadingId, SpacingPlane};
+use spineline::measure::{
+    Film, FilmLandmarks, Placement, PlacementSource, Reading, ReadingId, SpacingPlane,
+};
 use spineline::multibody::MatchStatus;
 use spineline::spatial::{Angle, Frontal};
 use spineline_report::figures::{
@@ -28,12 +30,16 @@ fn film(posture: Posture, scale: f64, bend_deg: f64) -> Film {
             tilt += turn;
             place = place + along * (32.0 - 0.8 * i as f64);
         }
-        vertebrae.insert(level, Placement { location: place, tilt: Angle::from_deg(tilt) });
+        vertebrae.insert(level, Placement::new(place, Angle::from_deg(tilt)));
     }
     let readings = vec![Reading { id: ReadingId::new("A", 1), vertebrae }];
     Film {
         posture,
-        landmarks: FilmLandmarks::Placements { spacing_plane: SpacingPlane::Patient, readings },
+        landmarks: FilmLandmarks::Placements {
+            spacing_plane: SpacingPlane::Patient,
+            source: PlacementSource::Vertebrae,
+            readings,
+        },
     }
 }
 
@@ -113,12 +119,18 @@ fn figures(analysis: &Analysis) -> Vec<(String, String)> {
     let synthetic = analysis.synthetic;
     let mut all = vec![
         ("rotations".to_owned(), rotations(analysis).expect("moved postures")),
-        ("inflection-distances".to_owned(), inflection_distances(&distances(), synthetic)),
+        (
+            "inflection-distances".to_owned(),
+            inflection_distances(&distances(), synthetic).expect("values"),
+        ),
         (
             "location-errors".to_owned(),
-            location_errors(&errors(), "bending films, fitted", synthetic),
+            location_errors(&errors(), "bending films, fitted", synthetic).expect("values"),
         ),
-        ("estimates".to_owned(), least_rotating_estimates(&estimates(), synthetic)),
+        (
+            "estimates".to_owned(),
+            least_rotating_estimates(&estimates(), synthetic).expect("values"),
+        ),
         ("overview".to_owned(), case_overview(analysis)),
     ];
     let posture = Posture::RightBending;
@@ -231,27 +243,30 @@ fn an_erect_film_alone_has_an_overview_only() {
 }
 
 #[test]
-fn empty_samples_give_empty_axes() {
-    for svg in [
-        inflection_distances(&[], true),
-        location_errors(&[], "no films", true),
-        least_rotating_estimates(&[], true),
-    ] {
-        assert_well_formed("empty", &svg);
-    }
-    let nothing = LocationErrorSample {
-        group: "rod".to_owned(),
-        line: LineKind::Iliac,
-        errors_mm: vec![f64::NAN],
+fn samples_without_values_give_no_empty_panel() {
+    assert_eq!(inflection_distances(&[], true), None);
+    assert_eq!(location_errors(&[], "no films", true), None);
+    assert_eq!(least_rotating_estimates(&[], true), None);
+    let without =
+        |line| LocationErrorSample { group: "rod".to_owned(), line, errors_mm: vec![f64::NAN] };
+    assert_eq!(location_errors(&[without(LineKind::Iliac)], "no films", true), None);
+    let some = LocationErrorSample { errors_mm: vec![1.0, 2.0], ..without(LineKind::Inflection) };
+    let svg = location_errors(&[some, without(LineKind::Iliac)], "some films", true);
+    let svg = svg.expect("one line has errors");
+    assert!(svg.contains("n = 2") && !svg.contains("n = 0") && !svg.contains("iliac"));
+    let bends = estimates().swap_remove(0);
+    let none = EstimateGroup {
+        name: "no films".to_owned(),
+        inflection: EstimateSample::default(),
+        mean_least: EstimateSample::default(),
     };
-    let svg = location_errors(&[nothing], "no films", true);
-    assert_well_formed("empty", &svg);
-    assert!(svg.contains("n = 0"));
+    let svg = least_rotating_estimates(&[bends, none], true).expect("the bends have values");
+    assert!(!svg.contains("no films") && !svg.contains("n = 0"));
 }
 
 #[test]
 fn many_boxes_are_named_in_the_legend() {
-    let few = location_errors(&errors(), "bending films, fitted", true);
+    let few = location_errors(&errors(), "bending films, fitted", true).expect("values");
     assert!(few.contains("n = 504"));
     let mut many = Vec::new();
     for more in ["", ", later", ", again"] {
@@ -259,6 +274,6 @@ fn many_boxes_are_named_in_the_legend() {
             many.push(LocationErrorSample { group: sample.group.clone() + more, ..sample });
         }
     }
-    let svg = location_errors(&many, "all films", true);
+    let svg = location_errors(&many, "all films", true).expect("values");
     assert!(!svg.contains("n = 504") && svg.contains(">504<") && svg.contains("in the legend"));
 }

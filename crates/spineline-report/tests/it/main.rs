@@ -1,6 +1,9 @@
 //! The tests of this crate that see it from outside, in one executable so that they are linked once.
 
+mod cohort;
 mod figures;
+mod layout;
 mod loaded;
 mod reports;
+mod scale;
 mod terminal;

@@ -5,7 +5,7 @@ use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, analyze};
 use spineline::anatomy::Level;
 use spineline::cohort::Cohort;
 use spineline::hypothesis::{Hypothesis, Role, compare};
-use spineline::measure::FilmReadings;
+use spineline::measure::{FilmReadings, TiltRule};
 use spineline::personalize::{FitStatus, Identifiability, LogNormalPrior, StiffnessBound};
 use spineline::reliability::{QuantityReliability, assess, film_quantities};
 use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo, Uncertainty};
@@ -89,14 +89,14 @@ fn every_clinical_angle_and_every_fitted_curve_is_shown() {
     let text = terminal(&summary(&case, &analysis, None, None), WIDE);
     assert!(!analysis.clinical.is_empty());
     for curve in &analysis.clinical {
-        let sign = curve.cobb[0].1.rad().signum();
+        let sign = curve.erect_size().rad().signum();
         let mut cells = vec![
             curve.region.to_string(),
             curve.convex.expect("a curve has a side").to_string(),
             format!("{}–{}", curve.ends.superior, curve.ends.inferior),
             curve.apex.to_string(),
         ];
-        cells.extend(curve.cobb.iter().map(|(_, angle)| format!("{:.1}", angle.deg() * sign)));
+        cells.extend(curve.angles.iter().map(|(_, all)| format!("{:.1}", all.size().deg() * sign)));
         cells.push(percent(curve.flexibility.expect("it was bent")));
         holds(&text, &cells);
     }
@@ -288,7 +288,7 @@ fn requested_numbers_of_replicates_are_shown() {
     let text = terminal(&summary(&case, &analysis, None, Some(&found)), WIDE);
     let head = format!("4 replicates, seed 7; {} of them failed", found.failed);
     assert!(text.contains(&head), "{text}");
-    assert!(text.contains("Interrupted: 5 replicates were requested."), "{text}");
+    assert!(text.contains("Interrupted: requested were 5 replicates."), "{text}");
     let said = found.noise_words().into_iter().chain(found.failure_words());
     for sentence in said.chain([Uncertainty::CAVEAT.to_owned()]) {
         assert!(words(&text).contains(&words(&sentence)), "`{sentence}` is missing in\n{text}");
@@ -391,17 +391,20 @@ fn a_cohort_shows_every_patient_line_and_test() {
         assert!(words(&text).contains(&words(&sentence)), "`{sentence}` is missing in\n{text}");
     }
     for analysis in &analyses {
-        let cobb = analysis.clinical.iter().map(|curve| curve.cobb[0].1.abs().deg());
+        let cobb = analysis.clinical.iter().map(|curve| curve.erect_size().abs().deg());
         let mut cells = vec![
             analysis.case_id.clone(),
             format!("{:.0}", cobb.fold(0.0, f64::max)),
             analysis.inflections.all.len().to_string(),
         ];
         for kind in [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated] {
-            let model = analysis.models.iter().find(|model| model.kind == kind);
-            let errors =
-                [true, false].map(|fitted| model.and_then(|m| m.mean_location_error_mm(fitted)));
-            let errors = errors.map(|e| e.map_or("–".to_owned(), |e| format!("{e:.1}")));
+            let place =
+                analysis.models.iter().position(|model| model.kind == kind).expect("a model");
+            let [fitted, held_out] =
+                [true, false].map(|fitted| analysis.models[place].mean_location_error_mm(fitted));
+            let left_out = analysis.compare_lines().errors(place, FilmRole::LeftOutBend);
+            let errors = [fitted, left_out.map(|errors| errors.location_mm), held_out]
+                .map(|e| e.map_or("–".to_owned(), |e| format!("{e:.1}")));
             cells.push(errors.join(" / "));
         }
         holds(&text, &cells);
@@ -441,8 +444,8 @@ fn an_empty_cohort_says_so() {
 #[test]
 fn every_statistic_of_readings_is_shown_with_interval_and_limits_of_agreement() {
     let case = case(0, Truth::Rod);
-    let films: Vec<FilmReadings> =
-        case.films.iter().map(|film| FilmReadings::measure(film).expect("sound")).collect();
+    let measure = |film| FilmReadings::measure(film, TiltRule::default()).expect("sound");
+    let films: Vec<FilmReadings> = case.films.iter().map(measure).collect();
     let found: Vec<QuantityReliability> =
         film_quantities(&[(&case.id, &films)]).iter().map(assess).collect();
     let document = reliability::summary(&found, true, "spineline test");

@@ -92,7 +92,7 @@ pub struct CobbOverlay {
     pub label_px: [f64; 2],
     /// Such as `48.2°`.
     pub label: String,
-    /// Such as `main thoracic, T5–T12, Cobb 48.2°, convex to the patient's right`.
+    /// Such as `main thoracic, T5–T12, Cobb angle 48.2°, convex to the patient's right`.
     pub text: String,
 }
 
@@ -118,6 +118,8 @@ pub struct StudyFindings {
     pub curves: Vec<CurveFinding>,
     /// Lenke type as text, with missing films.
     pub lenke_text: String,
+    /// How the spine stands over the pelvis, as text.
+    pub balance_text: String,
     /// Rotations from the erect posture.
     pub rotations: Vec<RotationFinding>,
     /// Inflections of the erect curve as text.
@@ -137,6 +139,8 @@ pub struct CurveFinding {
     pub convex: Option<SideName>,
     /// Angles per posture.
     pub angles: Vec<CurveAnglesFinding>,
+    /// What the sizes are: `Cobb angle` or `tilt range`.
+    pub size_name: String,
     /// Flexibility as text, if there are bending films.
     pub flexibility_text: Option<String>,
 }
@@ -146,8 +150,8 @@ pub struct CurveFinding {
 pub struct CurveAnglesFinding {
     /// Posture.
     pub posture: PostureName,
-    /// Cobb angle.
-    pub cobb_deg: f64,
+    /// Cobb angle, or tilt range where corners are not known; none where this film lacks what the erect film has.
+    pub size_deg: Option<f64>,
     /// Ferguson angle.
     pub ferguson_deg: f64,
 }

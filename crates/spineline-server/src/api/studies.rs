@@ -57,8 +57,10 @@ pub struct StudySummary {
 pub struct CurveSummary {
     /// Lenke type as far as the films determine it, such as `1`.
     pub lenke: Option<String>,
-    /// Cobb angle.
-    pub cobb_deg: f64,
+    /// Cobb angle, or tilt range where corners are not known.
+    pub size_deg: f64,
+    /// Whether the size is a Cobb angle.
+    pub is_cobb: bool,
     /// Name of the region.
     pub region: String,
     /// The patient's side to which it is convex.

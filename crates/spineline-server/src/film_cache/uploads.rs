@@ -5,9 +5,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use axum::http::StatusCode;
 use spineline::measure::Spacing;
-use spineline_films::FilmKind;
+use spineline_films::{FilmKind, PatientMarks};
 use spineline_store::{Name, Timestamp};
 
+use crate::api::{Notice, Severity};
 use crate::limits::{UploadLimits, UploadRoom};
 use crate::problem::{Answer, Failure};
 use crate::secret::secret;
@@ -23,8 +24,12 @@ pub struct Upload {
     pub spacing: Option<Spacing>,
     pub is_lateral: bool,
     pub is_synthetic: bool,
+    /// For comparison with the patients of the study's other films.
+    pub patient: PatientMarks,
     /// Hash of the decoded pixels: equal for the same film in two files.
     pub picture: String,
+    /// SOP Instance UID of a DICOM file.
+    pub instance: Option<String>,
     /// A thumbnail as PNG.
     pub thumbnail: Vec<u8>,
 }
@@ -126,6 +131,25 @@ impl Uploads {
             )
             .help("upload the file again; an upload is kept for an hour")
         })
+    }
+
+    /// What is odd about a new upload beside others of this user: another file of one film, or another film with its
+    /// identifier.
+    pub fn twins(&self, owner: &Name, new: &Upload, now: Timestamp) -> Option<Notice> {
+        let known = self.known();
+        let others = known.values().filter(|s| s.owner == *owner && !self.is_over(s, now));
+        let uploads: Vec<&Upload> = others.filter_map(|s| s.upload.as_deref()).collect();
+        let (code, text) = if uploads.iter().any(|other| other.picture == new.picture) {
+            ("picture_repeated", "another uploaded file holds the same picture")
+        } else if uploads.iter().any(|o| o.instance.is_some() && o.instance == new.instance) {
+            let text = "another uploaded film has the same SOP Instance UID but different pixels: one was changed without a new identifier";
+            ("identifier_repeated", text)
+        } else {
+            return None;
+        };
+        let (code, text) = (code.to_owned(), text.to_owned());
+        let severity = Severity::Warning;
+        Some(Notice { severity, code, posture: None, level: None, line: None, text })
     }
 
     /// Forgets uploads that are in a study now, or that nobody wants any more.

@@ -9,7 +9,6 @@ use axum::http::StatusCode;
 use axum::response::Response;
 use spineline::anatomy::Posture;
 use spineline::measure::{Stance, View, judge_spacing, judge_view};
-use spineline_files::sha256_hex;
 use spineline_films::{FilmFile, FilmLimits, FilmRemark};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -60,6 +59,7 @@ async fn upload(
     let _permit = state.films().decoding().await?;
     let film = decode(&state, bytes.clone()).await?;
     let (upload, mut view) = computed(move || look(&film, bytes)).await?;
+    view.notices.extend(state.films().uploads.twins(&user.name, &upload, state.now()));
     view.upload = room.keep(upload, state.now());
     Ok(Json(view))
 }
@@ -94,7 +94,7 @@ async fn discard(
 }
 
 /// A thumbnail of an upload.
-#[utoipa::path(get, path = "/api/uploads/{upload}/thumbnail",
+#[utoipa::path(get, path = "/api/uploads/{upload}/thumbnail", params(("upload" = String, Path)),
     responses((status = 200, content_type = "image/png"), (status = 401, body = Problem),
         (status = 404, body = Problem)))]
 async fn thumbnail(
@@ -110,7 +110,6 @@ async fn thumbnail(
 fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
     let spacing = judge_spacing(&film.tags.spacing);
     let judged = judge_view(&film.tags.view, None);
-    let picture: Vec<u8> = film.stored.iter().flat_map(i32::to_le_bytes).collect();
     let is_lateral = judged.view == Some(View::Lateral);
     let remarks = film.remarks.iter().map(|remark| notice(code(remark), remark.to_string()));
     let of_spacing =
@@ -146,7 +145,9 @@ fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
         spacing: spacing.spacing,
         is_lateral,
         is_synthetic: film.tags.is_phantom,
-        picture: sha256_hex(&picture),
+        patient: film.tags.patient,
+        picture: film.picture_sha256(),
+        instance: film.tags.uids.sop_instance.clone(),
         thumbnail: draw_thumbnails(film).plain,
     };
     (upload, view)
@@ -155,6 +156,7 @@ fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
 fn code(remark: &FilmRemark) -> &'static str {
     match remark {
         FilmRemark::BurnedIn | FilmRemark::BurnedInUnknown => "burned_in_text",
+        FilmRemark::OtherBodyPart { .. } => "other_body_part",
         _ => "film_remark",
     }
 }

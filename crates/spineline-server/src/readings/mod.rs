@@ -30,7 +30,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 }
 
 /// Begins a reading of a film.
-#[utoipa::path(post, path = "/api/films/{film}/readings", request_body = NewReading,
+#[utoipa::path(post, path = "/api/films/{film}/readings", params(("film" = i64, Path)), request_body = NewReading,
     responses((status = 200, body = ReadingView), (status = 404, body = Problem),
         (status = 409, body = Problem)))]
 async fn begin(
@@ -51,7 +51,7 @@ async fn begin(
 }
 
 /// Begins the planned reading of a code.
-#[utoipa::path(post, path = "/api/codes/{code}/readings",
+#[utoipa::path(post, path = "/api/codes/{code}/readings", params(("code" = String, Path)),
     responses((status = 200, body = ReadingView), (status = 404, body = Problem),
         (status = 409, body = Problem)))]
 async fn begin_planned(
@@ -72,7 +72,7 @@ async fn begin_planned(
 }
 
 /// The current state of a reading.
-#[utoipa::path(get, path = "/api/readings/{reading}",
+#[utoipa::path(get, path = "/api/readings/{reading}", params(("reading" = i64, Path)),
     responses((status = 200, body = ReadingView), (status = 404, body = Problem)))]
 async fn reading(
     State(state): State<AppState>,
@@ -87,7 +87,7 @@ async fn reading(
 }
 
 /// Finishes a reading, which can then no longer be changed.
-#[utoipa::path(post, path = "/api/readings/{reading}/finish", request_body = Finish,
+#[utoipa::path(post, path = "/api/readings/{reading}/finish", params(("reading" = i64, Path)), request_body = Finish,
     responses((status = 200, body = ReadingView), (status = 404, body = Problem),
         (status = 409, body = ConflictAnswer), (status = 422, body = Problem)))]
 async fn finish(

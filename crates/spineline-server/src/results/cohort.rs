@@ -5,11 +5,11 @@ use std::sync::Arc;
 use axum::extract::State;
 use spineline::action::LineKind;
 use spineline::analysis::Analysis;
+use spineline::anatomy::Posture;
 use spineline::cohort::{Clustered, Cohort};
 use spineline::evaluate::statistics::{Summary, box_summary};
 use spineline_store::StoreError;
 
-use super::curves::main_curve;
 use super::summary::{ResultSummary, known, of_result, summary};
 use super::{notices, reliability};
 use crate::access::{prepared, sees_results};
@@ -130,7 +130,7 @@ fn cell(heading: &str, value: Option<f64>, places: usize) -> CohortCell {
 /// The same headings for every study.
 fn cells(analysis: Option<&Analysis>) -> Vec<CohortCell> {
     let of = |value: &dyn Fn(&Analysis) -> Option<f64>| analysis.and_then(value);
-    let cobb = of(&|a| Some(main_curve(a)?.cobb.first()?.1.abs().deg()));
+    let cobb = of(&|a| Some(a.main_curve()?.cobb_in(Posture::Erect)?.abs().deg()));
     let mut cells = vec![
         cell("Lenke type", of(&|a| a.lenke.map(|lenke| f64::from(lenke.number))), 0),
         cell("main Cobb (°)", cobb, 1),

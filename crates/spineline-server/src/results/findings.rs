@@ -6,7 +6,7 @@ use spineline::clinical::ClinicalCurve;
 use spineline::motion::{Motion, SegmentEstimate};
 use spineline::spatial::Angle;
 
-use super::curves::cobb_of;
+use super::curves::size_of;
 use super::words::length_unit;
 use crate::api::{CurveAnglesFinding, CurveFinding, RotationFinding, StudyFindings, Wire};
 
@@ -17,6 +17,7 @@ pub fn of_study(analysis: &Analysis) -> StudyFindings {
     StudyFindings {
         curves: analysis.clinical.iter().map(curve).collect(),
         lenke_text: analysis.lenke_words(),
+        balance_text: analysis.balance_words(),
         rotations: analysis.postures.iter().filter_map(|p| rotation(analysis, p)).collect(),
         inflections_text: analysis.inflection_words(),
         length_unit: length_unit(analysis.scale()).to_owned(),
@@ -24,28 +25,28 @@ pub fn of_study(analysis: &Analysis) -> StudyFindings {
 }
 
 fn curve(curve: &ClinicalCurve) -> CurveFinding {
-    let both = curve.cobb.iter().zip(&curve.ferguson);
-    let angles = both.filter_map(|((posture, _), (_, ferguson))| {
-        let cobb = cobb_of(curve, *posture)?;
-        // Both in the direction of the erect curve.
-        let sign = if curve.cobb[0].1.rad() < 0.0 { -1.0 } else { 1.0 };
-        Some(CurveAnglesFinding {
-            posture: Wire(*posture),
-            cobb_deg: cobb.deg(),
-            ferguson_deg: ferguson.deg() * sign,
-        })
+    // Both in the direction of the erect curve.
+    let sign = if curve.erect_size().rad() < 0.0 { -1.0 } else { 1.0 };
+    let angles = curve.ferguson.iter().map(|(posture, ferguson)| CurveAnglesFinding {
+        posture: Wire(*posture),
+        size_deg: size_of(curve, *posture).map(Angle::deg),
+        ferguson_deg: ferguson.deg() * sign,
     });
     CurveFinding {
         region: curve.region.to_string(),
         levels_text: format!("{} – {} – {}", curve.ends.inferior, curve.apex, curve.ends.superior),
         convex: curve.convex.map(Wire),
+        size_name: curve.size_name().to_owned(),
         angles: angles.collect(),
-        flexibility_text: curve.flexibility.zip(curve.convex).map(flexibility_text),
+        flexibility_text: curve
+            .flexibility
+            .zip(curve.convex)
+            .map(|(part, convex)| flexibility_text(curve.size_name(), part, convex)),
     }
 }
 
-fn flexibility_text((part, convex): (f64, Side)) -> String {
-    format!("Cobb angle falls by {:.0} % when bending to the {convex}", 100.0 * part)
+fn flexibility_text(name: &str, part: f64, convex: Side) -> String {
+    format!("{name} falls by {:.0} % when bending to the {convex}", 100.0 * part)
 }
 
 fn rotation(analysis: &Analysis, posture: &PostureAnalysis) -> Option<RotationFinding> {

@@ -1,8 +1,10 @@
 //! Results of a reading together with the other films of its study.
 
 use axum::extract::State;
+use spineline::analysis::check_repeated;
 use spineline::anatomy::Posture;
-use spineline::measure::{MeasureError, check_landmarks};
+use spineline::error::Error;
+use spineline::measure::{check_landmarks, judge_reading};
 use spineline_store::{
     CaseReadings, CurrentCase, CurrentFilm, Event, FilmId, Name, ReadingId, Store,
 };
@@ -63,8 +65,7 @@ fn of_film(result: &StudyResult, film: FilmId) -> LiveView {
     let hand = result.current.films.iter().find(|current| current.record.id == film);
     let posture = hand.map_or(Posture::Erect, |hand| hand.record.posture);
     let missing = hand.map(CurrentFilm::missing).unwrap_or_default();
-    let fault =
-        result.current.landmarks(posture).and_then(|landmarks| check_landmarks(landmarks).err());
+    let fault = fault_of(result, posture);
     let (status, status_text) = status(result, &missing, fault.as_ref());
     let study = result.analysis().map(findings::of_study);
     let overlay = if missing.is_empty() && fault.is_none() {
@@ -76,10 +77,23 @@ fn of_film(result: &StudyResult, film: FilmId) -> LiveView {
     LiveView { status, status_text, overlay, study, notices }
 }
 
+/// Why the film of the reading cannot be measured, or is no film of its own.
+fn fault_of(result: &StudyResult, posture: Posture) -> Option<Error> {
+    let landmarks = result.current.landmarks(posture)?;
+    if let Err(error) = check_landmarks(landmarks) {
+        return Some(error.into());
+    }
+    // Another film of the study is named where its reading is open.
+    let films = &result.current.case.films;
+    let others = films.iter().filter(|film| film.posture != posture);
+    let pairs = others.map(|other| [other.clone(), landmarks.clone()]);
+    pairs.map(|pair| check_repeated(&pair)).find_map(Result::err).map(Error::from)
+}
+
 fn status(
     result: &StudyResult,
     missing: &[spineline::anatomy::Level],
-    fault: Option<&MeasureError>,
+    fault: Option<&Error>,
 ) -> (LiveStatus, String) {
     if let Some(fault) = fault {
         return (LiveStatus::Refused, fault.to_string());
@@ -99,22 +113,21 @@ fn status(
 
 /// Notices of a study during a reading of one of its films, without the notice that this film is incomplete, which its status
 /// contains.
-fn film_notices(
-    result: &StudyResult,
-    posture: Posture,
-    fault: Option<&MeasureError>,
-) -> Vec<Notice> {
+fn film_notices(result: &StudyResult, posture: Posture, fault: Option<&Error>) -> Vec<Notice> {
     let name = Wire(posture);
     let mut notices = notices::of_result(result);
     notices.retain(|n| !(n.code == "film_left_out" && n.posture == Some(name)));
     if let Some(fault) = fault {
         let text = format!("{fault}: {}", fault.help());
-        let mut notice = notices::notice(Severity::Error, "refused", text);
+        let mut notice = notices::notice(Severity::Error, fault.code(), text);
         notice.posture = Some(name);
-        notices.retain(|other| other.code != "refused");
+        notices.retain(|other| other.severity != Severity::Error);
         notices.insert(0, notice);
+    } else if let Some(compared) = &result.current.compared {
+        // The analysis knows of no other readings of this film.
+        notices::add_new(&mut notices, &judge_reading(&compared.film, &compared.id));
     }
-    notices
+    notices::sorted(notices)
 }
 
 /// An overlay of a film from the finished readings of its study.

@@ -6,12 +6,11 @@ use axum::extract::State;
 use axum::http::StatusCode;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::Level;
-use spineline::clinical::CurvePlaces;
 use spineline::multibody::{BodyLoad, Deformed, GeneralStatics, Goal, Loading};
 use spineline::response::{
-    SpineAngles, erect_shape, largest_displacement_mm, measure_angles, respond,
+    CurveAngles, SpineAngles, erect_shape, largest_displacement_mm, measure_angles, respond,
 };
-use spineline::spatial::{Angle, Mat3, Vec3, vector_words};
+use spineline::spatial::{Mat3, Vec3, vector_words};
 
 use super::simulated::deformed_shape;
 use crate::access::open_study;
@@ -123,7 +122,7 @@ fn equilibrium(
         let deformed = result.deformed.clone();
         return Ok(Found { deformed, part: 1.0, status_text, converged: true });
     }
-    let (part, deformed) = response.last_reached().unwrap_or((0.0, erect));
+    let (part, deformed) = response.last_reached(&analysis.spine).unwrap_or((0.0, erect));
     let status_text = format!(
         "NO RESULT: {}; the shape at {:.0} % of the load is shown",
         response.ending.meaning(),
@@ -150,8 +149,7 @@ fn texts(analysis: &Analysis, erect: &Deformed, shape: &Deformed) -> Vec<String>
     let (vertebra, moved_mm) = largest_displacement_mm(&analysis.spine, shape);
     let levels = analysis.levels();
     let level = levels.as_slice()[vertebra];
-    let tilts: Vec<Angle> = (0..levels.len()).map(|i| erect.tilt(i)).collect();
-    let places = analysis.regions.bounds.map(|bounds| CurvePlaces::choose(bounds, &tilts));
+    let places = analysis.curve_places();
     let [before, after] = [erect, shape].map(|shape| measure_angles(shape, &places));
     let mut texts = vec![format!("{level} moves most: {moved_mm:.1} mm")];
     texts.extend(curve_text(&before, &after));
@@ -167,14 +165,12 @@ fn texts(analysis: &Analysis, erect: &Deformed, shape: &Deformed) -> Vec<String>
 /// The largest curve of the erect spine before and after.
 fn curve_text(before: &SpineAngles, after: &SpineAngles) -> Option<String> {
     let both = before.curves.iter().zip(&after.curves);
+    let size = |curve: &CurveAngles| curve.ends.size();
     let (before, after) =
-        both.max_by(|a, b| a.0.cobb.abs().rad().total_cmp(&b.0.cobb.abs().rad()))?;
+        both.max_by(|a, b| size(a.0).abs().rad().total_cmp(&size(b.0).abs().rad()))?;
     // In the direction of the erect curve; negative if the curve is reversed.
-    let sign = if before.cobb.rad() < 0.0 { -1.0 } else { 1.0 };
-    Some(format!(
-        "{} curve: Cobb {} instead of {}",
-        before.region,
-        after.cobb * sign,
-        before.cobb * sign
-    ))
+    let sign = if size(before).rad() < 0.0 { -1.0 } else { 1.0 };
+    let name = if before.ends.cobb.is_some() { "Cobb angle" } else { "tilt range" };
+    let [before_size, after_size] = [size(before), size(after)].map(|angle| angle * sign);
+    Some(format!("{} curve: {name} {after_size} instead of {before_size}", before.region))
 }

@@ -2,8 +2,8 @@
 
 use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
-use spineline::measure::{LengthScale, SpacingPlane};
-use spineline::warning::{Severity as Kind, Warning};
+use spineline::measure::{LengthScale, SpacingPlane, judge_landmarks};
+use spineline::warning::{Severity as Kind, Warning, Warnings};
 use spineline_store::CurrentCase;
 
 use crate::api::{Notice, Severity, Wire};
@@ -21,13 +21,26 @@ pub fn of_result(result: &StudyResult) -> Vec<Notice> {
     let mut notices = left_out(&result.current);
     match &result.outcome {
         Outcome::Waiting => {}
-        Outcome::Refused { text, help } => {
-            notices.push(notice(Severity::Error, "refused", format!("{text}: {help}")));
+        Outcome::Refused { code, text, help } => {
+            notices.push(notice(Severity::Error, code, format!("{text}: {help}")));
         }
         Outcome::Analysed(analysis) => notices.extend(of_analysis(analysis)),
     }
+    // The analysis is without incomplete films, or there is none.
+    for film in &result.current.case.films {
+        add_new(&mut notices, &judge_landmarks(film));
+    }
     notices.extend(synthetic(result.current.case.synthetic));
     sorted(notices)
+}
+
+/// Adds warnings that are not there yet.
+pub fn add_new(notices: &mut Vec<Notice>, warnings: &Warnings) {
+    for notice in warnings.all().iter().map(of_warning) {
+        if !notices.contains(&notice) {
+            notices.push(notice);
+        }
+    }
 }
 
 /// Worst first, and otherwise in their order.
@@ -109,7 +122,7 @@ fn left_out(current: &CurrentCase) -> Vec<Notice> {
 #[cfg(test)]
 mod tests {
     use spineline::action::LineKind;
-    use spineline::warning::{Step, Warnings};
+    use spineline::warning::Step;
 
     use super::*;
 

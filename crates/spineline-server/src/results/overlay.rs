@@ -5,12 +5,12 @@ use spineline::anatomy::{Level, Posture};
 use spineline::clinical::endplate_line;
 use spineline::curve::{CurveFit, fit_curve};
 use spineline::measure::{
-    Film, FilmFrame, LengthScale, Outline, body_widths, endplate_centres, measure_film,
+    Film, FilmFrame, LengthScale, Outline, TiltRule, body_widths, endplate_centres, measure_film,
 };
 use spineline::spatial::{Frontal, Pixel};
 use spineline::warning::Warnings;
 
-use super::curves::{cobb_of, curve_text};
+use super::curves::{curve_text, size_of};
 use crate::api::{CobbOverlay, FilmOverlay, LabelledPoint, LineOverlay, Residual, Wire};
 use crate::result_cache::StudyResult;
 
@@ -34,7 +34,7 @@ pub fn of_film(result: &StudyResult, posture: Posture) -> Option<FilmOverlay> {
         overlay.least_rotating = drawing.least_rotating();
         return Some(overlay);
     }
-    let outline = measure_film(film, &mut Warnings::default()).ok()?;
+    let outline = measure_film(film, TiltRule::default(), &mut Warnings::default()).ok()?;
     let rule = AnalysisOptions::default().order_rule;
     let fit = fit_curve(&outline, rule, &mut Warnings::default()).ok()?;
     Some(curve_alone(&FilmFrame::of(film, &outline)?, &outline, &fit))
@@ -145,11 +145,12 @@ impl Drawing<'_> {
     fn cobb(&self) -> Vec<CobbOverlay> {
         let outline = &self.measured.outline;
         let overlays = self.analysis.clinical.iter().filter_map(|curve| {
-            let angle = cobb_of(curve, outline.posture)?;
+            let angle = size_of(curve, outline.posture)?;
             let line = |level: Level, inferior: bool| {
                 let [upper, lower] = endplate_centres(self.film, &self.frame, level)?;
                 let centre = if inferior { lower } else { upper };
-                let tilt = outline.vertebra(level)?.tilt;
+                let endplates = outline.vertebra(level)?.endplates?;
+                let tilt = if inferior { endplates.inferior } else { endplates.superior };
                 Some(endplate_line(centre, tilt, self.reach_mm()))
             };
             let upper = line(curve.ends.superior, false)?;

@@ -13,7 +13,7 @@ use crate::session::User;
 use crate::state::AppState;
 
 /// Records all events or none, and returns the results. A repeated request gets the same answer and records nothing.
-#[utoipa::path(post, path = "/api/readings/{reading}/events", request_body = NewEvent,
+#[utoipa::path(post, path = "/api/readings/{reading}/events", params(("reading" = i64, Path)), request_body = NewEvent,
     responses((status = 200, body = Preview), (status = 404, body = Problem),
         (status = 409, body = ConflictAnswer), (status = 422, body = Problem)))]
 pub async fn record(

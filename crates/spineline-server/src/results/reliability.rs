@@ -1,7 +1,7 @@
 //! Agreement of observers.
 
 use axum::extract::State;
-use spineline::measure::FilmReadings;
+use spineline::measure::{FilmReadings, TiltRule};
 use spineline::reliability::{DesignReliability, QuantityReliability, assess, film_quantities};
 
 use crate::access::open_study;
@@ -31,8 +31,9 @@ pub fn of_studies(results: &[&StudyResult], scope: &str) -> Vec<ReliabilityView>
     let read = |result: &&StudyResult| {
         let films = result.current.case.films.iter();
         // Other parts report films that cannot be measured.
-        let readings: Vec<FilmReadings> =
-            films.filter_map(|film| FilmReadings::measure(film).ok()).collect();
+        let readings: Vec<FilmReadings> = films
+            .filter_map(|film| FilmReadings::measure(film, TiltRule::default()).ok())
+            .collect();
         (result.study.to_string(), readings)
     };
     let cases: Vec<(String, Vec<FilmReadings>)> = results.iter().map(read).collect();

@@ -4,7 +4,7 @@ use spineline::action::Application;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::Level;
 use spineline::evaluate::Simulation;
-use spineline::multibody::{Deformed, SpineModel};
+use spineline::multibody::{Deformed, MatchStatus, SpineModel};
 use spineline::personalize::evidence::ContradictedJoint;
 use spineline::spatial::{Angle, Mat3, Vec3};
 
@@ -75,6 +75,8 @@ fn status_text(simulation: &Simulation, top: Level) -> String {
     let status = simulation.status.key().replace('_', " ");
     if simulation.is_usable() {
         format!("{status}; {left}")
+    } else if simulation.status == MatchStatus::BeyondHumanRange {
+        format!("{status}: no human spine takes this shape, and it is not a result; {left}")
     } else {
         format!("{status}: the nearest shape is shown and is not a result; {left}")
     }

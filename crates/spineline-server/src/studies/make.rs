@@ -45,6 +45,7 @@ async fn new_study(
         .map(|film| Ok((film.clone(), state.films().uploads.get(&user.name, &film.upload, now)?)));
     let films = uploads.collect::<Answer<Vec<_>>>()?;
     check(&films)?;
+    check_patient(films.iter().map(|(_, upload)| upload.as_ref()))?;
     let synthetic = films.iter().all(|(_, upload)| upload.is_synthetic);
     let study = Study { id, label: new.label, synthetic };
     let prepared = computed(move || {
@@ -78,15 +79,18 @@ async fn import_case(
         let upload = state.films().uploads.get(&user.name, &film.upload, now)?;
         uploads.insert(film.name.clone(), upload);
     }
+    check_patient(uploads.values().map(Arc::as_ref))?;
     let used = import.films.iter().map(|film| film.upload.clone()).collect();
     let read = computed(move || {
         let missing = "a film that the case names was not uploaded";
         let bytes_of =
             |file: &str| uploads.get(file).map(|upload| upload.bytes.clone()).ok_or(missing);
         let case = NewCase::read(&import.text, bytes_of).map_err(|error| case_refused(&error))?;
+        let mut pictures = Pictures::default();
         for (posture, file, size) in case.pictures() {
             let upload = uploads.get(file).ok_or_else(|| refused(missing))?;
             check_picture(posture, size, upload)?;
+            pictures.add(posture, upload)?;
         }
         let (id, salt) = (case.id().clone(), salt()?);
         case.rewritten(|bytes| clean(&id, bytes, salt))
@@ -116,7 +120,7 @@ fn check(films: &[(NewFilm, Arc<Upload>)]) -> Answer<()> {
     if films.is_empty() {
         return Err(refused("a study needs at least one film"));
     }
-    let (mut postures, mut pictures) = (BTreeSet::new(), BTreeSet::new());
+    let (mut postures, mut pictures) = (BTreeSet::new(), Pictures::default());
     for (film, upload) in films {
         let posture = film.posture.0;
         if upload.is_lateral {
@@ -127,9 +131,40 @@ fn check(films: &[(NewFilm, Arc<Upload>)]) -> Answer<()> {
             return Err(refused(&format!("the study has two {posture} films"))
                 .help("choose one film per posture"));
         }
-        if !pictures.insert(&upload.picture) {
-            return Err(refused(&format!("{posture}: the same picture is used twice"))
-                .help("choose a different film for each posture"));
+        pictures.add(posture, upload)?;
+    }
+    Ok(())
+}
+
+/// The pictures of a study, each for one posture.
+#[derive(Default)]
+struct Pictures(BTreeMap<String, Posture>);
+
+impl Pictures {
+    fn add(&mut self, posture: Posture, upload: &Upload) -> Answer<()> {
+        match self.0.insert(upload.picture.clone(), posture) {
+            None => Ok(()),
+            Some(other) => {
+                let text = format!("the {other} film and the {posture} film are the same picture");
+                Err(refused(&text).help("choose a different film for each posture"))
+            }
+        }
+    }
+}
+
+/// Refuses films of two patients. One attribute may be mistyped; that two differ is no mistake.
+fn check_patient<'a>(mut films: impl Iterator<Item = &'a Upload>) -> Answer<()> {
+    let Some(first) = films.next() else { return Ok(()) };
+    for film in films {
+        let found = first.patient.differences(&film.patient);
+        if found.len() > 1 {
+            let text = format!(
+                "the films are of two patients: their files differ in {}",
+                found.join(" and ")
+            );
+            return Err(refused(&text).help(
+                "choose the films of one patient; if they are, `spineline import --accept` makes a case of them",
+            ));
         }
     }
     Ok(())

@@ -42,7 +42,7 @@ async fn list(State(state): State<AppState>, user: User) -> Answer<Json<Vec<Stud
 }
 
 /// One study.
-#[utoipa::path(get, path = "/api/studies/{study}",
+#[utoipa::path(get, path = "/api/studies/{study}", params(("study" = String, Path)),
     responses((status = 200, body = StudyDetail), (status = 404, body = Problem)))]
 async fn study(
     State(state): State<AppState>,
@@ -100,7 +100,7 @@ fn plan_view(
 }
 
 /// Plans blinded readings.
-#[utoipa::path(post, path = "/api/studies/{study}/plan", request_body = NewPlan,
+#[utoipa::path(post, path = "/api/studies/{study}/plan", params(("study" = String, Path)), request_body = NewPlan,
     responses((status = 200, body = StudyDetail), (status = 403, body = Problem),
         (status = 404, body = Problem), (status = 409, body = Problem),
         (status = 422, body = Problem)))]
@@ -131,7 +131,7 @@ pub fn of_study(user: &User) -> Change {
 }
 
 /// The case file of a study, with its finished readings.
-#[utoipa::path(get, path = "/api/studies/{study}/case",
+#[utoipa::path(get, path = "/api/studies/{study}/case", params(("study" = String, Path)),
     responses((status = 200, content_type = "application/json"), (status = 404, body = Problem),
         (status = 422, body = Problem)))]
 async fn case_file(

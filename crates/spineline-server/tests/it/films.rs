@@ -10,7 +10,7 @@ use spineline_store::Access;
 use crate::browser::{App, Browser, options};
 
 /// A program that decodes films: the example, which is built beside the tests.
-fn decoding() -> ServeOptions {
+pub fn decoding() -> ServeOptions {
     let tests = std::env::current_exe().expect("this program");
     let built = tests.parent().and_then(std::path::Path::parent).expect("a folder of builds");
     let decoder = built.join("examples").join(format!("decoder{}", std::env::consts::EXE_SUFFIX));
@@ -195,19 +195,24 @@ fn f59_a_stale_edit_of_a_film_is_refused_and_kept() {
     assert_eq!(case.json()["films"][0]["image"]["spacing_source"], "ball");
 }
 
-/// A DICOM film with a patient's name, which is the demonstration's with the name exchanged for another of its length.
-fn film_of(browser: &Browser<'_>, app: &App) -> Vec<u8> {
-    demo(browser);
+/// A DICOM film of the demonstration.
+fn demo_film(app: &App, number: usize) -> Vec<u8> {
     let store = spineline_store::Store::open(&app.store_path()).expect("the store");
-    let film = store.films(&crate::browser::name("demo-rod-01")).expect("films").remove(0);
-    let mut bytes = store.content(&film.content).expect("bytes");
+    let film = store.films(&crate::browser::name("demo-rod-01")).expect("films").remove(number);
+    store.content(&film.content).expect("bytes")
+}
+
+/// A DICOM film with a patient's name, which is the demonstration's with the name exchanged for another of its length.
+pub fn film_of(browser: &Browser<'_>, app: &App) -> Vec<u8> {
+    demo(browser);
+    let mut bytes = demo_film(app, 0);
     let old = b"PHANTOM^ROD01";
     let at = bytes.windows(old.len()).position(|part| part == old).expect("the name");
     bytes[at..at + old.len()].copy_from_slice(b"DOE^JANE SMIT");
     bytes
 }
 
-fn upload(browser: &Browser<'_>, bytes: Vec<u8>) -> crate::browser::Answer {
+pub fn upload(browser: &Browser<'_>, bytes: Vec<u8>) -> crate::browser::Answer {
     browser.send(Method::POST, "/api/uploads", "application/octet-stream", bytes)
 }
 
@@ -367,4 +372,61 @@ fn no_answer_to_a_blinded_reader_contains_a_posture() {
 
 fn record_one(browser: &Browser<'_>, reading: i64) -> crate::browser::Answer {
     record(browser, reading, 0, json!([corner("L4", "superior_left", 5.0, 5.0)]))
+}
+
+/// Gives an attribute of an explicit little endian file another text of even length.
+fn with_text(mut bytes: Vec<u8>, [group, element]: [u16; 2], vr: &[u8; 2], value: &str) -> Vec<u8> {
+    let head = [&group.to_le_bytes()[..], &element.to_le_bytes()[..], &vr[..]].concat();
+    let at = bytes.windows(head.len()).position(|part| part == head).expect("the attribute") + 6;
+    let old = usize::from(u16::from_le_bytes([bytes[at], bytes[at + 1]]));
+    let length = u16::try_from(value.len()).expect("short").to_le_bytes();
+    bytes.splice(at..at + 2 + old, length.into_iter().chain(value.bytes()));
+    bytes
+}
+
+#[test]
+fn another_part_of_the_body_is_reported_at_the_upload() {
+    let app = app();
+    let browser = app.observer("Ann");
+    demo(&browser);
+    for (part, doubted) in [("BREAST", true), ("LEG ", true), ("SPINE ", false)] {
+        let bytes = with_text(demo_film(&app, 0), [0x18, 0x15], b"CS", part);
+        let view = upload(&browser, bytes).json();
+        let mut notices = view["notices"].as_array().expect("notices").iter();
+        let found = notices.find(|notice| notice["code"] == "other_body_part");
+        assert_eq!(found.is_some(), doubted, "{part}: {view}");
+        if let Some(notice) = found {
+            assert_eq!(notice["severity"], "warning", "{notice}");
+            assert!(notice["text"].as_str().is_some_and(|text| text.contains(part.trim())));
+        }
+    }
+}
+
+#[test]
+fn films_of_two_patients_are_refused() {
+    let app = app();
+    let browser = app.observer("Ann");
+    demo(&browser);
+    let film = |number: usize, posture: &str, id: &str, sex: &str| {
+        let bytes = with_text(demo_film(&app, number), [0x10, 0x20], b"LO", id);
+        let bytes = with_text(bytes, [0x10, 0x40], b"CS", sex);
+        let view = upload(&browser, bytes).json();
+        json!({ "upload": view["upload"], "posture": posture, "patient_left": "image_left",
+            "scale": { "kind": "file" } })
+    };
+    // An identifier of another hospital may be the same patient's.
+    for (study, id, sex, status) in [
+        ("S-1", "AAAA", "F ", StatusCode::OK),
+        ("S-2", "BBBB", "F ", StatusCode::OK),
+        ("S-3", "BBBB", "M ", StatusCode::UNPROCESSABLE_ENTITY),
+    ] {
+        let films = [film(0, "erect", "AAAA", "F "), film(1, "left_bending", id, sex)];
+        let made =
+            browser.post("/api/studies", &json!({ "id": study, "label": null, "films": films }));
+        assert_eq!(made.status, status, "{study}: {}", made.text());
+        if status != StatusCode::OK {
+            assert!(made.text().contains("two patients"), "{}", made.text());
+            assert!(!made.text().contains("BBBB"), "{}", made.text());
+        }
+    }
 }

@@ -9,7 +9,11 @@ mod films;
 mod guards;
 mod numbers;
 mod openapi;
+mod privacy;
+mod repeated_films;
 mod results;
 mod routes;
 mod sessions;
 mod streams;
+#[path = "../../../spineline-cli/tests/it/unpacked.rs"]
+mod unpacked;

@@ -6,16 +6,19 @@ use super::hypotheses::fit_hypotheses;
 use super::models::fit_models;
 use super::preference::{PreferredLine, prefer_lines};
 use super::result::{Analysis, PostureAnalysis, is_read_once};
+use super::wrong_film::warn_of_wrong_films;
 use super::{AnalysisOptions, Case, LineModel};
 use crate::anatomy::Posture;
 use crate::chain::{Chain, ChainPose};
-use crate::clinical::{ClinicalCurve, LenkeType, Regions, lenke_type, measure_curves};
+use crate::clinical::{
+    Balance, ClinicalCurve, LenkeType, Regions, lenke_type, measure_balance, measure_curves,
+};
 use crate::curve::{CurveFit, InflectionChoice, Inflections, find_inflections, fit_curve};
 use crate::error::Error;
 use crate::hypothesis::HypothesisFit;
 use crate::measure::{
-    Film, FilmReadings, InterpolationError, Noise, Outline, common_levels, outline_of, seen_levels,
-    warn_of_implausible_landmarks, warn_of_shortened_chain,
+    Film, FilmReadings, InterpolationError, Noise, Outline, TiltRule, common_levels, outline_of,
+    seen_levels, warn_of_implausible_landmarks, warn_of_shortened_chain,
 };
 use crate::motion::{Motion, least_windows, mean_least};
 use crate::multibody::{SpineModel, StiffnessLibrary};
@@ -107,7 +110,7 @@ impl Movement {
         known: Option<(&[Noise], &[InterpolationError])>,
         warnings: &mut Warnings,
     ) -> Result<Self, Error> {
-        let (readings, outlines) = measure(case, known, warnings)?;
+        let (readings, outlines) = measure(case, options.tilt, known, warnings)?;
         let (curves, fits) = fit_curves(&outlines, options, warnings)?;
         let (chain, poses) = lay_chain(&fits, options)?;
         let inflection_segments = curves
@@ -179,6 +182,7 @@ impl Movement {
             chain: self.chain,
             regions: self.curves.regions,
             clinical: self.curves.clinical,
+            balance: self.curves.balance,
             lenke: self.curves.lenke,
             spine: self.spine,
             library: self.library,
@@ -217,6 +221,7 @@ impl Mechanics {
 /// Step 1: the readings and the outline of every film, the erect one first.
 fn measure(
     case: &Case,
+    tilt: TiltRule,
     known: Option<(&[Noise], &[InterpolationError])>,
     warnings: &mut Warnings,
 ) -> Result<(Vec<FilmReadings>, Vec<Outline>), Error> {
@@ -224,8 +229,8 @@ fn measure(
     check_postures(&case.films)?;
     let mut films: Vec<&Film> = case.films.iter().collect();
     films.sort_by_key(|film| film.posture);
-    let readings: Vec<FilmReadings> =
-        films.iter().copied().map(FilmReadings::measure).collect::<Result<_, _>>()?;
+    let measure = |film: &&Film| FilmReadings::measure(film, tilt);
+    let readings: Vec<FilmReadings> = films.iter().map(measure).collect::<Result<_, _>>()?;
     let seen: Vec<_> =
         readings.iter().map(|film| (film.posture, seen_levels(&film.readings))).collect();
     let levels = common_levels(&seen)?;
@@ -249,6 +254,7 @@ fn measure(
         warnings.push(Step::Measure, "reliability_one_reading", text);
     }
     check_outlines(&outlines, warnings)?;
+    warn_of_wrong_films((&films, case.synthetic), &outlines, warnings);
     Ok((readings, outlines))
 }
 
@@ -257,6 +263,7 @@ struct Curves {
     inflections: Inflections,
     regions: Regions,
     clinical: Vec<ClinicalCurve>,
+    balance: Option<Balance>,
     lenke: Option<LenkeType>,
 }
 
@@ -273,10 +280,11 @@ fn fit_curves(
     let inflections = inflections_of(&fits[0], options, warnings);
     let locations: Vec<Frontal> = outlines[0].locations().collect();
     let regions = Regions::from_inflections(&fits[0], &inflections, &locations, warnings);
-    let clinical = measure_curves(&regions, &outlines.iter().collect::<Vec<_>>());
+    let clinical = measure_curves(&regions, &outlines.iter().collect::<Vec<_>>(), &options.ends);
+    let balance = measure_balance(&outlines[0], &regions, &clinical);
     // Regions that end at usual vertebrae are no curves, and give no type.
     let lenke = inflections.pair.and_then(|_| lenke_type(&clinical));
-    Ok((Curves { inflections, regions, clinical, lenke }, fits))
+    Ok((Curves { inflections, regions, clinical, balance, lenke }, fits))
 }
 
 /// Step 3: one segment length for all films, and the chain laid on every curve.

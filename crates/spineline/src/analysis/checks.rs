@@ -20,17 +20,28 @@ pub(super) fn check_age(age_years: Option<f64>) -> Result<(), CaseError> {
     }
 }
 
+/// No two postures carry the same landmarks, of whichever vertebrae.
+///
+/// # Errors
+/// [`CaseError::FilmRepeated`].
+pub fn check_repeated(films: &[Film]) -> Result<(), CaseError> {
+    for (i, film) in films.iter().enumerate() {
+        if let Some(other) = films[..i].iter().find(|other| same_landmarks(other, film)) {
+            let (first, second) = (other.posture, film.posture);
+            return Err(CaseError::FilmRepeated { first, second });
+        }
+    }
+    Ok(())
+}
+
 /// One film per posture, one of them erect, and no film in two postures.
 pub(super) fn check_postures(films: &[Film]) -> Result<(), CaseError> {
     for (i, film) in films.iter().enumerate() {
         if films[..i].iter().any(|other| other.posture == film.posture) {
             return Err(CaseError::PostureTwice { posture: film.posture });
         }
-        if let Some(other) = films[..i].iter().find(|other| same_landmarks(other, film)) {
-            let (first, second) = (other.posture, film.posture);
-            return Err(CaseError::FilmRepeated { first, second });
-        }
     }
+    check_repeated(films)?;
     if films.iter().any(|film| film.posture == Posture::Erect) {
         Ok(())
     } else {
@@ -57,7 +68,7 @@ pub(super) fn check_outlines(
         let ratio = film.polygon_mm() / erect.polygon_mm();
         if (ratio - 1.0).abs() > 0.05 {
             let text = format!(
-                "the spine is {:.0} mm long, and {:.0} mm on the erect film ({:+.0} %): check the spacing of both films",
+                "the spine is {:.0} mm long, and {:.0} mm on the erect film ({:+.0} %): check the spacing of both films, and that they show the same patient",
                 film.polygon_mm(),
                 erect.polygon_mm(),
                 100.0 * (ratio - 1.0)

@@ -1,6 +1,7 @@
 use super::LineModel;
+use crate::multibody::{MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT, MatchStatus};
 use crate::personalize::{FitStatus, StiffnessBound};
-use crate::warning::{Step, Warnings};
+use crate::warning::{Step, Warnings, counted};
 
 /// Warns of fits and simulations without result, and of joints that contradict the line.
 pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
@@ -20,7 +21,13 @@ pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
     }
     for simulation in &model.postures {
         let posture = Some(simulation.posture);
-        if !simulation.is_usable() {
+        if simulation.status == MatchStatus::BeyondHumanRange {
+            let text = format!(
+                "the simulated shape is beyond the human range of motion (limits: {MAX_HUMAN_JOINT:.0} at a joint, {MAX_HUMAN_COLUMN:.0} over the spine), \
+                 so it is not a result: check the landmarks and the amplitude of this film"
+            );
+            warn(Step::Evaluate, "beyond_human_range", posture, text);
+        } else if !simulation.is_usable() {
             let text = format!(
                 "the force was not found (`{}`): the nearest shape is shown, which is not a result",
                 simulation.status.key()
@@ -29,8 +36,8 @@ pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
         }
         if simulation.lost_forces > 0 {
             let text = format!(
-                "the search for forces that reach the amplitude did not converge {} times: there may be more such forces",
-                simulation.lost_forces
+                "the search for forces that reach the amplitude did not converge {}: there may be more such forces",
+                counted(simulation.lost_forces, "time")
             );
             warn(Step::Evaluate, "forces_lost", posture, text);
         }

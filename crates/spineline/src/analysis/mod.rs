@@ -16,9 +16,11 @@ mod preference;
 mod result;
 mod verdict;
 mod words;
+mod wrong_film;
 
 pub(crate) use analyze::{OtherReadings, analyze_known};
 pub use analyze::{analyze, analyze_movement};
+pub use checks::check_repeated;
 pub(crate) use comparison::ferguson_errors_deg;
 pub use comparison::{
     ComparedFilm, ComparedLine, FilmRole, FreeNumbers, LeftOutBend, LinesCompared, MeanErrors,

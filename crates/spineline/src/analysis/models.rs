@@ -68,6 +68,12 @@ impl LineModel {
         self.posture(posture).is_some_and(|s| s.is_usable() && s.force_n != 0.0)
     }
 
+    /// Whether the fit and every simulation has a usable result.
+    #[must_use]
+    pub fn is_converged(&self) -> bool {
+        self.fit.status == FitStatus::Converged && self.postures.iter().all(Simulation::is_usable)
+    }
+
     /// Mean location error over fitted or over held-out postures; `None` where there is none.
     #[must_use]
     pub fn mean_location_error_mm(&self, fitted: bool) -> Option<f64> {
@@ -126,10 +132,25 @@ impl Analysis {
     /// Whether every fit and every simulation has a usable result.
     #[must_use]
     pub fn is_converged(&self) -> bool {
-        self.models.iter().all(|model| {
-            model.fit.status == FitStatus::Converged
-                && model.postures.iter().all(Simulation::is_usable)
-        }) && self.hypotheses.iter().all(|fit| fit.is_converged() && fit.lost.is_empty())
+        self.models.iter().all(LineModel::is_converged)
+            && self.hypotheses.iter().all(|fit| fit.is_converged() && fit.lost.is_empty())
+    }
+
+    /// Whether what was asked for has a result: the model with the inflection line, with lines that were given, and with loads to
+    /// compare. Models with other lines are fitted in addition, for comparison; they count where there is no such model.
+    #[must_use]
+    pub fn has_what_was_asked(&self) -> bool {
+        let asked =
+            |model: &&LineModel| matches!(model.kind, LineKind::Inflection | LineKind::Given);
+        let is_any_asked = self.models.iter().any(|model| asked(&model));
+        let mut counting = self.models.iter().filter(|model| !is_any_asked || asked(model));
+        let are_models_usable = if is_any_asked {
+            counting.all(LineModel::is_converged)
+        } else {
+            self.models.is_empty() || counting.any(LineModel::is_converged)
+        };
+        are_models_usable
+            && self.hypotheses.iter().all(|fit| fit.is_converged() && fit.lost.is_empty())
     }
 }
 

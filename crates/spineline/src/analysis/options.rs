@@ -3,8 +3,10 @@ use std::ops::RangeInclusive;
 use crate::action::{LineKind, LineOfAction};
 use crate::anatomy::{Posture, SagittalProfile, named};
 use crate::chain::SEGMENT_WINDOW;
+use crate::clinical::EndChoice;
 use crate::curve::{InflectionChoice, MIN_TURN, OrderRule};
 use crate::hypothesis::Hypothesis;
+use crate::measure::TiltRule;
 use crate::multibody::{StiffnessLibrary, Support};
 use crate::personalize::{FitTarget, Gauge, LogNormalPrior};
 use crate::spatial::Angle;
@@ -38,12 +40,16 @@ named!(Grouping);
 /// Every choice of an analysis, each with its default.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnalysisOptions {
+    /// From which landmarks tilts are measured.
+    pub tilt: TiltRule,
     /// How the order of the curves is chosen.
     pub order_rule: OrderRule,
     /// Where the inflections come from.
     pub inflections: InflectionChoice,
     /// Minimum angle of a curve between inflections of the erect curve.
     pub min_curve: Angle,
+    /// How the end vertebrae of Cobb angles are chosen.
+    pub ends: EndChoice,
     /// How many segments the erect chain may have.
     pub segment_window: RangeInclusive<u32>,
     /// Sagittal profile.
@@ -80,9 +86,11 @@ impl AnalysisOptions {
 impl Default for AnalysisOptions {
     fn default() -> Self {
         Self {
+            tilt: TiltRule::default(),
             order_rule: OrderRule::default(),
             inflections: InflectionChoice::default(),
             min_curve: MIN_TURN,
+            ends: EndChoice::default(),
             segment_window: SEGMENT_WINDOW,
             profile: SagittalProfile::default(),
             library: StiffnessLibrary::default(),

@@ -3,7 +3,9 @@ use super::preference::PreferredLine;
 use super::{AnalysisOptions, LineModel};
 use crate::anatomy::{Levels, Posture};
 use crate::chain::{Chain, ChainPose};
-use crate::clinical::{ClinicalCurve, LenkeType, Regions};
+use crate::clinical::{
+    Balance, ClinicalCurve, CobbEnds, CurvePlaces, LenkeType, RegionBounds, Regions, film_tilts,
+};
 use crate::curve::{CurveFit, Inflections};
 use crate::hypothesis::HypothesisFit;
 use crate::measure::{FilmReadings, LengthScale, Outline};
@@ -60,6 +62,8 @@ pub struct Analysis {
     pub regions: Regions,
     /// Clinical curves.
     pub clinical: Vec<ClinicalCurve>,
+    /// How the spine stands over the pelvis; `None` where the erect film's vertical is not known.
+    pub balance: Option<Balance>,
     /// Lenke's type as far as the films show it.
     pub lenke: Option<LenkeType>,
     /// The unloaded spine.
@@ -83,6 +87,26 @@ impl Analysis {
     #[must_use]
     pub fn posture(&self, posture: Posture) -> Option<&PostureAnalysis> {
         self.postures.iter().find(|p| p.outline.posture == posture)
+    }
+
+    /// The largest curve of the erect film.
+    #[must_use]
+    pub fn main_curve(&self) -> Option<&ClinicalCurve> {
+        let size = |curve: &ClinicalCurve| curve.erect_size().abs().rad();
+        self.clinical.iter().max_by(|a, b| size(a).total_cmp(&size(b)))
+    }
+
+    /// Between which vertebrae the curves are measured, for shapes of the model.
+    #[must_use]
+    pub fn curve_places(&self) -> Vec<CurvePlaces> {
+        let erect = film_tilts(&self.erect().outline);
+        let place = |(bounds, curve): (&RegionBounds, &ClinicalCurve)| {
+            let CobbEnds { inferior, superior } = curve.ends;
+            let levels = self.levels();
+            let ends = [levels.index_of(inferior)?, levels.index_of(superior)?];
+            Some(CurvePlaces::between(*bounds, ends, &erect))
+        };
+        self.regions.bounds.iter().zip(&self.clinical).filter_map(place).collect()
     }
 
     /// How well the readings repeat, by quantity; empty where every film was read once.

@@ -1,20 +1,40 @@
 use super::analyze::counted;
 use super::comparison::{FilmRole, LinesCompared};
 use super::compatibility::{BendEvidence, Compatibility};
+use super::wrong_film::doubts_film;
 use super::{Analysis, LineModel, PostureAnalysis};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
 
 impl Analysis {
+    /// Whether some film may not show the posture or the patient that it is named after, as far as its landmarks show.
+    #[must_use]
+    pub fn has_doubted_film(&self) -> bool {
+        self.warnings.all().iter().any(doubts_film)
+    }
+
     /// The findings on the lines of action, in sentences.
     ///
-    /// First whether the bends are compatible with a single force through the inflections, then how well each line predicts
+    /// First the films that may not show what they are named after: then no line is called consistent with them. Then
+    /// whether the bends are compatible with a single force through the inflections, then how well each line predicts
     /// films that it was not fitted to, and last how small its error is on the fitted films, which proves nothing.
     ///
     /// `compared` is what [`Analysis::compare_lines`] gives.
     #[must_use]
     pub fn verdict(&self, compared: &LinesCompared) -> Vec<String> {
-        let mut sentences = Vec::new();
+        let doubts = self.warnings.all().iter().filter(|warning| doubts_film(warning));
+        let mut sentences: Vec<String> = doubts
+            .map(|warning| {
+                let film =
+                    warning.posture.map_or_else(String::new, |posture| format!("{posture} "));
+                format!("The {film}film may be a wrong one: {}.", warning.message)
+            })
+            .collect();
+        if !sentences.is_empty() {
+            sentences.push(
+                "Until these films are checked, no result of this patient is evidence.".to_owned(),
+            );
+        }
         if self.models.is_empty() {
             let why = if self.film_without_scale().is_some() {
                 "Not every film has a spacing: only angles are measured, and no model is fitted."
@@ -35,7 +55,12 @@ impl Analysis {
                 self.options.min_curve
             )),
         }
-        sentences.extend(self.postures.iter().filter_map(turning_sentence));
+        let keeps_shape = |posture| {
+            let mut warnings = self.warnings.all().iter();
+            warnings.any(|one| one.code == "bend_keeps_shape" && one.posture == Some(posture))
+        };
+        let bends = self.postures.iter().filter(|film| !keeps_shape(film.outline.posture));
+        sentences.extend(bends.filter_map(turning_sentence));
         sentences.extend(compared.sentences());
         sentences
     }
@@ -65,7 +90,7 @@ impl Analysis {
                 ));
             }
         }
-        if !found.rejects() && !found.bends.is_empty() {
+        if !found.rejects() && !found.bends.is_empty() && !self.has_doubted_film() {
             let joints = match found.bends.iter().map(|bend| bend.against).sum::<usize>() {
                 0 => "no joint turns against it".to_owned(),
                 _ => format!(

@@ -3,10 +3,12 @@
 use std::fmt;
 
 use super::{Analysis, Identification, LineModel, MultiplierVerdict};
-use crate::anatomy::Posture;
+use crate::anatomy::{Posture, Side};
+use crate::clinical::ClinicalCurve;
 use crate::curve::Inflection;
 use crate::evaluate::Simulation;
 use crate::personalize::{FitStatus, Gauge, StiffnessBound};
+use crate::warning::counted;
 
 impl Analysis {
     /// The scale constraint: what fixes the overall level of stiffness and force.
@@ -48,12 +50,43 @@ impl Analysis {
             None if bends.iter().any(|&bend| self.posture(bend).is_none()) => {
                 "No Lenke type: it needs both bending films".to_owned()
             }
+            None if !self.clinical.iter().all(ClinicalCurve::has_cobb) => {
+                "No Lenke type: it needs Cobb angles, and the corners of the vertebrae are not known"
+                    .to_owned()
+            }
             None if self.inflections.pair.is_none() => {
                 "No Lenke type: the erect curve does not have two inflections that separate the curves".to_owned()
             }
             None => "No Lenke type: no curve reaches 10°, or the structural curves match no type"
                 .to_owned(),
         }
+    }
+
+    /// How the spine stands over the pelvis on the erect film, and what the landmarks do not give.
+    #[must_use]
+    pub fn balance_words(&self) -> String {
+        let Some(balance) = &self.balance else {
+            return "No balance: the vertical of the erect film is not known".to_owned();
+        };
+        let beside = |mm: f64| {
+            let side = if mm < 0.0 { "right" } else { "left" };
+            format!("{} to the patient's {side}", self.scale().text(mm.abs(), 0))
+        };
+        let mut words = vec![format!(
+            "Plumb line of {} {} of the vertical line through {}",
+            balance.plumb_level,
+            beside(balance.coronal_balance_mm),
+            balance.reference.words()
+        )];
+        let tilts = [("T1", balance.t1_tilt), ("L4", balance.l4_tilt)];
+        let known = tilts.into_iter().filter_map(|(level, tilt)| Some((level, tilt?)));
+        words.extend(known.map(|(level, tilt)| format!("{level} tilt {}", tilt.leaning())));
+        words.extend(balance.pelvic_obliquity.map(|tilt| match tilt.side() {
+            Some(Side::Left) => format!("pelvic obliquity {}, right crest higher", tilt.abs()),
+            _ => format!("pelvic obliquity {}, left crest higher", tilt.abs()),
+        }));
+        words.push(format!("stable vertebra {}", balance.stable));
+        words.join("; ")
     }
 
     /// Where the sagittal shape comes from.
@@ -75,7 +108,10 @@ impl Analysis {
             other => format!("fit NOT CONVERGED ({})", other.key().replace('_', " ")),
         };
         if lost > 0 {
-            text.push_str(&format!("; {lost} of {} films without a result", model.postures.len()));
+            text.push_str(&format!(
+                "; {lost} of {} without a result",
+                counted(model.postures.len(), "film")
+            ));
         }
         text
     }

@@ -1,15 +1,42 @@
-use super::{CurvePlaces, Regions, convex_side, ferguson_angle};
-use crate::anatomy::{Level, Posture, Region, Side};
-use crate::measure::Outline;
+use super::places::{EndAngles, end_angles};
+use super::{CobbEnds, CurvePlaces, RegionBounds, Regions, convex_side, ferguson_angle};
+use crate::anatomy::{Level, Posture, Region, Side, named};
+use crate::measure::{EndplateTilts, Outline};
 use crate::spatial::{Angle, Frontal};
 
-/// The end vertebrae of a curve on the erect film.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct CobbEnds {
-    /// Lower end vertebra.
-    pub inferior: Level,
-    /// Upper end vertebra.
-    pub superior: Level,
+/// On which films end vertebrae are chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum EndRule {
+    /// On the erect film; every other film is measured between the same vertebrae, as surgeons do.
+    #[default]
+    Erect,
+    /// On every film anew.
+    EachFilm,
+}
+
+impl EndRule {
+    /// Every rule.
+    pub const ALL: [Self; 2] = [Self::Erect, Self::EachFilm];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Erect => "erect",
+            Self::EachFilm => "each_film",
+        }
+    }
+}
+
+named!(EndRule);
+
+/// How the end vertebrae of curves are chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct EndChoice {
+    /// Where they are the most tilted ones.
+    pub rule: EndRule,
+    /// Picked by the user, by region in the order of [`Region::ALL`]; they hold on every film.
+    pub given: [Option<CobbEnds>; 3],
 }
 
 /// One curve of the spine as clinicians describe it.
@@ -17,80 +44,125 @@ pub struct CobbEnds {
 pub struct ClinicalCurve {
     /// Region.
     pub region: Region,
-    /// End vertebrae, chosen on the erect film as the most tilted ones of the region.
+    /// End vertebrae on the erect film.
     pub ends: CobbEnds,
     /// Vertebra farthest from the line between the region's ends.
     pub apex: Level,
     /// The side to which the erect curve is convex; `None` where it does not turn.
     pub convex: Option<Side>,
-    /// Cobb angle in every posture: how much the tilt grows from the lower to the upper end vertebra.
-    pub cobb: Vec<(Posture, Angle)>,
+    /// Angles between the end vertebrae in every posture.
+    pub angles: Vec<(Posture, EndAngles)>,
     /// Ferguson angle in every posture.
     pub ferguson: Vec<(Posture, Angle)>,
-    /// Distance of the apex from the line through L4 along its axis, on the erect film.
-    pub apical_translation_mm: f64,
-    /// Part of the erect Cobb angle that the bend to the convex side takes away; `None` without that film.
+    /// Part of the erect angle that the bend to the convex side takes away; `None` without that film, and for curves of less
+    /// than [`ClinicalCurve::MIN_FLEXIBLE`].
     pub flexibility: Option<f64>,
 }
 
 impl ClinicalCurve {
-    /// Cobb angle of a posture.
+    /// Flexibility is a ratio to the erect angle; below this angle noise decides it.
+    pub const MIN_FLEXIBLE: Angle = Angle::from_deg(10.0);
+
+    /// Angles of a posture.
     #[must_use]
-    pub fn cobb_in(&self, posture: Posture) -> Option<Angle> {
-        self.cobb.iter().find(|(p, _)| *p == posture).map(|(_, angle)| *angle)
+    pub fn angles_in(&self, posture: Posture) -> Option<EndAngles> {
+        self.angles.iter().find(|(p, _)| *p == posture).map(|(_, angles)| *angles)
     }
 
-    /// Cobb angle on the film that bends to the convex side, in the direction of the erect curve.
-    fn cobb_when_straightened(&self) -> Option<Angle> {
+    /// Cobb angle of a posture; `None` where its endplates are not known.
+    #[must_use]
+    pub fn cobb_in(&self, posture: Posture) -> Option<Angle> {
+        self.angles_in(posture)?.cobb
+    }
+
+    /// Cobb angle of a posture, or its tilt range in a case whose erect film has no endplates: the same measure in all postures.
+    #[must_use]
+    pub fn size_in(&self, posture: Posture) -> Option<Angle> {
+        let angles = self.angles_in(posture)?;
+        if self.has_cobb() { angles.cobb } else { Some(angles.tilt_range) }
+    }
+
+    /// Size of the erect curve.
+    #[must_use]
+    pub fn erect_size(&self) -> Angle {
+        self.angles.first().map_or(Angle::ZERO, |(_, angles)| angles.size())
+    }
+
+    /// Whether its size is a Cobb angle; else it is a tilt range.
+    #[must_use]
+    pub fn has_cobb(&self) -> bool {
+        self.angles.first().is_some_and(|(_, angles)| angles.cobb.is_some())
+    }
+
+    /// What its size is called: `Cobb angle` or `tilt range`.
+    #[must_use]
+    pub fn size_name(&self) -> &'static str {
+        if self.has_cobb() { "Cobb angle" } else { "tilt range" }
+    }
+
+    /// Size on the film that bends to the convex side, in the direction of the erect curve.
+    fn size_when_straightened(&self) -> Option<Angle> {
         let posture = match self.convex? {
             Side::Left => Posture::LeftBending,
             Side::Right => Posture::RightBending,
         };
-        let erect = self.cobb_in(Posture::Erect)?;
-        self.cobb_in(posture).map(|angle| angle * erect.rad().signum())
+        self.size_in(posture).map(|angle| angle * self.erect_size().rad().signum())
     }
 }
 
 /// Measures the curve of every region in every posture; the first outline is the erect one.
 #[must_use]
-pub fn measure_curves(regions: &Regions, outlines: &[&Outline]) -> Vec<ClinicalCurve> {
+pub fn measure_curves(
+    regions: &Regions,
+    outlines: &[&Outline],
+    choice: &EndChoice,
+) -> Vec<ClinicalCurve> {
+    regions.bounds.iter().map(|bounds| measure_curve(*bounds, outlines, choice)).collect()
+}
+
+fn measure_curve(bounds: RegionBounds, outlines: &[&Outline], choice: &EndChoice) -> ClinicalCurve {
     let erect = outlines[0];
+    let place = |level| erect.vertebrae.iter().position(|vertebra| vertebra.level == level);
+    let given = choice.given[bounds.region.index()]
+        .and_then(|ends| Some([place(ends.inferior)?, place(ends.superior)?]));
     let level = |i: usize| erect.vertebrae[i].level;
-    regions
-        .bounds
+    let ends_on = |film: &[(Angle, Option<EndplateTilts>)]| {
+        given.unwrap_or_else(|| CurvePlaces::choose(bounds, film).cobb_ends)
+    };
+    let held = ends_on(&film_tilts(erect));
+    let angles: Vec<_> = outlines
         .iter()
-        .map(|bounds| {
-            let tilts: Vec<Angle> = erect.vertebrae.iter().map(|v| v.tilt).collect();
-            let places = CurvePlaces::choose(*bounds, &tilts);
-            let [lower, upper] = places.cobb_ends;
-            let cobb: Vec<_> = outlines
-                .iter()
-                .map(|o| (o.posture, o.vertebrae[upper].tilt - o.vertebrae[lower].tilt))
-                .collect();
-            let ferguson = outlines
-                .iter()
-                .map(|o| {
-                    (o.posture, ferguson_angle(&o.locations().collect::<Vec<Frontal>>(), bounds))
-                })
-                .collect();
-            let mut curve = ClinicalCurve {
-                region: bounds.region,
-                ends: CobbEnds { inferior: level(lower), superior: level(upper) },
-                apex: level(bounds.apex),
-                convex: convex_side(cobb[0].1),
-                cobb,
-                ferguson,
-                apical_translation_mm: erect.vertebrae[bounds.apex].location.y_mm.abs(),
-                flexibility: None,
-            };
-            let size = curve.cobb[0].1.abs().rad();
-            curve.flexibility = curve
-                .cobb_when_straightened()
-                .filter(|_| size > Angle::from_deg(5.0).rad())
-                .map(|bent| (size - bent.rad()) / size);
-            curve
+        .map(|outline| {
+            let film = film_tilts(outline);
+            let ends = if choice.rule == EndRule::EachFilm { ends_on(&film) } else { held };
+            (outline.posture, end_angles(ends, &film))
         })
-        .collect()
+        .collect();
+    let ferguson = |outline: &&Outline| {
+        let locations: Vec<Frontal> = outline.locations().collect();
+        (outline.posture, ferguson_angle(&locations, &bounds))
+    };
+    let mut curve = ClinicalCurve {
+        region: bounds.region,
+        ends: CobbEnds { inferior: level(held[0]), superior: level(held[1]) },
+        apex: level(bounds.apex),
+        convex: convex_side(angles[0].1.size()),
+        angles,
+        ferguson: outlines.iter().map(ferguson).collect(),
+        flexibility: None,
+    };
+    let size = curve.erect_size().abs();
+    curve.flexibility = curve
+        .size_when_straightened()
+        .filter(|_| size >= ClinicalCurve::MIN_FLEXIBLE)
+        .map(|bent| (size.rad() - bent.rad()) / size.rad());
+    curve
+}
+
+/// Tilts of L4 to T2 and of their endplates on a film.
+#[must_use]
+pub fn film_tilts(outline: &Outline) -> Vec<(Angle, Option<EndplateTilts>)> {
+    outline.vertebrae.iter().map(|vertebra| (vertebra.tilt, vertebra.endplates)).collect()
 }
 
 /// The Lenke curve type, as far as frontal films show it.
@@ -114,7 +186,7 @@ pub fn lenke_type(curves: &[ClinicalCurve]) -> Option<LenkeType> {
     const SCOLIOSIS: Angle = Angle::from_deg(10.0);
     let [lumbar, main, proximal] = curves else { return None };
     let size = |curve: &ClinicalCurve| curve.cobb_in(Posture::Erect).map(Angle::abs);
-    let stays = |curve: &ClinicalCurve| curve.cobb_when_straightened().map(|a| a >= STRUCTURAL);
+    let stays = |curve: &ClinicalCurve| curve.size_when_straightened().map(|a| a >= STRUCTURAL);
     // The proximal thoracic curve is never the major one.
     let lumbar_is_major = size(lumbar)? > size(main)?;
     if size(lumbar)? < SCOLIOSIS && size(main)? < SCOLIOSIS {

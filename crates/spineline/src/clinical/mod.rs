@@ -1,17 +1,22 @@
-//! Cobb and Ferguson angles, Lenke type and flexibility: what clinicians read off the same films.
+//! Cobb and Ferguson angles, balance, Lenke type and flexibility: what clinicians read off the same films.
 //!
 //! Regions, end vertebrae and apices are chosen on the erect film and then held for every posture, because both angles
-//! depend much on that choice [stokes-1993]. Tilts are those of whole vertebral bodies, not of single endplates, so a
-//! Cobb angle here is slightly smaller than the one between endplates.
+//! depend much on that choice [stokes-1993]. A Cobb angle is the angle between
+//! the superior endplate of the upper and the inferior endplate of the lower end vertebra. Where only locations and tilts are
+//! known there is no Cobb angle, but a tilt range: the difference of the tilts of the end vertebrae.
 
+mod balance;
 mod curves;
+mod largest;
 mod places;
 mod regions;
 mod shares;
-mod tilt_range;
 
-pub use curves::{ClinicalCurve, CobbEnds, LenkeType, lenke_type, measure_curves};
-pub use places::{CurvePlaces, convex_side, endplate_line};
+pub use balance::{Balance, SacralReference, measure_balance};
+pub use curves::{
+    ClinicalCurve, EndChoice, EndRule, LenkeType, film_tilts, lenke_type, measure_curves,
+};
+pub use largest::largest_tilt_difference;
+pub use places::{CobbEnds, CurvePlaces, EndAngles, convex_side, endplate_line};
 pub use regions::{RegionBounds, Regions, ferguson_angle};
 pub use shares::JointShares;
-pub use tilt_range::tilt_range;

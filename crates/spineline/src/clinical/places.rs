@@ -1,30 +1,85 @@
 use super::{RegionBounds, Regions, ferguson_angle};
-use crate::anatomy::{Levels, Side};
+use crate::anatomy::{Level, Levels, Side};
+use crate::measure::EndplateTilts;
 use crate::spatial::{Angle, Frontal};
 
-/// Between which vertebrae a curve is measured: chosen on the erect spine, and then held.
+/// The end vertebrae of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CobbEnds {
+    /// Lower end vertebra.
+    pub inferior: Level,
+    /// Upper end vertebra.
+    pub superior: Level,
+}
+
+/// Angles between the end vertebrae of a curve; positive where it is convex to the patient's left.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EndAngles {
+    /// Tilt of the upper minus tilt of the lower end vertebra.
+    pub tilt_range: Angle,
+    /// Cobb angle: tilt of the superior endplate of the upper minus tilt of the inferior endplate of the lower end vertebra;
+    /// `None` where their corners are not known.
+    pub cobb: Option<Angle>,
+}
+
+impl EndAngles {
+    /// The size of the curve: the Cobb angle, or the tilt range where endplates are not known.
+    #[must_use]
+    pub fn size(self) -> Angle {
+        self.cobb.unwrap_or(self.tilt_range)
+    }
+}
+
+/// Between which vertebrae a curve is measured: chosen on the erect spine, and then held.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvePlaces {
     /// Ends and apex of the Ferguson angle.
     pub bounds: RegionBounds,
     /// Lower and upper end vertebra of the Cobb angle, as places like those of the bounds.
     pub cobb_ends: [usize; 2],
+    /// Cobb angle minus tilt range on the erect film. Vertebrae are rigid, so that every posture of a model has the same
+    /// difference; `None` where endplates are not known.
+    pub endplate_difference: Option<Angle>,
 }
 
 impl CurvePlaces {
-    /// The Cobb angle of a region ends at its most tilted vertebrae, at most one level outside of it.
+    /// The Cobb angle of a region ends at its most tilted vertebrae, at most one level outside of it: below by the inferior,
+    /// above by the superior endplates; by the vertebrae's own tilts where endplates are not known.
     ///
-    /// `erect_tilts` are those of all vertebrae, from the lowest one upwards.
+    /// `erect` are the tilts of all vertebrae, from the lowest one upwards, and those of their endplates.
     #[must_use]
-    pub fn choose(bounds: RegionBounds, erect_tilts: &[Angle]) -> Self {
-        let tilt = |i: usize| erect_tilts[i].rad();
+    pub fn choose(bounds: RegionBounds, erect: &[(Angle, Option<EndplateTilts>)]) -> Self {
+        let tilt = |i: usize| erect[i].0.rad();
+        // An interpolated vertebra has no endplates, and ends no curve where others have some.
+        let any_known = erect.iter().any(|(_, endplates)| endplates.is_some());
+        let may_end = |i: &usize| erect[*i].1.is_some() || !any_known;
+        let of_plate = |i: usize, pick: fn(&EndplateTilts) -> Angle| {
+            erect[i].1.as_ref().map_or(tilt(i), |endplates| pick(endplates).rad())
+        };
+        let inferior = |i: &usize| of_plate(*i, |plates| plates.inferior);
+        let superior = |i: &usize| of_plate(*i, |plates| plates.superior);
         let sense = (tilt(bounds.superior) - tilt(bounds.inferior)).signum();
         let low = bounds.inferior.saturating_sub(1);
-        let high = (bounds.superior + 1).min(erect_tilts.len() - 1);
-        let order = |a: &usize, b: &usize| (sense * tilt(*a)).total_cmp(&(sense * tilt(*b)));
-        let lower = (low..=bounds.apex).min_by(order).unwrap_or(low);
-        let upper = (bounds.apex..=high).max_by(order).unwrap_or(high);
-        Self { bounds, cobb_ends: [lower, upper] }
+        let high = (bounds.superior + 1).min(erect.len() - 1);
+        let lower = (low..=bounds.apex)
+            .filter(may_end)
+            .min_by(|a, b| (sense * inferior(a)).total_cmp(&(sense * inferior(b))));
+        let upper = (bounds.apex..=high)
+            .filter(may_end)
+            .max_by(|a, b| (sense * superior(a)).total_cmp(&(sense * superior(b))));
+        Self::between(bounds, [lower.unwrap_or(low), upper.unwrap_or(high)], erect)
+    }
+
+    /// A curve whose end vertebrae are given.
+    #[must_use]
+    pub fn between(
+        bounds: RegionBounds,
+        cobb_ends: [usize; 2],
+        erect: &[(Angle, Option<EndplateTilts>)],
+    ) -> Self {
+        let angles = end_angles(cobb_ends, erect);
+        let endplate_difference = angles.cobb.map(|cobb| (cobb - angles.tilt_range).wrapped());
+        Self { bounds, cobb_ends, endplate_difference }
     }
 
     /// The usual regions ([`Regions::usual`]) of an erect spine; `None` for any other number of vertebrae, or levels that no
@@ -39,15 +94,17 @@ impl CurvePlaces {
             return None;
         }
         let complete = erect_locations.len() == levels.len() && erect_tilts.len() == levels.len();
-        let choose = |bounds| Self::choose(bounds, erect_tilts);
+        let erect: Vec<_> = erect_tilts.iter().map(|tilt| (*tilt, None)).collect();
+        let choose = |bounds| Self::choose(bounds, &erect);
         complete.then(|| Regions::usual(levels, erect_locations).bounds.map(choose))
     }
 
-    /// Cobb angle: how much the tilt grows from the lower to the upper end vertebra; positive where convex to the left.
+    /// Angles between the end vertebrae of a shape of the model, whose vertebrae are rigid.
     #[must_use]
-    pub fn cobb(&self, tilts: &[Angle]) -> Angle {
+    pub fn angles(&self, tilts: &[Angle]) -> EndAngles {
         let [lower, upper] = self.cobb_ends;
-        tilts[upper] - tilts[lower]
+        let tilt_range = tilts[upper] - tilts[lower];
+        EndAngles { tilt_range, cobb: self.endplate_difference.map(|more| tilt_range + more) }
     }
 
     /// Ferguson angle, as [`ferguson_angle`].
@@ -57,8 +114,19 @@ impl CurvePlaces {
     }
 }
 
-/// A line along an endplate of an end vertebra: through the endplate's centre and square to the vertebra's axis, as long to
-/// either side. Between the lines of both end vertebrae lies the Cobb angle as it is measured here.
+/// Angles between two vertebrae of a film, given as places from the lowest vertebra upwards.
+pub(super) fn end_angles(
+    [lower, upper]: [usize; 2],
+    film: &[(Angle, Option<EndplateTilts>)],
+) -> EndAngles {
+    EndAngles {
+        tilt_range: film[upper].0 - film[lower].0,
+        cobb: film[upper].1.zip(film[lower].1).map(|(up, low)| up.superior - low.inferior),
+    }
+}
+
+/// A line along an endplate of an end vertebra: through the endplate's centre, as long to either side. Its tilt is that of
+/// its normal. Between the lines of both end vertebrae lies the Cobb angle.
 #[must_use]
 pub fn endplate_line(centre: Frontal, tilt: Angle, reach_mm: f64) -> [Frontal; 2] {
     let cranial = Frontal::leaning(tilt);

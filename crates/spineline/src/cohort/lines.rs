@@ -3,10 +3,12 @@
 use super::{Clustered, PairedComparison};
 use crate::action::LineKind;
 use crate::analysis::{
-    Analysis, ComparedFilm, FilmRole, FreeNumbers, LinesCompared, ferguson_errors_deg,
+    Analysis, ComparedFilm, FilmRole, FreeNumbers, LineModel, LinesCompared, ferguson_errors_deg,
 };
+use crate::anatomy::Posture;
 use crate::evaluate::Simulation;
 use crate::evaluate::paired::holm;
+use crate::multibody::MatchStatus;
 use crate::personalize::SIGNIFICANCE;
 
 /// Which error is compared.
@@ -107,6 +109,64 @@ impl LinePairTest {
     }
 }
 
+/// Why a line has no result on a film.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoResult {
+    /// The patient has no model of this line; for a left-out bend, none that was fitted to the other bend.
+    NoModel,
+    /// The line has no place on the film.
+    NoLine,
+    /// No force up to the limit gives the shape that was asked for.
+    Unreachable,
+    /// The search for the force did not converge.
+    NotConverged,
+    /// The shape that was found is beyond the human range of motion.
+    BeyondHumanRange,
+}
+
+impl NoResult {
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::NoModel => "no_model",
+            Self::NoLine => "no_line",
+            Self::Unreachable => MatchStatus::Unreachable.key(),
+            Self::NotConverged => MatchStatus::NotConverged.key(),
+            Self::BeyondHumanRange => MatchStatus::BeyondHumanRange.key(),
+        }
+    }
+
+    /// Of a line's model on a film; `None` where it has a result.
+    fn of(models: &[LineModel], kind: LineKind, posture: Posture) -> Option<Self> {
+        let Some(model) = models.iter().find(|model| model.kind == kind) else {
+            return Some(Self::NoModel);
+        };
+        match model.posture(posture).map(|simulation| simulation.status) {
+            None => Some(Self::NoLine),
+            Some(MatchStatus::Matched) => None,
+            Some(MatchStatus::Unreachable) => Some(Self::Unreachable),
+            Some(MatchStatus::NotConverged) => Some(Self::NotConverged),
+            Some(MatchStatus::BeyondHumanRange) => Some(Self::BeyondHumanRange),
+        }
+    }
+}
+
+/// A line without a result on a film: the film is left out of the comparison of all lines.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MissingResult {
+    /// The patient.
+    pub case_id: String,
+    /// The film.
+    pub posture: Posture,
+    /// What the stiffness knew of the film.
+    pub role: FilmRole,
+    /// The line.
+    pub kind: LineKind,
+    /// Why.
+    pub reason: NoResult,
+}
+
 /// The lines of many patients, on the same films.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinesOverPatients {
@@ -118,6 +178,8 @@ pub struct LinesOverPatients {
     pub errors: Vec<RoleErrors>,
     /// By pair of lines, role and error: one family.
     pub tests: Vec<LinePairTest>,
+    /// Every film that is left out of the comparison of all lines, once per line without a result.
+    pub missing: Vec<MissingResult>,
 }
 
 /// Films of one patient with the place of each of the cohort's lines among that patient's.
@@ -147,6 +209,9 @@ impl LinesOverPatients {
         }
         numbers.sort_by_key(|(kind, _)| *kind);
         let same_data = compared.iter().all(LinesCompared::same_data);
+        let kinds: Vec<LineKind> = numbers.iter().map(|(kind, _)| *kind).collect();
+        let missing = analyses.iter().zip(&compared).flat_map(|(a, c)| missing(a, c, &kinds));
+        let missing = missing.collect();
         let patients: Vec<Patient> = compared
             .into_iter()
             .map(|compared| {
@@ -172,8 +237,30 @@ impl LinesOverPatients {
                 });
             }
         }
-        Self { tests: tests(&patients, &numbers, seed), numbers, same_data, errors }
+        Self { tests: tests(&patients, &numbers, seed), numbers, same_data, errors, missing }
     }
+}
+
+/// The lines of a cohort that have no result on a film of one patient.
+fn missing(
+    analysis: &Analysis,
+    compared: &LinesCompared,
+    kinds: &[LineKind],
+) -> Vec<MissingResult> {
+    let mut all = Vec::new();
+    for film in &compared.films {
+        let left_out = compared.left_out.iter().find(|bend| bend.posture == film.posture);
+        let models = match (film.role, left_out) {
+            (FilmRole::LeftOutBend, Some(bend)) => &bend.models,
+            _ => &analysis.models,
+        };
+        all.extend(kinds.iter().filter_map(|&kind| {
+            let reason = NoResult::of(models, kind, film.posture)?;
+            let case_id = analysis.case_id.clone();
+            Some(MissingResult { case_id, posture: film.posture, role: film.role, kind, reason })
+        }));
+    }
+    all
 }
 
 /// Simulations of the films that some lines share: by patient and film, one per line.

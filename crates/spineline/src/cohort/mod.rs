@@ -14,7 +14,7 @@ mod words;
 
 pub use claims::{ClaimVerdict, Claims, NEAR_SEGMENTS, PatientClaims};
 pub use comparison::PairedComparison;
-pub use lines::{ErrorKind, LinePairTest, LinesOverPatients, RoleErrors};
+pub use lines::{ErrorKind, LinePairTest, LinesOverPatients, MissingResult, NoResult, RoleErrors};
 
 use crate::action::LineKind;
 use crate::analysis::{Analysis, PostureAnalysis, ferguson_errors_deg};
@@ -144,7 +144,11 @@ pub struct Cohort {
     /// Location errors of the inflection line against the iliac line on fitted films: the paper's test.
     pub location_test: PairedComparison,
     /// Patients whose bends reject a single force through the inflections, and all patients who were tested.
+    ///
+    /// Patients with a film that may be a wrong one are in neither number.
     pub incompatible: (usize, usize),
+    /// Patients with a film that may not show what it is named after.
+    pub doubted: usize,
     /// Bending films whose own load runs elsewhere than through the inflections, beyond chance and by what matters, and
     /// all that were tested.
     pub line_rejected: (usize, usize),
@@ -209,6 +213,7 @@ impl Cohort {
         };
         let incompatible: Vec<bool> = analyses
             .iter()
+            .filter(|a| !a.has_doubted_film())
             .filter_map(|a| {
                 let model = a.models.iter().find(|m| m.kind == LineKind::Inflection)?;
                 Some(a.compatibility(model)).filter(|c| !c.bends.is_empty()).map(|c| c.rejects())
@@ -243,6 +248,7 @@ impl Cohort {
             location_test: paper_test(analyses, seed, |s| s.location_errors_mm.clone()),
             compared: LinesOverPatients::of(analyses, seed),
             incompatible: count(&incompatible),
+            doubted: analyses.iter().filter(|a| a.has_doubted_film()).count(),
             line_rejected: count(&tested),
         }
     }

@@ -1,17 +1,20 @@
 //! Sentences about a cohort, shared by all front ends.
 
-use super::{Cohort, ErrorKind, LinePairTest, LinesOverPatients, PairedComparison};
+use std::fmt;
+
+use super::{Cohort, ErrorKind, LinePairTest, LinesOverPatients, NoResult, PairedComparison};
 use crate::analysis::{FilmRole, listed, probability};
 use crate::evaluate::statistics::PairedT;
 use crate::personalize::SIGNIFICANCE;
+use crate::warning::counted;
 
 impl Cohort {
     /// Findings, one per sentence.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let mut all = vec![format!(
-            "{} patients{}; {} with exactly two inflections",
-            self.patients,
+            "{}{}; {} with exactly two inflections",
+            counted(self.patients, "patient"),
             if self.synthetic { " (synthetic)" } else { "" },
             self.two_inflections
         )];
@@ -24,20 +27,40 @@ impl Cohort {
     #[must_use]
     pub fn verdict(&self) -> Vec<String> {
         let mut all = Vec::new();
+        if self.doubted > 0 {
+            all.push(format!(
+                "Films of {} of {} patients may be wrong ones; check them first: `check` names them.",
+                self.doubted, self.patients
+            ));
+        }
         let (rejecting, tested) = self.incompatible;
         if tested > 0 {
             all.push(format!(
-                "In {rejecting} of {tested} patients with an inflection line the bends are not compatible with a single force through it; under the null hypothesis at most 5 % would be rejected."
+                "In {rejecting} of {} with an inflection line the bends are not compatible with a single force through it; under the null hypothesis at most 5 % would be rejected.",
+                counted(tested, "patient")
             ));
         }
         let (rejected, tested) = self.line_rejected;
         if tested > 0 {
             all.push(format!(
-                "In {rejected} of {tested} bends, tested one by one, the line of best fit to the rotations does not run through the inflections; under the null hypothesis 5 % would be rejected."
+                "In {rejected} of {}, tested one by one, the line of best fit to the rotations does not run through the inflections; under the null hypothesis 5 % would be rejected.",
+                counted(tested, "bend")
             ));
         }
         all.extend(self.compared.sentences());
         all
+    }
+}
+
+impl fmt::Display for NoResult {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::NoModel => "the line has no model",
+            Self::NoLine => "the line has no place on this film",
+            Self::Unreachable => "no force up to the limit gives the shape",
+            Self::NotConverged => "the search for the force did not converge",
+            Self::BeyondHumanRange => "the shape found is beyond the human range of motion",
+        })
     }
 }
 
@@ -52,8 +75,8 @@ impl LinesOverPatients {
     #[must_use]
     pub fn family_words(&self) -> String {
         format!(
-            "Holm's correction covers {} tests: every pair of lines, on fitted bends, on left-out bends and on neutral and traction films, by location error and by Ferguson error",
-            self.family()
+            "Holm's correction covers {}: every pair of lines, on fitted bends, on left-out bends and on neutral and traction films, by location error and by Ferguson error",
+            counted(self.family(), "test")
         )
     }
 

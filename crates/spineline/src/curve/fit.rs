@@ -75,13 +75,13 @@ pub struct CurveFit {
 ///
 /// ```
 /// use spineline::curve::{OrderRule, fit_curve};
-/// use spineline::measure::measure_film;
+/// use spineline::measure::{TiltRule, measure_film};
 /// use spineline::warning::Warnings;
 /// use spineline_phantom::{Readers, Truth, generate};
 ///
 /// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
 /// let mut warnings = Warnings::default();
-/// let outline = measure_film(&case.films[0], &mut warnings)?;
+/// let outline = measure_film(&case.films[0], TiltRule::default(), &mut warnings)?;
 /// let fit = fit_curve(&outline, OrderRule::LeaveOneOut, &mut warnings)?;
 /// assert!(fit.rmse_mm < 5.0);
 /// // The parameter runs from L4 to T2.

@@ -143,7 +143,8 @@ impl Simulation {
 /// film. A fitted force is taken as it is, and what it leaves of the amplitude is reported. Several forces, of either sign,
 /// may meet a bend's amplitude; the one whose shape has the lowest sum of squared Ferguson errors is chosen, and the others
 /// are reported. For [`Target::NearestT2`] the smallest force counts that brings T2 to within 1 mm of the nearest it gets
-/// (decision 0008). A search without result is a [`MatchStatus`] and no error.
+/// (decision 0008). A search without result is a [`MatchStatus`] and no error; a shape beyond the human range of motion is no
+/// result either, and comes after all others in the choice.
 ///
 /// ```
 /// use spineline::action::LineOfAction;
@@ -180,7 +181,7 @@ pub fn simulate(
     let load = Load::along(line, depth_mm);
     let measured: Vec<Frontal> = film.locations().collect();
     let top = measured[measured.len() - 1];
-    let found = match target {
+    let mut found = match target {
         Target::Fitted(force_n) => {
             vec![ForceMatch::at(statics, &load, force_n, top.lateral_tilt())]
         }
@@ -188,6 +189,12 @@ pub fn simulate(
         Target::NearestT2(None) => vec![match_t2(statics, &load, &ForceSign::BOTH, top)],
         Target::NearestT2(Some(sign)) => vec![match_t2(statics, &load, &[sign], top)],
     };
+    for found in &mut found {
+        let shape = &found.solution.deformed;
+        if found.is_usable() && shape.beyond_human_range(statics.model()).is_some() {
+            found.status = MatchStatus::BeyondHumanRange;
+        }
+    }
     let tries = ranked(found, &measured, regions);
     let lost = |other: &(ForceMatch, _)| other.0.status == MatchStatus::NotConverged;
     let lost_forces = tries.iter().skip(1).filter(|other| lost(other)).count();

@@ -1,5 +1,6 @@
 use std::fmt;
 
+use super::EndplateTilts;
 use crate::spatial::{Angle, Frontal};
 
 /// The four corners of a vertebral body, named by the **patient's** sides.
@@ -124,8 +125,30 @@ impl Corners<Frontal> {
     pub fn measure_endplate_tilt(&self) -> Angle {
         let to_left =
             (self.superior_left + self.inferior_left) - (self.superior_right + self.inferior_right);
-        // A quarter turn about +X carries the patient's left (+Y) to cranial (+Z).
-        Frontal::new(-to_left.z_mm, to_left.y_mm).lateral_tilt()
+        normal_tilt(to_left)
+    }
+
+    /// Lateral tilts of the normals of the two endplates.
+    ///
+    /// ```
+    /// use spineline::{measure::Corners, spatial::Frontal};
+    /// let wedged = Corners {
+    ///     superior_left: Frontal::new(20.0, 13.5),
+    ///     superior_right: Frontal::new(-20.0, 10.0),
+    ///     inferior_left: Frontal::new(20.0, -13.5),
+    ///     inferior_right: Frontal::new(-20.0, -10.0),
+    /// };
+    /// let endplates = wedged.measure_endplates();
+    /// assert!((endplates.superior.deg() - 5.0).abs() < 0.01);
+    /// assert!((endplates.inferior.deg() + 5.0).abs() < 0.01);
+    /// assert!(wedged.measure_endplate_tilt().deg().abs() < 1e-12);
+    /// ```
+    #[must_use]
+    pub fn measure_endplates(&self) -> EndplateTilts {
+        EndplateTilts {
+            superior: normal_tilt(self.superior_left - self.superior_right),
+            inferior: normal_tilt(self.inferior_left - self.inferior_right),
+        }
     }
 
     /// Whether the corners run the way in which a patient's left and right lie on this film.
@@ -146,16 +169,13 @@ impl Corners<Frontal> {
     }
 
     /// The longer over the shorter of opposite sides: left and right, superior and inferior.
-    pub(super) fn side_ratios(&self) -> [(&'static str, f64); 2] {
+    pub(super) fn side_ratios(&self) -> [f64; 2] {
         let ratio = |a: f64, b: f64| a.max(b) / a.min(b);
         let left = self.superior_left.distance_mm(self.inferior_left);
         let right = self.superior_right.distance_mm(self.inferior_right);
         let superior = self.superior_left.distance_mm(self.superior_right);
         let inferior = self.inferior_left.distance_mm(self.inferior_right);
-        [
-            ("its left and right sides", ratio(left, right)),
-            ("its superior and inferior sides", ratio(superior, inferior)),
-        ]
+        [ratio(left, right), ratio(superior, inferior)]
     }
 
     /// The longer of the two diagonals.
@@ -168,6 +188,12 @@ impl Corners<Frontal> {
         ((self.superior_left + self.superior_right) - (self.inferior_left + self.inferior_right))
             * 0.5
     }
+}
+
+/// Lateral tilt of the cranial normal of a line that runs to the patient's left.
+pub(super) fn normal_tilt(to_left: Frontal) -> Angle {
+    // A quarter turn about +X carries the patient's left (+Y) to cranial (+Z).
+    Frontal::new(-to_left.z_mm, to_left.y_mm).lateral_tilt()
 }
 
 impl std::error::Error for CornerFault {}

@@ -1,9 +1,11 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use super::{Corners, Spacing, SpacingPlane};
-use crate::anatomy::{ImageSide, Level, Posture};
+use super::{Corners, EndplateTilts, Spacing, SpacingPlane};
+use crate::anatomy::{ImageSide, Level, Posture, named};
 use crate::spatial::{Angle, Frontal, Pixel};
+
+named!(PlacementSource);
 
 /// How the picture lies: its size, the distance between its pixels, and where the patient's left is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,15 +96,51 @@ pub struct VertebraLandmarks {
     pub corners: Corners<Pixel>,
     /// Its axis where it was turned by hand: against the image's vertical, positive clockwise as seen.
     pub axis_clockwise: Option<Angle>,
+    /// Confidence of each corner from 0 to 1, where a program found them; `None` where a person placed them.
+    pub confidence: Option<Corners<f64>>,
 }
 
-/// A vertebra as measured by another program, in any frontal frame of its film.
+/// A vertebra as measured on one reading, or by another program, in any frontal frame of its film.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
     /// Midpoint.
     pub location: Frontal,
     /// Tilt.
     pub tilt: Angle,
+    /// Tilts of its two endplates; `None` where its corners are not known.
+    pub endplates: Option<EndplateTilts>,
+}
+
+impl Placement {
+    /// A location and a tilt without corners.
+    #[must_use]
+    pub const fn new(location: Frontal, tilt: Angle) -> Self {
+        Self { location, tilt, endplates: None }
+    }
+}
+
+/// Where locations and tilts come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PlacementSource {
+    /// Vertebrae that were seen.
+    #[default]
+    Vertebrae,
+    /// A midline of the back surface: the levels were placed by arc length ([`Midline`](super::Midline)), and none was seen.
+    SurfaceMidline,
+}
+
+impl PlacementSource {
+    /// Every source.
+    pub const ALL: [Self; 2] = [Self::Vertebrae, Self::SurfaceMidline];
+
+    /// The name in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Vertebrae => "vertebrae",
+            Self::SurfaceMidline => "surface_midline",
+        }
+    }
 }
 
 /// One pass of one reader over one film.
@@ -139,6 +177,8 @@ pub enum FilmLandmarks {
     Placements {
         /// Plane of the millimetres.
         spacing_plane: SpacingPlane,
+        /// Where they come from.
+        source: PlacementSource,
         /// The readings.
         readings: Vec<Reading<Placement>>,
     },

@@ -126,20 +126,30 @@ pub fn endplate_centres(film: &Film, frame: &FilmFrame, level: Level) -> Option<
 /// spacing; `None` for a vertebra without corners.
 #[must_use]
 pub fn body_widths(film: &Film, levels: Levels) -> Vec<Option<f64>> {
+    let width = |shape: Option<[f64; 2]>| shape.map(|[_, width]| width);
+    body_shapes(film, levels).into_iter().map(width).collect()
+}
+
+/// Mean height of the two sides and mean width of the endplates of some bodies, as [`body_widths`].
+pub(crate) fn body_shapes(film: &Film, levels: Levels) -> Vec<Option<[f64; 2]>> {
     let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else {
         return vec![None; levels.len()];
     };
-    let width = |level: Level| {
+    let shape = |level: Level| {
         let landmarks = readings.iter().filter_map(|reading| reading.vertebrae.get(&level));
-        let widths: Vec<f64> = landmarks
+        let shapes: Vec<[f64; 2]> = landmarks
             .map(|landmark| {
                 let corners = landmark.corners.map(|corner| image.frontal(corner));
                 let upper = corners.superior_left.distance_mm(corners.superior_right);
                 let lower = corners.inferior_left.distance_mm(corners.inferior_right);
-                0.5 * (upper + lower)
+                let left = corners.superior_left.distance_mm(corners.inferior_left);
+                let right = corners.superior_right.distance_mm(corners.inferior_right);
+                [0.5 * (left + right), 0.5 * (upper + lower)]
             })
             .collect();
-        (!widths.is_empty()).then(|| widths.iter().sum::<f64>() / widths.len() as f64)
+        let mean =
+            |side: usize| shapes.iter().map(|shape| shape[side]).sum::<f64>() / shapes.len() as f64;
+        (!shapes.is_empty()).then(|| [mean(0), mean(1)])
     };
-    levels.iter().map(width).collect()
+    levels.iter().map(shape).collect()
 }

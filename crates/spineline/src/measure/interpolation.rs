@@ -86,6 +86,7 @@ pub(super) fn interpolate(
         level,
         location,
         tilt: tangent.lateral_tilt(),
+        endplates: None,
         readings: 0,
         interpolated: Some(interpolation),
     }

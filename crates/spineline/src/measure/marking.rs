@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use super::order::{MIN_SPACING_SHARE, steps};
+use super::order::{out_of_order_words, steps};
 use super::{CornerFault, Corners, ImageGeometry, Placement};
 use crate::anatomy::{Level, Side};
 use crate::spatial::{Angle, Frontal, Pixel};
@@ -211,12 +211,9 @@ impl fmt::Display for MarkingFault {
                 f,
                 "left and right corners are exchanged in all {count} vertebrae: check the lead marker; left is the patient's"
             ),
-            Self::OutOfOrder { inferior, superior, share } => write!(
-                f,
-                "{superior} lies {:.0} % of the expected distance above {inferior}, and the minimum is {:.0} %: one is marked twice, skipped or exchanged",
-                100.0 * share,
-                100.0 * MIN_SPACING_SHARE
-            ),
+            Self::OutOfOrder { inferior, superior, share } => {
+                f.write_str(&out_of_order_words(*inferior, *superior, *share))
+            }
             Self::Distance { inferior, superior, ratio } => write!(
                 f,
                 "{inferior} and {superior} are {ratio:.1} times the expected distance for this spine apart: check that no vertebra was skipped or marked twice"
@@ -372,7 +369,7 @@ fn order_faults(image: &ImageGeometry, bodies: &BTreeMap<Level, MarkedBody>) -> 
         .iter()
         .map(|(&level, body)| {
             let location = image.frontal(body.midpoint);
-            (level, Placement { location, tilt: body.tilt })
+            (level, Placement::new(location, body.tilt))
         })
         .collect();
     let faults = steps(&placed).into_iter().filter_map(|step| {

@@ -1,17 +1,20 @@
 //! Step 1: landmarks on a radiograph → location and tilt of every vertebra in the global frame.
 //!
-//! The location of a vertebra is the intersection of the two diagonals of its body; its tilt is the lateral tilt of the line
-//! through the centres of its endplates, or an axis turned by hand. Readings are averaged on the film, and the film is
+//! The location of a vertebra is the intersection of the two diagonals of its body; its tilt is that of its endplates
+//! ([`TiltRule`]), or an axis turned by hand. Readings are averaged on the film, and the film is
 //! then brought into `G`: L4's midpoint is the origin and L4's own axis is +Z, so L4's tilt is zero in every posture,
 //! however the film was held.
 //!
 //! # Departures from the paper
-//! Landmarks may be sub-pixel, pixels need not be square, and the patient's side is part of the film.
+//! Landmarks may be sub-pixel, pixels need not be square, and the patient's side is part of the film. The paper takes tilts
+//! from the line through the endplates' centres, which has twice the noise; that is an option.
 //!
 //! # References
 //! [jalalian-loa], section 2.1 and figure 3.
 
+mod bodies;
 mod calibration;
+mod confidence;
 mod corners;
 mod evidence;
 mod film;
@@ -20,6 +23,8 @@ mod interpolation;
 mod lateral;
 mod marking;
 mod marking_proposal;
+mod midline;
+mod neighbours;
 mod noise;
 mod order;
 mod outline;
@@ -29,6 +34,7 @@ mod plausibility;
 mod readings;
 mod seen_levels;
 mod spacing;
+mod tilt;
 mod view;
 
 pub use calibration::{Calibration, CalibrationError, Calibrator};
@@ -37,24 +43,28 @@ pub use evidence::{
     CalibrationType, SpacingEvidence, SpacingJudgement, SpacingRemark, judge_spacing,
 };
 pub use film::{
-    Film, FilmLandmarks, IliacCrests, ImageGeometry, Placement, Reading, ReadingId,
-    VertebraLandmarks,
+    Film, FilmLandmarks, IliacCrests, ImageGeometry, Placement, PlacementSource, Reading,
+    ReadingId, VertebraLandmarks,
 };
+pub(crate) use frame::body_shapes;
 pub use frame::{FilmFrame, body_widths, endplate_centres};
 pub use interpolation::Interpolation;
 pub(crate) use interpolation::InterpolationError;
-pub use lateral::{LateralCorners, LateralFilm};
+pub use lateral::{LateralCorners, LateralFault, LateralFilm};
 pub use marking::{MarkedBody, MarkingFault, PartialLandmarks, PartialReading, turn_axis_towards};
 pub use marking_proposal::{CornerName, NextLandmark, ProposedVertebra};
+pub use midline::{Midline, MidlineEnd, MidlineError, MidlinePoint};
 pub use noise::Noise;
 pub(crate) use noise::ReadingSquares;
 pub(crate) use outline::outline_of;
 pub use outline::{MeasuredVertebra, Outline, check_landmarks, measure_film};
+pub use plausibility::{judge_landmarks, judge_reading};
 pub(crate) use plausibility::{same_landmarks, warn_of_implausible_landmarks};
 pub use readings::{FilmReadings, measure_readings};
 pub use seen_levels::shows_enough;
 pub(crate) use seen_levels::{common_levels, seen_levels, warn_of_shortened_chain};
 pub use spacing::{LengthScale, Spacing, SpacingPlane, SpacingSource};
+pub use tilt::{EndplateTilts, TiltRule};
 pub use view::{
     PatientDirection, Stance, View, ViewEvidence, ViewJudgement, ViewPosition, ViewQuestion,
     judge_view,
@@ -172,6 +182,20 @@ pub enum MeasureError {
         /// Vertebra.
         level: Level,
     },
+    /// A confidence that is no number from 0 to 1.
+    #[error(
+        "{posture} film, observer {id}, {level}: a confidence is {value}, and must be from 0 to 1"
+    )]
+    Confidence {
+        /// Film.
+        posture: Posture,
+        /// Reading.
+        id: ReadingId,
+        /// Vertebra.
+        level: Level,
+        /// What it is.
+        value: f64,
+    },
     /// A landmark outside of the picture.
     #[error(
         "{posture} film, observer {id}, {level}: a corner at column {column_px}, row {row_px} lies outside of the {columns} × {rows} picture"
@@ -217,6 +241,9 @@ pub enum MeasureError {
         /// What is wrong with them.
         fault: CornerFault,
     },
+    /// Anything else that is wrong with the lateral film.
+    #[error(transparent)]
+    LateralFilm(#[from] LateralFault),
     /// Iliac crests that give no line.
     #[error("{posture} film: the iliac crests {}", if *outside { "do not both lie on the picture".to_owned() } else { format!("are {apart_mm:.1} mm apart, and the minimum is {limit_mm:.0} mm") })]
     Crests {
@@ -242,9 +269,7 @@ pub enum MeasureError {
         count: usize,
     },
     /// A vertebra is marked at or below the next lower one.
-    #[error(
-        "{posture} film: {superior} lies {:.0} % of the expected distance above {inferior}, and the minimum is {:.0} %", 100.0 * share, 100.0 * limit
-    )]
+    #[error("{posture} film: {}", order::out_of_order_words(*inferior, *superior, *share))]
     OutOfOrder {
         /// Film.
         posture: Posture,
@@ -288,9 +313,11 @@ impl MeasureError {
             | Self::NoCommonEnd { .. }
             | Self::Gap { .. } => "level_missing",
             Self::NotFinite { .. } => "not_finite",
+            Self::Confidence { .. } => "confidence",
             Self::OffImage { .. } => "off_image",
             Self::Crests { .. } => "crests",
             Self::Corners { .. } | Self::Lateral { .. } => "corners",
+            Self::LateralFilm(fault) => fault.code(),
             Self::FilmMirrored { .. } => "film_mirrored",
             Self::OutOfOrder { .. } => "out_of_order",
             Self::TiltTooLarge { .. } => "tilt_too_large",
@@ -344,6 +371,9 @@ impl MeasureError {
                 _ => "mark one of them at least, or leave this film out of the case",
             },
             Self::NotFinite { .. } => "mark this vertebra again",
+            Self::Confidence { .. } => {
+                "give the probability that the program assigns to the landmark, or no confidence at all"
+            }
             Self::OffImage { .. } => {
                 "corner points are [column, row] in pixels of the full-size picture"
             }
@@ -354,6 +384,7 @@ impl MeasureError {
             Self::Lateral { .. } => {
                 "mark this vertebra's superior and inferior corners again, anterior ones on the side of `patient_anterior`"
             }
+            Self::LateralFilm(fault) => fault.help(),
             Self::FilmMirrored { .. } => {
                 "check the lead marker, then correct `patient_left` of this film's image"
             }

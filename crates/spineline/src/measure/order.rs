@@ -7,6 +7,19 @@ use crate::spatial::Frontal;
 /// A fifth of the usual distance is what an exchanged or doubled vertebra shows at most.
 pub(super) const MIN_SPACING_SHARE: f64 = 0.2;
 
+/// What is said of two vertebrae out of order; `share` is how far the superior one lies above the other, as a part of the usual
+/// distance in this spine.
+pub(super) fn out_of_order_words(inferior: Level, superior: Level, share: f64) -> String {
+    if share < 0.0 {
+        return format!("{inferior} is marked above {superior}: check the labels");
+    }
+    format!(
+        "{superior} lies {:.0} % of the expected distance above {inferior}, and the minimum is {:.0} %: one is marked twice, skipped or exchanged",
+        100.0 * share,
+        100.0 * MIN_SPACING_SHARE
+    )
+}
+
 /// From one marked vertebra to the next one marked above it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LevelStep {

@@ -1,14 +1,16 @@
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::corners::normal_tilt;
 use super::interpolation::interpolate;
+use super::midline::warn_of_source;
 use super::order::typical_distance_mm;
 use super::outline_checks::{check_marked, warn_of_gaps, warn_of_interpolated};
 use super::placing::warn_of_unusable_ends;
 use super::spacing::is_spacing;
 use super::{
-    Film, FilmLandmarks, IliacCrests, ImageGeometry, Interpolation, LengthScale, MeasureError,
-    Noise, Placement, Reading, ReadingId, SpacingPlane, common_levels, measure_readings,
-    seen_levels, warn_of_shortened_chain,
+    EndplateTilts, Film, FilmLandmarks, IliacCrests, ImageGeometry, Interpolation, LengthScale,
+    MeasureError, Noise, Placement, Reading, ReadingId, SpacingPlane, TiltRule, common_levels,
+    measure_readings, seen_levels, warn_of_shortened_chain,
 };
 use crate::anatomy::{Level, Levels, Posture};
 use crate::spatial::{Angle, Frontal};
@@ -23,6 +25,8 @@ pub struct MeasuredVertebra {
     pub location: Frontal,
     /// Tilt against L4, mean over the readings.
     pub tilt: Angle,
+    /// Tilts of its endplates against L4, means over the readings; `None` where its corners are not known.
+    pub endplates: Option<EndplateTilts>,
     /// Readings that marked it; none for an interpolated vertebra.
     pub readings: usize,
     /// For a vertebra that no reading marked: from what it was interpolated, and how uncertain it is.
@@ -49,6 +53,10 @@ pub struct Outline {
     pub others: Vec<MeasuredVertebra>,
     /// Lateral tilt of the normal of the iliac line in `G`; `None` where the crests were not marked.
     pub iliac_normal: Option<Angle>,
+    /// Midpoint between the tips of the iliac crests; `None` where they were not marked.
+    pub iliac_middle: Option<Frontal>,
+    /// Tilt of the film's vertical in `G`; `None` for locations and tilts of another program, whose frame need not be upright.
+    pub vertical: Option<Angle>,
     /// Tilt of L4 (of the base where that is another vertebra) on the film, which `G` has taken out.
     pub l4_on_film: Angle,
     /// Midpoint of L4 (of the base) in the film's own frame, which is the origin of `G`.
@@ -120,19 +128,23 @@ impl Outline {
 ///
 /// ```
 /// use spineline::anatomy::Level;
-/// use spineline::measure::measure_film;
+/// use spineline::measure::{TiltRule, measure_film};
 /// use spineline::warning::Warnings;
 /// use spineline_phantom::{Readers, Truth, generate};
 ///
 /// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
-/// let outline = measure_film(&case.films[0], &mut Warnings::default())?;
+/// let outline = measure_film(&case.films[0], TiltRule::default(), &mut Warnings::default())?;
 /// assert_eq!(outline.vertebrae.len(), Level::MODEL.len());
 /// // L4 is the origin.
 /// assert!(outline.vertebrae[0].location.norm_mm() < 1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn measure_film(film: &Film, warnings: &mut Warnings) -> Result<Outline, MeasureError> {
-    let readings = measure_readings(film)?;
+pub fn measure_film(
+    film: &Film,
+    rule: TiltRule,
+    warnings: &mut Warnings,
+) -> Result<Outline, MeasureError> {
+    let readings = measure_readings(film, rule)?;
     let seen = [(film.posture, seen_levels(&readings))];
     let levels = common_levels(&seen)?;
     warn_of_shortened_chain(levels, &seen, warnings);
@@ -148,7 +160,7 @@ pub(crate) fn outline_of(
 ) -> Result<Outline, MeasureError> {
     let posture = film.posture;
     warn_of_unusable_ends(film, warnings);
-    let PlacedFilm { readings: placed, scale, iliac_normal } =
+    let PlacedFilm { readings: placed, scale, iliac_normal, iliac_middle } =
         place_film(film, readings, warnings)?;
     let on_film = average(&placed);
     let observers: Vec<&str> = readings.iter().map(|one| one.id.observer.as_str()).collect();
@@ -162,7 +174,9 @@ pub(crate) fn outline_of(
         .map(|(&level, &(placement, readings))| {
             let location = (placement.location - base.location).rotated(-base.tilt);
             let tilt = (placement.tilt - base.tilt).wrapped();
-            (level, MeasuredVertebra { level, location, tilt, readings, interpolated: None })
+            let endplates = placement.endplates.map(|tilts| tilts.against(base.tilt));
+            let interpolated = None;
+            (level, MeasuredVertebra { level, location, tilt, endplates, readings, interpolated })
         })
         .collect();
     check_marked(posture, &mut in_global, &scale, warnings)?;
@@ -184,6 +198,8 @@ pub(crate) fn outline_of(
         others: in_global.into_values().filter(|v| levels.index_of(v.level).is_none()).collect(),
         vertebrae,
         iliac_normal,
+        iliac_middle: iliac_middle.map(|middle| (middle - base.location).rotated(-base.tilt)),
+        vertical: matches!(film.landmarks, FilmLandmarks::Corners { .. }).then(|| -base.tilt),
         l4_on_film: base.tilt,
         l4_midpoint_on_film: base.location,
         noise,
@@ -221,6 +237,7 @@ struct PlacedFilm {
     readings: Vec<BTreeMap<Level, Placement>>,
     scale: LengthScale,
     iliac_normal: Option<Angle>,
+    iliac_middle: Option<Frontal>,
 }
 
 /// Checks all marks of a film, of whichever vertebrae: what [`measure_film`] refuses before it asks whether all are there.
@@ -228,7 +245,8 @@ struct PlacedFilm {
 /// # Errors
 /// As [`measure_film`], but for what concerns several vertebrae in their order.
 pub fn check_landmarks(film: &Film) -> Result<(), MeasureError> {
-    place_film(film, &measure_readings(film)?, &mut Warnings::default()).map(|_| ())
+    place_film(film, &measure_readings(film, TiltRule::default())?, &mut Warnings::default())
+        .map(|_| ())
 }
 
 fn place_film(
@@ -240,9 +258,10 @@ fn place_film(
     let readings = readings.iter().map(|reading| reading.vertebrae.clone()).collect();
     let (image, iliac_crests) = match &film.landmarks {
         FilmLandmarks::Corners { image, iliac_crests, .. } => (image, iliac_crests),
-        FilmLandmarks::Placements { spacing_plane, .. } => {
+        FilmLandmarks::Placements { spacing_plane, source, .. } => {
+            warn_of_source(posture, *source, warnings);
             let scale = LengthScale::stated(*spacing_plane);
-            return Ok(PlacedFilm { readings, scale, iliac_normal: None });
+            return Ok(PlacedFilm { readings, scale, iliac_normal: None, iliac_middle: None });
         }
     };
     if let Some(crests) = iliac_crests {
@@ -253,7 +272,10 @@ fn place_film(
         Some(spacing) => (readings, LengthScale::of(&spacing)),
         None => scaled_from_pixels(posture, readings, warnings),
     };
-    Ok(PlacedFilm { readings, scale, iliac_normal })
+    let per_mm = 1.0 / scale.pixels_per_mm.unwrap_or(1.0);
+    let iliac_middle = iliac_crests
+        .map(|crests| (image.frontal(crests.left) + image.frontal(crests.right)) * (0.5 * per_mm));
+    Ok(PlacedFilm { readings, scale, iliac_normal, iliac_middle })
 }
 
 pub(super) fn check_spacing(posture: Posture, image: &ImageGeometry) -> Result<(), MeasureError> {
@@ -273,14 +295,24 @@ pub(super) fn check_readings<T>(
     if readings.is_empty() {
         return Err(MeasureError::NoReading { posture });
     }
-    if let Some(nameless) = readings.iter().find(|reading| reading.id.observer.trim().is_empty()) {
+    if let Some(nameless) = nameless(readings) {
         return Err(MeasureError::NoObserver { posture, repeat: nameless.id.repeat });
     }
-    let mut seen = BTreeSet::new();
-    match readings.iter().find(|reading| !seen.insert(&reading.id)) {
+    match repeated(readings) {
         Some(twice) => Err(MeasureError::DuplicateReading { posture, id: twice.id.clone() }),
         None => Ok(()),
     }
+}
+
+/// A reading without the name or code of its observer.
+pub(super) fn nameless<T>(readings: &[Reading<T>]) -> Option<&Reading<T>> {
+    readings.iter().find(|reading| reading.id.observer.trim().is_empty())
+}
+
+/// A reading with the observer and repeat of an earlier one.
+pub(super) fn repeated<T>(readings: &[Reading<T>]) -> Option<&Reading<T>> {
+    let mut seen = BTreeSet::new();
+    readings.iter().find(|reading| !seen.insert(&reading.id))
 }
 
 pub(super) fn check_placements(
@@ -344,9 +376,7 @@ fn check_crests(
 }
 
 fn iliac_normal(image: &ImageGeometry, crests: IliacCrests) -> Angle {
-    let to_left = image.frontal(crests.left) - image.frontal(crests.right);
-    // A quarter turn about +X carries the patient's left (+Y) to cranial (+Z).
-    Frontal::new(-to_left.z_mm, to_left.y_mm).lateral_tilt()
+    normal_tilt(image.frontal(crests.left) - image.frontal(crests.right))
 }
 
 /// Mean over the readings that marked a level, and their number.
@@ -371,8 +401,16 @@ fn mean_placement(all: &[Placement]) -> Placement {
     let n = all.len() as f64;
     let location = all.iter().fold(Frontal::default(), |sum, p| sum + p.location) * (1.0 / n);
     // Against one of them, so that a film held upside down averages as any other.
-    let off = all.iter().fold(Angle::ZERO, |sum, p| sum + (p.tilt - all[0].tilt).wrapped());
-    Placement { location, tilt: all[0].tilt + off * (1.0 / n) }
+    let mean = |first: Angle, tilts: &mut dyn Iterator<Item = Angle>| {
+        first + tilts.fold(Angle::ZERO, |sum, tilt| sum + (tilt - first).wrapped()) * (1.0 / n)
+    };
+    let tilt = mean(all[0].tilt, &mut all.iter().map(|p| p.tilt));
+    let endplates: Option<Vec<EndplateTilts>> = all.iter().map(|p| p.endplates).collect();
+    let endplates = endplates.map(|all| EndplateTilts {
+        superior: mean(all[0].superior, &mut all.iter().map(|tilts| tilts.superior)),
+        inferior: mean(all[0].inferior, &mut all.iter().map(|tilts| tilts.inferior)),
+    });
+    Placement { location, tilt, endplates }
 }
 
 /// The identity of a reading in errors and tests.

@@ -75,10 +75,8 @@ fn check_order(
         let (tilt_deg, limit_deg) = (v.tilt.deg(), TILT_LIMIT.deg());
         return Err(MeasureError::TiltTooLarge { posture, level: v.level, tilt_deg, limit_deg });
     }
-    let placed: Vec<(Level, Placement)> = vertebrae
-        .iter()
-        .map(|v| (v.level, Placement { location: v.location, tilt: v.tilt }))
-        .collect();
+    let placed: Vec<(Level, Placement)> =
+        vertebrae.iter().map(|v| (v.level, Placement::new(v.location, v.tilt))).collect();
     for step in steps(&placed) {
         let (inferior, superior, share) = (step.inferior, step.superior, step.share);
         if step.is_out_of_order() {

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use super::confidence::check_confidence;
 use super::plausibility::fits_exchanged;
 use super::{
     CornerFault, Corners, Film, FilmLandmarks, ImageGeometry, MeasureError, Placement, Reading,
-    VertebraLandmarks,
+    TiltRule, VertebraLandmarks,
 };
 use crate::anatomy::{Level, Posture};
 use crate::spatial::Frontal;
@@ -34,6 +35,7 @@ fn body_of(
     if !(finite && landmark.corners.points().iter().all(|corner| corner.is_finite())) {
         return Err(MeasureError::NotFinite { posture, id: id(), level });
     }
+    check_confidence(posture, &reading.id, level, landmark)?;
     if let Some(corner) =
         landmark.corners.points().into_iter().find(|&corner| !image.contains(corner))
     {
@@ -62,8 +64,9 @@ pub(super) fn place(
     posture: Posture,
     image: &ImageGeometry,
     reading: &Reading<VertebraLandmarks>,
+    rule: TiltRule,
 ) -> Result<BTreeMap<Level, Placement>, MeasureError> {
-    place_usable(posture, image, reading, &mut Vec::new())
+    place_usable((posture, image), reading, rule, &mut Vec::new())
 }
 
 /// Says of T1 and L5 where their marks cannot be used that they are left out.
@@ -75,7 +78,7 @@ pub(super) fn warn_of_unusable_ends(film: &Film, warnings: &mut Warnings) {
     {
         let mut unusable = Vec::new();
         // What else is wrong has stopped the measurement before.
-        let _ = place_usable(film.posture, image, reading, &mut unusable);
+        let _ = place_usable((film.posture, image), reading, TiltRule::default(), &mut unusable);
         for (level, error) in unusable {
             let text = format!("{error}; {level} is left out, as no result needs it");
             warnings.vertebra(Step::Measure, "level_left_out", film.posture, level, text);
@@ -84,9 +87,9 @@ pub(super) fn warn_of_unusable_ends(film: &Film, warnings: &mut Warnings) {
 }
 
 fn place_usable(
-    posture: Posture,
-    image: &ImageGeometry,
+    (posture, image): (Posture, &ImageGeometry),
     reading: &Reading<VertebraLandmarks>,
+    rule: TiltRule,
     unusable: &mut Vec<(Level, MeasureError)>,
 ) -> Result<BTreeMap<Level, Placement>, MeasureError> {
     let id = || reading.id.clone();
@@ -151,8 +154,9 @@ fn place_usable(
         .map(|(&level, body)| {
             let by_hand = reading.vertebrae[&level].axis_clockwise;
             let tilt =
-                by_hand.map_or_else(|| body.measure_tilt(), |axis| image.tilt_from_clockwise(axis));
-            (level, Placement { location: centres[&level], tilt })
+                by_hand.map_or_else(|| rule.tilt_of(body), |axis| image.tilt_from_clockwise(axis));
+            let endplates = Some(body.measure_endplates());
+            (level, Placement { location: centres[&level], tilt, endplates })
         })
         .collect())
 }

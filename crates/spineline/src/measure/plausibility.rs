@@ -1,6 +1,9 @@
 //! Landmarks that no film of a spine can show, or that one reading alone shows.
 
-use super::{Corners, Film, FilmLandmarks, ImageGeometry, Reading, VertebraLandmarks};
+use super::bodies::{CheckedFilm, ReadBodies, median};
+use super::confidence::warn_of_confidence;
+use super::neighbours::warn_of_corners_off_the_trend;
+use super::{Corners, Film, FilmLandmarks, ImageGeometry, Reading, ReadingId, VertebraLandmarks};
 use crate::anatomy::Level;
 use crate::spatial::{Angle, Frontal, Pixel};
 use crate::warning::{Step, Warnings};
@@ -22,15 +25,19 @@ const OUTLIER_MEDIANS: f64 = 8.0;
 /// other readings agree.
 const SMALLEST_OUTLIER_SHARE: f64 = 0.15;
 
-/// Angle between an axis turned by hand and that of the corners, above which one of them is doubted. Assumption: far
-/// above the deviation of either (assumption).
+/// Angle between an axis turned by hand and that of the corners, above which one of them is doubted. Far above the
+/// deviation of either (assumption).
 const LARGEST_AXIS_DIFFERENCE: Angle = Angle::from_deg(30.0);
 
-/// Whether two films carry the same landmarks or placements, whoever is named as their observer.
+/// Vertebrae from which equal coordinates on two films are no accident.
+const FEWEST_SAME: usize = 2;
+
+/// Whether a reading of one film has the landmarks or placements of a reading of the other one, whoever is named as its
+/// observer.
 pub(crate) fn same_landmarks(a: &Film, b: &Film) -> bool {
     fn same<T: PartialEq>(a: &[Reading<T>], b: &[Reading<T>]) -> bool {
-        let marked = a.iter().any(|reading| !reading.vertebrae.is_empty());
-        marked && a.iter().map(|one| &one.vertebrae).eq(b.iter().map(|one| &one.vertebrae))
+        let mut marked = a.iter().filter(|reading| reading.vertebrae.len() >= FEWEST_SAME);
+        marked.any(|one| b.iter().any(|other| one.vertebrae == other.vertebrae))
     }
     match (&a.landmarks, &b.landmarks) {
         (
@@ -61,35 +68,96 @@ pub(super) fn fits_exchanged(image: &ImageGeometry, reading: &Reading<VertebraLa
         && bodies.iter().all(|body| body.sides_agree() && body.points_along(upright))
 }
 
-/// Warnings about the corners of every reading, and about readings against one another.
+/// Warnings about the corners of a frontal film.
 pub(crate) fn warn_of_implausible_landmarks(film: &Film, warnings: &mut Warnings) {
+    warn_of_corners(CheckedFilm::Frontal(film.posture), &ReadBodies::of_film(film), warnings);
     let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return };
     for reading in readings {
+        warn_of_confidence(film.posture, reading, warnings);
         for (&level, landmark) in &reading.vertebrae {
-            warn_of_body(film, image, (reading, level, landmark), warnings);
+            warn_of_axis(film, image, (reading, level, landmark), warnings);
         }
     }
-    warn_of_outliers(film, image, readings, warnings);
 }
 
-/// One body by itself: its sides, and its axis.
-fn warn_of_body(
+/// Warnings about the landmarks of a frontal film, of whichever vertebrae: those that an analysis of the film gives too.
+///
+/// ```
+/// use spineline::measure::{FilmLandmarks, judge_landmarks};
+/// use spineline::anatomy::Level;
+/// use spineline_phantom::{Readers, Truth, generate};
+///
+/// let mut film = generate(0, Truth::Bend, &Readers::exact(), 1)?.case.films.remove(0);
+/// assert!(judge_landmarks(&film).all().is_empty());
+/// if let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks
+///     && let Some(body) = readings[0].vertebrae.get_mut(&Level::T8)
+/// {
+///     body.corners.superior_left.column_px += 150.0;
+/// }
+/// assert!(judge_landmarks(&film).has("corner_far_from_neighbours"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[must_use]
+pub fn judge_landmarks(film: &Film) -> Warnings {
+    let mut warnings = Warnings::default();
+    warn_of_implausible_landmarks(film, &mut warnings);
+    warnings
+}
+
+/// Warnings about one reading of a frontal film, by itself and against the film's other readings.
+#[must_use]
+pub fn judge_reading(film: &Film, id: &ReadingId) -> Warnings {
+    let mut warnings = Warnings::default();
+    let mut alone = film.clone();
+    if let FilmLandmarks::Corners { readings, .. } = &mut alone.landmarks {
+        readings.retain(|reading| reading.id == *id);
+    }
+    warn_of_implausible_landmarks(&alone, &mut warnings);
+    let film_checked = CheckedFilm::Frontal(film.posture);
+    warn_of_outliers(film_checked, &ReadBodies::of_film(film), Some(id), &mut warnings);
+    warnings
+}
+
+/// Warnings about the corners of every reading by itself, and about readings against one another.
+pub(super) fn warn_of_corners(
+    film: CheckedFilm,
+    readings: &[ReadBodies<'_>],
+    warnings: &mut Warnings,
+) {
+    for reading in readings {
+        for (level, body) in &reading.bodies {
+            warn_of_sides(film, (reading.id, *level, body), warnings);
+        }
+        warn_of_corners_off_the_trend(film, reading, warnings);
+    }
+    warn_of_outliers(film, readings, None, warnings);
+}
+
+/// Opposite sides of one body.
+fn warn_of_sides(
+    film: CheckedFilm,
+    (id, level, body): (&ReadingId, Level, &Corners<Frontal>),
+    warnings: &mut Warnings,
+) {
+    for (sides, ratio) in film.sides().into_iter().zip(body.side_ratios()) {
+        if ratio > LARGEST_SIDE_RATIO {
+            let text = format!(
+                "observer {id}: {sides} differ by a factor of {ratio:.1} (limit {LARGEST_SIDE_RATIO}): check the four corners of this vertebra"
+            );
+            film.warn("body_sides_differ", level, text, warnings);
+        }
+    }
+}
+
+/// An axis turned by hand against the corners of its body.
+fn warn_of_axis(
     film: &Film,
     image: &ImageGeometry,
     (reading, level, landmark): (&Reading<VertebraLandmarks>, Level, &VertebraLandmarks),
     warnings: &mut Warnings,
 ) {
-    let body = landmark.corners.map(|corner| image.frontal(corner));
-    for (sides, ratio) in body.side_ratios() {
-        if ratio > LARGEST_SIDE_RATIO {
-            let text = format!(
-                "observer {}: {sides} differ by a factor of {ratio:.1} (limit {LARGEST_SIDE_RATIO}): check the four corners of this vertebra",
-                reading.id
-            );
-            warnings.vertebra(Step::Measure, "body_sides_differ", film.posture, level, text);
-        }
-    }
     let Some(axis) = landmark.axis_clockwise else { return };
+    let body = landmark.corners.map(|corner| image.frontal(corner));
     let apart = (image.tilt_from_clockwise(axis) - body.measure_tilt()).wrapped().abs();
     if apart > LARGEST_AXIS_DIFFERENCE {
         let text = format!(
@@ -102,20 +170,17 @@ fn warn_of_body(
     }
 }
 
-/// Corners of one reading far from the median of all readings.
+/// Corners far from the median of all readings: of one reading, or of any.
 fn warn_of_outliers(
-    film: &Film,
-    image: &ImageGeometry,
-    readings: &[Reading<VertebraLandmarks>],
+    film: CheckedFilm,
+    readings: &[ReadBodies<'_>],
+    of: Option<&ReadingId>,
     warnings: &mut Warnings,
 ) {
     let mut found = Vec::new();
     for level in Level::ALL {
-        let bodies: Vec<(&Reading<VertebraLandmarks>, Corners<Frontal>)> = readings
-            .iter()
-            .filter_map(|one| Some((one, one.vertebrae.get(&level)?)))
-            .map(|(one, landmark)| (one, landmark.corners.map(|corner| image.frontal(corner))))
-            .collect();
+        let bodies: Vec<(&ReadingId, &Corners<Frontal>)> =
+            readings.iter().filter_map(|one| Some((one.id, one.body(level)?))).collect();
         if bodies.len() < FEWEST_READINGS {
             continue;
         }
@@ -127,9 +192,9 @@ fn warn_of_outliers(
             );
             let diagonal =
                 median(bodies.iter().map(|(_, body)| body.longer_diagonal_mm()).collect());
-            for (reading, body) in &bodies {
+            for (id, body) in &bodies {
                 let share = of(body).distance_mm(middle) / diagonal;
-                found.push((level, corner, &reading.id, share));
+                found.push((level, corner, *id, share));
             }
         }
     }
@@ -138,22 +203,15 @@ fn warn_of_outliers(
     }
     let usual = median(found.iter().map(|&(.., share)| share).collect());
     let limit = (OUTLIER_MEDIANS * usual).max(SMALLEST_OUTLIER_SHARE);
-    const CORNERS: [&str; 4] =
-        ["superior left", "superior right", "inferior left", "inferior right"];
-    for (level, corner, id, share) in found.into_iter().filter(|&(.., share)| share > limit) {
+    let asked = |id: &ReadingId| of.is_none_or(|of| of == id);
+    let odd = found.into_iter().filter(|&(_, _, id, share)| share > limit && asked(id));
+    for (level, corner, id, share) in odd {
         let text = format!(
             "observer {id}: the {} corner is {:.0} % of the body's diagonal from the median of all readings (limit {:.0} %): mark it again",
-            CORNERS[corner],
+            film.corners()[corner],
             100.0 * share,
             100.0 * limit
         );
-        warnings.vertebra(Step::Measure, "corner_far_from_readings", film.posture, level, text);
+        film.warn("corner_far_from_readings", level, text, warnings);
     }
-}
-
-/// Median of at least one value, all finite.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
 }

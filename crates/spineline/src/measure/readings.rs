@@ -1,6 +1,6 @@
 use super::outline::{check_placements, check_readings, check_spacing};
 use super::placing::place;
-use super::{Film, FilmLandmarks, MeasureError, Placement, Reading, SpacingPlane};
+use super::{Film, FilmLandmarks, MeasureError, Placement, Reading, SpacingPlane, TiltRule};
 use crate::anatomy::Posture;
 
 /// Every reading of one film by itself, for questions about the readers.
@@ -19,14 +19,14 @@ impl FilmReadings {
     ///
     /// # Errors
     /// As [`measure_readings`].
-    pub fn measure(film: &Film) -> Result<Self, MeasureError> {
+    pub fn measure(film: &Film, rule: TiltRule) -> Result<Self, MeasureError> {
         let plane = match &film.landmarks {
             FilmLandmarks::Corners { image, .. } => {
                 image.spacing.map_or(SpacingPlane::Pixels, |spacing| spacing.plane)
             }
             FilmLandmarks::Placements { spacing_plane, .. } => *spacing_plane,
         };
-        let mut readings = measure_readings(film)?;
+        let mut readings = measure_readings(film, rule)?;
         readings.sort_by(|a, b| a.id.cmp(&b.id));
         Ok(Self { posture: film.posture, length_unit: plane.unit().to_owned(), readings })
     }
@@ -36,7 +36,10 @@ impl FilmReadings {
 ///
 /// # Errors
 /// [`MeasureError`], which names film, reading, vertebra, value and limit. Nothing is repaired.
-pub fn measure_readings(film: &Film) -> Result<Vec<Reading<Placement>>, MeasureError> {
+pub fn measure_readings(
+    film: &Film,
+    rule: TiltRule,
+) -> Result<Vec<Reading<Placement>>, MeasureError> {
     let posture = film.posture;
     match &film.landmarks {
         FilmLandmarks::Corners { image, readings, .. } => {
@@ -45,7 +48,7 @@ pub fn measure_readings(film: &Film) -> Result<Vec<Reading<Placement>>, MeasureE
             readings
                 .iter()
                 .map(|reading| {
-                    let vertebrae = place(posture, image, reading)?;
+                    let vertebrae = place(posture, image, reading, rule)?;
                     Ok(Reading { id: reading.id.clone(), vertebrae })
                 })
                 .collect()

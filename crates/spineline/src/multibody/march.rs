@@ -287,7 +287,7 @@ impl<'a> Statics<'a> {
     ///
     /// ```
     /// use spineline::anatomy::{Levels, SagittalProfile};
-    /// use spineline::measure::measure_film;
+    /// use spineline::measure::{TiltRule, measure_film};
     /// use spineline::multibody::{
     ///     JointGroups, Solution, SpineModel, Statics, StiffnessLibrary, Support, Wrench,
     /// };
@@ -296,7 +296,7 @@ impl<'a> Statics<'a> {
     /// use spineline_phantom::{Readers, Truth, generate};
     ///
     /// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
-    /// let erect = measure_film(&case.films[0], &mut Warnings::default())?;
+    /// let erect = measure_film(&case.films[0], TiltRule::default(), &mut Warnings::default())?;
     /// let spine = SpineModel::from_outline(&erect, &SagittalProfile::default());
     /// let groups = JointGroups::per_joint(Levels::COMPLETE);
     /// let library = StiffnessLibrary::default();

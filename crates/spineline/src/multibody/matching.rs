@@ -38,6 +38,9 @@ pub enum MatchStatus {
     Matched,
     /// The target is not met up to the largest force or hinge angle; the nearest shape is given.
     Unreachable,
+    /// The target is met, or the force known, but the shape is beyond the human range of motion; only
+    /// [`crate::evaluate::simulate`] judges this.
+    BeyondHumanRange,
     /// A load that moves with T2 could not be closed, or the search did not end.
     NotConverged,
 }
@@ -49,6 +52,7 @@ impl MatchStatus {
         match self {
             Self::Matched => "converged",
             Self::Unreachable => "unreachable",
+            Self::BeyondHumanRange => "beyond_human_range",
             Self::NotConverged => "not_converged",
         }
     }

@@ -17,6 +17,7 @@
 mod bodies;
 mod general;
 mod geometry;
+mod human_range;
 mod load;
 mod march;
 mod matching;
@@ -34,6 +35,7 @@ pub use general::{
 };
 pub(crate) use geometry::disc_mm;
 pub use geometry::{Joint, SpineModel};
+pub use human_range::{BeyondHumanRange, MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT};
 pub use load::{Load, Wrench};
 pub use march::{Deformed, Parameter, Solution, Statics};
 pub use matching::{

@@ -67,7 +67,7 @@ pub enum Undefined {
     #[error("the readings have no variance, so they cannot be compared")]
     ZeroVariance,
     /// Fewer subjects than the statistic needs.
-    #[error("{n} subjects, and at least {least} are needed")]
+    #[error("{}, and at least {least} are needed", crate::warning::counted(*n, "subject"))]
     TooFewSubjects {
         /// Subjects that all raters rated.
         n: usize,

@@ -1,5 +1,5 @@
 use crate::anatomy::Region;
-use crate::clinical::CurvePlaces;
+use crate::clinical::{CurvePlaces, EndAngles};
 use crate::multibody::{Deformed, SpineModel};
 use crate::spatial::{Angle, Frontal};
 
@@ -14,8 +14,8 @@ pub const UNUSUAL_HINGE: Angle = Angle::from_deg(20.0);
 pub struct CurveAngles {
     /// Which curve.
     pub region: Region,
-    /// Cobb angle, positive where convex to the left.
-    pub cobb: Angle,
+    /// Tilt range and Cobb angle between the end vertebrae, positive where convex to the left.
+    pub ends: EndAngles,
     /// Ferguson angle, positive where convex to the left.
     pub ferguson: Angle,
 }
@@ -40,7 +40,7 @@ pub fn measure_angles(shape: &Deformed, places: &[CurvePlaces]) -> SpineAngles {
     let tilts: Vec<Angle> = (0..count).map(|i| shape.tilt(i)).collect();
     let angles = |place: &CurvePlaces| CurveAngles {
         region: place.bounds.region,
-        cobb: place.cobb(&tilts),
+        ends: place.angles(&tilts),
         ferguson: place.ferguson(&locations),
     };
     SpineAngles { lateral_tilt: shape.lateral_tilt(), curves: places.iter().map(angles).collect() }

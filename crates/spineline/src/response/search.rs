@@ -31,6 +31,8 @@ pub enum Verdict {
     BeyondLimitPoint,
     /// Another branch crosses before it: the spine would have buckled away.
     BeyondBranchPoint,
+    /// No human spine takes this shape ([`Deformed::beyond_human_range`]).
+    BeyondHumanRange,
 }
 
 impl Verdict {
@@ -42,6 +44,7 @@ impl Verdict {
             Self::Later => "later",
             Self::BeyondLimitPoint => "beyond_limit_point",
             Self::BeyondBranchPoint => "beyond_branch_point",
+            Self::BeyondHumanRange => "beyond_human_range",
         }
     }
 }
@@ -68,7 +71,8 @@ pub struct Response {
     pub ending: PathEnding,
     /// One path for a given load; for a given amplitude one along and one against the loads.
     pub paths: Vec<SignedPath>,
-    /// Every shape that meets the goal: those on the erect branch first, and the smaller factor first.
+    /// Every shape that meets the goal: those on the erect branch first, of these the shapes within the human range, and the smaller
+    /// factor first.
     pub equilibria: Vec<GoalEquilibrium>,
 }
 
@@ -101,14 +105,21 @@ impl Response {
         points().filter(counts).min_by(|a, b| away(a).total_cmp(&away(b)))
     }
 
-    /// The last shape that the spine reaches from the erect one without snapping or buckling: the result, or where the
-    /// loads had to stop before it. `None` where no path could be started.
+    /// The last shape within the human range that the erect spine reaches without snapping or buckling: the result, or where
+    /// the loads had to stop before it. `None` where no path could be started.
+    ///
+    /// # Panics
+    /// If `erect` is not the model that was loaded.
     #[must_use]
-    pub fn last_reached(&self) -> Option<(f64, &Deformed)> {
+    pub fn last_reached(&self, erect: &SpineModel) -> Option<(f64, &Deformed)> {
         let result = self.result().map(|equilibrium| (equilibrium.factor, &equilibrium.deformed));
         result.or_else(|| {
             let first = &self.paths.first()?.path;
-            let reached = |point: &&PathPoint| point.limit_points == 0 && point.branch_points == 0;
+            let reached = |point: &&PathPoint| {
+                point.limit_points == 0
+                    && point.branch_points == 0
+                    && point.deformed.beyond_human_range(erect).is_none()
+            };
             let last = first.points.iter().take_while(reached).last()?;
             Some((last.factor, &last.deformed))
         })
@@ -194,13 +205,7 @@ pub fn respond(
         let counts =
             |e: &&Equilibrium| grew && !(sign == ForceSign::Negative && e.factor.abs() < NO_LOAD);
         equilibria.extend(path.equilibria.iter().filter(counts).map(|equilibrium| {
-            let verdict = if equilibrium.limit_points > 0 {
-                Verdict::BeyondLimitPoint
-            } else if equilibrium.branch_points > 0 {
-                Verdict::BeyondBranchPoint
-            } else {
-                Verdict::Later
-            };
+            let verdict = verdict_before_choice(equilibrium, statics.model());
             GoalEquilibrium { sign, equilibrium: equilibrium.clone(), verdict }
         }));
         paths.push(SignedPath { sign, path });
@@ -210,7 +215,9 @@ pub fn respond(
     }
     equilibria.sort_by(|a, b| {
         let order = |found: &GoalEquilibrium| {
-            (!found.equilibrium.is_on_erect_branch(), found.equilibrium.factor.abs())
+            let beyond = found.verdict == Verdict::BeyondHumanRange;
+            let ranks = (!found.equilibrium.is_on_erect_branch(), beyond);
+            (ranks, found.equilibrium.factor.abs())
         };
         let ((a, near), (b, far)) = (order(a), order(b));
         a.cmp(&b).then(near.total_cmp(&far))
@@ -218,8 +225,42 @@ pub fn respond(
     if let Some(first) = equilibria.first_mut().filter(|found| found.verdict == Verdict::Later) {
         first.verdict = Verdict::Reached;
     }
-    let ending = if interrupted { PathEnding::Interrupted } else { ending(&equilibria, &paths) };
+    let ending = if interrupted {
+        PathEnding::Interrupted
+    } else if is_folded(statics.model(), goal, &equilibria, &paths) {
+        PathEnding::BeyondHumanRange
+    } else {
+        ending(&equilibria, &paths)
+    };
     Ok(Response { goal, largest_factor, ending, paths, equilibria })
+}
+
+/// The verdict on a shape that is not chosen.
+fn verdict_before_choice(equilibrium: &Equilibrium, erect: &SpineModel) -> Verdict {
+    if equilibrium.limit_points > 0 {
+        Verdict::BeyondLimitPoint
+    } else if equilibrium.branch_points > 0 {
+        Verdict::BeyondBranchPoint
+    } else if equilibrium.deformed.beyond_human_range(erect).is_some() {
+        Verdict::BeyondHumanRange
+    } else {
+        Verdict::Later
+    }
+}
+
+/// Whether the given loads fold the spine beyond the human range before they act in full.
+fn is_folded(
+    erect: &SpineModel,
+    goal: Goal,
+    equilibria: &[GoalEquilibrium],
+    paths: &[SignedPath],
+) -> bool {
+    let folds = |signed: &SignedPath| {
+        let last = signed.path.points.last();
+        signed.path.ending == PathEnding::Unreachable
+            && last.is_some_and(|point| point.deformed.beyond_human_range(erect).is_some())
+    };
+    goal == Goal::FullLoad && equilibria.is_empty() && paths.iter().any(folds)
 }
 
 fn ending(equilibria: &[GoalEquilibrium], paths: &[SignedPath]) -> PathEnding {
@@ -232,6 +273,7 @@ fn ending(equilibria: &[GoalEquilibrium], paths: &[SignedPath]) -> PathEnding {
         [first, ..] if lost_before(first.equilibrium.factor.abs()) => PathEnding::NotConverged,
         [first, ..] if first.verdict == Verdict::BeyondLimitPoint => PathEnding::LimitPoint,
         [first, ..] if first.verdict == Verdict::BeyondBranchPoint => PathEnding::BranchPoint,
+        [first, ..] if first.verdict == Verdict::BeyondHumanRange => PathEnding::BeyondHumanRange,
         [_] => PathEnding::Converged,
         [_, _, ..] => PathEnding::SeveralEquilibria,
         [] => {

@@ -45,7 +45,9 @@ impl AnalysisQuantity {
             Self::LocationY(posture, level)
             | Self::LocationZ(posture, level)
             | Self::Tilt(posture, level) => Place { level: Some(level), ..Place::of_film(posture) },
-            Self::Cobb(posture, region) | Self::Ferguson(posture, region) => {
+            Self::Cobb(posture, region)
+            | Self::TiltRange(posture, region)
+            | Self::Ferguson(posture, region) => {
                 Place { region: Some(region), ..Place::of_film(posture) }
             }
             Self::LeastSegment(posture, end)

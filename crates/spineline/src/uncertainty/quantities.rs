@@ -20,8 +20,10 @@ pub enum AnalysisQuantity {
     LocationZ(Posture, Level),
     /// Tilt of a vertebra against L4.
     Tilt(Posture, Level),
-    /// Cobb angle.
+    /// Cobb angle, between endplates.
     Cobb(Posture, Region),
+    /// Difference of the tilts of the end vertebrae.
+    TiltRange(Posture, Region),
     /// Ferguson angle.
     Ferguson(Posture, Region),
     /// Number of inflections of the erect curve.
@@ -135,7 +137,7 @@ pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<AnalysisQuan
             all.extend(of_vertebra.map(|quantity| quantity(posture, level)));
         }
         for region in Region::ALL {
-            all.extend([Q::Cobb(posture, region), Q::Ferguson(posture, region)]);
+            all.extend([Q::Cobb, Q::TiltRange, Q::Ferguson].map(|angle| angle(posture, region)));
         }
     }
     for posture in moved() {
@@ -175,6 +177,7 @@ impl AnalysisQuantity {
             | Self::LocationZ(..)
             | Self::Tilt(..)
             | Self::Cobb(..)
+            | Self::TiltRange(..)
             | Self::Ferguson(..) => self.of_film(analysis),
             Self::LeastSegment(..)
             | Self::LeastDistanceSegments(..)
@@ -204,16 +207,17 @@ impl AnalysisQuantity {
     }
 
     fn of_film(self, analysis: &Analysis) -> Result<f64, Absent> {
-        let clinical = |region: Region, posture: Posture, ferguson: bool| {
+        if let Self::Cobb(posture, region)
+        | Self::TiltRange(posture, region)
+        | Self::Ferguson(posture, region) = self
+        {
             let curve = analysis.clinical.iter().find(|curve| curve.region == region);
-            let angles = curve.map(|c| if ferguson { &c.ferguson } else { &c.cobb });
-            let angle = angles.and_then(|all| all.iter().find(|(p, _)| *p == posture));
-            angle.map(|(_, angle)| angle.deg()).ok_or(Absent::NotMeasured)
-        };
-        match self {
-            Self::Cobb(posture, region) => return clinical(region, posture, false),
-            Self::Ferguson(posture, region) => return clinical(region, posture, true),
-            _ => {}
+            let angle = curve.and_then(|curve| match self {
+                Self::Cobb(..) => curve.cobb_in(posture),
+                Self::TiltRange(..) => Some(curve.angles_in(posture)?.tilt_range),
+                _ => curve.ferguson.iter().find(|(p, _)| *p == posture).map(|(_, angle)| *angle),
+            });
+            return angle.map(Angle::deg).ok_or(Absent::NotMeasured);
         }
         let (Self::LocationY(posture, level)
         | Self::LocationZ(posture, level)
@@ -311,7 +315,9 @@ impl AnalysisQuantity {
     /// An angle is the same after so many degrees; a line after half a turn.
     pub(super) const fn period_deg(self) -> Option<f64> {
         match self {
-            Self::Tilt(..) | Self::Cobb(..) | Self::Ferguson(..) => Some(360.0),
+            Self::Tilt(..) | Self::Cobb(..) | Self::TiltRange(..) | Self::Ferguson(..) => {
+                Some(360.0)
+            }
             Self::LineTilt(..) => Some(180.0),
             _ => None,
         }

@@ -40,6 +40,7 @@ impl AnalysisQuantity {
             Self::LocationZ(..) => "location_z",
             Self::Tilt(..) => "tilt",
             Self::Cobb(..) => "cobb",
+            Self::TiltRange(..) => "tilt_range",
             Self::Ferguson(..) => "ferguson",
             Self::InflectionCount => "inflection_count",
             Self::InflectionPair => "inflection_pair",
@@ -91,6 +92,7 @@ impl AnalysisQuantity {
             | Self::MeanLocationError(..) => length,
             Self::Tilt(..)
             | Self::Cobb(..)
+            | Self::TiltRange(..)
             | Self::Ferguson(..)
             | Self::ComparisonAngle(_)
             | Self::LineTilt(..)
@@ -113,7 +115,10 @@ impl AnalysisQuantity {
             Self::LocationY(..) => "lateral coordinate, to the patient's left",
             Self::LocationZ(..) => "height",
             Self::Tilt(..) => "tilt relative to L4, positive to the right",
-            Self::Cobb(..) => "Cobb angle, positive where convex to the left",
+            Self::Cobb(..) => "Cobb angle between endplates, positive where convex to the left",
+            Self::TiltRange(..) => {
+                "difference of the tilts of the end vertebrae, positive where convex to the left"
+            }
             Self::Ferguson(..) => "Ferguson angle, positive where convex to the left",
             Self::InflectionCount => "inflections of the erect curve",
             Self::InflectionPair => "share of replicates with two inflections that define a line",

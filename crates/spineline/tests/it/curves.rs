@@ -4,7 +4,7 @@ use crate::common::{self, assert_near, graph_film, measured, outline, usual_regi
 use proptest::prelude::*;
 use spineline::anatomy::{Posture, Side};
 use spineline::chain::{Chain, SEGMENT_WINDOW};
-use spineline::clinical::{ferguson_angle, measure_curves};
+use spineline::clinical::{EndChoice, ferguson_angle, measure_curves};
 use spineline::curve::{CurveFit, OrderRule, find_inflections, fit_curve};
 use spineline::measure::Outline;
 use spineline::spatial::{Angle, Frontal};
@@ -152,20 +152,20 @@ proptest! {
 
     /// Oracle: the chords of either half of an arc lateral tilt by a quarter of its angle from the middle chord.
     #[test]
-    fn an_arc_has_half_its_angle_by_ferguson_and_all_by_cobb(
+    fn an_arc_has_half_its_angle_by_ferguson_and_all_as_tilt_range(
         a in 10.0..60.0_f64,
         b in 10.0..90.0_f64,
         c in 10.0..60.0_f64,
     ) {
         let outline = three_arcs([-a, b, -c]);
         let regions = usual_regions();
-        let curves = measure_curves(&regions, &[&outline]);
+        let curves = measure_curves(&regions, &[&outline], &EndChoice::default());
         let locations: Vec<Frontal> = outline.locations().collect();
         for ((curve, bounds), angle) in curves.iter().zip(&regions.bounds).zip([-a, b, -c]) {
             let ferguson = ferguson_angle(&locations, bounds);
             assert_near(ferguson.deg(), 0.5 * angle, 1e3 * ROUNDING, "Ferguson");
             assert_near(curve.ferguson[0].1.deg(), 0.5 * angle, 1e3 * ROUNDING, "Ferguson");
-            assert_near(curve.cobb[0].1.deg(), angle, 1e3 * ROUNDING, "Cobb");
+            assert_near(curve.angles[0].1.tilt_range.deg(), angle, 1e3 * ROUNDING, "Cobb");
             // A spine that turns to the right as it rises bulges to the left.
             prop_assert_eq!(curve.convex, Some(if angle > 0.0 { Side::Left } else { Side::Right }));
         }

@@ -5,7 +5,10 @@ use crate::common::{
 };
 use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level, Posture};
-use spineline::measure::{Reading, ReadingId, VertebraLandmarks};
+use spineline::measure::{
+    Film, FilmLandmarks, PlacementSource, Reading, ReadingId, TiltRule, VertebraLandmarks,
+    judge_landmarks, judge_reading,
+};
 use spineline::spatial::{Angle, Pixel};
 
 /// The same patient on films of both kinds: as held, mirrored, and with pixels twice as high as wide.
@@ -66,6 +69,15 @@ fn the_same_landmarks_in_two_postures_are_one_film() {
         let text = error.to_string();
         assert!(text.contains("erect") && text.contains("right bending"), "{text}");
     }
+}
+
+#[test]
+fn one_reading_among_others_that_stands_on_two_films_makes_them_one() {
+    let mut case = exact_case(0);
+    let (_, _, readings) = landmarks(film_mut(&mut case, Posture::Erect));
+    let copied = Reading { id: ReadingId::new("B", 7), ..readings[0].clone() };
+    landmarks(film_mut(&mut case, Posture::Neutral)).2.push(copied);
+    assert_eq!(refused(&case).code(), "film_repeated");
 }
 
 #[test]
@@ -135,4 +147,93 @@ fn a_corner_far_from_the_other_readings_is_named_from_three_readings_on() {
             assert_eq!(found, expected, "{readings} readings");
         }
     }
+}
+
+/// The erect film of a case with one corner moved, in columns, by a part of the body's width.
+fn with_corner_moved(mut case: Case, level: Level, part: f64) -> Case {
+    let corners = &mut landmarks_mut(&mut case, Posture::Erect, level).corners;
+    let width = corners.superior_left.column_px - corners.superior_right.column_px;
+    corners.superior_left.column_px += part * width;
+    case
+}
+
+fn erect(case: &Case) -> &Film {
+    case.films.iter().find(|film| film.posture == Posture::Erect).expect("every case has one")
+}
+
+#[test]
+fn a_corner_far_from_where_its_neighbours_put_it_is_named_in_one_reading() {
+    for case in variants() {
+        // In the middle, and at both ends, where two vertebrae of one side predict the third with more error.
+        for (level, part, expected) in [
+            (Level::T8, 0.7, true),
+            (Level::T8, 0.15, false),
+            (Level::L4, 1.5, true),
+            (Level::T2, 1.5, true),
+        ] {
+            let moved = with_corner_moved(case.clone(), level, part);
+            let warnings = judge_landmarks(erect(&moved));
+            let found: Vec<_> = warnings
+                .all()
+                .iter()
+                .filter(|warning| warning.code == "corner_far_from_neighbours")
+                .collect();
+            assert_eq!(!found.is_empty(), expected, "{level} {part}: {found:?}");
+            for warning in found {
+                assert_eq!((warning.level, warning.posture), (Some(level), Some(Posture::Erect)));
+                assert!(warning.message.contains("superior left"), "{}", warning.message);
+                assert!(warning.message.contains("limit"), "{}", warning.message);
+            }
+        }
+        let moved = with_corner_moved(case, Level::T8, 0.7);
+        assert!(codes(&moved, Level::T8).contains(&"corner_far_from_neighbours"));
+    }
+}
+
+#[test]
+fn no_trend_is_seen_in_fewer_than_five_vertebrae() {
+    for (count, expected) in [(4, false), (5, true)] {
+        let mut case = with_corner_moved(exact_case(0), Level::T8, 0.8);
+        let (_, _, readings) = landmarks(film_mut(&mut case, Posture::Erect));
+        let first = Level::MODEL.into_iter().position(|level| level == Level::T10);
+        let kept = &Level::MODEL[first.expect("a level of the model")..][..count];
+        readings[0].vertebrae.retain(|level, _| kept.contains(level));
+        let found = judge_landmarks(erect(&case)).has("corner_far_from_neighbours");
+        assert_eq!(found, expected, "{count} vertebrae");
+    }
+}
+
+#[test]
+fn a_body_that_lies_beside_its_neighbours_as_a_whole_has_no_odd_corner() {
+    let mut case = exact_case(0);
+    let corners = &mut landmarks_mut(&mut case, Posture::Erect, Level::T8).corners;
+    *corners = corners.map(|place| Pixel::new(place.column_px + 60.0, place.row_px));
+    assert!(!judge_landmarks(erect(&case)).has("corner_far_from_neighbours"));
+}
+
+#[test]
+fn a_reading_is_compared_with_the_others_without_warnings_about_them() {
+    let mut case = exact_case(0);
+    let (_, _, all) = landmarks(film_mut(&mut case, Posture::Erect));
+    let first = all[0].clone();
+    *all = (1..=3)
+        .map(|repeat| Reading { id: ReadingId::new("A", repeat), ..first.clone() })
+        .collect();
+    let corners = &mut all[2].vertebrae.get_mut(&Level::T8).expect("marked").corners;
+    corners.superior_left.column_px += 100.0;
+    let judged = |repeat| judge_reading(erect(&case), &ReadingId::new("A", repeat));
+    assert!(judged(3).has("corner_far_from_readings"));
+    assert!(judged(1).all().is_empty(), "{:?}", judged(1));
+}
+
+#[test]
+fn films_with_placements_have_no_corners_to_judge() {
+    let film = exact_case(0).films.remove(0);
+    let readings =
+        spineline::measure::measure_readings(&film, TiltRule::default()).expect("a sound film");
+    let spacing_plane = spineline::measure::SpacingPlane::Patient;
+    let landmarks =
+        FilmLandmarks::Placements { spacing_plane, source: PlacementSource::Vertebrae, readings };
+    let film = Film { landmarks, ..film };
+    assert!(judge_landmarks(&film).all().is_empty());
 }

@@ -238,7 +238,7 @@ fn two_vertebrae_with_swapped_names_are_out_of_order() {
     let (t7, t6) = (vertebrae[&Level::T7], vertebrae[&Level::T6]);
     vertebrae.insert(Level::T7, t6);
     vertebrae.insert(Level::T6, t7);
-    let error = refused_in_measure(&case, &["erect", "T7", "T6", "%"]);
+    let error = refused_in_measure(&case, &["erect", "T7 is marked above T6: check the labels"]);
     match error {
         MeasureError::OutOfOrder { inferior, superior, share, .. } => {
             assert_eq!((inferior, superior), (Level::T7, Level::T6));

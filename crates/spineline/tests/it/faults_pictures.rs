@@ -4,7 +4,7 @@
 #![expect(clippy::disallowed_methods, reason = "the oracle has its own formulas")]
 
 use crate::common::{
-    analyzed, assert_near, exact_case, film_mut, landmarks, on_a_table, phantom, spacing,
+    analyzed, assert_near, exact_case, film_mut, landmarks, on_a_table, phantom, refused, spacing,
 };
 use spineline::analysis::{Analysis, Case};
 use spineline::anatomy::{ImageSide, Level, Posture, SagittalProfile};
@@ -38,9 +38,10 @@ fn a_film_without_spacing_gives_the_same_angles_and_no_model() {
     assert!(without.warnings.has("no_spacing") && without.warnings.has("no_scale"));
     for (a, b) in with.clinical.iter().zip(&without.clinical) {
         assert_eq!((a.ends, a.apex, a.convex), (b.ends, b.apex, b.convex));
-        for ((_, a), (_, b)) in a.cobb.iter().zip(&b.cobb).chain(a.ferguson.iter().zip(&b.ferguson))
-        {
-            assert_near(a.rad(), b.rad(), 1e-9, "Cobb or Ferguson angle");
+        for ((posture, a_angle), (_, b_angle)) in a.ferguson.iter().zip(&b.ferguson) {
+            assert_near(a_angle.rad(), b_angle.rad(), 1e-9, "Ferguson angle");
+            let [a, b] = [a, b].map(|curve| curve.cobb_in(*posture).expect("corners"));
+            assert_near(a.rad(), b.rad(), 1e-9, "Cobb angle");
         }
     }
     for (a, b) in with.postures.iter().zip(&without.postures) {
@@ -84,7 +85,7 @@ fn lateral(
     let mut vertebrae = std::collections::BTreeMap::new();
     let place = |x: f64, z: f64| {
         let column = if anterior == ImageSide::Right { x } else { -x };
-        Pixel::new(1000.0 + column / column_mm, 5000.0 - z / row_mm)
+        Pixel::new(2000.0 + column / column_mm, 5000.0 - z / row_mm)
     };
     for (i, level) in Level::MODEL.into_iter().enumerate() {
         let corner = |ahead: f64, up: f64| {
@@ -107,7 +108,7 @@ fn lateral(
         }
     }
     LateralFilm {
-        columns: 2000,
+        columns: 4000,
         rows: 6000,
         spacing: Some(Spacing::stated(column_mm, row_mm, SpacingPlane::Unknown)),
         patient_anterior: anterior,
@@ -184,6 +185,69 @@ fn swapped_corners_on_a_lateral_film_are_reported_by_name() {
         text.contains("lateral") && text.contains("T7") && text.contains("A (repeat 1)"),
         "{text}"
     );
+}
+
+#[test]
+fn a_lateral_film_is_refused_for_what_a_frontal_one_is() {
+    let good = lateral(&SagittalProfile::default(), ImageSide::Left, 0.1, 0.1);
+    let refused = |change: &dyn Fn(&mut LateralFilm)| {
+        let mut film = good.clone();
+        change(&mut film);
+        let mut case = exact_case(0);
+        case.lateral = Some(film);
+        let error = refused(&case);
+        assert!(error.to_string().contains("lateral film"), "{error}");
+        error.code()
+    };
+    let t7 = |film: &mut LateralFilm, to: Pixel| {
+        let body = film.readings[0].vertebrae.get_mut(&Level::T7).expect("marked");
+        body.superior_anterior = to;
+    };
+    assert_eq!(refused(&|film| film.readings[0].id = ReadingId::new(" ", 1)), "no_observer");
+    assert_eq!(refused(&|film| film.readings.push(film.readings[0].clone())), "duplicate_reading");
+    for value in [0.0, -0.1, f64::NAN] {
+        let change = |film: &mut LateralFilm| {
+            film.spacing = Some(Spacing::stated(0.1, value, SpacingPlane::Unknown));
+        };
+        assert_eq!(refused(&change), "spacing");
+    }
+    assert_eq!(refused(&|film| t7(film, Pixel::new(-3.0, 900.0))), "off_image");
+    assert_eq!(refused(&|film| t7(film, Pixel::new(f64::NAN, 900.0))), "not_finite");
+    // T7 carries the name of T4, and T4 that of T7.
+    let exchanged = |film: &mut LateralFilm| {
+        let all = &mut film.readings[0].vertebrae;
+        let (low, high) = (all[&Level::T7], all[&Level::T4]);
+        all.extend([(Level::T7, high), (Level::T4, low)]);
+    };
+    assert_eq!(refused(&exchanged), "out_of_order");
+}
+
+#[test]
+fn odd_corners_of_a_lateral_film_are_named() {
+    let film = lateral(&SagittalProfile::default(), ImageSide::Left, 0.1, 0.1);
+    for (part, repeats, code) in [
+        (0.9, 1, "body_sides_differ"),
+        (0.6, 1, "corner_far_from_neighbours"),
+        (0.4, 3, "corner_far_from_readings"),
+    ] {
+        let mut film = film.clone();
+        let first = film.readings[0].clone();
+        film.readings = (1..=repeats)
+            .map(|repeat| Reading { id: ReadingId::new("A", repeat), ..first.clone() })
+            .collect();
+        let body = film.readings[0].vertebrae.get_mut(&Level::T7).expect("marked");
+        let (front, back) = (body.superior_anterior, body.superior_posterior);
+        body.superior_anterior = Pixel::new(
+            front.column_px + part * (back.column_px - front.column_px),
+            front.row_px + part * (back.row_px - front.row_px),
+        );
+        let mut warnings = Warnings::default();
+        let measured = film.measure_profile(&SagittalProfile::default(), &mut warnings);
+        assert!(measured.is_ok_and(|profile| profile.is_some()));
+        let warning = warnings.all().iter().find(|warning| warning.code == code);
+        let text = &warning.unwrap_or_else(|| panic!("no {code}: {warnings:?}")).message;
+        assert!(text.contains("lateral film") && text.contains("T7"), "{text}");
+    }
 }
 
 /// The true corners of a phantom's film under the names of other vertebrae, so many levels lower.

@@ -143,10 +143,12 @@ fn the_angle_between_endplate_lines_is_the_cobb_angle() {
     let outline = &analysis.erect().outline;
     let frame = FilmFrame::of(film, outline).expect("a picture");
     for curve in &analysis.clinical {
-        let [upper, lower] = [curve.ends.superior, curve.ends.inferior].map(|level| {
+        let plates = |level| outline.vertebra(level).and_then(|v| v.endplates).expect("marked");
+        let upper = (curve.ends.superior, plates(curve.ends.superior).superior);
+        let lower = (curve.ends.inferior, plates(curve.ends.inferior).inferior);
+        let [upper, lower] = [upper, lower].map(|(level, tilt)| {
             let [centre, _] = endplate_centres(film, &frame, level).expect("marked");
-            let [right, left] =
-                endplate_line(centre, outline.vertebra(level).expect("marked").tilt, 40.0);
+            let [right, left] = endplate_line(centre, tilt, 40.0);
             assert!(((left - right).norm_mm() - 80.0).abs() < 1e-9 && left.y_mm > right.y_mm);
             (left - right).lateral_tilt()
         });

@@ -2,7 +2,9 @@
 
 use spineline::analysis::{Analysis, Case, analyze_movement};
 use spineline::anatomy::{Level, LineKind, Posture};
-use spineline::measure::{Film, FilmLandmarks, MeasureError, MeasuredVertebra, measure_film};
+use spineline::measure::{
+    Film, FilmLandmarks, MeasureError, MeasuredVertebra, TiltRule, measure_film,
+};
 use spineline::multibody::MatchStatus;
 use spineline::spatial::{Angle, Pixel};
 use spineline::warning::Warnings;
@@ -299,7 +301,8 @@ fn a_film_without_any_vertebra_of_the_model_is_named() {
     let mut case = exact_case(0);
     hide(film_mut(&mut case, Posture::Traction), |_| true);
     let film = film_mut(&mut case, Posture::Traction);
-    let error = measure_film(film, &mut Warnings::default()).expect_err("nothing is marked");
+    let error = measure_film(film, TiltRule::default(), &mut Warnings::default())
+        .expect_err("nothing is marked");
     assert!(matches!(error, MeasureError::TopMissing { highest: None, .. }), "{error:?}");
 }
 

@@ -1,6 +1,9 @@
 //! The tests of this crate that see it from outside, in one executable so that they are linked once.
 
+mod balance;
+mod cobb;
 mod common;
+mod confidence;
 mod curves;
 mod faults;
 mod faults_contradictions;
@@ -26,3 +29,4 @@ mod verification_hand;
 mod verification_loads;
 mod verification_symmetry;
 mod verification_tilt;
+mod wrong_films;

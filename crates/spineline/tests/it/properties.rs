@@ -232,8 +232,12 @@ proptest! {
         prop_assert_eq!(a.chain.segments, b.chain.segments);
         assert_near(b.chain.segment_mm, 2.0 * a.chain.segment_mm, ROUNDING, "segment");
         for (c, d) in a.clinical.iter().zip(&b.clinical) {
-            for (x, y) in c.cobb.iter().zip(&d.cobb).chain(c.ferguson.iter().zip(&d.ferguson)) {
-                assert_near(y.1.rad(), x.1.rad(), ROUNDING, "clinical angle");
+            for (x, y) in c.ferguson.iter().zip(&d.ferguson) {
+                assert_near(y.1.rad(), x.1.rad(), ROUNDING, "Ferguson angle");
+            }
+            for ((_, x), (_, y)) in c.angles.iter().zip(&d.angles) {
+                assert_near(y.tilt_range.rad(), x.tilt_range.rad(), ROUNDING, "tilt range");
+                assert_near(y.size().rad(), x.size().rad(), ROUNDING, "Cobb angle");
             }
         }
         for (p, q) in a.spine.midpoints_mm.iter().zip(&b.spine.midpoints_mm) {

@@ -6,8 +6,8 @@ use crate::common::spine;
 use spineline::anatomy::Levels;
 use spineline::clinical::CurvePlaces;
 use spineline::multibody::{
-    BodyLoad, ForceSign, GeneralStatics, Goal, Loading, PathEnding, Rod, SpineModel, Support,
-    Timing,
+    BodyLoad, ForceSign, GeneralStatics, Goal, Loading, MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT,
+    PathEnding, Rod, SpineModel, Support, Timing,
 };
 use spineline::response::{
     ActingKind, Response, Verdict, acting_loads, erect_shape, largest_factor, measure_angles,
@@ -144,7 +144,7 @@ fn angles_and_acting_loads_belong_to_the_shape() {
     let (before, after) =
         (measure_angles(&erect, &places), measure_angles(&result.deformed, &places));
     for (now, then) in after.curves.iter().zip(&before.curves) {
-        assert!(now.cobb < then.cobb, "{}", now.region);
+        assert!(now.ends.tilt_range < then.ends.tilt_range, "{}", now.region);
     }
     assert!(after.lateral_tilt < before.lateral_tilt);
 }
@@ -217,4 +217,61 @@ fn a_path_lost_beyond_its_result_is_reported_as_incomplete() {
     assert!(!found.equilibria.is_empty());
     // The same path is lost at the same place, result or not.
     assert!(!full.is_complete() && !found.is_complete());
+}
+
+#[test]
+fn loads_that_fold_the_spine_end_beyond_the_human_range() {
+    // Oracle: the sum of healthy ranges of lateral bending from L4 to T2 is 91°, of one joint at most 9° [white-panjabi-1990].
+    let model = spine(0).1;
+    let springs = springs(&model);
+    let mut endings = Vec::new();
+    for force_n in [10.0, 60.0, 300.0, 1400.0] {
+        let load = Vec3::new(0.0, force_n, 0.0);
+        let response = push(&model, &springs, load, Goal::FullLoad).1;
+        if let Some(result) = response.result() {
+            assert!(result.deformed.beyond_human_range(&model).is_none(), "{force_n} N");
+        }
+        if response.ending == PathEnding::BeyondHumanRange {
+            let shape = response.shape().expect("the folded one");
+            let beyond = shape.beyond_human_range(&model).expect("beyond");
+            assert!(beyond.rotation > beyond.limit);
+            let (factor, reached) = response.last_reached(&model).expect("the part within");
+            assert!(factor < 1.0 && reached.beyond_human_range(&model).is_none());
+        }
+        endings.push(response.ending);
+    }
+    assert_eq!(endings[0], PathEnding::Converged);
+    assert_eq!(endings[2..], [PathEnding::BeyondHumanRange; 2]);
+}
+
+#[test]
+fn a_wanted_lateral_tilt_of_a_folded_spine_is_no_result() {
+    let model = spine(0).1;
+    let goal = Goal::LateralTilt(Angle::from_deg(-75.0));
+    let response = push(&model, &springs(&model), Vec3::new(0.0, 100.0, 0.0), goal).1;
+    assert_eq!(response.ending, PathEnding::BeyondHumanRange);
+    assert!(response.result().is_none());
+    assert!(response.equilibria.iter().all(|met| met.verdict != Verdict::Reached));
+}
+
+#[test]
+fn the_range_counts_rotations_from_the_erect_shape_of_any_axis() {
+    // Oracle: a rotation of every vertebra by k times one angle about one axis.
+    let model = spine(0).1;
+    let axis = nalgebra::Unit::new_normalize(Vec3::new(1.0, 2.0, -0.5));
+    let bent = |per_joint_deg: f64| {
+        let mut shape = erect_shape(&model);
+        for (k, axes) in shape.axes.iter_mut().enumerate() {
+            let turn = Angle::from_deg(per_joint_deg * k as f64).rad();
+            *axes = nalgebra::Rotation3::from_axis_angle(&axis, turn).matrix() * *axes;
+        }
+        shape.beyond_human_range(&model)
+    };
+    assert_eq!(bent(0.0), None);
+    assert_eq!(bent(6.4), None, "14 joints of 6.4° are 89.6°");
+    let column = bent(6.6).expect("14 joints of 6.6° are 92.4°");
+    assert_eq!((column.vertebrae, column.limit), ([0, 14], MAX_HUMAN_COLUMN));
+    assert!((column.rotation.deg() - 92.4).abs() < 1e-9);
+    let joint = bent(27.1).expect("beyond the limit of a joint");
+    assert_eq!((joint.vertebrae[1] - joint.vertebrae[0], joint.limit), (1, MAX_HUMAN_JOINT));
 }

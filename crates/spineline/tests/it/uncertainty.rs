@@ -2,7 +2,9 @@
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{Level, Posture, Region};
-use spineline::measure::{Corners, FilmLandmarks, Placement, Reading, SpacingPlane};
+use spineline::measure::{
+    Corners, FilmLandmarks, Placement, PlacementSource, Reading, SpacingPlane,
+};
 use spineline::spatial::{Angle, Frontal};
 use spineline::uncertainty::{
     Absent, AnalysisQuantity, LandmarkNoise, MonteCarlo, NoiseSource, Replicate, Uncertainty,
@@ -134,8 +136,12 @@ fn propagated(base: &Corners<Frontal>, body: &Corners<Frontal>, sd_mm: Frontal) 
         };
         let [base, body] = [corners(&points[..4]), corners(&points[4..])];
         let place = |body: &Corners<Frontal>| body.measure_location().expect("a plain body");
-        let location = (place(&body) - place(&base)).rotated(-base.measure_tilt());
-        [location.y_mm, location.z_mm, (body.measure_tilt() - base.measure_tilt()).deg()]
+        let location = (place(&body) - place(&base)).rotated(-base.measure_endplate_tilt());
+        [
+            location.y_mm,
+            location.z_mm,
+            (body.measure_endplate_tilt() - base.measure_endplate_tilt()).deg(),
+        ]
     };
     let [a, b] = [base.points(), body.points()];
     let points: [Frontal; 8] = std::array::from_fn(|i| if i < 4 { a[i] } else { b[i - 4] });
@@ -161,7 +167,7 @@ fn propagated(base: &Corners<Frontal>, body: &Corners<Frontal>, sd_mm: Frontal) 
 #[test]
 fn the_standard_deviation_of_a_single_reading_follows_from_corner_noise() {
     // Oracle: linear propagation. In `G` a place holds the noise of L4's place and tilt too.
-    let (sd_px, count) = (3.0, 2000);
+    let (sd_px, count) = (3.0, 8000);
     let case = erect(case(2, Truth::Rod, &Readers::exact()));
     let found = run(&case, LandmarkNoise::Pixels(sd_px), 5, count);
     let FilmLandmarks::Corners { image, readings, .. } = &case.films[0].landmarks else {
@@ -236,12 +242,11 @@ fn placed(case: &Case) -> Case {
     let mut placed = case.clone();
     for (film, posture) in placed.films.iter_mut().zip(&nominal.postures) {
         let vertebrae = posture.outline.vertebrae.iter();
-        let vertebrae = vertebrae
-            .map(|v| (v.level, Placement { location: v.location, tilt: v.tilt }))
-            .collect();
+        let vertebrae = vertebrae.map(|v| (v.level, Placement::new(v.location, v.tilt))).collect();
         let id = spineline::measure::ReadingId::new("program", 1);
         film.landmarks = FilmLandmarks::Placements {
             spacing_plane: SpacingPlane::Patient,
+            source: PlacementSource::Vertebrae,
             readings: vec![Reading { id, vertebrae }],
         };
     }

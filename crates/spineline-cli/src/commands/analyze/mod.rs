@@ -7,13 +7,13 @@ pub use args::AnalyzeArgs;
 
 use std::path::{Path, PathBuf};
 
-use spineline::analysis::Analysis;
+use spineline::analysis::{Analysis, LineModel};
 use spineline::cohort::Cohort;
 use spineline_files::{AnalysisFile, ModelFile, to_text};
 use spineline_report::{Document, patient, terminal};
 use spineline_tables::{Patient, chain_csv, cohort_csv, vertebrae_csv};
 
-use crate::analysis::case::analyze_case;
+use crate::analysis::case::analyze_input;
 use crate::analysis::cohort;
 use crate::analysis::confidence::Confidence;
 use crate::analysis::figures::draw_figures;
@@ -50,7 +50,12 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     if !to_stdout {
         print(&results.text(is_one))?;
     }
-    if ending == Ending::Done && !analyses.iter().all(Analysis::is_converged) {
+    let is_written = |analysis: &Analysis| {
+        let written = analysis.models.iter().filter(|model| model.kind == args.model_line);
+        args.model.is_none() || written.into_iter().all(LineModel::is_converged)
+    };
+    let has_all = |one: &Analysis| one.has_what_was_asked() && is_written(one);
+    if ending == Ending::Done && !analyses.iter().all(has_all) {
         ending = Ending::NotConverged;
     }
     if confidences.iter().any(Confidence::is_cut_short) {
@@ -106,7 +111,7 @@ fn analyze_all(
     let options = &record.request.options;
     let results = map_all("analysing", paths, args.threads, |path| {
         let input = CaseInput::read(path)?;
-        Ok((analyze_case(path, &input.case, options)?, input))
+        Ok((analyze_input(path, &input, options)?, input))
     })?;
     let (mut analyses, mut confidences, mut ending) = (Vec::new(), Vec::new(), Ending::Done);
     for result in results {

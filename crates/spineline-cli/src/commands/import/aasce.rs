@@ -1,24 +1,28 @@
 //! AASCE landmarks: a verdict on every row, and a case for every row without faults.
 
-use std::path::{Path, PathBuf};
+use std::collections::BTreeMap;
+use std::path::{Component, Path, PathBuf};
 
 use spineline::analysis::{Case, Subject};
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::ImageGeometry;
+use spineline::warning::counted;
 use spineline_files::{CaseFile, FileError};
+use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_landmarks::{
     AasceRow, AasceRows, AasceVerdict, LandmarkError, LandmarkHint, image_sizes, judge_aasce,
-    read_file,
+    picture_names, read_file,
 };
 use spineline_report::terminal;
 use spineline_tables::rows_to_csv;
 
 use super::args::ImportArgs;
 use crate::run::failure::{Ending, Failure};
+use crate::run::film_decoder::Decoder;
 use crate::run::outputs::{Outputs, OverwriteArgs, print};
 
 /// Columns of the verdicts.
-const HEADING: [&str; 5] = ["row", "case_id", "verdict", "main_angle_deg", "faults"];
+const HEADING: [&str; 5] = ["line", "case_id", "verdict", "main_angle_deg", "faults"];
 
 pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
     let [side] = &args.patient_left[..] else {
@@ -52,7 +56,7 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
     }
     let (mut table, mut clean, mut text) = (Vec::new(), 0, String::new());
     for row in rows(args, folder, side)? {
-        let case_id = format!("{name}-{:04}", row.row);
+        let case_id = format!("{name}-{:04}", row.line);
         let verdict = judge_aasce(&row.film, side).map_err(|error| fail(folder, &error))?;
         let cells = match &verdict {
             AasceVerdict::Clean { main_angle } => {
@@ -66,18 +70,18 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
             AasceVerdict::Faults(faults) => {
                 let words: Vec<String> = faults.iter().map(ToString::to_string).collect();
                 let words = words.join("; ");
-                let note = format!("! row {}: {words}", row.row);
+                let note = format!("! line {}: {words}", row.line);
                 text.push_str(&terminal::paragraph(&note, terminal::WIDTH, "  "));
                 ["faults".to_owned(), String::new(), words]
             }
         };
         let [verdict, angle, faults] = cells;
-        table.push([row.row.to_string(), case_id, verdict, angle, faults]);
+        table.push([row.line.to_string(), case_id, verdict, angle, faults]);
     }
     text.push_str(&format!(
-        "{}: {clean} of {} rows have no faults; cases are written for these only\n",
+        "{}: {clean} of {} without faults; cases are written for these only\n",
         folder.display(),
-        table.len()
+        counted(table.len(), "row")
     ));
     if let Some(verdicts) = verdicts {
         outputs.write(&verdicts, rows_to_csv("verdicts", HEADING, &table)?)?;
@@ -89,15 +93,71 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
 
 /// The rows of a set.
 fn rows(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<Vec<AasceRow>, Failure> {
-    let read = |path: PathBuf| read_file(&path).map_err(|error| fail(&path, &error));
-    let sizes = args.sizes.clone().unwrap_or_else(|| folder.join("image_sizes.csv"));
-    let sizes = image_sizes(&read(sizes)?).map_err(|error| fail(folder, &error))?;
+    let table_at = |path: PathBuf| read_file(&path).map_err(|error| fail(&path, &error));
+    let table = args.sizes.clone().unwrap_or_else(|| folder.join("image_sizes.csv"));
+    let is_listed = args.pictures.is_none() && (args.sizes.is_some() || table.exists());
+    let listed = if is_listed {
+        Some(image_sizes(&table_at(table)?).map_err(|error| fail(folder, &error))?)
+    } else {
+        None
+    };
     let (names, landmarks) =
-        (read(folder.join("filenames.csv"))?, read(folder.join("landmarks.csv"))?);
+        (table_at(folder.join("filenames.csv"))?, table_at(folder.join("landmarks.csv"))?);
+    let sizes = match listed {
+        Some(sizes) => sizes,
+        None => {
+            let names = picture_names(&names).map_err(|error| fail(folder, &error))?;
+            sizes_of_pictures(args, folder, &names)?
+        }
+    };
     let hint = LandmarkHint { patient_left: Some(side), ..LandmarkHint::default() };
     AasceRows::new(&names, &landmarks, &sizes, &hint)
         .and_then(Iterator::collect)
         .map_err(|error| fail(folder, &error))
+}
+
+/// Sizes of the pictures themselves, decoded as every film is.
+fn sizes_of_pictures(
+    args: &ImportArgs,
+    folder: &Path,
+    names: &[String],
+) -> Result<BTreeMap<String, (u32, u32)>, Failure> {
+    let published = || {
+        let data = folder.join("../../data");
+        folder.file_name().map_or_else(|| data.clone(), |name| data.join(name))
+    };
+    let folders = match &args.pictures {
+        Some(pictures) => vec![pictures.clone()],
+        None => vec![folder.to_owned(), published()],
+    };
+    let decoder = Decoder::new()?;
+    let bar = crate::run::progress::bar("reading pictures", names.len());
+    let mut sizes = BTreeMap::new();
+    for (line, name) in (1..).zip(names) {
+        bar.inc(1);
+        let is_plain =
+            Path::new(name).components().all(|part| matches!(part, Component::Normal(_)));
+        let path = folders.iter().map(|folder| folder.join(name)).find(|path| path.is_file());
+        let Some(path) = path.filter(|_| is_plain) else {
+            let help =
+                "--pictures names the folder of the pictures, or --sizes a table of their sizes";
+            let what =
+                format!("filenames.csv, line {line}: the picture is not in {}", listed(&folders));
+            return Err(Failure::input(&folder.display().to_string(), &what, help));
+        };
+        let bytes = read(&Place::File(path.clone()), &IntakeLimits::default())
+            .map_err(|error| Failure::intake(&error))?;
+        let film = decoder
+            .decode(bytes)
+            .map_err(|error| Failure::input(&path.display().to_string(), &error, error.help()))?;
+        sizes.insert(name.clone(), (film.columns, film.rows));
+    }
+    bar.finish_and_clear();
+    Ok(sizes)
+}
+
+fn listed(folders: &[PathBuf]) -> String {
+    folders.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>().join(" or ")
 }
 
 fn fail(place: &Path, error: &LandmarkError) -> Failure {
@@ -105,7 +165,7 @@ fn fail(place: &Path, error: &LandmarkError) -> Failure {
         LandmarkError::File(FileError::Read { source, .. }) => Failure::input(
             &place.display().to_string(),
             source,
-            "an AASCE folder has filenames.csv and landmarks.csv; --sizes gives the sizes of the pictures",
+            "an AASCE folder has filenames.csv and landmarks.csv; --pictures names the folder of its pictures",
         ),
         _ => Failure::landmarks(place, error),
     }

@@ -27,9 +27,11 @@ Examples:
   spineline import xray.png --case-id P07 --out p07 --film erect=1 --patient-left image-right \\
       --ball erect=212,400,337,400,25
       a picture with a 25 mm ball: two clicks and its diameter give the scale
+  spineline import --midlines lines.json --case-id P07 --out p07
+      midlines of the back surface, without films
 
 Place landmarks in the browser app or in another program: --landmarks reads CSV, 3D Slicer, AASCE, labelme, COCO and DICOM SR \
-files. Names, numbers and dates of the patient are removed from DICOM files unless you keep them; check the pictures for \
+files, with the confidences of a network where the file has them. Names, numbers and dates of the patient are removed from DICOM files unless you keep them; check the pictures for \
 burned-in text yourself.";
 
 #[derive(Args, Clone)]
@@ -78,9 +80,18 @@ pub struct ImportArgs {
     /// each row without faults
     #[arg(long, conflicts_with_all = ["film", "lateral", "landmarks", "case_id"])]
     pub aasce: bool,
-    /// Sizes of the pictures of an AASCE folder, in pixels [default: image_sizes.csv in the folder]
-    #[arg(long, value_name = "FILE", requires = "aasce")]
+    /// Read the paths as files of midlines from surface topography, and write a case without pictures; its levels are placed by
+    /// arc length and marked as estimated
+    #[arg(long, conflicts_with_all = ["list", "film", "lateral", "landmarks", "aasce", "patient_left", "spacing", "ball", "ruler"])]
+    pub midlines: bool,
+    /// Table with the sizes of the pictures of an AASCE folder, in pixels [default: image_sizes.csv in the folder; without it,
+    /// the sizes are read from the pictures]
+    #[arg(long, value_name = "FILE", requires = "aasce", conflicts_with = "pictures")]
     pub sizes: Option<PathBuf>,
+    /// Folder with the pictures of an AASCE folder, whose sizes are read [default: the folder itself, or ../../data/NAME as in
+    /// the published set]
+    #[arg(long, value_name = "DIR", requires = "aasce")]
+    pub pictures: Option<PathBuf>,
     /// Invert black and white of this film; may be repeated
     #[arg(long, value_name = "POSTURE", value_parser = posture)]
     pub invert: Vec<Posture>,

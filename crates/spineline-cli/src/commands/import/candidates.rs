@@ -82,7 +82,7 @@ impl Candidates {
                 FilmChoice::File(path) => path.display().to_string(),
             };
             Failure::usage(format!(
-                "{what} is not among the {} films that were found; `--list` prints them with their numbers",
+                "{what} is not among the films that were found ({}); `--list` prints them with their numbers",
                 self.films.len()
             ))
         })
@@ -105,13 +105,13 @@ fn see(found: &Found, decoder: &Decoder, limits: &IntakeLimits) -> Result<Seen, 
     let bytes = read(&found.place, limits).map_err(|error| error.to_string())?;
     let source = sha256_hex(&bytes);
     let film = decoder.decode(bytes).map_err(|error| error.to_string())?;
-    let picture: Vec<u8> = film.stored.iter().flat_map(i32::to_le_bytes).collect();
+    let picture = film.picture_sha256();
     Ok(Seen {
         columns: film.columns,
         rows: film.rows,
         tags: film.tags,
         remarks: film.remarks,
         source,
-        picture: sha256_hex(&picture),
+        picture,
     })
 }

@@ -1,9 +1,12 @@
 //! Landmarks of other programs for the films of a case.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
+use spineline::analysis::check_repeated;
 use spineline::anatomy::Posture;
-use spineline::measure::{FilmLandmarks, ImageGeometry};
+use spineline::error::Error;
+use spineline::measure::{Film, FilmLandmarks, ImageGeometry, PlacementSource, judge_landmarks};
 use spineline_landmarks::{LandmarkError, LandmarkHint, read_landmarks};
 
 use super::args::ImportArgs;
@@ -26,9 +29,43 @@ impl ResolvedFilm {
     }
 }
 
-/// Reads every file of landmarks and lays it on its film; a posture that is marked twice is refused.
+/// Adds the landmarks of a film. Where the film has landmarks from another file, such as one of several DICOM reports, the
+/// readings of both are joined; the same reading twice, or other iliac crests, are refused.
+fn add(landmarks: &mut LandmarksByPosture, film: Film) -> Result<(), String> {
+    let posture = film.posture;
+    let first = match landmarks.entry(posture) {
+        Entry::Vacant(place) => {
+            place.insert(film.landmarks);
+            return Ok(());
+        }
+        Entry::Occupied(first) => first.into_mut(),
+    };
+    let (
+        FilmLandmarks::Corners { readings, iliac_crests, .. },
+        FilmLandmarks::Corners { readings: more, iliac_crests: other, .. },
+    ) = (first, film.landmarks)
+    else {
+        return Err(format!("it has landmarks of the {posture} film, which has landmarks already"));
+    };
+    if let Some(twice) = more.iter().find(|new| readings.iter().any(|old| old.id == new.id)) {
+        return Err(format!(
+            "it has landmarks of the {posture} film, observer {}, which has landmarks already",
+            twice.id
+        ));
+    }
+    if *iliac_crests != other {
+        return Err(format!(
+            "its iliac crests of the {posture} film differ from those of an earlier file"
+        ));
+    }
+    readings.extend(more);
+    Ok(())
+}
+
+/// Reads every file of landmarks and lays it on its film; a reading that is given twice is refused.
 pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksByPosture, Failure> {
     let mut landmarks = LandmarksByPosture::new();
+    let mut pictures: BTreeMap<String, Posture> = BTreeMap::new();
     for of in &args.landmarks {
         let fail = |error: &LandmarkError| Failure::landmarks(&of.value, error);
         // A file that is for one film may need that film's picture to be read.
@@ -48,28 +85,50 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksB
             say(&format!("note: {}: {remark}\n", of.value.display()));
         }
         for marked in file.films {
+            let picture = marked.picture.clone();
             let posture = marked.posture.or(hint.posture);
             let film = films.iter().find(|f| posture.is_some() && f.role.posture() == posture);
             let image = film.map(ResolvedFilm::image);
             let film = marked.into_film(hint.posture, image).map_err(|error| fail(&error))?;
-            if matches!(film.landmarks, FilmLandmarks::Placements { .. }) {
+            if let FilmLandmarks::Placements { source, .. } = film.landmarks {
                 let what = format!(
                     "it has locations and tilts of the {} film, but no corners in its picture",
                     film.posture
                 );
-                let help = "such a case needs no picture: write the locations into a case file";
+                let help = match source {
+                    PlacementSource::Vertebrae => {
+                        "such a case needs no picture: write the locations into a case file"
+                    }
+                    PlacementSource::SurfaceMidline => {
+                        "a midline needs no picture: make a case of it with `spineline import --midlines`"
+                    }
+                };
                 return Err(Failure::input(&of.value.display().to_string(), &what, help));
             }
-            if landmarks.insert(film.posture, film.landmarks).is_some() {
-                let what = format!(
-                    "it has landmarks of the {} film, which has landmarks already",
+            for warning in judge_landmarks(&film).all() {
+                let level = warning.level.map_or_else(String::new, |level| format!(", {level}"));
+                let (posture, text) = (film.posture, warning.text());
+                say(&format!("note: {}: {posture} film{level}: {text}\n", of.value.display()));
+            }
+            let other = picture.and_then(|name| {
+                let other = pictures.insert(name.clone(), film.posture)?;
+                (other != film.posture).then_some((name, other))
+            });
+            if let Some((name, other)) = other {
+                say(&format!(
+                    "note: {}: the landmarks of the {} film and of the {other} film name one picture, {name}: check that they are of two films\n",
+                    of.value.display(),
                     film.posture
-                );
-                let help = "give one file of landmarks per film";
-                return Err(Failure::input(&of.value.display().to_string(), &what, help));
+                ));
             }
+            add(&mut landmarks, film).map_err(|what| {
+                let help = "give every reading of a film once, with the same iliac crests; one file of landmarks per film \
+                            unless each holds another reading";
+                Failure::input(&of.value.display().to_string(), &what, help)
+            })?;
         }
     }
+    check_all(&landmarks)?;
     let unmatched = landmarks.keys().find(|&&p| !films.iter().any(|f| f.role.posture() == Some(p)));
     match unmatched {
         Some(posture) => Err(Failure::usage(format!(
@@ -78,4 +137,17 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksB
         ))),
         None => Ok(landmarks),
     }
+}
+
+/// Refuses landmarks of one film for two postures, in whatever formats they came.
+fn check_all(landmarks: &LandmarksByPosture) -> Result<(), Failure> {
+    let film = |(&posture, landmarks): (&Posture, &FilmLandmarks)| Film {
+        posture,
+        landmarks: landmarks.clone(),
+    };
+    let films: Vec<Film> = landmarks.iter().map(film).collect();
+    check_repeated(&films).map_err(|error| {
+        let error = Error::from(error);
+        Failure::input("the landmarks", &error, error.help())
+    })
 }

@@ -5,6 +5,7 @@ mod args;
 mod candidates;
 mod dialogue;
 mod landmarks;
+mod midlines;
 mod resolve;
 mod role;
 mod text;
@@ -15,7 +16,9 @@ pub use args::{EXAMPLES, ImportArgs};
 use spineline::anatomy::ImageSide;
 
 use candidates::{Candidates, Seen};
-use resolve::{Question, ResolvedFilm, check_films, resolve, same_identifier};
+use resolve::{
+    Question, ResolvedFilm, check_films, patient_contradiction, resolve, same_identifier,
+};
 use role::Role;
 
 use crate::run::failure::{Ending, Failure};
@@ -25,6 +28,9 @@ use crate::run::outputs::print;
 pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
     if args.aasce {
         return aasce::run(args);
+    }
+    if args.midlines {
+        return midlines::run(args);
     }
     let (Some(folder), Some(case_id), false) = (&args.out, &args.case_id, args.list) else {
         return print(&text::list(&Candidates::find(args)?));
@@ -82,11 +88,13 @@ fn resolve_all(
 ) -> Result<Vec<ResolvedFilm>, Failure> {
     let mut films = Vec::new();
     let mut open: Vec<Question> = Vec::new();
-    for &(role, index, seen) in seen {
-        match resolve(args, role, index, seen, None)? {
+    let first = seen.first().map(|&(role, _, seen)| (role, seen));
+    for &(role, index, film) in seen {
+        let other = first.and_then(|(role, seen)| patient_contradiction((role, seen), film));
+        match resolve(args, role, index, (film, other.clone()), None)? {
             Ok(film) => films.push(film),
             Err(questions) if ask => {
-                films.push(resolve_by_asking(args, role, index, seen, &questions)?)
+                films.push(resolve_by_asking(args, role, index, (film, other), &questions)?)
             }
             Err(questions) => open.extend(questions),
         }
@@ -105,7 +113,7 @@ fn resolve_by_asking(
     args: &ImportArgs,
     role: Role,
     index: usize,
-    seen: &Seen,
+    seen: (&Seen, Option<String>),
     questions: &[Question],
 ) -> Result<ResolvedFilm, Failure> {
     let mut side: Option<ImageSide> = None;

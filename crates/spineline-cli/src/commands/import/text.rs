@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use spineline::anatomy::ImageSide;
 use spineline::measure::{LengthScale, Spacing, SpacingPlane, View};
+use spineline::warning::counted;
 use spineline_report::document::{Column, Table};
 use spineline_report::terminal;
 
@@ -178,7 +179,7 @@ pub fn outcome(films: &[ResolvedFilm], folder: &std::path::Path, marked: usize) 
         }
     }
     let case = folder.join("case.json");
-    let _ = writeln!(text, "\n{} and {} films were written.", case.display(), films.len());
+    let _ = writeln!(text, "\nWrote {} and {}.", case.display(), counted(films.len(), "film"));
     if films.iter().all(|film| film.is_phantom) {
         text.push_str("All films are phantoms: the case is marked SYNTHETIC.\n");
     }

@@ -2,6 +2,7 @@
 
 use spineline::cohort::Claims;
 use spineline::multibody::Support;
+use spineline::warning::counted;
 use spineline_phantom::Truth;
 use spineline_report::figures::{NoiseCurve, NoisePanel, NoiseRow, NoiseTruth, noise_study};
 
@@ -51,7 +52,7 @@ pub fn svg(points: &[Point], args: &NoiseStudyArgs) -> String {
             |c| [c.better.share, c.better.interval[0], c.better.interval[1]],
         ),
     ];
-    let about = format!("{} patients per scenario, seed {}", args.phantoms, args.seed);
+    let about = format!("{} per scenario, seed {}", counted(args.phantoms, "patient"), args.seed);
     noise_study(&truths, &rows, &about, true)
 }
 

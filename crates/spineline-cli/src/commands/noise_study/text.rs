@@ -1,6 +1,7 @@
 //! The study as text: the noise up to which every claim holds.
 
 use spineline::cohort::{ClaimVerdict, Claims, NEAR_SEGMENTS};
+use spineline::warning::counted;
 use spineline_phantom::Truth;
 use spineline_report::document::{Column, Table};
 use spineline_report::terminal;
@@ -10,9 +11,9 @@ use super::study::{NOISE_MM, Point, WAYS, Way};
 
 pub fn report(points: &[Point], args: &NoiseStudyArgs) -> String {
     let mut text = format!(
-        "The paper's claims over landmark noise: {} SYNTHETIC patients per loading scenario (seed {}), read once at each noise of {} to {} mm \
+        "The paper's claims over landmark noise: {} per loading scenario (seed {}), read once at each noise of {} to {} mm \
          (standard deviation of a corner's coordinate)\n",
-        args.phantoms,
+        counted(args.phantoms, "SYNTHETIC patient"),
         args.seed,
         NOISE_MM[0],
         NOISE_MM[NOISE_MM.len() - 1]

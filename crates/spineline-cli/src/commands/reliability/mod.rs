@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use spineline::measure::FilmReadings;
+use spineline::measure::{FilmReadings, TiltRule};
 use spineline::reliability::{QuantityReliability, RatedQuantity, assess, film_quantities};
 use spineline_files::{FilmOrigin, InputFile, Provenance, ReliabilityFile};
 use spineline_report::reliability::summary;
@@ -133,7 +133,11 @@ fn read_cases(given: &[PathBuf]) -> Result<Readings, Failure> {
             let text = format!("the case {} was given already", case.id);
             return Err(Failure::input(&place, &text, "give every case a `case_id` of its own"));
         }
-        let films = case.films.iter().map(FilmReadings::measure).collect::<Result<_, _>>();
+        let films = case
+            .films
+            .iter()
+            .map(|film| FilmReadings::measure(film, TiltRule::default()))
+            .collect::<Result<_, _>>();
         let films = films.map_err(|error| Failure::input(&place, &error, error.help()))?;
         synthetic |= case.synthetic;
         cases.push((case.id, films));

@@ -1,12 +1,13 @@
 //! The command line of `report`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
 use crate::options::method::MethodArgs;
 use crate::options::uncertainty::UncertaintyArgs;
 use crate::options::values::threads;
+use crate::run::failure::Failure;
 use crate::run::outputs::OverwriteArgs;
 
 /// Shown below the options.
@@ -14,7 +15,7 @@ pub const EXAMPLES: &str = "Examples:
   spineline phantom --truth rod --subject 1 --films --out demo
   spineline report demo                        one patient as phantom-rod-01.html, for a browser
   spineline report demo --to md                Markdown, with figures in phantom-rod-01-figures
-  spineline report demo --to pdf               the same as PDF, to print and archive
+  spineline report demo --out demo.pdf         the same as PDF, to print and archive
   spineline report demo --figures pictures     all figures as SVG and PNG too
   spineline phantom --out patients && spineline report patients
                                                a cohort: table 1, box charts, tests, exclusions
@@ -43,15 +44,40 @@ impl FormName {
     }
 }
 
+impl ReportArgs {
+    /// The format that was chosen, by name or by the extension of the file.
+    ///
+    /// # Errors
+    /// Wrong usage: the two contradict each other.
+    pub fn form(&self) -> Result<FormName, Failure> {
+        let ending = self.out.as_deref().and_then(Path::extension);
+        let ending = ending.map(|ending| ending.to_string_lossy().to_lowercase());
+        let named = match ending.as_deref() {
+            Some("pdf") => Some(FormName::Pdf),
+            Some("md" | "markdown") => Some(FormName::Md),
+            Some("html" | "htm") => Some(FormName::Html),
+            _ => None,
+        };
+        match (self.to, named) {
+            (Some(asked), Some(named)) if asked != named => Err(Failure::usage(format!(
+                "--to {} contradicts the extension of --out, which is that of {}: give one of them",
+                asked.ending(),
+                named.ending()
+            ))),
+            (asked, named) => Ok(asked.or(named).unwrap_or(FormName::Html)),
+        }
+    }
+}
+
 /// `spineline report`.
 #[derive(Args)]
 pub struct ReportArgs {
     /// Case files, or folders of them; more than one case makes the report of a cohort
     #[arg(required = true, value_name = "CASE")]
     pub cases: Vec<PathBuf>,
-    /// Format of the report
-    #[arg(long, value_enum, default_value_t = FormName::Html)]
-    pub to: FormName,
+    /// Format of the report [default: that of the extension of --out, or html]
+    #[arg(long, value_enum)]
+    to: Option<FormName>,
     /// File to write [default: the case's identifier, or `cohort`, with the extension of the format]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,

@@ -8,7 +8,7 @@ use spineline_report::cohort::{Patients, Refusal, Refused, report};
 
 use super::args::ReportArgs;
 use super::write;
-use crate::analysis::case::analyze_case;
+use crate::analysis::case::analyze_input;
 use crate::analysis::cohort;
 use crate::analysis::record::RunRecord;
 use crate::run::failure::{Ending, Failure};
@@ -71,7 +71,7 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs, outputs: Outputs) -> Result<End
     let provenance = record.provenance();
     let report = write::Report { document: &document, stem: STEM, provenance: &provenance };
     report.write(&out, args, outputs)?;
-    Ok(match (refused.is_empty(), analyses.iter().all(Analysis::is_converged)) {
+    Ok(match (refused.is_empty(), analyses.iter().all(Analysis::has_what_was_asked)) {
         (false, _) => Ending::BadInput,
         (true, false) => Ending::NotConverged,
         (true, true) => Ending::Done,
@@ -84,7 +84,7 @@ fn one(
     options: &AnalysisOptions,
 ) -> Result<(Analysis, CaseInput), (Refusal, Failure)> {
     let source = CaseInput::read(path).map_err(|failure| (Refusal::Unread, failure))?;
-    let analysis = analyze_case(path, &source.case, options)
-        .map_err(|failure| (Refusal::NotAnalysed, failure))?;
+    let analysis =
+        analyze_input(path, &source, options).map_err(|failure| (Refusal::NotAnalysed, failure))?;
     Ok((analysis, source))
 }

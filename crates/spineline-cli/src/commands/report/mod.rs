@@ -17,7 +17,7 @@ use args::FormName;
 pub use args::{EXAMPLES, ReportArgs};
 
 pub fn run(args: &ReportArgs) -> Result<Ending, Failure> {
-    if args.to == FormName::Pdf {
+    if args.form()? == FormName::Pdf {
         pdf::check_is_built()?;
     }
     let paths = case_files(&args.cases)?;

@@ -9,7 +9,7 @@ use spineline_report::patient::{Patient, report};
 
 use super::args::ReportArgs;
 use super::{films, write};
-use crate::analysis::case::analyze_case;
+use crate::analysis::case::analyze_input;
 use crate::analysis::confidence::Confidence;
 use crate::analysis::record::RunRecord;
 use crate::run::failure::{Ending, Failure};
@@ -24,7 +24,7 @@ pub fn run(path: &Path, args: &ReportArgs, outputs: Outputs) -> Result<Ending, F
     let out = write::target(&stem, args, &outputs)?;
     print_notices(&record.warnings());
     let CaseInput { file, case, .. } = &record.cases[0];
-    let analysis = analyze_case(path, case, &record.request.options)?;
+    let analysis = analyze_input(path, &record.cases[0], &record.request.options)?;
     let confidence = Confidence::compute(case, &analysis, &record.request, args.threads)?;
     Confidence::check_any_counts(std::slice::from_ref(&confidence))?;
     print_notices(confidence.interruption(&analysis).as_slice());
@@ -49,7 +49,7 @@ pub fn run(path: &Path, args: &ReportArgs, outputs: Outputs) -> Result<Ending, F
     report.write(&out, args, outputs)?;
     Ok(if confidence.is_cut_short() {
         Ending::Interrupted
-    } else if analysis.is_converged() {
+    } else if analysis.has_what_was_asked() {
         Ending::Done
     } else {
         Ending::NotConverged

@@ -24,7 +24,7 @@ pub fn target(stem: &str, args: &ReportArgs, outputs: &Outputs) -> Result<PathBu
     if let Some(out) = &args.out {
         return Ok(out.clone());
     }
-    let out = PathBuf::from(format!("{stem}.{}", args.to.ending()));
+    let out = PathBuf::from(format!("{stem}.{}", args.form()?.ending()));
     outputs.file(&out)?;
     Ok(out)
 }
@@ -49,7 +49,7 @@ impl Report<'_> {
         outputs: Outputs,
     ) -> Result<Ending, Failure> {
         let document = self.document;
-        match args.to {
+        match args.form()? {
             FormName::Html => outputs.write(out, html(document))?,
             FormName::Md => self.write_markdown(out, &outputs)?,
             FormName::Pdf => outputs.write(out, pdf::pdf(document, self.provenance.date_utc())?)?,

@@ -40,10 +40,9 @@ pub fn write(
             mean_least: sample(&run.cohort.mean_least[films]),
         };
         let groups = [group("bends", 0), group("neutral and traction", 1)];
-        save(
-            format!("figure-10-estimates-{truth}"),
-            &figures::least_rotating_estimates(&groups, true),
-        )?;
+        if let Some(svg) = figures::least_rotating_estimates(&groups, true) {
+            save(format!("figure-10-estimates-{truth}"), &svg)?;
+        }
     }
     let free: Vec<&Run> = runs.iter().filter(|run| run.support == Support::Free).collect();
     let inflections: Vec<InflectionSample> = free
@@ -54,7 +53,9 @@ pub fn write(
             rotations_deg: run.cohort.inflection[0].rotation_deg.values(),
         })
         .collect();
-    save("figure-06-inflections".to_owned(), &figures::inflection_distances(&inflections, true))?;
+    if let Some(svg) = figures::inflection_distances(&inflections, true) {
+        save("figure-06-inflections".to_owned(), &svg)?;
+    }
     for support in [Support::Free, Support::Frontal] {
         let runs: Vec<&Run> = runs.iter().filter(|run| run.support == support).collect();
         error_figures(&runs, support.key(), &save)?;
@@ -84,16 +85,17 @@ fn error_figures(
             })
             .collect()
     };
-    let fitted = format!("bending films, fitted, support {support}");
-    let held_out = format!("neutral and traction films, held out, support {support}");
-    save(
-        format!("figure-08-errors-fitted-{support}"),
-        &figures::location_errors(&errors(true), &fitted, true),
-    )?;
-    save(
-        format!("figure-08-errors-held-out-{support}"),
-        &figures::location_errors(&errors(false), &held_out, true),
-    )
+    let kinds = [
+        ("fitted", true, "bending films, fitted"),
+        ("held-out", false, "neutral and traction films, held out"),
+    ];
+    for (name, is_fitted, films) in kinds {
+        let films = format!("{films}, support {support}");
+        if let Some(svg) = figures::location_errors(&errors(is_fitted), &films, true) {
+            save(format!("figure-08-errors-{name}-{support}"), &svg)?;
+        }
+    }
+    Ok(())
 }
 
 fn sample(estimates: &EstimateStatistics) -> EstimateSample {

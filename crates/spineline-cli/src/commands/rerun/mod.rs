@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::Value;
 use spineline::analysis::Analysis;
+use spineline::anatomy::{Named, Posture};
 use spineline_files::{
     AnalysisFile, InputFile, MAX_ANALYSES_BYTES, Provenance, StoredAnalysis, parse_analysis,
     parse_json, read_bytes, to_text,
@@ -17,6 +18,7 @@ use spineline_report::{embedded, terminal};
 use crate::analysis::case::analyze_case;
 use crate::analysis::confidence::Confidence;
 use crate::analysis::figures::draw_figures;
+use crate::analysis::films::{IDENTIFIER_REPEATED, SameIdentifier};
 use crate::options::values::{number, threads};
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print};
@@ -136,6 +138,16 @@ fn analysis_text(path: &Path, bytes: &[u8]) -> Result<String, Failure> {
     }
 }
 
+/// Warnings about pictures that lay beside the case then: an analysis holds no pictures.
+fn keep_film_warnings(old: &Value, analysis: &mut Analysis) {
+    let warnings = old["warnings"].as_array().into_iter().flatten();
+    for warning in warnings.filter(|warning| warning["code"] == IDENTIFIER_REPEATED) {
+        let posture = warning["posture"].as_str().and_then(Posture::from_key);
+        let text = warning["message"].as_str().unwrap_or_default();
+        SameIdentifier::new(posture, text).warn(analysis);
+    }
+}
+
 /// One analysis again.
 struct Repeated {
     stored: StoredAnalysis,
@@ -149,7 +161,8 @@ impl Repeated {
     fn of(args: &RerunArgs, old: &Value) -> Result<Self, Failure> {
         let stored = parse_analysis(&old.to_string()).map_err(|e| Failure::file(&args.file, &e))?;
         let StoredAnalysis { case, request, .. } = &stored;
-        let analysis = analyze_case(&args.file, case, &request.options)?;
+        let mut analysis = analyze_case(&args.file, case, &request.options)?;
+        keep_film_warnings(old, &mut analysis);
         let confidence = Confidence::compute(case, &analysis, request, args.threads)?;
         if confidence.is_cut_short() {
             // Fewer replicates than then would only look like a difference.

@@ -7,7 +7,7 @@ use spineline_tables::{TableError, rows_to_csv};
 
 use super::outcome::Outcome;
 
-/// One row per shape. Positive Cobb and Ferguson angles are convex to the patient's left.
+/// One row per shape. Positive Cobb angles, tilt ranges and Ferguson angles are convex to the patient's left.
 ///
 /// # Errors
 /// [`TableError::Csv`], though every row has a cell per column.
@@ -35,7 +35,7 @@ fn heading(outcome: &Outcome) -> Vec<String> {
     .to_vec();
     names.extend(["anterior", "left", "cranial"].map(|way| format!("{top}_{way}_mm")));
     let regions: Vec<Region> = outcome.places.iter().map(|place| place.bounds.region).collect();
-    for angle in ["cobb", "ferguson"] {
+    for angle in ["cobb", "tilt_range", "ferguson"] {
         let name = |region: &Region| format!("{angle}_{}_convex_left_deg", region.key());
         names.extend(regions.iter().map(name));
     }
@@ -58,7 +58,13 @@ fn row(outcome: &Outcome, sign: ForceSign, point: &PathPoint) -> Vec<String> {
     ];
     let top = &point.deformed.midpoints_mm[point.deformed.midpoints_mm.len() - 1];
     cells.extend(top.iter().map(f64::to_string));
-    cells.extend(angles.curves.iter().map(|curve| curve.cobb.deg().to_string()));
+    cells.extend(
+        angles
+            .curves
+            .iter()
+            .map(|curve| curve.ends.cobb.map_or_else(String::new, |cobb| cobb.deg().to_string())),
+    );
+    cells.extend(angles.curves.iter().map(|curve| curve.ends.tilt_range.deg().to_string()));
     cells.extend(angles.curves.iter().map(|curve| curve.ferguson.deg().to_string()));
     cells.push(point.deformed.largest_hinge_rad().to_string());
     cells.push(format!("{:e}", point.residual_rad));

@@ -179,9 +179,12 @@ fn angles_text(outcome: &Outcome, result: &Equilibrium) -> String {
         Column::numbers("Change"),
     ];
     let mut table = Table::new("", columns);
-    for (name, pick) in [("Cobb", 0), ("Ferguson", 1)] {
+    let has_cobb = before.curves.iter().all(|curve| curve.ends.cobb.is_some());
+    for (name, pick) in [(if has_cobb { "Cobb" } else { "Tilt range" }, 0), ("Ferguson", 1)] {
         for (now, then) in after.curves.iter().zip(&before.curves) {
-            let of = |curve: &spineline::response::CurveAngles| [curve.cobb, curve.ferguson][pick];
+            let of = |curve: &spineline::response::CurveAngles| {
+                [curve.ends.size(), curve.ferguson][pick]
+            };
             table.row(vec![
                 format!("{name}, {}", now.region),
                 convex_words(of(then)),
@@ -262,6 +265,7 @@ fn verdict_words(met: &GoalEquilibrium) -> &'static str {
         Verdict::Reached => "chosen: smallest factor on the erect branch",
         Verdict::Later => "not chosen: larger factor, or later on the path",
         Verdict::BeyondLimitPoint => "not chosen: beyond a limit point (snapped)",
+        Verdict::BeyondHumanRange => "not chosen: beyond the human range of motion",
         Verdict::BeyondBranchPoint => "not chosen: beyond a branch point (buckled)",
     }
 }

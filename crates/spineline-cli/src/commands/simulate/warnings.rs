@@ -32,6 +32,7 @@ pub fn warnings(
         );
         all.push(warning("several_equilibria", text));
     }
+    all.extend(about_range(model, response));
     all.extend(about_springs(model, placed, response));
     if let Some(result) = response.result() {
         let (joint, axis, turn) = largest_hinge(&result.deformed);
@@ -47,6 +48,21 @@ pub fn warnings(
         }
     }
     all
+}
+
+/// The joint or part of the spine that is beyond the human range, where that is why there is no result.
+fn about_range(model: &StoredModel, response: &Response) -> Option<SimulationWarning> {
+    if response.ending != PathEnding::BeyondHumanRange {
+        return None;
+    }
+    let beyond = response.shape()?.beyond_human_range(&model.spine)?;
+    let [below, above] = beyond.vertebrae.map(|vertebra| model.levels[vertebra]);
+    let text = format!(
+        "{above} rotates by {:.0}° relative to {below}, and no human spine by more than {:.0}°: reduce the loads or the amplitude",
+        beyond.rotation.deg(),
+        beyond.limit.deg()
+    );
+    Some(warning("beyond_human_range", text))
 }
 
 fn about_loads(model: &StoredModel, loads: &LoadFile) -> Vec<SimulationWarning> {

@@ -2,9 +2,12 @@
 
 use std::path::Path;
 
+use spineline::warning::counted;
+use spineline_files::parse_case_file;
 use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_store::{CaseError, NewCase, Signature, Store};
 
+use crate::analysis::films::{SameIdentifier, check_films};
 use crate::run::failure::Failure;
 
 /// Adds one case; returns what was added as text.
@@ -15,13 +18,26 @@ pub fn add(store: &mut Store, at: &Path, path: &Path, by: &Signature) -> Result<
         read(&place, &IntakeLimits::default()).map_err(|error| Failure::intake(&error))
     };
     let case = NewCase::read(&text, bytes_of).map_err(|error| refusal(path, error))?;
+    let repeated = same_identifiers(path, &text)?;
     let added = store.add_case(&case, by).map_err(|error| Failure::store(at, &error))?;
-    let (films, readings) = (added.films.len(), added.readings);
-    let mut text = format!("{}: {films} films and {readings} readings were added.\n", added.study);
+    let (films, readings) =
+        (counted(added.films.len(), "film"), counted(added.readings, "reading"));
+    let mut text = format!("{}: added {films} and {readings}.\n", added.study);
     for remark in &added.remarks {
         text.push_str(&format!("  ! {remark}\n"));
     }
+    for one in &repeated {
+        text.push_str(&format!("  ! {}\n", one.text));
+    }
     Ok(text)
+}
+
+/// Films of the case with one identifier; one picture for two films is refused.
+fn same_identifiers(path: &Path, text: &str) -> Result<Vec<SameIdentifier>, Failure> {
+    let failed = |error| Failure::file(path, &error);
+    let file = parse_case_file(text).map_err(failed)?;
+    let case = file.clone().into_case().map_err(failed)?;
+    check_films(path, &file, &case)
 }
 
 fn refusal(path: &Path, error: CaseError<Failure>) -> Failure {

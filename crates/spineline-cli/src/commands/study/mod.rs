@@ -8,11 +8,12 @@ pub use args::{EXAMPLES, StudyArgs};
 use std::path::Path;
 
 use chrono::Utc;
+use spineline::warning::counted;
 use spineline_report::document::{Column, Table};
 use spineline_report::terminal;
 use spineline_store::{
-    FilmRecord, Head, Next, PlanDesign, ReadingRecord, Signature, Store, StoreError, Timestamp,
-    Verification,
+    FilmRecord, Head, Name, Next, PlanDesign, ReadingRecord, Signature, Store, StoreError,
+    Timestamp, Verification,
 };
 
 use args::StudyCommand;
@@ -50,16 +51,21 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
                 .reading_plan(&store_name(study)?, &observers, design, &by()?)
                 .map_err(fail)?;
             print(&format!(
-                "{slots} readings are planned: every observer reads every film {repeats} times, {washout_days} days apart, in a random order each.\n"
+                "Planned {}: every observer reads every film {}, {} apart, in a random order each.\n",
+                counted(slots, "reading"),
+                counted(*repeats, "time"),
+                counted(*washout_days, "day")
             ))
         }
         StudyCommand::Next { study, observer, .. } => {
             let store = view(path)?;
-            let observer = store_name(observer)?;
-            let next = store
-                .observer(&observer)
-                .next_film_for(&store_name(study)?, Utc::now().into())
-                .map_err(fail)?;
+            let (study, observer) = (store_name(study)?, store_name(observer)?);
+            let next =
+                store.observer(&observer).next_film_for(&study, Utc::now().into()).map_err(fail)?;
+            let planned = store.planned_observers(&study).map_err(fail)?;
+            if !planned.contains(&observer) {
+                return Err(unknown_observer(path, &study, &observer, &planned));
+            }
             print(&next_text(&next))
         }
         StudyCommand::Export { study, out, overwrite, .. } => {
@@ -87,6 +93,14 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
 /// Opens a store to look at it.
 fn view(path: &Path) -> Result<Store, Failure> {
     Store::view(path).map_err(|error| Failure::store(path, &error))
+}
+
+/// An observer who has no place in the plan has not read all films.
+fn unknown_observer(path: &Path, study: &Name, observer: &Name, planned: &[Name]) -> Failure {
+    let known = planned.iter().map(Name::as_str).collect::<Vec<_>>().join(", ");
+    let what = format!("unknown observer `{observer}`: the plan of {study} has {known}");
+    let help = "give the code of an observer of this plan; `spineline study plan` makes plans";
+    Failure::input(&path.display().to_string(), &what, help)
 }
 
 fn list(store: &Store) -> Result<String, StoreError> {
@@ -162,7 +176,7 @@ fn report(path: &Path, verification: &Verification) -> Result<Ending, Failure> {
     let mut text = String::new();
     if let Some(head) = &verification.head {
         text.push_str(&format!(
-            "{}: {} log entries; end of the log {head}\n",
+            "{}: entries in the log: {}; end of the log {head}\n",
             path.display(),
             head.entries
         ));

@@ -1,8 +1,8 @@
 use serde_json::{Value, json};
 use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level, Posture};
-use spineline::measure::{Corners, FilmLandmarks};
-use spineline::spatial::Pixel;
+use spineline::measure::{Corners, FilmLandmarks, VertebraLandmarks};
+use spineline::spatial::{Angle, Pixel};
 use spineline_store::{PlanDesign, ReadingId, Store};
 
 use super::server::{
@@ -312,4 +312,111 @@ fn recorded_events_are_answered_with_their_results() {
     assert_eq!(recorded["reading"], running.get(&path));
     // A repeated request gets the same answer.
     assert_eq!(running.post(&format!("{path}/events"), &body), recorded);
+}
+
+/// Codes of the notices of the erect film's open reading, after a change of its landmarks up to a level.
+fn notices_of(count: usize, change: impl Fn(&mut Case), fill: impl Fn(&mut Store)) -> Vec<String> {
+    let case = phantom().case;
+    let mut odd = case.clone();
+    change(&mut odd);
+    let mut reading = None;
+    let running = serve(|store| {
+        add_study(store, "S1", &case);
+        fill(store);
+        reading = Some(begun(store, &odd, "S1", count));
+    });
+    let live = running.get(&format!("/api/readings/{}/live", reading.expect("begun").0));
+    let notices = live["notices"].as_array().expect("a list").iter();
+    notices.map(|notice| notice["code"].as_str().expect("a name").to_owned()).collect()
+}
+
+/// One vertebra of the erect film's only reading.
+fn vertebra_mut(case: &mut Case, level: Level) -> &mut VertebraLandmarks {
+    let film = case.films.iter_mut().find(|film| film.posture == Posture::Erect).expect("erect");
+    let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else { panic!("landmarks") };
+    readings[0].vertebrae.get_mut(&level).expect("all are marked")
+}
+
+#[test]
+fn doubtful_corners_of_an_incomplete_reading_are_named() {
+    let thin = |case: &mut Case| {
+        let corners = &mut vertebra_mut(case, Level::L1).corners;
+        let (upper, lower) = (corners.superior_left, corners.inferior_left);
+        corners.superior_left = Pixel::new(
+            lower.column_px + 0.25 * (upper.column_px - lower.column_px),
+            lower.row_px + 0.25 * (upper.row_px - lower.row_px),
+        );
+    };
+    let wide = |case: &mut Case| {
+        let corners = &mut vertebra_mut(case, Level::L1).corners;
+        corners.superior_left.column_px +=
+            0.8 * (corners.superior_left.column_px - corners.superior_right.column_px);
+    };
+    let turned = |case: &mut Case| {
+        vertebra_mut(case, Level::L1).axis_clockwise = Some(Angle::from_deg(80.0));
+    };
+    for count in [8, 15] {
+        let none = notices_of(count, |_| (), |_| ());
+        let changes: [(&str, &dyn Fn(&mut Case)); 3] = [
+            ("body_sides_differ", &thin),
+            ("corner_far_from_neighbours", &wide),
+            ("axis_against_corners", &turned),
+        ];
+        for (code, change) in changes {
+            assert!(!none.iter().any(|known| known == code), "{none:?}");
+            let found = notices_of(count, change, |_| ());
+            let times = found.iter().filter(|known| *known == code).count();
+            assert_eq!(times, 1, "{code} with {count} vertebrae: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_corner_far_from_the_finished_readings_of_its_film_is_named() {
+    let odd = |case: &mut Case| {
+        vertebra_mut(case, Level::L1).corners.superior_left.column_px += 80.0;
+    };
+    let twice = |store: &mut Store| {
+        let case = phantom().case;
+        let films = store.films(&name("S1")).expect("films");
+        let film = films.iter().find(|film| film.posture == Posture::Erect).expect("erect");
+        let (marked, landmarks) = reading_of(&case, Posture::Erect);
+        for repeat in 1..=2 {
+            let by = by(READER);
+            let reading = store.begin_reading(film.id, repeat, &by).expect("a new reading");
+            let revision = record(store, reading, &events(marked, landmarks), &by);
+            store.finish_reading(reading, revision, &by).expect("a complete reading");
+        }
+    };
+    let code = "corner_far_from_readings".to_owned();
+    assert!(!notices_of(8, odd, |_| ()).contains(&code), "no other reading");
+    assert!(!notices_of(8, |_| (), twice).contains(&code), "equal readings");
+    assert!(notices_of(8, odd, twice).contains(&code));
+}
+
+#[test]
+fn landmarks_of_another_posture_are_refused_by_both_names() {
+    let case = phantom().case;
+    let mut reading = None;
+    let running = serve(|store| {
+        let films = add_study(store, "S1", &case);
+        let by = by(READER);
+        let (_, landmarks) = reading_of(&case, Posture::Erect);
+        for (posture, film) in films {
+            if ![Posture::Erect, Posture::Neutral].contains(&posture) {
+                continue;
+            }
+            let begun = store.begin_reading(film, 1, &by).expect("a new reading");
+            let clicks: Vec<_> = Level::MODEL[..15]
+                .iter()
+                .flat_map(|level| vertebra(*level, &landmarks.vertebrae[level]))
+                .collect();
+            record(store, begun, &clicks, &by);
+            reading = Some(begun);
+        }
+    });
+    let live = running.get(&format!("/api/readings/{}/live", reading.expect("begun").0));
+    assert_eq!(live["notices"][0]["code"], "film_repeated", "{live}");
+    let text = live["status_text"].as_str().expect("words");
+    assert!(text.contains("erect") && text.contains("neutral"), "{text}");
 }

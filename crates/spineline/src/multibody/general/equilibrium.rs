@@ -17,6 +17,9 @@ pub enum PathEnding {
     LimitPoint,
     /// Another branch crosses before the goal: a real spine would leave this one (buckling).
     BranchPoint,
+    /// The goal is met, but by a shape beyond the human range of motion ([`Deformed::beyond_human_range`]); only
+    /// [`crate::response::respond`] judges this.
+    BeyondHumanRange,
     /// The goal is not met up to the largest hinge angle or factor, or a rod's pose cannot be had.
     Unreachable,
     /// The path could not be followed to an end.
@@ -34,6 +37,7 @@ impl PathEnding {
             Self::SeveralEquilibria => "several_equilibria",
             Self::LimitPoint => "limit_point",
             Self::BranchPoint => "branch_point",
+            Self::BeyondHumanRange => "beyond_human_range",
             Self::Unreachable => "unreachable",
             Self::NotConverged => "not_converged",
             Self::Interrupted => "interrupted",
@@ -53,6 +57,9 @@ impl PathEnding {
             }
             Self::BranchPoint => {
                 "the path has a branch point before the target, and a real spine would buckle there"
+            }
+            Self::BeyondHumanRange => {
+                "the loads rotate joints or the whole spine farther than any human spine; linear springs do not limit it as ligaments, facets and muscles do; reduce the loads or the amplitude"
             }
             Self::Unreachable => {
                 "the target is not met up to the largest load factor and hinge angle, or the pose of a rod cannot be reached; reduce the loads or the amplitude, or load another vertebra"

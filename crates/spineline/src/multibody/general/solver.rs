@@ -106,6 +106,12 @@ impl<'a> GeneralStatics<'a> {
         Ok(Self { model, stiffness, support })
     }
 
+    /// The unloaded model.
+    #[must_use]
+    pub const fn model(&self) -> &SpineModel {
+        self.model
+    }
+
     pub(super) fn balance<'b>(&'b self, loading: &'b Loading) -> Balance<'b> {
         Balance { model: self.model, stiffness: &self.stiffness, support: self.support, loading }
     }

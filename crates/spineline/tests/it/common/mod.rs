@@ -13,7 +13,8 @@ use spineline::clinical::{RegionBounds, Regions};
 use spineline::error::Error;
 use spineline::measure::{
     Film, FilmLandmarks, IliacCrests, ImageGeometry, LengthScale, MeasuredVertebra, Noise, Outline,
-    Placement, Reading, ReadingId, Spacing, SpacingPlane, VertebraLandmarks, measure_film,
+    Placement, PlacementSource, Reading, ReadingId, Spacing, SpacingPlane, TiltRule,
+    VertebraLandmarks, measure_film,
 };
 use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Angle, Frontal, Pixel};
@@ -150,11 +151,14 @@ pub fn placement_film(
 ) -> Film {
     let vertebrae = vertebrae
         .into_iter()
-        .map(|(level, location, tilt)| (level, Placement { location, tilt }))
+        .map(|(level, location, tilt)| (level, Placement::new(location, tilt)))
         .collect();
     let reading = Reading { id: ReadingId::new("A", 1), vertebrae };
-    let landmarks =
-        FilmLandmarks::Placements { spacing_plane: SpacingPlane::Patient, readings: vec![reading] };
+    let landmarks = FilmLandmarks::Placements {
+        spacing_plane: SpacingPlane::Patient,
+        source: PlacementSource::Vertebrae,
+        readings: vec![reading],
+    };
     Film { posture, landmarks }
 }
 
@@ -173,7 +177,7 @@ pub fn case_of(films: Vec<Film>) -> Case {
 }
 
 pub fn measured(film: &Film) -> Outline {
-    measure_film(film, &mut Warnings::default()).expect("a sound film")
+    measure_film(film, TiltRule::default(), &mut Warnings::default()).expect("a sound film")
 }
 
 /// The erect outline of a subject and the unloaded spine that it gives.
@@ -207,6 +211,7 @@ pub fn outline(posture: Posture, vertebrae: &[(Frontal, Angle)]) -> Outline {
             level,
             location,
             tilt,
+            endplates: None,
             readings: 1,
             interpolated: None,
         })
@@ -216,6 +221,8 @@ pub fn outline(posture: Posture, vertebrae: &[(Frontal, Angle)]) -> Outline {
         vertebrae,
         others: Vec::new(),
         iliac_normal: None,
+        iliac_middle: None,
+        vertical: None,
         l4_on_film: Angle::ZERO,
         l4_midpoint_on_film: Frontal::default(),
         noise: Noise::ONE_READING,

@@ -10,13 +10,13 @@ use crate::spatial::Angle;
 /// [wu-boostnet-2017].
 ///
 /// ```
-/// use spineline::{clinical::tilt_range, spatial::Angle};
+/// use spineline::{clinical::largest_tilt_difference, spatial::Angle};
 /// let tilts = [-12.0, 3.0, 21.0, -4.0].map(Angle::from_deg);
-/// assert!((tilt_range(tilts).unwrap().deg() - 33.0).abs() < 1e-12);
-/// assert_eq!(tilt_range([]), None);
+/// assert!((largest_tilt_difference(tilts).unwrap().deg() - 33.0).abs() < 1e-12);
+/// assert_eq!(largest_tilt_difference([]), None);
 /// ```
 #[must_use]
-pub fn tilt_range(tilts: impl IntoIterator<Item = Angle>) -> Option<Angle> {
+pub fn largest_tilt_difference(tilts: impl IntoIterator<Item = Angle>) -> Option<Angle> {
     let mut tilts = tilts.into_iter();
     let first = tilts.next().filter(|tilt| tilt.rad().is_finite())?;
     let (mut least, mut greatest) = (first, first);

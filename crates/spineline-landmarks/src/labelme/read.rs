@@ -1,19 +1,14 @@
-//! Annotations of labelme: points named as in Slicer's lists, or quadrilaterals named by their vertebra.
-//!
-//! labelme counts from the corner of the first pixel, so its places are moved by half a pixel. A quadrilateral names no
-//! corner: its superior endplate is its uppermost side, and which side of the picture is the patient's left has to be known.
-//! One whose uppermost side has a tilt of more than 40° could be meant in two ways, and is refused; so is a mixture of points and
-//! quadrilaterals for one vertebra.
-
 use serde::Deserialize;
 use spineline::anatomy::ImageSide;
 use spineline::measure::{CornerName, Reading};
 use spineline::spatial::{Angle, Pixel};
 
-use super::film::{Points, from_image_sides, pixel};
-use super::json::parse_foreign;
-use super::names::{PointName, parse_level, shown};
-use super::{
+use super::HALF_PIXEL;
+use crate::film::{Points, from_image_sides, pixel};
+use crate::identity::Identity;
+use crate::json::parse_foreign;
+use crate::names::{PointName, parse_level, shown};
+use crate::{
     LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm,
 };
 
@@ -27,6 +22,8 @@ struct Annotation {
     image_path: Option<String>,
     image_height: Option<u32>,
     image_width: Option<u32>,
+    #[serde(rename = "spineline")]
+    identity: Option<Identity>,
 }
 
 #[derive(Deserialize)]
@@ -35,6 +32,8 @@ struct Shape {
     points: Vec<[f64; 2]>,
     #[serde(default)]
     shape_type: Option<String>,
+    /// Confidence of what a program found.
+    score: Option<f64>,
 }
 
 /// Reads an annotation of labelme.
@@ -43,18 +42,20 @@ struct Shape {
 /// [`LandmarkError`], which names the shape.
 pub fn parse_labelme(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, LandmarkError> {
     let annotation: Annotation = parse_foreign(bytes)?;
-    let mut points = Points::new();
+    let mut points = Points::default();
     for (place, shape) in annotation.shapes.iter().enumerate() {
         let at = format!("shapes[{place}] `{}`", shown(&shape.label));
         let places = shape
             .points
             .iter()
             .take(5)
-            .map(|&[x, y]| pixel(x - 0.5, y - 0.5, &at))
+            .map(|&[x, y]| pixel(x - HALF_PIXEL, y - HALF_PIXEL, &at))
             .collect::<Result<Vec<Pixel>, _>>()?;
         match (shape.shape_type.as_deref(), &places[..]) {
             (Some("point"), &[point]) => {
-                points.insert(PointName::parse(&shape.label, &at)?, point, &at)?;
+                let name = PointName::parse(&shape.label, &at)?;
+                points.insert(name, point, &at)?;
+                points.set_confidence(name, shape.score, &at)?;
             }
             (Some("polygon") | None, &[a, b, c, d]) => {
                 let level = parse_level(&shape.label, &at)?;
@@ -64,7 +65,9 @@ pub fn parse_labelme(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, 
                 })?;
                 let corners = corners_of([a, b, c, d], patient_left, &at)?;
                 for (corner, point) in CornerName::ALL.into_iter().zip(corners) {
-                    points.insert(PointName::Corner(level, corner), point, &at)?;
+                    let name = PointName::Corner(level, corner);
+                    points.insert(name, point, &at)?;
+                    points.set_confidence(name, shape.score, &at)?;
                 }
             }
             (kind, _) => {
@@ -85,16 +88,20 @@ pub fn parse_labelme(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, 
             what: "a landmark".to_owned(),
         });
     }
-    let landmarks =
-        Reading { id: hint.reading.clone(), vertebrae: points.landmarks("the annotation")? };
+    let identity = annotation.identity.unwrap_or_default();
+    let landmarks = Reading {
+        id: identity.reading(hint, "`spineline`")?,
+        vertebrae: points.landmarks("the annotation")?,
+    };
     let film = MarkedFilm {
-        posture: hint.posture,
+        posture: identity.posture("`spineline`")?.or(hint.posture),
         picture: annotation.image_path.map(|path| shown(&path)),
         size: annotation.image_width.zip(annotation.image_height),
         iliac_crests: points.iliac_crests("the annotation")?,
         landmarks: LandmarkReadings::Corners(vec![landmarks]),
     };
-    Ok(LandmarkFile { format: LandmarkFormat::Labelme, films: vec![film], remarks: Vec::new() })
+    let remarks = points.remarks();
+    Ok(LandmarkFile { format: LandmarkFormat::Labelme, films: vec![film], remarks })
 }
 
 /// The corners of a quadrilateral drawn around a body, in either sense and from any corner.

@@ -1,0 +1,136 @@
+//! The pictures beside a case: none of them may stand for two films.
+
+use std::path::{Component, Path, PathBuf};
+
+use spineline::analysis::{Analysis, Case};
+use spineline::anatomy::Posture;
+use spineline::measure::FilmLandmarks;
+use spineline::warning::Step;
+use spineline_files::CaseFile;
+use spineline_films::intake::{IntakeLimits, Place, read};
+use spineline_landmarks::read_source;
+
+use crate::run::failure::Failure;
+use crate::run::film_decoder::Decoder;
+
+/// Code of the warning of films with one identifier.
+pub const IDENTIFIER_REPEATED: &str = "identifier_repeated";
+
+/// A film of a case whose picture lies beside the case.
+struct Beside {
+    /// `None` for the lateral film.
+    posture: Option<Posture>,
+    size: (u32, u32),
+    place: PathBuf,
+}
+
+impl Beside {
+    fn name(&self) -> String {
+        self.posture.map_or_else(|| "lateral film".to_owned(), |posture| format!("{posture} film"))
+    }
+}
+
+/// Two films that carry one identifier and different pictures.
+pub struct SameIdentifier {
+    /// The second film, where it is a frontal one.
+    posture: Option<Posture>,
+    /// What is wrong.
+    pub text: String,
+}
+
+impl SameIdentifier {
+    /// Of a second film with the identifier of another one.
+    pub fn new(posture: Option<Posture>, text: impl Into<String>) -> Self {
+        Self { posture, text: text.into() }
+    }
+
+    /// Adds it to the warnings of the analysis.
+    pub fn warn(&self, analysis: &mut Analysis) {
+        let warnings = &mut analysis.warnings;
+        match self.posture {
+            Some(posture) => {
+                warnings.film(Step::Measure, IDENTIFIER_REPEATED, posture, &*self.text);
+            }
+            None => warnings.push(Step::Measure, IDENTIFIER_REPEATED, &*self.text),
+        }
+    }
+}
+
+/// Compares the pictures that lie beside a case; a picture that is not there, or cannot be read, is passed over.
+///
+/// # Errors
+/// If two films have the same pixels, in whatever files.
+pub fn check_films(
+    path: &Path,
+    file: &CaseFile,
+    case: &Case,
+) -> Result<Vec<SameIdentifier>, Failure> {
+    let films = beside(path, file, case);
+    if films.len() < 2 {
+        return Ok(Vec::new());
+    }
+    check_pixels(path, &films)?;
+    Ok(same_identifiers(&films))
+}
+
+fn beside(path: &Path, file: &CaseFile, case: &Case) -> Vec<Beside> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let frontal = case.films.iter().filter_map(|film| {
+        let FilmLandmarks::Corners { image, .. } = &film.landmarks else { return None };
+        let size = (image.columns, image.rows);
+        Some((Some(film.posture), size, file.source(film.posture)?.file?))
+    });
+    let lateral = case
+        .lateral
+        .as_ref()
+        .and_then(|film| Some((None, (film.columns, film.rows), file.lateral_source()?.file?)));
+    let named = frontal.chain(lateral).filter(|(.., name)| {
+        Path::new(name).components().all(|part| matches!(part, Component::Normal(_)))
+    });
+    let placed =
+        named.map(|(posture, size, name)| Beside { posture, size, place: folder.join(name) });
+    placed.filter(|film| film.place.is_file()).collect()
+}
+
+/// Decodes the films that another one equals in size: only those can be one picture.
+fn check_pixels(path: &Path, films: &[Beside]) -> Result<(), Failure> {
+    let decoder = Decoder::new()?;
+    let mut known: Vec<(&Beside, String)> = Vec::new();
+    for film in films {
+        let alike = films.iter().filter(|other| other.size == film.size).count();
+        let Some(picture) = (alike > 1).then(|| picture(&decoder, &film.place)).flatten() else {
+            continue;
+        };
+        if let Some((other, _)) = known.iter().find(|(_, of)| *of == picture) {
+            let what = format!("the {} and the {} are the same picture", other.name(), film.name());
+            let help = "give each film its own picture, or leave the repeated one out of the case";
+            return Err(Failure::input(&path.display().to_string(), &what, help));
+        }
+        known.push((film, picture));
+    }
+    Ok(())
+}
+
+fn picture(decoder: &Decoder, place: &Path) -> Option<String> {
+    let bytes = read(&Place::File(place.to_owned()), &IntakeLimits::default()).ok()?;
+    decoder.decode(bytes).ok().map(|film| film.picture_sha256())
+}
+
+fn same_identifiers(films: &[Beside]) -> Vec<SameIdentifier> {
+    let mut known: Vec<(&Beside, String)> = Vec::new();
+    let mut found = Vec::new();
+    for film in films {
+        let Ok(source) = read_source(&film.place) else { continue };
+        let uid = source.sop_instance_uid;
+        if let Some((other, _)) = known.iter().find(|(_, of)| *of == uid) {
+            let text = format!(
+                "the {} and the {} have the same SOP Instance UID but different pixels: one was changed without a new identifier; check that they are two films",
+                other.name(),
+                film.name()
+            );
+            found.push(SameIdentifier::new(film.posture, text));
+        }
+        known.push((film, uid));
+    }
+    found
+}

@@ -1,0 +1,104 @@
+//! What an exit code promises, and what is refused before any work.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::program::{run, words};
+
+fn phantom(arguments: &[&str]) -> TempDir {
+    let here = tempfile::tempdir().expect("a place for files");
+    let (_, error, code) = run(here.path(), &[&["phantom", "--out", "cases"], arguments].concat());
+    assert_eq!(code, 0, "{error}");
+    here
+}
+
+fn json(folder: &Path, name: &str) -> Value {
+    let text = fs::read_to_string(folder.join(name)).expect("it was written");
+    serde_json::from_str(&text).expect("JSON")
+}
+
+/// The ending of the simulations of one line.
+fn statuses(analysis: &Value, line: &str) -> Vec<String> {
+    let postures = analysis["models"][line]["postures"].as_object().expect("films");
+    postures.values().map(|film| film["status"].as_str().expect("a status").to_owned()).collect()
+}
+
+#[test]
+fn a_model_in_addition_that_has_no_result_does_not_fail_the_analysis() {
+    let here = phantom(&["--truth", "bend", "--subject", "2", "--noise", "5"]);
+    let case = "cases/phantom-bend-02.json";
+    let (text, error, code) = run(here.path(), &["analyze", case, "--json", "a.json"]);
+    let analysis = json(here.path(), "a.json");
+    assert!(
+        statuses(&analysis, "estimated_line").iter().any(|status| status != "converged"),
+        "the test means something: {analysis}"
+    );
+    assert!(statuses(&analysis, "inflection_line").iter().all(|status| status == "converged"));
+    assert_eq!(code, 0, "{text}{error}");
+    let codes = analysis["warnings"].as_array().expect("a list");
+    assert!(codes.iter().any(|warning| warning["code"] == "force_not_found"), "it is still said");
+    assert_eq!(run(here.path(), &["report", case, "--out", "a.html"]).2, 0);
+    // The model that is asked for by name counts.
+    let named = ["analyze", case, "--model", "m.json", "--model-line", "estimated"];
+    assert_eq!(run(here.path(), &named).2, 4);
+}
+
+#[test]
+fn a_known_force_is_positive_and_belongs_to_a_film_with_a_force() {
+    let here = phantom(&["--truth", "rod", "--subject", "1"]);
+    let case = "cases/phantom-rod-01.json";
+    let with = |gauge: &str| run(here.path(), &["analyze", case, "--gauge", gauge]);
+    for (gauge, words) in [
+        ("known-force:erect=120", "the erect film has no force"),
+        ("known-force:traction=-120", "greater than 0 N"),
+        ("known-force:traction=0", "greater than 0 N"),
+    ] {
+        let (_, error, code) = with(gauge);
+        assert!(code == 2 && error.contains(words), "{gauge}: {code} {error}");
+    }
+    let mut file = json(here.path(), case);
+    let films = file["films"].as_array_mut().expect("films");
+    films.retain(|film| film["posture"] != "traction");
+    fs::write(here.path().join(case), file.to_string()).expect("written");
+    let (_, error, code) = with("known-force:traction=120");
+    assert!(code == 2 && error.contains("this case has no such film"), "{code} {error}");
+}
+
+#[test]
+fn outputs_beside_the_cases_of_a_folder_are_passed_over_and_named() {
+    let here = phantom(&["--truth", "rod", "--subject", "1"]);
+    let outputs = ["--json", "cases/a.json", "--model", "cases/m.json", "--cohort", "cases/c.json"];
+    let case = "cases/phantom-rod-01.json";
+    assert_eq!(run(here.path(), &[&["analyze", case], &outputs[..]].concat()).2, 0);
+    for command in ["analyze", "check"] {
+        let (text, error, code) = run(here.path(), &[command, "cases"]);
+        assert_eq!(code, 0, "{text}{error}");
+        for name in ["a.json", "m.json", "c.json"] {
+            assert!(error.contains(&format!("{name} is passed over")), "{name}: {error}");
+        }
+    }
+    // A folder of analyses alone is read as their cases; one without any case says so.
+    fs::remove_file(here.path().join(case)).expect("a file");
+    let (text, error, code) = run(here.path(), &["check", "cases"]);
+    assert!(code == 0 && text.contains("phantom-rod-01"), "{text}{error}");
+    fs::remove_file(here.path().join("cases/a.json")).expect("a file");
+    let (_, error, code) = run(here.path(), &["analyze", "cases"]);
+    assert!(code == 3 && error.contains("no case file in this folder"), "{error}");
+}
+
+#[test]
+fn a_file_that_is_not_ours_or_not_utf_8_is_named_as_such() {
+    let here = tempfile::tempdir().expect("a place for files");
+    for (bytes, said) in [
+        (&b"{\"a\": 1}"[..], "not a Spineline file"),
+        (b"{\"format\": \"other\"}", "not a Spineline file: its format is `other`"),
+        (b"{\"case_id\": \"M\xfcller\"}", "save the file as UTF-8"),
+    ] {
+        fs::write(here.path().join("x.json"), bytes).expect("written");
+        let (_, error, code) = run(here.path(), &["check", "x.json"]);
+        assert!(code == 3 && words(&error).contains(said), "{said}: {error}");
+    }
+}

@@ -1,0 +1,248 @@
+//! One film in two postures is noticed, in whatever files and formats it comes.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::maker::{DEFLATED, EXPLICIT, Maker, Syntax, ramp};
+use crate::program::run;
+
+/// A film of its own pixels, with an identifier.
+fn film(number: u16, uid: &str, syntax: Syntax) -> Vec<u8> {
+    let pixels: Vec<u16> = ramp(60, 40).into_iter().map(|grey| (grey + number) % 4096).collect();
+    let mut maker = Maker::new(60, 40, &pixels);
+    maker.text((0x08, 0x18), "UI", uid).text((0x20, 0x0D), "UI", "1.2.4");
+    maker.file(syntax)
+}
+
+/// A synthetic case whose erect and neutral films lie beside it, as pictures of one size.
+fn case(folder: &Path, erect: &[u8], neutral: &[u8]) {
+    let path = folder.join("phantom-rod-01.json");
+    if !path.exists() {
+        let (_, error, code) =
+            run(folder, &["phantom", "--subject", "1", "--out", ".", "--noise", "0"]);
+        assert_eq!(code, 0, "{error}");
+    }
+    let text = fs::read_to_string(&path).expect("written");
+    let mut case: Value = serde_json::from_str(&text).expect("JSON");
+    for film in case["films"].as_array_mut().expect("films") {
+        let posture = film["posture"].as_str().expect("a posture").to_owned();
+        // Films of other sizes are never one picture, so these are the largest of all.
+        film["image"]["columns"] = 9000.into();
+        film["image"]["rows"] = 9000.into();
+        film["image"]["file"] = format!("{posture}.dcm").into();
+    }
+    fs::write(path, case.to_string()).expect("written");
+    // A store takes no case with a film that is missing; these are no films, and are not compared.
+    for posture in ["left_bending", "right_bending", "traction"] {
+        fs::write(folder.join(format!("{posture}.dcm")), posture).expect("written");
+    }
+    fs::write(folder.join("erect.dcm"), erect).expect("written");
+    fs::write(folder.join("neutral.dcm"), neutral).expect("written");
+}
+
+const CASE: &str = "phantom-rod-01.json";
+
+/// Every command that reads a case, with its arguments.
+fn readers(folder: &Path) -> Vec<Vec<&'static str>> {
+    let store = folder.join("s.db");
+    if store.exists() {
+        fs::remove_file(&store).expect("removed");
+    }
+    assert_eq!(run(folder, &["study", "create", "s.db"]).2, 0);
+    vec![
+        vec!["check", CASE],
+        vec!["analyze", CASE, "--json", "a.json"],
+        vec!["report", CASE, "--out", "r.html"],
+        vec!["study", "add", "s.db", CASE],
+    ]
+}
+
+#[test]
+fn one_picture_in_two_files_is_refused_for_two_postures() {
+    let here = tempfile::tempdir().expect("a temporary folder");
+    let here = here.path();
+    // Other bytes, another identifier, another compression, and the same pixels.
+    case(here, &film(1, "1.2.3.1", EXPLICIT), &film(1, "1.2.3.2", DEFLATED));
+    for command in readers(here) {
+        let (_, error, code) = run(here, &command);
+        assert_eq!(code, 3, "{command:?}: {error}");
+        for part in ["erect film", "neutral film", "the same picture", CASE] {
+            assert!(error.contains(part), "{command:?}: no {part} in {error}");
+        }
+    }
+    assert!(!here.join("a.json").exists() && !here.join("r.html").exists());
+}
+
+#[test]
+fn landmarks_of_one_film_are_refused_for_two_postures_by_every_command() {
+    let here = tempfile::tempdir().expect("a temporary folder");
+    let here = here.path();
+    case(here, &film(1, "1.2.3.1", EXPLICIT), &film(2, "1.2.3.2", EXPLICIT));
+    let text = fs::read_to_string(here.join(CASE)).expect("written");
+    let mut copied: Value = serde_json::from_str(&text).expect("JSON");
+    let films = copied["films"].as_array_mut().expect("films");
+    let of = |films: &[Value], posture: &str| films.iter().position(|f| f["posture"] == posture);
+    let [erect, neutral] = ["erect", "neutral"].map(|name| of(films, name).expect("a film"));
+    films[neutral]["readings"] = films[erect]["readings"].clone();
+    fs::write(here.join(CASE), copied.to_string()).expect("written");
+    for command in readers(here) {
+        let (_, error, code) = run(here, &command);
+        assert_eq!(code, 3, "{command:?}: {error}");
+        assert!(error.contains("the same landmarks"), "{command:?}: {error}");
+    }
+}
+
+#[test]
+fn two_pictures_of_one_identifier_are_warned_about() {
+    let here = tempfile::tempdir().expect("a temporary folder");
+    let here = here.path();
+    for (uid, expected) in [("1.2.3.2", false), ("1.2.3.1", true)] {
+        case(here, &film(1, "1.2.3.1", EXPLICIT), &film(2, uid, EXPLICIT));
+        for command in readers(here) {
+            let (out, error, code) = run(here, &command);
+            assert_eq!(code, 0, "{command:?}: {error}");
+            if command[0] != "report" {
+                let found =
+                    format!("{out}{error}").split_whitespace().collect::<Vec<_>>().join(" ");
+                assert_eq!(found.contains("SOP Instance UID"), expected, "{command:?}: {found}");
+            }
+        }
+        for (file, code) in [("a.json", "identifier_repeated"), ("r.html", "SOP Instance UID")] {
+            let text = fs::read_to_string(here.join(file)).expect("written");
+            assert_eq!(text.contains(code), expected, "{file}");
+        }
+        // An analysis holds no films, and is the same without them.
+        fs::create_dir_all(here.join("alone")).expect("a folder");
+        fs::copy(here.join("a.json"), here.join("alone/a.json")).expect("a copy");
+        let (out, error, code) = run(&here.join("alone"), &["rerun", "a.json"]);
+        assert_eq!(code, 0, "{out}{error}");
+        fs::remove_file(here.join("a.json")).expect("removed");
+        fs::remove_file(here.join("r.html")).expect("removed");
+    }
+}
+
+#[test]
+fn the_picture_of_a_frontal_film_is_no_lateral_one_in_another_file() {
+    let here = tempfile::tempdir().expect("a temporary folder");
+    let here = here.path();
+    case(here, &film(1, "1.2.3.1", EXPLICIT), &film(2, "1.2.3.2", EXPLICIT));
+    let text = fs::read_to_string(here.join(CASE)).expect("written");
+    let mut with: Value = serde_json::from_str(&text).expect("JSON");
+    with["lateral"] = json!({ "image": {
+        "columns": 9000, "rows": 9000, "patient_anterior": "image_left", "file": "side.dcm",
+    } });
+    fs::write(here.join(CASE), with.to_string()).expect("written");
+    fs::write(here.join("side.dcm"), film(2, "1.2.3.9", EXPLICIT)).expect("written");
+    let (_, error, code) = run(here, &["check", CASE]);
+    assert_eq!(code, 3, "{error}");
+    assert!(error.contains("neutral film") && error.contains("lateral film"), "{error}");
+}
+
+/// Corners of T9 and T8 by name: column and row.
+fn corners(down: f64) -> Vec<(String, [f64; 2])> {
+    let mut all = Vec::new();
+    for (level, top) in [("T9", 100.0), ("T8", 70.0)] {
+        for (endplate, row) in [("superior", top + down), ("inferior", top + down + 20.0)] {
+            for (side, column) in [("left", 45.0), ("right", 15.0)] {
+                all.push((format!("{level}_{endplate}_{side}"), [column, row]));
+            }
+        }
+    }
+    all
+}
+
+fn labelme(picture: &str, corners: &[(String, [f64; 2])]) -> String {
+    let shape = |(name, [column, row]): &(String, [f64; 2])| json!({ "label": name, "points": [[column + 0.5, row + 0.5]], "shape_type": "point" });
+    let shapes: Vec<Value> = corners.iter().map(shape).collect();
+    json!({ "shapes": shapes, "imagePath": picture }).to_string()
+}
+
+fn coco(picture: &str, corners: &[(String, [f64; 2])]) -> String {
+    let names: Vec<&String> = corners.iter().map(|(name, _)| name).collect();
+    let places: Vec<Value> =
+        corners.iter().flat_map(|(_, [x, y])| [json!(x), json!(y), json!(2)]).collect();
+    json!({
+        "images": [{ "id": 1, "file_name": picture }],
+        "categories": [{ "id": 1, "name": "spine", "keypoints": names }],
+        "annotations": [{ "image_id": 1, "category_id": 1, "keypoints": places }],
+    })
+    .to_string()
+}
+
+fn csv(posture: &str, corners: &[(String, [f64; 2])]) -> String {
+    let mut text = "posture,observer,repeat,vertebra".to_owned();
+    for corner in ["superior_left", "superior_right", "inferior_left", "inferior_right"] {
+        text.push_str(&format!(",{corner}_column_px,{corner}_row_px"));
+    }
+    for body in corners.chunks(4) {
+        let level = body[0].0.split('_').next().expect("a level");
+        text.push_str(&format!("\n{posture},B,1,{level}"));
+        for (_, [column, row]) in body {
+            text.push_str(&format!(",{column},{row}"));
+        }
+    }
+    text + "\n"
+}
+
+/// Imports an erect and a neutral film with a file of landmarks each.
+fn import(erect: &str, neutral: &str) -> (String, i32) {
+    let here = tempfile::tempdir().expect("a temporary folder");
+    let here = here.path();
+    for (name, rows) in [("a.dcm", 400), ("b.dcm", 401)] {
+        let mut maker = Maker::new(60, rows, &ramp(60, rows));
+        maker.text((0x20, 0x20), "CS", "L\\F").text((0x28, 0x30), "DS", "1\\1");
+        fs::write(here.join(name), maker.file(EXPLICIT)).expect("written");
+    }
+    fs::write(here.join("erect.marks"), erect).expect("written");
+    fs::write(here.join("neutral.marks"), neutral).expect("written");
+    let films = ["--film", "erect=1", "--film", "neutral=2", "--secret", "secret", "--accept"];
+    let marks = ["--landmarks", "erect=erect.marks", "--landmarks", "neutral=neutral.marks"];
+    let to = ["import", "a.dcm", "b.dcm", "--case-id", "A", "--out", "out"];
+    let (_, error, code) = run(here, &[&to[..], &films, &marks].concat());
+    assert_eq!(here.join("out/case.json").exists(), code == 0);
+    (error.split_whitespace().collect::<Vec<_>>().join(" "), code)
+}
+
+#[test]
+fn landmarks_of_one_film_are_refused_for_two_postures_in_any_format() {
+    let same = corners(0.0);
+    let formats = |posture: &str, picture: &str, corners: &[(String, [f64; 2])]| {
+        [labelme(picture, corners), coco(picture, corners), csv(posture, corners)]
+    };
+    for erect in formats("erect", "a.png", &same) {
+        for neutral in formats("neutral", "b.png", &same) {
+            let (error, code) = import(&erect, &neutral);
+            assert_eq!(code, 3, "{error}");
+            for part in ["erect film", "neutral film", "the same landmarks"] {
+                assert!(error.contains(part), "no {part} in {error}");
+            }
+        }
+        for neutral in formats("neutral", "b.png", &corners(5.0)) {
+            let (error, code) = import(&erect, &neutral);
+            assert_eq!(code, 0, "{error}");
+            assert!(!error.contains("note:"), "{error}");
+        }
+    }
+}
+
+#[test]
+fn landmarks_that_name_one_picture_for_two_postures_are_told() {
+    let neutral = [labelme("x.png", &corners(5.0)), coco("x.png", &corners(5.0))];
+    for neutral in neutral {
+        let (error, code) = import(&labelme("x.png", &corners(0.0)), &neutral);
+        assert_eq!(code, 0, "{error}");
+        assert!(error.contains("name one picture, x.png"), "{error}");
+    }
+}
+
+#[test]
+fn implausible_landmarks_are_told_on_import() {
+    let mut odd = corners(5.0);
+    // The left side of T9 keeps a quarter of its height.
+    odd[0].1[1] += 15.0;
+    let (error, code) = import(&csv("erect", &corners(0.0)), &labelme("b.png", &odd));
+    assert_eq!(code, 0, "{error}");
+    assert!(error.contains("neutral film, T9") && error.contains("differ by a factor"), "{error}");
+}

@@ -1,0 +1,108 @@
+//! What files say of their patient and the part of the body, as far as a wrong film shows by it.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use dicom_object::InMemDicomObject;
+use serde::{Deserialize, Serialize};
+
+use super::element::Attributes;
+use super::{Attribute, FilmRemark};
+
+const BODY_PART: Attribute = Attribute(0x0018, 0x0015);
+const PATIENT_ID: Attribute = Attribute(0x0010, 0x0020);
+const BIRTH_DATE: Attribute = Attribute(0x0010, 0x0030);
+const SEX: Attribute = Attribute(0x0010, 0x0040);
+
+/// Values of Body Part Examined that show no spine from L4 to T2, of DICOM PS3.16, annex L.
+const OTHER_PARTS: [&str; 41] = [
+    "ANKLE",
+    "ARM",
+    "BREAST",
+    "CALCANEUS",
+    "CALF",
+    "CAROTID",
+    "CLAVICLE",
+    "EAR",
+    "ELBOW",
+    "EXTREMITY",
+    "EYE",
+    "FACE",
+    "FEMUR",
+    "FINGER",
+    "FOOT",
+    "FOREARM",
+    "FOREFOOT",
+    "HAND",
+    "HEAD",
+    "HIP",
+    "HUMERUS",
+    "JAW",
+    "KNEE",
+    "LEG",
+    "LOWERLEG",
+    "LOWERLIMB",
+    "MANDIBLE",
+    "NOSE",
+    "ORBIT",
+    "PATELLA",
+    "RADIUS",
+    "SCAPULA",
+    "SHOULDER",
+    "SKULL",
+    "THIGH",
+    "THUMB",
+    "TIBIA",
+    "TOE",
+    "ULNA",
+    "WRIST",
+    "ZYGOMA",
+];
+
+/// Identity of a patient as two files state it: whether they agree can be told, and nothing else. Never written to a file.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PatientMarks {
+    id: Option<u64>,
+    birth_date: Option<u64>,
+    sex: Option<u64>,
+}
+
+impl PatientMarks {
+    pub(super) fn read(data: &InMemDicomObject) -> Self {
+        let mark = |attribute| {
+            let text = data.text(attribute)?;
+            let mut hasher = DefaultHasher::new();
+            text.to_ascii_uppercase().hash(&mut hasher);
+            Some(hasher.finish())
+        };
+        Self { id: mark(PATIENT_ID), birth_date: mark(BIRTH_DATE), sex: mark(SEX) }
+    }
+
+    /// Names of the attributes that both files state, and state differently.
+    ///
+    /// ```
+    /// use spineline_films::PatientMarks;
+    /// // What is not stated differs from nothing.
+    /// assert!(PatientMarks::default().differences(&PatientMarks::default()).is_empty());
+    /// ```
+    #[must_use]
+    pub fn differences(&self, other: &Self) -> Vec<&'static str> {
+        let pairs = [
+            ("Patient ID", self.id, other.id),
+            ("Patient's Birth Date", self.birth_date, other.birth_date),
+            ("Patient's Sex", self.sex, other.sex),
+        ];
+        let differ = |a: Option<u64>, b: Option<u64>| a.zip(b).is_some_and(|(a, b)| a != b);
+        pairs.into_iter().filter(|&(_, a, b)| differ(a, b)).map(|(name, ..)| name).collect()
+    }
+}
+
+/// A remark where the file states another part of the body than the spine, by Body Part Examined or as a mammogram.
+pub(super) fn other_body_part(
+    data: &InMemDicomObject,
+    modality: Option<&str>,
+) -> Option<FilmRemark> {
+    let stated = data.text(BODY_PART).map(|text| text.to_ascii_uppercase().replace([' ', '_'], ""));
+    let by_part = OTHER_PARTS.into_iter().find(|part| stated.as_deref() == Some(*part));
+    let part = by_part.or_else(|| (modality == Some("MG")).then_some("BREAST"))?;
+    Some(FilmRemark::OtherBodyPart { part: part.into() })
+}

@@ -1,0 +1,202 @@
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use spineline::measure::{CornerName, Reading, ReadingId};
+use spineline::spatial::Pixel;
+
+use crate::film::{Points, merge_crests, pixel};
+use crate::identity::Identity;
+use crate::json::parse_foreign;
+use crate::names::{PointName, parse_corner, parse_level, shown};
+use crate::{
+    LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm,
+};
+
+/// Names that one category may have: four corners of 17 vertebrae and two crests.
+const MAX_KEYPOINTS: usize = 70;
+
+#[derive(Deserialize)]
+struct Dataset {
+    images: Vec<Image>,
+    categories: Vec<Category>,
+    annotations: Vec<Annotation>,
+}
+
+#[derive(Deserialize)]
+struct Image {
+    id: i64,
+    file_name: Option<String>,
+    width: Option<u32>,
+    height: Option<u32>,
+    #[serde(default, rename = "spineline")]
+    identity: Identity,
+}
+
+#[derive(Deserialize)]
+struct Category {
+    id: i64,
+    name: String,
+    #[serde(default)]
+    keypoints: Vec<String>,
+}
+
+#[derive(Deserialize)]
+struct Annotation {
+    image_id: i64,
+    category_id: i64,
+    #[serde(default)]
+    keypoints: Vec<f64>,
+    /// Confidence of every keypoint.
+    keypoint_scores: Option<Vec<f64>>,
+    /// Confidence of all of them.
+    score: Option<f64>,
+    #[serde(default, rename = "spineline")]
+    identity: Identity,
+}
+
+/// A picture and its points by reading.
+struct Marked<'a> {
+    image: &'a Image,
+    readings: BTreeMap<ReadingId, Points<Pixel>>,
+}
+
+/// Reads keypoints of COCO; one film per picture.
+///
+/// # Errors
+/// [`LandmarkError`], which names the annotation.
+pub fn parse_coco(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, LandmarkError> {
+    let dataset: Dataset = parse_foreign(bytes)?;
+    let mut categories: BTreeMap<i64, Vec<PointName>> = BTreeMap::new();
+    for (place, category) in dataset.categories.iter().enumerate() {
+        let at = format!("categories[{place}] `{}`", shown(&category.name));
+        let names = names(category, &at)?;
+        once(&mut categories, category.id, names, &at)?;
+    }
+    let mut images: BTreeMap<i64, Marked<'_>> = BTreeMap::new();
+    for (place, image) in dataset.images.iter().enumerate() {
+        let marked = Marked { image, readings: BTreeMap::new() };
+        once(&mut images, image.id, marked, &format!("images[{place}]"))?;
+    }
+    for (place, annotation) in dataset.annotations.iter().enumerate() {
+        let at = format!("annotations[{place}]");
+        let missing = |what: String| LandmarkError::Missing { at: at.clone(), what };
+        let names = categories
+            .get(&annotation.category_id)
+            .ok_or_else(|| missing(format!("category {}", annotation.category_id)))?;
+        let marked = images
+            .get_mut(&annotation.image_id)
+            .ok_or_else(|| missing(format!("image {}", annotation.image_id)))?;
+        let id = annotation.identity.reading(hint, &at)?;
+        let points = marked.readings.entry(id).or_default();
+        annotation.add(names, points, &at)?;
+    }
+    let (mut films, mut remarks) = (Vec::new(), Vec::new());
+    for marked in images.into_values() {
+        for remark in marked.readings.values().flat_map(Points::remarks) {
+            if !remarks.contains(&remark) {
+                remarks.push(remark);
+            }
+        }
+        films.extend(marked.film(hint)?);
+    }
+    if films.is_empty() {
+        let what = "a marked keypoint".to_owned();
+        return Err(LandmarkError::Missing { at: "annotations".to_owned(), what });
+    }
+    Ok(LandmarkFile { format: LandmarkFormat::Coco, films, remarks })
+}
+
+impl Marked<'_> {
+    /// The film of a picture with points.
+    fn film(self, hint: &LandmarkHint) -> Result<Option<MarkedFilm>, LandmarkError> {
+        if self.readings.values().all(Points::is_empty) {
+            return Ok(None);
+        }
+        let what = format!("image {}", self.image.id);
+        let (mut iliac_crests, mut readings) = (None, Vec::new());
+        for (id, points) in self.readings {
+            merge_crests(&mut iliac_crests, points.iliac_crests(&what)?, &what)?;
+            let vertebrae = points.landmarks(&what)?;
+            if !vertebrae.is_empty() {
+                readings.push(Reading { id, vertebrae });
+            }
+        }
+        Ok(Some(MarkedFilm {
+            posture: self.image.identity.posture(&what)?.or(hint.posture),
+            picture: self.image.file_name.as_deref().map(shown),
+            size: self.image.width.zip(self.image.height),
+            iliac_crests,
+            landmarks: LandmarkReadings::Corners(readings),
+        }))
+    }
+}
+
+impl Annotation {
+    /// Adds its keypoints that were placed.
+    fn add(
+        &self,
+        names: &[PointName],
+        points: &mut Points<Pixel>,
+        at: &str,
+    ) -> Result<(), LandmarkError> {
+        let count = |found: usize, what: &str| LandmarkError::Syntax {
+            at: at.to_owned(),
+            reason: format!("{found} {what}, and its category has {} keypoints", names.len()),
+        };
+        if self.keypoints.len() != 3 * names.len() {
+            return Err(count(self.keypoints.len(), "numbers of keypoints, three for each"));
+        }
+        if let Some(scores) = self.keypoint_scores.as_ref().filter(|s| s.len() != names.len()) {
+            return Err(count(scores.len(), "keypoint_scores"));
+        }
+        for (place, (name, values)) in names.iter().zip(self.keypoints.chunks_exact(3)).enumerate()
+        {
+            let at = format!("{at}, `{name}`");
+            match values[2] {
+                0.0 => {}
+                1.0 | 2.0 => {
+                    points.insert(*name, pixel(values[0], values[1], &at)?, &at)?;
+                    let score = self.keypoint_scores.as_ref().map(|scores| scores[place]);
+                    points.set_confidence(*name, score.or(self.score), &at)?;
+                }
+                other => {
+                    return Err(LandmarkError::Value {
+                        at,
+                        value: other.to_string(),
+                        expected: "a visibility of 0, 1 or 2; confidences go into `keypoint_scores`",
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn names(category: &Category, at: &str) -> Result<Vec<PointName>, LandmarkError> {
+    let count = category.keypoints.len();
+    if count > MAX_KEYPOINTS {
+        return Err(LandmarkError::TooLarge {
+            what: "keypoints of a category",
+            found: count as u64,
+            limit: MAX_KEYPOINTS as u64,
+        });
+    }
+    let corners: Vec<CornerName> =
+        category.keypoints.iter().filter_map(|name| parse_corner(name)).collect();
+    if corners.len() == count && count > 0 {
+        let level = parse_level(&category.name, at)?;
+        return Ok(corners.into_iter().map(|corner| PointName::Corner(level, corner)).collect());
+    }
+    category.keypoints.iter().map(|name| PointName::parse(name, at)).collect()
+}
+
+fn once<T>(map: &mut BTreeMap<i64, T>, id: i64, value: T, at: &str) -> Result<(), LandmarkError> {
+    match map.insert(id, value) {
+        None => Ok(()),
+        Some(_) => Err(LandmarkError::Duplicate {
+            at: at.to_owned(),
+            what: format!("id {id}"),
+            first: None,
+        }),
+    }
+}

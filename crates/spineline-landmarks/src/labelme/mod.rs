@@ -1,0 +1,18 @@
+//! Annotations of labelme: points named as in Slicer's lists, or quadrilaterals named by their vertebra.
+//!
+//! labelme counts from the corner of the first pixel, so its places are moved by half a pixel. A quadrilateral names no
+//! corner: its superior endplate is its uppermost side, and which side of the picture is the patient's left has to be known.
+//! One whose uppermost side has a tilt of more than 40° could be meant in two ways, and is refused; so is a mixture of points and
+//! quadrilaterals for one vertebra.
+//!
+//! A shape may have a `score`, the confidence of a program from 0 to 1. Files of Spineline name film, observer and repeat in
+//! `spineline`, which labelme keeps when it saves.
+
+mod read;
+mod write;
+
+pub use read::parse_labelme;
+pub(super) use write::write;
+
+/// labelme counts from the corner of the first pixel, and Spineline from its centre.
+const HALF_PIXEL: f64 = 0.5;

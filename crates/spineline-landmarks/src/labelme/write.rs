@@ -1,0 +1,89 @@
+use serde::Serialize;
+use spineline::anatomy::Level;
+use spineline::measure::{CornerName, IliacCrests, ImageGeometry, Reading, VertebraLandmarks};
+use spineline::spatial::Pixel;
+
+use super::HALF_PIXEL;
+use crate::identity::Identity;
+use crate::names::PointName;
+
+/// The version of labelme whose files these are like.
+const VERSION: &str = "5.5.0";
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Annotation<'a> {
+    version: &'static str,
+    flags: Nothing,
+    shapes: Vec<Shape>,
+    image_path: &'a str,
+    /// The picture within the file: none.
+    image_data: Option<()>,
+    image_height: u32,
+    image_width: u32,
+    spineline: Identity,
+}
+
+#[derive(Serialize)]
+struct Nothing {}
+
+#[derive(Serialize)]
+struct Shape {
+    label: String,
+    points: [[f64; 2]; 1],
+    group_id: Option<()>,
+    shape_type: &'static str,
+    flags: Nothing,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    score: Option<f64>,
+}
+
+/// One reading of a film as a file of named points.
+pub fn write(
+    identity: Identity,
+    (image, picture): (&ImageGeometry, &str),
+    iliac_crests: Option<IliacCrests>,
+    reading: &Reading<VertebraLandmarks>,
+) -> String {
+    let mut shapes: Vec<Shape> = Vec::new();
+    for (&level, landmark) in reading.vertebrae.iter().rev() {
+        shapes.extend(corners(level, landmark));
+    }
+    if let Some(crests) = iliac_crests {
+        shapes.push(Shape::new(PointName::CrestLeft, crests.left, None));
+        shapes.push(Shape::new(PointName::CrestRight, crests.right, None));
+    }
+    let annotation = Annotation {
+        version: VERSION,
+        flags: Nothing {},
+        shapes,
+        image_path: picture,
+        image_data: None,
+        image_height: image.rows,
+        image_width: image.columns,
+        spineline: identity,
+    };
+    spineline_files::to_text(&annotation)
+}
+
+fn corners(level: Level, landmark: &VertebraLandmarks) -> [Shape; 4] {
+    let points = landmark.corners.points();
+    let confidences = landmark.confidence.map(|corners| corners.points());
+    std::array::from_fn(|i| {
+        let name = PointName::Corner(level, CornerName::ALL[i]);
+        Shape::new(name, points[i], confidences.map(|values| values[i]))
+    })
+}
+
+impl Shape {
+    fn new(name: PointName, point: Pixel, score: Option<f64>) -> Self {
+        Self {
+            label: name.to_string(),
+            points: [[point.column_px + HALF_PIXEL, point.row_px + HALF_PIXEL]],
+            group_id: None,
+            shape_type: "point",
+            flags: Nothing {},
+            score,
+        }
+    }
+}

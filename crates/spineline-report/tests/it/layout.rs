@@ -1,0 +1,112 @@
+//! Films fill their page, and tables keep their heads on paper.
+
+use spineline::analysis::{AnalysisOptions, Case, analyze};
+use spineline::anatomy::Posture;
+use spineline_phantom::{Readers, Truth, generate};
+use spineline_report::document::{Column, Section, Table};
+use spineline_report::patient::{self, Patient};
+use spineline_report::{Document, figures, html};
+
+/// Between the edges of a figure, for frames and written axes.
+const PAGE_PX: f64 = 900.0;
+
+fn case(films: &[Posture]) -> Case {
+    let mut case = generate(1, Truth::Rod, &Readers::exact(), 1).expect("a subject").case;
+    case.films.retain(|film| films.contains(&film.posture));
+    case
+}
+
+/// Width and height of every frame of a figure, from the rectangles that clip its contents.
+fn frames_px(svg: &str) -> Vec<[f64; 2]> {
+    let number = |text: &str, name: &str| {
+        let (_, tail) = text.split_once(&format!(" {name}=\""))?;
+        tail.split_once('"')?.0.parse::<f64>().ok()
+    };
+    let clips = svg.split("<clipPath").skip(1);
+    clips.filter_map(|clip| Some([number(clip, "width")?, number(clip, "height")?])).collect()
+}
+
+#[test]
+fn films_fill_the_page_whatever_their_number() {
+    for (count, per_row) in [(2, 2), (3, 3), (4, 2), (5, 3)] {
+        let case = case(&Posture::ALL[..count]);
+        let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom is sound");
+        let frames = frames_px(&figures::films(&case, &analysis, &[]));
+        assert_eq!(frames.len(), count);
+        let row: f64 = frames[..per_row].iter().map(|[width, _]| width).sum();
+        assert!(row > 0.8 * PAGE_PX, "{count} films: {row} px of {PAGE_PX}");
+        let [width, height] = frames[0];
+        // A radiograph is about 0.6 to 0.9 times as wide as high.
+        assert!((0.55..0.95).contains(&(width / height)), "{count} films: {width} x {height} px");
+        for frame in &frames {
+            let same = frame.iter().zip(frames[0]).all(|(a, b)| (a - b).abs() < 0.1);
+            assert!(same, "{count} films: {frames:?}");
+        }
+    }
+}
+
+#[test]
+fn films_may_have_a_page_of_their_own() {
+    let case = case(&Posture::ALL);
+    let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom is sound");
+    let document = patient::report(&Patient {
+        case: &case,
+        analysis: &analysis,
+        pictures: &[],
+        identifiability: None,
+        uncertainty: None,
+        generator: "spineline test",
+        json: "{}",
+    });
+    let whole: Vec<&str> =
+        document.figures().filter(|f| f.whole_page).map(|f| f.name.as_str()).collect();
+    assert_eq!(whole, ["films"]);
+    assert!(html(&document).contains("class=\"picture whole-page\""));
+}
+
+fn table(rows: usize, columns: usize) -> Table {
+    let names = (0..columns).map(|i| Column::words(format!("column {i}")));
+    let mut table = Table::new(format!("{rows} rows"), names.collect());
+    for row in 0..rows {
+        table.row((0..columns).map(|column| format!("{row}.{column}")).collect());
+    }
+    table
+}
+
+#[test]
+fn printed_tables_keep_their_heads() {
+    let mut section = Section::new("tables", "Tables");
+    section.table(table(5, 3));
+    section.table(table(200, 12));
+    let document = Document {
+        title: "Report".to_owned(),
+        subject: "P07".to_owned(),
+        generator: "spineline test".to_owned(),
+        banners: Vec::new(),
+        sections: vec![section],
+        analysis: "{}".to_owned(),
+    };
+    let text = html(&document);
+    let (style, body) = text.split_once("</style>").expect("a style");
+    let (_, print) = style.split_once("@media print").expect("rules for paper");
+    // A short table is kept whole; a long one is not, but repeats its head and divides no row.
+    assert!(body.contains("class=\"table short\""), "{body}");
+    assert!(body.contains("class=\"table many-columns\""), "{body}");
+    let rules = |selector: &str| {
+        let lines = print.lines().filter(|line| {
+            let (selectors, _) = line.split_once('{').unwrap_or((line, ""));
+            selectors.split(',').any(|one| one.trim() == selector)
+        });
+        lines.collect::<Vec<_>>().join(" ")
+    };
+    assert!(rules("figure.table.short").contains("break-inside: avoid"), "{print}");
+    assert!(!rules("figure").contains("break-inside"), "{print}");
+    assert!(rules("tr").contains("break-inside: avoid"), "{print}");
+    assert!(rules("thead").contains("display: table-header-group"), "{print}");
+    assert!(rules("figure.table figcaption").contains("break-after: avoid"), "{print}");
+    // Nothing is cut off or scrolled on paper.
+    assert!(rules(".wide").contains("overflow: visible"), "{print}");
+    // Chromium prints the words of a head that is repeated only where no control holds them.
+    let (_, script) = body.split_once("ariaLabel").expect("the control that sorts");
+    assert!(!script.contains("head.childNodes"));
+}

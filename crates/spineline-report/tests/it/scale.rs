@@ -1,0 +1,94 @@
+//! Reports of films without a scale: no length in millimetres, and the reason for what is missing.
+
+use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
+use spineline::anatomy::Posture;
+use spineline::measure::FilmLandmarks;
+use spineline_phantom::{Readers, Truth, generate};
+use spineline_report::document::{Block, Section};
+use spineline_report::figures::{case_overview, line_identification, spine_in_space};
+use spineline_report::patient::{self, Patient};
+use spineline_report::{Document, html};
+
+/// A phantom whose films of some postures have no spacing.
+fn case(without: &[Posture]) -> Case {
+    let mut case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("a subject").case;
+    for film in case.films.iter_mut().filter(|film| without.contains(&film.posture)) {
+        let FilmLandmarks::Corners { image, .. } = &mut film.landmarks else { panic!("corners") };
+        image.spacing = None;
+    }
+    case
+}
+
+fn analysis(case: &Case) -> Analysis {
+    analyze(case, &AnalysisOptions::default()).expect("a phantom is sound")
+}
+
+fn document(case: &Case) -> Document {
+    patient::report(&Patient {
+        case,
+        analysis: &analysis(case),
+        pictures: &[],
+        identifiability: None,
+        uncertainty: None,
+        generator: "spineline test",
+        json: "{}",
+    })
+}
+
+fn section<'a>(document: &'a Document, id: &str) -> &'a Section {
+    document.sections.iter().find(|section| section.id == id).expect("the section is there")
+}
+
+fn paragraphs(section: &Section) -> String {
+    let words = section.blocks.iter().filter_map(|block| match block {
+        Block::Paragraph(text) => Some(text.as_str()),
+        _ => None,
+    });
+    words.collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn a_case_without_a_scale_has_no_drawing_in_millimetres() {
+    let document = document(&case(&Posture::ALL));
+    for figure in document.figures() {
+        assert!(!figure.svg.contains("(mm)"), "{}", figure.name);
+    }
+    let space = section(&document, "space");
+    assert!(!space.blocks.iter().any(|block| matches!(block, Block::Figure(_))));
+    let words = paragraphs(space);
+    assert!(words.contains("not drawn") && words.contains("no scale"), "{words}");
+    assert_eq!(spine_in_space(&analysis(&case(&[Posture::Erect]))), None);
+    assert!(!html(&document).contains("class=\"space\""), "no view to turn either");
+}
+
+#[test]
+fn sections_without_a_model_name_the_films_without_a_scale() {
+    let document = document(&case(&[Posture::LeftBending, Posture::Traction]));
+    for id in ["simulated", "stiffness", "errors", "comparison"] {
+        let words = paragraphs(section(&document, id));
+        assert!(words.contains("without a scale (left bending, traction)"), "{id}: {words}");
+        assert!(words.contains("ball or ruler"), "{id}: {words}");
+    }
+    let words = paragraphs(section(&document, "line"));
+    assert!(words.contains("without a scale (left bending, traction)"), "{words}");
+}
+
+#[test]
+fn only_films_with_a_scale_have_axes_in_millimetres() {
+    let analysis = analysis(&case(&[Posture::LeftBending]));
+    let figures = [case_overview(&analysis), line_identification(&analysis).expect("four films")];
+    for (svg, films) in figures.iter().zip([5, 4]) {
+        assert_eq!(svg.matches("lateral (no scale)").count(), 1);
+        assert_eq!(svg.matches("lateral (mm)").count(), films - 1);
+        assert!(svg.contains("typical length"), "the note says how it is drawn");
+    }
+    // Nothing in the legend that is not in a panel.
+    assert!(!figures[1].contains("best fit"));
+}
+
+#[test]
+fn a_model_without_a_scale_needs_none_for_its_angles() {
+    let document = document(&case(&Posture::ALL));
+    let text = html(&document);
+    assert!(text.contains("Cobb angles") && text.contains("Rotation of every segment"));
+}

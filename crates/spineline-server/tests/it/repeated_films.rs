@@ -1,0 +1,116 @@
+//! One film for two postures is noticed when it is uploaded, and refused in a study.
+
+use axum::http::StatusCode;
+use serde_json::{Value, json};
+use spineline::analysis::Subject;
+use spineline::anatomy::{ImageSide, Posture};
+use spineline::measure::{ImageGeometry, Spacing, SpacingPlane};
+use spineline_films::{DicomFilm, Encoding, FilmPolarity, View, write_dicom};
+
+use crate::browser::{App, Browser};
+use crate::films::{decoding, upload};
+
+const SIZE: [u32; 2] = [60, 40];
+
+/// A small film of its own pixels; its identifier follows from the posture.
+fn film(posture: Posture, grey: u16, encoding: Encoding) -> Vec<u8> {
+    let [columns, rows] = SIZE;
+    let pixels: Vec<u16> = (0..columns * rows).map(|at| at as u16 % 1000 + grey).collect();
+    let spacing = Some(Spacing::stated(0.1, 0.1, SpacingPlane::Patient));
+    let film = DicomFilm {
+        case_id: "small",
+        subject: &Subject::default(),
+        posture,
+        view: View::Posteroanterior,
+        image: ImageGeometry { columns, rows, spacing, patient_left: ImageSide::Left },
+        magnification: 1.1,
+        polarity: FilmPolarity::Monochrome2,
+        bits_stored: 12,
+        pixels: &pixels,
+        encoding,
+    };
+    write_dicom(&film).expect("a sound film")
+}
+
+/// Uploads a film; its name and the codes of its notices.
+fn uploaded(browser: &Browser<'_>, bytes: Vec<u8>) -> (String, Vec<String>) {
+    let answer = upload(browser, bytes);
+    assert_eq!(answer.status, StatusCode::OK, "{}", answer.text());
+    let view = answer.json();
+    let notices = view["notices"].as_array().expect("a list").iter();
+    let codes = notices.map(|notice| notice["code"].as_str().expect("a code").to_owned());
+    (view["upload"].as_str().expect("a name").to_owned(), codes.collect())
+}
+
+fn app() -> App {
+    App::with_token().restarted(decoding())
+}
+
+#[test]
+fn a_second_file_of_an_uploaded_film_is_noticed() {
+    let app = app();
+    let (ann, bob) = (app.observer("Ann"), app.observer("Bob"));
+    let repeated = |codes: &[String]| {
+        ["picture_repeated", "identifier_repeated"].map(|code| codes.iter().any(|c| c == code))
+    };
+    let first = film(Posture::Erect, 0, Encoding::Plain);
+    assert_eq!(repeated(&uploaded(&ann, first).1), [false, false]);
+    // Another file and identifier, and the same pixels.
+    let copy = film(Posture::Neutral, 0, Encoding::Rle);
+    assert_eq!(repeated(&uploaded(&ann, copy.clone()).1), [true, false]);
+    // Other pixels, and the same identifier.
+    let changed = film(Posture::Erect, 1, Encoding::Plain);
+    assert_eq!(repeated(&uploaded(&ann, changed).1), [false, true]);
+    let other = film(Posture::Traction, 2, Encoding::Plain);
+    assert_eq!(repeated(&uploaded(&ann, other).1), [false, false]);
+    // Nobody learns what others upload.
+    assert_eq!(repeated(&uploaded(&bob, copy).1), [false, false]);
+}
+
+#[test]
+fn one_picture_in_two_files_makes_no_study_of_two_postures() {
+    let app = app();
+    let browser = app.observer("Ann");
+    let [first, copy, other] = [
+        film(Posture::Erect, 0, Encoding::Plain),
+        film(Posture::Neutral, 0, Encoding::Rle),
+        film(Posture::Neutral, 5, Encoding::Rle),
+    ]
+    .map(|bytes| uploaded(&browser, bytes).0);
+    let image = |file: &str| {
+        json!({ "columns": SIZE[0], "rows": SIZE[1], "patient_left": "image_left",
+            "spacing_plane": "pixels", "file": file })
+    };
+    let erect = json!({ "posture": "erect", "image": image("a.dcm"), "readings": [] });
+    let neutral = json!({ "posture": "neutral", "image": image("b.dcm"), "readings": [] });
+    for (second, is_refused) in [(&copy, true), (&other, false)] {
+        let text = json!({ "format": "spineline-case", "version": 1, "case_id": "S-1",
+            "synthetic": true, "films": [erect, neutral] });
+        let names =
+            json!([{ "name": "a.dcm", "upload": first }, { "name": "b.dcm", "upload": second }]);
+        let case = json!({ "text": text.to_string(), "films": names });
+        let scale = json!({ "kind": "file" });
+        let new = |posture: &str, upload: &str| {
+            json!({ "upload": upload, "posture": posture, "patient_left": "image_left",
+                "scale": scale })
+        };
+        let study = json!({ "id": "S-2", "label": null,
+            "films": [new("erect", &first), new("neutral", second)] });
+        let asked: [(&str, &Value); 2] = [("/api/studies", &study), ("/api/studies/case", &case)];
+        for (path, body) in asked {
+            let made = browser.post(path, body);
+            if is_refused {
+                assert_eq!(made.status, StatusCode::UNPROCESSABLE_ENTITY, "{path} {}", made.text());
+                let text = made.text();
+                for part in ["erect film", "neutral film", "the same picture"] {
+                    assert!(text.contains(part), "{path}: no {part} in {text}");
+                }
+            } else if path == "/api/studies/case" {
+                // The uploads went into the first study.
+                assert_eq!(made.status, StatusCode::NOT_FOUND, "{path} {}", made.text());
+            } else {
+                assert_eq!(made.status, StatusCode::OK, "{path} {}", made.text());
+            }
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! Confidences of landmarks that a program found.
+
+use super::{CornerName, MeasureError, Reading, ReadingId, VertebraLandmarks};
+use crate::anatomy::{Level, Posture};
+use crate::warning::{Step, Warnings};
+
+/// Confidence below which a landmark is doubted: the program itself takes it to be as likely wrong as right. How well a
+/// program's confidences are calibrated is its own affair (assumption).
+const LOW_CONFIDENCE: f64 = 0.5;
+
+/// That confidences are from 0 to 1.
+pub(super) fn check_confidence(
+    posture: Posture,
+    id: &ReadingId,
+    level: Level,
+    landmark: &VertebraLandmarks,
+) -> Result<(), MeasureError> {
+    let confidences = landmark.confidence.map(|corners| corners.points());
+    match confidences.into_iter().flatten().find(|value| !(0.0..=1.0).contains(value)) {
+        None => Ok(()),
+        Some(value) => Err(MeasureError::Confidence { posture, id: id.clone(), level, value }),
+    }
+}
+
+/// A note with the confidences of a reading that has some, and a warning for every vertebra with a low one.
+pub(super) fn warn_of_confidence(
+    posture: Posture,
+    reading: &Reading<VertebraLandmarks>,
+    warnings: &mut Warnings,
+) {
+    let id = &reading.id;
+    let bodies = reading.vertebrae.iter();
+    // The least confident corner of every vertebra.
+    let lowest: Vec<(Level, CornerName, f64)> = bodies
+        .filter_map(|(&level, landmark)| {
+            let corners = CornerName::ALL.into_iter().zip(landmark.confidence?.points());
+            let (corner, value) = corners.min_by(|a, b| a.1.total_cmp(&b.1))?;
+            Some((level, corner, value))
+        })
+        .collect();
+    let Some(&(level, _, least)) = lowest.iter().min_by(|a, b| a.2.total_cmp(&b.2)) else { return };
+    let all: Vec<f64> = reading
+        .vertebrae
+        .values()
+        .filter_map(|landmark| landmark.confidence)
+        .flat_map(|corners| corners.points())
+        .collect();
+    let mean = all.iter().sum::<f64>() / all.len() as f64;
+    let text = format!(
+        "observer {id}: a program found these landmarks, with a mean confidence of {mean:.2} and a lowest of {least:.2} ({level}): check them on the film"
+    );
+    warnings.film(Step::Measure, "landmarks_by_program", posture, text);
+    for (level, corner, value) in lowest.into_iter().filter(|&(.., value)| value < LOW_CONFIDENCE) {
+        let text = format!(
+            "observer {id}: the {} corner has a confidence of {value:.2} (limit {LOW_CONFIDENCE:.2}): check the four corners of this vertebra on the film",
+            corner.key().replace('_', " ")
+        );
+        warnings.vertebra(Step::Measure, "low_confidence", posture, level, text);
+    }
+}

@@ -1,0 +1,76 @@
+//! Balance over the pelvis, against the pixels of films and against mirrored and turned ones.
+
+use crate::common::{analyzed, exact_case, film_mut, landmarks, move_landmarks, on_a_table};
+use spineline::analysis::Case;
+use spineline::anatomy::{Level, Posture, Region};
+use spineline::clinical::{Balance, SacralReference};
+use spineline::measure::FilmLandmarks;
+use spineline::spatial::{Angle, Frontal};
+
+/// Places are computed from pixels in doubles.
+const ROUNDING: f64 = 1e-7;
+
+fn balance(case: &Case) -> Balance {
+    analyzed(case, &on_a_table()).balance.expect("a film with a vertical")
+}
+
+#[test]
+fn distances_are_those_of_the_film_in_millimetres() {
+    // Oracle: columns of the erect film times their spacing; subject 3 has non-square pixels, subject 5 is seen from the front.
+    for subject in [0, 2, 4] {
+        let mut case = exact_case(subject);
+        let analysis = analyzed(&case, &on_a_table());
+        let found = analysis.balance.as_ref().expect("a film with a vertical");
+        assert_eq!(found.reference, SacralReference::IliacCrests);
+        assert_eq!(found.plumb_level, Level::T2);
+        let (image, crests, readings) = landmarks(film_mut(&mut case, Posture::Erect));
+        let crests = crests.as_ref().expect("phantoms have crests");
+        let left_mm = |column: f64| {
+            let middle = 0.5 * (crests.left.column_px + crests.right.column_px);
+            let sense = (crests.left.column_px - crests.right.column_px).signum();
+            (column - middle) * sense * image.spacing.expect("a spacing").column_mm
+        };
+        let centre = |level: Level| {
+            let body = readings[0].vertebrae[&level].corners.map(|p| image.frontal(p));
+            image.pixel(body.measure_location().expect("a body")).column_px
+        };
+        assert!((found.coronal_balance_mm - left_mm(centre(Level::T2))).abs() < ROUNDING);
+        for curve in &analysis.clinical {
+            let mm = found.apical_translation_mm[curve.region.index()];
+            assert!((mm - left_mm(centre(curve.apex))).abs() < ROUNDING, "{}", curve.region);
+        }
+    }
+}
+
+#[test]
+fn a_turned_film_turns_every_tilt_against_the_horizontal() {
+    // Oracle: the picture is turned by 4° about its own plane, as a patient who stands on a block.
+    let case = exact_case(0);
+    let mut turned = case.clone();
+    let turn = Angle::from_deg(4.0);
+    move_landmarks(film_mut(&mut turned, Posture::Erect), turn, Frontal::default());
+    let [a, b] = [balance(&case), balance(&turned)];
+    let change = |x: Option<Angle>, y: Option<Angle>| (y.expect("known") - x.expect("known")).deg();
+    assert!((change(a.l4_tilt, b.l4_tilt) - 4.0).abs() < ROUNDING);
+    assert!((change(a.pelvic_obliquity, b.pelvic_obliquity) - 4.0).abs() < ROUNDING);
+    // To the right, by the sine of what T2 stands above the crests.
+    assert!(b.coronal_balance_mm < a.coronal_balance_mm - 15.0);
+}
+
+#[test]
+fn without_crests_the_line_runs_through_the_lowest_vertebra_and_no_obliquity_is_given() {
+    let mut case = exact_case(0);
+    for film in &mut case.films {
+        let FilmLandmarks::Corners { iliac_crests, .. } = &mut film.landmarks else {
+            panic!("phantoms have corners")
+        };
+        *iliac_crests = None;
+    }
+    let analysis = analyzed(&case, &on_a_table());
+    let found = analysis.balance.as_ref().expect("a vertical");
+    assert_eq!((found.reference, found.pelvic_obliquity), (SacralReference::Base, None));
+    assert_eq!(found.t1_tilt, None, "T1 was not marked");
+    assert!(analysis.balance_words().contains("through the lowest vertebra"));
+    let apex = analysis.regions.bounds[Region::MainThoracic.index()].apex;
+    assert!(found.stable.model_index().expect("a level of the model") < apex);
+}

@@ -1,0 +1,210 @@
+//! Films that show another posture or another patient than they are named after.
+
+use crate::common::{Draw, analyzed, exact_case, film_mut, landmarks, move_landmarks, on_a_table};
+use spineline::analysis::{Analysis, Case, analyze_movement};
+use spineline::anatomy::{ImageSide, Posture};
+use spineline::cohort::Cohort;
+use spineline::measure::{Corners, IliacCrests};
+use spineline::spatial::{Angle, Frontal, Pixel};
+use spineline::warning::Severity;
+
+const BENDS: [Posture; 2] = [Posture::LeftBending, Posture::RightBending];
+
+const CODES: [&str; 5] = [
+    "another_patient",
+    "bend_keeps_shape",
+    "bend_leans_little",
+    "erect_leans",
+    "films_show_one_shape",
+];
+
+/// Warnings of this module by film.
+fn doubts(analysis: &Analysis) -> Vec<(&'static str, Option<Posture>)> {
+    let warnings = analysis.warnings.all().iter().filter(|one| CODES.contains(&one.code));
+    warnings.map(|one| (one.code, one.posture)).collect()
+}
+
+fn verdict(analysis: &Analysis) -> String {
+    analysis.verdict(&analysis.compare_lines()).join(" ")
+}
+
+/// All pictures seen from the other side, with the patient's left where it is then.
+fn mirrored(case: &Case) -> Case {
+    let mut case = case.clone();
+    for film in &mut case.films {
+        let (image, crests, readings) = landmarks(film);
+        let last = f64::from(image.columns) - 1.0;
+        let flip = |place: Pixel| Pixel::new(last - place.column_px, place.row_px);
+        image.patient_left = match image.patient_left {
+            ImageSide::Left => ImageSide::Right,
+            ImageSide::Right => ImageSide::Left,
+        };
+        for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
+            landmark.corners = landmark.corners.map(flip);
+            landmark.axis_clockwise = landmark.axis_clockwise.map(|axis| -axis);
+        }
+        *crests =
+            crests.map(|crests| IliacCrests { left: flip(crests.left), right: flip(crests.right) });
+    }
+    case
+}
+
+/// The case as it is, and with all its pictures mirrored.
+fn both_ways(case: &Case) -> [Case; 2] {
+    [case.clone(), mirrored(case)]
+}
+
+/// Gives a film the landmarks of another one, every corner moved at random by up to so many pixels.
+fn copy_landmarks(case: &mut Case, from: Posture, to: Posture, by_px: f64) {
+    let copied = film_mut(case, from).landmarks.clone();
+    let film = film_mut(case, to);
+    film.landmarks = copied;
+    let mut draw = Draw::new(7);
+    let (_, _, readings) = landmarks(film);
+    for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
+        landmark.axis_clockwise = None;
+        let [superior_left, superior_right, inferior_left, inferior_right] =
+            landmark.corners.points().map(|place| {
+                let mut moved = || draw.between(-by_px, by_px);
+                Pixel::new(place.column_px + moved(), place.row_px + moved())
+            });
+        landmark.corners = Corners { superior_left, superior_right, inferior_left, inferior_right };
+    }
+}
+
+#[test]
+fn sound_films_are_not_doubted() {
+    for subject in 0..18 {
+        for case in both_ways(&exact_case(subject)) {
+            let analysis = analyze_movement(&case, &on_a_table()).expect("a sound case");
+            assert_eq!(doubts(&analysis), [], "subject {subject}");
+        }
+    }
+}
+
+#[test]
+fn a_bend_with_the_erect_films_landmarks_is_no_evidence() {
+    for bend in BENDS {
+        let mut case = exact_case(0);
+        // Pixels of 0.1 mm: a corner moves by half a millimetre at most.
+        copy_landmarks(&mut case, Posture::Erect, bend, 5.0);
+        for case in both_ways(&case) {
+            let analysis = analyzed(&case, &on_a_table());
+            assert_eq!(doubts(&analysis), [("bend_keeps_shape", Some(bend))]);
+            let mut warnings = analysis.warnings.all().iter();
+            let warning = warnings.find(|one| one.code == "bend_keeps_shape").expect("seen above");
+            assert_eq!(warning.severity(), Severity::Contradiction);
+            let verdict = verdict(&analysis);
+            assert!(verdict.contains(&format!("The {bend} film may be a wrong one")), "{verdict}");
+            assert!(verdict.contains("no result of this patient is evidence"), "{verdict}");
+            assert!(!verdict.contains("are consistent with"), "{verdict}");
+            let side = if bend == Posture::LeftBending { "left" } else { "right" };
+            assert!(!verdict.contains(&format!("joints turn to the {side}.")), "{verdict}");
+        }
+    }
+}
+
+#[test]
+fn a_bend_with_the_mirrored_erect_film_is_reported() {
+    let mut case = exact_case(0);
+    let erect = mirrored(&case);
+    let from = erect.films.iter().find(|film| film.posture == Posture::Erect).expect("erect");
+    film_mut(&mut case, Posture::RightBending).landmarks = from.landmarks.clone();
+    // The picture is mirrored, and nobody said so: sides and side of the picture are those of the other film.
+    let (image, crests, readings) = landmarks(film_mut(&mut case, Posture::RightBending));
+    image.patient_left = match image.patient_left {
+        ImageSide::Left => ImageSide::Right,
+        ImageSide::Right => ImageSide::Left,
+    };
+    for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
+        landmark.axis_clockwise = None;
+        let corners = &mut landmark.corners;
+        std::mem::swap(&mut corners.superior_left, &mut corners.superior_right);
+        std::mem::swap(&mut corners.inferior_left, &mut corners.inferior_right);
+    }
+    *crests = crests.map(|crests| IliacCrests { left: crests.right, right: crests.left });
+    for case in both_ways(&case) {
+        let analysis = analyzed(&case, &on_a_table());
+        assert_eq!(doubts(&analysis), [("bend_keeps_shape", Some(Posture::RightBending))]);
+        assert!(verdict(&analysis).contains("mirrored erect shape"));
+    }
+}
+
+#[test]
+fn one_film_for_two_lying_postures_is_reported() {
+    let mut case = exact_case(0);
+    copy_landmarks(&mut case, Posture::Neutral, Posture::Traction, 2.0);
+    for case in both_ways(&case) {
+        let analysis = analyzed(&case, &on_a_table());
+        assert_eq!(doubts(&analysis), [("films_show_one_shape", Some(Posture::Traction))]);
+        assert!(verdict(&analysis).contains("shape of the neutral film"));
+    }
+}
+
+#[test]
+fn a_leaning_erect_film_is_reported_and_a_turned_one_with_crests_is_not() {
+    for turn in [-26.0, 26.0] {
+        let mut case = Case { synthetic: false, ..exact_case(0) };
+        let erect = film_mut(&mut case, Posture::Erect);
+        move_landmarks(erect, Angle::from_deg(turn), Frontal::default());
+        for case in both_ways(&case) {
+            assert_eq!(doubts(&analyzed(&case, &on_a_table())), [], "crests turn with the spine");
+        }
+        *landmarks(film_mut(&mut case, Posture::Erect)).1 = None;
+        for case in both_ways(&case) {
+            let analysis = analyzed(&case, &on_a_table());
+            assert_eq!(doubts(&analysis), [("erect_leans", Some(Posture::Erect))]);
+            let verdict = verdict(&analysis);
+            assert!(verdict.contains("limit 15°") && !verdict.contains("are consistent with"));
+        }
+    }
+}
+
+#[test]
+fn bodies_of_another_shape_are_reported_and_another_magnification_is_not() {
+    for posture in Posture::MOVED {
+        let shaped = |height: f64, width: f64| {
+            let mut case = exact_case(0);
+            let (_, _, readings) = landmarks(film_mut(&mut case, posture));
+            for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
+                let points = landmark.corners.points();
+                let mean = |of: fn(&Pixel) -> f64| points.iter().map(of).sum::<f64>() / 4.0;
+                let middle = Pixel::new(mean(|p| p.column_px), mean(|p| p.row_px));
+                let tilt = (points[1].row_px - points[0].row_px)
+                    .atan2(points[1].column_px - points[0].column_px);
+                let (sin, cos) = tilt.sin_cos();
+                landmark.corners = landmark.corners.map(|p| {
+                    let (x, y) = (p.column_px - middle.column_px, p.row_px - middle.row_px);
+                    let across = width * (x * cos + y * sin);
+                    let along = height * (y * cos - x * sin);
+                    Pixel::new(
+                        middle.column_px + across * cos - along * sin,
+                        middle.row_px + across * sin + along * cos,
+                    )
+                });
+            }
+            case
+        };
+        for case in both_ways(&shaped(0.6, 1.0)) {
+            let analysis = analyzed(&case, &on_a_table());
+            assert_eq!(doubts(&analysis), [("another_patient", Some(posture))]);
+            assert!(verdict(&analysis).contains("same patient"));
+        }
+        for case in both_ways(&shaped(1.15, 1.15)) {
+            assert_eq!(doubts(&analyzed(&case, &on_a_table())), []);
+        }
+    }
+}
+
+#[test]
+fn a_cohort_counts_patients_with_doubted_films_and_does_not_test_them() {
+    let sound = analyzed(&exact_case(1), &on_a_table());
+    let mut case = exact_case(0);
+    copy_landmarks(&mut case, Posture::Erect, Posture::LeftBending, 5.0);
+    let doubted = analyzed(&case, &on_a_table());
+    let cohort = Cohort::of(&[&sound, &doubted], 1);
+    assert_eq!(cohort.doubted, 1);
+    assert!(cohort.incompatible.1 <= 1, "{:?}", cohort.incompatible);
+    assert!(cohort.verdict()[0].starts_with("Films of 1 of 2 patients"), "{:?}", cohort.verdict());
+    assert_eq!(Cohort::of(&[&sound], 1).doubted, 0);
+}
