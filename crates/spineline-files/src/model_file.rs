@@ -2,7 +2,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::action::Application;
 use spineline::analysis::{Analysis, LineModel};
-use spineline::anatomy::{Level, Posture, Region};
+use spineline::anatomy::{Level, Levels, Posture, Region};
 use spineline::clinical::{CurvePlaces, RegionBounds};
 use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Angle, Mat3, Vec3};
@@ -158,6 +158,19 @@ pub struct StoredModel {
 }
 
 impl StoredModel {
+    /// Its vertebrae as those of an analysis; `None` where they are not neighbours among L4 to T2.
+    #[must_use]
+    pub fn known_levels(&self) -> Option<Levels> {
+        let levels = Levels::between(*self.levels.first()?, *self.levels.last()?)?;
+        (levels.as_slice() == self.levels).then_some(levels)
+    }
+
+    /// The vertebra that carries the force of a film: the highest one.
+    #[must_use]
+    pub fn top(&self) -> Level {
+        self.levels.last().copied().unwrap_or(Level::T2)
+    }
+
     /// Unit of forces: `N`, or a text that warns where only ratios are known.
     #[must_use]
     pub const fn force_unit(&self) -> &'static str {
@@ -172,7 +185,7 @@ impl ModelFile {
         let spine = &analysis.spine;
         let vector = |v: &Vec3| [v.x, v.y, v.z];
         let column = |m: &Mat3, i: usize| [m[(0, i)], m[(1, i)], m[(2, i)]];
-        let levels = &Level::MODEL;
+        let levels = analysis.levels().as_slice();
         let vertebrae = (0..levels.len())
             .map(|i| VertebraRecord {
                 level: LevelKey(levels[i]),
@@ -181,9 +194,9 @@ impl ModelFile {
             })
             .collect();
         let joints = model
-            .stiffness_nmm_per_rad(&analysis.options.library)
+            .stiffness_nmm_per_rad(&analysis.library)
             .into_iter()
-            .zip(analysis.options.library.rows())
+            .zip(analysis.library.rows())
             .enumerate()
             .map(|(j, (stiffness_nmm_per_rad, row))| JointRecord {
                 inferior: LevelKey(row.inferior),
@@ -242,7 +255,8 @@ impl ModelFile {
 
 /// The places of the analysis's own angles.
 fn regions(analysis: &Analysis) -> Vec<RegionRecord> {
-    let level = |place: usize| LevelKey(Level::MODEL[place]);
+    let levels = analysis.levels().as_slice();
+    let level = |place: usize| LevelKey(levels[place]);
     let bounds = analysis.regions.bounds.iter().zip(&analysis.clinical);
     bounds
         .map(|(bounds, curve)| RegionRecord {

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use axum::http::StatusCode;
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
 use spineline::anatomy::Posture;
-use spineline_store::{CaseReadings, CurrentCase, Name, Store, StoreError};
+use spineline_store::{CaseReadings, CurrentCase, CurrentFilm, Name, Store, StoreError};
 
 use crate::problem::{Answer, Failure};
 use crate::words;
@@ -44,9 +44,9 @@ pub struct StudyResult {
 impl StudyResult {
     /// Analyses a case.
     pub fn of(study: &Name, current: CurrentCase) -> Self {
-        let has_erect = current.film(Posture::Erect).is_some_and(|film| film.missing().is_empty());
+        let has_erect = current.film(Posture::Erect).is_some_and(CurrentFilm::is_usable);
         let outcome = if has_erect {
-            match analyze(&current.complete_case(), &AnalysisOptions::default()) {
+            match analyze(&current.usable_case(), &AnalysisOptions::default()) {
                 Ok(analysis) => Outcome::Analysed(Box::new(analysis)),
                 Err(error) => Outcome::Refused {
                     code: error.code(),
@@ -78,7 +78,7 @@ impl StudyResult {
             Outcome::Waiting => {
                 let text = words::progress(&self.current);
                 Err(Failure::new(StatusCode::CONFLICT, "not_ready", text).help(
-                    "place the landmarks of all vertebrae from L4 to T2 on the erect film, and finish the reading",
+                    "place the landmarks of all vertebrae from L4 to T2 that are seen on the erect film, L2 to T6 at least, and finish the reading",
                 ))
             }
             Outcome::Refused { text, help, .. } => {

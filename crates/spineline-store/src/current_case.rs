@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use rusqlite::Connection;
 use spineline::analysis::Case;
 use spineline::anatomy::{Level, Posture};
-use spineline::measure::{Film, ReadingId as Reader};
+use spineline::measure::{Film, ReadingId as Reader, shows_enough};
 
 use crate::assembly;
 use crate::connection::Store;
@@ -41,6 +41,8 @@ pub struct CurrentFilm {
     pub readings: usize,
     /// Vertebrae of the model with four corners in one of them.
     pub marked: BTreeSet<Level>,
+    /// Whether its readings are finished, so that what they lack is not seen on the film.
+    pub finished: bool,
 }
 
 impl CurrentFilm {
@@ -48,6 +50,13 @@ impl CurrentFilm {
     #[must_use]
     pub fn missing(&self) -> Vec<Level> {
         Level::MODEL.into_iter().filter(|level| !self.marked.contains(level)).collect()
+    }
+
+    /// Whether the film takes part in the analysis: all vertebrae of the model have landmarks, or all that a finished reading
+    /// could see, and these are enough.
+    #[must_use]
+    pub fn is_usable(&self) -> bool {
+        self.missing().is_empty() || (self.finished && shows_enough(&self.marked))
     }
 }
 
@@ -84,12 +93,11 @@ impl CurrentCase {
         self.case.films.iter().find(|film| film.posture == posture)
     }
 
-    /// The case of the films with landmarks of every vertebra of the model.
+    /// The case of the films that take part in the analysis.
     #[must_use]
-    pub fn complete_case(&self) -> Case {
-        let complete =
-            |film: &&Film| self.film(film.posture).is_some_and(|f| f.missing().is_empty());
-        let films = self.case.films.iter().filter(complete).cloned().collect();
+    pub fn usable_case(&self) -> Case {
+        let usable = |film: &&Film| self.film(film.posture).is_some_and(CurrentFilm::is_usable);
+        let films = self.case.films.iter().filter(usable).cloned().collect();
         Case { films, ..self.case.clone() }
     }
 }
@@ -140,7 +148,8 @@ impl Store {
             if !marked.is_empty() {
                 landmarks.push(assembly::film(&film, &chosen)?);
             }
-            films.push(CurrentFilm { record: film, readings: chosen.len(), marked });
+            let finished = chosen.iter().all(|(reading, _)| reading.finished_at.is_some());
+            films.push(CurrentFilm { record: film, readings: chosen.len(), marked, finished });
         }
         let case = assembly::case(study, synthetic, landmarks);
         Ok(CurrentCase { films, case, compared })

@@ -63,7 +63,7 @@ fn chain_rows(analysis: &Analysis, posture: &PostureAnalysis) -> Vec<[String; 11
     .collect()
 }
 
-const VERTEBRAE_HEADING: [&str; 15] = [
+const VERTEBRAE_HEADING: [&str; 16] = [
     "case_id",
     "synthetic",
     "posture",
@@ -79,6 +79,7 @@ const VERTEBRAE_HEADING: [&str; 15] = [
     "simulated_tilt_deg",
     "location_error_mm",
     "lengths",
+    "interpolated",
 ];
 
 /// One row per patient, posture, line and vertebra.
@@ -102,35 +103,39 @@ fn vertebra_rows(analysis: &Analysis, posture: &PostureAnalysis) -> Vec<Vec<Stri
         .filter_map(|m| Some((m.kind, m.posture(posture.outline.posture)?)))
         .collect();
     let mut rows = Vec::new();
-    for (i, level) in Level::MODEL.into_iter().enumerate() {
-        let vertebra = &posture.outline.vertebrae[i];
+    for (i, vertebra) in posture.outline.vertebrae.iter().enumerate() {
+        let interpolated = (!vertebra.is_measured()).to_string();
         let mut measured = vec![
             analysis.case_id.clone(),
             analysis.synthetic.to_string(),
             posture.outline.posture.key().to_owned(),
-            level.to_string(),
+            vertebra.level.to_string(),
             length(scale, vertebra.location.y_mm, 4),
             length(scale, vertebra.location.z_mm, 4),
             format!("{:.4}", vertebra.tilt.deg()),
         ];
         rows.extend(simulated.iter().map(|&(kind, simulation)| {
-            let cells = simulated_cells(kind, simulation, i);
-            let scale = scale.plane.key().to_owned();
-            measured.iter().cloned().chain(cells).chain([scale]).collect()
+            let cells = simulated_cells(kind, simulation, (i, vertebra.level));
+            let last = [scale.plane.key().to_owned(), interpolated.clone()];
+            measured.iter().cloned().chain(cells).chain(last).collect()
         }));
         if simulated.is_empty() {
-            measured.resize(VERTEBRAE_HEADING.len() - 1, String::new());
-            measured.push(scale.plane.key().to_owned());
+            measured.resize(VERTEBRAE_HEADING.len() - 2, String::new());
+            measured.extend([scale.plane.key().to_owned(), interpolated]);
             rows.push(measured);
         }
     }
     rows
 }
 
-/// What a model gives for the vertebra of this index.
-fn simulated_cells(kind: LineKind, simulation: &Simulation, i: usize) -> [String; 7] {
-    let error = (i > 0 && simulation.is_usable())
-        .then(|| format!("{:.4}", simulation.location_errors_mm[i - 1]));
+/// What a model gives for a vertebra.
+fn simulated_cells(
+    kind: LineKind,
+    simulation: &Simulation,
+    (i, level): (usize, Level),
+) -> [String; 7] {
+    let error = simulation.location_error_mm(level).filter(|_| simulation.is_usable());
+    let error = error.map(|error| format!("{error:.4}"));
     [
         kind.key().to_owned(),
         simulation.fitted.to_string(),

@@ -43,8 +43,8 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
                 lines.push(None);
             }
             for simulated in lines {
-                for (pair, evidence) in Level::MODEL.windows(2).zip(&evidence.joints) {
-                    let (inferior, superior) = (pair[0], pair[1]);
+                let pairs = evidence.levels.joint_pairs();
+                for ([inferior, superior], evidence) in pairs.zip(&evidence.joints) {
                     let item = Joint { posture, inferior, superior, evidence, simulated };
                     rows.push(Row { patient, item });
                 }

@@ -181,7 +181,7 @@ fn balance<'a>() -> Vec<Column<PatientRow<'a>>> {
     vec![
         text(
             "sacral_reference",
-            "what the central sacral vertical line runs through: `iliac_crests`, `l5` or `l4`",
+            "what the central sacral vertical line runs through: `iliac_crests`, `l5` or `base`",
             |row| Some(row.patient.analysis.balance.as_ref()?.reference.key().to_owned()),
         ),
         text("plumb_level", "vertebra from which the plumb line falls", |row| {

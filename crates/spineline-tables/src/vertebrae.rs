@@ -1,6 +1,5 @@
 use spineline::action::LineKind;
 use spineline::analysis::PostureAnalysis;
-use spineline::anatomy::Level;
 use spineline::evaluate::Simulation;
 use spineline::measure::MeasuredVertebra;
 
@@ -12,7 +11,7 @@ use crate::table::Table;
 #[derive(Clone, Copy)]
 pub(crate) struct Vertebra<'a> {
     posture: &'a PostureAnalysis,
-    /// Place in [`Level::MODEL`].
+    /// Place among the vertebrae of the model.
     index: usize,
     simulated: Option<(LineKind, &'a Simulation)>,
 }
@@ -49,7 +48,8 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
             for simulated in simulated {
                 let of_level = |index| Vertebra { posture, index, simulated };
                 rows.extend(
-                    (0..Level::MODEL.len()).map(|index| Row { patient, item: of_level(index) }),
+                    (0..posture.outline.vertebrae.len())
+                        .map(|index| Row { patient, item: of_level(index) }),
                 );
             }
         }
@@ -97,6 +97,11 @@ fn measured<'a>() -> Vec<Column<VertebraRow<'a>>> {
             "measured tilt; positive to the patient's right",
             |row| Some(row.item.measured().tilt.deg()),
         ),
+        truth(
+            "interpolated",
+            "whether the film does not show the vertebra, so that its measured values are interpolated between its neighbours",
+            |row| Some(!row.item.measured().is_measured()),
+        ),
     ]
 }
 
@@ -134,10 +139,10 @@ fn simulated<'a>() -> Vec<Column<VertebraRow<'a>>> {
         number(
             "location_error",
             Unit::Millimetres,
-            "location error: distance of the two midpoints (E_LOC); empty for L4, which is fixed, and without a result",
+            "location error: distance of the two midpoints (E_LOC); empty for L4 (the base), which is fixed, for interpolated vertebrae, and without a result",
             |row| {
                 let found = simulation(row).filter(|s| s.is_usable())?;
-                found.location_errors_mm.get(row.item.index.checked_sub(1)?).copied()
+                found.location_error_mm(row.item.measured().level)
             },
         ),
     ]

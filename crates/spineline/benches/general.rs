@@ -5,6 +5,7 @@ mod common;
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use spineline::anatomy::Levels;
 use spineline::multibody::{
     BodyLoad, GeneralStatics, Goal, Loading, NewtonWork, PathOptions, Rod, Support, Timing,
 };
@@ -25,7 +26,7 @@ fn loadings() -> Vec<(&'static str, Loading)> {
         advance_mm: 20.0,
     };
     let mut standing = Loading::single(7, pad);
-    standing.items.extend(Loading::gravity(400.0, -Vec3::z(), Timing::Held));
+    standing.items.extend(Loading::gravity(Levels::COMPLETE, 400.0, -Vec3::z(), Timing::Held));
     let rod = Rod::locking(4, 10, Timing::Held);
     let rod = Loading { items: standing.items.clone(), rods: vec![rod] };
     vec![

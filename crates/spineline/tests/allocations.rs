@@ -8,6 +8,7 @@ mod common;
 
 use allocation_counter::measure;
 use common::spine;
+use spineline::anatomy::Levels;
 use spineline::multibody::{
     BodyLoad, GeneralStatics, Loading, Parameter, Rod, Solution, Statics, Support, Timing, Wrench,
 };
@@ -39,7 +40,7 @@ fn newton_does_not_allocate_under_any_load() {
         advance_mm: 10.0,
     };
     let mut loading = Loading::single(7, pad);
-    loading.items.extend(Loading::gravity(300.0, -Vec3::z(), Timing::Held));
+    loading.items.extend(Loading::gravity(Levels::COMPLETE, 300.0, -Vec3::z(), Timing::Held));
     loading.rods.push(Rod::locking(4, 10, Timing::Held));
     let mut work = statics.work(&loading).expect("sound loads");
     let mut converged = false;

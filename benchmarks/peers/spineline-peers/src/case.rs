@@ -191,6 +191,7 @@ impl Case {
                 tilt: Angle::from_rad(tilt),
                 endplates: None,
                 readings: 1,
+                interpolated: None,
             })
             .collect();
         Outline {

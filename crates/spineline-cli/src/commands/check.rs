@@ -41,10 +41,11 @@ pub fn run(args: &CheckArgs) -> Result<Ending, Failure> {
 fn text(path: &Path, analysis: &Analysis) -> String {
     let synthetic = if analysis.synthetic { " · SYNTHETIC" } else { "" };
     let mut text = format!("{}: {}{synthetic}\n", path.display(), analysis.case_id);
+    let levels = analysis.levels();
     let columns = vec![
         Column::words("Film"),
         Column::numbers("Readings"),
-        Column::numbers("L4-T2"),
+        Column::numbers(format!("{}-{}", levels.base(), levels.top())),
         Column::words("Lateral tilt"),
         Column::words("Location sd"),
         Column::words("Tilt sd (°)"),

@@ -151,7 +151,7 @@ pub fn read_model(path: &Path) -> Result<StoredModel, Failure> {
         return Err(Failure::input(
             &place,
             &"the model has no joint",
-            "give a model from L4 to T2",
+            "give a model of at least two vertebrae",
         ));
     }
     Ok(model)

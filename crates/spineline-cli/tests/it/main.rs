@@ -7,6 +7,7 @@ mod endless;
 mod exchange;
 mod film;
 mod guide;
+mod hidden;
 mod import;
 #[path = "../../../spineline-films/tests/it/maker.rs"]
 mod maker;

@@ -122,7 +122,7 @@ struct ClinicalRecord {
 /// How the spine stands over the pelvis on the erect film. Distances are from the central sacral vertical line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct BalanceRecord {
-    /// What stands for the sacrum: `iliac_crests`, `l5` or `l4`.
+    /// What stands for the sacrum: `iliac_crests`, `l5` or `base`.
     reference: String,
     /// Vertebra from which the plumb line falls.
     plumb_level: LevelKey,

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::action::{Application, LineOfAction};
 use spineline::analysis::{Analysis, LineModel};
-use spineline::anatomy::{Level, Posture, Region};
+use spineline::anatomy::{Levels, Posture, Region};
 use spineline::evaluate::Simulation;
 use spineline::personalize::StiffnessBound;
 use spineline::personalize::evidence::ContradictedJoint;
@@ -125,7 +125,11 @@ impl ModelRecord {
                 singular_values: m.fit.singular_values.clone(),
             },
             identifiability: None,
-            postures: m.postures.iter().map(|s| (s.posture.into(), simulation(s))).collect(),
+            postures: m
+                .postures
+                .iter()
+                .map(|s| (s.posture.into(), simulation(s, analysis.levels())))
+                .collect(),
         }
     }
 }
@@ -134,8 +138,7 @@ fn by_region(angles: &[Angle; 3]) -> BTreeMap<String, f64> {
     Region::ALL.iter().zip(angles).map(|(r, a)| (r.key().to_owned(), a.abs().deg())).collect()
 }
 
-fn simulation(s: &Simulation) -> SimulationRecord {
-    let mobile = Simulation::mobile_levels();
+fn simulation(s: &Simulation, levels: Levels) -> SimulationRecord {
     SimulationRecord {
         fitted: s.fitted,
         status: s.status.key().to_owned(),
@@ -160,9 +163,9 @@ fn simulation(s: &Simulation) -> SimulationRecord {
         ferguson_error_deg: s.is_usable().then(|| by_region(&s.ferguson_difference)),
         location_error_mm: s.is_usable().then(|| LocationErrorRecord {
             mean: s.mean_location_error_mm(),
-            levels: by_level(s.location_errors_mm.iter().copied(), mobile),
+            levels: by_level(s.location_errors_mm.iter().copied(), &s.compared),
         }),
-        simulated_mm: by_level(s.locations.iter().map(|&p| point(p)), &Level::MODEL),
+        simulated_mm: by_level(s.locations.iter().map(|&p| point(p)), levels.as_slice()),
         contradicted_joints: s.contradicted.iter().map(contradicted).collect(),
     }
 }

@@ -3,9 +3,8 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::analysis::{PostureAnalysis, PreferredLine};
-use spineline::anatomy::Level;
 use spineline::curve::CurveForm;
-use spineline::measure::LengthScale;
+use spineline::measure::{Interpolation, LengthScale, MeasuredVertebra};
 use spineline::motion::SegmentEstimate;
 use spineline::personalize::{Crossing, LineTest};
 use spineline::spatial::{Angle, Frontal};
@@ -26,6 +25,10 @@ pub(super) struct PostureRecord {
     /// From L4's midpoint in the same directions, where the film has no spacing.
     locations_px: Option<BTreeMap<LevelKey, [f64; 2]>>,
     tilts_deg: BTreeMap<LevelKey, f64>,
+    /// Vertebrae that this film does not show: their locations and tilts are interpolated, and take no part in fits and
+    /// location errors. Absent where all are marked.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    interpolated: BTreeMap<LevelKey, InterpolatedRecord>,
     /// Lateral tilt of the line L4→T2 against the normal of the iliac line, or L4's axis.
     amplitude_deg: f64,
     noise: NoiseRecord,
@@ -55,6 +58,17 @@ struct LengthsRecord {
     /// Length of the line through the midpoints L4 to T2, and its standard deviation from the scale alone.
     spine_mm: Option<f64>,
     spine_scale_sd_mm: Option<f64>,
+}
+
+/// From what a vertebra was interpolated, and its standard deviations.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct InterpolatedRecord {
+    /// The next marked vertebrae below and above.
+    between: [LevelKey; 2],
+    /// Of a coordinate of the location.
+    location_sd_mm: Option<f64>,
+    location_sd_px: Option<f64>,
+    tilt_sd_deg: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -170,15 +184,25 @@ impl PostureRecord {
     pub fn new(p: &PostureAnalysis, erect: &LengthScale) -> Self {
         let scale = &p.outline.scale;
         let spine_mm = p.outline.polygon_mm();
+        let levels = p.outline.levels().as_slice();
         let points = |convert: fn(&LengthScale, Frontal) -> Option<[f64; 2]>| {
             let points: Option<Vec<_>> = p.outline.locations().map(|l| convert(scale, l)).collect();
-            points.map(|points| by_level(points.into_iter(), &Level::MODEL))
+            points.map(|points| by_level(points.into_iter(), levels))
         };
         let inflections = |convert: fn(&LengthScale, Frontal) -> Option<[f64; 2]>| {
             let [caudal, cranial] = p.inflection_points?;
             Some([convert(scale, caudal)?, convert(scale, cranial)?])
         };
         let vertebrae = &p.outline.vertebrae;
+        let interpolated = |(vertebra, found): (&MeasuredVertebra, &Interpolation)| {
+            let record = InterpolatedRecord {
+                between: found.between.map(LevelKey),
+                location_sd_mm: scale.mm(found.location_sd_mm),
+                location_sd_px: scale.px(found.location_sd_mm),
+                tilt_sd_deg: found.tilt_sd.deg(),
+            };
+            (LevelKey(vertebra.level), record)
+        };
         let estimates = |all: Option<[SegmentEstimate; 2]>| {
             all.map(|pair| {
                 pair.map(|e| EstimateRecord {
@@ -214,7 +238,8 @@ impl PostureRecord {
             leftover_mm: scale.mm(p.pose.leftover_mm),
             locations_mm: points(point_mm),
             locations_px: points(point_px),
-            tilts_deg: by_level(vertebrae.iter().map(|v| v.tilt.deg()), &Level::MODEL),
+            tilts_deg: by_level(vertebrae.iter().map(|v| v.tilt.deg()), levels),
+            interpolated: p.outline.interpolated().map(interpolated).collect(),
             amplitude_deg: p.outline.amplitude().deg(),
             noise: NoiseRecord {
                 location_mm: scale.mm(p.outline.noise.location_mm),

@@ -1,4 +1,4 @@
-use spineline::anatomy::Level;
+use spineline::anatomy::{Level, Levels};
 use spineline::multibody::{
     BodyLoad, LoadItem, LoadPlace, Loading, LoadingFault, Rod, UNIT_TOLERANCE,
 };
@@ -113,8 +113,8 @@ impl LoadFile {
         let timing = load.timing();
         match load {
             AppliedLoad::Gravity { body_weight_n, down, .. } => {
-                self.check_gravity(number, *body_weight_n, down, model)?;
-                let slices = Loading::gravity(*body_weight_n, Vec3::from(*down), timing);
+                let levels = self.check_gravity(number, *body_weight_n, down, model)?;
+                let slices = Loading::gravity(levels, *body_weight_n, Vec3::from(*down), timing);
                 placed.loading.items.extend(slices);
             }
             AppliedLoad::Rod { inferior, superior, shift_mm, turn_deg, .. } => {
@@ -153,10 +153,10 @@ impl LoadFile {
         body_weight_n: f64,
         down: &[f64; 3],
         model: &StoredModel,
-    ) -> Result<(), FileError> {
-        if model.levels != Level::MODEL {
+    ) -> Result<Levels, FileError> {
+        let Some(levels) = model.known_levels() else {
             let reason = format!(
-                "the weight is known from L4 to T2, but the model extends {}",
+                "the weight is known for neighbouring vertebrae among L4 to T2, but the model extends {}",
                 extent(model)
             );
             return Err(self.refused(
@@ -164,7 +164,7 @@ impl LoadFile {
                 &reason,
                 "give the weights as `force_at_point` loads",
             ));
-        }
+        };
         if !(body_weight_n > 0.0 && body_weight_n.is_finite()) {
             let reason = format!("the body weight is {body_weight_n} N; it must be positive");
             return Err(self.refused(
@@ -178,7 +178,7 @@ impl LoadFile {
             let reason = format!("`down` has length {length}; it must be a unit vector");
             return Err(self.refused(number, &reason, "divide `down` by its length"));
         }
-        Ok(())
+        Ok(levels)
     }
 
     fn refused(&self, number: usize, reason: &str, help: &'static str) -> FileError {

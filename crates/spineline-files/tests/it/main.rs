@@ -2,6 +2,7 @@
 
 mod exports;
 mod files;
+mod hidden;
 mod loads;
 mod public_cases;
 mod readings;

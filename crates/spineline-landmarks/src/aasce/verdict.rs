@@ -13,7 +13,8 @@ use crate::{LandmarkError, LandmarkReadings, MarkedFilm};
 pub enum AasceVerdict {
     /// No findings.
     Clean {
-        /// The main angle as the set defines it: the range, over T1 to L5, of the tilt of the mean endplates.
+        /// The main angle as the set defines it: the range, over T1 to L5, of the tilt of the mean endplates. A T1 or L5 that
+        /// an analysis leaves out takes no part in it.
         main_angle: Angle,
     },
     /// The film needs a manual check.
@@ -79,7 +80,12 @@ pub fn judge_aasce(
     if !faults.is_empty() {
         return Ok(AasceVerdict::Faults(faults));
     }
-    let tilts = readings.iter().flat_map(|reading| reading.vertebrae.values()).map(|landmark| {
+    let left_out = |level: &Level| {
+        let mut all = warnings.all().iter();
+        all.any(|warning| warning.code == "level_left_out" && warning.level == Some(*level))
+    };
+    let usable = readings.iter().flat_map(|reading| &reading.vertebrae);
+    let tilts = usable.filter(|(level, _)| !left_out(level)).map(|(_, landmark)| {
         landmark.corners.map(|corner| image.frontal(corner)).measure_endplate_tilt()
     });
     match largest_tilt_difference(tilts) {

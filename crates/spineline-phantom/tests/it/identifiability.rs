@@ -5,7 +5,7 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use spineline::action::LineOfAction;
 use spineline::analysis::analyze;
-use spineline::anatomy::Posture;
+use spineline::anatomy::{Levels, Posture};
 use spineline::clinical::Regions;
 use spineline::measure::Outline;
 use spineline::multibody::{
@@ -182,7 +182,7 @@ fn a_prior_decides_unidentified_parameters_only() {
     let patient = patient();
     let prior = LogNormalPrior::IN_VIVO;
     let mut asked = Asked {
-        groups: JointGroups::per_joint(),
+        groups: JointGroups::per_joint(Levels::COMPLETE),
         logs: vec![0.0; 14],
         prior: Some(prior),
         ..Asked::regional(&patient)

@@ -4,7 +4,7 @@
 
 use spineline::action::LineOfAction;
 use spineline::analysis::analyze;
-use spineline::anatomy::Posture;
+use spineline::anatomy::{Levels, Posture};
 use spineline::clinical::Regions;
 use spineline::measure::Outline;
 use spineline::multibody::{
@@ -144,7 +144,7 @@ fn multipliers_of_every_joint_are_recovered_from_whole_shapes() {
     // Oracle: the multipliers that made the shapes.
     for support in [Support::Frontal, Support::Free] {
         for subject in [0, 6, 10] {
-            let groups = JointGroups::per_joint();
+            let groups = JointGroups::per_joint(Levels::COMPLETE);
             patient(subject).check(&groups, &per_joint_logs(), support, FitTarget::Shape);
         }
     }

@@ -3,6 +3,7 @@
 use kuva::render::render::{Primitive, TextAnchor};
 use spineline::action::LineOfAction;
 use spineline::analysis::Analysis;
+use spineline::anatomy::Levels;
 use spineline::measure::{Outline, SpacingPlane};
 use spineline::spatial::Frontal;
 
@@ -157,11 +158,13 @@ impl Panel {
         }
     }
 
-    /// Writes L4 below the first and T2 above the last point of a spine; call it before markers are drawn, which it
+    /// Writes the name of the base (L4) below the first and of the top (T2) above the last point of a spine; call it before markers are drawn, which it
     /// would else hide.
-    pub fn end_levels(&mut self, points: &[Frontal]) {
+    pub fn end_levels(&mut self, points: &[Frontal], levels: Levels) {
         if let [first, .., last] = points {
-            for (point, name, down_px) in [(first, "L4", 18.0), (last, "T2", -9.0)] {
+            for (point, name, down_px) in
+                [(first, levels.base().name(), 18.0), (last, levels.top().name(), -9.0)]
+            {
                 let (x, z) = drawn(*point);
                 let (x, y) = self.px(x, z);
                 let at = (x, y + down_px);
@@ -203,6 +206,12 @@ fn clipped(line: &LineOfAction, x: [f64; 2], z: [f64; 2]) -> Option<[(f64, f64);
     }
     let at = |t: f64| (from.0 + t * along.0, from.1 + t * along.1);
     (part[0] < part[1]).then(|| part.map(at))
+}
+
+/// The vertebrae of a model by their ends, such as `L4 to T2`.
+pub fn extent_words(analysis: &Analysis) -> String {
+    let levels = analysis.levels();
+    format!("{} to {}", levels.base(), levels.top())
 }
 
 #[cfg(test)]

@@ -87,7 +87,7 @@ fn fill(panel: &mut Panel, posture: &PostureAnalysis, tested: bool) {
         panel.heading(HeadingKind::Plain, p_value.unwrap_or_else(|| "not tested".to_owned()));
     }
     let locations: Vec<Frontal> = posture.outline.locations().collect();
-    panel.end_levels(&locations);
+    panel.end_levels(&locations, posture.outline.levels());
     if let Some([caudal, cranial]) = posture.inflection_points
         && let Ok(line) = spineline::action::LineOfAction::through(caudal, cranial)
         && let Some(mark) = panel.action_mark(&line, action_ink(LineKind::Inflection))

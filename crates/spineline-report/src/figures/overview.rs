@@ -5,7 +5,7 @@ use spineline::analysis::{Analysis, PostureAnalysis};
 use spineline::spatial::Frontal;
 
 use super::frontal::{
-    Extent, VIEW, axes_of_row, drawn, frontal_panel, gaps_px, has_scale, scale_note,
+    Extent, VIEW, axes_of_row, drawn, extent_words, frontal_panel, gaps_px, has_scale, scale_note,
 };
 use super::page::{Page, Sample};
 use super::panel::{HeadingKind, Panel};
@@ -17,6 +17,7 @@ const TALL_PX: f64 = 520.0;
 
 const CURVE: Ink = Ink::new(GREY, "", 2.2);
 const VERTEBRA: Marker = Marker { radius_px: 3.2, ..Marker::new(Shape::Circle, BLACK, false) };
+const INTERPOLATED: Marker = Marker { radius_px: 3.6, ..Marker::new(Shape::Square, GREY, false) };
 const INFLECTION: Marker = Marker { radius_px: 5.0, ..Marker::new(Shape::Diamond, ORANGE, true) };
 
 /// The films of one patient at one scale: vertebrae, fitted curve, inflections and lines of action.
@@ -24,9 +25,15 @@ const INFLECTION: Marker = Marker { radius_px: 5.0, ..Marker::new(Shape::Diamond
 pub fn case_overview(analysis: &Analysis) -> String {
     let title = format!("Measured spine and candidate lines of action, case {}", analysis.case_id);
     let mut page = Page::new(title, analysis.synthetic);
-    page.notes.push(format!("{VIEW} All panels have the same scale; L4 is at the origin."));
+    let base = analysis.levels().base();
+    page.notes.push(format!("{VIEW} All panels have the same scale; {base} is at the origin."));
     page.notes.extend(scale_note(analysis));
-    page.legend.push((Sample::Marker(VERTEBRA), "vertebra midpoints, L4 to T2".to_owned()));
+    let midpoints = format!("vertebra midpoints, {}", extent_words(analysis));
+    page.legend.push((Sample::Marker(VERTEBRA), midpoints));
+    if analysis.postures.iter().any(|p| p.outline.interpolated().next().is_some()) {
+        let label = "not marked on this film, interpolated";
+        page.legend.push((Sample::Marker(INTERPOLATED), label.to_owned()));
+    }
     page.legend.push((Sample::Stroke(CURVE, None), "fitted curve".to_owned()));
     if analysis.inflection_segments.is_some() {
         let label = "inflections of the erect curve, where they lie in each posture";
@@ -92,8 +99,9 @@ fn fill(panel: &mut Panel, analysis: &Analysis, posture: &PostureAnalysis) {
     let at = |i: i32| drawn(curve.point(curve.end_mm() * f64::from(i) / f64::from(samples)));
     panel.curves.push((CURVE, (0..=samples).map(at).collect()));
     let locations: Vec<Frontal> = posture.outline.locations().collect();
-    panel.end_levels(&locations);
-    panel.points(VERTEBRA, locations.iter().copied().map(drawn));
+    panel.end_levels(&locations, analysis.levels());
+    panel.points(VERTEBRA, posture.outline.measured().map(|(_, v)| drawn(v.location)));
+    panel.points(INTERPOLATED, posture.outline.interpolated().map(|(v, _)| drawn(v.location)));
     if let Some(points) = posture.inflection_points {
         panel.points(INFLECTION, points.map(drawn));
     }

@@ -6,7 +6,7 @@ use spineline::anatomy::Posture;
 use spineline::evaluate::Simulation;
 use spineline::spatial::Frontal;
 
-use super::frontal::{Extent, VIEW, frontal_panel};
+use super::frontal::{Extent, VIEW, extent_words, frontal_panel};
 use super::page::{Page, Sample};
 use super::panel::{HeadingKind, Panel};
 use super::style::{
@@ -33,7 +33,7 @@ pub fn measured_and_simulated(analysis: &Analysis, posture: Posture) -> Option<S
     }
     let title = format!("Measured and simulated spine, {posture}, case {}", analysis.case_id);
     let mut page = Page::new(title, analysis.synthetic);
-    page.notes.push(format!("{VIEW} Circles: vertebra midpoints, L4 to T2."));
+    page.notes.push(format!("{VIEW} Circles: vertebra midpoints, {}.", extent_words(analysis)));
     page.legend.push((Sample::Stroke(MEASURED.0, Some(MEASURED.1)), "measured".to_owned()));
     let extent = extent_of(&measured, shown.iter().map(|(_, simulation)| *simulation));
     let room_px = 84.0 + 18.0 * (shown.len() as f64 - 1.0);
@@ -52,7 +52,7 @@ pub fn measured_and_simulated(analysis: &Analysis, posture: Posture) -> Option<S
         panel.y_written = panels.is_empty();
         head(&mut panel, model.kind, simulation, alarm);
         panel.action(&simulation.line, Ink::new(BLACK, "7 4", 1.0));
-        panel.end_levels(&measured);
+        panel.end_levels(&measured, analysis.levels());
         // The simulated spine above the measured one, smaller, so that both are seen where they agree.
         let marker = Marker { radius_px: 5.0, ..MEASURED.1 };
         panel.spine(&measured, MEASURED.0, marker);
@@ -124,7 +124,7 @@ pub fn force_path(
         page.legend.push((Sample::Stroke(ink, None), "line of action".to_owned()));
     }
     if !measured.is_empty() {
-        panel.end_levels(&measured);
+        panel.end_levels(&measured, analysis.levels());
         panel.spine(&measured, MEASURED.0, Marker { radius_px: 5.0, ..MEASURED.1 });
         page.legend.push((Sample::Stroke(MEASURED.0, Some(MEASURED.1)), "measured".to_owned()));
     }

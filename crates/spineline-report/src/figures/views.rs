@@ -5,7 +5,7 @@ use spineline::multibody::{BodySize, Deformed};
 use spineline::response::erect_shape;
 use spineline::spatial::{Angle, Frontal, Vec3};
 
-use super::frontal::{Extent, frontal_panel, has_scale};
+use super::frontal::{Extent, extent_words, frontal_panel, has_scale};
 use super::page::{Page, Sample};
 use super::panel::{HeadingKind, Panel, Ticks};
 use super::style::{GREY, Ink, posture_style};
@@ -72,7 +72,8 @@ pub fn spine_in_space(analysis: &Analysis) -> Option<(String, Space)> {
     let mut page = Page::new(title, analysis.synthetic);
     let shapes = shapes(analysis);
     page.notes.push(format!(
-        "Vertebrae L4 to T2 as boxes of typical size about their measured midpoints; {}.",
+        "Vertebrae {} as boxes of typical size about their measured midpoints; {}.",
+        extent_words(analysis),
         analysis.profile_words()
     ));
     for shape in &shapes {
@@ -137,7 +138,7 @@ fn layer(shape: &Shape, shown: bool) -> SpaceLayer {
 
 /// The erect shape, then those of the first line's model.
 fn shapes(analysis: &Analysis) -> Vec<Shape> {
-    let sizes = analysis.spine.body_sizes(None);
+    let sizes = analysis.spine.body_sizes(analysis.levels(), &[]);
     let erect = erect_shape(&analysis.spine);
     let mut all =
         vec![Shape { name: "erect".to_owned(), ink: ERECT, lines: outlines(&erect, &sizes) }];

@@ -1,7 +1,9 @@
 //! What the films show: landmarks, curve, movement, and where the line of action runs.
 
-use spineline::analysis::{Analysis, probability};
-use spineline::clinical::{Balance, ClinicalCurve};
+use spineline::analysis::{Analysis, PostureAnalysis, probability};
+use spineline::anatomy::Posture;
+use spineline::clinical::{Balance, ClinicalCurve, CobbEnds};
+use spineline::measure::{Interpolation, MeasuredVertebra};
 use spineline::motion::SegmentEstimate;
 use spineline::personalize::LineTest;
 use spineline::warning::counted;
@@ -70,8 +72,9 @@ pub fn clinical(analysis: &Analysis) -> Table {
             curve.apex.to_string(),
         ];
         row.extend(curve.angles.iter().map(|(posture, _)| {
+            let mark = if ends_interpolated(analysis, *posture, curve.ends) { " ~" } else { "" };
             let size = curve.size_in(*posture);
-            size.map_or_else(none, |angle| format!("{:.1}", angle.deg() * sign))
+            size.map_or_else(none, |angle| format!("{:.1}{mark}", angle.deg() * sign))
         }));
         row.push(curve.flexibility.map_or_else(none, |f| format!("{:.0}", 100.0 * f)));
         table.row(row);
@@ -84,14 +87,27 @@ pub fn clinical(analysis: &Analysis) -> Table {
     table.note = format!(
         "{what} Positive in the direction of the erect curve: a negative angle is convex to the other side."
     );
+    if table.rows.iter().flatten().any(|cell| cell.ends_with(" ~")) {
+        table.note.push_str(" ~: ends at an interpolated vertebra.");
+    }
     table
+}
+
+/// Whether a film does not show one of a curve's end vertebrae.
+fn ends_interpolated(analysis: &Analysis, posture: Posture, ends: CobbEnds) -> bool {
+    let hidden = |p: &PostureAnalysis| {
+        let mut levels = p.outline.interpolated().map(|(vertebra, _)| vertebra.level);
+        levels.any(|level| level == ends.inferior || level == ends.superior)
+    };
+    analysis.posture(posture).is_some_and(hidden)
 }
 
 /// What was fitted to every film, and how it moved.
 pub fn curves(analysis: &Analysis) -> Table {
+    let levels = analysis.levels();
     let columns = vec![
         Column::words("Film"),
-        Column::words("Lateral tilt of L4–T2"),
+        Column::words(format!("Lateral tilt of {}–{}", levels.base(), levels.top())),
         Column::numbers("Order of the curve"),
         Column::words("Residual of locations"),
         Column::numbers("Residual of tilts (°)"),
@@ -115,7 +131,26 @@ pub fn curves(analysis: &Analysis) -> Table {
             distances.unwrap_or_else(none),
         ]);
     }
+    table.note = interpolated_words(analysis);
     table
+}
+
+/// Which vertebrae are interpolated on which films; empty where none is.
+fn interpolated_words(analysis: &Analysis) -> String {
+    let on_film = |p: &PostureAnalysis| {
+        let scale = &p.outline.scale;
+        let words = |(vertebra, found): (&MeasuredVertebra, &Interpolation)| {
+            let sd = scale.text(found.location_sd_mm, 1);
+            format!("{} (sd {sd}, {:.1})", vertebra.level, found.tilt_sd)
+        };
+        let names: Vec<String> = p.outline.interpolated().map(words).collect();
+        (!names.is_empty()).then(|| format!("{}: {}", p.outline.posture, names.join(", ")))
+    };
+    let films: Vec<String> = analysis.postures.iter().filter_map(on_film).collect();
+    if films.is_empty() {
+        return String::new();
+    }
+    format!("Interpolated, not marked: {}.", films.join("; "))
 }
 
 /// Figures 5 and 6 of the paper.

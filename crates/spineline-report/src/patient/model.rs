@@ -162,7 +162,7 @@ fn noise_interval(
 }
 
 fn springs(analysis: &Analysis) -> Table {
-    let library: &StiffnessLibrary = &analysis.options.library;
+    let library: &StiffnessLibrary = &analysis.library;
     let mut columns = vec![
         Column::words("Joint"),
         Column::words("Source of the table"),
@@ -242,12 +242,23 @@ pub fn error_table(analysis: &Analysis, fitted: bool) -> Table {
                 or_none(format!("{largest:.2}")),
                 or_none(angles),
                 or_none(format!("{:.0}", s.force_n)),
-                format!("{} of {}", s.contradicted.len(), s.location_errors_mm.len()),
+                format!("{} of {}", s.contradicted.len(), s.joints()),
             ]);
         }
     }
-    table.note = "Location error: distance between simulated and measured midpoints, L3 to T2. Ferguson errors: three regions, caudal first. Counter-rotating joints turn against the moment of the force.".to_owned();
+    let levels = analysis.levels().as_slice();
+    table.note = format!(
+        "Location error: distance between simulated and measured midpoints, {} to {}{}. Ferguson errors: three regions, caudal first. Counter-rotating joints turn against the moment of the force.",
+        levels[1],
+        levels[levels.len() - 1],
+        if is_interpolated(analysis) { ", without interpolated vertebrae" } else { "" }
+    );
     table
+}
+
+/// Whether some film lacks a vertebra of the model.
+fn is_interpolated(analysis: &Analysis) -> bool {
+    analysis.postures.iter().any(|posture| posture.outline.interpolated().next().is_some())
 }
 
 /// The lines on the same films, every bend left out once.

@@ -7,7 +7,7 @@ use crate::document::{Column, Document, Notice, Section, Table};
 use crate::hypotheses;
 
 // The notes of the report, each short enough for one line.
-const ERRORS: &str = "Location errors: L3 to T2. Ferguson errors: caudal region first. Counter-rotating: against the force.";
+const ERRORS: &str = "Ferguson errors: caudal region first. Counter-rotating: against the force.";
 const NUMBERS: &str = "Numbers fitted: multipliers + forces + free line. A bend left out: stiffness fitted to the other bend.";
 
 /// The numbers of the report in about a page, the verdict first, without figures. The parts that every analysis has bear no
@@ -92,7 +92,9 @@ fn all_errors(analysis: &Analysis) -> Table {
             all.row([vec![name.to_owned()], row].concat());
         }
     }
-    all.note = ERRORS.to_owned();
+    let levels = analysis.levels().as_slice();
+    let [lowest, top] = [levels[1], levels[levels.len() - 1]];
+    all.note = format!("Location errors: {lowest} to {top}. {ERRORS}");
     all
 }
 

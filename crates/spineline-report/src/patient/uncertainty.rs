@@ -153,9 +153,11 @@ fn mean_and_largest(
     quantity: impl Fn(Level) -> AnalysisQuantity,
     analysis: &Analysis,
 ) -> [String; 2] {
-    let sds: Vec<(f64, Level)> = Level::MODEL[1..]
+    let levels = analysis.levels();
+    let sds: Vec<(f64, Level)> = levels
         .iter()
-        .filter_map(|&level| Some((found.spread(quantity(level))?.sd, level)))
+        .skip(1)
+        .filter_map(|level| Some((found.spread(quantity(level))?.sd, level)))
         .collect();
     let Some(&(largest, level)) = sds.iter().max_by(|a, b| a.0.total_cmp(&b.0)) else {
         return [none(), none()];

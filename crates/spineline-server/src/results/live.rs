@@ -133,5 +133,5 @@ fn film_notices(result: &StudyResult, posture: Posture, fault: Option<&Error>) -
 /// An overlay of a film from the finished readings of its study.
 pub fn overlay_of(result: &StudyResult, film: FilmId) -> Option<FilmOverlay> {
     let film = result.current.films.iter().find(|current| current.record.id == film)?;
-    film.missing().is_empty().then(|| overlay::of_film(result, film.record.posture)).flatten()
+    film.is_usable().then(|| overlay::of_film(result, film.record.posture)).flatten()
 }

@@ -53,11 +53,11 @@ fn answer(result: &StudyResult, request: &LoadRequest) -> Answer<LoadAnswer> {
             "choose a line that has a model",
         )
     })?;
-    let movable = Level::MODEL.iter().skip(1).position(|level| level.name() == request.level);
+    let movable = analysis.levels().iter().skip(1).position(|level| level.name() == request.level);
     let vertebra = 1 + movable.ok_or_else(|| {
         refused(
             format!("{:?} cannot carry a load", request.level),
-            "loads act on the vertebrae above the fixed one, L3 to T2",
+            "loads act on the vertebrae of the model above the fixed one, L3 to T2 where all are marked",
         )
     })?;
     let force_n = Vec3::from(request.tip_mm) - analysis.spine.midpoints_mm[vertebra];
@@ -94,7 +94,7 @@ fn loaded(
     Ok(LoadAnswer {
         converged: found.converged,
         status_text: found.status_text,
-        load_text: load_text(analysis, model, Level::MODEL[vertebra], force_n),
+        load_text: load_text(analysis, model, analysis.levels().as_slice()[vertebra], force_n),
         part: found.part,
         texts: texts(analysis, &erect, &found.deformed),
         shape: deformed_shape(spine, &found.deformed),
@@ -108,8 +108,7 @@ fn equilibrium(
     force_n: Vec3,
     erect: &Deformed,
 ) -> Answer<Found> {
-    let library = &analysis.options.library;
-    let springs = model.stiffness_nmm_per_rad(library);
+    let springs = model.stiffness_nmm_per_rad(&analysis.library);
     let springs = springs.iter().map(|&joint| Mat3::from_diagonal(&Vec3::from(joint)));
     let statics = GeneralStatics::new(&analysis.spine, springs, analysis.options.support)
         .map_err(|error| refused(error.to_string(), "read the notices of the model"))?;
@@ -148,12 +147,18 @@ fn load_text(analysis: &Analysis, model: &LineModel, level: Level, force_n: Vec3
 
 fn texts(analysis: &Analysis, erect: &Deformed, shape: &Deformed) -> Vec<String> {
     let (vertebra, moved_mm) = largest_displacement_mm(&analysis.spine, shape);
-    let level = Level::MODEL[vertebra];
+    let levels = analysis.levels();
+    let level = levels.as_slice()[vertebra];
     let places = analysis.curve_places();
     let [before, after] = [erect, shape].map(|shape| measure_angles(shape, &places));
     let mut texts = vec![format!("{level} moves most: {moved_mm:.1} mm")];
     texts.extend(curve_text(&before, &after));
-    texts.push(format!("lateral tilt of L4–T2: {}", after.lateral_tilt.leaning()));
+    texts.push(format!(
+        "lateral tilt of {}–{}: {}",
+        levels.base(),
+        levels.top(),
+        after.lateral_tilt.leaning()
+    ));
     texts
 }
 

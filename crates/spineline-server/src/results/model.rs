@@ -74,18 +74,18 @@ const fn drawn_unit(scale: &LengthScale) -> &'static str {
 
 fn bodies(result: &StudyResult, analysis: &Analysis) -> Vec<BodySize> {
     let scale = analysis.scale();
-    let widths = result.current.landmarks(Posture::Erect).and_then(body_widths);
-    let widths_mm: Option<Vec<f64>> = widths.map(|widths| {
-        widths.iter().map(|width| width / scale.pixels_per_mm.unwrap_or(1.0)).collect()
-    });
-    let sizes = analysis.spine.body_sizes(widths_mm.as_deref());
-    let body = |(level, size): (&Level, &spineline::multibody::BodySize)| BodySize {
+    let levels = analysis.levels();
+    let widths = result.current.landmarks(Posture::Erect).map(|film| body_widths(film, levels));
+    let in_mm = |width: Option<f64>| Some(width? / scale.pixels_per_mm.unwrap_or(1.0));
+    let widths_mm: Vec<Option<f64>> = widths.unwrap_or_default().into_iter().map(in_mm).collect();
+    let sizes = analysis.spine.body_sizes(levels, &widths_mm);
+    let body = |(level, size): (Level, &spineline::multibody::BodySize)| BodySize {
         level: level.to_string(),
         width_mm: size.width_mm,
         depth_mm: size.depth_mm,
         height_mm: size.height_mm,
     };
-    Level::MODEL.iter().zip(&sizes).map(body).collect()
+    levels.iter().zip(&sizes).map(body).collect()
 }
 
 fn line(analysis: &Analysis, model: &LineModel, relative: &[f64]) -> Option<LineModelView> {
@@ -123,9 +123,9 @@ fn multipliers(analysis: &Analysis, model: &LineModel) -> Vec<MultiplierView> {
 }
 
 fn joints(analysis: &Analysis, model: &LineModel, relative: &[f64]) -> Vec<JointView> {
-    let stiffness = model.stiffness_nmm_per_rad(&analysis.options.library);
-    let pairs = Level::MODEL.windows(2).zip(&stiffness).zip(relative);
-    let view = |((pair, springs), &relative): ((&[Level], &[f64; 3]), &f64)| JointView {
+    let stiffness = model.stiffness_nmm_per_rad(&analysis.library);
+    let pairs = analysis.levels().joint_pairs().zip(&stiffness).zip(relative);
+    let view = |((pair, springs), &relative): (([Level; 2], &[f64; 3]), &f64)| JointView {
         label: format!("{}/{}", pair[0], pair[1]),
         relative,
         text: analysis.spring_words(model, *springs),

@@ -98,7 +98,7 @@ fn left_out(current: &CurrentCase) -> Vec<Notice> {
         let missing = film.missing();
         let posture = film.record.posture;
         let text = match film.readings {
-            _ if missing.is_empty() => return None,
+            _ if film.is_usable() => return None,
             0 => format!("the {posture} film is left out: it has no finished reading"),
             _ => format!(
                 "the {posture} film is left out: {} without landmarks",

@@ -172,7 +172,8 @@ impl Drawing<'_> {
 
     fn reach_mm(&self) -> f64 {
         let scale: &LengthScale = &self.measured.outline.scale;
-        let widths = body_widths(self.film).unwrap_or_default();
+        let widths = body_widths(self.film, self.analysis.levels());
+        let widths: Vec<f64> = widths.into_iter().flatten().collect();
         let mean = widths.iter().sum::<f64>() / widths.len().max(1) as f64;
         REACH_WIDTHS * mean / scale.pixels_per_mm.unwrap_or(1.0)
     }

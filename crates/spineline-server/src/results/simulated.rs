@@ -2,6 +2,7 @@
 
 use spineline::action::Application;
 use spineline::analysis::{Analysis, LineModel};
+use spineline::anatomy::Level;
 use spineline::evaluate::Simulation;
 use spineline::multibody::{Deformed, MatchStatus, SpineModel};
 use spineline::personalize::evidence::ContradictedJoint;
@@ -43,7 +44,7 @@ pub fn simulated(
         posture: Wire(simulation.posture),
         fitted: simulation.fitted,
         converged: usable,
-        status_text: status_text(simulation),
+        status_text: status_text(simulation, analysis.levels().top()),
         force_text: analysis.force_words(model, simulation),
         line_point_mm: match (line.application, top) {
             (Application::AtT2, Some(&top)) => top.into(),
@@ -51,7 +52,8 @@ pub fn simulated(
         },
         line_direction: [0.0, sign * line.direction.y_mm, sign * line.direction.z_mm],
         path: path.iter().map(|part| deformed_shape(&analysis.spine, part)).collect(),
-        errors: Simulation::mobile_levels()
+        errors: simulation
+            .compared
             .iter()
             .zip(&simulation.location_errors_mm)
             .map(|(level, &error_mm)| LevelError { level: level.to_string(), error_mm })
@@ -61,14 +63,14 @@ pub fn simulated(
     }
 }
 
-fn status_text(simulation: &Simulation) -> String {
+fn status_text(simulation: &Simulation, top: Level) -> String {
     let left = if simulation.posture.bend().is_some() {
         format!(
             "{:.2}° from the measured lateral tilt",
             Angle::from_rad(simulation.residual).abs().deg()
         )
     } else {
-        format!("T2 {:.1} mm from its measured location", simulation.residual.abs())
+        format!("{top} {:.1} mm from its measured location", simulation.residual.abs())
     };
     let status = simulation.status.key().replace('_', " ");
     if simulation.is_usable() {

@@ -42,7 +42,7 @@ pub async fn analysis_file(
             let films = FilmOrigin::of([analysis.synthetic]);
             let request = Request { options: analysis.options.clone(), ..Request::default() };
             let provenance = Provenance::new(run, films, Vec::new()).asking(&request);
-            let case = CaseFile::from_case(&result.current.complete_case());
+            let case = CaseFile::from_case(&result.current.usable_case());
             spineline_files::to_text(&AnalysisFile::new(analysis, case, provenance))
         })
     });

@@ -238,3 +238,27 @@ fn an_image_invalid_in_a_case_file_is_refused() {
     let refused = store.export_case(&id);
     assert!(matches!(refused, Err(StoreError::Case(_))), "{refused:?}");
 }
+
+#[test]
+fn an_incomplete_film_is_used_once_its_reading_is_finished() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut store = create(&folder.path().join("store"));
+    let (lead, id) = (by("lead", 0), name(STUDY));
+    store.add_study(&Study { id: id.clone(), label: None, synthetic: true }, &lead).expect("new");
+    let (posture, image) = images().into_iter().next().expect("a picture");
+    store.add_film(&id, posture, &film_bytes(1), &image, &lead).expect("a film");
+    // T2 and T3 lie behind the shoulders, and T8 is hidden.
+    let seen = Level::MODEL.into_iter().filter(|l| *l < Level::T3 && *l != Level::T8);
+    let events: Vec<Event> =
+        seen.zip(0..).flat_map(|(level, i)| clicks(level, f64::from(i))).collect();
+    let reading = read(&mut store, 1, 1, "A", &events, false);
+    let in_hand = CaseReadings::InHand { reading, pending: &[] };
+    let film = store.current_case(&id, in_hand).expect("a case").films.remove(0);
+    assert_eq!(film.missing(), [Level::T8, Level::T3, Level::T2]);
+    assert!(!film.is_usable(), "the reader may be about to mark them");
+    let revision = u64::try_from(events.len()).expect("few events");
+    store.finish_reading(reading, revision, &by("A", 1)).expect("finished");
+    let current = store.current_case(&id, CaseReadings::Finished).expect("a case");
+    assert!(current.films[0].is_usable());
+    assert_eq!(current.usable_case().films.len(), 1);
+}

@@ -17,10 +17,11 @@ use crate::curve::{CurveFit, InflectionChoice, Inflections, find_inflections, fi
 use crate::error::Error;
 use crate::hypothesis::HypothesisFit;
 use crate::measure::{
-    Film, FilmReadings, Noise, Outline, TiltRule, outline_of, warn_of_implausible_landmarks,
+    Film, FilmReadings, InterpolationError, Noise, Outline, TiltRule, common_levels, outline_of,
+    seen_levels, warn_of_implausible_landmarks, warn_of_shortened_chain,
 };
 use crate::motion::{Motion, least_windows, mean_least};
-use crate::multibody::SpineModel;
+use crate::multibody::{SpineModel, StiffnessLibrary};
 use crate::personalize::PreferredLoads;
 use crate::personalize::evidence::FilmEvidence;
 use crate::spatial::Frontal;
@@ -75,15 +76,16 @@ pub(crate) struct OtherReadings<'a> {
     pub models: &'a [LineModel],
 }
 
-/// As [`analyze`], with what is known from other readings of the films.
+/// As [`analyze`], with what is known from other readings of the films, and errors of interpolated vertebrae.
 pub(crate) fn analyze_known(
     case: &Case,
     options: &AnalysisOptions,
-    known: Option<&OtherReadings<'_>>,
+    known: Option<(&OtherReadings<'_>, &[InterpolationError])>,
 ) -> Result<Analysis, Error> {
     let mut warnings = Warnings::default();
-    let noise = known.map(|known| &known.noise[..]);
-    let movement = Movement::of(case, options, noise, &mut warnings)?;
+    let measured = known.map(|(known, errors)| (&known.noise[..], errors));
+    let movement = Movement::of(case, options, measured, &mut warnings)?;
+    let known = known.map(|(known, _)| known);
     let mechanics = Mechanics::of(movement.findings(options), known, &mut warnings);
     Ok(movement.into_analysis(case, options, mechanics, warnings))
 }
@@ -96,6 +98,7 @@ struct Movement {
     inflection_segments: Option<[usize; 2]>,
     mean_least_segments: Option<[usize; 2]>,
     spine: SpineModel,
+    library: StiffnessLibrary,
     lateral_measured: bool,
     postures: Vec<PostureAnalysis>,
 }
@@ -104,10 +107,10 @@ impl Movement {
     fn of(
         case: &Case,
         options: &AnalysisOptions,
-        noise: Option<&[Noise]>,
+        known: Option<(&[Noise], &[InterpolationError])>,
         warnings: &mut Warnings,
     ) -> Result<Self, Error> {
-        let (readings, outlines) = measure(case, (options.tilt, noise), warnings)?;
+        let (readings, outlines) = measure(case, options.tilt, known, warnings)?;
         let (curves, fits) = fit_curves(&outlines, options, warnings)?;
         let (chain, poses) = lay_chain(&fits, options)?;
         let inflection_segments = curves
@@ -116,6 +119,7 @@ impl Movement {
             .map(|pair| pair.map(|inflection| poses[0].nearest_segment(inflection.erect)));
         // Step 6 comes before step 4: the rotations of joints on the films need the unloaded spine.
         let (spine, lateral_measured) = unloaded_spine(case, &outlines[0], options, warnings)?;
+        let library = options.library.between(outlines[0].levels());
         let motions = motions(&outlines, &fits[0], &poses);
         let mean_least_segments = mean_least_segments(&outlines, &motions);
         let segments = [inflection_segments, mean_least_segments];
@@ -123,8 +127,7 @@ impl Movement {
             .iter()
             .map(|outline| {
                 let moved = outline.posture != Posture::Erect;
-                let measure =
-                    || FilmEvidence::measure(&spine, &options.library, &outlines[0], outline);
+                let measure = || FilmEvidence::measure(&spine, &library, &outlines[0], outline);
                 moved.then(measure)
             })
             .collect();
@@ -136,6 +139,7 @@ impl Movement {
             inflection_segments,
             mean_least_segments,
             spine,
+            library,
             lateral_measured,
             postures,
         })
@@ -149,6 +153,7 @@ impl Movement {
             chain: &self.chain,
             regions: &self.curves.regions,
             spine: &self.spine,
+            library: &self.library,
             options,
         }
     }
@@ -180,6 +185,7 @@ impl Movement {
             balance: self.curves.balance,
             lenke: self.curves.lenke,
             spine: self.spine,
+            library: self.library,
             lateral_measured: self.lateral_measured,
             models: mechanics.models,
             hypotheses: mechanics.hypotheses,
@@ -215,22 +221,30 @@ impl Mechanics {
 /// Step 1: the readings and the outline of every film, the erect one first.
 fn measure(
     case: &Case,
-    (tilt, noise): (TiltRule, Option<&[Noise]>),
+    tilt: TiltRule,
+    known: Option<(&[Noise], &[InterpolationError])>,
     warnings: &mut Warnings,
 ) -> Result<(Vec<FilmReadings>, Vec<Outline>), Error> {
     check_age(case.subject.age_years)?;
     check_postures(&case.films)?;
     let mut films: Vec<&Film> = case.films.iter().collect();
     films.sort_by_key(|film| film.posture);
-    let (mut readings, mut outlines) = (Vec::new(), Vec::new());
-    for film in &films {
-        let measured = FilmReadings::measure(film, tilt)?;
-        outlines.push(outline_of(film, &measured.readings, warnings)?);
+    let measure = |film: &&Film| FilmReadings::measure(film, tilt);
+    let readings: Vec<FilmReadings> = films.iter().map(measure).collect::<Result<_, _>>()?;
+    let seen: Vec<_> =
+        readings.iter().map(|film| (film.posture, seen_levels(&film.readings))).collect();
+    let levels = common_levels(&seen)?;
+    warn_of_shortened_chain(levels, &seen, warnings);
+    let mut outlines = Vec::new();
+    for (film, measured) in films.iter().zip(&readings) {
+        outlines.push(outline_of(film, &measured.readings, levels, warnings)?);
         warn_of_implausible_landmarks(film, warnings);
-        readings.push(measured);
     }
-    for (outline, noise) in outlines.iter_mut().zip(noise.into_iter().flatten()) {
-        outline.noise = *noise;
+    if let Some((noise, errors)) = known {
+        for (outline, noise) in outlines.iter_mut().zip(noise) {
+            outline.noise = *noise;
+            errors.iter().for_each(|error| error.add_to(outline));
+        }
     }
     for film in &films[1..] {
         warn_of_shifted_levels(films[0], film, warnings);

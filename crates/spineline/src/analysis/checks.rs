@@ -1,6 +1,6 @@
 //! Consistency checks between the films of one patient, before they are analysed together.
 
-use crate::anatomy::{Posture, Side};
+use crate::anatomy::{Levels, Posture, Side};
 use crate::error::CaseError;
 use crate::measure::{Film, Outline, body_widths, same_landmarks};
 use crate::spatial::Angle;
@@ -100,7 +100,9 @@ fn warn_of_wrong_tilt(erect: &Outline, film: &Outline, warnings: &mut Warnings) 
     };
     if away > TILT_MARGIN {
         let text = format!(
-            "the lateral tilt of L4 to T2 is {} of that on the erect film: the film may be mirrored or may show another posture",
+            "the lateral tilt of {} to {} is {} of that on the erect film: the film may be mirrored or may show another posture",
+            film.levels().base(),
+            film.levels().top(),
             change.leaning()
         );
         warnings.film(Step::Measure, "bend_leans_away", film.posture, text);
@@ -131,16 +133,20 @@ fn warn_of_mirror(erect: &Outline, film: &Outline, warnings: &mut Warnings) {
 /// # References
 /// Widths grow unevenly from T4 to L5 [panjabi-1991], [panjabi-1992], so that a shifted sequence is no scaled one.
 pub(super) fn warn_of_shifted_levels(erect: &Film, film: &Film, warnings: &mut Warnings) {
-    let (Some(reference), Some(widths)) = (body_widths(erect), body_widths(film)) else {
+    /// Fewer widths than this would match by chance.
+    const MIN_WIDTHS: usize = 8;
+    let [reference, widths] = [erect, film].map(|film| body_widths(film, Levels::COMPLETE));
+    let compared = reference.iter().zip(&widths).filter(|(a, b)| a.is_some() && b.is_some());
+    if compared.count() < MIN_WIDTHS {
         return;
-    };
+    }
     let misfit = |shift: isize| {
         let logs: Vec<f64> = reference
             .iter()
             .enumerate()
             .filter_map(|(i, erect)| {
-                let other = widths.get(i.checked_add_signed(shift)?)?;
-                Some((other / erect).ln())
+                let other = (*widths.get(i.checked_add_signed(shift)?)?)?;
+                Some((other / (*erect)?).ln())
             })
             .collect();
         let mean = logs.iter().sum::<f64>() / logs.len() as f64;

@@ -5,8 +5,7 @@ use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::evaluate::paired::holm;
 use crate::personalize::SIGNIFICANCE;
-use crate::personalize::evidence::{ContradictedJoint, FilmEvidence};
-use crate::spatial::Angle;
+use crate::personalize::evidence::ContradictedJoint;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// A line is rejected only above this share of the joints' work against the force.
@@ -90,20 +89,19 @@ impl Analysis {
             .filter(|s| s.is_usable())
             .map(|s| {
                 let beyond_noise = s.contradicted.iter().filter(|j| j.beyond_noise).count();
-                let joints = s.location_errors_mm.len();
+                let joints = s.joints();
                 let film = self.posture(s.posture);
                 let line_test = film
                     .filter(|_| model.kind == LineKind::Inflection)
                     .and_then(PostureAnalysis::line_comparison);
-                let sd =
-                    film.and_then(|film| film.evidence.as_ref()).map(FilmEvidence::rotation_sd);
+                let tested = film.is_some_and(|film| film.evidence.is_some());
                 BendEvidence {
                     posture: s.posture,
                     joints,
                     against: s.contradicted.len(),
                     beyond_noise,
                     weight: s.contradicted_weight(),
-                    joints_p: sd.map_or(1.0, |sd| against_by_chance(&s.contradicted, joints, sd)),
+                    joints_p: if tested { against_by_chance(&s.contradicted, joints) } else { 1.0 },
                     line_test,
                     line_p: line_test.map(|line| line.test.p_value),
                 }
@@ -125,9 +123,10 @@ impl Analysis {
 
 /// Bonferroni's bound on the probability that noise of a deviation carries any of `joints` so far against the force, when
 /// none truly turns against it. It holds for any dependence: neighbours share a vertebra.
-fn against_by_chance(contradicted: &[ContradictedJoint], joints: usize, sd: Angle) -> f64 {
+fn against_by_chance(contradicted: &[ContradictedJoint], joints: usize) -> f64 {
     let sure = contradicted.iter().filter(|joint| joint.lever_arm_mm.abs() >= SURE_ARM_MM);
-    let furthest = sure.map(|joint| joint.rotation.rad().abs() / sd.rad()).fold(0.0, f64::max);
+    let furthest =
+        sure.map(|joint| joint.rotation.rad().abs() / joint.rotation_sd.rad()).fold(0.0, f64::max);
     (joints as f64 * Normal::standard().sf(furthest)).min(1.0)
 }
 
@@ -135,6 +134,7 @@ fn against_by_chance(contradicted: &[ContradictedJoint], joints: usize, sd: Angl
 mod tests {
     use super::*;
     use crate::anatomy::Level;
+    use crate::spatial::Angle;
 
     #[test]
     fn the_joint_that_turns_furthest_counts_once_for_every_joint() {
@@ -145,8 +145,9 @@ mod tests {
             lever_arm_mm: arm_mm,
             weight: 0.5,
             beyond_noise: true,
+            rotation_sd: Angle::from_deg(1.0),
         };
-        let p = |joints: &[ContradictedJoint]| against_by_chance(joints, 14, Angle::from_deg(1.0));
+        let p = |joints: &[ContradictedJoint]| against_by_chance(joints, 14);
         // Three standard deviations: 0.00135 on one side.
         assert!((p(&[joint(-3.0, -20.0), joint(2.0, -30.0)]) - 14.0 * 0.001_349_898).abs() < 1e-8);
         // A joint that the line nearly meets says nothing, however far it turns.

@@ -46,7 +46,7 @@ pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
             let text = format!(
                 "{} of {} joints turn against the force, {beyond} of them beyond noise ({:.0} % of the work): no positive stiffness explains them",
                 simulation.contradicted.len(),
-                simulation.location_errors_mm.len(),
+                simulation.joints(),
                 100.0 * simulation.contradicted_weight()
             );
             warn(Step::Personalize, "joints_contradict_line", posture, text);

@@ -1,10 +1,10 @@
 use super::{AnalysisOptions, Grouping, PostureAnalysis};
-use crate::anatomy::{Level, Posture};
+use crate::anatomy::{Level, Levels, Posture};
 use crate::chain::Chain;
 use crate::clinical::Regions;
 use crate::curve::Inflections;
 use crate::measure::SpacingPlane;
-use crate::multibody::{JointGroups, SpineModel};
+use crate::multibody::{JointGroups, SpineModel, StiffnessLibrary};
 
 /// What steps 1 to 4 found of one patient: all that the lines of action and the models need.
 #[derive(Clone, Copy)]
@@ -21,6 +21,8 @@ pub(super) struct Findings<'a> {
     pub regions: &'a Regions,
     /// The unloaded spine.
     pub spine: &'a SpineModel,
+    /// Springs of its joints before personalisation.
+    pub library: &'a StiffnessLibrary,
     /// Choices.
     pub options: &'a AnalysisOptions,
 }
@@ -29,6 +31,11 @@ impl<'a> Findings<'a> {
     /// The erect posture.
     pub fn erect(self) -> &'a PostureAnalysis {
         &self.postures[0]
+    }
+
+    /// The vertebrae of the model.
+    pub fn levels(self) -> Levels {
+        self.erect().outline.levels()
     }
 
     /// The bending films.
@@ -46,7 +53,7 @@ impl<'a> Findings<'a> {
     pub fn joint_groups(self) -> JointGroups {
         match self.options.grouping {
             Grouping::Regional => JointGroups::regional(self.regions),
-            Grouping::PerJoint => JointGroups::per_joint(),
+            Grouping::PerJoint => JointGroups::per_joint(self.levels()),
         }
     }
 
@@ -54,7 +61,9 @@ impl<'a> Findings<'a> {
     /// T2, which is zero.
     pub fn depth_mm(self) -> f64 {
         let Some(pair) = self.inflections.pair else { return 0.0 };
-        let at = |level: Level| level.model_index().map_or(0.0, |i| self.spine.midpoints_mm[i].x);
+        let levels = self.levels();
+        let at =
+            |level: Level| levels.index_of(level).map_or(0.0, |i| self.spine.midpoints_mm[i].x);
         pair.iter()
             .map(|inflection| 0.5 * (at(inflection.between.0) + at(inflection.between.1)))
             .sum::<f64>()

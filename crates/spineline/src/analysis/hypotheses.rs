@@ -19,7 +19,7 @@ pub(super) fn fit_hypotheses(
     let groups = findings.joint_groups();
     let spine = Spine {
         model: findings.spine,
-        library: &findings.options.library,
+        library: findings.library,
         groups: &groups,
         erect: &findings.erect().outline,
         support: findings.options.support,

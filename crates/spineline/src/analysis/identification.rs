@@ -49,7 +49,7 @@ impl LineModel {
             let against = films
                 .iter()
                 .flat_map(|film| &film.contradicted)
-                .filter_map(|joint| joint.inferior.model_index())
+                .filter_map(|joint| analysis.levels().index_of(joint.inferior))
                 .filter(|&joint| in_group(joint))
                 .count();
             let joints = films.len() * (0..group_of.len()).filter(|&joint| in_group(joint)).count();
@@ -83,11 +83,8 @@ impl Analysis {
         let bends = bending_loads(self.findings(), model.kind, &mut repeated);
         let films: Vec<FitFilm<'_>> =
             bends.iter().map(|(p, load)| FitFilm { outline: &p.outline, load: *load }).collect();
-        let springs = FittedSprings {
-            model: &self.spine,
-            library: &self.options.library,
-            groups: &model.groups,
-        };
+        let springs =
+            FittedSprings { model: &self.spine, library: &self.library, groups: &model.groups };
         identify(&springs, &films, &settings_of(self.findings(), &[]), &model.fit)
     }
 
@@ -98,7 +95,7 @@ impl Analysis {
         let logs: Vec<Vec<f64>> = self
             .models
             .iter()
-            .map(|model| model.stiffness_nmm_per_rad(&self.options.library))
+            .map(|model| model.stiffness_nmm_per_rad(&self.library))
             .map(|joints| joints.iter().map(|[lateral, ..]| lateral.ln()).collect())
             .collect();
         let all = || logs.iter().flatten().copied();

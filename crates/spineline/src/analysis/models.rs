@@ -4,7 +4,7 @@ use super::endings::warn_of_endings;
 use super::findings::Findings;
 use super::{Analysis, AnalysisOptions, Grouping, PostureAnalysis};
 use crate::action::{Application, LineKind, LineOfAction};
-use crate::anatomy::{Level, Posture};
+use crate::anatomy::Posture;
 use crate::evaluate::{Simulation, Target, simulate};
 use crate::multibody::{
     Deformed, ForceSign, JointGroups, Load, MatchStatus, Solution, Statics, StiffnessLibrary,
@@ -117,7 +117,7 @@ impl Analysis {
         let options = &self.options;
         let logs = &model.fit.log_multipliers;
         let statics =
-            Statics::new(&self.spine, &options.library, &model.groups, logs, options.support);
+            Statics::new(&self.spine, &self.library, &model.groups, logs, options.support);
         let load = Load::along(simulation.line, simulation.depth_mm);
         // Springs and forces are scaled alike, so the unscaled ones give the same shapes.
         let force_n = simulation.force_n / model.fit.absolute_scale;
@@ -209,10 +209,13 @@ fn geometric_line(
     match kind {
         LineKind::Iliac => {
             if posture.outline.iliac_normal.is_none() {
-                let text = "the iliac crests are not marked: a line perpendicular to L4's axis replaces the iliac line";
+                let text = format!(
+                    "the iliac crests are not marked: a line perpendicular to {}'s axis replaces the iliac line",
+                    posture.outline.levels().base()
+                );
                 warnings.film(Step::Measure, "iliac_crests_missing", name, text);
             }
-            let t2 = posture.outline.vertebrae[Level::MODEL.len() - 1].location;
+            let t2 = posture.outline.vertebrae[posture.outline.vertebrae.len() - 1].location;
             Some(LineOfAction::along_iliac(t2, posture.outline.iliac_normal))
         }
         LineKind::Inflection => {
@@ -243,7 +246,7 @@ fn warn_of_distance(line: &LineOfAction, posture: &PostureAnalysis, warnings: &m
     if nearest_mm > FAR_MM {
         let text = format!(
             "the given line passes {nearest_mm:.0} mm from the nearest vertebra, and a trunk reaches less than {FAR_MM:.0} mm: \
-             check that it is in mm from L4's midpoint, to the patient's left and cranial"
+             check that it is in mm from the base's (L4's) midpoint, to the patient's left and cranial"
         );
         warnings.film(Step::Action, "given_line_far", posture.outline.posture, text);
     }
@@ -325,14 +328,14 @@ pub(super) fn fit_model(
     // It was made for regional groups.
     let estimate = task.estimate.filter(|_| options.grouping == Grouping::Regional);
     let known = Known { evidence: &evidence, settings: &settings, estimate, other: task.other };
-    let fit = personalize_with(findings.spine, &options.library, &groups, &films, &known);
+    let fit = personalize_with(findings.spine, findings.library, &groups, &films, &known);
     let logs = &fit.log_multipliers;
     let evaluation = Evaluation {
         findings,
         kind,
         groups: &groups,
         fit: &fit,
-        statics: Statics::new(findings.spine, &options.library, &groups, logs, options.support),
+        statics: Statics::new(findings.spine, findings.library, &groups, logs, options.support),
         target: settings.target,
         depth_mm: findings.depth_mm(),
     };

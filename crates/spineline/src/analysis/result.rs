@@ -1,7 +1,7 @@
 use super::findings::Findings;
 use super::preference::PreferredLine;
 use super::{AnalysisOptions, LineModel};
-use crate::anatomy::{Level, Posture};
+use crate::anatomy::{Levels, Posture};
 use crate::chain::{Chain, ChainPose};
 use crate::clinical::{
     Balance, ClinicalCurve, CobbEnds, CurvePlaces, LenkeType, RegionBounds, Regions, film_tilts,
@@ -10,7 +10,7 @@ use crate::curve::{CurveFit, Inflections};
 use crate::hypothesis::HypothesisFit;
 use crate::measure::{FilmReadings, LengthScale, Outline};
 use crate::motion::{Motion, SegmentEstimate};
-use crate::multibody::SpineModel;
+use crate::multibody::{SpineModel, StiffnessLibrary};
 use crate::personalize::evidence::FilmEvidence;
 use crate::reliability::{QuantityReliability, assess, film_quantities};
 use crate::spatial::{Angle, Frontal};
@@ -68,6 +68,8 @@ pub struct Analysis {
     pub lenke: Option<LenkeType>,
     /// The unloaded spine.
     pub spine: SpineModel,
+    /// Springs of its joints before personalisation: those of the options, for the joints that the films show.
+    pub library: StiffnessLibrary,
     /// Whether its sagittal profile was measured on a lateral film; else it is a population's.
     pub lateral_measured: bool,
     /// One personalised model per line of action.
@@ -100,7 +102,8 @@ impl Analysis {
         let erect = film_tilts(&self.erect().outline);
         let place = |(bounds, curve): (&RegionBounds, &ClinicalCurve)| {
             let CobbEnds { inferior, superior } = curve.ends;
-            let ends = [inferior.model_index()?, superior.model_index()?];
+            let levels = self.levels();
+            let ends = [levels.index_of(inferior)?, levels.index_of(superior)?];
             Some(CurvePlaces::between(*bounds, ends, &erect))
         };
         self.regions.bounds.iter().zip(&self.clinical).filter_map(place).collect()
@@ -115,6 +118,12 @@ impl Analysis {
             return Vec::new();
         }
         film_quantities(&[(&self.case_id, &self.readings)]).iter().map(assess).collect()
+    }
+
+    /// The vertebrae of the model: L4 to T2, or those that all films show.
+    #[must_use]
+    pub fn levels(&self) -> Levels {
+        self.erect().outline.levels()
     }
 
     /// The erect posture.
@@ -138,6 +147,7 @@ impl Analysis {
             chain: &self.chain,
             regions: &self.regions,
             spine: &self.spine,
+            library: &self.library,
             options: &self.options,
         }
     }
@@ -155,7 +165,7 @@ impl PostureAnalysis {
     pub fn middle(&self) -> Frontal {
         match self.inflection_points {
             Some([caudal, cranial]) => (caudal + cranial) * 0.5,
-            None => self.outline.vertebrae[Level::MODEL.len() / 2].location,
+            None => self.outline.vertebrae[self.outline.vertebrae.len() / 2].location,
         }
     }
 

@@ -29,7 +29,7 @@ impl Analysis {
         let place = |inflection: &Inflection| {
             let (below, above) = inflection.between;
             let height = self.scale().text(inflection.erect.z_mm, 0);
-            format!("{below}/{above} ({height} above L4)")
+            format!("{below}/{above} ({height} above {})", self.levels().base())
         };
         let turns = format!("Erect curve bends {}", curves.join(", "));
         match &self.inflections.pair {

@@ -1,6 +1,6 @@
 //! Films that do not show what they are named after: another posture, the same film twice, or another patient.
 
-use crate::anatomy::{Posture, Side};
+use crate::anatomy::{Levels, Posture, Side};
 use crate::measure::{Film, FilmLandmarks, Outline, body_shapes};
 use crate::spatial::Angle;
 use crate::warning::{Step, Warning, Warnings};
@@ -23,6 +23,9 @@ const MAX_NOISE_FACTOR: f64 = 1.6;
 
 /// Least change of the lateral tilt of L4 to T2 towards the side of a bend; the smallest of the same 30 bends is 5.6°.
 const MIN_BEND_TILT: Angle = Angle::from_deg(3.0);
+
+/// Bodies that both films must show before they are compared.
+const MIN_BODIES: usize = 8;
 
 /// Ratio of two films' medians of height over width of the bodies, above which the films may show two patients.
 ///
@@ -182,9 +185,14 @@ fn warn_of_another_patient(erect: &Film, film: &Film, warnings: &mut Warnings) {
     if scaled(erect) != scaled(film) {
         return;
     }
-    let (Some(reference), Some(bodies)) = (body_shapes(erect), body_shapes(film)) else { return };
+    let [reference, bodies] = [erect, film].map(|film| body_shapes(film, Levels::COMPLETE));
+    let seen: Vec<_> = reference.into_iter().zip(bodies).filter_map(|(a, b)| a.zip(b)).collect();
+    // A median of few bodies says little.
+    if seen.len() < MIN_BODIES {
+        return;
+    }
     let logs = |of: &dyn Fn([f64; 2]) -> f64| -> Vec<f64> {
-        reference.iter().zip(&bodies).map(|(a, b)| (of(*b) / of(*a)).ln()).collect()
+        seen.iter().map(|(a, b)| (of(*b) / of(*a)).ln()).collect()
     };
     let [heights, widths] = [logs(&|[height, _]| height), logs(&|[_, width]| width)];
     let width = median(widths.clone());

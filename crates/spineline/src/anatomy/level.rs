@@ -67,7 +67,8 @@ impl Level {
         Self::T1,
     ];
 
-    /// The vertebrae of the model, from the fixed L4 to T2.
+    /// The vertebrae of the complete model, from the fixed L4 to T2; films that show fewer give a part of them
+    /// ([`Levels`](super::Levels)).
     pub const MODEL: [Self; 15] = [
         Self::L4,
         Self::L3,
@@ -90,6 +91,18 @@ impl Level {
     #[must_use]
     pub fn model_index(self) -> Option<usize> {
         Self::MODEL.iter().position(|&level| level == self)
+    }
+
+    /// The next vertebra above; `None` above T1.
+    #[must_use]
+    pub fn next_above(self) -> Option<Self> {
+        Self::ALL.get(self as usize + 1).copied()
+    }
+
+    /// The next vertebra below; `None` below L5.
+    #[must_use]
+    pub fn next_below(self) -> Option<Self> {
+        (self as usize).checked_sub(1).map(|below| Self::ALL[below])
     }
 
     /// The short name, such as `T12`.

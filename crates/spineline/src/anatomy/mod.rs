@@ -2,6 +2,7 @@
 //! ([`Named`]); and the sizes of a typical spine.
 
 mod level;
+mod levels;
 mod line_kind;
 mod morphometry;
 mod named;
@@ -9,9 +10,10 @@ mod posture;
 mod trunk;
 
 pub use level::{Level, UnknownLevel};
+pub use levels::Levels;
 pub use line_kind::LineKind;
 pub use morphometry::{Morphometry, SagittalProfile};
 pub(crate) use named::named;
 pub use named::{Named, UnknownKey};
 pub use posture::{ImageSide, Posture, Region, Side};
-pub use trunk::trunk_weight_share;
+pub use trunk::{trunk_weight_share, trunk_weight_shares};

@@ -1,4 +1,4 @@
-use super::Level;
+use super::{Level, Levels};
 
 /// Mass of the trunk's slice at T1 and at L5, and of all slices T1 to L5, as parts of the body's: girls with scoliosis
 /// of 58.2 kg on average, 0.6 kg at T1, 1.5 kg at L5, 27.8 % together [keenan-2014].
@@ -35,4 +35,13 @@ pub fn trunk_weight_share(level: Level) -> f64 {
         Level::T2 => slice(place) + slice(place + 1) + HEAD_AND_ARMS,
         _ => slice(place),
     }
+}
+
+/// The parts of the body's weight that the vertebrae above the base carry, caudal first; the top carries all that is above it.
+#[must_use]
+pub fn trunk_weight_shares(levels: Levels) -> Vec<f64> {
+    let above = |level: &Level| *level >= levels.top();
+    let at_top = Level::MODEL.into_iter().filter(above).map(trunk_weight_share).sum();
+    let below = levels.as_slice()[1..levels.joints()].iter().copied().map(trunk_weight_share);
+    below.chain([at_top]).collect()
 }

@@ -10,8 +10,8 @@ pub enum SacralReference {
     IliacCrests,
     /// Midpoint of L5.
     L5,
-    /// Midpoint of L4, where nothing lower was marked.
-    L4,
+    /// Midpoint of the model's lowest vertebra, which is L4 where that was seen; nothing lower was marked.
+    Base,
 }
 
 impl SacralReference {
@@ -21,7 +21,7 @@ impl SacralReference {
         match self {
             Self::IliacCrests => "iliac_crests",
             Self::L5 => "l5",
-            Self::L4 => "l4",
+            Self::Base => "base",
         }
     }
 
@@ -31,7 +31,7 @@ impl SacralReference {
         match self {
             Self::IliacCrests => "the middle of the iliac crests",
             Self::L5 => "L5",
-            Self::L4 => "L4",
+            Self::Base => "the lowest vertebra of the model",
         }
     }
 }
@@ -81,7 +81,7 @@ pub fn measure_balance(
         .iliac_middle
         .map(|middle| (SacralReference::IliacCrests, middle))
         .or_else(|| others(Level::L5).map(|l5| (SacralReference::L5, l5.location)))
-        .unwrap_or((SacralReference::L4, erect.vertebrae[0].location));
+        .unwrap_or((SacralReference::Base, erect.vertebrae[0].location));
     // In a frame whose third axis is the film's vertical.
     let left_mm = |point: Frontal| (point - sacral).rotated(-vertical).y_mm;
     let top = others(Level::T1).or(erect.vertebrae.last())?;
@@ -89,7 +89,7 @@ pub fn measure_balance(
         let endplates = erect.vertebra(level)?.endplates?;
         Some((endplates.superior - vertical).wrapped())
     };
-    let place = |level: Level| level.model_index().map(|i| erect.vertebrae[i].location);
+    let place = |level: Level| erect.vertebra(level).map(|vertebra| vertebra.location);
     let mut apical_translation_mm = [0.0; 3];
     for curve in curves {
         apical_translation_mm[curve.region.index()] = left_mm(place(curve.apex)?);
@@ -106,6 +106,6 @@ pub fn measure_balance(
         l4_tilt: superior(Level::L4),
         // The normal leans to the right where the left crest is higher.
         pelvic_obliquity: erect.iliac_normal.map(|normal| (normal - vertical).wrapped()),
-        stable: Level::MODEL[stable],
+        stable: erect.vertebrae[stable].level,
     })
 }

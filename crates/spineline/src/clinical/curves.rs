@@ -122,8 +122,10 @@ pub fn measure_curves(
 
 fn measure_curve(bounds: RegionBounds, outlines: &[&Outline], choice: &EndChoice) -> ClinicalCurve {
     let erect = outlines[0];
+    let place = |level| erect.vertebrae.iter().position(|vertebra| vertebra.level == level);
     let given = choice.given[bounds.region.index()]
-        .and_then(|ends| Some([ends.inferior.model_index()?, ends.superior.model_index()?]));
+        .and_then(|ends| Some([place(ends.inferior)?, place(ends.superior)?]));
+    let level = |i: usize| erect.vertebrae[i].level;
     let ends_on = |film: &[(Angle, Option<EndplateTilts>)]| {
         given.unwrap_or_else(|| CurvePlaces::choose(bounds, film).cobb_ends)
     };
@@ -142,8 +144,8 @@ fn measure_curve(bounds: RegionBounds, outlines: &[&Outline], choice: &EndChoice
     };
     let mut curve = ClinicalCurve {
         region: bounds.region,
-        ends: CobbEnds { inferior: Level::MODEL[held[0]], superior: Level::MODEL[held[1]] },
-        apex: Level::MODEL[bounds.apex],
+        ends: CobbEnds { inferior: level(held[0]), superior: level(held[1]) },
+        apex: level(bounds.apex),
         convex: convex_side(angles[0].1.size()),
         angles,
         ferguson: outlines.iter().map(ferguson).collect(),

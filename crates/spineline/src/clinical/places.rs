@@ -1,5 +1,5 @@
 use super::{RegionBounds, Regions, ferguson_angle};
-use crate::anatomy::{Level, Side};
+use crate::anatomy::{Level, Levels, Side};
 use crate::measure::EndplateTilts;
 use crate::spatial::{Angle, Frontal};
 
@@ -50,9 +50,11 @@ impl CurvePlaces {
     #[must_use]
     pub fn choose(bounds: RegionBounds, erect: &[(Angle, Option<EndplateTilts>)]) -> Self {
         let tilt = |i: usize| erect[i].0.rad();
-        let endplates: Option<Vec<EndplateTilts>> = erect.iter().map(|(_, all)| *all).collect();
+        // An interpolated vertebra has no endplates, and ends no curve where others have some.
+        let any_known = erect.iter().any(|(_, endplates)| endplates.is_some());
+        let may_end = |i: &usize| erect[*i].1.is_some() || !any_known;
         let of_plate = |i: usize, pick: fn(&EndplateTilts) -> Angle| {
-            endplates.as_ref().map_or(tilt(i), |all| pick(&all[i]).rad())
+            erect[i].1.as_ref().map_or(tilt(i), |endplates| pick(endplates).rad())
         };
         let inferior = |i: &usize| of_plate(*i, |plates| plates.inferior);
         let superior = |i: &usize| of_plate(*i, |plates| plates.superior);
@@ -60,8 +62,10 @@ impl CurvePlaces {
         let low = bounds.inferior.saturating_sub(1);
         let high = (bounds.superior + 1).min(erect.len() - 1);
         let lower = (low..=bounds.apex)
+            .filter(may_end)
             .min_by(|a, b| (sense * inferior(a)).total_cmp(&(sense * inferior(b))));
         let upper = (bounds.apex..=high)
+            .filter(may_end)
             .max_by(|a, b| (sense * superior(a)).total_cmp(&(sense * superior(b))));
         Self::between(bounds, [lower.unwrap_or(low), upper.unwrap_or(high)], erect)
     }
@@ -78,14 +82,21 @@ impl CurvePlaces {
         Self { bounds, cobb_ends, endplate_difference }
     }
 
-    /// The usual regions ([`Regions::usual`]) of an erect spine from L4 to T2; `None` for any other number of vertebrae.
+    /// The usual regions ([`Regions::usual`]) of an erect spine; `None` for any other number of vertebrae, or levels that no
+    /// analysis has.
     #[must_use]
-    pub fn usual(erect_locations: &[Frontal], erect_tilts: &[Angle]) -> Option<[Self; 3]> {
-        let count = Level::MODEL.len();
-        let complete = erect_locations.len() == count && erect_tilts.len() == count;
+    pub fn usual(
+        levels: Levels,
+        erect_locations: &[Frontal],
+        erect_tilts: &[Angle],
+    ) -> Option<[Self; 3]> {
+        if levels.base() > Levels::HIGHEST_BASE || levels.top() < Levels::LOWEST_TOP {
+            return None;
+        }
+        let complete = erect_locations.len() == levels.len() && erect_tilts.len() == levels.len();
         let erect: Vec<_> = erect_tilts.iter().map(|tilt| (*tilt, None)).collect();
         let choose = |bounds| Self::choose(bounds, &erect);
-        complete.then(|| Regions::usual(erect_locations).bounds.map(choose))
+        complete.then(|| Regions::usual(levels, erect_locations).bounds.map(choose))
     }
 
     /// Angles between the end vertebrae of a shape of the model, whose vertebrae are rigid.

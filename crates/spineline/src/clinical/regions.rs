@@ -1,9 +1,9 @@
-use crate::anatomy::{Level, Region};
+use crate::anatomy::{Level, Levels, Region};
 use crate::curve::{CurveFit, Inflections};
 use crate::spatial::{Angle, Frontal};
 use crate::warning::{Step, Warnings};
 
-/// A region of the spine, as places in [`Level::MODEL`].
+/// A region of the spine, as places among the vertebrae of the model ([`Levels`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RegionBounds {
     /// Which region.
@@ -27,13 +27,20 @@ pub struct Regions {
 const USUAL_ENDS: [Level; 2] = [Level::T12, Level::T6];
 
 impl Regions {
-    /// Regions that end at T12 and T6, for a spine whose inflections are not known.
+    /// Regions that end at T12 and T6, for a spine whose inflections are not known; below a low top as near to T6 as leaves a
+    /// vertebra between it and the top.
     ///
-    /// `locations` are those of L4…T2 on the erect spine.
+    /// `locations` are those of the levels on the erect spine.
     #[must_use]
-    pub fn usual(locations: &[Frontal]) -> Self {
-        let ends = USUAL_ENDS.map(|level| level.model_index().expect("a level of the model"));
-        Self::between(ends, locations)
+    pub fn usual(levels: Levels, locations: &[Frontal]) -> Self {
+        let [low, high] = USUAL_ENDS.map(|level| levels.nearest_index(level));
+        Self::between([low.max(2), high.min(levels.joints() - 2)], locations)
+    }
+
+    /// Number of joints of the model.
+    #[must_use]
+    pub const fn joints(&self) -> usize {
+        self.bounds[2].superior
     }
 
     /// Regions that end at the vertebrae nearest to the two inflections, or at T12 and T6 where there is no such pair.
@@ -44,7 +51,7 @@ impl Regions {
         locations: &[Frontal],
         warnings: &mut Warnings,
     ) -> Self {
-        let last = Level::MODEL.len() - 1;
+        let last = fit.levels.joints();
         let ends =
             inflections.pair.map(|pair| pair.map(|inflection| nearest(fit, inflection.t_mm)));
         // An apex needs a vertebra between the ends.
@@ -53,15 +60,19 @@ impl Regions {
                 Self::between([low, high], locations)
             }
             _ => {
-                let text = "the erect curve does not give three regions of three vertebrae; the limits T12 and T6 are used instead";
+                let usual = Self::usual(fit.levels, locations);
+                let [low, high] = [0, 1].map(|i| fit.levels.as_slice()[usual.bounds[i].superior]);
+                let text = format!(
+                    "the erect curve does not give three regions of three vertebrae; the limits {low} and {high} are used instead"
+                );
                 warnings.push(Step::Clinical, "usual_regions", text);
-                Self::usual(locations)
+                usual
             }
         }
     }
 
     fn between(ends: [usize; 2], locations: &[Frontal]) -> Self {
-        let limits = [0, ends[0], ends[1], Level::MODEL.len() - 1];
+        let limits = [0, ends[0], ends[1], locations.len() - 1];
         let bounds = std::array::from_fn(|i| {
             let (inferior, superior) = (limits[i], limits[i + 1]);
             let apex = apex_between(locations, inferior, superior);

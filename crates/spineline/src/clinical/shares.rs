@@ -1,7 +1,7 @@
 use nalgebra::DMatrix;
 
 use super::Regions;
-use crate::anatomy::{Level, Region};
+use crate::anatomy::Region;
 
 /// Which part of every joint lies in which region: a row per joint, caudal first, and a column per region.
 ///
@@ -13,12 +13,12 @@ impl JointShares {
     /// Every joint in one region.
     #[must_use]
     pub fn whole(regions: &Regions) -> Self {
-        Self(DMatrix::from_fn(Level::MODEL.len() - 1, Region::ALL.len(), |joint, region| {
+        Self(DMatrix::from_fn(regions.joints(), Region::ALL.len(), |joint, region| {
             f64::from(u8::from(regions.of_joint(joint).index() == region))
         }))
     }
 
-    /// Regions that end at two places along the spine; `vertebrae_mm` are those of L4 to T2, and parts count by length.
+    /// Regions that end at two places along the spine; `vertebrae_mm` are those of the model (L4 to T2), and parts count by length.
     ///
     /// ```
     /// use spineline::{anatomy::Region, clinical::JointShares};

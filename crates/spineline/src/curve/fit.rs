@@ -2,8 +2,8 @@ use nalgebra::{DMatrix, DMatrixView, DVector, Matrix3, Vector3};
 
 use super::series::{Series, for_each_basis};
 use super::{Curve, CurveForm, MIN_TURN, find_inflections};
-use crate::anatomy::Posture;
-use crate::measure::Outline;
+use crate::anatomy::{Levels, Posture};
+use crate::measure::{MeasuredVertebra, Outline};
 use crate::spatial::{Angle, Frontal};
 use crate::warning::{Step, Warnings};
 
@@ -24,10 +24,12 @@ pub enum OrderRule {
 #[non_exhaustive]
 pub enum CurveError {
     /// An order outside of 4…12.
-    #[error("polynomial order {order} is outside of {} to {}", ORDERS.start(), ORDERS.end())]
+    #[error("polynomial order {order} is outside of {} to {limit}", ORDERS.start())]
     Order {
         /// The requested value.
         order: usize,
+        /// The largest for the vertebrae of the film: 12 where all are marked.
+        limit: usize,
     },
     /// The equations of the fit are singular.
     #[error("{posture} film: these vertebrae do not determine a polynomial of order {order}")]
@@ -42,6 +44,8 @@ pub enum CurveError {
 /// Films marked by hand stay below this by far (about 3° in the median).
 const POOR_TILT: Angle = Angle::from_deg(10.0);
 const ORDERS: std::ops::RangeInclusive<usize> = 4..=12;
+/// A complete film has 15 vertebrae and orders up to 12; one with fewer has orders up to so many fewer.
+const VERTEBRAE_ABOVE_ORDER: usize = 3;
 /// Beyond this tilt the slope dy/dz says too little.
 const GRAPH_LIMIT: Angle = Angle::from_deg(70.0);
 
@@ -58,8 +62,10 @@ pub struct CurveFit {
     pub rmse_tilt: Angle,
     /// Root mean square error on vertebrae left out of the fit, in standard deviations of a measurement.
     pub left_out: f64,
-    /// Parameter of every vertebra, L4 first.
+    /// Parameter of every vertebra, the base (L4) first.
     pub vertebra_t_mm: Vec<f64>,
+    /// The vertebrae.
+    pub levels: Levels,
 }
 
 /// Fits a curve to the measured vertebrae of one film: weighted least squares on locations and tilts, from L4 to T2, in `G`.
@@ -113,19 +119,24 @@ fn fit_by_rule(
     warnings: &mut Warnings,
 ) -> Result<CurveFit, CurveError> {
     if let OrderRule::Fixed(order) = rule {
-        return if ORDERS.contains(&order) {
+        return if orders_of(outline).contains(&order) {
             fit_order(outline, form, order)
         } else {
-            Err(CurveError::Order { order })
+            Err(CurveError::Order { order, limit: *orders_of(outline).end() })
         };
     }
     if rule == OrderRule::Paper {
-        let fits: Vec<CurveFit> =
-            ORDERS.map(|order| fit_order(outline, form, order)).collect::<Result<_, _>>()?;
+        let fits: Vec<CurveFit> = orders_of(outline)
+            .map(|order| fit_order(outline, form, order))
+            .collect::<Result<_, _>>()?;
         if let Some(fit) = least_residual_with_two_inflections(outline, &fits) {
             return Ok(fit.clone());
         }
-        let text = "no order from 4 to 12 gives exactly two inflections; the order is chosen by leaving vertebrae out";
+        let text = format!(
+            "no order from {} to {} gives exactly two inflections; the order is chosen by leaving vertebrae out",
+            ORDERS.start(),
+            orders_of(outline).end()
+        );
         warnings.film(Step::Curve, "no_order_with_two_inflections", outline.posture, text);
     }
     fit_order(outline, form, best_left_out(&left_out_errors(outline, form)?))
@@ -137,23 +148,24 @@ fn fit_by_rule(
 fn left_out_errors(outline: &Outline, form: CurveForm) -> Result<Vec<(usize, f64)>, CurveError> {
     if form == CurveForm::Parametric {
         // Two coordinates are side by side there, and the columns of an order are not the first ones of the next.
-        return ORDERS
+        return orders_of(outline)
             .map(|order| fit_order(outline, form, order).map(|fit| (order, fit.left_out)))
             .collect();
     }
     let t_mm = parameters_mm(outline, form);
-    let rows = graph_rows(outline, &t_mm, ORDERS.end() - 1);
+    let orders = orders_of(outline);
+    let rows = graph_rows(outline, &t_mm, orders.end() - 1);
     let (q, r) = rows.matrix.clone().qr().unpack();
     let mut residual = rows.target.clone();
     let mut errors = Vec::new();
-    for order in 2..=*ORDERS.end() {
+    for order in 2..=*orders.end() {
         let column = q.column(order - 2);
         if r[(order - 2, order - 2)] == 0.0 {
             let order = order.max(*ORDERS.start());
             return Err(CurveError::Singular { posture: outline.posture, order });
         }
         residual.axpy(-column.dot(&rows.target), &column, 1.0);
-        if ORDERS.contains(&order) {
+        if orders.contains(&order) {
             let q = q.columns(0, order - 1);
             errors.push((order, left_out_error(rows.block, &q, &residual)));
         }
@@ -223,9 +235,10 @@ fn fit_order(outline: &Outline, form: CurveForm, order: usize) -> Result<CurveFi
     let residual = &rows.target - &rows.matrix * &solution;
     let left_out = left_out_error(rows.block, &q.columns(0, q.ncols()), &residual);
     // L4 is met by construction and does not count.
-    let mean_square = |squares: f64| (squares / (outline.vertebrae.len() - 1) as f64).sqrt();
+    let count = outline.measured().count() - 1;
+    let mean_square = |squares: f64| (squares / count as f64).sqrt();
     let (mut off_mm2, mut off_rad2) = (0.0, 0.0);
-    for (vertebra, &t) in outline.vertebrae.iter().zip(&t_mm) {
+    for (vertebra, t) in outline.measured().map(|(i, vertebra)| (vertebra, t_mm[i])) {
         off_mm2 += vertebra.location.distance_mm(curve.point(t)).powi(2);
         off_rad2 += (vertebra.tilt - curve.tilt(t)).wrapped().rad().powi(2);
     }
@@ -236,6 +249,7 @@ fn fit_order(outline: &Outline, form: CurveForm, order: usize) -> Result<CurveFi
         rmse_tilt: Angle::from_rad(mean_square(off_rad2)),
         left_out,
         vertebra_t_mm: t_mm,
+        levels: outline.levels(),
     })
 }
 
@@ -258,14 +272,24 @@ fn parameters_mm(outline: &Outline, form: CurveForm) -> Vec<f64> {
     }
 }
 
+/// The vertebrae that have rows, with their parameters: L4 is met exactly by the basis, and interpolated ones say nothing.
+fn measured_above_base<'a>(outline: &'a Outline, t_mm: &[f64]) -> Vec<(&'a MeasuredVertebra, f64)> {
+    outline.measured().skip(1).map(|(i, vertebra)| (vertebra, t_mm[i])).collect()
+}
+
+/// The orders that the marked vertebrae of a film may determine.
+fn orders_of(outline: &Outline) -> std::ops::RangeInclusive<usize> {
+    let most = outline.measured().count().saturating_sub(VERTEBRAE_ABOVE_ORDER);
+    *ORDERS.start()..=most.clamp(*ORDERS.start(), *ORDERS.end())
+}
+
 fn graph_rows(outline: &Outline, t_mm: &[f64], terms: usize) -> Rows {
     let end_mm = t_mm[t_mm.len() - 1];
     let noise = outline.noise;
-    // L4 is met exactly by the basis, and has no row.
-    let measured = &outline.vertebrae[1..];
+    let measured = measured_above_base(outline, t_mm);
     let mut matrix = DMatrix::zeros(2 * measured.len(), terms);
     let mut target = DVector::zeros(2 * measured.len());
-    for (i, (vertebra, &t)) in measured.iter().zip(&t_mm[1..]).enumerate() {
+    for (i, (vertebra, t)) in measured.into_iter().enumerate() {
         let slope = -vertebra.tilt.rad().tan();
         let slope_sd = noise.tilt.rad() * (1.0 + slope * slope);
         target[2 * i] = vertebra.location.y_mm / noise.location_mm;
@@ -281,10 +305,10 @@ fn graph_rows(outline: &Outline, t_mm: &[f64], terms: usize) -> Rows {
 fn parametric_rows(outline: &Outline, t_mm: &[f64], terms: usize) -> Rows {
     let end_mm = t_mm[t_mm.len() - 1];
     let noise = outline.noise;
-    let measured = &outline.vertebrae[1..];
+    let measured = measured_above_base(outline, t_mm);
     let mut matrix = DMatrix::zeros(3 * measured.len(), 2 * terms);
     let mut target = DVector::zeros(3 * measured.len());
-    for (i, (vertebra, &t)) in measured.iter().zip(&t_mm[1..]).enumerate() {
+    for (i, (vertebra, t)) in measured.into_iter().enumerate() {
         // The tangent has no component across the measured axis: cos θ y' + sin θ (1 + z') = 0.
         let (sin, cos) = vertebra.tilt.rad().sin_cos();
         target[3 * i] = vertebra.location.y_mm / noise.location_mm;

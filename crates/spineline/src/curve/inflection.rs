@@ -98,7 +98,7 @@ impl Inflections {
     #[must_use]
     pub fn picked(mut self, fit: &CurveFit, sites: [Site; 2]) -> Self {
         let at = |site: Site| {
-            let t = |level: Level| level.model_index().map_or(0.0, |i| fit.vertebra_t_mm[i]);
+            let t = |level: Level| fit.vertebra_t_mm[fit.levels.nearest_index(level)];
             inflection_at(fit, 0.5 * (t(site.inferior) + t(site.superior)))
         };
         let mut pair = sites.map(at);
@@ -109,13 +109,9 @@ impl Inflections {
 }
 
 fn inflection_at(fit: &CurveFit, t_mm: f64) -> Inflection {
-    let above =
-        fit.vertebra_t_mm.iter().position(|&t| t > t_mm).unwrap_or(Level::MODEL.len() - 1).max(1);
-    Inflection {
-        t_mm,
-        erect: fit.curve.point(t_mm),
-        between: (Level::MODEL[above - 1], Level::MODEL[above]),
-    }
+    let levels = fit.levels.as_slice();
+    let above = fit.vertebra_t_mm.iter().position(|&t| t > t_mm).unwrap_or(levels.len() - 1).max(1);
+    Inflection { t_mm, erect: fit.curve.point(t_mm), between: (levels[above - 1], levels[above]) }
 }
 
 /// Parameters at which the curvature changes its sign, to 1e-10 of the curve's length.

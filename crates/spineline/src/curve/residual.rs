@@ -30,7 +30,7 @@ impl CurveResidual {
 }
 
 impl CurveFit {
-    /// What the fit leaves of every vertebra above L4, which the curve meets by construction. Their root mean squares are
+    /// What the fit leaves of every marked vertebra above L4 (the base), which the curve meets by construction. Their root mean squares are
     /// [`CurveFit::rmse_mm`] and [`CurveFit::rmse_tilt`].
     ///
     /// # Definition
@@ -39,11 +39,10 @@ impl CurveFit {
     #[must_use]
     pub fn residuals(&self, outline: &Outline) -> Vec<CurveResidual> {
         let mut all: Vec<CurveResidual> = outline
-            .vertebrae
-            .iter()
-            .zip(&self.vertebra_t_mm)
+            .measured()
             .skip(1)
-            .map(|(vertebra, &t)| CurveResidual {
+            .map(|(i, vertebra)| (vertebra, self.vertebra_t_mm[i]))
+            .map(|(vertebra, t)| CurveResidual {
                 level: vertebra.level,
                 measured: vertebra.location,
                 on_curve: self.curve.point(t),

@@ -96,17 +96,26 @@ pub struct Simulation {
     pub tilts: Vec<Angle>,
     /// Simulated minus measured Ferguson angle per region.
     pub ferguson_difference: [Angle; 3],
-    /// Distance between simulated and measured location of L3…T2: E_LOC.
+    /// The vertebrae above the base that the film shows, caudal first: L3…T2 where none is missing.
+    pub compared: Vec<Level>,
+    /// Distance between simulated and measured location of each of them: E_LOC.
     pub location_errors_mm: Vec<f64>,
     /// Joints that turn against the moment of this force.
     pub contradicted: Vec<ContradictedJoint>,
 }
 
 impl Simulation {
-    /// The levels that can move, in the order of [`Simulation::location_errors_mm`].
+    /// Distance between simulated and measured location of a vertebra; `None` where the film does not show it.
     #[must_use]
-    pub fn mobile_levels() -> &'static [Level] {
-        &Level::MODEL[1..]
+    pub fn location_error_mm(&self, level: Level) -> Option<f64> {
+        let place = self.compared.iter().position(|&own| own == level)?;
+        self.location_errors_mm.get(place).copied()
+    }
+
+    /// Number of joints that can turn.
+    #[must_use]
+    pub fn joints(&self) -> usize {
+        self.locations.len() - 1
     }
 
     /// Whether the shape may be shown as a result.
@@ -150,7 +159,7 @@ impl Simulation {
 /// let bend = analysis.posture(Posture::LeftBending).ok_or("no left bend")?;
 /// let [caudal, cranial] = bend.inflection_points.ok_or("no two inflections")?;
 /// let line = LineOfAction::through(caudal, cranial)?;
-/// let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint());
+/// let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint(analysis.levels()));
 /// let statics = Statics::new(&analysis.spine, &library, &groups, &[0.0; 14], Support::Free);
 /// let target = Target::NearestT2(None);
 /// let found =
@@ -213,11 +222,11 @@ pub fn simulate(
         alternatives,
         tilts: (0..measured.len()).map(|i| deformed.tilt(i)).collect(),
         ferguson_difference,
-        location_errors_mm: locations
-            .iter()
-            .zip(&measured)
+        compared: film.measured().skip(1).map(|(_, vertebra)| vertebra.level).collect(),
+        location_errors_mm: film
+            .measured()
             .skip(1)
-            .map(|(a, b)| a.distance_mm(*b))
+            .map(|(i, vertebra)| locations[i].distance_mm(vertebra.location))
             .collect(),
         locations,
         contradicted: Vec::new(),

@@ -374,14 +374,18 @@ fn prediction(
     let measured = &film.outline.vertebrae;
     let locations: Vec<Frontal> = (0..measured.len()).map(|i| loaded.location(i)).collect();
     let tilts: Vec<Angle> = (0..measured.len()).map(|i| loaded.tilt(i)).collect();
-    let squares: f64 = (1..measured.len())
+    // The turns of joints between marked vertebrae.
+    let turned = || {
+        (1..measured.len()).filter(|&i| measured[i].is_measured() && measured[i - 1].is_measured())
+    };
+    let squares: f64 = turned()
         .map(|i| {
             // L4's tilt on a turned base is the base's; as it was read it is zero.
             let simulated = tilts[i] - tilts[i - 1];
             (simulated - (measured[i].tilt - measured[i - 1].tilt)).wrapped().rad().powi(2)
         })
         .sum();
-    let joints = (measured.len() - 1) as f64;
+    let joints = turned().count() as f64;
     ShapePrediction {
         posture: film.outline.posture,
         role,
@@ -392,6 +396,7 @@ fn prediction(
             .iter()
             .zip(measured)
             .skip(1)
+            .filter(|(_, vertebra)| vertebra.is_measured())
             .map(|(simulated, vertebra)| simulated.distance_mm(vertebra.location))
             .collect(),
         locations,
@@ -403,18 +408,17 @@ fn prediction(
 /// Joints that turn against the moment of a load of given components.
 fn against(film: &JointResponses, components: &[f64]) -> CounterRotatingJoints {
     let moments = film.compliances.iter().enumerate().map(|(j, c)| film.turn(j, components) / c);
-    let works: Vec<(f64, f64)> =
-        moments.zip(&film.rotations).map(|(moment, &turn)| (moment * turn, turn)).collect();
-    let total: f64 = works.iter().map(|(work, _)| work.abs()).sum();
+    let works: Vec<f64> =
+        moments.zip(&film.rotations).map(|(moment, turn)| moment * turn).collect();
+    let total: f64 = works.iter().map(|work| work.abs()).sum();
     // A joint that does not turn but for rounding contradicts nothing.
-    let contrary: Vec<&(f64, f64)> =
-        works.iter().filter(|(work, _)| *work < -1e-9 * total).collect();
+    let contrary: Vec<usize> = (0..works.len()).filter(|&j| works[j] < -1e-9 * total).collect();
     CounterRotatingJoints {
         joints: contrary.len(),
         beyond_noise: contrary
             .iter()
-            .filter(|(_, turn)| turn.abs() > 2.0 * film.rotation_sd)
+            .filter(|&&j| film.rotations[j].abs() > 2.0 * film.rotation_sds[j])
             .count(),
-        weight: contrary.iter().map(|(work, _)| work.abs()).sum::<f64>() / total,
+        weight: contrary.iter().map(|&j| works[j].abs()).sum::<f64>() / total,
     }
 }

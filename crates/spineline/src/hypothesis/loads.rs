@@ -2,7 +2,7 @@
 
 use super::{HypothesisFilm, LoadShape, Spine};
 use crate::action::LineOfAction;
-use crate::anatomy::{Level, trunk_weight_share};
+use crate::anatomy::trunk_weight_shares;
 use crate::multibody::{BodyLoad, LoadItem, Timing};
 use crate::spatial::{Angle, Frontal, Vec3, rotation_x};
 
@@ -135,8 +135,8 @@ pub(super) fn unit_loads(
         }
         LoadShape::Weight => {
             let down = in_space(Frontal::new(0.0, -1.0).rotated(-film.outline.l4_on_film));
-            let levels = Level::MODEL.iter().enumerate().skip(1);
-            vec![levels.map(|(v, &level)| at(v, down * trunk_weight_share(level))).collect()]
+            let shares = trunk_weight_shares(spine.erect.levels());
+            vec![shares.into_iter().zip(1..).map(|(share, v)| at(v, down * share)).collect()]
         }
         LoadShape::Lateral => {
             vec![shares().iter().map(|&(v, share, _)| at(v, sideways * share)).collect()]

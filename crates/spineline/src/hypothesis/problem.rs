@@ -197,11 +197,13 @@ pub(super) struct FittedFilm<'a> {
     /// Place of its components among the unknowns; the base's angle follows them.
     pub first: usize,
     weights: ShapeWeights,
+    /// The vertebrae that have rows, by their place, with their weights.
+    rows: Vec<(usize, ShapeWeights)>,
 }
 
 /// Residuals of all films for given unknowns: `ln α` of every group, then per film the components and perhaps the base's angle.
 ///
-/// Rows are locations and tilts of L3…T2 over the deviation of their difference from the erect film's, then per film the
+/// Rows are locations and tilts of the vertebrae above the base that the film shows, over the deviation of their difference from the erect film's, then per film the
 /// base's angle over its deviation where that is known, then the gauge.
 pub(super) struct ShapeProblem<'a> {
     spine: Spine<'a>,
@@ -224,11 +226,13 @@ impl<'a> ShapeProblem<'a> {
             .iter()
             .enumerate()
             .map(|(i, film)| {
+                let weights = ShapeWeights::of_difference(&film.outline.noise, &spine.erect.noise);
                 Some(FittedFilm {
                     outline: film.outline,
                     loaded: LoadedFilm::new(hypothesis, film, spine)?,
                     first: spine.groups.len() + i * per_film,
-                    weights: ShapeWeights::of_difference(&film.outline.noise, &spine.erect.noise),
+                    rows: weights.of_vertebrae(film.outline, spine.model),
+                    weights,
                 })
             })
             .collect::<Option<_>>()?;
@@ -240,14 +244,15 @@ impl<'a> ShapeProblem<'a> {
             + self.films.len() * (self.hypothesis.load.components() + self.hypothesis.base.angles())
     }
 
-    fn rows_per_film(&self) -> usize {
-        ROWS_PER_VERTEBRA * (self.spine.model.midpoints_mm.len() - 1)
+    /// Rows of the shapes of all films.
+    fn shape_rows(&self) -> usize {
+        self.films.iter().map(|film| ROWS_PER_VERTEBRA * film.rows.len()).sum()
     }
 
     /// Rows of what was measured: a base of known deviation counts as one measured number per film.
     pub fn data_rows(&self) -> usize {
         let prior = usize::from(self.hypothesis.base == Base::Noisy);
-        self.films.len() * (self.rows_per_film() + prior)
+        self.shape_rows() + self.films.len() * prior
     }
 
     pub fn rows(&self) -> usize {
@@ -287,17 +292,18 @@ impl<'a> ShapeProblem<'a> {
     pub fn evaluate(&mut self, x: &DVector<f64>, system: &mut System) -> bool {
         let g = self.spine.groups.len();
         let statics = statics(&self.spine, &x.as_slice()[..g]);
-        let rows = self.rows_per_film();
+        let mut row = 0;
         system.jacobian.fill(0.0);
         for index in 0..self.films.len() {
             let (components, base) = self.of_film(index, x.as_slice());
             if !self.films[index].loaded.solve(&statics, components, base) {
                 return false;
             }
-            self.film_rows(index, index * rows, system);
+            self.film_rows(index, row, system);
+            row += ROWS_PER_VERTEBRA * self.films[index].rows.len();
         }
         if self.hypothesis.base == Base::Noisy {
-            let first = self.films.len() * rows;
+            let first = self.shape_rows();
             for (i, film) in self.films.iter().enumerate() {
                 let column = film.first + self.hypothesis.load.components();
                 system.residuals[first + i] = x[column] / film.weights.tilt_sd_rad;
@@ -313,18 +319,19 @@ impl<'a> ShapeProblem<'a> {
         let g = self.spine.groups.len();
         let film = &self.films[index];
         let free = g + self.hypothesis.load.components() + self.hypothesis.base.angles();
-        for (i, vertebra) in film.outline.vertebrae.iter().enumerate().skip(1) {
-            let row = row + ROWS_PER_VERTEBRA * (i - 1);
+        for (place, &(i, weights)) in film.rows.iter().enumerate() {
+            let vertebra = &film.outline.vertebrae[i];
+            let row = row + ROWS_PER_VERTEBRA * place;
             let off = film.loaded.location(i) - vertebra.location;
             let turn = film.loaded.tilt(i) - vertebra.tilt;
-            for (k, residual) in film.weights.residuals(off, turn).into_iter().enumerate() {
+            for (k, residual) in weights.residuals(off, turn).into_iter().enumerate() {
                 system.residuals[row + k] = residual;
             }
             for p in 0..free {
                 let column = if p < g { p } else { film.first + p - g };
                 let (location, tilt) =
                     (film.loaded.location_rate(p, i), film.loaded.tilt_rate(p, i));
-                let rates = film.weights.derivatives(location, tilt);
+                let rates = weights.derivatives(location, tilt);
                 for (k, rate) in rates.into_iter().enumerate() {
                     system.jacobian[(row + k, column)] = rate;
                 }

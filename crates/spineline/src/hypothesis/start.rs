@@ -15,8 +15,10 @@ pub(super) struct JointResponses {
     pub by_component: Vec<Vec<f64>>,
     /// Nominal rotation per moment.
     pub compliances: Vec<f64>,
-    /// Deviation of a measured rotation.
-    pub rotation_sd: f64,
+    /// Deviation of every measured rotation.
+    pub rotation_sds: Vec<f64>,
+    /// Of one between marked vertebrae.
+    rotation_sd: f64,
 }
 
 impl JointResponses {
@@ -37,6 +39,9 @@ impl JointResponses {
                 })
                 .collect(),
             compliances: joints().map(|joint| joint.compliance_rad_per_nmm).collect(),
+            rotation_sds: (0..evidence.joints.len())
+                .map(|joint| evidence.joint_rotation_sd(joint).rad())
+                .collect(),
             rotation_sd: evidence.rotation_sd().rad(),
         }
     }
@@ -46,17 +51,23 @@ impl JointResponses {
         self.by_component[joint].iter().zip(components).map(|(a, c)| a * c).sum()
     }
 
+    /// Square root of a joint's weight: 1, or less next to an interpolated vertebra.
+    fn relative(&self, joint: usize) -> f64 {
+        self.rotation_sd / self.rotation_sds[joint]
+    }
+
     /// Components by least squares on the rotations, for given multipliers.
     pub fn components(&self, groups: &[usize], log_multipliers: &[f64]) -> Vec<f64> {
         let k = self.by_component[0].len();
         let rows = DMatrix::from_fn(self.rotations.len(), k, |j, a| {
-            self.by_component[j][a] * (-log_multipliers[groups[j]]).exp()
+            self.by_component[j][a] * (-log_multipliers[groups[j]]).exp() * self.relative(j)
         });
         // Newtons and newton millimetres differ by hundreds.
         let scale: Vec<f64> =
             rows.column_iter().map(|c| 1.0 / c.norm().max(f64::MIN_POSITIVE)).collect();
         let scaled = DMatrix::from_fn(rows.nrows(), k, |j, a| rows[(j, a)] * scale[a]);
-        let right = DVector::from_column_slice(&self.rotations);
+        let right =
+            DVector::from_fn(self.rotations.len(), |j, _| self.rotations[j] * self.relative(j));
         let found = scaled.svd(true, true).solve(&right, 1e-9);
         let found = found.unwrap_or_else(|_| DVector::zeros(k));
         found.iter().zip(&scale).map(|(value, scale)| value * scale).collect()
@@ -72,8 +83,8 @@ pub(super) fn alternate(films: &[JointResponses], spine: &Spine<'_>) -> (Vec<f64
         let mut sums = vec![(0.0, 0.0); g];
         for film in films {
             let components = film.components(groups, &logs);
-            let weight = film.rotation_sd.powi(-2);
             for (j, rotation) in film.rotations.iter().enumerate() {
+                let weight = film.rotation_sds[j].powi(-2);
                 let turn = film.turn(j, &components);
                 sums[groups[j]].0 += weight * turn * rotation;
                 sums[groups[j]].1 += weight * turn * turn;

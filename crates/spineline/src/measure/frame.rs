@@ -1,5 +1,5 @@
 use super::{Film, FilmLandmarks, ImageGeometry, Outline};
-use crate::anatomy::Level;
+use crate::anatomy::{Level, Levels};
 use crate::spatial::{Angle, Frontal, Pixel};
 
 /// Where the global frame of an outline lies on its film: points of `G` as sub-pixel places of the picture, and back.
@@ -122,16 +122,19 @@ pub fn endplate_centres(film: &Film, frame: &FilmFrame, level: Level) -> Option<
     })
 }
 
-/// Mean widths of the bodies L4 to T2 over endplates and readings, in the film's millimetres, or in pixels where it has no
-/// spacing; `None` where a corner is missing.
+/// Mean widths of some bodies over endplates and readings, in the film's millimetres, or in pixels where it has no
+/// spacing; `None` for a vertebra without corners.
 #[must_use]
-pub fn body_widths(film: &Film) -> Option<Vec<f64>> {
-    Some(body_shapes(film)?.into_iter().map(|[_, width]| width).collect())
+pub fn body_widths(film: &Film, levels: Levels) -> Vec<Option<f64>> {
+    let width = |shape: Option<[f64; 2]>| shape.map(|[_, width]| width);
+    body_shapes(film, levels).into_iter().map(width).collect()
 }
 
-/// Mean height of the two sides and mean width of the endplates of the bodies L4 to T2, as [`body_widths`].
-pub(crate) fn body_shapes(film: &Film) -> Option<Vec<[f64; 2]>> {
-    let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return None };
+/// Mean height of the two sides and mean width of the endplates of some bodies, as [`body_widths`].
+pub(crate) fn body_shapes(film: &Film, levels: Levels) -> Vec<Option<[f64; 2]>> {
+    let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else {
+        return vec![None; levels.len()];
+    };
     let shape = |level: Level| {
         let landmarks = readings.iter().filter_map(|reading| reading.vertebrae.get(&level));
         let shapes: Vec<[f64; 2]> = landmarks
@@ -148,5 +151,5 @@ pub(crate) fn body_shapes(film: &Film) -> Option<Vec<[f64; 2]>> {
             |side: usize| shapes.iter().map(|shape| shape[side]).sum::<f64>() / shapes.len() as f64;
         (!shapes.is_empty()).then(|| [mean(0), mean(1)])
     };
-    Level::MODEL.into_iter().map(shape).collect()
+    levels.iter().map(shape).collect()
 }

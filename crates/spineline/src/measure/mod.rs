@@ -19,6 +19,7 @@ mod corners;
 mod evidence;
 mod film;
 mod frame;
+mod interpolation;
 mod lateral;
 mod marking;
 mod marking_proposal;
@@ -27,8 +28,11 @@ mod neighbours;
 mod noise;
 mod order;
 mod outline;
+mod outline_checks;
+mod placing;
 mod plausibility;
 mod readings;
+mod seen_levels;
 mod spacing;
 mod tilt;
 mod view;
@@ -44,6 +48,8 @@ pub use film::{
 };
 pub(crate) use frame::body_shapes;
 pub use frame::{FilmFrame, body_widths, endplate_centres};
+pub use interpolation::Interpolation;
+pub(crate) use interpolation::InterpolationError;
 pub use lateral::{LateralCorners, LateralFault, LateralFilm};
 pub use marking::{MarkedBody, MarkingFault, PartialLandmarks, PartialReading, turn_axis_towards};
 pub use marking_proposal::{CornerName, NextLandmark, ProposedVertebra};
@@ -55,6 +61,8 @@ pub use outline::{MeasuredVertebra, Outline, check_landmarks, measure_film};
 pub use plausibility::{judge_landmarks, judge_reading};
 pub(crate) use plausibility::{same_landmarks, warn_of_implausible_landmarks};
 pub use readings::{FilmReadings, measure_readings};
+pub use seen_levels::shows_enough;
+pub(crate) use seen_levels::{common_levels, seen_levels, warn_of_shortened_chain};
 pub use spacing::{LengthScale, Spacing, SpacingPlane, SpacingSource};
 pub use tilt::{EndplateTilts, TiltRule};
 pub use view::{
@@ -62,7 +70,7 @@ pub use view::{
     judge_view,
 };
 
-use crate::anatomy::{Level, Posture};
+use crate::anatomy::{Level, Levels, Posture};
 
 /// Marks from which no measurement can be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -112,13 +120,57 @@ pub enum MeasureError {
         /// What it is.
         value: f64,
     },
-    /// A vertebra of the model was marked in no reading.
-    #[error("{posture} film: {level} is not marked in any reading")]
-    LevelMissing {
+    /// The film does not show enough of the thoracic spine.
+    #[error(
+        "{posture} film: {}, and a model needs all up to {} or higher", match highest {
+            Some(highest) => format!("no vertebra above {highest} is marked in any reading"),
+            None => "no vertebra from L4 to T2 is marked in any reading".to_owned(),
+        },
+        Levels::LOWEST_TOP
+    )]
+    TopMissing {
         /// Film.
         posture: Posture,
-        /// Vertebra.
-        level: Level,
+        /// The highest vertebra of the model that is marked.
+        highest: Option<Level>,
+    },
+    /// The film does not show enough of the lumbar spine.
+    #[error(
+        "{posture} film: no vertebra below {lowest} is marked in any reading, and a model needs L4, L3 or {} as its fixed base",
+        Levels::HIGHEST_BASE
+    )]
+    BaseMissing {
+        /// Film.
+        posture: Posture,
+        /// The lowest vertebra of the model that is marked.
+        lowest: Level,
+    },
+    /// No vertebra at which a model may end is marked on every film.
+    #[error(
+        "{posture} film: {} is marked on every film, and this one lacks most of them",
+        if *at_base { format!("none of L4 to {}", Levels::HIGHEST_BASE) } else { format!("none of {} to T2", Levels::LOWEST_TOP) }
+    )]
+    NoCommonEnd {
+        /// The film that lacks most of the vertebrae in question.
+        posture: Posture,
+        /// Whether it is about the base; else about the top.
+        at_base: bool,
+    },
+    /// So many neighbouring vertebrae are missing that those around them do not determine where they are.
+    #[error(
+        "{posture} film: {missing} vertebrae in a row are not marked, between {inferior} and {superior}, and at most {limit} can be interpolated"
+    )]
+    Gap {
+        /// Film.
+        posture: Posture,
+        /// The marked vertebra below.
+        inferior: Level,
+        /// The marked vertebra above.
+        superior: Level,
+        /// Vertebrae between them.
+        missing: usize,
+        /// The most that can be.
+        limit: usize,
     },
     /// A coordinate or an angle is no finite number.
     #[error("{posture} film, observer {id}, {level}: a coordinate is not a number")]
@@ -256,7 +308,10 @@ impl MeasureError {
             Self::NoObserver { .. } => "no_observer",
             Self::AxesExchanged { .. } => "axes_exchanged",
             Self::Spacing { .. } => "spacing",
-            Self::LevelMissing { .. } => "level_missing",
+            Self::TopMissing { .. }
+            | Self::BaseMissing { .. }
+            | Self::NoCommonEnd { .. }
+            | Self::Gap { .. } => "level_missing",
             Self::NotFinite { .. } => "not_finite",
             Self::Confidence { .. } => "confidence",
             Self::OffImage { .. } => "off_image",
@@ -273,6 +328,9 @@ impl MeasureError {
     #[must_use]
     pub fn help(&self) -> &'static str {
         match self {
+            Self::NoReading { posture: Posture::Erect } => {
+                "mark the vertebrae of the erect film; no analysis can do without it"
+            }
             Self::NoReading { .. } => {
                 "mark the vertebrae of this film, or leave the film out of the case"
             }
@@ -284,9 +342,34 @@ impl MeasureError {
                 "landmarks are [column, row]: exchange the two numbers of every landmark of this reading"
             }
             Self::Spacing { .. } => "state the distance between pixel centres in mm",
-            Self::LevelMissing { .. } => {
-                "mark this vertebra, or leave this film out of the case (only the erect film is needed)"
-            }
+            Self::TopMissing { posture, .. } => match posture {
+                Posture::Erect => {
+                    "mark the vertebrae of the erect film upwards to T6 at least; no analysis can do without this film"
+                }
+                _ => {
+                    "mark its vertebrae upwards to T6 at least, or leave this film out of the case"
+                }
+            },
+            Self::BaseMissing { posture, .. } => match posture {
+                Posture::Erect => {
+                    "mark L2 and, where they are seen, L3 and L4 on the erect film; no analysis can do without this film"
+                }
+                _ => {
+                    "mark L2 and, where they are seen, L3 and L4, or leave this film out of the case"
+                }
+            },
+            Self::NoCommonEnd { posture, .. } => match posture {
+                Posture::Erect => {
+                    "mark one of these vertebrae on all films, or leave out films that do not show those of the erect film"
+                }
+                _ => "mark one of these vertebrae on all films, or leave this film out of the case",
+            },
+            Self::Gap { posture, .. } => match posture {
+                Posture::Erect => {
+                    "mark one of them at least on the erect film; no analysis can do without this film"
+                }
+                _ => "mark one of them at least, or leave this film out of the case",
+            },
             Self::NotFinite { .. } => "mark this vertebra again",
             Self::Confidence { .. } => {
                 "give the probability that the program assigns to the landmark, or no confidence at all"

@@ -1,17 +1,18 @@
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::confidence::check_confidence;
 use super::corners::normal_tilt;
+use super::interpolation::interpolate;
 use super::midline::warn_of_source;
-use super::order::{MIN_SPACING_SHARE, steps, typical_distance_mm};
-use super::plausibility::fits_exchanged;
+use super::order::typical_distance_mm;
+use super::outline_checks::{check_marked, warn_of_gaps, warn_of_interpolated};
+use super::placing::warn_of_unusable_ends;
 use super::spacing::is_spacing;
 use super::{
-    CornerFault, Corners, EndplateTilts, Film, FilmLandmarks, IliacCrests, ImageGeometry,
-    LengthScale, MeasureError, Noise, Placement, Reading, ReadingId, SpacingPlane, TiltRule,
-    VertebraLandmarks, measure_readings,
+    EndplateTilts, Film, FilmLandmarks, IliacCrests, ImageGeometry, Interpolation, LengthScale,
+    MeasureError, Noise, Placement, Reading, ReadingId, SpacingPlane, TiltRule, common_levels,
+    measure_readings, seen_levels, warn_of_shortened_chain,
 };
-use crate::anatomy::{Level, Posture};
+use crate::anatomy::{Level, Levels, Posture};
 use crate::spatial::{Angle, Frontal};
 use crate::warning::{Step, Warnings};
 
@@ -26,8 +27,18 @@ pub struct MeasuredVertebra {
     pub tilt: Angle,
     /// Tilts of its endplates against L4, means over the readings; `None` where its corners are not known.
     pub endplates: Option<EndplateTilts>,
-    /// Readings that marked it.
+    /// Readings that marked it; none for an interpolated vertebra.
     pub readings: usize,
+    /// For a vertebra that no reading marked: from what it was interpolated, and how uncertain it is.
+    pub interpolated: Option<Interpolation>,
+}
+
+impl MeasuredVertebra {
+    /// Whether some reading marked it.
+    #[must_use]
+    pub const fn is_measured(&self) -> bool {
+        self.interpolated.is_none()
+    }
 }
 
 /// The measured spine of one posture, in the global frame `G`.
@@ -35,9 +46,10 @@ pub struct MeasuredVertebra {
 pub struct Outline {
     /// Position of the patient.
     pub posture: Posture,
-    /// L4…T2, in the order of [`Level::MODEL`].
+    /// The vertebrae of the model, caudal first: L4…T2, or the part of it that all films of the patient show ([`Levels`]).
+    /// One that this film does not show between its neighbours is interpolated.
     pub vertebrae: Vec<MeasuredVertebra>,
-    /// Marked levels that are not part of the model (L5, T1).
+    /// Marked levels that are not part of the model: L5, T1, and what another film of the patient does not show.
     pub others: Vec<MeasuredVertebra>,
     /// Lateral tilt of the normal of the iliac line in `G`; `None` where the crests were not marked.
     pub iliac_normal: Option<Angle>,
@@ -45,9 +57,9 @@ pub struct Outline {
     pub iliac_middle: Option<Frontal>,
     /// Tilt of the film's vertical in `G`; `None` for locations and tilts of another program, whose frame need not be upright.
     pub vertical: Option<Angle>,
-    /// L4's tilt on the film, which `G` has taken out.
+    /// Tilt of L4 (of the base where that is another vertebra) on the film, which `G` has taken out.
     pub l4_on_film: Angle,
-    /// L4's midpoint in the film's own frame, which is the origin of `G`.
+    /// Midpoint of L4 (of the base) in the film's own frame, which is the origin of `G`.
     pub l4_midpoint_on_film: Frontal,
     /// Deviation of the measured values.
     pub noise: Noise,
@@ -58,18 +70,39 @@ pub struct Outline {
 }
 
 impl Outline {
-    /// A vertebra of the model, or L5 or T1 where they were marked.
+    /// The vertebrae of the model.
+    ///
+    /// # Panics
+    /// For an outline that was put together from other vertebrae than neighbours among L4 to T2.
+    #[must_use]
+    pub fn levels(&self) -> Levels {
+        let ends = self.vertebrae.first().zip(self.vertebrae.last());
+        let levels = ends.and_then(|(base, top)| Levels::between(base.level, top.level));
+        levels.expect("an outline has neighbouring vertebrae of the model")
+    }
+
+    /// The vertebrae of the model that this film shows, with their places in it.
+    pub fn measured(&self) -> impl Iterator<Item = (usize, &MeasuredVertebra)> {
+        self.vertebrae.iter().enumerate().filter(|(_, vertebra)| vertebra.is_measured())
+    }
+
+    /// The vertebrae of the model that this film does not show, which are interpolated.
+    pub fn interpolated(&self) -> impl Iterator<Item = (&MeasuredVertebra, &Interpolation)> {
+        self.vertebrae.iter().filter_map(|v| Some((v, v.interpolated.as_ref()?)))
+    }
+
+    /// A vertebra of the model, or another one that was marked.
     #[must_use]
     pub fn vertebra(&self, level: Level) -> Option<&MeasuredVertebra> {
         self.vertebrae.iter().chain(&self.others).find(|vertebra| vertebra.level == level)
     }
 
-    /// The locations of L4…T2.
+    /// The locations of the model's vertebrae.
     pub fn locations(&self) -> impl Iterator<Item = Frontal> {
         self.vertebrae.iter().map(|vertebra| vertebra.location)
     }
 
-    /// Lateral tilt of the line L4→T2 relative to the normal of the iliac line, or against L4's axis where no crest was marked.
+    /// Lateral tilt of the line from base to top (L4→T2) relative to the normal of the iliac line, or against L4's axis where no crest was marked.
     ///
     /// This is the amplitude of a bend [petit-2004], between the ends of the model. Positive to the right.
     #[must_use]
@@ -111,44 +144,50 @@ pub fn measure_film(
     rule: TiltRule,
     warnings: &mut Warnings,
 ) -> Result<Outline, MeasureError> {
-    outline_of(film, &measure_readings(film, rule)?, warnings)
+    let readings = measure_readings(film, rule)?;
+    let seen = [(film.posture, seen_levels(&readings))];
+    let levels = common_levels(&seen)?;
+    warn_of_shortened_chain(levels, &seen, warnings);
+    outline_of(film, &readings, levels, warnings)
 }
 
-/// The outline of a film whose readings were measured before.
+/// The outline of a film whose readings were measured before; its base and its top are marked.
 pub(crate) fn outline_of(
     film: &Film,
     readings: &[Reading<Placement>],
+    levels: Levels,
     warnings: &mut Warnings,
 ) -> Result<Outline, MeasureError> {
     let posture = film.posture;
+    warn_of_unusable_ends(film, warnings);
     let PlacedFilm { readings: placed, scale, iliac_normal, iliac_middle } =
         place_film(film, readings, warnings)?;
     let on_film = average(&placed);
     let observers: Vec<&str> = readings.iter().map(|one| one.id.observer.as_str()).collect();
-    let base =
-        on_film.get(&Level::L4).ok_or(MeasureError::LevelMissing { posture, level: Level::L4 })?.0;
-    // The global frame: L4's midpoint is the origin, and L4's own axis is +Z.
-    let in_global: BTreeMap<Level, MeasuredVertebra> = on_film
+    let base = levels.base();
+    let (base, _) = *on_film
+        .get(&base)
+        .ok_or(MeasureError::BaseMissing { posture, lowest: Levels::HIGHEST_BASE })?;
+    // The global frame: the base's (L4's) midpoint is the origin, and its own axis is +Z.
+    let mut in_global: BTreeMap<Level, MeasuredVertebra> = on_film
         .iter()
         .map(|(&level, &(placement, readings))| {
             let location = (placement.location - base.location).rotated(-base.tilt);
             let tilt = (placement.tilt - base.tilt).wrapped();
             let endplates = placement.endplates.map(|tilts| tilts.against(base.tilt));
-            (level, MeasuredVertebra { level, location, tilt, endplates, readings })
+            let interpolated = None;
+            (level, MeasuredVertebra { level, location, tilt, endplates, readings, interpolated })
         })
         .collect();
-    let vertebrae = Level::MODEL
-        .into_iter()
-        .map(|level| {
-            in_global.get(&level).copied().ok_or(MeasureError::LevelMissing { posture, level })
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    let marked: Vec<MeasuredVertebra> = in_global.values().copied().collect();
-    check_order(posture, &marked, &scale, warnings)?;
+    check_marked(posture, &mut in_global, &scale, warnings)?;
+    let noise = Noise::of_means(&observers, &placed, &on_film);
+    let vertebrae = vertebrae_of(posture, levels, &in_global, &noise)?;
+    warn_of_interpolated(posture, &vertebrae, &scale, warnings);
     let iliac_normal = iliac_normal.map(|normal| (normal - base.tilt).wrapped());
     if let Some(normal) = iliac_normal.filter(|normal| normal.abs() > Angle::from_deg(60.0)) {
         let text = format!(
-            "the angle between the iliac line and L4 is {:.0}°: the left and right crests may be exchanged",
+            "the angle between the iliac line and {} is {:.0}°: the left and right crests may be exchanged",
+            levels.base(),
             normal.abs().deg()
         );
         warnings.film(Step::Measure, "iliac_line_unusual", posture, text);
@@ -156,17 +195,41 @@ pub(crate) fn outline_of(
     warn_of_gaps(posture, &vertebrae, placed.len(), warnings);
     Ok(Outline {
         posture,
-        others: in_global.into_values().filter(|v| v.level.model_index().is_none()).collect(),
+        others: in_global.into_values().filter(|v| levels.index_of(v.level).is_none()).collect(),
         vertebrae,
         iliac_normal,
         iliac_middle: iliac_middle.map(|middle| (middle - base.location).rotated(-base.tilt)),
         vertical: matches!(film.landmarks, FilmLandmarks::Corners { .. }).then(|| -base.tilt),
         l4_on_film: base.tilt,
         l4_midpoint_on_film: base.location,
-        noise: Noise::of_means(&observers, &placed, &on_film),
+        noise,
         scale,
         readings: placed.len(),
     })
+}
+
+/// The vertebrae of the model on a film, those without landmarks from their neighbours.
+fn vertebrae_of(
+    posture: Posture,
+    levels: Levels,
+    marked: &BTreeMap<Level, MeasuredVertebra>,
+    noise: &Noise,
+) -> Result<Vec<MeasuredVertebra>, MeasureError> {
+    let vertebra = |level: Level| {
+        if let Some(found) = marked.get(&level) {
+            return Ok(*found);
+        }
+        let below = marked.range(levels.base()..level).next_back();
+        let above = marked.range(level..=levels.top()).next();
+        match below.zip(above) {
+            Some(((_, low), (_, high))) => Ok(interpolate(level, [low, high], noise)),
+            None => {
+                let highest = below.map(|(&level, _)| level);
+                Err(MeasureError::TopMissing { posture, highest })
+            }
+        }
+    };
+    levels.iter().map(vertebra).collect()
 }
 
 /// The readings of a film in millimetres, each in the film's own frame.
@@ -266,97 +329,6 @@ pub(super) fn check_placements(
     Ok(())
 }
 
-/// The vertebral bodies of one reading, in millimetres of the film; every corner lies on the picture.
-fn bodies_of(
-    posture: Posture,
-    image: &ImageGeometry,
-    reading: &Reading<VertebraLandmarks>,
-) -> Result<BTreeMap<Level, Corners<Frontal>>, MeasureError> {
-    let id = || reading.id.clone();
-    let mut bodies = BTreeMap::new();
-    for (&level, landmark) in &reading.vertebrae {
-        let finite = landmark.axis_clockwise.is_none_or(|axis| axis.rad().is_finite());
-        if !(finite && landmark.corners.points().iter().all(|corner| corner.is_finite())) {
-            return Err(MeasureError::NotFinite { posture, id: id(), level });
-        }
-        check_confidence(posture, &reading.id, level, landmark)?;
-        if let Some(corner) =
-            landmark.corners.points().into_iter().find(|&corner| !image.contains(corner))
-        {
-            if fits_exchanged(image, reading) {
-                let count = reading.vertebrae.len();
-                return Err(MeasureError::AxesExchanged { posture, id: id(), count });
-            }
-            let (column_px, row_px) = (corner.column_px, corner.row_px);
-            let (columns, rows) = (image.columns, image.rows);
-            return Err(MeasureError::OffImage {
-                posture,
-                id: id(),
-                level,
-                column_px,
-                row_px,
-                columns,
-                rows,
-            });
-        }
-        bodies.insert(level, landmark.corners.map(|corner| image.frontal(corner)));
-    }
-    Ok(bodies)
-}
-
-/// One reading in millimetres of the film: midpoints and tilts.
-pub(super) fn place(
-    posture: Posture,
-    image: &ImageGeometry,
-    reading: &Reading<VertebraLandmarks>,
-    rule: TiltRule,
-) -> Result<BTreeMap<Level, Placement>, MeasureError> {
-    let id = || reading.id.clone();
-    let bodies = bodies_of(posture, image, reading)?;
-    let fault = |level, fault| MeasureError::Corners { posture, id: id(), level, fault };
-
-    let mut centres = BTreeMap::new();
-    for (&level, body) in &bodies {
-        centres.insert(level, body.measure_location().map_err(|found| fault(level, found))?);
-    }
-    // The steps from body to body say where cranial is, so that a film may be held in any pose; a single
-    // misplaced body does not turn their sum.
-    let places: Vec<Frontal> = centres.values().copied().collect();
-    let cranial = places.windows(2).fold(Frontal::default(), |sum, pair| {
-        let step = pair[1] - pair[0];
-        sum + step * (1.0 / step.norm_mm().max(f64::MIN_POSITIVE))
-    });
-    let upside_down = |level: Level| places.len() > 1 && !bodies[&level].points_along(cranial);
-    let exchanged: Vec<Level> =
-        bodies.iter().filter(|(_, body)| !body.sides_agree()).map(|(&level, _)| level).collect();
-    if exchanged.len() == bodies.len()
-        && bodies.len() > 1
-        && !exchanged.iter().any(|&l| upside_down(l))
-    {
-        // Exchanged columns and rows mirror the spine too, and lay it across the film.
-        if cranial.y_mm.abs() > cranial.z_mm.abs() && fits_exchanged(image, reading) {
-            return Err(MeasureError::AxesExchanged { posture, id: id(), count: bodies.len() });
-        }
-        return Err(MeasureError::FilmMirrored { posture, id: id(), count: bodies.len() });
-    }
-    if let Some(level) = bodies.keys().copied().find(|&level| upside_down(level)) {
-        return Err(fault(level, CornerFault::UpsideDown));
-    }
-    if let Some(&level) = exchanged.first() {
-        return Err(fault(level, CornerFault::SidesExchanged));
-    }
-    Ok(bodies
-        .iter()
-        .map(|(&level, body)| {
-            let by_hand = reading.vertebrae[&level].axis_clockwise;
-            let tilt =
-                by_hand.map_or_else(|| rule.tilt_of(body), |axis| image.tilt_from_clockwise(axis));
-            let endplates = Some(body.measure_endplates());
-            (level, Placement { location: centres[&level], tilt, endplates })
-        })
-        .collect())
-}
-
 /// Readings in pixels, as if this spine had the typical length: no angle depends on it.
 fn scaled_from_pixels(
     posture: Posture,
@@ -439,52 +411,6 @@ fn mean_placement(all: &[Placement]) -> Placement {
         inferior: mean(all[0].inferior, &mut all.iter().map(|tilts| tilts.inferior)),
     });
     Placement { location, tilt, endplates }
-}
-
-fn check_order(
-    posture: Posture,
-    vertebrae: &[MeasuredVertebra],
-    scale: &LengthScale,
-    warnings: &mut Warnings,
-) -> Result<(), MeasureError> {
-    const TILT_LIMIT: Angle = Angle::from_deg(120.0);
-    if let Some(v) = vertebrae.iter().find(|v| v.tilt.abs() > TILT_LIMIT) {
-        let (tilt_deg, limit_deg) = (v.tilt.deg(), TILT_LIMIT.deg());
-        return Err(MeasureError::TiltTooLarge { posture, level: v.level, tilt_deg, limit_deg });
-    }
-    let placed: Vec<(Level, Placement)> =
-        vertebrae.iter().map(|v| (v.level, Placement::new(v.location, v.tilt))).collect();
-    for step in steps(&placed) {
-        let (inferior, superior, share) = (step.inferior, step.superior, step.share);
-        if step.is_out_of_order() {
-            let limit = MIN_SPACING_SHARE;
-            return Err(MeasureError::OutOfOrder { posture, inferior, superior, share, limit });
-        }
-        if step.is_unusual() {
-            let text = format!(
-                "{inferior} and {superior} are {} apart, {:.1} times the expected distance for this spine: check that no vertebra was skipped or marked twice",
-                scale.text(step.distance_mm, 1),
-                step.ratio
-            );
-            warnings.vertebra(Step::Measure, "spacing_unusual", posture, superior, text);
-        }
-    }
-    Ok(())
-}
-
-fn warn_of_gaps(
-    posture: Posture,
-    vertebrae: &[MeasuredVertebra],
-    readings: usize,
-    warnings: &mut Warnings,
-) {
-    for vertebra in vertebrae.iter().filter(|vertebra| vertebra.readings < readings) {
-        let text = format!(
-            "{} was marked in {} of {readings} readings; its mean is over those",
-            vertebra.level, vertebra.readings
-        );
-        warnings.vertebra(Step::Measure, "readings_incomplete", posture, vertebra.level, text);
-    }
 }
 
 /// The identity of a reading in errors and tests.

@@ -1,4 +1,5 @@
-use super::outline::{check_placements, check_readings, check_spacing, place};
+use super::outline::{check_placements, check_readings, check_spacing};
+use super::placing::place;
 use super::{Film, FilmLandmarks, MeasureError, Placement, Reading, SpacingPlane, TiltRule};
 use crate::anatomy::Posture;
 

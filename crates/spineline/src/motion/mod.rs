@@ -114,7 +114,7 @@ impl Motion {
 pub fn least_windows(fit: &CurveFit, erect: &ChainPose) -> [(usize, usize); 2] {
     MIN_WINDOWS.map(|(low, high)| {
         let segment = |level: Level| {
-            let t = level.model_index().map_or(0.0, |i| fit.vertebra_t_mm[i]);
+            let t = fit.vertebra_t_mm[fit.levels.nearest_index(level)];
             erect.t_mm.partition_point(|&joint| joint < t).clamp(1, erect.segments() - 1)
         };
         (segment(low), segment(high))

@@ -1,5 +1,5 @@
 use crate::anatomy::{Level, Morphometry, SagittalProfile};
-use crate::measure::Outline;
+use crate::measure::{Interpolation, Outline};
 use crate::spatial::{Angle, Frontal, Mat3, Vec3, rotation_x, rotation_y, rotation_z};
 
 /// One joint, fixed in its inferior vertebra.
@@ -16,12 +16,14 @@ pub struct Joint {
 /// The unloaded spine of one patient: vertebrae in the erect posture, and the joints between them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpineModel {
-    /// Midpoints in `G`, from the fixed L4 upwards.
+    /// Midpoints in `G`, from the fixed base (L4) upwards.
     pub midpoints_mm: Vec<Vec3>,
     /// Axes in `G`: columns are anterior, left and cranial of the vertebra.
     pub axes: Vec<Mat3>,
     /// Joints, one fewer than vertebrae.
     pub joints: Vec<Joint>,
+    /// Vertebrae that the erect film does not show, and how uncertain they are.
+    pub interpolated: Vec<Option<Interpolation>>,
 }
 
 impl SpineModel {
@@ -35,8 +37,10 @@ impl SpineModel {
     /// The sagittal profile is a population's, not the patient's, unless a lateral film replaces it.
     #[must_use]
     pub fn from_outline(erect: &Outline, profile: &SagittalProfile) -> Self {
+        let levels = erect.levels();
         let locations: Vec<Frontal> = erect.locations().collect();
-        let pitches = pitches(&locations, profile);
+        let first = levels.first_joint();
+        let pitches = pitches(&locations, &profile.turns_deg[first..first + levels.joints()]);
         let x_mm = depths_mm(&locations, &pitches);
         let midpoints_mm: Vec<Vec3> =
             locations.iter().zip(&x_mm).map(|(p, &x)| Vec3::new(x, p.y_mm, p.z_mm)).collect();
@@ -44,15 +48,18 @@ impl SpineModel {
             .vertebrae
             .iter()
             .zip(&pitches)
-            .zip(profile.axial_deg)
-            .map(|((v, &pitch), axial)| {
+            .zip(&profile.axial_deg[first..])
+            .map(|((v, &pitch), &axial)| {
                 rotation_x(v.tilt) * rotation_y(pitch) * rotation_z(Angle::from_deg(axial))
             })
             .collect();
-        let offsets: Vec<Vec3> = (0..locations.len() - 1)
-            .map(|i| centre_offset_mm(i, (midpoints_mm[i + 1] - midpoints_mm[i]).norm()))
+        let offsets: Vec<Vec3> = levels
+            .iter()
+            .zip(midpoints_mm.windows(2))
+            .map(|(inferior, pair)| centre_offset_mm(inferior, (pair[1] - pair[0]).norm()))
             .collect();
-        Self::from_poses(midpoints_mm, axes, &offsets)
+        let interpolated = erect.vertebrae.iter().map(|vertebra| vertebra.interpolated).collect();
+        Self { interpolated, ..Self::from_poses(midpoints_mm, axes, &offsets) }
     }
 
     /// Joins vertebrae by joints whose centres are given in the axes of the inferior vertebra.
@@ -83,7 +90,7 @@ impl SpineModel {
                 }
             })
             .collect();
-        Self { midpoints_mm, axes, joints }
+        Self { interpolated: vec![None; midpoints_mm.len()], midpoints_mm, axes, joints }
     }
 
     /// Centres of the joints of vertebrae that stand like this, such as a shape under load.
@@ -116,9 +123,9 @@ impl SpineModel {
 }
 
 /// Pitch of every vertebra: the profile's turns summed from L4, turned as a whole so that T2 stands above L4.
-fn pitches(locations: &[Frontal], profile: &SagittalProfile) -> Vec<Angle> {
+fn pitches(locations: &[Frontal], turns_deg: &[f64]) -> Vec<Angle> {
     let mut relative = vec![Angle::ZERO];
-    for &turn in &profile.turns_deg {
+    for &turn in turns_deg {
         relative.push(relative[relative.len() - 1] + Angle::from_deg(turn));
     }
     let pitched =
@@ -151,21 +158,21 @@ fn depths_mm(locations: &[Frontal], pitches: &[Angle]) -> Vec<f64> {
 }
 
 /// Centre of the joint above a vertebra: the posterior edge of its superior endplate, mid-width.
-fn centre_offset_mm(inferior: usize, spacing_mm: f64) -> Vec3 {
-    let lower = Morphometry::of(Level::MODEL[inferior]);
+fn centre_offset_mm(inferior: Level, spacing_mm: f64) -> Vec3 {
+    let lower = Morphometry::of(inferior);
     let scale = size_scale(inferior, spacing_mm);
     let half_lower = 0.5 * lower.body_height_mm;
     Vec3::new(-0.5 * lower.superior_depth_mm * scale, 0.0, half_lower * scale)
 }
 
 /// Thickness of the disc of a joint whose vertebrae have these midpoints.
-pub(crate) fn disc_mm(inferior: usize, spacing_mm: f64) -> f64 {
-    Morphometry::of(Level::MODEL[inferior]).disc_above_mm * size_scale(inferior, spacing_mm)
+pub(crate) fn disc_mm(inferior: Level, spacing_mm: f64) -> f64 {
+    Morphometry::of(inferior).disc_above_mm * size_scale(inferior, spacing_mm)
 }
 
 /// Size of the vertebra below a joint and of the disc and half of the vertebra above it, against typical ones.
-pub(super) fn size_scale(inferior: usize, spacing_mm: f64) -> f64 {
-    let lower = Morphometry::of(Level::MODEL[inferior]);
-    let upper = Morphometry::of(Level::MODEL[inferior + 1]);
+pub(super) fn size_scale(inferior: Level, spacing_mm: f64) -> f64 {
+    let lower = Morphometry::of(inferior);
+    let upper = Morphometry::of(inferior.next_above().unwrap_or(inferior));
     spacing_mm / (0.5 * lower.body_height_mm + lower.disc_above_mm + 0.5 * upper.body_height_mm)
 }

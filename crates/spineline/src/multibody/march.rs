@@ -286,7 +286,7 @@ impl<'a> Statics<'a> {
     /// gives the equilibrium, and its derivatives by the chain rule.
     ///
     /// ```
-    /// use spineline::anatomy::SagittalProfile;
+    /// use spineline::anatomy::{Levels, SagittalProfile};
     /// use spineline::measure::{TiltRule, measure_film};
     /// use spineline::multibody::{
     ///     JointGroups, Solution, SpineModel, Statics, StiffnessLibrary, Support, Wrench,
@@ -298,7 +298,7 @@ impl<'a> Statics<'a> {
     /// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
     /// let erect = measure_film(&case.films[0], TiltRule::default(), &mut Warnings::default())?;
     /// let spine = SpineModel::from_outline(&erect, &SagittalProfile::default());
-    /// let groups = JointGroups::per_joint();
+    /// let groups = JointGroups::per_joint(Levels::COMPLETE);
     /// let library = StiffnessLibrary::default();
     /// let statics = Statics::new(&spine, &library, &groups, &[0.0; 14], Support::Free);
     /// // 10 N on T2, to the patient's left.

@@ -1,4 +1,4 @@
-use crate::anatomy::{Level, Region, named};
+use crate::anatomy::{Level, Levels, Region, named};
 use crate::clinical::Regions;
 
 /// The springs of one joint.
@@ -14,7 +14,7 @@ pub struct JointStiffness {
     pub source: String,
 }
 
-/// The springs of all 14 joints before personalisation, caudal first.
+/// The springs of the joints before personalisation, caudal first: of all 14, or of those of a shorter spine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StiffnessLibrary {
     rows: Vec<JointStiffness>,
@@ -93,6 +93,15 @@ impl StiffnessLibrary {
         Ok(Self { rows })
     }
 
+    /// The rows of the joints between some vertebrae.
+    #[must_use]
+    pub fn between(&self, levels: Levels) -> Self {
+        let inside = |row: &&JointStiffness| {
+            levels.index_of(row.inferior).is_some() && levels.index_of(row.superior).is_some()
+        };
+        Self { rows: self.rows.iter().filter(inside).cloned().collect() }
+    }
+
     /// The rows, caudal first.
     #[must_use]
     pub fn rows(&self) -> &[JointStiffness] {
@@ -159,16 +168,15 @@ impl JointGroups {
     /// One multiplier per region (Petit).
     #[must_use]
     pub fn regional(regions: &Regions) -> Self {
-        let of_joint =
-            (0..Level::MODEL.len() - 1).map(|joint| regions.of_joint(joint).index()).collect();
+        let of_joint = (0..regions.joints()).map(|joint| regions.of_joint(joint).index()).collect();
         Self { of_joint, names: Region::ALL.map(|region| region.key().to_owned()).to_vec() }
     }
 
     /// One multiplier per joint.
     #[must_use]
-    pub fn per_joint() -> Self {
-        let names = Level::MODEL.windows(2).map(|pair| format!("{}/{}", pair[0], pair[1]));
-        Self { of_joint: (0..Level::MODEL.len() - 1).collect(), names: names.collect() }
+    pub fn per_joint(levels: Levels) -> Self {
+        let names = levels.joint_pairs().map(|[below, above]| format!("{below}/{above}"));
+        Self { of_joint: (0..levels.joints()).collect(), names: names.collect() }
     }
 
     /// The group of every joint, caudal first.

@@ -59,9 +59,10 @@ pub fn estimate_loads(
         let mut sums = vec![(0.0, 0.0); groups.len()];
         for ((film, responses), load) in films.iter().zip(&responses).zip(&loads) {
             let weight = film.rotation_sd().rad().powi(-2);
-            for ((joint, response), &group) in
-                film.joints.iter().zip(responses).zip(groups.of_joint())
+            for (j, ((joint, response), &group)) in
+                film.joints.iter().zip(responses).zip(groups.of_joint()).enumerate()
             {
+                let weight = weight * film.joint_weight(j);
                 let nominal = Vector3::from(*response).dot(&load.components);
                 sums[group].0 += weight * nominal * joint.rotation.rad();
                 sums[group].1 += weight * nominal * nominal;
@@ -108,9 +109,10 @@ pub fn estimate_load(
             (Vector3::from(*response) * (-log_multipliers[group]).exp(), joint.rotation.rad())
         })
         .collect();
-    for (row, rotation) in &rows {
-        normal += row * row.transpose();
-        right += row * *rotation;
+    for (j, (row, rotation)) in rows.iter().enumerate() {
+        let weighed = row * film.joint_weight(j);
+        normal += weighed * row.transpose();
+        right += weighed * *rotation;
     }
     // Newtons and newton millimetres differ by hundreds; scaled columns keep the solve well conditioned.
     let scale = Vector3::from_fn(|i, _| 1.0 / f64::sqrt(normal[(i, i)]).max(f64::MIN_POSITIVE));

@@ -1,7 +1,7 @@
 //! The evidence of one film on every joint, before any model is fitted.
 
-use crate::anatomy::Level;
-use crate::measure::Outline;
+use crate::anatomy::{Level, Levels};
+use crate::measure::{MeasuredVertebra, Outline};
 use crate::multibody::{JointGroups, Load, SpineModel, StiffnessLibrary, disc_mm};
 use crate::spatial::{Angle, Frontal, Vec3};
 
@@ -31,6 +31,33 @@ pub struct FilmEvidence {
     pub tilt_sd: Angle,
     /// The same on the erect film.
     pub erect_tilt_sd: Angle,
+    /// The vertebrae that the joints connect.
+    pub levels: Levels,
+    /// Variances of the tilts of every vertebra, in rad²; `None` where no film interpolates one, so that all are alike.
+    pub tilt_variances: Option<TiltVariances>,
+}
+
+/// Variances of tilts, by vertebra, in rad².
+#[derive(Debug, Clone, PartialEq)]
+pub struct TiltVariances {
+    /// On the film.
+    pub film: Vec<f64>,
+    /// On the erect film.
+    pub erect: Vec<f64>,
+}
+
+impl TiltVariances {
+    fn of(film: &Outline, erect: &Outline) -> Option<Self> {
+        if [film, erect].iter().all(|outline| outline.interpolated().next().is_none()) {
+            return None;
+        }
+        let [film, erect] = [film, erect].map(|outline| {
+            let sd =
+                |v: &MeasuredVertebra| v.interpolated.map_or(outline.noise.tilt, |i| i.tilt_sd);
+            outline.vertebrae.iter().map(|v| sd(v).rad().powi(2)).collect()
+        });
+        Some(Self { film, erect })
+    }
 }
 
 /// A joint that turns against the moment of the force.
@@ -48,6 +75,8 @@ pub struct ContradictedJoint {
     pub weight: f64,
     /// Whether the rotation is beyond two standard deviations of its measurement.
     pub beyond_noise: bool,
+    /// That standard deviation.
+    pub rotation_sd: Angle,
 }
 
 impl FilmEvidence {
@@ -60,6 +89,7 @@ impl FilmEvidence {
         film: &Outline,
     ) -> Self {
         let (midpoints, axes) = model.posed_on_film(film, erect);
+        let levels = film.levels();
         let moved = |i: usize| film.vertebrae[i].tilt - erect.vertebrae[i].tilt;
         let joints = model
             .joints
@@ -77,7 +107,7 @@ impl FilmEvidence {
                 JointEvidence {
                     rotation: moved(j + 1) - moved(j),
                     centre_mm,
-                    disc_mm: along * disc_mm(j, spacing_mm),
+                    disc_mm: along * disc_mm(film.vertebrae[j].level, spacing_mm),
                     // Tangents at the ends of an arc meet three times as far from its chord as the arc is on the mean.
                     to_evener_mm: (on_chord - centre) * (2.0 / 3.0),
                     hinge,
@@ -86,10 +116,35 @@ impl FilmEvidence {
                 }
             })
             .collect();
-        Self { joints, tilt_sd: film.noise.tilt, erect_tilt_sd: erect.noise.tilt }
+        Self {
+            joints,
+            tilt_sd: film.noise.tilt,
+            erect_tilt_sd: erect.noise.tilt,
+            levels,
+            tilt_variances: TiltVariances::of(film, erect),
+        }
     }
 
-    /// Standard deviation of a rotation: two tilts of each film take part in it.
+    /// Standard deviation of the rotation of one joint, whose vertebrae may be interpolated.
+    #[must_use]
+    pub fn joint_rotation_sd(&self, joint: usize) -> Angle {
+        let Some(TiltVariances { film, erect }) = &self.tilt_variances else {
+            return self.rotation_sd();
+        };
+        let variance = film[joint] + film[joint + 1] + erect[joint] + erect[joint + 1];
+        Angle::from_rad(variance.sqrt())
+    }
+
+    /// Weight of one joint's rotation: 1, or less next to an interpolated vertebra.
+    #[must_use]
+    pub(crate) fn joint_weight(&self, joint: usize) -> f64 {
+        match self.tilt_variances {
+            None => 1.0,
+            Some(_) => (self.rotation_sd().rad() / self.joint_rotation_sd(joint).rad()).powi(2),
+        }
+    }
+
+    /// Standard deviation of a rotation between marked vertebrae: two tilts of each film take part in it.
     #[must_use]
     pub fn rotation_sd(&self) -> Angle {
         let variance = 2.0 * (self.tilt_sd.rad().powi(2) + self.erect_tilt_sd.rad().powi(2));
@@ -136,12 +191,13 @@ impl FilmEvidence {
             .map(|j| {
                 let rotation = self.joints[j].rotation;
                 ContradictedJoint {
-                    inferior: Level::MODEL[j],
-                    superior: Level::MODEL[j + 1],
+                    inferior: self.levels.as_slice()[j],
+                    superior: self.levels.as_slice()[j + 1],
                     rotation,
                     lever_arm_mm: arms[j] * rotation.rad().signum(),
                     weight: work(j) / total,
-                    beyond_noise: rotation.abs() > self.rotation_sd() * 2.0,
+                    beyond_noise: rotation.abs() > self.joint_rotation_sd(j) * 2.0,
+                    rotation_sd: self.joint_rotation_sd(j),
                 }
             })
             .collect()
@@ -151,11 +207,12 @@ impl FilmEvidence {
     #[must_use]
     pub fn moments_by_group(&self, load: &Load, groups: &JointGroups) -> Vec<(f64, f64)> {
         let mut sums = vec![(0.0, 0.0); groups.len()];
-        for ((response, joint), &group) in
-            self.responses(load).iter().zip(&self.joints).zip(groups.of_joint())
+        for (j, ((response, joint), &group)) in
+            self.responses(load).iter().zip(&self.joints).zip(groups.of_joint()).enumerate()
         {
-            sums[group].0 += response[0] * joint.rotation.rad();
-            sums[group].1 += response[0] * response[0];
+            let weight = self.joint_weight(j);
+            sums[group].0 += weight * (response[0] * joint.rotation.rad());
+            sums[group].1 += weight * (response[0] * response[0]);
         }
         sums
     }

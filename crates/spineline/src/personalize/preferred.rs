@@ -418,6 +418,7 @@ fn shifted(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::anatomy::{Level, Levels};
     use crate::spatial::{Angle, Vec3};
 
     #[test]
@@ -436,6 +437,8 @@ mod tests {
             joints: vec![joint],
             tilt_sd: Angle::from_deg(0.5),
             erect_tilt_sd: Angle::from_deg(0.5),
+            levels: Levels::between(Level::L4, Level::L3).expect("neighbours"),
+            tilt_variances: None,
         };
         let load = Load::Frontal { depth_mm: 0.0 };
         let before = film(joint).responses(&load)[0];

@@ -36,7 +36,10 @@ pub(super) struct FilmData {
     pub tilts: Vec<Angle>,
     pub ferguson: [Angle; 3],
     pub lateral_tilt: Angle,
-    pub weights: ShapeWeights,
+    /// Of the film's noise.
+    weights: ShapeWeights,
+    /// The vertebrae that have rows, by their place, with their weights.
+    pub rows: Vec<(usize, ShapeWeights)>,
     pub parameters: Vec<Parameter>,
     pub solution: Solution,
 }
@@ -70,6 +73,15 @@ impl FilmData {
         };
         statics.solve(&self.load, &self.magnitude, parameters, &mut self.solution);
         self.solution.converged
+    }
+}
+
+/// Rows of what was measured on a film.
+fn rows_of(film: &FilmData, settings: &FitSettings<'_>) -> usize {
+    match (settings.target, settings.gauge) {
+        (FitTarget::Ferguson, Gauge::FrozenForce) => 4,
+        (FitTarget::Ferguson, _) => 3,
+        (FitTarget::Shape, _) => ROWS_PER_VERTEBRA * film.rows.len(),
     }
 }
 
@@ -107,6 +119,7 @@ impl<'a> Problem<'a> {
                 let first = (!held).then_some(next);
                 next += if held { 0 } else { components };
                 let logs = (0..groups.len()).map(Parameter::LogStiffness);
+                let weights = ShapeWeights::of_film(&film.outline.noise);
                 FilmData {
                     load: film.load,
                     first,
@@ -119,7 +132,8 @@ impl<'a> Problem<'a> {
                     lateral_tilt: locations[locations.len() - 1].lateral_tilt(),
                     locations,
                     tilts: film.outline.vertebrae.iter().map(|v| v.tilt).collect(),
-                    weights: ShapeWeights::of_film(&film.outline.noise),
+                    rows: weights.of_vertebrae(film.outline, model),
+                    weights,
                     parameters: logs.chain((0..components).map(Parameter::Load)).collect(),
                     solution: Solution::default(),
                 }
@@ -133,17 +147,9 @@ impl<'a> Problem<'a> {
         self.groups.len() + loads.map(|film| film.load.components()).sum::<usize>()
     }
 
-    fn rows_per_film(&self) -> usize {
-        match (self.settings.target, self.settings.gauge) {
-            (FitTarget::Ferguson, Gauge::FrozenForce) => 4,
-            (FitTarget::Ferguson, _) => 3,
-            (FitTarget::Shape, _) => ROWS_PER_VERTEBRA * (self.model.midpoints_mm.len() - 1),
-        }
-    }
-
     /// Rows of what was measured.
     pub fn data_rows(&self) -> usize {
-        self.films.len() * self.rows_per_film()
+        self.films.iter().map(|film| rows_of(film, &self.settings)).sum()
     }
 
     /// Measured numbers minus fitted ones, of which one is the gauge's where it holds the mean.
@@ -317,9 +323,9 @@ impl<'a> Problem<'a> {
     fn fill(&mut self, x: &DVector<f64>, system: &mut System, wanted: Wanted) -> bool {
         let g = self.groups.len();
         let statics = self.statics(&x.as_slice()[..g]);
-        let rows = self.rows_per_film();
         let Self { films, settings, .. } = self;
-        for (index, film) in films.iter_mut().enumerate() {
+        let mut row = 0;
+        for film in films.iter_mut() {
             let solved = match film.first {
                 None => film.solve_at_amplitude(&statics, wanted),
                 Some(first) => {
@@ -333,10 +339,11 @@ impl<'a> Problem<'a> {
             }
             match settings.target {
                 FitTarget::Ferguson => {
-                    ferguson_rows(film, &settings.regions.bounds, g, index * rows, system, wanted)
+                    ferguson_rows(film, &settings.regions.bounds, g, row, system, wanted)
                 }
-                FitTarget::Shape => shape_rows(film, g, index * rows, system, wanted),
+                FitTarget::Shape => shape_rows(film, g, row, system, wanted),
             }
+            row += rows_of(film, settings);
         }
         self.prior_rows(x, system);
         // The gauge: the mean of ln α is held at zero, unless frozen forces fix the level.

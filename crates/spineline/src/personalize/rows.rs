@@ -77,7 +77,7 @@ fn ferguson_rates(
     }
 }
 
-/// Locations and tilts of every mobile vertebra, in standard deviations.
+/// Locations and tilts of every mobile vertebra that the film shows, in standard deviations.
 pub(super) fn shape_rows(
     film: &FilmData,
     groups: usize,
@@ -87,12 +87,14 @@ pub(super) fn shape_rows(
 ) {
     let solution = &film.solution;
     let first = film.first.expect("the loads of a whole shape are unknown");
-    let rows = ROWS_PER_VERTEBRA * (film.locations.len() - 1);
+    let rows = ROWS_PER_VERTEBRA * film.rows.len();
     let residuals = &mut system.residuals.as_mut_slice()[row..row + rows];
-    for (i, residuals) in (1..).zip(residuals.chunks_exact_mut(ROWS_PER_VERTEBRA)) {
+    for (&(i, weights), residuals) in
+        film.rows.iter().zip(residuals.chunks_exact_mut(ROWS_PER_VERTEBRA))
+    {
         let off = solution.deformed.location(i) - film.locations[i];
         let turn = solution.deformed.tilt(i) - film.tilts[i];
-        residuals.copy_from_slice(&film.weights.residuals(off, turn));
+        residuals.copy_from_slice(&weights.residuals(off, turn));
     }
     if wanted == Wanted::Residuals {
         return;
@@ -101,10 +103,12 @@ pub(super) fn shape_rows(
         let column = if p < groups { p } else { first + p - groups };
         let start = column * system.jacobian.nrows() + row;
         let column = &mut system.jacobian.as_mut_slice()[start..start + rows];
-        for (i, rates) in (1..).zip(column.chunks_exact_mut(ROWS_PER_VERTEBRA)) {
+        for (&(i, weights), rates) in
+            film.rows.iter().zip(column.chunks_exact_mut(ROWS_PER_VERTEBRA))
+        {
             let location = solution.location_rate(p, i);
             let tilt = solution.tilt_rate(p, i);
-            rates.copy_from_slice(&film.weights.derivatives(location, tilt));
+            rates.copy_from_slice(&weights.derivatives(location, tilt));
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Weights of locations and tilts in the fit of a whole shape, for every fit of one.
 
-use crate::measure::Noise;
+use crate::measure::{Interpolation, Noise, Outline};
+use crate::multibody::SpineModel;
 use crate::spatial::{Angle, Frontal};
 
 /// Residuals of one vertebra per film: both coordinates of its location, and its tilt.
@@ -25,6 +26,22 @@ impl ShapeWeights {
             location_sd_mm: film.location_mm.hypot(erect.location_mm),
             tilt_sd_rad: film.tilt.rad().hypot(erect.tilt.rad()),
         }
+    }
+
+    /// Of one vertebra: where the erect film does not show it, the model's own place of it is less certain.
+    pub fn with_model(self, interpolated: Option<&Interpolation>) -> Self {
+        let Some(found) = interpolated else { return self };
+        Self {
+            location_sd_mm: self.location_sd_mm.hypot(found.location_sd_mm),
+            tilt_sd_rad: self.tilt_sd_rad.hypot(found.tilt_sd.rad()),
+        }
+    }
+
+    /// The vertebrae above the base that a film shows, by their place, and the weights of each; those that it does not show
+    /// take no part in a fit.
+    pub fn of_vertebrae(self, film: &Outline, model: &SpineModel) -> Vec<(usize, Self)> {
+        let above_base = film.measured().filter(|(i, _)| *i > 0);
+        above_base.map(|(i, _)| (i, self.with_model(model.interpolated[i].as_ref()))).collect()
     }
 
     /// Residuals of a vertebra that lies so far off and is turned by so much.

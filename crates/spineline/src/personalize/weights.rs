@@ -3,18 +3,24 @@
 use nalgebra::{DMatrix, DVector, Dyn, Vector2};
 
 use super::evidence::FilmEvidence;
+use crate::spatial::Angle;
 
 /// The inverse of the noise's covariance.
-///
-/// Neighbouring joints share a vertebra on every film alike, and all films share the erect one at every joint alike: the
-/// covariance is the product of one over films and one over joints, and so is its inverse.
-pub(super) struct Precision {
-    pub films: DMatrix<f64>,
-    pub joints: DMatrix<f64>,
+pub(super) enum Precision {
+    /// Neighbouring joints share a vertebra on every film alike, and all films share the erect one at every joint alike: the
+    /// covariance is the product of one over films and one over joints, and so is its inverse.
+    Product { films: DMatrix<f64>, joints: DMatrix<f64> },
+    /// Some vertebra is interpolated on some film, and its tilt is less certain than the others': the whole matrix, over the
+    /// joints of the first film, then over those of the next one.
+    Whole { matrix: DMatrix<f64>, films: usize, joints: usize },
 }
 
 impl Precision {
     pub fn new(films: &[&FilmEvidence], joints: usize) -> Option<Self> {
+        if films.iter().any(|film| film.tilt_variances.is_some()) {
+            let matrix = whole_covariance(films, joints).cholesky()?.inverse();
+            return Some(Self::Whole { matrix, films: films.len(), joints });
+        }
         let over_films = DMatrix::from_fn(films.len(), films.len(), |a, b| {
             let own = if a == b { films[a].tilt_sd.rad().powi(2) } else { 0.0 };
             own + films[a].erect_tilt_sd.rad().powi(2)
@@ -23,19 +29,70 @@ impl Precision {
         let over_joints = DMatrix::from_fn(joints, joints, |a, b| {
             ((a.min(b) + 1) * (joints - a.max(b))) as f64 / (joints + 1) as f64
         });
-        Some(Self { films: over_films.cholesky()?.inverse(), joints: over_joints })
+        Some(Self::Product { films: over_films.cholesky()?.inverse(), joints: over_joints })
     }
 
     /// Times columns of rotations of all films below one another.
     pub fn times(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let (films, joints) = match self {
+            Self::Product { films, joints } => (films, joints),
+            Self::Whole { matrix, .. } => return matrix * columns,
+        };
         let mut product = DMatrix::zeros(columns.nrows(), columns.ncols());
         for (from, mut to) in columns.column_iter().zip(product.column_iter_mut()) {
-            let from = from.reshape_generic(Dyn(self.joints.nrows()), Dyn(self.films.nrows()));
-            let weighed = &self.joints * (from * &self.films);
+            let from = from.reshape_generic(Dyn(joints.nrows()), Dyn(films.nrows()));
+            let weighed = joints * (from * films);
             to.copy_from_slice(weighed.as_slice());
         }
         product
     }
+
+    fn joints(&self) -> usize {
+        match self {
+            Self::Product { joints, .. } => joints.nrows(),
+            Self::Whole { joints, .. } => *joints,
+        }
+    }
+
+    /// Per pair of joints: the sum over pairs of films of their precision times a rotation of either joint's own part.
+    fn between(&self, [a, b]: [&DMatrix<f64>; 2]) -> DMatrix<f64> {
+        match self {
+            Self::Product { films, joints } => (a * (b * films).transpose()).component_mul(joints),
+            Self::Whole { matrix, films, joints } => DMatrix::from_fn(*joints, *joints, |j, k| {
+                let of = |(f, g): (usize, usize)| {
+                    a[(j, f)] * matrix[(f * joints + j, g * joints + k)] * b[(k, g)]
+                };
+                (0..*films).flat_map(|f| (0..*films).map(move |g| (f, g))).map(of).sum()
+            }),
+        }
+    }
+}
+
+/// Covariance of the rotations of all films: differences of neighbouring tilts, minus those of the erect film that all share.
+fn whole_covariance(films: &[&FilmEvidence], joints: usize) -> DMatrix<f64> {
+    let differences = |variances: &[f64]| {
+        DMatrix::from_fn(joints, joints, |a: usize, b: usize| match a.abs_diff(b) {
+            0 => variances[a] + variances[a + 1],
+            1 => -variances[a.max(b)],
+            _ => 0.0,
+        })
+    };
+    let alike = |sd: Angle| vec![sd.rad().powi(2); joints + 1];
+    let mut covariance = DMatrix::zeros(films.len() * joints, films.len() * joints);
+    // The erect film is one and the same.
+    let erect = films.iter().find_map(|film| film.tilt_variances.as_ref());
+    for (i, film) in films.iter().enumerate() {
+        let erect = erect.map_or_else(|| alike(film.erect_tilt_sd), |v| v.erect.clone());
+        let shared = differences(&erect);
+        for k in 0..films.len() {
+            covariance.view_mut((i * joints, k * joints), (joints, joints)).copy_from(&shared);
+        }
+        let own = film.tilt_variances.as_ref();
+        let own = own.map_or_else(|| alike(film.tilt_sd), |variances| variances.film.clone());
+        let mut block = covariance.view_mut((i * joints, i * joints), (joints, joints));
+        block += differences(&own);
+    }
+    covariance
 }
 
 /// The joints' random effects: what each has of its own on all films, beside the noise.
@@ -52,12 +109,11 @@ impl RandomEffects {
         precision: &Precision,
         variances: Vector2<f64>,
     ) -> Option<Self> {
-        let joints = precision.joints.nrows();
+        let joints = precision.joints();
         let mut known = DMatrix::zeros(2 * joints, 2 * joints);
-        let weighed = rotations.each_ref().map(|part| part * &precision.films);
         for (a, part) in rotations.iter().enumerate() {
-            for (b, weighed) in weighed.iter().enumerate() {
-                let block = (part * weighed.transpose()).component_mul(&precision.joints);
+            for (b, other) in rotations.iter().enumerate() {
+                let block = precision.between([part, other]);
                 known.view_mut((a * joints, b * joints), (joints, joints)).copy_from(&block);
             }
         }
@@ -116,4 +172,61 @@ pub(super) fn scale_columns(matrix: &mut DMatrix<f64>) -> DVector<f64> {
         column /= *scale;
     }
     scales
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::evidence::TiltVariances;
+    use super::*;
+    use crate::anatomy::Levels;
+
+    fn film(sd_deg: f64, spelled_out: bool) -> FilmEvidence {
+        let levels = Levels::COMPLETE;
+        let [film, erect] = [sd_deg, 0.7].map(Angle::from_deg);
+        let alike = |sd: Angle| vec![sd.rad().powi(2); levels.len()];
+        let variances = TiltVariances { film: alike(film), erect: alike(erect) };
+        FilmEvidence {
+            joints: Vec::new(),
+            tilt_sd: film,
+            erect_tilt_sd: erect,
+            levels,
+            tilt_variances: spelled_out.then_some(variances),
+        }
+    }
+
+    #[test]
+    fn the_whole_matrix_of_equal_variances_is_the_product() {
+        // Oracle: the two forms are the same covariance.
+        let [short, long] = [false, true].map(|whole| {
+            let films = [film(0.5, whole), film(0.9, whole)];
+            Precision::new(&films.iter().collect::<Vec<_>>(), 14).expect("positive definite")
+        });
+        assert!(
+            matches!(long, Precision::Whole { .. }) && matches!(short, Precision::Product { .. })
+        );
+        let columns = DMatrix::from_fn(28, 3, |i, j| ((i * 7 + j * 5) % 11) as f64 - 5.0);
+        let [a, b] = [&short, &long].map(|precision| precision.times(&columns));
+        assert!((&a - &b).amax() < 1e-9 * a.amax());
+        let parts = [2, 3].map(|k| DMatrix::from_fn(14, 2, |i, j| ((i * k + j) % 5) as f64 - 2.0));
+        let [a, b] = [&short, &long].map(|precision| precision.between([&parts[0], &parts[1]]));
+        assert!((&a - &b).amax() < 1e-9 * a.amax());
+    }
+
+    #[test]
+    fn an_unknown_tilt_leaves_the_sum_of_its_two_joints() {
+        // Oracle: with a tilt that is not known at all, opposite errors of the joints beside it have no weight, and their sum
+        // has as much as the rotation of one joint over both.
+        let mut unknown = film(0.5, true);
+        unknown.tilt_variances.as_mut().expect("spelled out").film[7] = 1e6;
+        let precision = Precision::new(&[&unknown], 14).expect("positive definite");
+        let weight = |of: [f64; 2]| {
+            let column = DMatrix::from_fn(14, 1, |i, _| match i {
+                6 => of[0],
+                7 => of[1],
+                _ => 0.0,
+            });
+            (column.transpose() * precision.times(&column))[(0, 0)]
+        };
+        assert!(weight([1.0, -1.0]) < 1e-3 * weight([0.5, 0.5]));
+    }
 }

@@ -8,8 +8,8 @@ use super::UncertaintyError;
 use crate::analysis::{Analysis, Case};
 use crate::anatomy::{Level, Posture};
 use crate::measure::{
-    Film, FilmLandmarks, ImageGeometry, Noise, Outline, Placement, Reading, ReadingSquares,
-    VertebraLandmarks,
+    Film, FilmLandmarks, ImageGeometry, InterpolationError, Noise, Outline, Placement, Reading,
+    ReadingSquares, VertebraLandmarks,
 };
 use crate::spatial::{Angle, Frontal, Pixel};
 
@@ -84,6 +84,8 @@ pub enum VertebraNoise {
 pub(super) struct NoisyCase {
     case: Case,
     pub films: Vec<FilmNoise>,
+    /// Vertebrae that a film does not show.
+    interpolated: Vec<(Posture, Level)>,
     seed: u64,
 }
 
@@ -111,11 +113,15 @@ impl NoisyCase {
             .zip(&nominal.postures)
             .map(|(film, posture)| film_noise(&case, film, &posture.outline, noise))
             .collect::<Result<_, _>>()?;
-        Ok(Self { case, films, seed })
+        let interpolated = nominal.postures.iter().flat_map(|posture| {
+            let outline = &posture.outline;
+            outline.interpolated().map(|(vertebra, _)| (outline.posture, vertebra.level))
+        });
+        Ok(Self { case, films, interpolated: interpolated.collect(), seed })
     }
 
-    /// The case of one replicate: every replicate has a random stream of its own.
-    pub fn replicate(&self, index: u64) -> Case {
+    /// The case of one replicate, and errors of its interpolated vertebrae: every replicate has a random stream of its own.
+    pub fn replicate(&self, index: u64) -> (Case, Vec<InterpolationError>) {
         let mut rng = ChaCha12Rng::seed_from_u64(self.seed);
         rng.set_stream(index);
         let mut draw = Draw(rng);
@@ -146,7 +152,13 @@ impl NoisyCase {
                 _ => unreachable!("the noise of a film is made from its marks"),
             }
         }
-        case
+        let error = |&(posture, level): &(Posture, Level)| InterpolationError {
+            posture,
+            level,
+            deviations: [draw.normal(), draw.normal(), draw.normal()],
+        };
+        let errors = self.interpolated.iter().map(error).collect();
+        (case, errors)
     }
 }
 

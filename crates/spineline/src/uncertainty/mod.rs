@@ -139,8 +139,9 @@ impl<'a> MonteCarlo<'a> {
     /// One replicate; every index has a random stream of its own, so that any may be computed alone, in any order.
     #[must_use]
     pub fn replicate(&self, index: u64) -> Replicate {
-        let case = self.noisy.replicate(index);
-        let analysis = match analyze_known(&case, &self.nominal.options, Some(&self.known)) {
+        let (case, errors) = self.noisy.replicate(index);
+        let known = (&self.known, &errors[..]);
+        let analysis = match analyze_known(&case, &self.nominal.options, Some(known)) {
             Ok(analysis) => analysis,
             Err(error) => return Replicate { values: Err(error.code()), endings: Vec::new() },
         };

@@ -132,7 +132,7 @@ pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<AnalysisQuan
         all.extend([Q::InflectionY(end), Q::InflectionZ(end), Q::InflectionArc(end)]);
     }
     for &posture in &postures {
-        for &level in &Level::MODEL[1..] {
+        for level in nominal.levels().iter().skip(1) {
             let of_vertebra = [Q::LocationY, Q::LocationZ, Q::Tilt];
             all.extend(of_vertebra.map(|quantity| quantity(posture, level)));
         }
@@ -226,7 +226,7 @@ impl AnalysisQuantity {
             return Err(Absent::NotMeasured);
         };
         let film = found(analysis, posture)?;
-        let index = level.model_index().ok_or(Absent::NotMeasured)?;
+        let index = analysis.levels().index_of(level).ok_or(Absent::NotMeasured)?;
         let vertebra = &film.outline.vertebrae[index];
         let factor = film.outline.scale.pixels_per_mm.unwrap_or(1.0);
         Ok(match self {

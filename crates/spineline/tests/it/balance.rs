@@ -68,9 +68,9 @@ fn without_crests_the_line_runs_through_the_lowest_vertebra_and_no_obliquity_is_
     }
     let analysis = analyzed(&case, &on_a_table());
     let found = analysis.balance.as_ref().expect("a vertical");
-    assert_eq!((found.reference, found.pelvic_obliquity), (SacralReference::L4, None));
+    assert_eq!((found.reference, found.pelvic_obliquity), (SacralReference::Base, None));
     assert_eq!(found.t1_tilt, None, "T1 was not marked");
-    assert!(analysis.balance_words().contains("through L4"));
+    assert!(analysis.balance_words().contains("through the lowest vertebra"));
     let apex = analysis.regions.bounds[Region::MainThoracic.index()].apex;
     assert!(found.stable.model_index().expect("a level of the model") < apex);
 }

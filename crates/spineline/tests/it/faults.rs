@@ -344,7 +344,7 @@ fn an_order_beyond_four_to_twelve_is_refused() {
     for order in [0, 3, 13] {
         let options = AnalysisOptions { order_rule: OrderRule::Fixed(order), ..on_a_table() };
         let error = analyze(&exact_case(0), &options).expect_err("an order out of range");
-        assert_eq!(error, CurveError::Order { order }.into());
+        assert_eq!(error, CurveError::Order { order, limit: 12 }.into());
         assert_eq!(error.step(), Step::Curve);
         let text = error.to_string();
         assert!(text.contains(&order.to_string()) && text.contains("4 to 12"), "{text}");

@@ -1,6 +1,7 @@
 //! Films marked wrongly: each fault ends with an error that names film, vertebra and value, and says what to do.
 
 use std::mem::swap;
+use std::ops::RangeInclusive;
 
 use crate::common::{
     case_of, exact_case, film_mut, graph_film, landmarks, landmarks_mut, refused, spacing,
@@ -125,16 +126,41 @@ fn a_placement_that_is_not_finite_is_refused() {
     assert!(matches!(error, MeasureError::NotFinite { level: Level::T2, .. }), "{error:?}");
 }
 
+/// A sound case without the vertebrae of a range on one film.
+fn without(posture: Posture, missing: RangeInclusive<Level>) -> Case {
+    let mut case = exact_case(0);
+    let (_, _, readings) = landmarks(film_mut(&mut case, posture));
+    readings[0].vertebrae.retain(|level, _| !missing.contains(level));
+    case
+}
+
 #[test]
-fn a_level_without_landmarks_is_named() {
-    // Oracle: all 15 vertebrae from L4 to T2 are needed.
-    for level in [Level::T7, Level::L4, Level::T2] {
-        let mut case = exact_case(0);
-        let (_, _, readings) = landmarks(film_mut(&mut case, Posture::Neutral));
-        readings[0].vertebrae.remove(&level);
-        let error = refused_in_measure(&case, &["neutral", level.name()]);
-        assert_eq!(error, MeasureError::LevelMissing { posture: Posture::Neutral, level });
+fn films_that_show_too_little_are_refused_with_advice_that_fits() {
+    // Oracle: the documented limits; the only erect film cannot be left out.
+    let cases = [
+        (Level::T6..=Level::T1, "above T7"),
+        (Level::L5..=Level::L2, "below L1"),
+        (Level::T11..=Level::T8, "between T12 and T7"),
+    ];
+    for (missing, named) in cases {
+        for posture in [Posture::Erect, Posture::Neutral] {
+            let case = without(posture, missing.clone());
+            let error = refused_in_measure(&case, &[&posture.to_string(), named]);
+            assert_eq!(error.code(), "level_missing");
+            let leave_out = error.help().contains("leave this film out");
+            assert_eq!(leave_out, posture != Posture::Erect, "{error}: {}", error.help());
+        }
     }
+}
+
+#[test]
+fn bases_that_no_two_films_share_are_refused() {
+    // Oracle: L4 and L3 on one film, L2 alone on the other: no vertebra that both could be fixed at.
+    let mut case = without(Posture::Neutral, Level::L2..=Level::L2);
+    let (_, _, readings) = landmarks(film_mut(&mut case, Posture::Traction));
+    readings[0].vertebrae.retain(|level, _| *level >= Level::L2);
+    let error = refused_in_measure(&case, &["none of L4 to L2"]);
+    assert!(matches!(error, MeasureError::NoCommonEnd { at_base: true, .. }), "{error:?}");
 }
 
 #[test]

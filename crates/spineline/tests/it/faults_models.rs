@@ -2,7 +2,7 @@
 
 use crate::common::{assert_near, outline, spine, usual_regions};
 use spineline::action::{LineError, LineOfAction};
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::{Level, Levels, Posture};
 use spineline::error::Error;
 use spineline::evaluate::{ForceChoice, Target, simulate};
 use spineline::multibody::{
@@ -120,7 +120,7 @@ fn an_unreachable_amplitude_reports_the_remaining_difference() {
 fn a_pull_along_the_spine_gives_small_amplitudes_only() {
     // Oracle: tension turns a chain towards its line, and no further.
     let (_, model) = spine(0);
-    let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint());
+    let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint(Levels::COMPLETE));
     let statics = Statics::new(&model, &library, &groups, &[0.0; 14], Support::Frontal);
     let target = Angle::from_deg(60.0);
     let end = match_amplitude(&statics, &load(), ForceSign::Positive, target);
@@ -132,7 +132,7 @@ fn a_pull_along_the_spine_gives_small_amplitudes_only() {
 fn every_force_that_is_found_meets_the_amplitude() {
     // Oracle: solving at the found force gives the target lateral tilt.
     let (erect, model) = spine(0);
-    let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint());
+    let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint(Levels::COMPLETE));
     let statics = Statics::new(&model, &library, &groups, &[0.0; 14], Support::Frontal);
     let tilt = erect.vertebrae[14].location.lateral_tilt();
     for change_deg in [-12.0, -4.0, 4.0, 12.0] {
@@ -172,7 +172,7 @@ fn a_simulation_of_an_unreachable_amplitude_is_not_a_result() {
 fn of_several_forces_the_one_with_the_smallest_ferguson_error_is_chosen_and_reported() {
     // Oracle: a film made with one of the forces that meet a lateral tilt has no Ferguson error under that force.
     let (erect, model) = spine(0);
-    let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint());
+    let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint(Levels::COMPLETE));
     let statics = Statics::new(&model, &library, &groups, &[0.0; 14], Support::Frontal);
     let Load::Line { line, depth_mm } = load() else { unreachable!("a line") };
     let tilt = erect.vertebrae[14].location.lateral_tilt();

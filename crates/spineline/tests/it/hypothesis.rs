@@ -2,7 +2,7 @@
 
 use spineline::action::LineOfAction;
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
-use spineline::anatomy::Posture;
+use spineline::anatomy::{Levels, Posture};
 use spineline::hypothesis::{
     Base, Hypothesis, HypothesisFilm, HypothesisFit, LoadShape, Role, Spine, fit_hypothesis,
 };
@@ -96,7 +96,7 @@ fn derivatives_of_a_shape_equal_finite_differences() {
 fn a_line_alone_has_the_shape_and_derivatives_of_the_march() {
     // Oracle: the explicit march.
     let analysis = analysis();
-    let groups = JointGroups::per_joint();
+    let groups = JointGroups::per_joint(Levels::COMPLETE);
     let library = StiffnessLibrary::default();
     let march = Statics::new(&analysis.spine, &library, &groups, &[0.0; 14], Support::Free);
     let line = LineOfAction::leaning(Frontal::new(12.0, 100.0), Angle::from_deg(8.0));

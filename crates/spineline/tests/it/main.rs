@@ -15,6 +15,7 @@ mod film_evidence;
 mod film_frame;
 mod general_extremes;
 mod general_march;
+mod hidden_levels;
 mod hypothesis;
 mod nearest_t2;
 mod oracle;

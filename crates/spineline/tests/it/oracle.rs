@@ -4,6 +4,7 @@ use crate::common::independent::{self, Rates, add, cross, march, rates, vector};
 use crate::common::{Draw, assert_near, spine, usual_regions};
 use num_dual::Dual64;
 use spineline::action::{Application, LineOfAction};
+use spineline::anatomy::Levels;
 use spineline::multibody::{
     JointGroups, Load, Parameter, Solution, SpineModel, Statics, StiffnessLibrary, Support, Wrench,
 };
@@ -139,7 +140,7 @@ fn benches(draw: &mut Draw) -> Vec<Bench> {
         for (subject, groups) in [
             (0, JointGroups::regional(&usual_regions())),
             (9, JointGroups::regional(&usual_regions())),
-            (10, JointGroups::per_joint()),
+            (10, JointGroups::per_joint(Levels::COMPLETE)),
         ] {
             all.push(Bench::draw(subject, groups, support, draw));
         }

@@ -3,6 +3,7 @@
 use crate::common::independent::{Body, add, apply, product, stack, subtract, transposed};
 use crate::common::{Draw, assert_near, spine};
 use spineline::action::LineOfAction;
+use spineline::anatomy::Levels;
 use spineline::multibody::{
     JointGroups, Load, Parameter, Solution, SpineModel, Statics, StiffnessLibrary, Support, Wrench,
 };
@@ -85,7 +86,7 @@ fn two_joints_rotate_in_series() {
 fn a_force_moved_along_its_line_has_the_same_effect() {
     // Oracle: F u at p and at p + s u have one moment about every point.
     let (_, model) = spine(0);
-    let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint());
+    let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint(Levels::COMPLETE));
     for support in [Support::Free, Support::Frontal] {
         let statics = Statics::new(&model, &library, &groups, &[0.0; 14], support);
         let line = LineOfAction::leaning(Frontal::new(20.0, 70.0), Angle::from_deg(12.0));

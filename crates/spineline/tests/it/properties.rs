@@ -34,7 +34,7 @@ fn options(ferguson: bool) -> AnalysisOptions {
 }
 
 /// The film of the patient's mirror image: the picture is flipped, the patient's sides change their names.
-fn mirrored(film: &Film) -> Film {
+pub fn mirrored(film: &Film) -> Film {
     let mut film = film.clone();
     film.posture = match film.posture {
         Posture::LeftBending => Posture::RightBending,

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::common::spine;
+use spineline::anatomy::Levels;
 use spineline::clinical::CurvePlaces;
 use spineline::multibody::{
     BodyLoad, ForceSign, GeneralStatics, Goal, Loading, MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT,
@@ -137,8 +138,8 @@ fn angles_and_acting_loads_belong_to_the_shape() {
     let erect = erect_shape(&model);
     let locations: Vec<_> = (0..15).map(|i| erect.location(i)).collect();
     let tilts: Vec<_> = (0..15).map(|i| erect.tilt(i)).collect();
-    let places = CurvePlaces::usual(&locations, &tilts).expect("L4 to T2");
-    assert!(CurvePlaces::usual(&locations[1..], &tilts[1..]).is_none());
+    let places = CurvePlaces::usual(Levels::COMPLETE, &locations, &tilts).expect("L4 to T2");
+    assert!(CurvePlaces::usual(Levels::COMPLETE, &locations[1..], &tilts[1..]).is_none());
     // A force to the left at the top turns the spine to the left all along: every curve gains the same way.
     let (before, after) =
         (measure_angles(&erect, &places), measure_angles(&result.deformed, &places));

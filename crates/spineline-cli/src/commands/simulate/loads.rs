@@ -1,7 +1,7 @@
 //! From the command line to loads.
 
 use spineline::action::Application;
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::Posture;
 use spineline::multibody::Timing;
 use spineline::spatial::Vec3;
 use spineline_files::{
@@ -39,7 +39,7 @@ pub fn of(
             ));
         }
     };
-    let level = args.level.unwrap_or(Level::T2);
+    let level = args.level.unwrap_or(model.top());
     let force = Vec3::from(push.direction()) * size_n;
     let load = if args.follow {
         let Some(vertebra) = model.levels.iter().position(|other| *other == level) else {
@@ -86,7 +86,7 @@ fn of_posture(
     }
     let size_n = args.force.map_or(record.force_n, |force| force.copysign(record.force_n));
     let force_n = (Vec3::from(record.direction) * size_n).into();
-    let level = LevelKey(Level::T2);
+    let level = LevelKey(model.top());
     let timing = Timing::Growing.into();
     let load = match record.application.0 {
         Application::Fixed => {

@@ -128,16 +128,13 @@ fn places(model: &StoredModel, notes: &mut Vec<SimulationWarning>) -> Vec<CurveP
     let count = model.levels.len();
     let locations: Vec<_> = (0..count).map(|i| erect.location(i)).collect();
     let tilts: Vec<_> = (0..count).map(|i| erect.tilt(i)).collect();
-    let usual = if model.levels == spineline::anatomy::Level::MODEL {
-        CurvePlaces::usual(&locations, &tilts)
-    } else {
-        None
-    };
+    let usual =
+        model.known_levels().and_then(|levels| CurvePlaces::usual(levels, &locations, &tilts));
     let text = if usual.is_some() {
         "the model file has no regions; tilt ranges and Ferguson angles are measured with regions that end at T12 and T6, \
          which may not be those of its analysis; write the model again with `spineline analyze CASE --model FILE`"
     } else {
-        "the model file has no regions and does not go from L4 to T2: there are no angles of curves"
+        "the model file has no regions and does not go from L4 to T2 or a part of it: there are no angles of curves"
     };
     notes.push(warning("usual_regions", text));
     usual.map_or_else(Vec::new, Vec::from)

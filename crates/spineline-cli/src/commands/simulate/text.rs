@@ -60,7 +60,8 @@ fn head(outcome: &Outcome) -> String {
         Goal::FullLoad => writeln!(text, "  target: the shape under these loads"),
         Goal::LateralTilt(tilt) => writeln!(
             text,
-            "  target: the factor of the proportional loads for a lateral tilt of L4-T2 of {}, up to {:.4} in either direction",
+            "  target: the factor of the proportional loads for a lateral tilt of {} of {}, up to {:.4} in either direction",
+            ends(outcome),
             tilt.leaning(),
             outcome.response.largest_factor
         ),
@@ -194,12 +195,18 @@ fn angles_text(outcome: &Outcome, result: &Equilibrium) -> String {
     }
     let SpineAngles { lateral_tilt: tilt, .. } = after;
     table.row(vec![
-        "lateral tilt of L4-T2".to_owned(),
+        format!("lateral tilt of {}", ends(outcome)),
         before.lateral_tilt.leaning(),
         tilt.leaning(),
         (tilt - before.lateral_tilt).wrapped().leaning(),
     ]);
     format!("{}\n", terminal::table(&table, terminal::WIDTH))
+}
+
+/// The base and the top of the model, such as `L4-T2`.
+fn ends(outcome: &Outcome) -> String {
+    let base = outcome.model.levels.first().map_or("?", |level| level.name());
+    format!("{base}-{}", outcome.model.top())
 }
 
 fn convex_words(angle: Angle) -> String {
@@ -229,7 +236,7 @@ fn solutions_text(outcome: &Outcome) -> String {
         Column::numbers("Limit points"),
         Column::numbers("Branch points"),
         Column::numbers("Largest joint rotation"),
-        Column::numbers("Lateral tilt of L4-T2"),
+        Column::numbers(format!("Lateral tilt of {}", ends(outcome))),
         Column::words("Verdict"),
     ];
     let mut table = Table::new("", columns);

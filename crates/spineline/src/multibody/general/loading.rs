@@ -1,4 +1,4 @@
-use crate::anatomy::{Level, named, trunk_weight_share};
+use crate::anatomy::{Levels, named, trunk_weight_shares};
 use crate::multibody::SpineModel;
 use crate::spatial::{Mat3, Vec3};
 
@@ -215,7 +215,7 @@ impl LoadingError {
     pub const fn help(&self) -> &'static str {
         match self.fault {
             LoadingFault::Vertebra { .. } => {
-                "loads act on the vertebrae above the fixed one, L3 to T2"
+                "loads act on the vertebrae above the fixed one: L3 to T2 in a complete model"
             }
             LoadingFault::NotFinite { .. } | LoadingFault::RodPose => "give finite numbers",
             LoadingFault::Direction { .. } => "divide the direction by its length",
@@ -236,7 +236,7 @@ impl Loading {
 
     /// The weight of the trunk, slice by slice, of the head and of the arms, as dead forces at the vertebrae's midpoints.
     ///
-    /// A slice's weight is taken at its vertebra's midpoint; in life it lies up to 50 mm before it [pearsall-1996].
+    /// The top of `levels` also carries what is above it. A slice's weight is taken at its vertebra's midpoint; in life it lies up to 50 mm before it [pearsall-1996].
     ///
     /// # Units
     /// `body_weight_n` is the whole patient's weight; `down` is a unit vector in `G`.
@@ -244,15 +244,16 @@ impl Loading {
     /// # References
     /// [keenan-2014], [winter-2009], [pearsall-1996].
     pub fn gravity(
+        levels: Levels,
         body_weight_n: f64,
         down: Vec3,
         timing: Timing,
     ) -> impl Iterator<Item = LoadItem> {
-        let levels = Level::MODEL.iter().enumerate().skip(1);
-        levels.map(move |(vertebra, &level)| LoadItem {
+        let shares = (1..).zip(trunk_weight_shares(levels));
+        shares.map(move |(vertebra, share)| LoadItem {
             vertebra,
             load: BodyLoad::ForceAtPoint {
-                force_n: down * (body_weight_n * trunk_weight_share(level)),
+                force_n: down * (body_weight_n * share),
                 point_in_vertebra_mm: Vec3::zeros(),
             },
             timing,

@@ -213,6 +213,7 @@ pub fn outline(posture: Posture, vertebrae: &[(Frontal, Angle)]) -> Outline {
             tilt,
             endplates: None,
             readings: 1,
+            interpolated: None,
         })
         .collect();
     Outline {

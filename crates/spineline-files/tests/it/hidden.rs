@@ -1,0 +1,90 @@
+//! Files of patients whose films do not show every vertebra.
+
+use serde_json::Value;
+use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
+use spineline::anatomy::{Level, Posture};
+use spineline::measure::FilmLandmarks;
+use spineline_files::{
+    AnalysisFile, CaseFile, FilmOrigin, ModelFile, ProgramRun, Provenance, Request, parse_load,
+    parse_model, to_text,
+};
+use spineline_phantom::{Readers, Truth, generate};
+
+fn whole() -> Case {
+    generate(0, Truth::Bend, &Readers::exact(), 1).expect("subject 1 exists").case
+}
+
+/// The same patient with T2 and T3 hidden on one film, and T8 on another.
+fn partial() -> Case {
+    let mut case = whole();
+    for film in &mut case.films {
+        let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else { continue };
+        for reading in readings {
+            reading.vertebrae.retain(|&level, _| match film.posture {
+                Posture::Neutral => level < Level::T3,
+                Posture::LeftBending => level != Level::T8,
+                _ => true,
+            });
+        }
+    }
+    case
+}
+
+fn analyzed(case: &Case) -> Analysis {
+    analyze(case, &AnalysisOptions::default()).expect("enough is marked")
+}
+
+fn json(analysis: &Analysis, case: &Case) -> Value {
+    let run = ProgramRun {
+        program: "spineline 0".to_owned(),
+        command: Vec::new(),
+        date_utc: "2026-01-02T03:04:05Z".to_owned(),
+    };
+    let provenance = Provenance::new(run, FilmOrigin::Synthetic, Vec::new());
+    let request = Request { options: analysis.options.clone(), ..Request::default() };
+    let file = AnalysisFile::new(analysis, CaseFile::from_case(case), provenance.asking(&request));
+    serde_json::from_str(&to_text(&file)).expect("JSON")
+}
+
+#[test]
+fn an_analysis_file_marks_interpolated_vertebrae_and_has_only_what_is_seen() {
+    let case = partial();
+    let file = json(&analyzed(&case), &case);
+    let bend = &file["postures"]["left_bending"];
+    let interpolated = &bend["interpolated"]["T8"];
+    assert_eq!(interpolated["between"], serde_json::json!(["T9", "T7"]));
+    assert!(interpolated["location_sd_mm"].as_f64().is_some_and(|sd| (0.5..2.5).contains(&sd)));
+    assert!(interpolated["tilt_sd_deg"].as_f64().is_some_and(|sd| sd > 4.0));
+    let levels = bend["locations_mm"].as_object().expect("places");
+    assert!(levels.contains_key("T8") && levels.contains_key("T4") && !levels.contains_key("T3"));
+    let errors = &file["models"]["iliac_line"]["postures"]["left_bending"]["location_error_mm"];
+    let compared = errors["levels"].as_object().expect("errors");
+    assert!(compared.contains_key("T7") && !compared.contains_key("T8"));
+    // A complete film has no such key.
+    let case = whole();
+    let file = json(&analyzed(&case), &case);
+    assert!(file["postures"]["left_bending"].get("interpolated").is_none());
+}
+
+#[test]
+fn a_shorter_model_is_stored_and_carries_the_weight_of_what_is_above() {
+    let analysis = analyzed(&partial());
+    let text = to_text(&ModelFile::new(&analysis, &analysis.models[0], "test"));
+    let stored = parse_model(&text).expect("our own file");
+    assert_eq!((stored.levels.len(), stored.top()), (13, Level::T4));
+    assert_eq!(stored.known_levels(), Some(analysis.levels()));
+    let load = r#"{"format":"spineline-load","version":1,"loads":[{"kind":"gravity","body_weight_n":400}]}"#;
+    let weight = |text: &str| {
+        let model = parse_model(text).expect("our own file");
+        let placed = parse_load(load).expect("a load").place(&model).expect("on this model");
+        let force = |item: &spineline::multibody::LoadItem| match item.load {
+            spineline::multibody::BodyLoad::ForceAtPoint { force_n, .. } => force_n.norm(),
+            _ => panic!("weights are forces"),
+        };
+        placed.loading.items.iter().map(force).sum::<f64>()
+    };
+    // Oracle: the trunk above L4 weighs the same, wherever the model ends.
+    let analysis = analyzed(&whole());
+    let complete = to_text(&ModelFile::new(&analysis, &analysis.models[0], "test"));
+    assert!((weight(&text) - weight(&complete)).abs() < 1e-9);
+}

@@ -1,0 +1,162 @@
+//! The corners of one reading → midpoints and tilts in the film's own frame.
+
+use std::collections::BTreeMap;
+
+use super::confidence::check_confidence;
+use super::plausibility::fits_exchanged;
+use super::{
+    CornerFault, Corners, Film, FilmLandmarks, ImageGeometry, MeasureError, Placement, Reading,
+    TiltRule, VertebraLandmarks,
+};
+use crate::anatomy::{Level, Posture};
+use crate::spatial::Frontal;
+use crate::warning::{Step, Warnings};
+
+/// Whether an analysis can do without a vertebra that no model has. T1 is never needed. An L5 beyond the edge of the picture
+/// is not either; but one whose corners are wrong may be what a film with shifted names shows, and stays an error.
+fn is_needless(level: Level, error: &MeasureError) -> bool {
+    match level {
+        Level::T1 => true,
+        Level::L5 => matches!(error, MeasureError::OffImage { .. }),
+        _ => false,
+    }
+}
+
+/// The vertebral body of a level in millimetres of the film, whose corners all lie on the picture.
+fn body_of(
+    posture: Posture,
+    image: &ImageGeometry,
+    reading: &Reading<VertebraLandmarks>,
+    level: Level,
+) -> Result<Corners<Frontal>, MeasureError> {
+    let id = || reading.id.clone();
+    let landmark = &reading.vertebrae[&level];
+    let finite = landmark.axis_clockwise.is_none_or(|axis| axis.rad().is_finite());
+    if !(finite && landmark.corners.points().iter().all(|corner| corner.is_finite())) {
+        return Err(MeasureError::NotFinite { posture, id: id(), level });
+    }
+    check_confidence(posture, &reading.id, level, landmark)?;
+    if let Some(corner) =
+        landmark.corners.points().into_iter().find(|&corner| !image.contains(corner))
+    {
+        if fits_exchanged(image, reading) {
+            let count = reading.vertebrae.len();
+            return Err(MeasureError::AxesExchanged { posture, id: id(), count });
+        }
+        let (column_px, row_px) = (corner.column_px, corner.row_px);
+        let (columns, rows) = (image.columns, image.rows);
+        return Err(MeasureError::OffImage {
+            posture,
+            id: id(),
+            level,
+            column_px,
+            row_px,
+            columns,
+            rows,
+        });
+    }
+    Ok(landmark.corners.map(|corner| image.frontal(corner)))
+}
+
+/// One reading in millimetres of the film: midpoints and tilts. T1 is absent where its marks make no body, and L5 where
+/// they lie beyond the picture.
+pub(super) fn place(
+    posture: Posture,
+    image: &ImageGeometry,
+    reading: &Reading<VertebraLandmarks>,
+    rule: TiltRule,
+) -> Result<BTreeMap<Level, Placement>, MeasureError> {
+    place_usable((posture, image), reading, rule, &mut Vec::new())
+}
+
+/// Says of T1 and L5 where their marks cannot be used that they are left out.
+pub(super) fn warn_of_unusable_ends(film: &Film, warnings: &mut Warnings) {
+    let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return };
+    for reading in readings
+        .iter()
+        .filter(|one| one.vertebrae.keys().any(|level| level.model_index().is_none()))
+    {
+        let mut unusable = Vec::new();
+        // What else is wrong has stopped the measurement before.
+        let _ = place_usable((film.posture, image), reading, TiltRule::default(), &mut unusable);
+        for (level, error) in unusable {
+            let text = format!("{error}; {level} is left out, as no result needs it");
+            warnings.vertebra(Step::Measure, "level_left_out", film.posture, level, text);
+        }
+    }
+}
+
+fn place_usable(
+    (posture, image): (Posture, &ImageGeometry),
+    reading: &Reading<VertebraLandmarks>,
+    rule: TiltRule,
+    unusable: &mut Vec<(Level, MeasureError)>,
+) -> Result<BTreeMap<Level, Placement>, MeasureError> {
+    let id = || reading.id.clone();
+    let fault = |level, fault| MeasureError::Corners { posture, id: id(), level, fault };
+    let (mut bodies, mut centres) = (BTreeMap::new(), BTreeMap::new());
+    for &level in reading.vertebrae.keys() {
+        match body_of(posture, image, reading, level) {
+            Ok(body) => drop(bodies.insert(level, body)),
+            Err(error @ MeasureError::AxesExchanged { .. }) => return Err(error),
+            Err(error) if is_needless(level, &error) => unusable.push((level, error)),
+            Err(error) => return Err(error),
+        }
+    }
+    for (&level, body) in &bodies {
+        match body.measure_location() {
+            Ok(centre) => drop(centres.insert(level, centre)),
+            Err(found) => {
+                let error = fault(level, found);
+                if !is_needless(level, &error) {
+                    return Err(error);
+                }
+                unusable.push((level, error));
+            }
+        }
+    }
+    bodies.retain(|level, _| centres.contains_key(level));
+    // The steps from body to body say where cranial is, so that a film may be held in any pose; a single
+    // misplaced body does not turn their sum.
+    let places: Vec<Frontal> = centres.values().copied().collect();
+    let cranial = places.windows(2).fold(Frontal::default(), |sum, pair| {
+        let step = pair[1] - pair[0];
+        sum + step * (1.0 / step.norm_mm().max(f64::MIN_POSITIVE))
+    });
+    let upside_down = |level: Level| places.len() > 1 && !bodies[&level].points_along(cranial);
+    let exchanged: Vec<Level> =
+        bodies.iter().filter(|(_, body)| !body.sides_agree()).map(|(&level, _)| level).collect();
+    if exchanged.len() == bodies.len()
+        && bodies.len() > 1
+        && !exchanged.iter().any(|&l| upside_down(l))
+    {
+        // Exchanged columns and rows mirror the spine too, and lay it across the film.
+        if cranial.y_mm.abs() > cranial.z_mm.abs() && fits_exchanged(image, reading) {
+            return Err(MeasureError::AxesExchanged { posture, id: id(), count: bodies.len() });
+        }
+        return Err(MeasureError::FilmMirrored { posture, id: id(), count: bodies.len() });
+    }
+    let turned: Vec<Level> = bodies.keys().copied().filter(|&level| upside_down(level)).collect();
+    let wrong = [(turned, CornerFault::UpsideDown), (exchanged, CornerFault::SidesExchanged)];
+    for (levels, found) in wrong {
+        for level in levels {
+            let error = fault(level, found);
+            if !is_needless(level, &error) {
+                return Err(error);
+            }
+            if bodies.remove(&level).is_some() {
+                unusable.push((level, error));
+            }
+        }
+    }
+    Ok(bodies
+        .iter()
+        .map(|(&level, body)| {
+            let by_hand = reading.vertebrae[&level].axis_clockwise;
+            let tilt =
+                by_hand.map_or_else(|| rule.tilt_of(body), |axis| image.tilt_from_clockwise(axis));
+            let endplates = Some(body.measure_endplates());
+            (level, Placement { location: centres[&level], tilt, endplates })
+        })
+        .collect())
+}

@@ -1,0 +1,328 @@
+//! Vertebrae that some film does not show: interpolated, or beyond the end of a shorter model.
+
+use spineline::analysis::{Analysis, Case, analyze_movement};
+use spineline::anatomy::{Level, LineKind, Posture};
+use spineline::measure::{
+    Film, FilmLandmarks, MeasureError, MeasuredVertebra, TiltRule, measure_film,
+};
+use spineline::multibody::MatchStatus;
+use spineline::spatial::{Angle, Pixel};
+use spineline::warning::Warnings;
+use spineline_phantom::{Readers, Truth};
+
+use crate::common::{
+    analyzed, assert_near, exact_case, film_mut, landmarks, landmarks_mut, measured, on_a_table,
+    phantom,
+};
+use crate::properties::mirrored;
+
+fn hide(film: &mut Film, hidden: impl Fn(Level) -> bool) {
+    let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else {
+        panic!("phantoms have corners")
+    };
+    for reading in readings {
+        reading.vertebrae.retain(|level, _| !hidden(*level));
+    }
+}
+
+fn movement(case: &Case) -> Analysis {
+    analyze_movement(case, &on_a_table()).expect("a case that can be analysed")
+}
+
+/// Differences from a vertebra's true place in stated standard deviations: across, along, tilt.
+fn deviations(found: &MeasuredVertebra, truth: &MeasuredVertebra) -> [f64; 3] {
+    let stated = found.interpolated.expect("the vertebra was removed");
+    let off = found.location - truth.location;
+    let turn = (found.tilt - truth.tilt).wrapped();
+    [
+        off.y_mm / stated.location_sd_mm,
+        off.z_mm / stated.location_sd_mm,
+        turn.rad() / stated.tilt_sd.rad(),
+    ]
+}
+
+/// Every run of up to three vertebrae removed from every film, and the deviations that this leaves.
+fn deviations_of(films: &[Film]) -> Vec<f64> {
+    let mut all = Vec::new();
+    for film in films {
+        let truth = measured(film);
+        for gap in 1..=3 {
+            for first in 1..Level::MODEL.len() - gap {
+                let hidden = &Level::MODEL[first..first + gap];
+                let mut partial = film.clone();
+                hide(&mut partial, |level| hidden.contains(&level));
+                let outline = measured(&partial);
+                assert_eq!(outline.levels(), truth.levels());
+                for place in first..first + gap {
+                    all.extend(deviations(&outline.vertebrae[place], &truth.vertebrae[place]));
+                }
+                // What is marked stays where it was, to the last bit.
+                for (place, vertebra) in outline.measured() {
+                    assert_eq!(*vertebra, truth.vertebrae[place]);
+                }
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn an_interpolated_vertebra_is_within_its_stated_uncertainty() {
+    // Oracle: the removed vertebrae themselves, exact and as marked by readers. A stated deviation that holds for real spines,
+    // which are rougher, covers those of phantoms: root mean square below 1, and hardly any beyond 2.
+    for readers in [Readers::exact(), Readers::default()] {
+        for truth in [Truth::Bend, Truth::Rod] {
+            let films: Vec<Film> = (0..4)
+                .flat_map(|subject| phantom(4 * subject, truth, &readers).case.films)
+                .collect();
+            for all in [
+                deviations_of(&films),
+                deviations_of(&films.iter().map(mirrored).collect::<Vec<_>>()),
+            ] {
+                let n = all.len() as f64;
+                let rms = (all.iter().map(|d| d * d).sum::<f64>() / n).sqrt();
+                let beyond = all.iter().filter(|d| d.abs() > 2.0).count() as f64 / n;
+                assert!(rms < 1.0 && beyond < 0.05, "{truth:?}: {rms:.2}, {beyond:.3} beyond 2");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_vertebra_hidden_on_one_bend_leaves_the_bend_in_the_fit() {
+    let case = exact_case(0);
+    let whole = analyzed(&case, &on_a_table());
+    let mut partial = case.clone();
+    hide(film_mut(&mut partial, Posture::LeftBending), |level| level == Level::T8);
+    let found = analyzed(&partial, &on_a_table());
+    assert!(found.warnings.has("level_interpolated"));
+    // Oracle: every film that the interpolation does not touch is as it was.
+    for (a, b) in whole.postures.iter().zip(&found.postures) {
+        assert_eq!(a.outline == b.outline, a.outline.posture != Posture::LeftBending);
+    }
+    for (a, b) in whole.models.iter().zip(&found.models) {
+        let bend = b.posture(Posture::LeftBending).expect("the bend is simulated");
+        assert!(bend.fitted && bend.status == MatchStatus::Matched, "{}", b.kind);
+        assert_eq!(bend.location_errors_mm.len(), 13, "the hidden vertebra is not compared");
+        assert_eq!(bend.location_error_mm(Level::T8), None);
+        assert!(bend.location_error_mm(Level::T7).is_some());
+        // Oracle: one of 28 vertebrae less changes a fit little.
+        for (x, y) in a.multipliers().zip(b.multipliers()) {
+            assert_near(y.ln(), x.ln(), 0.2, &format!("{}: ln of a multiplier", b.kind));
+        }
+    }
+    // The joints beside it are uncertain, all others as before.
+    let film = found.posture(Posture::LeftBending).expect("the bend");
+    let evidence = film.evidence.as_ref().expect("a moved film");
+    for joint in 0..evidence.joints.len() {
+        let beside = matches!(evidence.levels.as_slice()[joint], Level::T8 | Level::T9);
+        let sd = evidence.joint_rotation_sd(joint);
+        assert_eq!(sd > Angle::from_deg(4.0), beside, "joint {joint}: {sd}");
+    }
+}
+
+#[test]
+fn a_vertebra_hidden_on_the_erect_film_leaves_the_patient_analysed() {
+    let mut case = exact_case(3);
+    let whole = analyzed(&case, &on_a_table());
+    hide(film_mut(&mut case, Posture::Erect), |level| level == Level::T5);
+    let found = analyzed(&case, &on_a_table());
+    let place = found.levels().index_of(Level::T5).expect("still of the model");
+    assert!(found.spine.interpolated[place].is_some());
+    // Oracle: the errors of the films with the vertebra known, and the uncertainty of its place.
+    for (a, b) in whole.models.iter().zip(&found.models) {
+        let [a, b] = [a, b].map(|model| model.mean_location_error_mm(true).expect("two bends"));
+        assert!((a - b).abs() < 1.5, "{a} and {b} mm");
+    }
+}
+
+#[test]
+fn mirrored_patients_with_hidden_vertebrae_have_mirrored_analyses() {
+    // Oracle: left and right are names only.
+    let mut case = exact_case(7);
+    hide(film_mut(&mut case, Posture::RightBending), |level| level == Level::T6);
+    hide(film_mut(&mut case, Posture::Erect), |level| level == Level::L1 || level > Level::T3);
+    let reflected = Case { films: case.films.iter().map(mirrored).collect(), ..case.clone() };
+    let [a, b] = [case, reflected].map(|case| movement(&case));
+    assert_eq!((a.levels(), a.levels().top()), (b.levels(), Level::T3));
+    let pairs = [
+        (Posture::Erect, Posture::Erect),
+        (Posture::LeftBending, Posture::RightBending),
+        (Posture::RightBending, Posture::LeftBending),
+    ];
+    for (p, q) in pairs {
+        let [a, b] = [(&a, p), (&b, q)].map(|(analysis, posture)| {
+            analysis.posture(posture).expect("all films take part").outline.clone()
+        });
+        for (x, y) in a.vertebrae.iter().zip(&b.vertebrae) {
+            assert_eq!(x.is_measured(), y.is_measured());
+            assert_near(y.location.y_mm, -x.location.y_mm, 1e-9, "mirrored across");
+            assert_near(y.location.z_mm, x.location.z_mm, 1e-9, "mirrored height");
+            assert_near(y.tilt.rad(), -x.tilt.rad(), 1e-12, "mirrored tilt");
+        }
+    }
+    assert_near(b.chain.segment_mm, a.chain.segment_mm, 1e-9, "segment");
+}
+
+#[test]
+fn a_top_hidden_on_one_film_shortens_the_model_of_all() {
+    let case = exact_case(0);
+    let whole = analyzed(&case, &on_a_table());
+    let mut partial = case.clone();
+    hide(film_mut(&mut partial, Posture::RightBending), |level| level > Level::T4);
+    let found = analyzed(&partial, &on_a_table());
+    let levels = found.levels();
+    assert_eq!((levels.base(), levels.top(), levels.len()), (Level::L4, Level::T4, 13));
+    let warning = found.warnings.all().iter().find(|warning| warning.code == "top_missing");
+    let text = warning.expect("the consequence is said").text();
+    assert!(text.contains("right bending") && !text.contains("left"), "{text}");
+    assert!(text.contains("T3, T2") && text.contains("T4, which carries the force"), "{text}");
+    // Oracle: L4's frame is the same one, and so is every vertebra in it.
+    for (a, b) in whole.postures.iter().zip(&found.postures) {
+        assert_eq!(a.outline.vertebrae[..13], b.outline.vertebrae);
+        let others = usize::from(b.outline.posture != Posture::RightBending) * 2;
+        let beyond = |v: &&MeasuredVertebra| v.level == Level::T3 || v.level == Level::T2;
+        assert_eq!(b.outline.others.iter().filter(beyond).count(), others);
+    }
+    for model in &found.models {
+        assert_eq!(model.stiffness_nmm_per_rad(&found.library).len(), 12);
+        for simulation in &model.postures {
+            assert_eq!((simulation.locations.len(), simulation.location_errors_mm.len()), (13, 12));
+        }
+    }
+    assert!(found.models.iter().any(|model| model.kind == LineKind::Iliac));
+}
+
+#[test]
+fn a_base_hidden_on_one_film_moves_the_frame_and_no_rotation() {
+    let case = exact_case(5);
+    let whole = movement(&case);
+    let mut partial = case.clone();
+    hide(film_mut(&mut partial, Posture::Neutral), |level| level < Level::L3);
+    let found = movement(&partial);
+    assert_eq!((found.levels().base(), found.levels().top()), (Level::L3, Level::T2));
+    assert!(found.warnings.has("base_missing"));
+    for (a, b) in whole.postures.iter().zip(&found.postures) {
+        // Oracle: the frame of L3 is that of L4 moved and turned as L3 stands in it.
+        let frame = a.outline.vertebrae[1];
+        for (x, y) in a.outline.vertebrae[1..].iter().zip(&b.outline.vertebrae) {
+            let expected = (x.location - frame.location).rotated(-frame.tilt);
+            assert!(expected.distance_mm(y.location) < 1e-9, "{}", x.level);
+            assert_near(y.tilt.rad(), (x.tilt - frame.tilt).rad(), 1e-12, "tilt");
+        }
+        // Oracle: rotations of joints are relative, and those above the base do not know it.
+        let Some((a, b)) = a.evidence.as_ref().zip(b.evidence.as_ref()) else { continue };
+        for (x, y) in a.joints[1..].iter().zip(&b.joints) {
+            assert_near(y.rotation.rad(), x.rotation.rad(), 1e-12, "rotation");
+        }
+    }
+    // The whole analysis ends as well.
+    let analysis = analyzed(&partial, &on_a_table());
+    assert_eq!(analysis.models.len(), 3);
+    assert!(analysis.models.iter().all(|model| model.mean_location_error_mm(true).is_some()));
+}
+
+#[test]
+fn spines_from_l3_to_t4_run_with_other_loads_and_per_joint() {
+    use spineline::analysis::Grouping;
+    use spineline::hypothesis::Hypothesis;
+    let mut case = exact_case(2);
+    for film in &mut case.films {
+        hide(film, |level| !(Level::L3..=Level::T4).contains(&level) || level == Level::T9);
+    }
+    let options = spineline::analysis::AnalysisOptions {
+        hypotheses: Hypothesis::compared(),
+        grouping: Grouping::PerJoint,
+        ..on_a_table()
+    };
+    let analysis = analyzed(&case, &options);
+    assert_eq!((analysis.levels().base(), analysis.levels().top()), (Level::L3, Level::T4));
+    assert_eq!(analysis.models[0].groups.len(), 11);
+    assert!(!analysis.hypotheses.is_empty());
+    for fit in &analysis.hypotheses {
+        for prediction in &fit.predictions {
+            assert_eq!(prediction.location_errors_mm.len(), 10, "T9 is not compared");
+        }
+    }
+}
+
+#[test]
+fn no_result_needs_t1_or_l5() {
+    // Oracle: the analysis without them.
+    let case = exact_case(1);
+    let mut without = case.clone();
+    for film in &mut without.films {
+        hide(film, |level| level.model_index().is_none());
+    }
+    let expected = movement(&without);
+    let faults: [fn(&mut Case); 4] = [
+        |case| {
+            landmarks_mut(case, Posture::Erect, Level::T1).corners.superior_left.row_px = -40.0;
+        },
+        |case| {
+            let corners = &mut landmarks_mut(case, Posture::Erect, Level::T1).corners;
+            std::mem::swap(&mut corners.superior_left, &mut corners.superior_right);
+        },
+        |case| {
+            let (_, _, readings) = landmarks(film_mut(case, Posture::Erect));
+            let t2 = readings[0].vertebrae[&Level::T2];
+            readings[0].vertebrae.insert(Level::T1, t2);
+        },
+        |case| {
+            landmarks_mut(case, Posture::Erect, Level::L5).corners.inferior_left =
+                Pixel::new(1e6, 1e6);
+        },
+    ];
+    for fault in faults {
+        let mut faulty = case.clone();
+        for level in [Level::L5, Level::T1] {
+            // Phantoms mark L5 and T1 only on request.
+            let (_, _, readings) = landmarks(film_mut(&mut faulty, Posture::Erect));
+            let neighbour = level.next_above().or(level.next_below()).expect("a neighbour");
+            let (from, sign) =
+                if level == Level::T1 { (neighbour, -1.0) } else { (neighbour, 1.0) };
+            let mut own = readings[0].vertebrae[&from];
+            own.corners =
+                own.corners.map(|place| Pixel::new(place.column_px, place.row_px + sign * 250.0));
+            readings[0].vertebrae.entry(level).or_insert(own);
+        }
+        fault(&mut faulty);
+        let found = movement(&faulty);
+        assert!(found.warnings.has("level_left_out"));
+        for (a, b) in expected.postures.iter().zip(&found.postures) {
+            assert_eq!(a.outline.vertebrae, b.outline.vertebrae);
+        }
+        assert_eq!(found.inflections, expected.inflections);
+    }
+}
+
+#[test]
+fn a_film_without_any_vertebra_of_the_model_is_named() {
+    let mut case = exact_case(0);
+    hide(film_mut(&mut case, Posture::Traction), |_| true);
+    let film = film_mut(&mut case, Posture::Traction);
+    let error = measure_film(film, TiltRule::default(), &mut Warnings::default())
+        .expect_err("nothing is marked");
+    assert!(matches!(error, MeasureError::TopMissing { highest: None, .. }), "{error:?}");
+}
+
+#[test]
+fn replicates_carry_the_uncertainty_of_an_interpolated_vertebra() {
+    use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo};
+    let mut case = exact_case(0);
+    hide(film_mut(&mut case, Posture::Neutral), |level| level == Level::T9);
+    let nominal = analyzed(&case, &on_a_table());
+    let monte_carlo =
+        MonteCarlo::new(&case, &nominal, LandmarkNoise::Pixels(0.01), 1).expect("a noise");
+    let mut tally = monte_carlo.tally();
+    (0..40).for_each(|index| tally.add(&monte_carlo.replicate(index)));
+    let found = tally.finish(40);
+    let sd = |posture, level| {
+        let quantity = AnalysisQuantity::Tilt(posture, level);
+        found.spread(quantity).expect("a tilt has a spread").sd
+    };
+    // Oracle: landmarks that hardly move, and the stated 4.8°; 40 draws give a deviation to about a tenth.
+    let hidden = sd(Posture::Neutral, Level::T9);
+    assert!((3.2..6.4).contains(&hidden), "{hidden}");
+    assert!(sd(Posture::Neutral, Level::T8) < 0.1 && sd(Posture::Erect, Level::T9) < 0.1);
+}
