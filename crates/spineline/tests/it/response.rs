@@ -225,7 +225,7 @@ fn loads_that_fold_the_spine_end_beyond_the_human_range() {
     let model = spine(0).1;
     let springs = springs(&model);
     let mut endings = Vec::new();
-    for force_n in [10.0, 60.0, 300.0, 1400.0] {
+    for force_n in [10.0, 60.0, 600.0, 1400.0] {
         let load = Vec3::new(0.0, force_n, 0.0);
         let response = push(&model, &springs, load, Goal::FullLoad).1;
         if let Some(result) = response.result() {
