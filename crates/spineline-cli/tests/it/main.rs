@@ -9,6 +9,7 @@ mod film;
 mod guide;
 mod hidden;
 mod import;
+mod import_midlines;
 #[path = "../../../spineline-films/tests/it/maker.rs"]
 mod maker;
 mod noise_study;

@@ -69,13 +69,13 @@ pub fn write(films: Vec<CocoFilm<'_>>) -> String {
             for (&level, landmark) in &reading.vertebrae {
                 let identity = Identity::default().with_reading(&reading.id);
                 let points = landmark.corners.points();
-                let annotation = annotations.push(image_id, category(level), &points, identity);
-                annotation.keypoint_scores = landmark.confidence.map(|corners| corners.points());
+                let scores = landmark.confidence.map(|corners| corners.points());
+                annotations.push((image_id, category(level)), &points, scores, identity);
             }
         }
         if let Some(crests) = film.iliac_crests {
             let points = [crests.left, crests.right];
-            annotations.push(image_id, CRESTS_ID, &points, Identity::default());
+            annotations.push((image_id, CRESTS_ID), &points, None, Identity::default());
         }
         images.push(Image {
             id: image_id,
@@ -116,11 +116,11 @@ struct Annotations(Vec<Annotation>);
 impl Annotations {
     fn push(
         &mut self,
-        image_id: usize,
-        category_id: usize,
+        (image_id, category_id): (usize, usize),
         points: &[Pixel],
+        keypoint_scores: Option<[f64; 4]>,
         spineline: Identity,
-    ) -> &mut Annotation {
+    ) {
         let range = |value: fn(&Pixel) -> f64| {
             let values = points.iter().map(value);
             let low = values.clone().fold(f64::INFINITY, f64::min);
@@ -137,12 +137,11 @@ impl Annotations {
             category_id,
             keypoints: keypoints.collect(),
             num_keypoints: points.len(),
-            keypoint_scores: None,
+            keypoint_scores,
             bbox: [column, row, width, height],
             area: width * height,
             iscrowd: 0,
             spineline,
         });
-        self.0.last_mut().expect("one was added")
     }
 }

@@ -69,7 +69,11 @@ pub(super) fn warn_of_wrong_films(
     for film in others {
         match film.posture.bend() {
             Some(side) => warn_of_no_bend(erect, film, side, warnings),
-            None => warn_of_one_shape(erect, film, warnings),
+            // An assumed noise may be far above that of these readings, and a neutral film may differ by less.
+            None if erect.noise.measured && film.noise.measured => {
+                warn_of_one_shape(erect, film, warnings);
+            }
+            None => {}
         }
     }
     for (i, film) in others.iter().enumerate() {
