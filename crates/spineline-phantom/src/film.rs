@@ -320,7 +320,8 @@ fn body(
         [size.superior_width_mm, size.inferior_width_mm, size.body_height_mm].map(|mm| mm * scale);
     // The longer endplate is turned less, so that the mid-points of both walls are level.
     let superior = wedge * (lower / (upper + lower));
-    let inferior = Angle::from_rad(-(superior.rad().sin() * upper / lower).asin());
+    let sine = -superior.rad().sin() * upper / lower;
+    let inferior = Angle::from_sin_cos(sine, (1.0 - sine * sine).sqrt());
     let corner = |centre_mm: f64, left_mm: f64, turn: Angle| {
         Frontal::new(0.0, centre_mm) + Frontal::new(left_mm, 0.0).rotated(turn)
     };

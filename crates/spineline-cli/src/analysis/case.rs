@@ -43,13 +43,13 @@ pub fn analyze_case(
     case: &Case,
     options: &AnalysisOptions,
 ) -> Result<Analysis, Failure> {
-    if let Gauge::KnownForce { posture, .. } = options.gauge {
-        if !case.films.iter().any(|film| film.posture == posture) {
-            return Err(Failure::usage(format!(
-                "{}: --gauge known-force names the {posture} film, and this case has no such film",
-                path.display()
-            )));
-        }
+    if let Gauge::KnownForce { posture, .. } = options.gauge
+        && !case.films.iter().any(|film| film.posture == posture)
+    {
+        return Err(Failure::usage(format!(
+            "{}: --gauge known-force names the {posture} film, and this case has no such film",
+            path.display()
+        )));
     }
     analyze(case, options)
         .map_err(|error| Failure::input(&path.display().to_string(), &error, error.help()))

@@ -464,7 +464,7 @@ fn pictures_are_stored_without_metadata() {
 #[test]
 fn a_breast_a_leg_or_another_patient_needs_confirmation() {
     let here = Here::new();
-    let altered: [(&str, (u16, u16), &'static str, &str, &str); 5] = [
+    let altered = [
         ("breast", (0x18, 0x15), "CS", "BREAST", "(BREAST)"),
         ("leg", (0x18, 0x15), "CS", "LEG", "(LEG)"),
         ("mammogram", (0x08, 0x60), "CS", "MG", "(BREAST)"),

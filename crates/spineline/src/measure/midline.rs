@@ -258,7 +258,7 @@ mod tests {
 
     /// A straight line that leans 10° to the patient's left.
     fn leaning() -> Midline {
-        let (sin, cos) = 10.0_f64.to_radians().sin_cos();
+        let (sin, cos) = crate::spatial::Angle::from_deg(10.0).rad().sin_cos();
         line((0..=220).map(|i| [sin * 2.0 * (220 - i) as f64, -cos * 2.0 * i as f64, 0.0]))
     }
 

@@ -26,7 +26,7 @@ fn endplate_deg(image: &ImageGeometry, landmark: &VertebraLandmarks, superior: b
     let spacing = image.spacing.expect("phantoms have a spacing");
     let up_mm = (right.row_px - left.row_px) * spacing.row_mm;
     let across_mm = ((left.column_px - right.column_px) * spacing.column_mm).abs();
-    (up_mm / across_mm).atan().to_degrees()
+    180.0 / std::f64::consts::PI * (up_mm / across_mm).atan()
 }
 
 fn cobb_by_corners(case: &Case, posture: Posture, ends: CobbEnds) -> f64 {

@@ -357,12 +357,9 @@ fn doubtful_corners_of_an_incomplete_reading_are_named() {
     };
     for count in [8, 15] {
         let none = notices_of(count, |_| (), |_| ());
-        let changes: [(&str, &dyn Fn(&mut Case)); 3] = [
-            ("body_sides_differ", &thin),
-            ("corner_far_from_neighbours", &wide),
-            ("axis_against_corners", &turned),
-        ];
-        for (code, change) in changes {
+        let codes = ["body_sides_differ", "corner_far_from_neighbours", "axis_against_corners"];
+        let changes: [&dyn Fn(&mut Case); 3] = [&thin, &wide, &turned];
+        for (code, change) in codes.into_iter().zip(changes) {
             assert!(!none.iter().any(|known| known == code), "{none:?}");
             let found = notices_of(count, change, |_| ());
             let times = found.iter().filter(|known| *known == code).count();
