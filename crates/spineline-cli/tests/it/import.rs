@@ -493,7 +493,6 @@ fn a_breast_a_leg_or_another_patient_needs_confirmation() {
         assert!(!error.contains("SOMEONE"), "{error}");
         let (out, error, code) = import(&["--accept"]);
         assert_eq!(code, 0, "{name}: {error}");
-        // Lines are wrapped where a word ends.
         let unwrapped = out.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(unwrapped.contains("accepted as said"), "{out}");
         assert!(!holds(&everything(&here.path(name)), "SOMEONE"), "{name}");
