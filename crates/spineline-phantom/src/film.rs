@@ -230,7 +230,11 @@ fn picture(row: &TableRow, bodies: &[Body], crests: [Frontal; 2]) -> (ImageGeome
     let image = ImageGeometry {
         columns: count(high.y_mm - low.y_mm, 0.1),
         rows: count(high.z_mm - low.z_mm, row_spacing_mm),
-        spacing: Some(Spacing::stated(0.1, row_spacing_mm, SpacingPlane::Patient)),
+        // All films of a phantom have one scale, which is known.
+        spacing: Some(Spacing {
+            relative_sd: Some(0.0),
+            ..Spacing::stated(0.1, row_spacing_mm, SpacingPlane::Patient)
+        }),
         patient_left,
     };
     // Pixel (0, 0) lies at the upper corner of the picture.

@@ -5,7 +5,7 @@ use super::findings::Findings;
 use super::{Analysis, AnalysisOptions, Grouping, PostureAnalysis};
 use crate::action::{Application, LineKind, LineOfAction};
 use crate::anatomy::Posture;
-use crate::evaluate::{Simulation, Target, simulate};
+use crate::evaluate::{Simulation, Target, predict, simulate};
 use crate::multibody::{
     Deformed, ForceSign, JointGroups, Load, MatchStatus, Solution, Statics, StiffnessLibrary,
 };
@@ -231,7 +231,9 @@ fn geometric_line(
         LineKind::Given => {
             let (_, line) = options.given_lines.iter().find(|(p, _)| *p == name)?;
             warn_of_distance(line, posture, warnings);
-            Some(*line)
+            // It was given on the film as it is.
+            let point = line.point * (1.0 / posture.outline.length.scale.factor);
+            Some(LineOfAction { point, ..*line })
         }
         LineKind::Estimated => None,
     }
@@ -401,14 +403,12 @@ impl Evaluation<'_> {
             _ if estimated => Target::NearestT2(Some(ForceSign::of(estimated_n))),
             _ => Target::NearestT2(None),
         };
-        let simulation = simulate(
-            &self.statics,
-            (line, self.depth_mm),
-            &posture.outline,
-            self.findings.regions,
-            target,
-            fitted.is_some(),
-        );
+        let (load, film, regions) =
+            ((line, self.depth_mm), &posture.outline, self.findings.regions);
+        let simulation = match fitted {
+            Some(_) => simulate(&self.statics, load, film, regions, target, true),
+            None => predict(&self.statics, load, film, regions, target),
+        };
         // Nominal springs predict nothing of this patient.
         let status = match self.fit.status {
             FitStatus::NotEvaluable => MatchStatus::NotConverged,

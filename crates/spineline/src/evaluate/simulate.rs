@@ -1,7 +1,7 @@
 use crate::action::LineOfAction;
 use crate::anatomy::{Level, Posture};
 use crate::clinical::{Regions, ferguson_angle};
-use crate::measure::Outline;
+use crate::measure::{FilmScale, Outline};
 use crate::multibody::{
     ForceMatch, ForceSign, Load, MatchStatus, Statics, amplitude_matches, match_t2,
 };
@@ -74,6 +74,9 @@ pub struct Simulation {
     pub posture: Posture,
     /// Whether the stiffness was fitted to this very film.
     pub fitted: bool,
+    /// The film's scale against the erect film, at which it was compared: from all vertebrae of a fitted film, from T2
+    /// of a predicted one. Lengths here are at the erect scale.
+    pub scale: FilmScale,
     /// Line of action.
     pub line: LineOfAction,
     /// Sagittal place of the line.
@@ -212,6 +215,7 @@ pub fn simulate(
     Simulation {
         posture: film.posture,
         fitted,
+        scale: film.length.scale,
         line,
         depth_mm,
         status: found.status,
