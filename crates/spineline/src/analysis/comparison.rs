@@ -3,8 +3,10 @@
 use super::models::{FitTask, bending_loads, fit_model, settings_of};
 use super::{Analysis, LineModel};
 use crate::action::LineKind;
-use crate::anatomy::Posture;
-use crate::evaluate::{Baseline, BaselinePrediction, Simulation, predict_baseline};
+use crate::anatomy::{Posture, published_lateral_bending};
+use crate::evaluate::{
+    Baseline, BaselinePrediction, Simulation, joint_rotations, predict_baseline,
+};
 use crate::multibody::Load;
 use crate::personalize::{FitTarget, Gauge};
 use crate::warning::Warnings;
@@ -234,6 +236,7 @@ impl Analysis {
         LinesCompared { lines: lines.collect(), films, left_out }
     }
 
+    /// Predictions of a film that need no other patient.
     fn baselines(&self, posture: Posture, role: FilmRole) -> Vec<BaselinePrediction> {
         let film = self.posture(posture).filter(|_| role != FilmRole::Fitted);
         let Some(film) = film.map(|film| &film.outline) else { return Vec::new() };
@@ -242,9 +245,15 @@ impl Analysis {
             Posture::RightBending => self.posture(Posture::LeftBending),
             _ => None,
         };
-        let (erect, other) = (&self.erect().outline, other.map(|bend| &bend.outline));
-        let predict = |baseline| predict_baseline(baseline, erect, film, other);
-        Baseline::ALL.into_iter().filter_map(predict).collect()
+        let erect = &self.erect().outline;
+        let mirrored = other.map(|bend| joint_rotations(erect, &bend.outline));
+        let published = published_lateral_bending(self.levels());
+        let patterns = mirrored.map(|pattern| (Baseline::MirroredBend, pattern));
+        patterns
+            .into_iter()
+            .chain([(Baseline::PublishedMobility, published)])
+            .map(|(baseline, pattern)| predict_baseline(baseline, &pattern, erect, film))
+            .collect()
     }
 
     /// Fits every line to one bend and predicts the other by the rule of all films that are not fitted: its force alone is

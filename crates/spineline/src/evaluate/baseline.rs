@@ -5,7 +5,7 @@
 
 use nalgebra::DVector;
 
-use crate::anatomy::{Level, Posture, named, published_lateral_bending};
+use crate::anatomy::{Level, Posture, named};
 use crate::least_squares::{FitStatus, System, minimize};
 use crate::measure::{FilmScale, MeasuredVertebra, Outline};
 use crate::spatial::{Angle, Frontal};
@@ -15,13 +15,15 @@ use crate::spatial::{Angle, Frontal};
 pub enum Baseline {
     /// The rotations of the patient's other bend, to the other side.
     MirroredBend,
-    /// Published lateral bending of healthy joints.
+    /// Published lateral bending of healthy joints ([`crate::anatomy::published_lateral_bending`]).
     PublishedMobility,
+    /// Mean rotations of the bends of other patients.
+    OtherPatients,
 }
 
 impl Baseline {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::MirroredBend, Self::PublishedMobility];
+    pub const ALL: [Self; 3] = [Self::MirroredBend, Self::PublishedMobility, Self::OtherPatients];
 
     /// The name used in files.
     #[must_use]
@@ -29,6 +31,7 @@ impl Baseline {
         match self {
             Self::MirroredBend => "mirrored_bend",
             Self::PublishedMobility => "published_mobility",
+            Self::OtherPatients => "other_patients",
         }
     }
 }
@@ -38,6 +41,7 @@ impl std::fmt::Display for Baseline {
         f.pad(match self {
             Self::MirroredBend => "other bend, mirrored",
             Self::PublishedMobility => "published mobility of the joints",
+            Self::OtherPatients => "mean rotations of other patients",
         })
     }
 }
@@ -57,7 +61,7 @@ pub struct BaselinePrediction {
     pub amount: f64,
     /// The film's scale against the erect film, from T2.
     pub scale: FilmScale,
-    /// Predicted locations from L4 (the base) upwards, at the erect scale.
+    /// Predicted locations on the outline of the film, from L4 (the base) upwards.
     pub locations: Vec<Frontal>,
     /// The vertebrae above the base that the film shows, caudal first.
     pub compared: Vec<Level>,
@@ -79,45 +83,30 @@ impl BaselinePrediction {
     }
 }
 
-/// Predicts a film from the erect one and T2; `other_bend` is the film of the bend to the other side.
-///
-/// # Definition
-/// Vertebra `i` turns by `a Σ_{j≤i} w_j` from the erect film, with the pattern `w` of the joints below it, and every link
-/// turns with its two vertebrae, half with each. The amount `a` and the film's scale bring T2 to where it was marked, with
-/// the prior of the scale ([`crate::measure::FilmLength`]).
-///
-/// `None` for [`Baseline::MirroredBend`] without the other bend.
+/// Rotation of every joint from the erect film, caudal first; positive to the patient's right.
 #[must_use]
-pub fn predict_baseline(
-    baseline: Baseline,
-    erect: &Outline,
-    film: &Outline,
-    other_bend: Option<&Outline>,
-) -> Option<BaselinePrediction> {
-    let pattern: Vec<f64> = match baseline {
-        Baseline::MirroredBend => {
-            let rotations = joint_rotations(erect, other_bend?);
-            rotations.iter().map(|rotation| -rotation.rad()).collect()
-        }
-        Baseline::PublishedMobility => {
-            published_lateral_bending(erect.levels()).iter().map(|joint| joint.rad()).collect()
-        }
-    };
-    Some(predict_pattern(baseline, &pattern, erect, film))
-}
-
-/// Rotation of every joint from the erect film, caudal first.
-fn joint_rotations(erect: &Outline, film: &Outline) -> Vec<Angle> {
+pub fn joint_rotations(erect: &Outline, film: &Outline) -> Vec<Angle> {
     let turn = |i: usize| film.vertebrae[i].tilt - erect.vertebrae[i].tilt;
     (1..film.vertebrae.len()).map(|i| (turn(i) - turn(i - 1)).wrapped()).collect()
 }
 
-fn predict_pattern(
+/// Predicts a film from the erect one, a pattern of joint rotations, and T2.
+///
+/// # Definition
+/// Vertebra `i` turns by `a Σ_{j≤i} w_j` from the erect film, with the pattern `w` of the joints below it, and every link
+/// turns with its two vertebrae, half with each. The amount `a` and the film's scale bring T2 to where it was marked, with
+/// the prior of the scale ([`crate::measure::FilmLength`]). A pattern's size and sign make no difference.
+///
+/// # Panics
+/// If the pattern has not one rotation per joint.
+#[must_use]
+pub fn predict_baseline(
     baseline: Baseline,
-    pattern: &[f64],
+    pattern: &[Angle],
     erect: &Outline,
     film: &Outline,
 ) -> BaselinePrediction {
+    assert_eq!(pattern.len() + 1, erect.vertebrae.len(), "one rotation per joint");
     let links = Links::of(erect, pattern);
     let last = film.vertebrae.len() - 1;
     let top = film.vertebrae[last].location * film.length.scale.factor;
@@ -158,8 +147,9 @@ fn predict_pattern(
     } else {
         film.length.scale
     };
-    let measured = film.at_scale(scale);
-    let (compared, location_errors_mm) = measured
+    let factor = scale.factor / film.length.scale.factor;
+    let locations: Vec<Frontal> = locations.iter().map(|&location| location * factor).collect();
+    let (compared, location_errors_mm) = film
         .measured()
         .skip(1)
         .map(|(i, vertebra)| (vertebra.level, locations[i].distance_mm(vertebra.location)))
@@ -180,12 +170,12 @@ fn predict_pattern(
 struct Links(Vec<(Frontal, [f64; 2])>);
 
 impl Links {
-    fn of(erect: &Outline, pattern: &[f64]) -> Self {
+    fn of(erect: &Outline, pattern: &[Angle]) -> Self {
         let mut turned = 0.0;
         let vertebrae = erect.vertebrae.windows(2).zip(pattern);
-        let link = |(pair, joint): (&[MeasuredVertebra], &f64)| {
+        let link = |(pair, joint): (&[MeasuredVertebra], &Angle)| {
             let before = turned;
-            turned += joint;
+            turned += joint.rad();
             (pair[1].location - pair[0].location, [before, turned])
         };
         Self(vertebrae.map(link).collect())

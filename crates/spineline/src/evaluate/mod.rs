@@ -11,7 +11,7 @@ mod prediction;
 mod simulate;
 pub mod statistics;
 
-pub use baseline::{Baseline, BaselinePrediction, predict_baseline};
+pub use baseline::{Baseline, BaselinePrediction, joint_rotations, predict_baseline};
 pub use prediction::predict;
 pub(crate) use prediction::{ScaledPrediction, at_scale_of_top};
 pub use simulate::{Alternative, ForceChoice, Simulation, Target, simulate};

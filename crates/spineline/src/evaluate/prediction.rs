@@ -10,7 +10,8 @@ use crate::spatial::Frontal;
 /// As [`simulate`], for a film that was not fitted: its scale follows from T2 and the prior, never from other vertebrae.
 ///
 /// Force and scale are found together: the force brings T2 nearest on the film at that scale, and the scale is what T2's
-/// location gives for that shape ([`crate::measure::FilmLength::from_top`]). Where the scale of films is fixed, this is [`simulate`].
+/// location gives for that shape ([`crate::measure::FilmLength::from_top`]). The result is in the frame and at the scale of the
+/// outline that was given. Where the scale of films is fixed, this is [`simulate`].
 #[must_use]
 pub fn predict(
     statics: &Statics<'_>,
@@ -27,8 +28,16 @@ pub fn predict(
     });
     let ScaledPrediction { scale, prediction, converged } =
         found.expect("a simulation never comes back empty");
-    let status = if converged { prediction.status } else { MatchStatus::NotConverged };
-    Simulation { status, scale, ..prediction }
+    let factor = scale.factor / film.length.scale.factor;
+    let LineOfAction { point, .. } = prediction.line;
+    Simulation {
+        status: if converged { prediction.status } else { MatchStatus::NotConverged },
+        scale,
+        line: LineOfAction { point: point * factor, ..prediction.line },
+        locations: prediction.locations.iter().map(|&location| location * factor).collect(),
+        location_errors_mm: prediction.location_errors_mm.iter().map(|mm| mm * factor).collect(),
+        ..prediction
+    }
 }
 
 /// A prediction with the scale of its film.

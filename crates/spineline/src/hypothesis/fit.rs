@@ -60,7 +60,7 @@ pub struct ShapePrediction {
     pub posture: Posture,
     /// What the film was to it.
     pub role: Role,
-    /// The film's scale against the erect film, at which it was compared.
+    /// The film's scale against the erect film, at which the model was compared with it.
     pub scale: FilmScale,
     /// Components of the load: N, or N·mm for couples; of the body's weight for [`super::LoadShape::Weight`].
     pub components: Vec<f64>,
@@ -364,7 +364,13 @@ fn predict(
         Some((*found.locations.last()?, found))
     })?;
     let ScaledPrediction { scale, prediction, converged } = found;
-    converged.then(|| ShapePrediction { scale, ..prediction })
+    let factor = scale.factor / film.outline.length.scale.factor;
+    converged.then(|| ShapePrediction {
+        scale,
+        locations: prediction.locations.iter().map(|&location| location * factor).collect(),
+        location_errors_mm: prediction.location_errors_mm.iter().map(|mm| mm * factor).collect(),
+        ..prediction
+    })
 }
 
 fn predict_scaled(
