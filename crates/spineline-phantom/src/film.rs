@@ -36,6 +36,8 @@ pub struct TrueFilm {
     pub posture: Posture,
     /// How the picture lies.
     pub image: ImageGeometry,
+    /// A length on this film over the true one.
+    pub scale: f64,
     /// Superior tips of the iliac crests.
     pub iliac_crests: IliacCrests,
     /// Corners of the bodies of L5…T1.
@@ -204,6 +206,7 @@ impl Placed {
         TrueFilm {
             posture: self.posture,
             image: self.image,
+            scale: 1.0,
             iliac_crests: self.iliac_crests(),
             vertebrae,
             polarity: if inverted { Polarity::Monochrome1 } else { Polarity::Monochrome2 },

@@ -31,8 +31,8 @@ pub struct MethodArgs {
     /// such as known-force:traction=120
     #[arg(long, value_name = "GAUGE", default_value = "geometric-mean", value_parser = gauge)]
     gauge: Gauge,
-    /// Support of the patient
-    #[arg(long, value_parser = choice::<Support>(), default_value = Support::Free.spelling())]
+    /// Support of the patient; the paper's is `free`
+    #[arg(long, value_parser = choice::<Support>(), default_value = Support::default().spelling())]
     support: Support,
     /// Quantity that the stiffness is fitted to
     #[arg(long, value_parser = choice::<FitTarget>(), default_value = FitTarget::Shape.spelling())]
