@@ -3,7 +3,7 @@
 use spineline::analysis::{Analysis, PostureAnalysis, probability};
 use spineline::anatomy::Posture;
 use spineline::clinical::{Balance, ClinicalCurve, CobbEnds};
-use spineline::measure::{Interpolation, MeasuredVertebra};
+use spineline::measure::{FilmLength, Interpolation, MeasuredVertebra};
 use spineline::motion::SegmentEstimate;
 use spineline::personalize::LineTest;
 use spineline::warning::counted;
@@ -112,6 +112,7 @@ pub fn curves(analysis: &Analysis) -> Table {
         Column::words("Residual of locations"),
         Column::numbers("Residual of tilts (°)"),
         Column::numbers("Readings"),
+        Column::words("Scale against the erect film (95 %)"),
         Column::numbers("Mean rotation (°)"),
         Column::words("Inflections to the least-rotating segments (segments)"),
     ];
@@ -127,12 +128,33 @@ pub fn curves(analysis: &Analysis) -> Table {
             p.outline.scale.residual_text(p.fit.rmse_mm),
             format!("{:.2}", p.fit.rmse_tilt.deg()),
             p.outline.readings.to_string(),
+            scale_cell(p),
             p.mean_rotation().map_or_else(none, |rotation| format!("{:.4}", rotation.deg())),
             distances.unwrap_or_else(none),
         ]);
     }
     table.note = interpolated_words(analysis);
+    if analysis.postures.iter().any(|p| p.outline.length.is_free()) {
+        if !table.note.is_empty() {
+            table.note.push(' ');
+        }
+        table.note.push_str("Scale: a length on this film over the same length on the erect film; locations are divided by it before films are compared.");
+    }
     table
+}
+
+/// The scale of a film against the erect one; of a fixed scale, by how much the lengths differ.
+fn scale_cell(p: &PostureAnalysis) -> String {
+    let FilmLength { measured, scale, .. } = p.outline.length;
+    if p.motion.is_none() {
+        return none();
+    }
+    if p.outline.length.is_free() {
+        let [low, high] = scale.interval_95();
+        format!("{:.3} ({low:.3} to {high:.3})", scale.factor)
+    } else {
+        format!("fixed at 1; measured {:.3}", measured.factor)
+    }
 }
 
 /// Which vertebrae are interpolated on which films; empty where none is.

@@ -5,6 +5,7 @@ use super::wrong_film::doubts_film;
 use super::{Analysis, LineModel, PostureAnalysis};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
+use crate::evaluate::Baseline;
 
 impl Analysis {
     /// Whether some film may not show the posture or the patient that it is named after, as far as its landmarks show.
@@ -170,12 +171,40 @@ impl LinesCompared {
             };
             sentences
                 .extend(self.errors_words(role).map(|errors| format!("{what}{films}: {errors}.")));
+            sentences.extend(self.baseline_sentence(role));
         }
         sentences.extend(self.prediction_verdict());
         sentences.extend(self.errors_words(FilmRole::Fitted).map(|errors| {
             format!("Fitted bends: {errors}. A small error there is no evidence for a line.")
         }));
         sentences
+    }
+
+    /// What joint rotations without mechanics predict of the same films, and which lines do no better.
+    fn baseline_sentence(&self, role: FilmRole) -> Option<String> {
+        let mut found: Vec<(f64, Baseline)> = Baseline::ALL
+            .into_iter()
+            .filter_map(|one| Some((self.baseline_error_mm(one, role)?, one)))
+            .collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (best_mm, _) = *found.first()?;
+        let parts: Vec<String> =
+            found.iter().map(|(mm, baseline)| format!("{baseline} {mm:.1} mm")).collect();
+        let is_behind =
+            |i: &usize| self.errors(*i, role).is_some_and(|errors| errors.location_mm >= best_mm);
+        let behind: Vec<String> = (0..self.lines.len())
+            .filter(is_behind)
+            .map(|i| format!("the {}", self.lines[i].kind))
+            .collect();
+        let verdict = match behind.len() {
+            0 => "every line has a smaller error".to_owned(),
+            count if count == self.lines.len() => "no line has a smaller error".to_owned(),
+            _ => format!("no smaller error with {}", listed(&behind)),
+        };
+        Some(format!(
+            "The same films from patterns of joint rotations, without mechanics: {}; {verdict}.",
+            listed(&parts)
+        ))
     }
 
     /// Mean location errors by line, the smallest first; `None` where no film is common to all.

@@ -134,10 +134,11 @@ impl Default for StiffnessLibrary {
 /// What holds the patient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Support {
-    /// Nothing but L4: every joint turns about all three axes (the paper's).
-    #[default]
+    /// Nothing but L4: every joint turns about all three axes (the paper's). Films of the frontal plane do not show whether
+    /// it does, and left-out bends are predicted worse (decision record 0032).
     Free,
-    /// A table: flexion and axial hinges are locked.
+    /// The frontal plane: flexion and axial hinges are locked, as on a table.
+    #[default]
     Frontal,
 }
 

@@ -13,6 +13,7 @@ mod faults_models;
 mod faults_pictures;
 mod film_evidence;
 mod film_frame;
+mod film_lengths;
 mod general_extremes;
 mod general_march;
 mod hidden_levels;
