@@ -11,11 +11,11 @@ use spineline::clinical::EndChoice;
 use spineline::curve::{InflectionChoice, OrderRule, Site};
 use spineline::hypothesis::Hypothesis;
 use spineline::measure::{FilmLengthRule, TiltRule};
-use spineline::multibody::Support;
+use spineline::multibody::{StiffnessTable, Support};
 use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
 
-use super::choice::{Choice, choice};
+use super::choice::{Choice, choice, of_spelling};
 use super::ends::end_vertebrae;
 use super::values::{number, posture};
 use crate::run::failure::Failure;
@@ -56,9 +56,10 @@ pub struct MethodArgs {
     /// (0.5, the spread between segments of living scoliotic spines)
     #[arg(long, value_name = "none|in-vivo|SD", default_value = "none", value_parser = prior)]
     prior: Prior,
-    /// Stiffness table to start from [default: the built-in table, which `spineline stiffness` prints]
-    #[arg(long, value_name = "FILE")]
-    pub stiffness: Option<PathBuf>,
+    /// Stiffness table to start from: `paper`, `in-vitro`, `intact-chest` or `scoliotic-in-vivo` (`spineline stiffness` prints
+    /// them), or a file
+    #[arg(long, value_name = "TABLE|FILE", default_value = "paper", value_parser = stiffness_source)]
+    stiffness: StiffnessSource,
     /// Inflections set by hand, caudal first, each a vertebra or a disc, such as L1/T12,T6 [default: found on the erect film]
     #[arg(long, value_name = "SITE,SITE", value_parser = inflection_sites)]
     inflections: Option<[Site; 2]>,
@@ -99,13 +100,34 @@ impl MethodArgs {
             hypotheses: self.compare_models.clone().map(|chosen| chosen.0).unwrap_or_default(),
             ..AnalysisOptions::default()
         };
-        if let Some(path) = &self.stiffness {
-            let read = spineline_files::read_text(path)
-                .and_then(|text| spineline_files::parse_stiffness(&text));
-            options.library = read.map_err(|error| Failure::file(path, &error))?;
-        }
+        options.library = match &self.stiffness {
+            StiffnessSource::Table(table) => table.library(),
+            StiffnessSource::File(path) => spineline_files::read_text(path)
+                .and_then(|text| spineline_files::parse_stiffness(&text))
+                .map_err(|error| Failure::file(path, &error))?,
+        };
         Ok(options)
     }
+
+    /// The file of the stiffness table, where it is one of the inputs.
+    pub fn stiffness_file(&self) -> Option<&PathBuf> {
+        match &self.stiffness {
+            StiffnessSource::File(path) => Some(path),
+            StiffnessSource::Table(_) => None,
+        }
+    }
+}
+
+/// Where springs come from.
+#[derive(Clone)]
+enum StiffnessSource {
+    Table(StiffnessTable),
+    File(PathBuf),
+}
+
+fn stiffness_source(text: &str) -> Result<StiffnessSource, String> {
+    Ok(of_spelling(text)
+        .map_or_else(|| StiffnessSource::File(PathBuf::from(text)), StiffnessSource::Table))
 }
 
 /// A prior, or none.

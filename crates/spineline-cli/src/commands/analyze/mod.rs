@@ -81,7 +81,7 @@ fn check_streams(args: &AnalyzeArgs, paths: &[PathBuf]) -> Result<bool, Failure>
 
 /// Checks every output before any work.
 fn check_outputs(args: &AnalyzeArgs, paths: &[PathBuf]) -> Result<Outputs, Failure> {
-    let inputs = paths.iter().chain(&args.method.stiffness).map(PathBuf::as_path);
+    let inputs = paths.iter().chain(args.method.stiffness_file()).map(PathBuf::as_path);
     let outputs = Outputs::new(args.overwrite, inputs);
     for path in [&args.json, &args.model].into_iter().flatten() {
         outputs.file(path)?;
