@@ -100,8 +100,9 @@ pub(super) fn warn_of_length(film: &Outline, warnings: &mut Warnings) {
         "the lengths are compared as marked".to_owned()
     };
     let text = format!(
-        "the spine is {:+.1} % longer than on the erect film ({effect}): check the spacing of both films, and that they show the same patient",
-        100.0 * (measured.factor - 1.0)
+        "the spine is {:.1} % {} than on the erect film ({effect}): check the spacing of both films, and that they show the same patient",
+        100.0 * (measured.factor - 1.0).abs(),
+        if measured.factor > 1.0 { "longer" } else { "shorter" }
     );
     warnings.film(Step::Measure, "lengths_differ", film.posture, text);
 }

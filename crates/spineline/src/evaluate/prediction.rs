@@ -74,7 +74,7 @@ pub(crate) fn at_scale_of_top<T>(
         let gap = found.factor.ln() - log;
         round += 1;
         let converged = gap.abs() < ENOUGH;
-        if converged || round == MAX_ROUNDS {
+        if converged || round == MAX_ROUNDS || !gap.is_finite() {
             let scale = FilmScale { log_sd: found.log_sd, ..scale };
             return Some(ScaledPrediction { scale, prediction, converged });
         }

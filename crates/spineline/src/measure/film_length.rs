@@ -84,9 +84,12 @@ impl FilmLength {
     pub fn of(erect: &Outline, film: &Outline, rule: FilmLengthRule) -> Self {
         let measured = measured_scale(erect, film);
         let has_scale = [erect, film].iter().all(|one| one.scale.plane != SpacingPlane::Pixels);
+        // Coordinates near the limits of numbers have no length.
+        let has_length = [measured.factor.ln(), measured.log_sd].iter().all(|one| one.is_finite());
         let prior_log_sd = match rule {
-            FilmLengthRule::PerFilm { relative_sd } if has_scale => {
-                stated_sd(&erect.scale, &film.scale).unwrap_or(relative_sd)
+            FilmLengthRule::PerFilm { relative_sd } if has_scale && has_length => {
+                let stated = stated_sd(&erect.scale, &film.scale).unwrap_or(relative_sd);
+                if stated.is_finite() { stated } else { relative_sd }
             }
             _ => 0.0,
         };
