@@ -28,7 +28,7 @@ pub(super) struct ComparisonRecord {
     /// Every film once per role.
     films: Vec<FilmRecord>,
     /// By line: whether the bends are compatible with a single force along it. The test of the line itself exists for
-    /// `inflection_line` only.
+    /// `inflection_line` and `iliac_line`.
     compatibility: BTreeMap<String, CompatibilityRecord>,
     /// By the bend that was left out, and line: the model that the other bend alone gave, and what it predicts.
     left_out_bends: BTreeMap<Key<Posture>, BTreeMap<String, ModelRecord>>,
