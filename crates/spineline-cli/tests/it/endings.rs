@@ -105,3 +105,19 @@ fn a_file_that_is_not_ours_or_not_utf_8_is_named_as_such() {
         assert!(code == 3 && words(&error).contains(said), "{said}: {error}");
     }
 }
+
+#[test]
+fn the_line_that_predicts_best_gives_the_model() {
+    let here = phantom(&["--truth", "pull", "--subject", "2", "--noise", "0"]);
+    let case = "cases/phantom-pull-02.json";
+    let auto = ["analyze", case, "--json", "a.json", "--model", "m.json", "--model-line", "auto"];
+    let (_, error, code) = run(here.path(), &auto);
+    assert_eq!(code, 0, "{error}");
+    assert!(error.contains("the model of the iliac line is written"), "{error}");
+    assert_eq!(json(here.path(), "m.json")["line"], "iliac_line");
+    let compared = &json(here.path(), "a.json")["comparison"];
+    let left_out = |line: &str| {
+        compared["lines"][line]["errors"]["left_out_bend"]["location_mm"].as_f64().expect("a mean")
+    };
+    assert!(left_out("iliac_line") < left_out("inflection_line"), "{compared}");
+}

@@ -184,6 +184,20 @@ impl LinesCompared {
         (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64)
     }
 
+    /// The line with the smallest mean location error on bends that were left out, or else on neutral and traction films,
+    /// among those that take fewest numbers from a predicted film; with that role. `None` where no film was predicted by all.
+    #[must_use]
+    pub fn best_predictor(&self) -> Option<(LineKind, FilmRole)> {
+        let few = self.lines.iter().map(|line| line.numbers.per_predicted_film).min()?;
+        let fair = |i: &usize| self.lines[*i].numbers.per_predicted_film == few;
+        [FilmRole::LeftOutBend, FilmRole::HeldOut].into_iter().find_map(|role| {
+            let errors = (0..self.lines.len()).filter(fair);
+            let errors = errors.filter_map(|i| Some((i, self.errors(i, role)?.location_mm)));
+            let (best, _) = errors.min_by(|a, b| a.1.total_cmp(&b.1))?;
+            Some((self.lines[best].kind, role))
+        })
+    }
+
     /// Whether all lines were fitted to the same data.
     #[must_use]
     pub fn same_data(&self) -> bool {
