@@ -113,14 +113,15 @@ fn replicates_from_the_minima_of_the_case_equal_those_of_a_new_search() {
             assert_eq!(one.quantity, other.quantity);
             let (Some(a), Some(b)) = (one.spread, other.spread) else { continue };
             compared += 1;
-            // A free line has minima of nearly one depth: a few replicates may end in another one, beyond the quartiles.
-            let off = (1..4).map(|i| (a.quantiles[i] - b.quantiles[i]).abs()).fold(0.0, f64::max);
+            let off = (a.mean - b.mean).abs().max((a.sd - b.sd).abs());
             if off > 0.1 * b.sd {
                 apart.push((one.quantity, a, b));
             }
         }
         assert!(compared > 300, "{compared}");
-        assert!(apart.len() * 50 <= compared, "{truth:?}: {apart:#?}");
+        // The free line of a pulled spine, in the frontal plane, has minima of nearly one depth: some replicates end in another one.
+        let parts = if truth == Truth::Pull { 15 } else { 50 };
+        assert!(apart.len() * parts <= compared, "{truth:?}: {apart:#?}");
     }
 }
 
