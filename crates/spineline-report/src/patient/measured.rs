@@ -3,7 +3,7 @@
 use spineline::analysis::{Analysis, PostureAnalysis, probability};
 use spineline::anatomy::Posture;
 use spineline::clinical::{Balance, ClinicalCurve, CobbEnds};
-use spineline::measure::{FilmLength, Interpolation, MeasuredVertebra};
+use spineline::measure::{Interpolation, MeasuredVertebra};
 use spineline::motion::SegmentEstimate;
 use spineline::personalize::LineTest;
 use spineline::warning::counted;
@@ -38,7 +38,7 @@ pub fn films(patient: &Patient<'_>) -> Section {
     section
 }
 
-/// How the erect curve turns, where it inflects, and the chain.
+/// How the erect curve turns, where it inflects, the chain, and the scales of the films.
 pub fn curve_sentences(analysis: &Analysis) -> Vec<String> {
     let scale = analysis.scale();
     let segment_mm = analysis.chain.segment_mm;
@@ -46,7 +46,8 @@ pub fn curve_sentences(analysis: &Analysis) -> Vec<String> {
         scale.px(segment_mm).map_or_else(|| scale.text(segment_mm, 4), |px| format!("{px:.3} px"));
     let curve = analysis.inflection_words();
     let chain = format!("Chain of {} segments of {segment}.", analysis.chain.segments);
-    curve.lines().map(|line| format!("{line}.")).chain([chain]).collect()
+    let scales = analysis.film_scale_words().map(|words| format!("{words}."));
+    curve.lines().map(|line| format!("{line}.")).chain([chain]).chain(scales).collect()
 }
 
 /// Clinical angles of every curve on every film.
@@ -112,7 +113,6 @@ pub fn curves(analysis: &Analysis) -> Table {
         Column::words("Residual of locations"),
         Column::numbers("Residual of tilts (°)"),
         Column::numbers("Readings"),
-        Column::words("Scale against the erect film (95 %)"),
         Column::numbers("Mean rotation (°)"),
         Column::words("Inflections to the least-rotating segments (segments)"),
     ];
@@ -128,33 +128,12 @@ pub fn curves(analysis: &Analysis) -> Table {
             p.outline.scale.residual_text(p.fit.rmse_mm),
             format!("{:.2}", p.fit.rmse_tilt.deg()),
             p.outline.readings.to_string(),
-            scale_cell(p),
             p.mean_rotation().map_or_else(none, |rotation| format!("{:.4}", rotation.deg())),
             distances.unwrap_or_else(none),
         ]);
     }
     table.note = interpolated_words(analysis);
-    if analysis.postures.iter().any(|p| p.outline.length.is_free()) {
-        if !table.note.is_empty() {
-            table.note.push(' ');
-        }
-        table.note.push_str("Scale: a length on this film over the same length on the erect film; locations are divided by it before films are compared.");
-    }
     table
-}
-
-/// The scale of a film against the erect one; of a fixed scale, by how much the lengths differ.
-fn scale_cell(p: &PostureAnalysis) -> String {
-    let FilmLength { measured, scale, .. } = p.outline.length;
-    if p.motion.is_none() {
-        return none();
-    }
-    if p.outline.length.is_free() {
-        let [low, high] = scale.interval_95();
-        format!("{:.3} ({low:.3} to {high:.3})", scale.factor)
-    } else {
-        format!("fixed at 1; measured {:.3}", measured.factor)
-    }
 }
 
 /// Which vertebrae are interpolated on which films; empty where none is.

@@ -169,9 +169,10 @@ impl LinesCompared {
                     format!(" (the {} of {all} on which every line has a result)", all - left)
                 }
             };
-            sentences
-                .extend(self.errors_words(role).map(|errors| format!("{what}{films}: {errors}.")));
-            sentences.extend(self.baseline_sentence(role));
+            sentences.extend(self.errors_words(role).map(|errors| {
+                let (baselines, behind) = self.baseline_words(role).unwrap_or_default();
+                format!("{what}{films}: {errors}{baselines}.{behind}")
+            }));
         }
         sentences.extend(self.prediction_verdict());
         sentences.extend(self.errors_words(FilmRole::Fitted).map(|errors| {
@@ -180,8 +181,8 @@ impl LinesCompared {
         sentences
     }
 
-    /// What joint rotations without mechanics predict of the same films, and which lines do no better.
-    fn baseline_sentence(&self, role: FilmRole) -> Option<String> {
+    /// What joint rotations without mechanics predict of the same films, and a sentence on the lines that do no better.
+    fn baseline_words(&self, role: FilmRole) -> Option<(String, String)> {
         let mut found: Vec<(f64, Baseline)> = Baseline::ALL
             .into_iter()
             .filter_map(|one| Some((self.baseline_error_mm(one, role)?, one)))
@@ -196,15 +197,12 @@ impl LinesCompared {
             .filter(is_behind)
             .map(|i| format!("the {}", self.lines[i].kind))
             .collect();
-        let verdict = match behind.len() {
-            0 => "every line has a smaller error".to_owned(),
-            count if count == self.lines.len() => "no line has a smaller error".to_owned(),
-            _ => format!("no smaller error with {}", listed(&behind)),
+        let sentence = if behind.is_empty() {
+            String::new()
+        } else {
+            format!(" Not better than without mechanics: {}.", listed(&behind))
         };
-        Some(format!(
-            "The same films from patterns of joint rotations, without mechanics: {}; {verdict}.",
-            listed(&parts)
-        ))
+        Some((format!("; without mechanics: {}", listed(&parts)), sentence))
     }
 
     /// Mean location errors by line, the smallest first; `None` where no film is common to all.

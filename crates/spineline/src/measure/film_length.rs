@@ -70,6 +70,8 @@ impl FilmLength {
     pub const ERECT: Self =
         Self { measured: FilmScale::ONE, prior_log_sd: 0.0, scale: FilmScale::ONE };
 
+    /// A scale that is stated to be less certain is not known at all.
+    const MAX_LOG_SD: f64 = 0.5;
     /// A film whose length is further from the erect one than so many deviations of the prior is worth a warning.
     const UNUSUAL: f64 = 3.0;
 
@@ -88,8 +90,7 @@ impl FilmLength {
         let has_length = [measured.factor.ln(), measured.log_sd].iter().all(|one| one.is_finite());
         let prior_log_sd = match rule {
             FilmLengthRule::PerFilm { relative_sd } if has_scale && has_length => {
-                let stated = stated_sd(&erect.scale, &film.scale).unwrap_or(relative_sd);
-                if stated.is_finite() { stated } else { relative_sd }
+                stated_sd(&erect.scale, &film.scale).unwrap_or(relative_sd).min(Self::MAX_LOG_SD)
             }
             _ => 0.0,
         };
