@@ -104,7 +104,9 @@ pub fn box_summary(sample: &[f64]) -> Option<BoxSummary> {
     let low = *sorted.iter().find(inside)?;
     let high = *sorted.iter().rev().find(inside)?;
     let outliers = sorted.iter().copied().filter(|x| !(low..=high).contains(x)).collect();
-    Some(BoxSummary { quartiles, whiskers: [low, high], outliers })
+    // A quartile between two values may lie beyond the last value within reach: the whisker then ends at the box.
+    let whiskers = [low.min(quartiles[0]), high.max(quartiles[2])];
+    Some(BoxSummary { quartiles, whiskers, outliers })
 }
 
 /// Quantile of a sorted sample by linear interpolation between order statistics (Hyndman and Fan's type 7).
@@ -300,5 +302,9 @@ mod tests {
         let chart = box_summary(&[1.0, 2.0, 3.0, 4.0, 100.0]).expect("values");
         assert_eq!(chart.quartiles, [2.0, 3.0, 4.0]);
         assert_eq!((chart.whiskers, chart.outliers), ([1.0, 4.0], vec![100.0]));
+        // The first quartile lies between an outlier and the next value.
+        let chart = box_summary(&[3.0, 19.0, 20.0, 21.0]).expect("values");
+        assert_eq!((chart.quartiles[0], chart.whiskers[0]), (15.0, 15.0));
+        assert_eq!(chart.outliers, [3.0]);
     }
 }

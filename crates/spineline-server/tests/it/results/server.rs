@@ -72,6 +72,9 @@ fn image_json(image: &ImageGeometry) -> Value {
         json["column_spacing_mm"] = spacing.column_mm.into();
         json["row_spacing_mm"] = spacing.row_mm.into();
         json["spacing_plane"] = spacing.plane.key().into();
+        if let Some(sd) = spacing.relative_sd {
+            json["spacing_relative_sd"] = sd.into();
+        }
     }
     json
 }
