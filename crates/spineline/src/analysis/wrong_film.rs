@@ -38,7 +38,7 @@ const MAX_SHAPE_RATIO: f64 = 1.35;
 const MAX_WIDTH_DEVIATION: f64 = 0.18;
 
 /// Codes of warnings that a film does not show what it is named after.
-const WRONG_FILM: [&str; 8] = [
+const WRONG_FILM: [&str; 10] = [
     "another_patient",
     "bend_keeps_shape",
     "bend_leans_away",
@@ -47,6 +47,8 @@ const WRONG_FILM: [&str; 8] = [
     "film_looks_mirrored",
     "films_show_one_shape",
     "levels_may_be_shifted",
+    "other_body_part",
+    "patient_differs",
 ];
 
 /// Whether a warning says that a film does not show what it is named after.
