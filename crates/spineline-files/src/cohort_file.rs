@@ -4,11 +4,15 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use spineline::cohort::{Clustered, Cohort, LinePairTest, MissingResult, RoleErrors};
+use spineline::anatomy::Posture;
+use spineline::cohort::{
+    ChainCount, Clustered, Cohort, DoubtedFilm, LinePairTest, MissingResult, RoleErrors,
+};
 use spineline::evaluate::statistics::PairedT;
 
 use crate::Provenance;
 use crate::analysis_file::NumbersRecord;
+use crate::keys::Key;
 
 /// The lines of action over many patients, on the same films. Location errors in mm, Ferguson errors in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -43,6 +47,12 @@ pub struct CohortFile {
     left_out_films: Vec<LeftOutRecord>,
     /// By pair of lines, role and error.
     tests: Vec<TestRecord>,
+    /// Films that may not show what they are named after.
+    #[serde(default)]
+    doubted_films: Vec<DoubtedRecord>,
+    /// The vertebrae of the patients' models; results of different ones are not comparable.
+    #[serde(default)]
+    chains: Vec<ChainRecord>,
     /// Patients whose bends are not compatible with a single force through the inflections, and all who were asked.
     incompatible_patients: [usize; 2],
     verdict: Vec<String>,
@@ -84,6 +94,27 @@ struct LeftOutRecord {
     line: String,
     /// `no_model`, `no_line`, `unreachable` or `not_converged`.
     reason: String,
+}
+
+/// A film that may not show what it is named after.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct DoubtedRecord {
+    case_id: String,
+    /// `null` for the lateral film.
+    posture: Option<Key<Posture>>,
+    /// Code of the warning.
+    code: String,
+    reason: String,
+}
+
+/// Patients whose models have the same vertebrae.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct ChainRecord {
+    /// Such as `L4`.
+    base: String,
+    /// Such as `T2`.
+    top: String,
+    patients: usize,
 }
 
 /// Two lines on the films that both could simulate. Differences are first minus second.
@@ -153,6 +184,8 @@ impl CohortFile {
             errors: compared.errors.iter().map(errors).collect(),
             left_out_films: compared.missing.iter().map(left_out).collect(),
             tests: compared.tests.iter().map(test).collect(),
+            doubted_films: cohort.doubted_films.iter().map(doubted).collect(),
+            chains: cohort.chains.iter().map(chain).collect(),
             incompatible_patients: [against, asked],
             verdict: cohort.sentences(),
         }
@@ -187,6 +220,20 @@ fn errors(found: &RoleErrors) -> ErrorsRecord {
         location_mm: sample(&found.location_mm),
         ferguson_deg: sample(&found.ferguson_deg),
     }
+}
+
+fn doubted(film: &DoubtedFilm) -> DoubtedRecord {
+    DoubtedRecord {
+        case_id: film.case_id.clone(),
+        posture: film.posture.map(Into::into),
+        code: film.code.to_owned(),
+        reason: film.why.clone(),
+    }
+}
+
+fn chain(count: &ChainCount) -> ChainRecord {
+    let ChainCount { levels, patients } = *count;
+    ChainRecord { base: levels.base().to_string(), top: levels.top().to_string(), patients }
 }
 
 fn left_out(found: &MissingResult) -> LeftOutRecord {
