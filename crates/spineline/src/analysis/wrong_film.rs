@@ -100,7 +100,9 @@ fn warn_of_leaning_erect(erect: &Outline, warnings: &mut Warnings) {
     };
     if tilt.abs() > MAX_ERECT_TILT {
         let text = format!(
-            "the line from L4 to T2 leans {} (limit {:.0}°): check that the film shows the erect posture and is not turned",
+            "the line from {} to {} leans {} (limit {:.0}°): check that the film shows the erect posture and is not turned",
+            erect.levels().base(),
+            erect.levels().top(),
             tilt.leaning(),
             MAX_ERECT_TILT.deg()
         );
@@ -133,7 +135,9 @@ fn warn_of_no_bend(erect: &Outline, bend: &Outline, side: Side, warnings: &mut W
     // Further away than noise is a warning of its own.
     if towards.abs() < MIN_BEND_TILT && !doubted(warnings, "bend_leans_away", bend.posture) {
         let text = format!(
-            "the lateral tilt of L4 to T2 changes by only {:.1}° from the erect film (limit {:.0}°): check that the film shows a bend",
+            "the lateral tilt of {} to {} changes by only {:.1}° from the erect film (limit {:.0}°): check that the film shows a bend",
+            erect.levels().base(),
+            erect.levels().top(),
             towards.abs().deg(),
             MIN_BEND_TILT.deg()
         );
