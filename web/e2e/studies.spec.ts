@@ -1,4 +1,4 @@
-import { mkdtemp, rm, writeFile } from "node:fs/promises";
+import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import path from "node:path";
 
@@ -64,6 +64,28 @@ test.describe("with films of one phantom", () => {
     await expect(row.getByText("Synthetic", { exact: true })).toBeVisible();
     await expectThumbnails(page, 5);
     await shot(page, "studies");
+  });
+
+  test("a film of a leg is added only when confirmed", async ({ app, page }) => {
+    const [erect = ""] = films();
+    const bytes = await readFile(erect);
+    bytes.write("LEG   ", bytes.indexOf("SPINE "), "latin1");
+    const leg = path.join(phantom, "leg.dcm");
+    await writeFile(leg, bytes);
+    await app.open(page);
+    await page.getByRole("link", { name: "New study" }).first().click();
+    await page.locator("input[type=file]").setInputFiles([leg]);
+    const film = page.getByRole("article", { name: "leg.dcm" });
+    await expect(film.getByText("another part of the body")).toBeVisible({ timeout: 60_000 });
+    await film.getByLabel("Posture").selectOption("erect");
+    await film.getByRole("radio", { name: "right of the picture" }).check();
+    await page.getByRole("textbox", { name: "Identifier" }).fill("a-leg");
+    await page.getByRole("button", { name: "Create the study" }).click();
+    const refused = page.getByRole("alert").filter({ hasText: "The study was not created" });
+    await expect(refused).toContainText("another part of the body (LEG)");
+    await shot(page, "new-study-doubtful");
+    await refused.getByRole("button", { name: "Add anyway" }).click();
+    await expect(page).toHaveURL(/#\/studies\/a-leg\/measure/, { timeout: 60_000 });
   });
 
   test("a case file is imported with its films", async ({ app, page }) => {

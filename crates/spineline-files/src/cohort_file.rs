@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use spineline::anatomy::Posture;
 use spineline::cohort::{
-    BaselineErrors, BaselineTest, Clustered, Cohort, LinePairTest, MissingResult, RoleErrors,
+    BaselineErrors, BaselineTest, ChainCount, Clustered, Cohort, DoubtedFilm, LinePairTest,
+    MissingResult, RoleErrors,
 };
 use spineline::evaluate::Baseline;
 use spineline::evaluate::statistics::PairedT;
@@ -53,6 +55,12 @@ pub struct CohortFile {
     /// Lines against them, by location error in mm, line minus baseline.
     #[serde(default)]
     baseline_tests: Vec<BaselineTestRecord>,
+    /// Films that may not show what they are named after.
+    #[serde(default)]
+    doubted_films: Vec<DoubtedRecord>,
+    /// The vertebrae of the patients' models; results of different ones are not comparable.
+    #[serde(default)]
+    chains: Vec<ChainRecord>,
     /// Patients whose bends are not compatible with a single force through the inflections, and all who were asked.
     incompatible_patients: [usize; 2],
     verdict: Vec<String>,
@@ -94,6 +102,27 @@ struct LeftOutRecord {
     line: String,
     /// `no_model`, `no_line`, `unreachable` or `not_converged`.
     reason: String,
+}
+
+/// A film that may not show what it is named after.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct DoubtedRecord {
+    case_id: String,
+    /// `null` for the lateral film.
+    posture: Option<Key<Posture>>,
+    /// Code of the warning.
+    code: String,
+    reason: String,
+}
+
+/// Patients whose models have the same vertebrae.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct ChainRecord {
+    /// Such as `L4`.
+    base: String,
+    /// Such as `T2`.
+    top: String,
+    patients: usize,
 }
 
 /// Two lines on the films that both could simulate. Differences are first minus second.
@@ -195,6 +224,8 @@ impl CohortFile {
             tests: compared.tests.iter().map(test).collect(),
             baselines: cohort.baselines.errors.iter().map(baseline).collect(),
             baseline_tests: cohort.baselines.tests.iter().map(baseline_test).collect(),
+            doubted_films: cohort.doubted_films.iter().map(doubted).collect(),
+            chains: cohort.chains.iter().map(chain).collect(),
             incompatible_patients: [against, asked],
             verdict: cohort.sentences(),
         }
@@ -257,6 +288,20 @@ fn errors(found: &RoleErrors) -> ErrorsRecord {
         location_mm: sample(&found.location_mm),
         ferguson_deg: sample(&found.ferguson_deg),
     }
+}
+
+fn doubted(film: &DoubtedFilm) -> DoubtedRecord {
+    DoubtedRecord {
+        case_id: film.case_id.clone(),
+        posture: film.posture.map(Into::into),
+        code: film.code.to_owned(),
+        reason: film.why.clone(),
+    }
+}
+
+fn chain(count: &ChainCount) -> ChainRecord {
+    let ChainCount { levels, patients } = *count;
+    ChainRecord { base: levels.base().to_string(), top: levels.top().to_string(), patients }
 }
 
 fn left_out(found: &MissingResult) -> LeftOutRecord {

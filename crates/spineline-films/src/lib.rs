@@ -40,6 +40,7 @@ mod scan;
 mod tags;
 mod uid;
 mod write;
+mod wrong_film;
 
 pub use attribute::Attribute;
 pub use child::{ChildLimits, decode_in_child, serve_child};
@@ -60,3 +61,4 @@ pub use remark::FilmRemark;
 pub use write::{
     DicomFilm, Encoding, FilmPolarity, View, WriteFilmError, pixels_sha256, write_dicom,
 };
+pub use wrong_film::{FilmDoubt, Stated, film_doubts};

@@ -68,6 +68,14 @@ pub enum FilmRemark {
     Transparency,
 }
 
+impl FilmRemark {
+    /// Whether the file states another part of the body than the spine.
+    #[must_use]
+    pub const fn is_other_body_part(&self) -> bool {
+        matches!(self, Self::OtherBodyPart { .. })
+    }
+}
+
 impl fmt::Display for FilmRemark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -17,7 +17,7 @@ use super::{Attribute, FilmRemark, FilmTags, FilmUids, Photometric, Presentation
 const IMAGE_TYPE_LOSSY: Attribute = Attribute(0x0028, 0x2110);
 const SOP_CLASS: Attribute = Attribute(0x0008, 0x0016);
 const SOP_INSTANCE: Attribute = Attribute(0x0008, 0x0018);
-const MODALITY: Attribute = Attribute(0x0008, 0x0060);
+pub(super) const MODALITY: Attribute = Attribute(0x0008, 0x0060);
 const INTENT: Attribute = Attribute(0x0008, 0x0068);
 const VIEW_POSITION: Attribute = Attribute(0x0018, 0x5101);
 const STUDY_INSTANCE: Attribute = Attribute(0x0020, 0x000D);

@@ -8,7 +8,7 @@ use spineline::hypothesis::{
 use crate::document::{Column, Section, Table};
 use crate::phrases::none;
 
-const LEGEND: &str = "Location errors in mm and rotation errors in degrees, one mean per patient. Fitted: stiffness and loads fitted to both bends. Left out: a bend predicted with the stiffness of the other bend and the smallest load that brings T2 near. Load fitted: the same with the load fitted to the whole shape. Held out: neutral and traction films, as left out. Rotation errors: root mean square over the joints; the rotation of a base counts at the lowest joint. Counter-rotating: joints per bend that turn against the load. AICc and BIC: differences from the first row. Best: patients in whom no other load has a smaller left-out error, or a smaller AICc. Lost: films without a prediction and fits that did not converge.";
+const LEGEND: &str = "Location errors in mm and rotation errors in degrees, one mean per patient. Fitted: stiffness and loads fitted to both bends. Left out: a bend predicted with the stiffness of the other bend and the smallest load that brings the top near. Load fitted: the same with the load fitted to the whole shape. Held out: neutral and traction films, as left out. Rotation errors: root mean square over the joints; the rotation of a base counts at the lowest joint. Counter-rotating: joints per bend that turn against the load. AICc and BIC: differences from the first row. Best: patients in whom no other load has a smaller left-out error, or a smaller AICc. Lost: films without a prediction (no equilibrium, or a shape beyond the human range of motion) and fits without a result.";
 
 /// The hypotheses of one patient or several; `None` if none was requested.
 pub fn section(analyses: &[Analysis]) -> Option<Section> {

@@ -315,7 +315,7 @@ fn errors_of_lines<'a>() -> Vec<Column<LineRow<'a>>> {
         number(
             "mean_location_error",
             Unit::Millimetres,
-            "mean location error over the vertebrae from L3 to T2",
+            "mean location error over the vertebrae above the base",
             |row| {
                 let found = row.item.simulation;
                 found.is_usable().then(|| found.mean_location_error_mm())
@@ -388,7 +388,7 @@ fn columns_of_hypotheses<'a>() -> Vec<Column<PredictedRow<'a>>> {
             Some(row.item.prediction.role.key().to_owned())
         }),
         text("fit_status", "how the fit to all bends ended", |row| {
-            Some(row.item.fit.status.key().to_owned())
+            Some(row.item.fit.ending_key().to_owned())
         }),
         number(
             "aicc",
@@ -402,7 +402,7 @@ fn columns_of_hypotheses<'a>() -> Vec<Column<PredictedRow<'a>>> {
         number(
             "mean_location_error",
             Unit::Millimetres,
-            "mean location error over the vertebrae from L3 to T2",
+            "mean location error over the vertebrae above the base",
             |row| Some(row.item.prediction.mean_location_error_mm()),
         ),
         number(
@@ -414,7 +414,7 @@ fn columns_of_hypotheses<'a>() -> Vec<Column<PredictedRow<'a>>> {
         number(
             "base",
             Unit::Degrees,
-            "rotation of the whole spine about L4; positive to the patient's right",
+            "rotation of the whole spine about the base; positive to the patient's right",
             |row| Some(row.item.prediction.base.deg()),
         ),
         count(

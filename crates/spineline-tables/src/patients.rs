@@ -1,4 +1,4 @@
-use spineline::analysis::{Grouping, Sex};
+use spineline::analysis::{Analysis, Grouping, Sex};
 use spineline::curve::{Inflection, OrderRule};
 use spineline::multibody::Support;
 use spineline::personalize::FitTarget;
@@ -44,6 +44,17 @@ fn subject<'a>() -> Vec<Column<PatientRow<'a>>> {
     ]
 }
 
+fn doubted_films(analysis: &Analysis) -> Option<String> {
+    let mut films: Vec<&str> = Vec::new();
+    for warning in analysis.film_doubts() {
+        let film = warning.posture.map_or("lateral", |posture| posture.key());
+        if !films.contains(&film) {
+            films.push(film);
+        }
+    }
+    (!films.is_empty()).then(|| films.join(" "))
+}
+
 fn inflection(row: &PatientRow<'_>, end: usize) -> Option<Inflection> {
     row.patient.analysis.inflections.pair.map(|pair| pair[end])
 }
@@ -62,6 +73,17 @@ fn curve<'a>() -> Vec<Column<PatientRow<'a>>> {
     vec![
         count("films", "number of frontal films", |row| {
             Some(row.patient.analysis.postures.len() as i64)
+        }),
+        text(
+            "doubted",
+            "films that may not show what they are named after, in the order of the warnings, with spaces between them; empty where there is none",
+            |row| doubted_films(row.patient.analysis),
+        ),
+        text("chain_base", "lowest vertebra of the model, which is fixed", |row| {
+            Some(row.patient.analysis.levels().base().to_string())
+        }),
+        text("chain_top", "highest vertebra of the model, which carries the force", |row| {
+            Some(row.patient.analysis.levels().top().to_string())
         }),
         text(
             "lengths",

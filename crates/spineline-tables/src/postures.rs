@@ -31,17 +31,28 @@ fn film<'a>() -> Vec<Column<PostureRow<'a>>> {
             "plane of the lengths of this film: `patient`, `detector`, `unknown`, or `pixels` without a spacing",
             |row| Some(row.item.outline.scale.plane.key().to_owned()),
         ),
+        text(
+            "doubted",
+            "codes of the warnings that this film may not show what it is named after, with spaces between them; empty where there is none",
+            |row| {
+                let posture = Some(row.item.outline.posture);
+                let doubts = row.patient.analysis.film_doubts();
+                let codes: Vec<&str> =
+                    doubts.filter(|one| one.posture == posture).map(|one| one.code).collect();
+                (!codes.is_empty()).then(|| codes.join(" "))
+            },
+        ),
         count("readings", "readings of the film", |row| Some(row.item.outline.readings as i64)),
         number(
             "spine",
             Unit::Millimetres,
-            "length of the polygon through the midpoints from L4 to T2",
+            "length of the polygon through the midpoints from the base to the top",
             |row| row.item.outline.scale.mm(row.item.outline.polygon_mm()),
         ),
         number(
             "amplitude",
             Unit::Degrees,
-            "lateral tilt of L4 to T2; positive to the patient's right",
+            "lateral tilt of the line from the base to the top; positive to the patient's right",
             |row| Some(row.item.outline.amplitude().deg()),
         ),
         number(

@@ -76,13 +76,13 @@ fn measured<'a>() -> Vec<Column<VertebraRow<'a>>> {
         number(
             "measured_y",
             Unit::Millimetres,
-            "measured midpoint relative to that of L4, positive to the patient's left",
+            "measured midpoint relative to that of the base, positive to the patient's left",
             |row| row.item.mm(|vertebra| vertebra.location.y_mm),
         ),
         number(
             "measured_z",
             Unit::Millimetres,
-            "measured midpoint relative to that of L4, positive upwards",
+            "measured midpoint relative to that of the base, positive upwards",
             |row| row.item.mm(|vertebra| vertebra.location.z_mm),
         ),
         number("measured_y", Unit::Pixels, "the same where the film has no spacing", |row| {
@@ -139,7 +139,7 @@ fn simulated<'a>() -> Vec<Column<VertebraRow<'a>>> {
         number(
             "location_error",
             Unit::Millimetres,
-            "location error: distance of the two midpoints (E_LOC); empty for L4 (the base), which is fixed, for interpolated vertebrae, and without a result",
+            "location error: distance of the two midpoints (E_LOC); empty for the base, which is fixed, for interpolated vertebrae, and without a result",
             |row| {
                 let found = simulation(row).filter(|s| s.is_usable())?;
                 found.location_error_mm(row.item.measured().level)

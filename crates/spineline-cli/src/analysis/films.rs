@@ -1,4 +1,4 @@
-//! The pictures beside a case: none of them may stand for two films.
+//! The pictures beside a case: none of them may stand for two films, or show another patient or part of the body.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -8,13 +8,14 @@ use spineline::measure::FilmLandmarks;
 use spineline::warning::Step;
 use spineline_files::CaseFile;
 use spineline_films::intake::{IntakeLimits, Place, read};
+use spineline_films::{Stated, film_doubts};
 use spineline_landmarks::read_source;
 
 use crate::run::failure::Failure;
 use crate::run::film_decoder::Decoder;
 
-/// Code of the warning of films with one identifier.
-pub const IDENTIFIER_REPEATED: &str = "identifier_repeated";
+/// Codes of the warnings about pictures: what is odd about them shows in no landmark.
+const CODES: [&str; 3] = ["identifier_repeated", "other_body_part", "patient_differs"];
 
 /// A film of a case whose picture lies beside the case.
 struct Beside {
@@ -30,28 +31,45 @@ impl Beside {
     }
 }
 
-/// Two films that carry one identifier and different pictures.
-pub struct SameIdentifier {
-    /// The second film, where it is a frontal one.
+/// What is odd about a picture beside a case.
+pub struct FilmWarning {
+    code: &'static str,
+    /// The film, where it is a frontal one.
     posture: Option<Posture>,
-    /// What is wrong.
-    pub text: String,
+    /// What is odd.
+    text: String,
 }
 
-impl SameIdentifier {
-    /// Of a second film with the identifier of another one.
-    pub fn new(posture: Option<Posture>, text: impl Into<String>) -> Self {
-        Self { posture, text: text.into() }
+impl FilmWarning {
+    /// About a film.
+    pub fn new(code: &'static str, posture: Option<Posture>, text: impl Into<String>) -> Self {
+        Self { code, posture, text: text.into() }
+    }
+
+    /// The code of a warning about a picture, as a file has it.
+    pub fn code(text: &str) -> Option<&'static str> {
+        CODES.into_iter().find(|code| *code == text)
+    }
+
+    /// Whether the film may not belong into the case.
+    pub fn doubts_film(&self) -> bool {
+        self.code != "identifier_repeated"
+    }
+
+    /// The film and what is odd about it.
+    pub fn place_and_text(&self) -> String {
+        match self.posture {
+            Some(posture) => format!("{posture} film: {}", self.text),
+            None => self.text.clone(),
+        }
     }
 
     /// Adds it to the warnings of the analysis.
     pub fn warn(&self, analysis: &mut Analysis) {
         let warnings = &mut analysis.warnings;
         match self.posture {
-            Some(posture) => {
-                warnings.film(Step::Measure, IDENTIFIER_REPEATED, posture, &*self.text);
-            }
-            None => warnings.push(Step::Measure, IDENTIFIER_REPEATED, &*self.text),
+            Some(posture) => warnings.film(Step::Measure, self.code, posture, &*self.text),
+            None => warnings.push(Step::Measure, self.code, &*self.text),
         }
     }
 }
@@ -60,17 +78,14 @@ impl SameIdentifier {
 ///
 /// # Errors
 /// If two films have the same pixels, in whatever files.
-pub fn check_films(
-    path: &Path,
-    file: &CaseFile,
-    case: &Case,
-) -> Result<Vec<SameIdentifier>, Failure> {
+pub fn check_films(path: &Path, file: &CaseFile, case: &Case) -> Result<Vec<FilmWarning>, Failure> {
     let films = beside(path, file, case);
-    if films.len() < 2 {
-        return Ok(Vec::new());
+    if films.len() > 1 {
+        check_pixels(path, &films)?;
     }
-    check_pixels(path, &films)?;
-    Ok(same_identifiers(&films))
+    let mut found = same_identifiers(&films);
+    found.extend(wrong_films(&films));
+    Ok(found)
 }
 
 fn beside(path: &Path, file: &CaseFile, case: &Case) -> Vec<Beside> {
@@ -116,7 +131,27 @@ fn picture(decoder: &Decoder, place: &Path) -> Option<String> {
     decoder.decode(bytes).ok().map(|film| film.picture_sha256())
 }
 
-fn same_identifiers(films: &[Beside]) -> Vec<SameIdentifier> {
+/// Films of another part of the body or of another patient, as far as their files are DICOM.
+fn wrong_films(films: &[Beside]) -> Vec<FilmWarning> {
+    let stated = |film: &Beside| {
+        let bytes = read(&Place::File(film.place.clone()), &IntakeLimits::default()).ok();
+        let stated = bytes.and_then(|bytes| Stated::read(&bytes).ok()).unwrap_or_default();
+        (film.name(), stated)
+    };
+    let doubts = film_doubts(&films.iter().map(stated).collect::<Vec<_>>());
+    let of_film = films.iter().zip(doubts).flat_map(|(film, doubts)| {
+        doubts.into_iter().map(|doubt| {
+            // A warning without a posture names the lateral film itself.
+            let place =
+                film.posture.map_or_else(|| format!("{}: ", film.name()), |_| String::new());
+            let text = format!("{place}{}: check that it belongs to this case", doubt.text);
+            FilmWarning::new(doubt.code, film.posture, text)
+        })
+    });
+    of_film.collect()
+}
+
+fn same_identifiers(films: &[Beside]) -> Vec<FilmWarning> {
     let mut known: Vec<(&Beside, String)> = Vec::new();
     let mut found = Vec::new();
     for film in films {
@@ -128,7 +163,7 @@ fn same_identifiers(films: &[Beside]) -> Vec<SameIdentifier> {
                 other.name(),
                 film.name()
             );
-            found.push(SameIdentifier::new(film.posture, text));
+            found.push(FilmWarning::new("identifier_repeated", film.posture, text));
         }
         known.push((film, uid));
     }

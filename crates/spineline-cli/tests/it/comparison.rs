@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use crate::program::{run, words};
@@ -136,4 +136,71 @@ fn films_without_a_result_are_named_with_line_and_reason() {
     }
     let errors = json["errors"].as_array().expect("errors");
     assert!(errors.iter().all(|error| error["films_left_out"] == 2), "{errors:?}");
+    assert_eq!(json["chains"], json!([{ "base": "L4", "top": "T2", "patients": 2 }]));
+    assert_eq!(json["doubted_films"], json!([]));
+}
+
+#[test]
+fn a_doubted_film_and_a_shorter_chain_are_named_in_the_files_of_a_cohort() {
+    let here = with_phantoms("rod", &["1", "2"]);
+    let path = here.path().join("cases/phantom-rod-02.json");
+    let text = fs::read_to_string(&path).expect("the second patient");
+    let mut case: Value = serde_json::from_str(&text).expect("JSON");
+    let films = case["films"].as_array_mut().expect("films");
+    for film in films.iter_mut() {
+        for reading in film["readings"].as_array_mut().expect("readings") {
+            let vertebrae = reading["vertebrae"].as_object_mut().expect("vertebrae");
+            vertebrae.retain(|level, _| !["T1", "T2", "T3"].contains(&level.as_str()));
+        }
+    }
+    // A bend that is the erect film, a little lower on the picture.
+    let mut readings = films[0]["readings"].clone();
+    shift_rows(&mut readings, 5.0);
+    films[1]["readings"] = readings;
+    let posture = films[1]["posture"].clone();
+    fs::write(&path, case.to_string()).expect("an odd case");
+    let arguments =
+        ["analyze", "cases", "--cohort", "all.json", "--tables", "tables", "--threads", "1"];
+    let (text, error, code) = run(here.path(), &arguments);
+    assert!(code == 0 || code == 4, "{error}");
+    let text = words(&text);
+    let counts = "1 patient from L4 to T2 and 1 patient from L4 to T4";
+    assert!(text.contains(counts) && text.contains("Films of 1 of 2 patients"), "{text}");
+    let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("it was written");
+    let json: Value = serde_json::from_str(&read("all.json")).expect("JSON");
+    let chains = json!([
+        { "base": "L4", "top": "T2", "patients": 1 }, { "base": "L4", "top": "T4", "patients": 1 },
+    ]);
+    assert_eq!(json["chains"], chains);
+    let doubted = json["doubted_films"].as_array().expect("films");
+    assert!(!doubted.is_empty());
+    for film in doubted {
+        assert_eq!(film["case_id"], "phantom-rod-02", "{film}");
+        assert_eq!(film["posture"], posture, "{film}");
+    }
+    let code = doubted[0]["code"].as_str().expect("a code");
+    for (table, rows, expected) in
+        [("postures", 10, code), ("patients", 2, posture.as_str().expect("a posture"))]
+    {
+        let csv = read(&format!("tables/{table}.csv"));
+        let mut lines = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let head = lines.next().expect("a head");
+        let place = head.iter().position(|name| *name == "doubted").expect("a column");
+        let cells: Vec<&str> = lines.map(|cells| cells[place]).collect();
+        assert_eq!(cells.len(), rows, "{csv}");
+        let filled: Vec<&&str> = cells.iter().filter(|cell| !cell.is_empty()).collect();
+        assert!(filled.len() == 1 && filled[0].contains(expected), "{filled:?}");
+    }
+}
+
+/// Moves every point of readings down.
+fn shift_rows(value: &mut Value, rows: f64) {
+    match value {
+        Value::Object(of) => of.values_mut().for_each(|one| shift_rows(one, rows)),
+        Value::Array(of) if of.len() == 2 && of.iter().all(Value::is_number) => {
+            of[1] = (of[1].as_f64().expect("a number") + rows).into();
+        }
+        Value::Array(of) => of.iter_mut().for_each(|one| shift_rows(one, rows)),
+        _ => {}
+    }
 }

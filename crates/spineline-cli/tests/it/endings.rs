@@ -121,3 +121,31 @@ fn the_line_that_predicts_best_gives_the_model() {
     };
     assert!(left_out("iliac_line") < left_out("inflection_line"), "{compared}");
 }
+
+#[test]
+fn a_model_that_cannot_be_written_says_what_would_give_one() {
+    let here = phantom(&["--truth", "rod", "--subject", "1"]);
+    let case = json(here.path(), "cases/phantom-rod-01.json");
+    let mut no_scale = case.clone();
+    for film in no_scale["films"].as_array_mut().expect("films") {
+        let image = film["image"].as_object_mut().expect("a picture");
+        image.retain(|key, _| !key.contains("spacing"));
+    }
+    let mut no_bend = case.clone();
+    let films = no_bend["films"].as_array_mut().expect("films");
+    films.retain(|film| !film["posture"].as_str().is_some_and(|name| name.contains("bending")));
+    for (name, case, line, expected) in [
+        ("scale.json", no_scale, "inflection", "column_spacing_mm"),
+        ("bend.json", no_bend, "inflection", "a bending film"),
+        ("given.json", case, "given", "--model-line inflection"),
+    ] {
+        fs::write(here.path().join(name), case.to_string()).expect("a case");
+        let analyze = ["analyze", name, "--model", "m.json", "--model-line", line];
+        let (_, error, code) = run(here.path(), &analyze);
+        assert_eq!(code, 3, "{name}: {error}");
+        let error = words(&error);
+        assert!(error.contains(expected), "{name}: {error}");
+        // Another line helps only where it has a model.
+        assert_eq!(error.contains("--model-line"), line == "given", "{name}: {error}");
+    }
+}

@@ -124,6 +124,54 @@ fn two_pictures_of_one_identifier_are_warned_about() {
 }
 
 #[test]
+fn a_film_of_another_patient_or_part_of_the_body_is_noticed_by_every_command() {
+    let here = tempfile::tempdir().expect("a temporary folder");
+    let here = here.path();
+    let neutral = |tag: (u16, u16), vr: &'static str, value: &str| {
+        let mut maker = Maker::new(60, 40, &ramp(60, 40));
+        maker.text((0x08, 0x18), "UI", "1.2.3.2").text((0x20, 0x0D), "UI", "1.2.4");
+        maker.text((0x10, 0x20), "LO", "SOMEONE-1").text(tag, vr, value);
+        maker.file(EXPLICIT)
+    };
+    let mut erect = Maker::new(60, 40, &[7; 2400]);
+    erect.text((0x08, 0x18), "UI", "1.2.3.1").text((0x20, 0x0D), "UI", "1.2.4");
+    erect.text((0x10, 0x20), "LO", "SOMEONE-1");
+    let erect = erect.file(EXPLICIT);
+    for (tag, vr, value, expected, code) in [
+        ((0x18, 0x15), "CS", "LEG", "(LEG)", "other_body_part"),
+        ((0x08, 0x60), "CS", "MG", "(BREAST)", "other_body_part"),
+        ((0x10, 0x20), "LO", "SOMEONE-2", "Patient ID differs", "patient_differs"),
+    ] {
+        case(here, &erect, &neutral(tag, vr, value));
+        for command in readers(here) {
+            let (out, error, ending) = run(here, &command);
+            let said = format!("{out}{error}").split_whitespace().collect::<Vec<_>>().join(" ");
+            assert!(!said.contains("SOMEONE"), "{command:?}: {said}");
+            // A store takes such a film only when told to; the other commands warn.
+            if command[0] == "study" {
+                assert_eq!(ending, 3, "{command:?}: {said}");
+                assert!(said.contains(expected) && said.contains("--accept"), "{said}");
+                let (out, error, ending) = run(here, &[&command[..], &["--accept"]].concat());
+                assert_eq!(ending, 0, "{out}{error}");
+                assert!(out.contains("neutral film") && out.contains(expected), "{out}");
+                continue;
+            }
+            assert_eq!(ending, 0, "{command:?}: {said}");
+            if command[0] != "report" {
+                assert!(said.contains("neutral film") && said.contains(expected), "{said}");
+            }
+        }
+        let analysis = fs::read_to_string(here.join("a.json")).expect("written");
+        assert!(analysis.contains(code), "{code}");
+        let (out, error, ending) = run(here, &["rerun", "a.json"]);
+        assert_eq!(ending, 0, "{out}{error}");
+        for file in ["a.json", "r.html"] {
+            fs::remove_file(here.join(file)).expect("removed");
+        }
+    }
+}
+
+#[test]
 fn the_picture_of_a_frontal_film_is_no_lateral_one_in_another_file() {
     let here = tempfile::tempdir().expect("a temporary folder");
     let here = here.path();

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::Posture;
-use spineline::hypothesis::{HypothesisFit, ShapePrediction};
+use spineline::hypothesis::{HypothesisFit, LossReason, LostPrediction, ShapePrediction};
 
 use super::posture::ScaleRecord;
 use crate::keys::Key;
@@ -13,7 +13,7 @@ use crate::keys::Key;
 /// A load and base fitted to the bends, with its predictions. Lengths in mm, angles in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(super) struct HypothesisRecord {
-    /// How the fit to all bends ended.
+    /// How the fit to all bends ended; `beyond_human_range` where a fitted film has a shape that no human spine can have.
     status: String,
     /// Multipliers of the lateral springs, in the order of the groups.
     multipliers: Vec<f64>,
@@ -30,6 +30,9 @@ pub(super) struct HypothesisRecord {
     predictions: Vec<PredictionRecord>,
     /// Films without a prediction, by role.
     lost: BTreeMap<String, Vec<Key<Posture>>>,
+    /// Those of them whose shape is beyond the human range of motion, by role.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    beyond_human_range: BTreeMap<String, Vec<Key<Posture>>>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -67,12 +70,15 @@ fn finite(value: f64) -> Option<f64> {
 
 impl HypothesisRecord {
     pub(super) fn new(fit: &HypothesisFit) -> Self {
-        let mut lost: BTreeMap<String, Vec<Key<Posture>>> = BTreeMap::new();
-        for (posture, role) in &fit.lost {
-            lost.entry(role.key().to_owned()).or_default().push((*posture).into());
-        }
+        let by_role = |counts: &dyn Fn(&LostPrediction) -> bool| {
+            let mut films: BTreeMap<String, Vec<Key<Posture>>> = BTreeMap::new();
+            for lost in fit.lost.iter().filter(|lost| counts(lost)) {
+                films.entry(lost.role.key().to_owned()).or_default().push(lost.posture.into());
+            }
+            films
+        };
         Self {
-            status: fit.status.key().to_owned(),
+            status: fit.ending_key().to_owned(),
             multipliers: fit.log_multipliers.iter().map(|log| log.exp()).collect(),
             measured_numbers: fit.criteria.measured,
             fitted_numbers: fit.criteria.fitted,
@@ -80,7 +86,8 @@ impl HypothesisRecord {
             aicc: finite(fit.criteria.aicc),
             bic: finite(fit.criteria.bic),
             predictions: fit.predictions.iter().map(PredictionRecord::new).collect(),
-            lost,
+            lost: by_role(&|_| true),
+            beyond_human_range: by_role(&|lost| lost.reason == LossReason::BeyondHumanRange),
         }
     }
 }

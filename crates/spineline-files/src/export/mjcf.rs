@@ -10,7 +10,7 @@ use crate::StoredModel;
 
 const DIALECT: Dialect = Dialect {
     format: "MJCF (MuJoCo)",
-    frame: "G: x anterior, y to the patient's left, z cranial; origin at L4's midpoint.",
+    frame: "G: x anterior, y to the patient's left, z cranial; origin at the midpoint of the lowest vertebra.",
     notes: "Springs: `stiffness` and `springref` of each joint. Hinges that are locked are left out. Contacts are off.",
     // MuJoCo takes damping implicitly, so that enough of it to come to rest within seconds costs nothing.
     damping_s: 0.1,

@@ -10,7 +10,7 @@ use crate::StoredModel;
 
 const DIALECT: Dialect = Dialect {
     format: "OSIM (OpenSim 4)",
-    frame: "OpenSim's: x anterior, y cranial, z to the patient's right (Spineline's G is x, -z, y of this); origin at L4's midpoint.",
+    frame: "OpenSim's: x anterior, y cranial, z to the patient's right (Spineline's G is x, -z, y of this); origin at the midpoint of the lowest vertebra.",
     notes: "Springs: one SpringGeneralizedForce per coordinate. Signs of coordinates are Spineline's: right-handed about the anterior, left and cranial axis. Coordinates that the support locks are locked.",
     // OpenSim's integrators are explicit: more would make their steps tiny.
     damping_s: 0.001,

@@ -38,11 +38,13 @@ pub fn section(analyses: &[Analysis], cohort: &Cohort) -> Section {
     section.table(table);
     let kinds = [NoticeKind::Contradiction, NoticeKind::Warning, NoticeKind::Note];
     let columns = kinds.map(|kind| Column::numbers(format!("{}s", kind.word())));
-    let columns = [Column::words("Case")].into_iter().chain(columns).collect();
+    let films = Column::words("Doubted films");
+    let columns = [Column::words("Case")].into_iter().chain(columns).chain([films]).collect();
     let mut table = Table::new("Contradictions, warnings and notes of every patient", columns);
     for analysis in analyses {
         let counts = kinds.map(|kind| notices(analysis, kind));
-        table.row([analysis.case_id.clone()].into_iter().chain(counts).collect());
+        let doubted = doubted_films(analysis);
+        table.row([analysis.case_id.clone()].into_iter().chain(counts).chain([doubted]).collect());
     }
     section.table(table);
     section
@@ -112,6 +114,18 @@ fn errors(cohort: &Cohort, place: usize, model: &LineModel) -> [String; 3] {
 fn against(model: &LineModel) -> String {
     let fitted = model.postures.iter().filter(|simulation| simulation.fitted);
     fitted.map(|s| s.contradicted.len().to_string()).collect::<Vec<_>>().join(", ")
+}
+
+/// Films of a patient that may be wrong ones.
+fn doubted_films(analysis: &Analysis) -> String {
+    let mut films: Vec<String> = Vec::new();
+    for warning in analysis.film_doubts() {
+        let film = warning.posture.map_or_else(|| "lateral".to_owned(), |p| p.to_string());
+        if !films.contains(&film) {
+            films.push(film);
+        }
+    }
+    if films.is_empty() { none() } else { films.join(", ") }
 }
 
 fn notices(analysis: &Analysis, kind: NoticeKind) -> String {

@@ -120,6 +120,7 @@ pub fn flow(patients: &Patients<'_>) -> Section {
     let caption = "Cases at every step. A missing film removes a case from the last step only: all its other films count.";
     section.figure(Figure::new("flow", caption, svg));
     section.table(refused_table(refused));
+    section.table(doubted_table(patients.together));
     section.table(incomplete_table(analyses));
     section.table(films_table(analyses));
     section
@@ -130,6 +131,16 @@ fn refused_table(refused: &[Refused]) -> Table {
     let mut table = Table::new("Cases that were refused", columns);
     for one in refused {
         table.row(vec![one.name.clone(), one.refusal.words().to_owned(), one.why.clone()]);
+    }
+    table
+}
+
+/// Films that stay in, and should be checked before anything is believed.
+fn doubted_table(cohort: &Cohort) -> Table {
+    let columns = vec![Column::words("Case"), Column::words("Film"), Column::words("Reason")];
+    let mut table = Table::new("Films that may be wrong ones", columns);
+    for film in &cohort.doubted_films {
+        table.row(vec![film.case_id.clone(), film.film(), film.why.clone()]);
     }
     table
 }
@@ -202,6 +213,7 @@ pub fn table_1(patients: &Patients<'_>) -> Section {
         Column::numbers("Main Cobb angle (°)"),
         Column::numbers("Flexibility (%)"),
         Column::numbers("Inflections"),
+        Column::words("Chain"),
     ];
     let mut table = Table::new("Descriptive data of the patients (table 1 of the paper)", columns);
     for (analysis, subject) in patients.analyses.iter().zip(patients.subjects) {
@@ -216,6 +228,7 @@ pub fn table_1(patients: &Patients<'_>) -> Section {
             main.map_or_else(none, curve_size),
             flexibility.map_or_else(none, |f| format!("{:.0}", 100.0 * f)),
             analysis.inflections.all.len().to_string(),
+            format!("{}-{}", analysis.levels().base(), analysis.levels().top()),
         ]);
     }
     section.table(table);

@@ -161,7 +161,7 @@ pub fn location_errors(
     }
     let mut page = Page::new(format!("Location errors: {films}"), synthetic);
     page.notes.push(format!(
-        "Distance between simulated and measured vertebra midpoints, L3 to T2. {RULE}"
+        "Distance between simulated and measured midpoints of the vertebrae above the base. {RULE}"
     ));
     let columns: Vec<Column> = samples
         .iter()

@@ -124,8 +124,9 @@ impl<'a> Displayed<'a> {
 pub fn films(case: &Case, analysis: &Analysis, pictures: &[FilmPicture]) -> String {
     let title = format!("Films with landmarks, curve, inflections and lines, case {}", case.id);
     let mut page = Page::new(title, analysis.synthetic);
+    let base = analysis.levels().base();
     page.notes.push(format!(
-        "{VIEW} Films are shown as they were taken; L4's midpoint is at the origin."
+        "{VIEW} Films are shown as they were taken; {base}'s midpoint is at the origin."
     ));
     page.notes.extend(scale_note(analysis));
     let displayed: Vec<(Displayed<'_>, &PostureAnalysis)> = analysis
@@ -203,7 +204,7 @@ impl Frames {
     fn panel(&self, film: &Displayed<'_>) -> Panel {
         let mut extent = film.extent().at_least_wide(self.wide_mm);
         extent.z_mm = self.z_mm;
-        frontal_panel(extent, self.px_per_mm)
+        frontal_panel(extent, self.px_per_mm, film.outline.levels().base())
     }
 }
 

@@ -3,7 +3,7 @@
 use kuva::render::render::{Primitive, TextAnchor};
 use spineline::action::LineOfAction;
 use spineline::analysis::Analysis;
-use spineline::anatomy::Levels;
+use spineline::anatomy::{Level, Levels};
 use spineline::measure::{Outline, SpacingPlane};
 use spineline::spatial::Frontal;
 
@@ -117,21 +117,21 @@ pub fn frame_px(row_px: f64, axes: &[bool], most: usize) -> f64 {
 impl Panel {
     /// Takes the numbers from the axes of a film without a spacing: its scale is unknown.
     pub fn without_scale(&mut self) {
-        for (axis, label) in [(&mut self.x, "lateral"), (&mut self.y, "cranial of L4")] {
-            axis.label = format!("{label} (no scale)");
+        for axis in [&mut self.x, &mut self.y] {
+            axis.label = axis.label.replace("(mm)", "(no scale)");
             axis.ticks = Ticks::Blank;
         }
     }
 }
 
-/// An empty panel of an extent at a scale.
-pub fn frontal_panel(extent: Extent, px_per_mm: f64) -> Panel {
+/// An empty panel of an extent at a scale; heights are those above the base.
+pub fn frontal_panel(extent: Extent, px_per_mm: f64, base: Level) -> Panel {
     let step = [20.0, 50.0, 100.0, 200.0].into_iter().find(|step| step * px_per_mm >= 46.0);
     let step = step.unwrap_or(500.0);
     let axis = |label: &str, range, ticks| Axis { label: label.to_owned(), range, step, ticks };
     let mut panel = Panel::new(
         axis("lateral (mm)", extent.x_mm, Ticks::Sides),
-        axis("cranial of L4 (mm)", extent.z_mm, Ticks::Numbers),
+        axis(&format!("cranial of {base} (mm)"), extent.z_mm, Ticks::Numbers),
         [extent.width_mm() * px_per_mm, extent.height_mm() * px_per_mm],
     );
     panel.corners = Some(["LEFT".to_owned(), "RIGHT".to_owned()]);

@@ -50,7 +50,8 @@ pub fn line_identification(analysis: &Analysis) -> Option<String> {
     let px_per_mm = (TALL_PX / all.height_mm()).min(wide_px / all.width_mm());
     let panels = moved.iter().zip(extents).zip(axes).map(|((posture, mut extent), written)| {
         extent.z_mm = all.z_mm;
-        let mut panel = frontal_panel(extent.at_least_wide(wide_px / px_per_mm), px_per_mm);
+        let extent = extent.at_least_wide(wide_px / px_per_mm);
+        let mut panel = frontal_panel(extent, px_per_mm, analysis.levels().base());
         panel.y_written = written;
         if !has_scale(&posture.outline) {
             panel.without_scale();

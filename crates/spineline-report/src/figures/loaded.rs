@@ -120,11 +120,12 @@ pub fn loaded_spine(input: &LoadedSpine<'_>) -> String {
     let width_mm: f64 = extents.iter().map(Extent::width_mm).sum();
     let px_per_mm = (TALL_PX / extents[0].height_mm()).min((page.inner_px() - room_px) / width_mm);
     let spare_mm = (page.inner_px() - room_px) / px_per_mm - width_mm;
+    let base = input.levels[0];
     let panels = views.iter().zip(extents).map(|(&view, extent)| {
         let extent = extent.at_least_wide(extent.width_mm() + 0.5 * spare_mm);
-        let mut panel = frontal_panel(extent, px_per_mm);
+        let mut panel = frontal_panel(extent, px_per_mm, base);
         if view == View::Right {
-            panel.x.label = "anterior of L4 (mm)".to_owned();
+            panel.x.label = format!("anterior of {base} (mm)");
             panel.x.ticks = Ticks::Numbers;
             panel.corners = Some(["BACK".to_owned(), "FRONT".to_owned()]);
         }

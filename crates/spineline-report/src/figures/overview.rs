@@ -47,7 +47,7 @@ pub fn case_overview(analysis: &Analysis) -> String {
     let (extents, px_per_mm) = scaled(analysis, page.inner_px() - gaps_px(&axes));
     let mut panels: Vec<Panel> = Vec::new();
     for ((posture, extent), written) in analysis.postures.iter().zip(extents).zip(axes) {
-        let mut panel = frontal_panel(extent, px_per_mm);
+        let mut panel = frontal_panel(extent, px_per_mm, base);
         panel.y_written = written;
         if !has_scale(&posture.outline) {
             panel.without_scale();

@@ -2,7 +2,7 @@
 
 use kuva::render::render::TextAnchor;
 use spineline::analysis::Analysis;
-use spineline::anatomy::Posture;
+use spineline::anatomy::{Level, Posture};
 use spineline::motion::{MIN_WINDOWS, Motion};
 
 use super::page::{Page, Sample};
@@ -41,11 +41,11 @@ pub fn rotations(analysis: &Analysis) -> Option<String> {
         let marker = Marker::new(shape, ink.colour, false);
         page.legend.push((Sample::Stroke(ink, Some(marker)), posture.to_string()));
     }
-    let mut panel = empty_panel(&motions, page.inner_px());
+    let mut panel = empty_panel(&motions, page.inner_px(), analysis.levels().base());
     for (posture, motion) in &motions {
         let (ink, _) = posture_style(*posture);
         let place = |(k, r): (usize, &spineline::spatial::Angle)| (k as f64, r.deg());
-        // The first joint is L4's midpoint, where nothing turns by definition of the frame.
+        // The first joint is the base's midpoint, where nothing turns by definition of the frame.
         let curve = panel.trace(ink, motion.rotations.iter().enumerate().skip(1).map(place));
         panel.layer(&posture.to_string(), [curve]);
     }
@@ -66,12 +66,12 @@ pub fn rotations(analysis: &Analysis) -> Option<String> {
     Some(page.into_svg())
 }
 
-fn empty_panel(motions: &[(Posture, &Motion)], width_px: f64) -> Panel {
+fn empty_panel(motions: &[(Posture, &Motion)], width_px: f64, base: Level) -> Panel {
     let segments = motions.iter().map(|(_, motion)| motion.rotations.len()).max().unwrap_or(1);
     let rotations = motions.iter().flat_map(|(_, motion)| &motion.rotations);
     let most = rotations.map(|r| r.deg()).fold(0.0, f64::max);
     let x = Axis {
-        label: "segment number, counted from L4 upwards".to_owned(),
+        label: format!("segment number, counted from {base} upwards"),
         range: [0.0, segments as f64],
         step: nice_step(segments as f64, 10.0),
         ticks: Ticks::Numbers,

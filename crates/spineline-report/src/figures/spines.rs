@@ -48,7 +48,7 @@ pub fn measured_and_simulated(analysis: &Analysis, posture: Posture) -> Option<S
         let solid = Ink::new(ink.colour, "", 1.6);
         page.legend
             .push((Sample::Stroke(solid, Some(filled)), format!("simulated, {}", model.kind)));
-        let mut panel = frontal_panel(extent, px_per_mm);
+        let mut panel = frontal_panel(extent, px_per_mm, analysis.levels().base());
         panel.y_written = panels.is_empty();
         head(&mut panel, model.kind, simulation, alarm);
         panel.action(&simulation.line, Ink::new(BLACK, "7 4", 1.0));
@@ -116,7 +116,8 @@ pub fn force_path(
     let extent = Extent::of(points);
     let frame_px = page.inner_px() - 84.0;
     let px_per_mm = (1.1 * TALL_PX / extent.height_mm()).min(frame_px / extent.width_mm());
-    let mut panel = frontal_panel(extent.at_least_wide(frame_px / px_per_mm), px_per_mm);
+    let extent = extent.at_least_wide(frame_px / px_per_mm);
+    let mut panel = frontal_panel(extent, px_per_mm, analysis.levels().base());
     let line = analysis.models.iter().find(|m| m.kind == kind).and_then(|m| m.posture(posture));
     if let Some(simulation) = line {
         let ink = Ink::new(BLACK, "7 4", 1.0);

@@ -88,16 +88,17 @@ pub fn spine_in_space(analysis: &Analysis) -> Option<(String, Space)> {
     let px_per_mm =
         (TALL_PX / extents[0].height_mm()).min((page.inner_px() - 84.0 - 2.0 * 18.0) / width_mm);
     let spare_mm = (page.inner_px() - 84.0 - 2.0 * 18.0) / px_per_mm - width_mm;
+    let base = analysis.levels().base();
     let panels = View::ALL.into_iter().zip(extents).enumerate().map(|(i, (view, extent))| {
         let wide = extent.at_least_wide(extent.width_mm() + spare_mm / 3.0);
-        let mut panel = frontal_panel(wide, px_per_mm);
+        let mut panel = frontal_panel(wide, px_per_mm, base);
         panel.y_written = i == 0;
         panel.heading(HeadingKind::Title, view.words());
         panel.corners = Some(view.corners().map(str::to_owned));
         match view {
             View::Behind => {}
             View::Right => {
-                panel.x.label = "anterior of L4 (mm)".to_owned();
+                panel.x.label = format!("anterior of {base} (mm)");
                 panel.x.ticks = Ticks::Numbers;
             }
             View::Oblique => {

@@ -1,14 +1,17 @@
 //! A report of a cohort names what it leaves out, and shows errors on left-out bends.
 
+use std::collections::BTreeSet;
+
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, FilmRole, Subject, analyze};
-use spineline::anatomy::Posture;
+use spineline::anatomy::{Level, Posture};
 use spineline::cohort::Cohort;
+use spineline::measure::FilmLandmarks;
 use spineline::multibody::MatchStatus;
 use spineline_phantom::{Readers, Truth, generate};
 use spineline_report::cohort::{self, Patients};
 use spineline_report::document::{Block, Section, Table};
-use spineline_report::{Document, html};
+use spineline_report::{Document, figures, html};
 
 /// A phantom of which some films are kept.
 fn analysis(subject: usize, films: &[Posture]) -> Analysis {
@@ -87,6 +90,56 @@ fn a_film_that_is_left_out_is_named_with_line_and_reason() {
 }
 
 #[test]
+fn a_doubted_film_and_a_shorter_chain_are_named() {
+    let mut case = generate(1, Truth::Rod, &Readers::exact(), 1).expect("a subject").case;
+    let landmarks = case.films[0].landmarks.clone();
+    assert_eq!(case.films[0].posture, Posture::Erect);
+    let left = case.films.iter_mut().find(|film| film.posture == Posture::LeftBending);
+    left.expect("a bend").landmarks = landmarks;
+    for film in &mut case.films {
+        let is_left = film.posture == Posture::LeftBending;
+        let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else {
+            panic!("phantoms have corners")
+        };
+        for reading in readings {
+            reading.vertebrae.retain(|level, _| *level <= Level::T4);
+            // Equal landmarks would be refused, so the film lies a little lower on its picture.
+            for body in reading.vertebrae.values_mut().filter(|_| is_left) {
+                let corners = &mut body.corners;
+                for corner in [
+                    &mut corners.superior_left,
+                    &mut corners.superior_right,
+                    &mut corners.inferior_left,
+                    &mut corners.inferior_right,
+                ] {
+                    corner.row_px += 5.0;
+                }
+            }
+        }
+    }
+    let doubted = analyze(&case, &AnalysisOptions::default()).expect("a sound case");
+    let analyses = [analysis(0, &Posture::ALL), doubted];
+    let document = document(&analyses);
+    let films = &table(&document, "flow", "Films that may be wrong ones").expect("a table").rows;
+    // Exact readings have so little noise that other films may be doubted too.
+    let all: usize = analyses.iter().map(|analysis| analysis.film_doubts().count()).sum();
+    assert_eq!(films.len(), all);
+    let copied = [analyses[1].case_id.as_str(), "left bending"];
+    let row = films.iter().find(|row| row[..2] == copied).expect("the copied film");
+    assert!(row[2].contains("erect shape"), "{row:?}");
+    let notices = table(&document, "by-patient", "Contradictions").expect("a table");
+    let column: Vec<&str> = notices.rows.iter().map(|row| row[4].as_str()).collect();
+    assert!(!column[0].contains("bending") && column[1].contains("left bending"), "{column:?}");
+    let patients = table(&document, "patients", "Descriptive data").expect("a table");
+    let chains: Vec<&str> = patients.rows.iter().map(|row| row[8].as_str()).collect();
+    assert_eq!(chains, ["L4-T2", "L4-T4"]);
+    let verdict = format!("{:?}", section(&document, "verdict").blocks);
+    for part in ["left bending", "1 patient from L4 to T2 and 1 patient from L4 to T4"] {
+        assert!(verdict.contains(part), "{part}: {verdict}");
+    }
+}
+
+#[test]
 fn cases_without_a_model_or_a_film_are_named_with_the_reason() {
     let one_bend = [Posture::Erect, Posture::LeftBending, Posture::Traction];
     let analyses =
@@ -122,4 +175,36 @@ fn a_kind_of_film_without_results_says_so_in_place_of_an_empty_panel() {
     let count = section(&document, "errors").blocks.iter().filter(|b| **b == without).count();
     assert_eq!(count, 2);
     assert!(document.figures().all(|figure| !figure.svg.contains("n = 0")));
+}
+
+#[test]
+fn figures_of_a_shorter_chain_name_its_own_base() {
+    let mut case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("a subject").case;
+    for film in &mut case.films {
+        let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else {
+            panic!("phantoms have corners")
+        };
+        for reading in readings {
+            reading.vertebrae.retain(|level, _| (Level::L3..=Level::T4).contains(level));
+        }
+    }
+    let analysis = analyze(&case, &AnalysisOptions::default()).expect("a sound case");
+    let line = &analysis.models[0];
+    let drawn = [
+        Some(figures::films(&case, &analysis, &[])),
+        Some(figures::case_overview(&analysis)),
+        figures::line_identification(&analysis),
+        figures::measured_and_simulated(&analysis, Posture::LeftBending),
+        Some(figures::force_path(&analysis, Posture::LeftBending, line.kind, &[], "N")),
+        figures::rotations(&analysis),
+        figures::spine_in_space(&analysis).map(|(svg, _)| svg),
+    ];
+    for (place, svg) in drawn.into_iter().enumerate() {
+        let svg = svg.expect("the films give every figure");
+        let texts = svg.split('>').filter_map(|part| part.split('<').next());
+        let is_end = |c: char| !c.is_alphanumeric();
+        let words: BTreeSet<&str> = texts.flat_map(|text| text.split(is_end)).collect();
+        assert!(words.contains("L3"), "figure {place}: {words:?}");
+        assert!(!words.contains("L4") && !words.contains("T2"), "figure {place}: {words:?}");
+    }
 }

@@ -239,6 +239,9 @@ pub struct NewStudy {
     pub label: Option<String>,
     /// Films, one per posture.
     pub films: Vec<NewFilm>,
+    /// Take films whose files state another part of the body, or two patients.
+    #[serde(default)]
+    pub accept_doubtful_films: bool,
 }
 
 /// A film of a new study with confirmed values.
@@ -285,6 +288,9 @@ pub struct CaseImport {
     pub text: String,
     /// Uploads with the file names in the case.
     pub films: Vec<NamedUpload>,
+    /// Take films whose files state another part of the body, or two patients.
+    #[serde(default)]
+    pub accept_doubtful_films: bool,
 }
 
 /// An upload and its file name.

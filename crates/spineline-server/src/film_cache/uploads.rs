@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use axum::http::StatusCode;
 use spineline::measure::Spacing;
-use spineline_films::{FilmKind, PatientMarks};
+use spineline_films::{FilmKind, Stated};
 use spineline_store::{Name, Timestamp};
 
 use crate::api::{Notice, Severity};
@@ -24,8 +24,8 @@ pub struct Upload {
     pub spacing: Option<Spacing>,
     pub is_lateral: bool,
     pub is_synthetic: bool,
-    /// For comparison with the patients of the study's other films.
-    pub patient: PatientMarks,
+    /// What its file states of its patient and the part of the body.
+    pub stated: Stated,
     /// Hash of the decoded pixels: equal for the same film in two files.
     pub picture: String,
     /// SOP Instance UID of a DICOM file.

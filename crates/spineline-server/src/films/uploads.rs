@@ -9,7 +9,7 @@ use axum::http::StatusCode;
 use axum::response::Response;
 use spineline::anatomy::Posture;
 use spineline::measure::{Stance, View, judge_spacing, judge_view};
-use spineline_films::{FilmFile, FilmLimits, FilmRemark};
+use spineline_films::{FilmFile, FilmLimits, FilmRemark, Stated};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -145,7 +145,7 @@ fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
         spacing: spacing.spacing,
         is_lateral,
         is_synthetic: film.tags.is_phantom,
-        patient: film.tags.patient,
+        stated: Stated::of(film),
         picture: film.picture_sha256(),
         instance: film.tags.uids.sop_instance.clone(),
         thumbnail: draw_thumbnails(film).plain,

@@ -8,7 +8,7 @@ use axum::http::StatusCode;
 use spineline::anatomy::Posture;
 use spineline::measure::{ImageGeometry, Spacing};
 use spineline_files::{FilmSource, image_value, sha256_hex};
-use spineline_films::{DeidOptions, FilmKind, FilmLimits, deidentify};
+use spineline_films::{DeidOptions, FilmKind, FilmLimits, Stated, deidentify, film_doubts};
 use spineline_store::{CaseError, Name, NewCase, Role, Study};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -45,7 +45,12 @@ async fn new_study(
         .map(|film| Ok((film.clone(), state.films().uploads.get(&user.name, &film.upload, now)?)));
     let films = uploads.collect::<Answer<Vec<_>>>()?;
     check(&films)?;
-    check_patient(films.iter().map(|(_, upload)| upload.as_ref()))?;
+    if !new.accept_doubtful_films {
+        let stated = |(film, upload): &(NewFilm, Arc<Upload>)| {
+            (format!("{} film", film.posture.0), upload.stated.clone())
+        };
+        check_doubts(&films.iter().map(stated).collect::<Vec<_>>())?;
+    }
     let synthetic = films.iter().all(|(_, upload)| upload.is_synthetic);
     let study = Study { id, label: new.label, synthetic };
     let prepared = computed(move || {
@@ -79,7 +84,11 @@ async fn import_case(
         let upload = state.films().uploads.get(&user.name, &film.upload, now)?;
         uploads.insert(film.name.clone(), upload);
     }
-    check_patient(uploads.values().map(Arc::as_ref))?;
+    if !import.accept_doubtful_films {
+        let stated =
+            |(name, upload): (&String, &Arc<Upload>)| (name.clone(), upload.stated.clone());
+        check_doubts(&uploads.iter().map(stated).collect::<Vec<_>>())?;
+    }
     let used = import.films.iter().map(|film| film.upload.clone()).collect();
     let read = computed(move || {
         let missing = "a film that the case names was not uploaded";
@@ -152,22 +161,20 @@ impl Pictures {
     }
 }
 
-/// Refuses films of two patients. One attribute may be mistyped; that two differ is no mistake.
-fn check_patient<'a>(mut films: impl Iterator<Item = &'a Upload>) -> Answer<()> {
-    let Some(first) = films.next() else { return Ok(()) };
-    for film in films {
-        let found = first.patient.differences(&film.patient);
-        if found.len() > 1 {
-            let text = format!(
-                "the films are of two patients: their files differ in {}",
-                found.join(" and ")
-            );
-            return Err(refused(&text).help(
-                "choose the films of one patient; if they are, `spineline import --accept` makes a case of them",
-            ));
-        }
+/// Refuses films whose files state another part of the body, or two patients; the answer has a code of its own, because
+/// the user may confirm them.
+fn check_doubts(films: &[(String, Stated)]) -> Answer<()> {
+    let named = films.iter().zip(film_doubts(films));
+    let texts: Vec<String> = named
+        .flat_map(|((name, _), doubts)| {
+            doubts.into_iter().map(move |doubt| format!("{name}: {}", doubt.text))
+        })
+        .collect();
+    if texts.is_empty() {
+        return Ok(());
     }
-    Ok(())
+    let failure = Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "doubtful_film", texts.join("; "));
+    Err(failure.help("choose other films, or confirm them if you are sure"))
 }
 
 /// Whether an upload can be the film of a case.

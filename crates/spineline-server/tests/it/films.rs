@@ -403,30 +403,39 @@ fn another_part_of_the_body_is_reported_at_the_upload() {
 }
 
 #[test]
-fn films_of_two_patients_are_refused() {
+fn films_of_two_patients_or_of_a_leg_are_refused_until_confirmed() {
     let app = app();
     let browser = app.observer("Ann");
     demo(&browser);
-    let film = |number: usize, posture: &str, id: &str, sex: &str| {
+    let film = |number: usize, posture: &str, [id, sex, part]: [&str; 3]| {
         let bytes = with_text(demo_film(&app, number), [0x10, 0x20], b"LO", id);
         let bytes = with_text(bytes, [0x10, 0x40], b"CS", sex);
+        let bytes = with_text(bytes, [0x18, 0x15], b"CS", part);
         let view = upload(&browser, bytes).json();
         json!({ "upload": view["upload"], "posture": posture, "patient_left": "image_left",
             "scale": { "kind": "file" } })
     };
-    // An identifier of another hospital may be the same patient's.
-    for (study, id, sex, status) in [
-        ("S-1", "AAAA", "F ", StatusCode::OK),
-        ("S-2", "BBBB", "F ", StatusCode::OK),
-        ("S-3", "BBBB", "M ", StatusCode::UNPROCESSABLE_ENTITY),
+    for (study, stated, doubt) in [
+        ("S-1", ["AAAA", "F ", "SPINE "], None),
+        ("S-2", ["BBBB", "F ", "SPINE "], Some("Patient ID differs from the erect film")),
+        ("S-3", ["BBBB", "M ", "SPINE "], Some("Patient ID and Patient's Sex differ")),
+        ("S-4", ["AAAA", "F ", "LEG "], Some("(LEG)")),
     ] {
-        let films = [film(0, "erect", "AAAA", "F "), film(1, "left_bending", id, sex)];
-        let made =
-            browser.post("/api/studies", &json!({ "id": study, "label": null, "films": films }));
-        assert_eq!(made.status, status, "{study}: {}", made.text());
-        if status != StatusCode::OK {
-            assert!(made.text().contains("two patients"), "{}", made.text());
-            assert!(!made.text().contains("BBBB"), "{}", made.text());
-        }
+        let films = [film(0, "erect", ["AAAA", "F ", "SPINE "]), film(1, "left_bending", stated)];
+        let mut new = json!({ "id": study, "label": null, "films": films });
+        let made = browser.post("/api/studies", &new);
+        let Some(doubt) = doubt else {
+            assert_eq!(made.status, StatusCode::OK, "{study}: {}", made.text());
+            continue;
+        };
+        assert_eq!(made.status, StatusCode::UNPROCESSABLE_ENTITY, "{study}: {}", made.text());
+        let problem = made.json();
+        assert_eq!(problem["code"], "doubtful_film", "{problem}");
+        let message = problem["message"].as_str().expect("a message");
+        assert!(message.contains("left bending film: "), "{message}");
+        assert!(message.contains(doubt) && !message.contains("BBBB"), "{message}");
+        new["accept_doubtful_films"] = true.into();
+        let made = browser.post("/api/studies", &new);
+        assert_eq!(made.status, StatusCode::OK, "{study}: {}", made.text());
     }
 }

@@ -2,7 +2,8 @@
 
 use super::findings::Findings;
 use crate::clinical::{RegionBounds, ferguson_angle};
-use crate::hypothesis::{HypothesisFilm, HypothesisFit, Spine, fit_hypothesis};
+use crate::hypothesis::{HypothesisFilm, HypothesisFit, LossReason, Spine, fit_hypothesis};
+use crate::multibody::{MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT};
 use crate::personalize::FitStatus;
 use crate::spatial::Frontal;
 use crate::warning::{Step, Warnings};
@@ -63,11 +64,22 @@ fn warn_of_endings(fit: &HypothesisFit, warnings: &mut Warnings) {
         let text = format!("{name}: the fit did not converge (`{}`)", fit.status.key());
         warnings.push(Step::Personalize, "fit_not_converged", text);
     }
-    for (posture, role) in &fit.lost {
-        let text = format!(
-            "{name}: no equilibrium was found for this film ({}), so it is not predicted",
-            role.key().replace('_', " ")
-        );
-        warnings.film(Step::Evaluate, "force_not_found", *posture, text);
+    for lost in &fit.lost {
+        let role = lost.role.key().replace('_', " ");
+        let (code, text) = match lost.reason {
+            LossReason::NoEquilibrium => (
+                "force_not_found",
+                format!(
+                    "{name}: no equilibrium was found for this film ({role}), so it is not predicted"
+                ),
+            ),
+            LossReason::BeyondHumanRange => (
+                "beyond_human_range",
+                format!(
+                    "{name}: the shape found for this film ({role}) is beyond the human range of motion (limits: {MAX_HUMAN_JOINT:.0} at a joint, {MAX_HUMAN_COLUMN:.0} over the spine), so it is not a result: check the landmarks of this film, and do not believe this load"
+                ),
+            ),
+        };
+        warnings.film(Step::Evaluate, code, lost.posture, text);
     }
 }

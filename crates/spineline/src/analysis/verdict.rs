@@ -6,12 +6,18 @@ use super::{Analysis, LineModel, PostureAnalysis};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::evaluate::Baseline;
+use crate::warning::Warning;
 
 impl Analysis {
     /// Whether some film may not show the posture or the patient that it is named after, as far as its landmarks show.
     #[must_use]
     pub fn has_doubted_film(&self) -> bool {
-        self.warnings.all().iter().any(doubts_film)
+        self.film_doubts().next().is_some()
+    }
+
+    /// The warnings of films that may not show the posture or the patient that they are named after.
+    pub fn film_doubts(&self) -> impl Iterator<Item = &Warning> {
+        self.warnings.all().iter().filter(|warning| doubts_film(warning))
     }
 
     /// The findings on the lines of action, in sentences.
@@ -23,8 +29,8 @@ impl Analysis {
     /// `compared` is what [`Analysis::compare_lines`] gives.
     #[must_use]
     pub fn verdict(&self, compared: &LinesCompared) -> Vec<String> {
-        let doubts = self.warnings.all().iter().filter(|warning| doubts_film(warning));
-        let mut sentences: Vec<String> = doubts
+        let mut sentences: Vec<String> = self
+            .film_doubts()
             .map(|warning| {
                 let film =
                     warning.posture.map_or_else(String::new, |posture| format!("{posture} "));

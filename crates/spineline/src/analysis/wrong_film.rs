@@ -38,7 +38,7 @@ const MAX_SHAPE_RATIO: f64 = 1.35;
 const MAX_WIDTH_DEVIATION: f64 = 0.18;
 
 /// Codes of warnings that a film does not show what it is named after.
-const WRONG_FILM: [&str; 8] = [
+const WRONG_FILM: [&str; 10] = [
     "another_patient",
     "bend_keeps_shape",
     "bend_leans_away",
@@ -47,6 +47,8 @@ const WRONG_FILM: [&str; 8] = [
     "film_looks_mirrored",
     "films_show_one_shape",
     "levels_may_be_shifted",
+    "other_body_part",
+    "patient_differs",
 ];
 
 /// Whether a warning says that a film does not show what it is named after.
@@ -98,7 +100,9 @@ fn warn_of_leaning_erect(erect: &Outline, warnings: &mut Warnings) {
     };
     if tilt.abs() > MAX_ERECT_TILT {
         let text = format!(
-            "the line from L4 to T2 leans {} (limit {:.0}°): check that the film shows the erect posture and is not turned",
+            "the line from {} to {} leans {} (limit {:.0}°): check that the film shows the erect posture and is not turned",
+            erect.levels().base(),
+            erect.levels().top(),
             tilt.leaning(),
             MAX_ERECT_TILT.deg()
         );
@@ -131,7 +135,9 @@ fn warn_of_no_bend(erect: &Outline, bend: &Outline, side: Side, warnings: &mut W
     // Further away than noise is a warning of its own.
     if towards.abs() < MIN_BEND_TILT && !doubted(warnings, "bend_leans_away", bend.posture) {
         let text = format!(
-            "the lateral tilt of L4 to T2 changes by only {:.1}° from the erect film (limit {:.0}°): check that the film shows a bend",
+            "the lateral tilt of {} to {} changes by only {:.1}° from the erect film (limit {:.0}°): check that the film shows a bend",
+            erect.levels().base(),
+            erect.levels().top(),
             towards.abs().deg(),
             MIN_BEND_TILT.deg()
         );

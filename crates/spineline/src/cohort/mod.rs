@@ -10,12 +10,14 @@
 mod baselines;
 mod claims;
 mod comparison;
+mod films;
 mod lines;
 mod words;
 
 pub use baselines::{BaselineErrors, BaselineTest, BaselinesOverPatients};
 pub use claims::{ClaimVerdict, Claims, NEAR_SEGMENTS, PatientClaims};
 pub use comparison::PairedComparison;
+pub use films::{ChainCount, DoubtedFilm};
 pub use lines::{ErrorKind, LinePairTest, LinesOverPatients, MissingResult, NoResult, RoleErrors};
 
 use crate::action::LineKind;
@@ -153,6 +155,10 @@ pub struct Cohort {
     pub incompatible: (usize, usize),
     /// Patients with a film that may not show what it is named after.
     pub doubted: usize,
+    /// The films of these patients, by patient.
+    pub doubted_films: Vec<DoubtedFilm>,
+    /// The chains of the patients, the one of most patients first.
+    pub chains: Vec<ChainCount>,
     /// Bending films whose own load runs elsewhere than through the inflections, beyond chance and by what matters, and
     /// all that were tested.
     pub line_rejected: (usize, usize),
@@ -255,6 +261,8 @@ impl Cohort {
             compared: LinesOverPatients::of(analyses, &compared, seed),
             incompatible: count(&incompatible),
             doubted: analyses.iter().filter(|a| a.has_doubted_film()).count(),
+            doubted_films: DoubtedFilm::of(analyses),
+            chains: ChainCount::of(analyses),
             line_rejected: count(&tested),
         }
     }

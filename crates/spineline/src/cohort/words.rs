@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::films::{chains_sentence, doubted_sentence};
 use super::{Cohort, ErrorKind, LinePairTest, LinesOverPatients, NoResult, PairedComparison};
 use crate::analysis::{FilmRole, listed, probability};
 use crate::evaluate::statistics::PairedT;
@@ -27,12 +28,8 @@ impl Cohort {
     #[must_use]
     pub fn verdict(&self) -> Vec<String> {
         let mut all = Vec::new();
-        if self.doubted > 0 {
-            all.push(format!(
-                "Films of {} of {} patients may be wrong ones; check them first: `check` names them.",
-                self.doubted, self.patients
-            ));
-        }
+        all.extend(doubted_sentence(&self.doubted_films, self.doubted, self.patients));
+        all.extend(chains_sentence(&self.chains));
         let (rejecting, tested) = self.incompatible;
         if tested > 0 {
             all.push(format!(

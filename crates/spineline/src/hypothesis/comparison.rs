@@ -69,7 +69,8 @@ fn block(patients: &[&[HypothesisFit]], hypotheses: &[Hypothesis]) -> Hypothesis
     };
     let all: Vec<Vec<&HypothesisFit>> = hypotheses.iter().map(|&h| of(h)).collect();
     let left_out = |fit: &HypothesisFit| fit.mean_location_error_mm(Role::LeftOut);
-    let aicc = |fit: &HypothesisFit| Some(fit.criteria.aicc);
+    // What no human spine can do is no candidate for the best.
+    let aicc = |fit: &HypothesisFit| (!fit.is_beyond_human_range()).then_some(fit.criteria.aicc);
     let summaries = hypotheses.iter().zip(&all).map(|(&hypothesis, fits)| {
         let difference = |value: fn(&Criteria) -> f64| {
             let both = fits.iter().zip(&all[0]);

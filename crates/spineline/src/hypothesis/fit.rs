@@ -10,6 +10,7 @@ use crate::anatomy::Posture;
 use crate::evaluate::{ScaledPrediction, at_scale_of_top};
 use crate::least_squares::{FitStatus, System, minimize};
 use crate::measure::FilmScale;
+use crate::multibody::MatchStatus;
 use crate::spatial::{Angle, Frontal};
 
 /// What a film was to a prediction.
@@ -92,7 +93,7 @@ impl ShapePrediction {
 pub struct HypothesisFit {
     /// Which.
     pub hypothesis: Hypothesis,
-    /// How the fit to all bends ended.
+    /// How the search of the fit to all bends ended.
     pub status: FitStatus,
     /// `ln α` per group.
     pub log_multipliers: Vec<f64>,
@@ -100,15 +101,54 @@ pub struct HypothesisFit {
     pub criteria: Criteria,
     /// Fitted films, films held out, and bends left out, in this order.
     pub predictions: Vec<ShapePrediction>,
-    /// Films and roles for which there is no prediction, since no equilibrium or no fit was found.
-    pub lost: Vec<(Posture, Role)>,
+    /// Films and roles for which there is no prediction.
+    pub lost: Vec<LostPrediction>,
+}
+
+/// A film without a prediction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LostPrediction {
+    /// The posture.
+    pub posture: Posture,
+    /// What the film was to it.
+    pub role: Role,
+    /// Why there is none.
+    pub reason: LossReason,
+}
+
+/// Why a film has no prediction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LossReason {
+    /// No equilibrium or no fit was found.
+    NoEquilibrium,
+    /// The shape found is beyond the human range of motion.
+    BeyondHumanRange,
 }
 
 impl HypothesisFit {
     /// Whether the fit to all bends came to an end that may be shown as a result.
     #[must_use]
     pub fn is_converged(&self) -> bool {
-        self.status == FitStatus::Converged
+        self.status == FitStatus::Converged && !self.is_beyond_human_range()
+    }
+
+    /// Whether the shape of a fitted film is beyond the human range of motion.
+    #[must_use]
+    pub fn is_beyond_human_range(&self) -> bool {
+        let beyond = |lost: &LostPrediction| {
+            lost.role == Role::Fitted && lost.reason == LossReason::BeyondHumanRange
+        };
+        self.lost.iter().any(beyond)
+    }
+
+    /// How the fit to all bends ended: the name used in files.
+    #[must_use]
+    pub fn ending_key(&self) -> &'static str {
+        if self.is_beyond_human_range() {
+            MatchStatus::BeyondHumanRange.key()
+        } else {
+            self.status.key()
+        }
     }
 
     /// Predictions of one role.
@@ -155,19 +195,23 @@ pub fn fit_hypothesis(
         predictions: Vec::new(),
         lost: Vec::new(),
     };
-    let mut record =
-        |film: &HypothesisFilm<'_>, role, prediction: Option<ShapePrediction>| match prediction {
-            Some(prediction) => fit.predictions.push(prediction),
-            None => fit.lost.push((film.outline.posture, role)),
-        };
+    let mut record = |film: &HypothesisFilm<'_>, role, prediction: Predicted| match prediction {
+        Ok(prediction) => fit.predictions.push(prediction),
+        Err(reason) => {
+            fit.lost.push(LostPrediction { posture: film.outline.posture, role, reason });
+        }
+    };
     for (i, film) in bends.iter().enumerate() {
         record(film, Role::Fitted, found.prediction(i, film, spine, Role::Fitted));
     }
     let usable = found.status != FitStatus::NotEvaluable;
     let logs = found.log_multipliers(spine);
     for film in &others {
-        let near =
-            if usable { predict(hypothesis, spine, film, &logs, Role::HeldOut) } else { None };
+        let near = if usable {
+            predict(hypothesis, spine, film, &logs, Role::HeldOut)
+        } else {
+            Err(LossReason::NoEquilibrium)
+        };
         record(film, Role::HeldOut, near);
     }
     if let [a, b] = bends[..] {
@@ -176,19 +220,22 @@ pub fn fit_hypothesis(
             let logs = other
                 .filter(|other| other.status != FitStatus::NotEvaluable)
                 .map(|other| other.log_multipliers(spine));
-            let near = logs
-                .as_ref()
-                .and_then(|logs| predict(hypothesis, spine, &left, logs, Role::LeftOut));
+            let near = logs.as_ref().ok_or(LossReason::NoEquilibrium);
+            let near = near.and_then(|logs| predict(hypothesis, spine, &left, logs, Role::LeftOut));
             record(&left, Role::LeftOut, near);
             let role = Role::LeftOutLoadFitted;
-            let own = logs.and_then(|logs| {
-                fit_to(hypothesis, spine, &[left], Some(logs))?.prediction(0, &left, spine, role)
-            });
+            let own = logs
+                .and_then(|logs| fit_to(hypothesis, spine, &[left], Some(logs)))
+                .ok_or(LossReason::NoEquilibrium)
+                .and_then(|mut own| own.prediction(0, &left, spine, role));
             record(&left, role, own);
         }
     }
     Some(fit)
 }
+
+/// A prediction, or why there is none.
+type Predicted = Result<ShapePrediction, LossReason>;
 
 /// A fit that has ended.
 struct Ended<'a> {
@@ -337,16 +384,18 @@ impl Ended<'_> {
         film: &HypothesisFilm<'_>,
         spine: &Spine<'_>,
         role: Role,
-    ) -> Option<ShapePrediction> {
+    ) -> Predicted {
         if self.status == FitStatus::NotEvaluable {
-            return None;
+            return Err(LossReason::NoEquilibrium);
         }
         let statics = statics(spine, &self.log_multipliers(spine));
         let (components, base) = self.problem.of_film(index, self.x.as_slice());
         let components = components.to_vec();
         let loaded = &mut self.problem.films[index].loaded;
-        let solved = loaded.solve(&statics, &components, base);
-        solved.then(|| prediction(loaded, film, spine, role, components, base))
+        if !loaded.solve(&statics, &components, base) {
+            return Err(LossReason::NoEquilibrium);
+        }
+        prediction(loaded, (film, role), spine, components, base)
     }
 }
 
@@ -357,15 +406,24 @@ fn predict(
     film: &HypothesisFilm<'_>,
     log_multipliers: &[f64],
     role: Role,
-) -> Option<ShapePrediction> {
+) -> Predicted {
+    let mut reason = LossReason::NoEquilibrium;
     let found = at_scale_of_top(film.outline, |outline| {
         let film = film.at_scale_of(outline);
-        let found = predict_scaled(hypothesis, spine, &film, log_multipliers, role)?;
-        Some((*found.locations.last()?, found))
-    })?;
-    let ScaledPrediction { scale, prediction, converged } = found;
+        match predict_scaled(hypothesis, spine, &film, log_multipliers, role) {
+            Ok(found) => Some((*found.locations.last()?, found)),
+            Err(lost) => {
+                reason = lost;
+                None
+            }
+        }
+    });
+    let ScaledPrediction { scale, prediction, converged } = found.ok_or(reason)?;
+    if !converged {
+        return Err(LossReason::NoEquilibrium);
+    }
     let factor = scale.factor / film.outline.length.scale.factor;
-    converged.then(|| ShapePrediction {
+    Ok(ShapePrediction {
         scale,
         locations: prediction.locations.iter().map(|&location| location * factor).collect(),
         location_errors_mm: prediction.location_errors_mm.iter().map(|mm| mm * factor).collect(),
@@ -379,24 +437,30 @@ fn predict_scaled(
     film: &HypothesisFilm<'_>,
     log_multipliers: &[f64],
     role: Role,
-) -> Option<ShapePrediction> {
-    let mut loaded = LoadedFilm::new(hypothesis, film, spine)?;
-    let top = film.outline.vertebrae.last()?.location;
-    let near = nearest_t2(hypothesis, &mut loaded, log_multipliers, top, spine)?;
-    let statics = statics(spine, log_multipliers);
-    // From where the search has left it, so that no other equilibrium is shown.
-    let solved = loaded.solve(&statics, &near.components, near.base);
-    solved.then(|| prediction(&loaded, film, spine, role, near.components, near.base))
+) -> Predicted {
+    let found = LoadedFilm::new(hypothesis, film, spine).and_then(|mut loaded| {
+        let top = film.outline.vertebrae.last()?.location;
+        let near = nearest_t2(hypothesis, &mut loaded, log_multipliers, top, spine)?;
+        let statics = statics(spine, log_multipliers);
+        // From where the search has left it, so that no other equilibrium is shown.
+        let solved = loaded.solve(&statics, &near.components, near.base);
+        solved.then_some((loaded, near))
+    });
+    let (loaded, near) = found.ok_or(LossReason::NoEquilibrium)?;
+    prediction(&loaded, (film, role), spine, near.components, near.base)
 }
 
+/// The shape of a film under its loads, if a human spine can have it.
 fn prediction(
     loaded: &LoadedFilm,
-    film: &HypothesisFilm<'_>,
+    (film, role): (&HypothesisFilm<'_>, Role),
     spine: &Spine<'_>,
-    role: Role,
     components: Vec<f64>,
     base: Angle,
-) -> ShapePrediction {
+) -> Predicted {
+    if loaded.is_beyond_human_range(spine.model) {
+        return Err(LossReason::BeyondHumanRange);
+    }
     let measured = &film.outline.vertebrae;
     let locations: Vec<Frontal> = (0..measured.len()).map(|i| loaded.location(i)).collect();
     let tilts: Vec<Angle> = (0..measured.len()).map(|i| loaded.tilt(i)).collect();
@@ -412,7 +476,7 @@ fn prediction(
         })
         .sum();
     let joints = turned().count() as f64;
-    ShapePrediction {
+    Ok(ShapePrediction {
         posture: film.outline.posture,
         role,
         scale: film.outline.length.scale,
@@ -429,7 +493,7 @@ fn prediction(
         locations,
         tilts,
         rotation_rms: Angle::from_rad((squares / joints).sqrt()),
-    }
+    })
 }
 
 /// Joints that turn against the moment of a load of given components.

@@ -31,7 +31,10 @@ mod start;
 
 pub use comparison::{HypothesisComparison, HypothesisSummary, compare};
 pub use criteria::Criteria;
-pub use fit::{CounterRotatingJoints, HypothesisFit, Role, ShapePrediction, fit_hypothesis};
+pub use fit::{
+    CounterRotatingJoints, HypothesisFit, LossReason, LostPrediction, Role, ShapePrediction,
+    fit_hypothesis,
+};
 
 use crate::measure::Outline;
 use crate::multibody::{JointGroups, SpineModel, StiffnessLibrary, Support};

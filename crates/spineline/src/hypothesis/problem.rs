@@ -8,6 +8,7 @@ use crate::least_squares::System;
 use crate::measure::Outline;
 use crate::multibody::{
     GeneralStatics, LoadItem, Loading, MAX_HINGE_RAD, NewtonWork, ShapeParameter, Solution,
+    SpineModel,
 };
 use crate::personalize::{MULTIPLIER_BOUNDS, ROWS_PER_VERTEBRA, ShapeWeights};
 use crate::spatial::{Angle, Frontal, Mat3, Vec3};
@@ -156,6 +157,11 @@ impl LoadedFilm {
     /// A location as the film shows it, on the turned base.
     pub fn location(&self, vertebra: usize) -> Frontal {
         self.solution.deformed.location(vertebra).rotated(self.base)
+    }
+
+    /// Whether the shape is beyond the human range of motion; the base's own turn does not count.
+    pub fn is_beyond_human_range(&self, erect: &SpineModel) -> bool {
+        self.solution.deformed.beyond_human_range(erect).is_some()
     }
 
     /// A tilt as the film shows it.

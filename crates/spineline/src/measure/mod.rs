@@ -286,11 +286,13 @@ pub enum MeasureError {
     },
     /// An angle of a vertebra beyond what a spine can show.
     #[error(
-        "{posture} film: {level} is tilted {tilt_deg:.0}° relative to L4, and the limit is {limit_deg:.0}°"
+        "{posture} film: {level} is tilted {tilt_deg:.0}° relative to {base}, and the limit is {limit_deg:.0}°"
     )]
     TiltTooLarge {
         /// Film.
         posture: Posture,
+        /// The lowest vertebra of the film, to which tilts are relative.
+        base: Level,
         /// Vertebra.
         level: Level,
         /// Its tilt.
@@ -393,7 +395,9 @@ impl MeasureError {
             Self::OutOfOrder { .. } => {
                 "check the names of these two vertebrae: one is marked twice, skipped or exchanged"
             }
-            Self::TiltTooLarge { .. } => "check the corners of this vertebra and of L4",
+            Self::TiltTooLarge { .. } => {
+                "check the corners of this vertebra and of the lowest one of the film"
+            }
         }
     }
 }

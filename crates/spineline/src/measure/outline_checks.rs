@@ -73,7 +73,8 @@ fn check_order(
     const TILT_LIMIT: Angle = Angle::from_deg(120.0);
     if let Some(v) = vertebrae.iter().find(|v| v.tilt.abs() > TILT_LIMIT) {
         let (tilt_deg, limit_deg) = (v.tilt.deg(), TILT_LIMIT.deg());
-        return Err(MeasureError::TiltTooLarge { posture, level: v.level, tilt_deg, limit_deg });
+        let (base, level) = (vertebrae[0].level, v.level);
+        return Err(MeasureError::TiltTooLarge { posture, base, level, tilt_deg, limit_deg });
     }
     let placed: Vec<(Level, Placement)> =
         vertebrae.iter().map(|v| (v.level, Placement::new(v.location, v.tilt))).collect();

@@ -114,7 +114,7 @@ impl AnalysisQuantity {
             Self::SegmentLength => "length of a segment",
             Self::LocationY(..) => "lateral coordinate, to the patient's left",
             Self::LocationZ(..) => "height",
-            Self::Tilt(..) => "tilt relative to L4, positive to the right",
+            Self::Tilt(..) => "tilt relative to the base, positive to the right",
             Self::Cobb(..) => "Cobb angle between endplates, positive where convex to the left",
             Self::TiltRange(..) => {
                 "difference of the tilts of the end vertebrae, positive where convex to the left"

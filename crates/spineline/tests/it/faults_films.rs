@@ -265,8 +265,14 @@ fn an_axis_with_a_large_angle_is_refused_with_its_angle() {
     let mut case = exact_case(0);
     landmarks_mut(&mut case, Posture::Erect, Level::T9).axis_clockwise =
         Some(Angle::from_deg(130.0));
-    let error = refused_in_measure(&case, &["erect", "T9", "120°"]);
+    let error = refused_in_measure(&case, &["erect", "T9", "120°", "relative to L4"]);
     assert!(matches!(error, MeasureError::TiltTooLarge { level: Level::T9, .. }), "{error:?}");
+    // On a film without L4, tilts are relative to L3, which is tilted itself.
+    landmarks_mut(&mut case, Posture::Erect, Level::T9).axis_clockwise =
+        Some(Angle::from_deg(150.0));
+    let (_, _, readings) = landmarks(film_mut(&mut case, Posture::Erect));
+    readings.iter_mut().for_each(|reading| reading.vertebrae.retain(|&level, _| level > Level::L4));
+    refused_in_measure(&case, &["erect", "T9", "120°", "relative to L3"]);
 }
 
 #[test]

@@ -4,7 +4,8 @@ use spineline::action::LineOfAction;
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
 use spineline::anatomy::{Levels, Posture};
 use spineline::hypothesis::{
-    Base, Hypothesis, HypothesisFilm, HypothesisFit, LoadShape, Role, Spine, fit_hypothesis,
+    Base, Hypothesis, HypothesisFilm, HypothesisFit, LoadShape, LossReason, LostPrediction, Role,
+    Spine, fit_hypothesis,
 };
 use spineline::measure::Outline;
 use spineline::multibody::{
@@ -223,6 +224,38 @@ fn t2_of_a_held_out_film_is_met_by_the_force_that_the_march_finds() {
         }
     }
     assert_eq!(compared, 4);
+}
+
+#[test]
+fn a_fitted_shape_beyond_human_range_is_no_result() {
+    // Every joint of both bends turns by 8°, which each could; all together reach 112°.
+    let mut analysis = analysis();
+    let erect = analysis.erect().outline.vertebrae.clone();
+    for posture in &mut analysis.postures {
+        let degrees = match posture.outline.posture {
+            Posture::LeftBending => -8.0,
+            Posture::RightBending => 8.0,
+            _ => continue,
+        };
+        let vertebrae = &mut posture.outline.vertebrae;
+        for i in 1..erect.len() {
+            let step = erect[i].location - erect[i - 1].location;
+            let half = Angle::from_deg(degrees * (i as f64 - 0.5));
+            vertebrae[i].location = vertebrae[i - 1].location + step.rotated(half);
+            vertebrae[i].tilt = erect[i].tilt + Angle::from_deg(degrees * i as f64);
+        }
+    }
+    let fit = fitted(&analysis, Hypothesis::of(LoadShape::Couple), Angle::ZERO);
+    assert!(!fit.is_converged());
+    assert_eq!(fit.ending_key(), "beyond_human_range");
+    assert_eq!(fit.of_role(Role::Fitted).count(), 0);
+    for posture in [Posture::LeftBending, Posture::RightBending] {
+        let reason = LossReason::BeyondHumanRange;
+        let lost = LostPrediction { posture, role: Role::Fitted, reason };
+        assert!(fit.lost.contains(&lost), "{posture}: {:?}", fit.lost);
+    }
+    // Films that were not fitted show what a spine can do.
+    assert_eq!(fit.of_role(Role::HeldOut).count(), 2);
 }
 
 #[test]

@@ -206,5 +206,9 @@ fn a_cohort_counts_patients_with_doubted_films_and_does_not_test_them() {
     assert_eq!(cohort.doubted, 1);
     assert!(cohort.incompatible.1 <= 1, "{:?}", cohort.incompatible);
     assert!(cohort.verdict()[0].starts_with("Films of 1 of 2 patients"), "{:?}", cohort.verdict());
+    assert!(cohort.verdict()[0].contains(&format!("{} (left bending)", doubted.case_id)));
+    let film = &cohort.doubted_films[0];
+    assert_eq!((&film.case_id, film.posture), (&doubted.case_id, Some(Posture::LeftBending)));
+    assert!(Cohort::of(&[&sound], 1).doubted_films.is_empty());
     assert_eq!(Cohort::of(&[&sound], 1).doubted, 0);
 }

@@ -19,6 +19,7 @@ use crate::analysis::cohort;
 use crate::analysis::confidence::Confidence;
 use crate::analysis::figures::draw_figures;
 use crate::analysis::record::RunRecord;
+use crate::options::choice::Choice;
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{CaseInput, case_files};
 use crate::run::messages::say;
@@ -250,11 +251,8 @@ impl Results<'_> {
                 ModelLine::Kind(kind) => format!("there is no model with the {kind}"),
                 ModelLine::Auto => "no line predicts a film that it was not fitted to".to_owned(),
             };
-            return Err(Failure::input(
-                &analysis.case_id,
-                &format!("{text}, so --model has nothing to write"),
-                "the warnings say why; try --model-line iliac",
-            ));
+            let text = format!("{text}, so --model has nothing to write");
+            return Err(Failure::input(&analysis.case_id, &text, &help_without_model(analysis)));
         };
         if matches!(args.model_line, ModelLine::Auto) {
             say(&format!(
@@ -265,4 +263,25 @@ impl Results<'_> {
         let file = ModelFile::new(analysis, model, &generator());
         outputs.write(path, to_text(&file.with_provenance(self.record.provenance())))
     }
+}
+
+/// What gives a model to write: a line that has one, or what all lines lack.
+fn help_without_model(analysis: &Analysis) -> String {
+    let lines: Vec<String> = analysis
+        .models
+        .iter()
+        .map(|model| format!("--model-line {}", model.kind.spelling()))
+        .collect();
+    if !lines.is_empty() {
+        return format!("write another one: {}", lines.join(" or "));
+    }
+    if let Some(posture) = analysis.film_without_scale() {
+        return format!(
+            "a model needs the scale of every film, and the {posture} film has none: give `column_spacing_mm`, `row_spacing_mm` and `spacing_plane` in the case file, or import the films with --spacing, --ball or --ruler"
+        );
+    }
+    if analysis.postures.iter().all(|posture| posture.outline.posture.bend().is_none()) {
+        return "a model needs a bending film: add one to the case".to_owned();
+    }
+    "no bending film has a line of action, and the warnings say why: set the inflections with --inflections, or the line with --given-line".to_owned()
 }

@@ -14,11 +14,10 @@ mod write;
 pub use args::{EXAMPLES, ImportArgs};
 
 use spineline::anatomy::ImageSide;
+use spineline_films::{FilmDoubt, Stated, film_doubts};
 
 use candidates::{Candidates, Seen};
-use resolve::{
-    Question, ResolvedFilm, check_films, patient_contradiction, resolve, same_identifier,
-};
+use resolve::{Question, ResolvedFilm, check_films, resolve, same_identifier};
 use role::Role;
 
 use crate::run::failure::{Ending, Failure};
@@ -88,13 +87,15 @@ fn resolve_all(
 ) -> Result<Vec<ResolvedFilm>, Failure> {
     let mut films = Vec::new();
     let mut open: Vec<Question> = Vec::new();
-    let first = seen.first().map(|&(role, _, seen)| (role, seen));
-    for &(role, index, film) in seen {
-        let other = first.and_then(|(role, seen)| patient_contradiction((role, seen), film));
-        match resolve(args, role, index, (film, other.clone()), None)? {
+    let stated = |(role, _, film): &(Role, usize, &Seen)| {
+        (role.to_string(), Stated::by_remarks(film.tags.patient, &film.remarks))
+    };
+    let doubts = film_doubts(&seen.iter().map(stated).collect::<Vec<_>>());
+    for (&(role, index, film), doubts) in seen.iter().zip(&doubts) {
+        match resolve(args, role, index, (film, doubts), None)? {
             Ok(film) => films.push(film),
             Err(questions) if ask => {
-                films.push(resolve_by_asking(args, role, index, (film, other), &questions)?)
+                films.push(resolve_by_asking(args, role, index, (film, doubts), &questions)?)
             }
             Err(questions) => open.extend(questions),
         }
@@ -113,7 +114,7 @@ fn resolve_by_asking(
     args: &ImportArgs,
     role: Role,
     index: usize,
-    seen: (&Seen, Option<String>),
+    seen: (&Seen, &[FilmDoubt]),
     questions: &[Question],
 ) -> Result<ResolvedFilm, Failure> {
     let mut side: Option<ImageSide> = None;

@@ -4,7 +4,7 @@ use std::fmt;
 
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{Spacing, SpacingJudgement, SpacingPlane, View, ViewQuestion, judge_view};
-use spineline_films::FilmRemark;
+use spineline_films::FilmDoubt;
 
 use super::args::{ImportArgs, answer_for};
 use super::candidates::Seen;
@@ -85,35 +85,20 @@ impl Question {
     }
 }
 
-/// How the patient of a film differs from that of the first film, as their files state them.
-pub fn patient_contradiction(first: (Role, &Seen), seen: &Seen) -> Option<String> {
-    let found = first.1.tags.patient.differences(&seen.tags.patient);
-    (!found.is_empty()).then(|| {
-        let verb = if found.len() == 1 { "differs" } else { "differ" };
-        format!(
-            "{} {verb} from the {} in the files: the films may show two patients",
-            found.join(" and "),
-            first.0
-        )
-    })
-}
-
 /// Resolves one film, or returns the questions that are open.
 pub fn resolve(
     args: &ImportArgs,
     role: Role,
     index: usize,
-    (seen, other_patient): (&Seen, Option<String>),
+    (seen, doubts): (&Seen, &[FilmDoubt]),
     side_by_dialogue: Option<ImageSide>,
 ) -> Result<Result<ResolvedFilm, Vec<Question>>, Failure> {
     let mut questions = Vec::new();
-    let is_other_part = |remark: &&FilmRemark| matches!(remark, FilmRemark::OtherBodyPart { .. });
-    let (of_part, others): (Vec<_>, Vec<_>) = seen.remarks.iter().partition(is_other_part);
-    let mut notes: Vec<String> = others.iter().map(ToString::to_string).collect();
+    let others = seen.remarks.iter().filter(|remark| !remark.is_other_body_part());
+    let mut notes: Vec<String> = others.map(ToString::to_string).collect();
     let judged = judge_view(&seen.tags.view, role.posture());
     let mut contradicted = contradictions(role, judged.view, &judged.questions);
-    contradicted.extend(of_part.iter().map(ToString::to_string));
-    contradicted.extend(other_patient);
+    contradicted.extend(doubts.iter().map(|doubt| doubt.text.clone()));
     let by_file = match role {
         Role::Frontal(_) => judged.patient_left,
         Role::Lateral => judged.patient_anterior,

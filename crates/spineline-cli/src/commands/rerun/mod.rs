@@ -18,7 +18,7 @@ use spineline_report::{embedded, terminal};
 use crate::analysis::case::analyze_case;
 use crate::analysis::confidence::Confidence;
 use crate::analysis::figures::draw_figures;
-use crate::analysis::films::{IDENTIFIER_REPEATED, SameIdentifier};
+use crate::analysis::films::FilmWarning;
 use crate::options::values::{number, threads};
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print};
@@ -141,10 +141,11 @@ fn analysis_text(path: &Path, bytes: &[u8]) -> Result<String, Failure> {
 /// Warnings about pictures that lay beside the case then: an analysis holds no pictures.
 fn keep_film_warnings(old: &Value, analysis: &mut Analysis) {
     let warnings = old["warnings"].as_array().into_iter().flatten();
-    for warning in warnings.filter(|warning| warning["code"] == IDENTIFIER_REPEATED) {
+    for warning in warnings {
+        let Some(code) = warning["code"].as_str().and_then(FilmWarning::code) else { continue };
         let posture = warning["posture"].as_str().and_then(Posture::from_key);
         let text = warning["message"].as_str().unwrap_or_default();
-        SameIdentifier::new(posture, text).warn(analysis);
+        FilmWarning::new(code, posture, text).warn(analysis);
     }
 }
 

@@ -7,18 +7,27 @@ use spineline_files::parse_case_file;
 use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_store::{CaseError, NewCase, Signature, Store};
 
-use crate::analysis::films::{SameIdentifier, check_films};
+use crate::analysis::films::{FilmWarning, check_films};
 use crate::run::failure::Failure;
 
-/// Adds one case; returns what was added as text.
-pub fn add(store: &mut Store, at: &Path, path: &Path, by: &Signature) -> Result<String, Failure> {
+/// Adds one case; returns what was added as text. Films that may not belong into the case are taken only if accepted.
+pub fn add(
+    store: &mut Store,
+    at: &Path,
+    (path, accept): (&Path, bool),
+    by: &Signature,
+) -> Result<String, Failure> {
     let text = spineline_files::read_text(path).map_err(|error| Failure::file(path, &error))?;
     let bytes_of = |file: &str| {
         let place = Place::File(path.with_file_name(file));
         read(&place, &IntakeLimits::default()).map_err(|error| Failure::intake(&error))
     };
     let case = NewCase::read(&text, bytes_of).map_err(|error| refusal(path, error))?;
-    let repeated = same_identifiers(path, &text)?;
+    let odd = odd_films(path, &text)?;
+    let doubts: Vec<&FilmWarning> = odd.iter().filter(|one| one.doubts_film()).collect();
+    if !accept && !doubts.is_empty() {
+        return Err(doubtful(path, &doubts));
+    }
     let added = store.add_case(&case, by).map_err(|error| Failure::store(at, &error))?;
     let (films, readings) =
         (counted(added.films.len(), "film"), counted(added.readings, "reading"));
@@ -26,14 +35,20 @@ pub fn add(store: &mut Store, at: &Path, path: &Path, by: &Signature) -> Result<
     for remark in &added.remarks {
         text.push_str(&format!("  ! {remark}\n"));
     }
-    for one in &repeated {
-        text.push_str(&format!("  ! {}\n", one.text));
+    for one in &odd {
+        text.push_str(&format!("  ! {}\n", one.place_and_text()));
     }
     Ok(text)
 }
 
-/// Films of the case with one identifier; one picture for two films is refused.
-fn same_identifiers(path: &Path, text: &str) -> Result<Vec<SameIdentifier>, Failure> {
+fn doubtful(path: &Path, doubts: &[&FilmWarning]) -> Failure {
+    let texts: Vec<String> = doubts.iter().map(|doubt| doubt.place_and_text()).collect();
+    let help = "give the case other films, or --accept if you are sure";
+    Failure::input(&path.display().to_string(), &texts.join("; "), help)
+}
+
+/// What is odd about the films of the case; one picture for two films is refused.
+fn odd_films(path: &Path, text: &str) -> Result<Vec<FilmWarning>, Failure> {
     let failed = |error| Failure::file(path, &error);
     let file = parse_case_file(text).map_err(failed)?;
     let case = file.clone().into_case().map_err(failed)?;

@@ -41,6 +41,9 @@ pub enum StudyCommand {
         /// Case files, as `import` writes them
         #[arg(required = true, value_name = "CASE")]
         cases: Vec<PathBuf>,
+        /// Add films although their files state another part of the body, or two patients
+        #[arg(long)]
+        accept: bool,
     },
     /// List the films and readings of a store
     List {

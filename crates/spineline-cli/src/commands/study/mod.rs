@@ -34,10 +34,10 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
             Store::create(path, &by()?).map_err(fail)?;
             print(&format!("{} was created as an empty store.\n", path.display()))
         }
-        StudyCommand::Add { cases, .. } => {
+        StudyCommand::Add { cases, accept, .. } => {
             let mut store = Store::open(path).map_err(fail)?;
             for case in cases {
-                print(&add::add(&mut store, path, case, &by()?)?)?;
+                print(&add::add(&mut store, path, (case, *accept), &by()?)?)?;
             }
             Ok(Ending::Done)
         }

@@ -1,0 +1,120 @@
+//! What a cohort pools: films that may be wrong ones, and chains of other vertebrae.
+
+use std::cmp::Reverse;
+
+use crate::analysis::{Analysis, listed};
+use crate::anatomy::{Levels, Posture};
+use crate::warning::counted;
+
+/// Patients whose films are named in a sentence; a report names all.
+const NAMED: usize = 8;
+
+/// A film that may not show what it is named after.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DoubtedFilm {
+    /// The patient.
+    pub case_id: String,
+    /// The film; `None` for the lateral one.
+    pub posture: Option<Posture>,
+    /// Code of the warning.
+    pub code: &'static str,
+    /// Why it is doubted.
+    pub why: String,
+}
+
+impl DoubtedFilm {
+    pub(super) fn of(analyses: &[&Analysis]) -> Vec<Self> {
+        let of_patient = |analysis: &&Analysis| {
+            let case_id = analysis.case_id.clone();
+            let doubts = analysis.film_doubts().map(move |warning| Self {
+                case_id: case_id.clone(),
+                posture: warning.posture,
+                code: warning.code,
+                why: warning.message.clone(),
+            });
+            doubts.collect::<Vec<_>>()
+        };
+        analyses.iter().flat_map(of_patient).collect()
+    }
+
+    /// The film by name.
+    #[must_use]
+    pub fn film(&self) -> String {
+        self.posture.map_or_else(|| "lateral".to_owned(), |posture| posture.to_string())
+    }
+}
+
+/// Patients whose models have the same vertebrae.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ChainCount {
+    /// The vertebrae.
+    pub levels: Levels,
+    /// How many patients.
+    pub patients: usize,
+}
+
+impl ChainCount {
+    pub(super) fn of(analyses: &[&Analysis]) -> Vec<Self> {
+        let mut counts: Vec<Self> = Vec::new();
+        for levels in analyses.iter().map(|analysis| analysis.levels()) {
+            match counts.iter_mut().find(|count| count.levels == levels) {
+                Some(count) => count.patients += 1,
+                None => counts.push(Self { levels, patients: 1 }),
+            }
+        }
+        // Of chains of as many patients the longer one is first.
+        counts.sort_by_key(|count| {
+            let levels = count.levels;
+            (Reverse(count.patients), Reverse(levels.len()), levels.base())
+        });
+        counts
+    }
+}
+
+/// Which films of which patients are doubted.
+pub(super) fn doubted_sentence(
+    films: &[DoubtedFilm],
+    doubted: usize,
+    patients: usize,
+) -> Option<String> {
+    let mut by_patient: Vec<(&str, Vec<String>)> = Vec::new();
+    for film in films {
+        let name = film.film();
+        match by_patient.iter_mut().find(|(case_id, _)| *case_id == film.case_id) {
+            Some((_, names)) if names.contains(&name) => {}
+            Some((_, names)) => names.push(name),
+            None => by_patient.push((&film.case_id, vec![name])),
+        }
+    }
+    let mut named: Vec<String> = by_patient
+        .iter()
+        .take(NAMED)
+        .map(|(case_id, names)| format!("{case_id} ({})", names.join(", ")))
+        .collect();
+    if by_patient.len() > NAMED {
+        named.push(format!("{} more", by_patient.len() - NAMED));
+    }
+    (doubted > 0).then(|| {
+        format!(
+            "Films of {doubted} of {patients} patients may be wrong ones; check them first: {}.",
+            named.join(", ")
+        )
+    })
+}
+
+/// That the patients have different chains, and what is not comparable then.
+pub(super) fn chains_sentence(chains: &[ChainCount]) -> Option<String> {
+    let named: Vec<String> = chains
+        .iter()
+        .map(|chain| {
+            let (patients, levels) = (counted(chain.patients, "patient"), chain.levels);
+            format!("{patients} from {} to {}", levels.base(), levels.top())
+        })
+        .collect();
+    (chains.len() > 1).then(|| {
+        format!(
+            "Warning: models of different vertebrae are pooled: {}. Location errors, amplitudes, numbers of joints and iliac lines of different chains are not comparable: analyse each chain apart as well.",
+            listed(&named)
+        )
+    })
+}
