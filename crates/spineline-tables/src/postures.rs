@@ -16,6 +16,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
         .collect();
     let mut columns = keys();
     columns.extend(film());
+    columns.extend(curve());
     columns.extend(movement());
     columns.extend(own_line());
     Definition { name: "postures", row: "patient × posture", columns }.fill(&rows)
@@ -56,6 +57,11 @@ fn film<'a>() -> Vec<Column<PostureRow<'a>>> {
             "whether these standard deviations come from repeated readings; else they are assumed",
             |row| Some(row.item.outline.noise.measured),
         ),
+    ]
+}
+
+fn curve<'a>() -> Vec<Column<PostureRow<'a>>> {
+    vec![
         count("curve_order", "order of the curve's polynomial", |row| {
             Some(row.item.fit.order as i64)
         }),
