@@ -3,6 +3,7 @@
 use spineline::anatomy::Region;
 use spineline::multibody::{ForceSign, PathPoint};
 use spineline::response::{SpineAngles, direction_word};
+use spineline::spatial::Angle;
 
 use crate::define::{Column, Definition, Unit, count, element, number, text, truth, written};
 use crate::table::{NumberFormat, Table};
@@ -96,10 +97,10 @@ fn location<'a>(top: &str) -> Vec<Column<LoadedShape<'a>>> {
 
 /// Every angle of all curves, before the next angle.
 fn curves<'a>(regions: &[&str]) -> Vec<Column<LoadedShape<'a>>> {
-    type Angle<'a> = fn(&LoadedShape<'a>, usize) -> Option<f64>;
-    let cobb: Angle<'a> = |row, curve| row.angles.curves[curve].ends.cobb.map(|cobb| cobb.deg());
-    let tilt_range: Angle<'a> = |row, curve| Some(row.angles.curves[curve].ends.tilt_range.deg());
-    let ferguson: Angle<'a> = |row, curve| Some(row.angles.curves[curve].ferguson.deg());
+    type Measure<'a> = fn(&LoadedShape<'a>, usize) -> Option<f64>;
+    let cobb: Measure<'a> = |row, curve| row.angles.curves[curve].ends.cobb.map(Angle::deg);
+    let tilt_range: Measure<'a> = |row, curve| Some(row.angles.curves[curve].ends.tilt_range.deg());
+    let ferguson: Measure<'a> = |row, curve| Some(row.angles.curves[curve].ferguson.deg());
     let angles = [
         (
             "cobb",
