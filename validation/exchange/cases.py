@@ -133,9 +133,20 @@ def frontal(image: dict, place: list[float]) -> np.ndarray:
 
 
 def tilt_deg(image: dict, vertebra: dict) -> float:
-    """Lean of the body's axis to the patient's right, or of the axis that was turned by hand."""
+    """Lateral tilt of the body by its endplates, positive to the patient's right, or of the axis that was turned by hand."""
     if "axis_deg" in vertebra:
         return vertebra["axis_deg"] * (-1.0 if image["patient_left"] == "image_right" else 1.0)
     sl, sr, il, ir = (frontal(image, vertebra[corner]) for corner in CORNERS)
-    to_left, cranial = (sl + sr - il - ir) / 2.0
-    return float(np.degrees(np.arctan2(-to_left, cranial)))
+    return normal_tilt_deg(sl + il - sr - ir)
+
+
+def endplate_deg(image: dict, vertebra: dict, endplate: str) -> float:
+    """Lateral tilt of the normal of the `superior` or the `inferior` endplate, positive to the patient's right."""
+    left, right = (frontal(image, vertebra[f"{endplate}_{side}"]) for side in ("left", "right"))
+    return normal_tilt_deg(left - right)
+
+
+def normal_tilt_deg(to_left: np.ndarray) -> float:
+    """Lateral tilt of the normal of a line to the patient's left."""
+    left, cranial = to_left
+    return float(np.degrees(np.arctan2(cranial, left)))

@@ -11,7 +11,7 @@ import numpy as np
 import pydicom
 from pydicom.sr.codedict import codes
 
-from cases import CORNERS, WRITTEN, Exported, tilt_deg
+from cases import CORNERS, WRITTEN, Exported, endplate_deg, tilt_deg
 
 PIXEL_TOLERANCE, ANGLE_TOLERANCE = 2e-4, 1e-9
 OURS = "99SPINELINE"
@@ -76,6 +76,7 @@ def check_document(report: hd.sr.ComprehensiveSR, film: dict, reading: dict) -> 
 def check_groups(content: hd.sr.MeasurementReport, film: dict, reading: dict, curves: dict) -> None:
     """Every vertebra, curve and the iliac line."""
     image, left, identifiers = film["image"], dict(reading["vertebrae"]), set()
+    marked = dict(left)
     tilts = {level: tilt_deg(image, vertebra) for level, vertebra in left.items()}
     for group in content.get_image_measurement_groups():
         assert group.tracking_identifier and group.tracking_uid not in identifiers
@@ -105,7 +106,9 @@ def check_groups(content: hd.sr.MeasurementReport, film: dict, reading: dict, cu
             assert curves.pop(CURVES[finding]) == (inferior, superior)
             (number,) = group.get_measurements()
             assert number.name == codes.SCT.CobbAngle
-            turn = tilts[superior] - tilts[inferior]
+            # Cobb angle: from the inferior endplate of the lower end vertebra to the superior one of the upper.
+            upper = endplate_deg(image, marked[superior], "superior")
+            turn = upper - endplate_deg(image, marked[inferior], "inferior")
             close(number.value, abs(turn), ANGLE_TOLERANCE)
             # A spine that turns to the right as it rises is convex to the left.
             assert coded(group, "convexity", OURS)[1] == ("Left" if turn > 0.0 else "Right")

@@ -19,12 +19,17 @@ pub fn project(
     let interpreter = environment(root, name, &folder.join("requirements.txt"))?;
     let target = target()?;
     let program = target.join(program).with_extension(EXE_EXTENSION);
+    let results = target.join(name);
+    if results.exists() {
+        // Files of an earlier version of the program would be taken for a user's, and kept.
+        fs::remove_dir_all(&results).map_err(|error| format!("{}: {error}", results.display()))?;
+    }
     let own = [
         text(script)?,
         "--program".to_owned(),
         text(&program)?,
         "--out".to_owned(),
-        text(&target.join(name))?,
+        text(&results)?,
     ];
     let arguments: Vec<&str> = own.iter().chain(passed_on).map(String::as_str).collect();
     run(root, &text(&interpreter)?, &arguments, &[("PYTHONDONTWRITEBYTECODE", "1")])

@@ -4,11 +4,15 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use spineline::cohort::{Clustered, Cohort, LinePairTest, MissingResult, RoleErrors};
+use spineline::cohort::{
+    BaselineErrors, BaselineTest, Clustered, Cohort, LinePairTest, MissingResult, RoleErrors,
+};
+use spineline::evaluate::Baseline;
 use spineline::evaluate::statistics::PairedT;
 
 use crate::Provenance;
 use crate::analysis_file::NumbersRecord;
+use crate::keys::Key;
 
 /// The lines of action over many patients, on the same films. Location errors in mm, Ferguson errors in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -43,6 +47,12 @@ pub struct CohortFile {
     left_out_films: Vec<LeftOutRecord>,
     /// By pair of lines, role and error.
     tests: Vec<TestRecord>,
+    /// Predictions without mechanics, by pattern of joint rotations and role.
+    #[serde(default)]
+    baselines: Vec<BaselineRecord>,
+    /// Lines against them, by location error in mm, line minus baseline.
+    #[serde(default)]
+    baseline_tests: Vec<BaselineTestRecord>,
     /// Patients whose bends are not compatible with a single force through the inflections, and all who were asked.
     incompatible_patients: [usize; 2],
     verdict: Vec<String>,
@@ -121,6 +131,36 @@ struct TestRecord {
     predicts_better: Option<String>,
 }
 
+/// A pattern of joint rotations that predicts films from T2 alone.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct BaselineRecord {
+    /// `mirrored_bend`, `published_mobility` or `other_patients`.
+    baseline: Key<Baseline>,
+    /// `left_out_bend` or `held_out`.
+    role: String,
+    films: usize,
+    location_mm: SampleRecord,
+}
+
+/// A line against a baseline, on the films that both predict.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct BaselineTestRecord {
+    line: String,
+    baseline: Key<Baseline>,
+    role: String,
+    films: usize,
+    patients: usize,
+    /// Of one mean difference per patient, line minus baseline.
+    mean_difference_mm: Option<f64>,
+    /// By resampling patients.
+    interval_95_mm: Option<[f64; 2]>,
+    sign_flip_p: Option<f64>,
+    /// After Holm's correction over all of these tests.
+    holm_p: Option<f64>,
+    /// Whether the line predicts better, beyond chance.
+    line_is_better: bool,
+}
+
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct PairedRecord {
     n: usize,
@@ -153,6 +193,8 @@ impl CohortFile {
             errors: compared.errors.iter().map(errors).collect(),
             left_out_films: compared.missing.iter().map(left_out).collect(),
             tests: compared.tests.iter().map(test).collect(),
+            baselines: cohort.baselines.errors.iter().map(baseline).collect(),
+            baseline_tests: cohort.baselines.tests.iter().map(baseline_test).collect(),
             incompatible_patients: [against, asked],
             verdict: cohort.sentences(),
         }
@@ -170,15 +212,43 @@ fn finite(value: f64) -> Option<f64> {
     Some(value).filter(|value| value.is_finite())
 }
 
-fn errors(found: &RoleErrors) -> ErrorsRecord {
-    let sample = |values: &Clustered| SampleRecord {
+fn sample(values: &Clustered) -> SampleRecord {
+    SampleRecord {
         patients: values.patients.n,
         mean: finite(values.patients.mean),
         interval_95: values.bootstrap,
         sd: finite(values.patients.sd),
         pooled_mean: finite(values.pooled.mean),
         pooled_sd: finite(values.pooled.sd),
-    };
+    }
+}
+
+fn baseline(found: &BaselineErrors) -> BaselineRecord {
+    BaselineRecord {
+        baseline: found.baseline.into(),
+        role: found.role.key().to_owned(),
+        films: found.films,
+        location_mm: sample(&found.location_mm),
+    }
+}
+
+fn baseline_test(found: &BaselineTest) -> BaselineTestRecord {
+    let c = &found.comparison;
+    BaselineTestRecord {
+        line: found.line.key().to_owned(),
+        baseline: found.baseline.into(),
+        role: found.role.key().to_owned(),
+        films: found.films,
+        patients: c.patients(),
+        mean_difference_mm: finite(c.mean_difference),
+        interval_95_mm: c.bootstrap,
+        sign_flip_p: c.sign_flip.map(|test| test.p_two_sided),
+        holm_p: found.holm_p,
+        line_is_better: found.line_is_better(),
+    }
+}
+
+fn errors(found: &RoleErrors) -> ErrorsRecord {
     ErrorsRecord {
         line: found.kind.key().to_owned(),
         role: found.role.key().to_owned(),

@@ -4,6 +4,7 @@ use spineline::action::Application;
 use spineline::analysis::{Grouping, Sex};
 use spineline::anatomy::{ImageSide, Named, Posture, Region};
 use spineline::clinical::EndRule;
+use spineline::evaluate::Baseline;
 use spineline::measure::{PlacementSource, SpacingPlane, TiltRule};
 use spineline::multibody::{Support, Timing};
 use spineline::personalize::FitTarget;
@@ -115,6 +116,10 @@ impl Described for Sex {
 
 impl Described for FitTarget {
     const DEFINITION: &'static str = "FitKey";
+}
+
+impl Described for Baseline {
+    const DEFINITION: &'static str = "BaselineKey";
 }
 
 impl Described for TiltRule {

@@ -215,16 +215,20 @@ impl ModelFile {
         let loads = model
             .postures
             .iter()
-            .map(|s| LoadRecord {
-                posture: s.posture.into(),
-                status: s.status.key().to_owned(),
-                force_n: s.force_n,
-                point_mm: match s.line.application {
-                    Application::Fixed => [s.depth_mm, s.line.point.y_mm, s.line.point.z_mm],
-                    Application::AtT2 => [top_x_mm, s.line.point.y_mm, s.line.point.z_mm],
-                },
-                direction: [0.0, s.line.direction.y_mm, s.line.direction.z_mm],
-                application: s.line.application.into(),
+            .map(|s| {
+                let line = analysis.line_in_model(s);
+                let x_mm = match line.application {
+                    Application::Fixed => s.depth_mm,
+                    Application::AtT2 => top_x_mm,
+                };
+                LoadRecord {
+                    posture: s.posture.into(),
+                    status: s.status.key().to_owned(),
+                    force_n: s.force_n,
+                    point_mm: [x_mm, line.point.y_mm, line.point.z_mm],
+                    direction: [0.0, line.direction.y_mm, line.direction.z_mm],
+                    application: line.application.into(),
+                }
             })
             .collect();
         Self {

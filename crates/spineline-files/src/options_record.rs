@@ -8,7 +8,7 @@ use spineline::anatomy::{Posture, Region, SagittalProfile};
 use spineline::clinical::{CobbEnds, EndChoice, EndRule};
 use spineline::curve::{InflectionChoice, OrderRule, Site};
 use spineline::hypothesis::Hypothesis;
-use spineline::measure::TiltRule;
+use spineline::measure::{FilmLengthRule, TiltRule};
 use spineline::multibody::Support;
 use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
@@ -23,6 +23,10 @@ pub(crate) struct OptionsRecord {
     /// From which landmarks tilts are measured; files from before this choice have those of the axes.
     #[serde(default = "axis_tilts")]
     tilt: Key<TiltRule>,
+    /// Standard deviation of a film's scale against the erect film, as a part of it, where the films do not state theirs;
+    /// `null`, as in files from before this choice, where lengths are compared as marked.
+    #[serde(default)]
+    film_length_sd: Option<f64>,
     /// Where end vertebrae of Cobb angles are the most tilted ones.
     #[serde(default = "erect_ends")]
     end_vertebrae: Key<EndRule>,
@@ -156,6 +160,10 @@ impl From<&AnalysisOptions> for OptionsRecord {
         };
         Self {
             tilt: options.tilt.into(),
+            film_length_sd: match options.film_lengths {
+                FilmLengthRule::PerFilm { relative_sd } => Some(relative_sd),
+                FilmLengthRule::AsMarked => None,
+            },
             end_vertebrae: options.ends.rule.into(),
             given_end_vertebrae: given_ends(&options.ends),
             order_rule: OrderRuleKey(options.order_rule),
@@ -240,6 +248,10 @@ impl OptionsRecord {
         let [fewest, most] = self.segment_window;
         Ok(AnalysisOptions {
             tilt: self.tilt.0,
+            film_lengths: match self.film_length_sd {
+                Some(relative_sd) => FilmLengthRule::PerFilm { relative_sd },
+                None => FilmLengthRule::AsMarked,
+            },
             ends: self.ends(),
             order_rule: self.order_rule.0,
             inflections: self.inflections.map_or(InflectionChoice::Automatic, |sites| {

@@ -36,6 +36,8 @@ pub struct TrueFilm {
     pub posture: Posture,
     /// How the picture lies.
     pub image: ImageGeometry,
+    /// A length on this film over the true one.
+    pub scale: f64,
     /// Superior tips of the iliac crests.
     pub iliac_crests: IliacCrests,
     /// Corners of the bodies of L5…T1.
@@ -204,6 +206,7 @@ impl Placed {
         TrueFilm {
             posture: self.posture,
             image: self.image,
+            scale: 1.0,
             iliac_crests: self.iliac_crests(),
             vertebrae,
             polarity: if inverted { Polarity::Monochrome1 } else { Polarity::Monochrome2 },
@@ -230,7 +233,11 @@ fn picture(row: &TableRow, bodies: &[Body], crests: [Frontal; 2]) -> (ImageGeome
     let image = ImageGeometry {
         columns: count(high.y_mm - low.y_mm, 0.1),
         rows: count(high.z_mm - low.z_mm, row_spacing_mm),
-        spacing: Some(Spacing::stated(0.1, row_spacing_mm, SpacingPlane::Patient)),
+        // All films of a phantom have one scale, which is known.
+        spacing: Some(Spacing {
+            relative_sd: Some(0.0),
+            ..Spacing::stated(0.1, row_spacing_mm, SpacingPlane::Patient)
+        }),
         patient_left,
     };
     // Pixel (0, 0) lies at the upper corner of the picture.

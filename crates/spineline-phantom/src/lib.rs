@@ -28,6 +28,7 @@
 mod counter;
 mod erect;
 mod film;
+mod film_lengths;
 mod loads;
 mod movement;
 mod radiograph;

@@ -296,6 +296,12 @@ fn columns_of_lines<'a>() -> Vec<Column<LineRow<'a>>> {
         count("alternatives", "number of other forces that reach the same amplitude", |row| {
             Some(row.item.simulation.alternatives.len() as i64)
         }),
+        number(
+            "film_scale",
+            Unit::One,
+            "the film's scale against the erect film: from all vertebrae of a fitted film, from T2 of a predicted one",
+            |row| Some(row.item.simulation.scale.factor),
+        ),
     ]
 }
 

@@ -1,5 +1,6 @@
 use spineline::analysis::PostureAnalysis;
 use spineline::curve::CurveForm;
+use spineline::measure::FilmLength;
 use spineline::spatial::Angle;
 
 use crate::Patient;
@@ -17,6 +18,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let mut columns = keys();
     columns.extend(film());
     columns.extend(curve());
+    columns.extend(film_scale());
     columns.extend(movement());
     columns.extend(own_line());
     Definition { name: "postures", row: "patient × posture", columns }.fill(&rows)
@@ -91,6 +93,38 @@ fn curve<'a>() -> Vec<Column<PostureRow<'a>>> {
         ),
         count("segments", "number of segments of the chain on this curve (n_i)", |row| {
             Some(row.item.pose.segments() as i64)
+        }),
+    ]
+}
+
+fn length(row: &PostureRow<'_>) -> Option<FilmLength> {
+    row.item.motion.is_some().then_some(row.item.outline.length)
+}
+
+fn scale_95(row: &PostureRow<'_>, end: usize) -> Option<f64> {
+    length(row).filter(FilmLength::is_free).map(|length| length.scale.interval_95()[end])
+}
+
+/// The film's length against the erect one.
+fn film_scale<'a>() -> Vec<Column<PostureRow<'a>>> {
+    vec![
+        number(
+            "film_scale_measured",
+            Unit::One,
+            "length of the spine on this film over that on the erect film, from the locations alone",
+            |row| length(row).map(|length| length.measured.factor),
+        ),
+        number(
+            "film_scale",
+            Unit::One,
+            "the same with its prior; locations are divided by it. 1 where the scale is fixed",
+            |row| length(row).map(|length| length.scale.factor),
+        ),
+        number("film_scale_95_low", Unit::One, "lower end of its 95 % interval", |row| {
+            scale_95(row, 0)
+        }),
+        number("film_scale_95_high", Unit::One, "upper end of its 95 % interval", |row| {
+            scale_95(row, 1)
         }),
     ]
 }

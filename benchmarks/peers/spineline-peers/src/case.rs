@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use spineline::action::{Application, LineOfAction};
 use spineline::anatomy::{Level, Posture, Region};
 use spineline::clinical::{RegionBounds, Regions};
-use spineline::measure::{LengthScale, MeasuredVertebra, Noise, Outline, SpacingPlane};
+use spineline::measure::{FilmLength, LengthScale, MeasuredVertebra, Noise, Outline, SpacingPlane};
 use spineline::multibody::{
     Deformed, JointGroups, JointStiffness, Load, SpineModel, StiffnessLibrary,
 };
@@ -209,6 +209,7 @@ impl Case {
                 measured: false,
             },
             scale: LengthScale::stated(SpacingPlane::Patient),
+            length: FilmLength::ERECT,
             readings: 1,
         }
     }

@@ -29,7 +29,7 @@ impl RunRecord {
     /// If a stiffness table cannot be read.
     pub fn new(method: &MethodArgs, uncertainty: &UncertaintyArgs) -> Result<Self, Failure> {
         let request = request(method, uncertainty)?;
-        let tables = method.stiffness.iter();
+        let tables = method.stiffness_file().into_iter();
         let shared = tables.map(|path| read_input(path)).collect::<Result<_, _>>()?;
         Ok(Self { run: this_run()?, request, shared, cases: Vec::new() })
     }

@@ -92,8 +92,8 @@ pub enum Command {
     DecodeFilm,
     /// Print the JSON schema of a file format
     Schema(schema::SchemaArgs),
-    /// Print the built-in stiffness table, to edit and pass to `analyze --stiffness`
-    Stiffness,
+    /// Print a built-in stiffness table, to edit and pass to `analyze --stiffness`
+    Stiffness(stiffness::StiffnessArgs),
     /// Print a completion script for your shell
     ///
     /// For bash: spineline completions bash > ~/.local/share/bash-completion/completions/spineline
@@ -123,7 +123,7 @@ pub fn run(command: Command) -> Result<Ending, Failure> {
         Command::Film(args) => film::run(&args),
         Command::DecodeFilm => decode_film::run(),
         Command::Schema(args) => schema::run(&args),
-        Command::Stiffness => stiffness::run(),
+        Command::Stiffness(args) => stiffness::run(&args),
         Command::Completions(args) => completions::run(&args, &mut Cli::command()),
     }
 }

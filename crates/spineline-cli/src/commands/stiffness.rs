@@ -1,11 +1,20 @@
-//! `spineline stiffness`: the built-in stiffness table.
+//! `spineline stiffness`: the built-in stiffness tables.
 
-use spineline::multibody::StiffnessLibrary;
+use clap::Args;
+use spineline::multibody::StiffnessTable;
 use spineline_files::{StiffnessFile, to_text};
 
+use crate::options::choice::{Choice, choice};
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::print;
 
-pub fn run() -> Result<Ending, Failure> {
-    print(&to_text(&StiffnessFile::from(&StiffnessLibrary::default())))
+#[derive(Args)]
+pub struct StiffnessArgs {
+    /// Table
+    #[arg(value_parser = choice::<StiffnessTable>(), default_value = StiffnessTable::default().spelling())]
+    table: StiffnessTable,
+}
+
+pub fn run(args: &StiffnessArgs) -> Result<Ending, Failure> {
+    print(&to_text(&StiffnessFile::from(&args.table.library())))
 }

@@ -5,7 +5,7 @@ use spineline::action::LineKind;
 use spineline::analysis::Grouping;
 use spineline::anatomy::{ImageSide, Named, Side};
 use spineline::measure::TiltRule;
-use spineline::multibody::Support;
+use spineline::multibody::{StiffnessTable, Support};
 use spineline::personalize::FitTarget;
 
 /// A named value that an option takes.
@@ -73,6 +73,26 @@ impl Choice for Support {
         match self {
             Self::Free => "Every joint rotates about three axes (the paper)",
             Self::Frontal => "The patient lies on a table: flexion and axial rotation are locked",
+        }
+    }
+}
+
+impl Choice for StiffnessTable {
+    fn spelling(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::InVitro => "in-vitro",
+            Self::IntactChest => "intact-chest",
+            Self::ScolioticInVivo => "scoliotic-in-vivo",
+        }
+    }
+
+    fn help(self) -> &'static str {
+        match self {
+            Self::Paper => "Motion segments without ribs, as models of scoliotic spines take them",
+            Self::InVitro => "Thoracic segments with costovertebral joints, tested in vitro",
+            Self::IntactChest => "The same with the cage of ribs",
+            Self::ScolioticInVivo => "Segments of scoliotic patients during surgery",
         }
     }
 }

@@ -10,12 +10,12 @@ use spineline::anatomy::{Level, Posture};
 use spineline::clinical::EndChoice;
 use spineline::curve::{InflectionChoice, OrderRule, Site};
 use spineline::hypothesis::Hypothesis;
-use spineline::measure::TiltRule;
-use spineline::multibody::Support;
+use spineline::measure::{FilmLengthRule, TiltRule};
+use spineline::multibody::{StiffnessTable, Support};
 use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
 
-use super::choice::{Choice, choice};
+use super::choice::{Choice, choice, of_spelling};
 use super::ends::end_vertebrae;
 use super::values::{number, posture};
 use crate::run::failure::Failure;
@@ -31,8 +31,8 @@ pub struct MethodArgs {
     /// such as known-force:traction=120
     #[arg(long, value_name = "GAUGE", default_value = "geometric-mean", value_parser = gauge)]
     gauge: Gauge,
-    /// Support of the patient
-    #[arg(long, value_parser = choice::<Support>(), default_value = Support::Free.spelling())]
+    /// Support of the patient; the paper's is `free`
+    #[arg(long, value_parser = choice::<Support>(), default_value = Support::default().spelling())]
     support: Support,
     /// Quantity that the stiffness is fitted to
     #[arg(long, value_parser = choice::<FitTarget>(), default_value = FitTarget::Shape.spelling())]
@@ -40,6 +40,11 @@ pub struct MethodArgs {
     /// Landmarks from which the tilt of a vertebra is measured
     #[arg(long, value_parser = choice::<TiltRule>(), default_value = TiltRule::Endplates.spelling())]
     tilt: TiltRule,
+    /// Lengths of the films: `per-film` (each has a scale of its own against the erect film; standard deviation 3.3 % where
+    /// films do not state the error of theirs), that standard deviation in percent, or `as-marked` (one scale, as in the
+    /// paper)
+    #[arg(long, value_name = "RULE", default_value = "per-film", value_parser = film_lengths)]
+    film_lengths: FilmLengthRule,
     /// End vertebrae of Cobb angles: `erect` (the most tilted ones of the erect film, kept on every film), `each-film`, or
     /// REGION=LEVEL/LEVEL such as main-thoracic=T12/T5
     #[arg(long, value_name = "CHOICE", default_value = "erect", value_parser = end_vertebrae)]
@@ -51,9 +56,10 @@ pub struct MethodArgs {
     /// (0.5, the spread between segments of living scoliotic spines)
     #[arg(long, value_name = "none|in-vivo|SD", default_value = "none", value_parser = prior)]
     prior: Prior,
-    /// Stiffness table to start from [default: the built-in table, which `spineline stiffness` prints]
-    #[arg(long, value_name = "FILE")]
-    pub stiffness: Option<PathBuf>,
+    /// Stiffness table to start from: `paper`, `in-vitro`, `intact-chest` or `scoliotic-in-vivo` (`spineline stiffness` prints
+    /// them), or a file
+    #[arg(long, value_name = "TABLE|FILE", default_value = "paper", value_parser = stiffness_source)]
+    stiffness: StiffnessSource,
     /// Inflections set by hand, caudal first, each a vertebra or a disc, such as L1/T12,T6 [default: found on the erect film]
     #[arg(long, value_name = "SITE,SITE", value_parser = inflection_sites)]
     inflections: Option<[Site; 2]>,
@@ -78,6 +84,7 @@ impl MethodArgs {
     pub fn options(&self) -> Result<AnalysisOptions, Failure> {
         let mut options = AnalysisOptions {
             tilt: self.tilt,
+            film_lengths: self.film_lengths,
             ends: self.end_vertebrae,
             order_rule: self.order_rule,
             gauge: self.gauge,
@@ -93,13 +100,34 @@ impl MethodArgs {
             hypotheses: self.compare_models.clone().map(|chosen| chosen.0).unwrap_or_default(),
             ..AnalysisOptions::default()
         };
-        if let Some(path) = &self.stiffness {
-            let read = spineline_files::read_text(path)
-                .and_then(|text| spineline_files::parse_stiffness(&text));
-            options.library = read.map_err(|error| Failure::file(path, &error))?;
-        }
+        options.library = match &self.stiffness {
+            StiffnessSource::Table(table) => table.library(),
+            StiffnessSource::File(path) => spineline_files::read_text(path)
+                .and_then(|text| spineline_files::parse_stiffness(&text))
+                .map_err(|error| Failure::file(path, &error))?,
+        };
         Ok(options)
     }
+
+    /// The file of the stiffness table, where it is one of the inputs.
+    pub fn stiffness_file(&self) -> Option<&PathBuf> {
+        match &self.stiffness {
+            StiffnessSource::File(path) => Some(path),
+            StiffnessSource::Table(_) => None,
+        }
+    }
+}
+
+/// Where springs come from.
+#[derive(Clone)]
+enum StiffnessSource {
+    Table(StiffnessTable),
+    File(PathBuf),
+}
+
+fn stiffness_source(text: &str) -> Result<StiffnessSource, String> {
+    Ok(of_spelling(text)
+        .map_or_else(|| StiffnessSource::File(PathBuf::from(text)), StiffnessSource::Table))
 }
 
 /// A prior, or none.
@@ -114,6 +142,22 @@ fn prior(text: &str) -> Result<Prior, String> {
             Ok(log_sd @ 0.01..=5.0) => Ok(Prior(Some(LogNormalPrior { log_sd }))),
             _ => Err("expected `none`, `in-vivo`, or a standard deviation of ln from 0.01 to 5"
                 .to_owned()),
+        },
+    }
+}
+
+fn film_lengths(text: &str) -> Result<FilmLengthRule, String> {
+    match text {
+        "per-film" => Ok(FilmLengthRule::default()),
+        "as-marked" => Ok(FilmLengthRule::AsMarked),
+        percent => match number(percent) {
+            Ok(percent @ 0.01..=50.0) => {
+                Ok(FilmLengthRule::PerFilm { relative_sd: 0.01 * percent })
+            }
+            _ => Err(
+                "expected `per-film`, `as-marked`, or a standard deviation from 0.01 to 50 percent"
+                    .to_owned(),
+            ),
         },
     }
 }

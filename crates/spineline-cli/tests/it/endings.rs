@@ -30,7 +30,9 @@ fn statuses(analysis: &Value, line: &str) -> Vec<String> {
 fn a_model_in_addition_that_has_no_result_does_not_fail_the_analysis() {
     let here = phantom(&["--truth", "bend", "--subject", "2", "--noise", "5"]);
     let case = "cases/phantom-bend-02.json";
-    let (text, error, code) = run(here.path(), &["analyze", case, "--json", "a.json"]);
+    // The estimated line bends out of the plane, where nothing holds it.
+    let free = ["analyze", case, "--support", "free", "--json", "a.json"];
+    let (text, error, code) = run(here.path(), &free);
     let analysis = json(here.path(), "a.json");
     assert!(
         statuses(&analysis, "estimated_line").iter().any(|status| status != "converged"),
@@ -40,10 +42,11 @@ fn a_model_in_addition_that_has_no_result_does_not_fail_the_analysis() {
     assert_eq!(code, 0, "{text}{error}");
     let codes = analysis["warnings"].as_array().expect("a list");
     assert!(codes.iter().any(|warning| warning["code"] == "force_not_found"), "it is still said");
-    assert_eq!(run(here.path(), &["report", case, "--out", "a.html"]).2, 0);
+    let report = ["report", case, "--support", "free", "--out", "a.html"];
+    assert_eq!(run(here.path(), &report).2, 0);
     // The model that is asked for by name counts.
-    let named = ["analyze", case, "--model", "m.json", "--model-line", "estimated"];
-    assert_eq!(run(here.path(), &named).2, 4);
+    let named = ["--model", "m.json", "--model-line", "estimated"];
+    assert_eq!(run(here.path(), &[&free[..4], &named].concat()).2, 4);
 }
 
 #[test]
@@ -101,4 +104,20 @@ fn a_file_that_is_not_ours_or_not_utf_8_is_named_as_such() {
         let (_, error, code) = run(here.path(), &["check", "x.json"]);
         assert!(code == 3 && words(&error).contains(said), "{said}: {error}");
     }
+}
+
+#[test]
+fn the_line_that_predicts_best_gives_the_model() {
+    let here = phantom(&["--truth", "pull", "--subject", "2", "--noise", "0"]);
+    let case = "cases/phantom-pull-02.json";
+    let auto = ["analyze", case, "--json", "a.json", "--model", "m.json", "--model-line", "auto"];
+    let (_, error, code) = run(here.path(), &auto);
+    assert_eq!(code, 0, "{error}");
+    assert!(error.contains("the model of the iliac line is written"), "{error}");
+    assert_eq!(json(here.path(), "m.json")["line"], "iliac_line");
+    let compared = &json(here.path(), "a.json")["comparison"];
+    let left_out = |line: &str| {
+        compared["lines"][line]["errors"]["left_out_bend"]["location_mm"].as_f64().expect("a mean")
+    };
+    assert!(left_out("iliac_line") < left_out("inflection_line"), "{compared}");
 }

@@ -7,10 +7,11 @@ use spineline::analysis::{
     LinesCompared,
 };
 use spineline::anatomy::Posture;
-use spineline::evaluate::Simulation;
+use spineline::evaluate::{Baseline, BaselinePrediction, Simulation};
 use spineline::personalize::FitTarget;
 
 use super::model::ModelRecord;
+use super::posture::ScaleRecord;
 use crate::keys::Key;
 
 /// The lines on the same films, every bend left out once.
@@ -21,10 +22,13 @@ pub(super) struct ComparisonRecord {
     same_data: bool,
     /// By line.
     lines: BTreeMap<String, LineRecord>,
+    /// By baseline and role: mean error over the films on which every line and the baseline have a result.
+    #[serde(default)]
+    baselines_mm: BTreeMap<String, BTreeMap<String, f64>>,
     /// Every film once per role.
     films: Vec<FilmRecord>,
     /// By line: whether the bends are compatible with a single force along it. The test of the line itself exists for
-    /// `inflection_line` only.
+    /// `inflection_line` and `iliac_line`.
     compatibility: BTreeMap<String, CompatibilityRecord>,
     /// By the bend that was left out, and line: the model that the other bend alone gave, and what it predicts.
     left_out_bends: BTreeMap<Key<Posture>, BTreeMap<String, ModelRecord>>,
@@ -72,6 +76,21 @@ struct FilmRecord {
     compared: bool,
     /// By line; `null` where it has no result.
     location_mm: BTreeMap<String, Option<f64>>,
+    /// Predictions without mechanics, by pattern of joint rotations; empty for fitted films.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    baselines: BTreeMap<String, BaselineRecord>,
+}
+
+/// A film as a pattern of joint rotations without mechanics predicts it, from T2 alone.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct BaselineRecord {
+    /// `converged` or how else the fit to T2 ended.
+    status: String,
+    /// By how much the pattern is multiplied.
+    amount: f64,
+    #[serde(flatten)]
+    scale: ScaleRecord,
+    location_mm: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -122,12 +141,23 @@ impl ComparisonRecord {
         Some(Self {
             same_data: found.same_data(),
             lines: (0..found.lines.len()).map(|i| line(&found, i)).collect(),
+            baselines_mm: baselines_mm(&found),
             films: found.films.iter().map(|f| film(f, &found.lines)).collect(),
             compatibility: compatibility.collect(),
             left_out_bends: left_out.collect(),
             verdict: analysis.verdict(&found),
         })
     }
+}
+
+fn baselines_mm(found: &LinesCompared) -> BTreeMap<String, BTreeMap<String, f64>> {
+    let by_role = |baseline| {
+        let errors = FilmRole::ALL.into_iter().filter_map(|role| {
+            Some((role.key().to_owned(), found.baseline_error_mm(baseline, role)?))
+        });
+        errors.collect()
+    };
+    Baseline::ALL.into_iter().map(|one| (one.key().to_owned(), by_role(one))).collect()
 }
 
 fn line(found: &LinesCompared, place: usize) -> (String, LineRecord) {
@@ -175,7 +205,18 @@ fn film(film: &ComparedFilm, lines: &[ComparedLine]) -> FilmRecord {
         role: film.role.key().to_owned(),
         compared: film.is_common(),
         location_mm: location_mm.collect(),
+        baselines: film.baselines.iter().map(baseline).collect(),
     }
+}
+
+fn baseline(found: &BaselinePrediction) -> (String, BaselineRecord) {
+    let record = BaselineRecord {
+        status: found.status.key().to_owned(),
+        amount: found.amount,
+        scale: found.scale.into(),
+        location_mm: found.mean_location_error_mm(),
+    };
+    (found.baseline.key().to_owned(), record)
 }
 
 fn compatibility(found: &Compatibility) -> CompatibilityRecord {

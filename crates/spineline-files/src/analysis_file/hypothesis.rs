@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use spineline::anatomy::Posture;
 use spineline::hypothesis::{HypothesisFit, ShapePrediction};
 
+use super::posture::ScaleRecord;
 use crate::keys::Key;
 
 /// A load and base fitted to the bends, with its predictions. Lengths in mm, angles in degrees.
@@ -52,6 +53,9 @@ struct PredictionRecord {
     joints_against_beyond_noise: usize,
     /// Their part in the work of all joints.
     work_against: f64,
+    /// Scale of the film against the erect film, from T2 for a film that was not fitted; absent in older files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    film_scale: Option<ScaleRecord>,
     /// L4 to T2.
     locations_mm: Vec<[f64; 2]>,
     tilts_deg: Vec<f64>,
@@ -94,6 +98,7 @@ impl PredictionRecord {
             joints_against: prediction.against.joints,
             joints_against_beyond_noise: prediction.against.beyond_noise,
             work_against: prediction.against.weight,
+            film_scale: Some(prediction.scale.into()),
             locations_mm: prediction.locations.iter().map(|p| [p.y_mm, p.z_mm]).collect(),
             tilts_deg: prediction.tilts.iter().map(|tilt| tilt.deg()).collect(),
         }

@@ -11,6 +11,7 @@ use spineline::personalize::evidence::ContradictedJoint;
 use spineline::spatial::Angle;
 
 use super::identifiability::IdentifiabilityRecord;
+use super::posture::ScaleRecord;
 use super::{by_level, point};
 use crate::keys::{Key, LevelKey};
 
@@ -50,6 +51,9 @@ struct SimulationRecord {
     fitted: bool,
     /// `converged`, `unreachable`, `beyond_human_range` or `not_converged`; only the first is a result.
     status: String,
+    /// Scale of the film against the erect film, from T2 for a film that was not fitted; absent in older files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    film_scale: Option<ScaleRecord>,
     /// Signed force along the line's direction.
     force_n: f64,
     /// Degrees left of the amplitude (bends) or mm left of T2's place.
@@ -142,6 +146,7 @@ fn simulation(s: &Simulation, levels: Levels) -> SimulationRecord {
     SimulationRecord {
         fitted: s.fitted,
         status: s.status.key().to_owned(),
+        film_scale: Some(s.scale.into()),
         force_n: s.force_n,
         // Bends leave an angle, the others a distance.
         residual: if s.posture.bend().is_some() {

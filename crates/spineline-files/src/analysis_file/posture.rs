@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::analysis::{PostureAnalysis, PreferredLine};
 use spineline::curve::{CurveFit, CurveForm};
-use spineline::measure::{Interpolation, LengthScale, MeasuredVertebra};
+use spineline::measure::{FilmLength, FilmScale, Interpolation, LengthScale, MeasuredVertebra};
 use spineline::motion::SegmentEstimate;
 use spineline::personalize::{Crossing, LineTest};
 use spineline::spatial::{Angle, Frontal};
@@ -55,9 +55,39 @@ struct LengthsRecord {
     source: Option<SourceKey>,
     /// Standard deviation of the scale, as a part of it.
     relative_sd: Option<f64>,
+    /// This film against the erect one; absent for the erect film and in files from before this was measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    against_erect: Option<FilmLengthRecord>,
     /// Length of the line through the midpoints L4 to T2, and its standard deviation from the scale alone.
     spine_mm: Option<f64>,
     spine_scale_sd_mm: Option<f64>,
+}
+
+/// The length of the spine on a film over that on the erect film. Locations of the film are divided by `scale`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct FilmLengthRecord {
+    /// From the locations alone.
+    measured: f64,
+    /// Standard deviation of its logarithm before the film is measured; 0 where the scale is fixed at 1.
+    prior_log_sd: f64,
+    #[serde(flatten)]
+    scale: ScaleRecord,
+}
+
+/// A film's scale against the erect film.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub(crate) struct ScaleRecord {
+    scale: f64,
+    /// Its 95 % interval; absent where the scale is fixed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    scale_interval_95: Option<[f64; 2]>,
+}
+
+impl From<FilmScale> for ScaleRecord {
+    fn from(found: FilmScale) -> Self {
+        let interval = found.interval_95();
+        Self { scale: found.factor, scale_interval_95: (found.log_sd > 0.0).then_some(interval) }
+    }
 }
 
 /// From what a vertebra was interpolated, and its standard deviations.
@@ -169,6 +199,14 @@ impl PreferredLineRecord {
     }
 }
 
+fn against_erect(length: &FilmLength) -> FilmLengthRecord {
+    FilmLengthRecord {
+        measured: length.measured.factor,
+        prior_log_sd: length.prior_log_sd,
+        scale: length.scale.into(),
+    }
+}
+
 impl TestRecord {
     fn new(test: LineTest) -> Self {
         Self {
@@ -245,6 +283,7 @@ impl PostureRecord {
                 plane: scale.plane.key().to_owned(),
                 source: scale.source.map(SourceKey),
                 relative_sd: scale.relative_sd,
+                against_erect: p.motion.is_some().then(|| against_erect(&p.outline.length)),
                 spine_mm: scale.mm(spine_mm),
                 spine_scale_sd_mm: scale.sd_mm(spine_mm),
             },

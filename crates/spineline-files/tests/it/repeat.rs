@@ -6,7 +6,7 @@ use spineline::anatomy::{Level, Posture, SagittalProfile};
 use spineline::clinical::{CobbEnds, EndChoice, EndRule};
 use spineline::curve::{InflectionChoice, OrderRule, Site};
 use spineline::hypothesis::{Base, Hypothesis, LoadShape};
-use spineline::measure::TiltRule;
+use spineline::measure::{FilmLengthRule, TiltRule};
 use spineline::multibody::{JointStiffness, StiffnessLibrary, Support};
 use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
@@ -43,6 +43,7 @@ fn odd_options() -> AnalysisOptions {
     let site = |inferior, superior| Site { inferior, superior };
     let ends = CobbEnds { inferior: Level::T12, superior: Level::T5 };
     AnalysisOptions {
+        film_lengths: FilmLengthRule::PerFilm { relative_sd: 0.02 },
         tilt: TiltRule::Axis,
         ends: EndChoice { rule: EndRule::EachFilm, given: [None, Some(ends), None] },
         order_rule: OrderRule::Fixed(7),
@@ -54,7 +55,7 @@ fn odd_options() -> AnalysisOptions {
         segment_window: 800..=1234,
         profile: SagittalProfile::template(31.7, 52.3),
         library: StiffnessLibrary::from_rows(rows.collect()).expect("sound springs"),
-        support: Support::Frontal,
+        support: Support::Free,
         gauge: Gauge::KnownForce { posture: Posture::Traction, force_n: 117.3 },
         target: FitTarget::Ferguson,
         grouping: Grouping::PerJoint,

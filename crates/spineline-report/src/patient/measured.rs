@@ -38,7 +38,7 @@ pub fn films(patient: &Patient<'_>) -> Section {
     section
 }
 
-/// How the erect curve turns, where it inflects, and the chain.
+/// How the erect curve turns, where it inflects, the chain, and the scales of the films.
 pub fn curve_sentences(analysis: &Analysis) -> Vec<String> {
     let scale = analysis.scale();
     let segment_mm = analysis.chain.segment_mm;
@@ -46,7 +46,8 @@ pub fn curve_sentences(analysis: &Analysis) -> Vec<String> {
         scale.px(segment_mm).map_or_else(|| scale.text(segment_mm, 4), |px| format!("{px:.3} px"));
     let curve = analysis.inflection_words();
     let chain = format!("Chain of {} segments of {segment}.", analysis.chain.segments);
-    curve.lines().map(|line| format!("{line}.")).chain([chain]).collect()
+    let scales = analysis.film_scale_words().map(|words| format!("{words}."));
+    curve.lines().map(|line| format!("{line}.")).chain([chain]).chain(scales).collect()
 }
 
 /// Clinical angles of every curve on every film.

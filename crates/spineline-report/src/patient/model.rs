@@ -2,6 +2,7 @@
 
 use spineline::analysis::{Analysis, FilmRole, LineModel, LinesCompared};
 use spineline::anatomy::Posture;
+use spineline::evaluate::Baseline;
 use spineline::multibody::StiffnessLibrary;
 use spineline::personalize::{FitStatus, StiffnessBound};
 use spineline::uncertainty::{AnalysisQuantity, Uncertainty};
@@ -299,6 +300,19 @@ pub fn same_films(found: &LinesCompared) -> Table {
                 format!("{:.2}", errors.location_mm),
                 format!("{:.1}", errors.ferguson_deg),
                 numbers(&line.numbers, role),
+            ]);
+        }
+        for baseline in Baseline::ALL {
+            let Some(mm) = found.baseline_error_mm(baseline, role) else { continue };
+            let films = found.counted(role);
+            table.row(vec![
+                role.to_string(),
+                format!("none: {baseline}"),
+                "prediction without mechanics".to_owned(),
+                (films.0 - films.1).to_string(),
+                format!("{mm:.2}"),
+                none(),
+                "size of the rotations, per film".to_owned(),
             ]);
         }
     }

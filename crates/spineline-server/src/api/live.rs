@@ -120,6 +120,8 @@ pub struct StudyFindings {
     pub lenke_text: String,
     /// How the spine stands over the pelvis, as text.
     pub balance_text: String,
+    /// Scales of the films against the erect film as text, where they are not fixed.
+    pub film_scales_text: Option<String>,
     /// Rotations from the erect posture.
     pub rotations: Vec<RotationFinding>,
     /// Inflections of the erect curve as text.

@@ -18,6 +18,7 @@ pub fn of_study(analysis: &Analysis) -> StudyFindings {
         curves: analysis.clinical.iter().map(curve).collect(),
         lenke_text: analysis.lenke_words(),
         balance_text: analysis.balance_words(),
+        film_scales_text: analysis.film_scale_words(),
         rotations: analysis.postures.iter().filter_map(|p| rotation(analysis, p)).collect(),
         inflections_text: analysis.inflection_words(),
         length_unit: length_unit(analysis.scale()).to_owned(),

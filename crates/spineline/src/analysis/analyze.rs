@@ -1,6 +1,8 @@
 //! The steps of one patient in their order. Each returns what it found; the analysis is put together once, at the end.
 
-use super::checks::{check_age, check_outlines, check_postures, warn_of_shifted_levels};
+use super::checks::{
+    check_age, check_outlines, check_postures, warn_of_length, warn_of_shifted_levels,
+};
 use super::findings::Findings;
 use super::hypotheses::fit_hypotheses;
 use super::models::fit_models;
@@ -17,8 +19,8 @@ use crate::curve::{CurveFit, InflectionChoice, Inflections, find_inflections, fi
 use crate::error::Error;
 use crate::hypothesis::HypothesisFit;
 use crate::measure::{
-    Film, FilmReadings, InterpolationError, Noise, Outline, TiltRule, common_levels, outline_of,
-    seen_levels, warn_of_implausible_landmarks, warn_of_shortened_chain,
+    Film, FilmLengthRule, FilmReadings, InterpolationError, Noise, Outline, TiltRule,
+    common_levels, outline_of, seen_levels, warn_of_implausible_landmarks, warn_of_shortened_chain,
 };
 use crate::motion::{Motion, least_windows, mean_least};
 use crate::multibody::{SpineModel, StiffnessLibrary};
@@ -111,6 +113,7 @@ impl Movement {
         warnings: &mut Warnings,
     ) -> Result<Self, Error> {
         let (readings, outlines) = measure(case, options.tilt, known, warnings)?;
+        let outlines = at_erect_length(outlines, options.film_lengths, warnings);
         let (curves, fits) = fit_curves(&outlines, options, warnings)?;
         let (chain, poses) = lay_chain(&fits, options)?;
         let inflection_segments = curves
@@ -256,6 +259,24 @@ fn measure(
     check_outlines(&outlines, warnings)?;
     warn_of_wrong_films((&films, case.synthetic), &outlines, warnings);
     Ok((readings, outlines))
+}
+
+/// Brings all films to the length of the erect one.
+fn at_erect_length(
+    outlines: Vec<Outline>,
+    rule: FilmLengthRule,
+    warnings: &mut Warnings,
+) -> Vec<Outline> {
+    let erect = outlines[0].clone();
+    let scaled: Vec<Outline> = outlines
+        .into_iter()
+        .map(|film| match film.posture {
+            Posture::Erect => film,
+            _ => film.at_erect_length(&erect, rule),
+        })
+        .collect();
+    scaled.iter().for_each(|film| warn_of_length(film, warnings));
+    scaled
 }
 
 /// What step 2 and the clinical readings found on the erect curve.

@@ -2,7 +2,7 @@
 
 use crate::anatomy::{Levels, Posture, Side};
 use crate::error::CaseError;
-use crate::measure::{Film, Outline, body_widths, same_landmarks};
+use crate::measure::{Film, FilmLength, Outline, body_widths, same_landmarks};
 use crate::spatial::Angle;
 use crate::warning::{Step, Warnings};
 
@@ -49,7 +49,7 @@ pub(super) fn check_postures(films: &[Film]) -> Result<(), CaseError> {
     }
 }
 
-/// Sides, lengths and planes of the films against one another; the first outline is the erect one.
+/// Sides and planes of the films against one another; the first outline is the erect one.
 pub(super) fn check_outlines(
     outlines: &[Outline],
     warnings: &mut Warnings,
@@ -65,16 +65,6 @@ pub(super) fn check_outlines(
     for film in &outlines[1..] {
         warn_of_wrong_tilt(erect, film, warnings);
         warn_of_mirror(erect, film, warnings);
-        let ratio = film.polygon_mm() / erect.polygon_mm();
-        if (ratio - 1.0).abs() > 0.05 {
-            let text = format!(
-                "the spine is {:.0} mm long, and {:.0} mm on the erect film ({:+.0} %): check the spacing of both films, and that they show the same patient",
-                film.polygon_mm(),
-                erect.polygon_mm(),
-                100.0 * (ratio - 1.0)
-            );
-            warnings.film(Step::Measure, "lengths_differ", film.posture, text);
-        }
         if film.scale.plane != erect.scale.plane {
             let text = format!(
                 "its lengths are in {}, those of the erect film in {}: they are compared without conversion",
@@ -85,6 +75,36 @@ pub(super) fn check_outlines(
         }
     }
     Ok(())
+}
+
+/// The length of a spine on a film against the erect one. A scale per film takes usual differences out.
+pub(super) fn warn_of_length(film: &Outline, warnings: &mut Warnings) {
+    /// Where scales are fixed.
+    const MAX_DIFFERENCE: f64 = 0.05;
+    let FilmLength { measured, prior_log_sd, scale } = film.length;
+    let is_unusual = if film.length.is_free() {
+        film.length.is_unusual()
+    } else {
+        (measured.factor - 1.0).abs() > MAX_DIFFERENCE
+    };
+    if !is_unusual {
+        return;
+    }
+    let effect = if film.length.is_free() {
+        format!(
+            "the scale of the film is taken as {:.3}, expected within {:.1} %",
+            scale.factor,
+            100.0 * prior_log_sd
+        )
+    } else {
+        "the lengths are compared as marked".to_owned()
+    };
+    let text = format!(
+        "the spine is {:.1} % {} than on the erect film ({effect}): check the spacing of both films, and that they show the same patient",
+        100.0 * (measured.factor - 1.0).abs(),
+        if measured.factor > 1.0 { "longer" } else { "shorter" }
+    );
+    warnings.film(Step::Measure, "lengths_differ", film.posture, text);
 }
 
 fn top_tilt(outline: &Outline) -> Angle {

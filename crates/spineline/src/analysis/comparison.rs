@@ -3,8 +3,10 @@
 use super::models::{FitTask, bending_loads, fit_model, settings_of};
 use super::{Analysis, LineModel};
 use crate::action::LineKind;
-use crate::anatomy::Posture;
-use crate::evaluate::Simulation;
+use crate::anatomy::{Posture, published_lateral_bending};
+use crate::evaluate::{
+    Baseline, BaselinePrediction, Simulation, joint_rotations, predict_baseline,
+};
 use crate::multibody::Load;
 use crate::personalize::{FitTarget, Gauge};
 use crate::warning::Warnings;
@@ -101,9 +103,17 @@ pub struct ComparedFilm {
     pub role: FilmRole,
     /// By line; `None` where a line has no result on it.
     pub simulations: Vec<Option<Simulation>>,
+    /// Predictions without mechanics; none for a fitted film.
+    pub baselines: Vec<BaselinePrediction>,
 }
 
 impl ComparedFilm {
+    /// The prediction of a baseline, where it has a result.
+    #[must_use]
+    pub fn baseline(&self, baseline: Baseline) -> Option<&BaselinePrediction> {
+        self.baselines.iter().find(|one| one.baseline == baseline && one.is_usable())
+    }
+
     /// Whether every line has a result: lines are compared on such films only.
     #[must_use]
     pub fn is_common(&self) -> bool {
@@ -163,6 +173,31 @@ impl LinesCompared {
         (films > 0).then(|| MeanErrors { films, location_mm: mean(mm), ferguson_deg: mean(deg) })
     }
 
+    /// Mean location error of a baseline over the films of a role on which all lines and this baseline have a result.
+    #[must_use]
+    pub fn baseline_error_mm(&self, baseline: Baseline, role: FilmRole) -> Option<f64> {
+        let films = self.films.iter().filter(|film| film.role == role && film.is_common());
+        let all: Option<Vec<&BaselinePrediction>> =
+            films.map(|film| film.baseline(baseline)).collect();
+        let errors: Vec<f64> =
+            all?.iter().flat_map(|film| film.location_errors_mm.iter().copied()).collect();
+        (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64)
+    }
+
+    /// The line with the smallest mean location error on bends that were left out, or else on neutral and traction films,
+    /// among those that take fewest numbers from a predicted film; with that role. `None` where no film was predicted by all.
+    #[must_use]
+    pub fn best_predictor(&self) -> Option<(LineKind, FilmRole)> {
+        let few = self.lines.iter().map(|line| line.numbers.per_predicted_film).min()?;
+        let fair = |i: &usize| self.lines[*i].numbers.per_predicted_film == few;
+        [FilmRole::LeftOutBend, FilmRole::HeldOut].into_iter().find_map(|role| {
+            let errors = (0..self.lines.len()).filter(fair);
+            let errors = errors.filter_map(|i| Some((i, self.errors(i, role)?.location_mm)));
+            let (best, _) = errors.min_by(|a, b| a.1.total_cmp(&b.1))?;
+            Some((self.lines[best].kind, role))
+        })
+    }
+
     /// Whether all lines were fitted to the same data.
     #[must_use]
     pub fn same_data(&self) -> bool {
@@ -200,6 +235,7 @@ impl Analysis {
                     model.posture(posture).filter(|s| s.is_usable()).cloned()
                 })
                 .collect(),
+            baselines: self.baselines(posture, role),
         };
         let (mut fitted, mut held_out) = (Vec::new(), Vec::new());
         let moved = self.postures.iter().map(|p| p.outline.posture);
@@ -212,6 +248,26 @@ impl Analysis {
         let bends = left_out.iter().map(|b| film(b.posture, FilmRole::LeftOutBend, &b.models));
         let films = fitted.into_iter().chain(bends).chain(held_out).collect();
         LinesCompared { lines: lines.collect(), films, left_out }
+    }
+
+    /// Predictions of a film that need no other patient.
+    fn baselines(&self, posture: Posture, role: FilmRole) -> Vec<BaselinePrediction> {
+        let film = self.posture(posture).filter(|_| role != FilmRole::Fitted);
+        let Some(film) = film.map(|film| &film.outline) else { return Vec::new() };
+        let other = match posture {
+            Posture::LeftBending => self.posture(Posture::RightBending),
+            Posture::RightBending => self.posture(Posture::LeftBending),
+            _ => None,
+        };
+        let erect = &self.erect().outline;
+        let mirrored = other.map(|bend| joint_rotations(erect, &bend.outline));
+        let published = published_lateral_bending(self.levels());
+        let patterns = mirrored.map(|pattern| (Baseline::MirroredBend, pattern));
+        patterns
+            .into_iter()
+            .chain([(Baseline::PublishedMobility, published)])
+            .map(|(baseline, pattern)| predict_baseline(baseline, &pattern, erect, film))
+            .collect()
     }
 
     /// Fits every line to one bend and predicts the other by the rule of all films that are not fitted: its force alone is

@@ -31,7 +31,8 @@ pub struct BendEvidence {
     pub joints_p: f64,
     /// The test of "the load runs through the inflections"; for the inflection line only.
     pub line_test: Option<LineComparison>,
-    /// Its probability, corrected over the patient's tests.
+    /// Probability of the test of the line itself, corrected over the patient's tests: "it runs through the inflections" of the
+    /// inflection line, "it is parallel to the iliac line" of that line; `None` for lines that are fitted or given.
     pub line_p: Option<f64>,
 }
 
@@ -79,7 +80,7 @@ impl Analysis {
     ///
     /// # Definition
     /// Per bend two questions: does any joint turn against the force further than noise carries one of so many, and does the
-    /// load that the rotations prefer run elsewhere (inflection line only). Holm's correction is over all of them, so that a patient whose
+    /// load that the rotations prefer run elsewhere: not through the inflections, or not along the iliac line. Holm's correction is over all of them, so that a patient whose
     /// bends are compatible is called otherwise with a probability of at most 0.05. The joints' question takes the place of the
     /// line, the lever arms and the noise of the tilts as known; the line's does not ([`crate::personalize::PreferredLoads`]).
     #[must_use]
@@ -103,7 +104,7 @@ impl Analysis {
                     weight: s.contradicted_weight(),
                     joints_p: if tested { against_by_chance(&s.contradicted, joints) } else { 1.0 },
                     line_test,
-                    line_p: line_test.map(|line| line.test.p_value),
+                    line_p: film.and_then(|film| line_p_value(model.kind, film)),
                 }
             })
             .collect();
@@ -118,6 +119,16 @@ impl Analysis {
         }
         let without_force = films().filter(|s| !s.is_usable()).map(|s| s.posture).collect();
         Compatibility { bends, without_force, tests: adjusted.len() }
+    }
+}
+
+/// Probability of the line that the rotations prefer, if the load runs along a line of this kind.
+fn line_p_value(kind: LineKind, film: &PostureAnalysis) -> Option<f64> {
+    let preferred = film.preferred_line.as_ref()?;
+    match kind {
+        LineKind::Inflection => Some(preferred.inflection?.test.p_value),
+        LineKind::Iliac => Some(preferred.iliac?.p_value),
+        LineKind::Estimated | LineKind::Given => None,
     }
 }
 

@@ -5,7 +5,7 @@ use super::findings::Findings;
 use super::{Analysis, AnalysisOptions, Grouping, PostureAnalysis};
 use crate::action::{Application, LineKind, LineOfAction};
 use crate::anatomy::Posture;
-use crate::evaluate::{Simulation, Target, simulate};
+use crate::evaluate::{Simulation, Target, predict, simulate};
 use crate::multibody::{
     Deformed, ForceSign, JointGroups, Load, MatchStatus, Solution, Statics, StiffnessLibrary,
 };
@@ -88,7 +88,8 @@ impl LineModel {
 }
 
 impl Analysis {
-    /// The spine of a simulated posture under parts of its force, such as 0, 0.5 and 1: the paper's figure 11.
+    /// The spine of a simulated posture under parts of its force, such as 0, 0.5 and 1, on the outline of the film: the
+    /// paper's figure 11.
     ///
     /// `None` where the model has no such posture.
     #[must_use]
@@ -99,13 +100,28 @@ impl Analysis {
         parts: &[f64],
     ) -> Option<Vec<(f64, Vec<Frontal>)>> {
         let shapes = self.force_shapes(model, posture, parts)?;
+        let factor = self.on_outline(model.posture(posture)?);
         let locations = |shape: &Deformed| {
-            (0..shape.midpoints_mm.len()).map(|i| shape.location(i)).collect::<Vec<Frontal>>()
+            let all = (0..shape.midpoints_mm.len()).map(|i| shape.location(i) * factor);
+            all.collect::<Vec<Frontal>>()
         };
         Some(parts.iter().copied().zip(shapes.iter().map(locations)).collect())
     }
 
-    /// As [`Analysis::force_path`], with the whole shape of the spine under each part.
+    /// The line of a simulation at the length of the erect film, which is the model's.
+    #[must_use]
+    pub fn line_in_model(&self, simulation: &Simulation) -> LineOfAction {
+        let point = simulation.line.point * (1.0 / self.on_outline(simulation));
+        LineOfAction { point, ..simulation.line }
+    }
+
+    /// A length on the outline of a simulated film over the same length in the model.
+    fn on_outline(&self, simulation: &Simulation) -> f64 {
+        let outline = self.posture(simulation.posture).map(|posture| &posture.outline);
+        outline.map_or(1.0, |outline| simulation.scale.factor / outline.length.scale.factor)
+    }
+
+    /// As [`Analysis::force_path`], with the whole shape of the spine under each part, at the length of the erect film.
     #[must_use]
     pub fn force_shapes(
         &self,
@@ -118,7 +134,7 @@ impl Analysis {
         let logs = &model.fit.log_multipliers;
         let statics =
             Statics::new(&self.spine, &self.library, &model.groups, logs, options.support);
-        let load = Load::along(simulation.line, simulation.depth_mm);
+        let load = Load::along(self.line_in_model(simulation), simulation.depth_mm);
         // Springs and forces are scaled alike, so the unscaled ones give the same shapes.
         let force_n = simulation.force_n / model.fit.absolute_scale;
         let mut solution = Solution::default();
@@ -231,7 +247,9 @@ fn geometric_line(
         LineKind::Given => {
             let (_, line) = options.given_lines.iter().find(|(p, _)| *p == name)?;
             warn_of_distance(line, posture, warnings);
-            Some(*line)
+            // It was given on the film as it is.
+            let point = line.point * (1.0 / posture.outline.length.scale.factor);
+            Some(LineOfAction { point, ..*line })
         }
         LineKind::Estimated => None,
     }
@@ -401,14 +419,12 @@ impl Evaluation<'_> {
             _ if estimated => Target::NearestT2(Some(ForceSign::of(estimated_n))),
             _ => Target::NearestT2(None),
         };
-        let simulation = simulate(
-            &self.statics,
-            (line, self.depth_mm),
-            &posture.outline,
-            self.findings.regions,
-            target,
-            fitted.is_some(),
-        );
+        let (load, film, regions) =
+            ((line, self.depth_mm), &posture.outline, self.findings.regions);
+        let simulation = match fitted {
+            Some(_) => simulate(&self.statics, load, film, regions, target, true),
+            None => predict(&self.statics, load, film, regions, target),
+        };
         // Nominal springs predict nothing of this patient.
         let status = match self.fit.status {
             FitStatus::NotEvaluable => MatchStatus::NotConverged,

@@ -6,7 +6,7 @@ use crate::chain::SEGMENT_WINDOW;
 use crate::clinical::EndChoice;
 use crate::curve::{InflectionChoice, MIN_TURN, OrderRule};
 use crate::hypothesis::Hypothesis;
-use crate::measure::TiltRule;
+use crate::measure::{FilmLengthRule, TiltRule};
 use crate::multibody::{StiffnessLibrary, Support};
 use crate::personalize::{FitTarget, Gauge, LogNormalPrior};
 use crate::spatial::Angle;
@@ -42,6 +42,8 @@ named!(Grouping);
 pub struct AnalysisOptions {
     /// From which landmarks tilts are measured.
     pub tilt: TiltRule,
+    /// How lengths of the films are compared.
+    pub film_lengths: FilmLengthRule,
     /// How the order of the curves is chosen.
     pub order_rule: OrderRule,
     /// Where the inflections come from.
@@ -87,6 +89,7 @@ impl Default for AnalysisOptions {
     fn default() -> Self {
         Self {
             tilt: TiltRule::default(),
+            film_lengths: FilmLengthRule::default(),
             order_rule: OrderRule::default(),
             inflections: InflectionChoice::default(),
             min_curve: MIN_TURN,

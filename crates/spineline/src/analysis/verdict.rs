@@ -5,6 +5,7 @@ use super::wrong_film::doubts_film;
 use super::{Analysis, LineModel, PostureAnalysis};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
+use crate::evaluate::Baseline;
 
 impl Analysis {
     /// Whether some film may not show the posture or the patient that it is named after, as far as its landmarks show.
@@ -168,14 +169,40 @@ impl LinesCompared {
                     format!(" (the {} of {all} on which every line has a result)", all - left)
                 }
             };
-            sentences
-                .extend(self.errors_words(role).map(|errors| format!("{what}{films}: {errors}.")));
+            sentences.extend(self.errors_words(role).map(|errors| {
+                let (baselines, behind) = self.baseline_words(role).unwrap_or_default();
+                format!("{what}{films}: {errors}{baselines}.{behind}")
+            }));
         }
         sentences.extend(self.prediction_verdict());
         sentences.extend(self.errors_words(FilmRole::Fitted).map(|errors| {
             format!("Fitted bends: {errors}. A small error there is no evidence for a line.")
         }));
         sentences
+    }
+
+    /// What joint rotations without mechanics predict of the same films, and a sentence on the lines that do no better.
+    fn baseline_words(&self, role: FilmRole) -> Option<(String, String)> {
+        let mut found: Vec<(f64, Baseline)> = Baseline::ALL
+            .into_iter()
+            .filter_map(|one| Some((self.baseline_error_mm(one, role)?, one)))
+            .collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (best_mm, _) = *found.first()?;
+        let parts: Vec<String> =
+            found.iter().map(|(mm, baseline)| format!("{baseline} {mm:.1} mm")).collect();
+        let is_behind =
+            |i: &usize| self.errors(*i, role).is_some_and(|errors| errors.location_mm >= best_mm);
+        let behind: Vec<String> = (0..self.lines.len())
+            .filter(is_behind)
+            .map(|i| format!("the {}", self.lines[i].kind))
+            .collect();
+        let sentence = if behind.is_empty() {
+            String::new()
+        } else {
+            format!(" Not better than without mechanics: {}.", listed(&behind))
+        };
+        Some((format!("; without mechanics: {}", listed(&parts)), sentence))
     }
 
     /// Mean location errors by line, the smallest first; `None` where no film is common to all.

@@ -38,6 +38,23 @@ impl Analysis {
         }
     }
 
+    /// The scale of every film against the erect one with its 95 % interval; `None` where all scales are fixed.
+    #[must_use]
+    pub fn film_scale_words(&self) -> Option<String> {
+        let films: Vec<String> = self
+            .postures
+            .iter()
+            .filter(|p| p.outline.length.is_free())
+            .map(|p| {
+                let scale = p.outline.length.scale;
+                let [low, high] = scale.interval_95();
+                format!("{} {:.3} ({low:.3} to {high:.3})", p.outline.posture, scale.factor)
+            })
+            .collect();
+        let words = || format!("Scales of the films against the erect film: {}", films.join(", "));
+        (!films.is_empty()).then(words)
+    }
+
     /// Lenke's type, or what is missing for it.
     #[must_use]
     pub fn lenke_words(&self) -> String {

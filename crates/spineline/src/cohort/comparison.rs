@@ -1,4 +1,4 @@
-use crate::evaluate::paired::{EffectSize, SignFlip, effect_size, sign_flip};
+use crate::evaluate::paired::{EffectSize, SignFlip, effect_size, holm, sign_flip};
 use crate::evaluate::statistics::{PairedT, Summary, cluster_bootstrap, paired_t};
 
 /// Resamples of the interval of a mean difference.
@@ -53,4 +53,15 @@ impl PairedComparison {
     pub fn patients(&self) -> usize {
         self.sign_flip.map_or(0, |test| test.n)
     }
+}
+
+/// Sign-flip probabilities of a family of comparisons after Holm's correction; `None` where there is no such test.
+pub(super) fn corrected_by_holm<'a>(
+    family: impl Iterator<Item = &'a PairedComparison>,
+) -> Vec<Option<f64>> {
+    let flips: Vec<Option<f64>> =
+        family.map(|one| one.sign_flip.map(|test| test.p_two_sided)).collect();
+    let adjusted = holm(&flips.iter().flatten().copied().collect::<Vec<f64>>());
+    let mut adjusted = adjusted.into_iter();
+    flips.into_iter().map(|flip| flip.and_then(|_| adjusted.next())).collect()
 }

@@ -1,5 +1,6 @@
 //! The lines of action of many patients on the same films.
 
+use super::comparison::corrected_by_holm;
 use super::{Clustered, PairedComparison};
 use crate::action::LineKind;
 use crate::analysis::{
@@ -7,7 +8,6 @@ use crate::analysis::{
 };
 use crate::anatomy::Posture;
 use crate::evaluate::Simulation;
-use crate::evaluate::paired::holm;
 use crate::multibody::MatchStatus;
 use crate::personalize::SIGNIFICANCE;
 
@@ -183,24 +183,24 @@ pub struct LinesOverPatients {
 }
 
 /// Films of one patient with the place of each of the cohort's lines among that patient's.
-struct Patient {
-    compared: LinesCompared,
+struct Patient<'a> {
+    compared: &'a LinesCompared,
     places: Vec<Option<usize>>,
 }
 
-impl Patient {
-    fn films(&self, role: FilmRole) -> impl Iterator<Item = &ComparedFilm> {
+impl<'a> Patient<'a> {
+    fn films(&self, role: FilmRole) -> impl Iterator<Item = &'a ComparedFilm> + use<'a> {
         self.compared.films.iter().filter(move |film| film.role == role)
     }
 
-    fn simulation<'a>(&self, film: &'a ComparedFilm, line: usize) -> Option<&'a Simulation> {
+    fn simulation(&self, film: &'a ComparedFilm, line: usize) -> Option<&'a Simulation> {
         film.simulations[self.places[line]?].as_ref()
     }
 }
 
 impl LinesOverPatients {
-    pub(super) fn of(analyses: &[&Analysis], seed: u64) -> Self {
-        let compared: Vec<LinesCompared> = analyses.iter().map(|a| a.compare_lines()).collect();
+    /// `compared` is in the order of the analyses.
+    pub(super) fn of(analyses: &[&Analysis], compared: &[LinesCompared], seed: u64) -> Self {
         let mut numbers: Vec<(LineKind, FreeNumbers)> = Vec::new();
         for line in compared.iter().flat_map(|c| &c.lines) {
             if numbers.iter().all(|(kind, _)| *kind != line.kind) {
@@ -210,10 +210,10 @@ impl LinesOverPatients {
         numbers.sort_by_key(|(kind, _)| *kind);
         let same_data = compared.iter().all(LinesCompared::same_data);
         let kinds: Vec<LineKind> = numbers.iter().map(|(kind, _)| *kind).collect();
-        let missing = analyses.iter().zip(&compared).flat_map(|(a, c)| missing(a, c, &kinds));
+        let missing = analyses.iter().zip(compared).flat_map(|(a, c)| missing(a, c, &kinds));
         let missing = missing.collect();
-        let patients: Vec<Patient> = compared
-            .into_iter()
+        let patients: Vec<Patient<'_>> = compared
+            .iter()
             .map(|compared| {
                 let place = |(kind, _): &(LineKind, FreeNumbers)| {
                     compared.lines.iter().position(|line| line.kind == *kind)
@@ -278,7 +278,7 @@ impl Common<'_> {
     }
 }
 
-fn common_films<'a>(patients: &'a [Patient], role: FilmRole, lines: &[usize]) -> Common<'a> {
+fn common_films<'a>(patients: &[Patient<'a>], role: FilmRole, lines: &[usize]) -> Common<'a> {
     let all: usize = patients.iter().map(|p| p.films(role).count()).sum();
     let by_patient: Vec<Vec<Vec<&Simulation>>> = patients
         .iter()
@@ -294,7 +294,7 @@ fn common_films<'a>(patients: &'a [Patient], role: FilmRole, lines: &[usize]) ->
 
 /// Every pair of lines on every kind of films by either error, corrected as one family.
 fn tests(
-    patients: &[Patient],
+    patients: &[Patient<'_>],
     numbers: &[(LineKind, FreeNumbers)],
     seed: u64,
 ) -> Vec<LinePairTest> {
@@ -320,14 +320,9 @@ fn tests(
             }
         }
     }
-    let flips: Vec<(usize, f64)> = tests
-        .iter()
-        .enumerate()
-        .filter_map(|(i, test)| Some((i, test.comparison.sign_flip?.p_two_sided)))
-        .collect();
-    let adjusted = holm(&flips.iter().map(|(_, p)| *p).collect::<Vec<f64>>());
-    for ((test, _), p) in flips.iter().zip(adjusted) {
-        tests[*test].holm_p = Some(p);
+    let corrected = corrected_by_holm(tests.iter().map(|test| &test.comparison));
+    for (test, holm_p) in tests.iter_mut().zip(corrected) {
+        test.holm_p = holm_p;
     }
     tests
 }

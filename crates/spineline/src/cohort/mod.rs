@@ -7,17 +7,19 @@
 //! # References
 //! [jalalian-loa], sections 3 and 4, table 2.
 
+mod baselines;
 mod claims;
 mod comparison;
 mod lines;
 mod words;
 
+pub use baselines::{BaselineErrors, BaselineTest, BaselinesOverPatients};
 pub use claims::{ClaimVerdict, Claims, NEAR_SEGMENTS, PatientClaims};
 pub use comparison::PairedComparison;
 pub use lines::{ErrorKind, LinePairTest, LinesOverPatients, MissingResult, NoResult, RoleErrors};
 
 use crate::action::LineKind;
-use crate::analysis::{Analysis, PostureAnalysis, ferguson_errors_deg};
+use crate::analysis::{Analysis, LinesCompared, PostureAnalysis, ferguson_errors_deg};
 use crate::evaluate::Simulation;
 use crate::evaluate::statistics::{Summary, cluster_bootstrap};
 use crate::motion::SegmentEstimate;
@@ -139,6 +141,8 @@ pub struct Cohort {
     pub lines: Vec<LineStatistics>,
     /// The lines on the same films, bends left out among them, with every test between them.
     pub compared: LinesOverPatients,
+    /// Predictions without mechanics, and whether lines beat them.
+    pub baselines: BaselinesOverPatients,
     /// Ferguson errors of the inflection line against the iliac line on fitted films: the paper's test.
     pub ferguson_test: PairedComparison,
     /// Location errors of the inflection line against the iliac line on fitted films: the paper's test.
@@ -195,6 +199,7 @@ impl Cohort {
     /// ```
     #[must_use]
     pub fn of(analyses: &[&Analysis], seed: u64) -> Self {
+        let compared: Vec<LinesCompared> = analyses.iter().map(|a| a.compare_lines()).collect();
         let clustered = |value: &dyn Fn(&Analysis) -> Vec<f64>| {
             Clustered::new(analyses.iter().map(|a| value(a)).collect(), seed)
         };
@@ -246,7 +251,8 @@ impl Cohort {
             lines: kinds.into_iter().filter_map(|kind| line(analyses, kind, seed)).collect(),
             ferguson_test: paper_test(analyses, seed, ferguson_errors_deg),
             location_test: paper_test(analyses, seed, |s| s.location_errors_mm.clone()),
-            compared: LinesOverPatients::of(analyses, seed),
+            baselines: BaselinesOverPatients::of(analyses, &compared, seed),
+            compared: LinesOverPatients::of(analyses, &compared, seed),
             incompatible: count(&incompatible),
             doubted: analyses.iter().filter(|a| a.has_doubted_film()).count(),
             line_rejected: count(&tested),

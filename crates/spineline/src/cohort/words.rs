@@ -48,6 +48,7 @@ impl Cohort {
             ));
         }
         all.extend(self.compared.sentences());
+        all.extend(self.baselines.sentences());
         all
     }
 }

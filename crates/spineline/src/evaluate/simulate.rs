@@ -1,7 +1,7 @@
 use crate::action::LineOfAction;
 use crate::anatomy::{Level, Posture};
 use crate::clinical::{Regions, ferguson_angle};
-use crate::measure::Outline;
+use crate::measure::{FilmScale, Outline};
 use crate::multibody::{
     ForceMatch, ForceSign, Load, MatchStatus, Statics, amplitude_matches, match_t2,
 };
@@ -74,7 +74,10 @@ pub struct Simulation {
     pub posture: Posture,
     /// Whether the stiffness was fitted to this very film.
     pub fitted: bool,
-    /// Line of action.
+    /// The film's scale against the erect film, at which the model was compared with it: from all vertebrae of a fitted film,
+    /// from T2 of a predicted one.
+    pub scale: FilmScale,
+    /// Line of action, on the outline that was simulated.
     pub line: LineOfAction,
     /// Sagittal place of the line.
     pub depth_mm: f64,
@@ -90,7 +93,7 @@ pub struct Simulation {
     pub lost_forces: usize,
     /// Every other force up to the limit that reaches the amplitude, with the reasons against it.
     pub alternatives: Vec<Alternative>,
-    /// Simulated locations, L4 first.
+    /// Simulated locations on that outline, L4 first.
     pub locations: Vec<Frontal>,
     /// Simulated tilts.
     pub tilts: Vec<Angle>,
@@ -212,6 +215,7 @@ pub fn simulate(
     Simulation {
         posture: film.posture,
         fitted,
+        scale: film.length.scale,
         line,
         depth_mm,
         status: found.status,

@@ -7,7 +7,9 @@ use super::problem::{LoadedFilm, ShapeProblem, statics};
 use super::start::{JointResponses, alternate};
 use super::{Base, Criteria, Hypothesis, HypothesisFilm, Spine};
 use crate::anatomy::Posture;
+use crate::evaluate::{ScaledPrediction, at_scale_of_top};
 use crate::least_squares::{FitStatus, System, minimize};
+use crate::measure::FilmScale;
 use crate::spatial::{Angle, Frontal};
 
 /// What a film was to a prediction.
@@ -58,6 +60,8 @@ pub struct ShapePrediction {
     pub posture: Posture,
     /// What the film was to it.
     pub role: Role,
+    /// The film's scale against the erect film, at which the model was compared with it.
+    pub scale: FilmScale,
     /// Components of the load: N, or N·mm for couples; of the body's weight for [`super::LoadShape::Weight`].
     pub components: Vec<f64>,
     /// Turn of the whole spine about L4, about +X.
@@ -346,8 +350,30 @@ impl Ended<'_> {
     }
 }
 
-/// The film under the load that brings T2 nearest.
+/// The film under the load that brings T2 nearest, at the scale that T2 and its prior give.
 fn predict(
+    hypothesis: Hypothesis,
+    spine: &Spine<'_>,
+    film: &HypothesisFilm<'_>,
+    log_multipliers: &[f64],
+    role: Role,
+) -> Option<ShapePrediction> {
+    let found = at_scale_of_top(film.outline, |outline| {
+        let film = film.at_scale_of(outline);
+        let found = predict_scaled(hypothesis, spine, &film, log_multipliers, role)?;
+        Some((*found.locations.last()?, found))
+    })?;
+    let ScaledPrediction { scale, prediction, converged } = found;
+    let factor = scale.factor / film.outline.length.scale.factor;
+    converged.then(|| ShapePrediction {
+        scale,
+        locations: prediction.locations.iter().map(|&location| location * factor).collect(),
+        location_errors_mm: prediction.location_errors_mm.iter().map(|mm| mm * factor).collect(),
+        ..prediction
+    })
+}
+
+fn predict_scaled(
     hypothesis: Hypothesis,
     spine: &Spine<'_>,
     film: &HypothesisFilm<'_>,
@@ -389,6 +415,7 @@ fn prediction(
     ShapePrediction {
         posture: film.outline.posture,
         role,
+        scale: film.outline.length.scale,
         against: against(&JointResponses::measure(film, &loaded.units, spine), &components),
         components,
         base,

@@ -229,6 +229,15 @@ pub struct HypothesisFilm<'a> {
     pub inflections: Option<[Frontal; 2]>,
 }
 
+impl HypothesisFilm<'_> {
+    /// The same film with its outline at another scale.
+    fn at_scale_of<'b>(&self, outline: &'b Outline) -> HypothesisFilm<'b> {
+        let factor = self.outline.length.scale.factor / outline.length.scale.factor;
+        let inflections = self.inflections.map(|points| points.map(|point| point * factor));
+        HypothesisFilm { outline, inflections }
+    }
+}
+
 /// A patient's spine, and what all fits to it share.
 #[derive(Debug, Clone, Copy)]
 pub struct Spine<'a> {

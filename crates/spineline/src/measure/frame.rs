@@ -15,7 +15,9 @@ pub struct FilmFrame {
     /// L4's midpoint and tilt on the film.
     origin: Frontal,
     tilt: Angle,
-    /// What one millimetre of the outline is on the film: 1, or pixels where the film has no spacing.
+    /// The film's scale against the erect one, to whose length the outline is brought.
+    scale: f64,
+    /// What one millimetre of the film is on it: 1, or pixels where the film has no spacing.
     units_per_mm: f64,
 }
 
@@ -28,6 +30,7 @@ impl FilmFrame {
             image: *image,
             origin: outline.l4_midpoint_on_film,
             tilt: outline.l4_on_film,
+            scale: outline.length.scale.factor,
             units_per_mm: outline.scale.pixels_per_mm.unwrap_or(1.0),
         })
     }
@@ -41,7 +44,7 @@ impl FilmFrame {
     /// Where a point of `G` is seen on the film.
     #[must_use]
     pub fn pixel(&self, point: Frontal) -> Pixel {
-        let on_film = (self.origin + point.rotated(self.tilt)) * self.units_per_mm;
+        let on_film = (self.origin + point.rotated(self.tilt) * self.scale) * self.units_per_mm;
         self.image.pixel(on_film)
     }
 
@@ -49,7 +52,7 @@ impl FilmFrame {
     #[must_use]
     pub fn point(&self, place: Pixel) -> Frontal {
         let on_film = self.image.frontal(place) * (1.0 / self.units_per_mm);
-        (on_film - self.origin).rotated(-self.tilt)
+        (on_film - self.origin).rotated(-self.tilt) * (1.0 / self.scale)
     }
 
     /// The part of a line of `G` that is seen on the film, in the line's direction; `None` where it misses the film.

@@ -18,6 +18,7 @@ mod confidence;
 mod corners;
 mod evidence;
 mod film;
+mod film_length;
 mod frame;
 mod interpolation;
 mod lateral;
@@ -46,6 +47,7 @@ pub use film::{
     Film, FilmLandmarks, IliacCrests, ImageGeometry, Placement, PlacementSource, Reading,
     ReadingId, VertebraLandmarks,
 };
+pub use film_length::{FilmLength, FilmLengthRule, FilmScale};
 pub(crate) use frame::body_shapes;
 pub use frame::{FilmFrame, body_widths, endplate_centres};
 pub use interpolation::Interpolation;

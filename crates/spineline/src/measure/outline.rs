@@ -8,9 +8,9 @@ use super::outline_checks::{check_marked, warn_of_gaps, warn_of_interpolated};
 use super::placing::warn_of_unusable_ends;
 use super::spacing::is_spacing;
 use super::{
-    EndplateTilts, Film, FilmLandmarks, IliacCrests, ImageGeometry, Interpolation, LengthScale,
-    MeasureError, Noise, Placement, Reading, ReadingId, SpacingPlane, TiltRule, common_levels,
-    measure_readings, seen_levels, warn_of_shortened_chain,
+    EndplateTilts, Film, FilmLandmarks, FilmLength, IliacCrests, ImageGeometry, Interpolation,
+    LengthScale, MeasureError, Noise, Placement, Reading, ReadingId, SpacingPlane, TiltRule,
+    common_levels, measure_readings, seen_levels, warn_of_shortened_chain,
 };
 use crate::anatomy::{Level, Levels, Posture};
 use crate::spatial::{Angle, Frontal};
@@ -65,6 +65,8 @@ pub struct Outline {
     pub noise: Noise,
     /// What its lengths are measured in.
     pub scale: LengthScale,
+    /// Its length against the erect film's; locations are at the erect length, as far as the rule of lengths takes them there.
+    pub length: FilmLength,
     /// Number of readings.
     pub readings: usize,
 }
@@ -204,6 +206,7 @@ pub(crate) fn outline_of(
         l4_midpoint_on_film: base.location,
         noise,
         scale,
+        length: FilmLength::ERECT,
         readings: placed.len(),
     })
 }

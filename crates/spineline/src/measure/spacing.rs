@@ -247,7 +247,8 @@ impl LengthScale {
         if let Some(px) = self.px(length_mm) {
             return format!("{px:.0} px");
         }
-        match self.sd_mm(length_mm) {
+        // An exact scale needs no words.
+        match self.sd_mm(length_mm).filter(|sd| *sd > 0.0) {
             Some(sd) => format!("{length_mm:.places$} ± {sd:.places$} mm"),
             None => format!("{length_mm:.places$} mm"),
         }
@@ -260,7 +261,7 @@ impl fmt::Display for LengthScale {
         if let Some(source) = self.source.filter(|&source| source != SpacingSource::Stated) {
             write!(f, ", {source}")?;
         }
-        match self.relative_sd {
+        match self.relative_sd.filter(|sd| *sd > 0.0) {
             Some(sd) => write!(f, ", scale ± {:.1} %", 100.0 * sd),
             None => Ok(()),
         }

@@ -24,6 +24,7 @@ mod matching;
 mod nearest;
 mod roots;
 mod stiffness;
+mod stiffness_tables;
 mod target;
 mod transfer;
 
@@ -44,3 +45,4 @@ pub use matching::{
 pub(crate) use matching::{MAX_FORCE_PER_STIFFNESS, MAX_HINGE_RAD, OneComponent};
 pub(crate) use nearest::{SeveralComponents, nearest_from_starts, nearest_on_path};
 pub use stiffness::{JointGroups, JointStiffness, StiffnessError, StiffnessLibrary, Support};
+pub use stiffness_tables::StiffnessTable;

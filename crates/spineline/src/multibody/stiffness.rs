@@ -110,34 +110,20 @@ impl StiffnessLibrary {
 }
 
 impl Default for StiffnessLibrary {
-    /// In-vitro values of motion segments without ribs.
-    ///
-    /// Thoracic: the 6 × 6 matrix of [desroches-2007] after [panjabi-1976]. Lumbar: [schmidt-1998], normal discs, as
-    /// compiled in [ammr-repository]; flexion is the mean of flexion and extension. T12/L1: mean of its neighbours (assumption).
+    /// [`StiffnessTable::Paper`](super::StiffnessTable::Paper).
     fn default() -> Self {
-        let row = |pair: &[Level]| {
-            let (n_m_per_rad, source): ([f64; 3], _) = match pair[0] {
-                Level::L4 | Level::L3 | Level::L2 => {
-                    ([132.0, 126.0, 481.0], "schmidt-1998, ammr-repository")
-                }
-                Level::L1 => ([140.0, 139.0, 317.0], "mean of T11/T12 and L1/L2 (assumption)"),
-                _ => ([148.0, 152.0, 153.0], "panjabi-1976, desroches-2007"),
-            };
-            let nmm_per_rad = n_m_per_rad.map(|value| 1000.0 * value);
-            let source = source.to_owned();
-            JointStiffness { inferior: pair[0], superior: pair[1], nmm_per_rad, source }
-        };
-        Self { rows: Level::MODEL.windows(2).map(row).collect() }
+        super::StiffnessTable::default().library()
     }
 }
 
 /// What holds the patient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Support {
-    /// Nothing but L4: every joint turns about all three axes (the paper's).
-    #[default]
+    /// Nothing but L4: every joint turns about all three axes (the paper's). Films of the frontal plane do not show whether
+    /// it does, and left-out bends are predicted worse (decision record 0032).
     Free,
-    /// A table: flexion and axial hinges are locked.
+    /// The frontal plane: flexion and axial hinges are locked, as on a table.
+    #[default]
     Frontal,
 }
 

@@ -3,14 +3,31 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use spineline::action::LineKind;
 
 use super::tables::TablesArgs;
-use crate::options::choice::{Choice, choice};
+use crate::options::choice::{Choice, of_spelling};
 use crate::options::method::MethodArgs;
 use crate::options::uncertainty::UncertaintyArgs;
 use crate::options::values::threads;
 use crate::run::outputs::OverwriteArgs;
+
+/// Which model is written.
+#[derive(Clone, Copy)]
+pub enum ModelLine {
+    /// That of the line with the smallest error on predicted films.
+    Auto,
+    /// That of a line by its name.
+    Kind(LineKind),
+}
+
+/// Reads `auto` or the name of a line; help and completion list all of them.
+fn model_line() -> impl TypedValueParser<Value = ModelLine> {
+    let lines = LineKind::ALL.iter().map(|kind| kind.spelling());
+    PossibleValuesParser::new(lines.chain(["auto"]))
+        .map(|text| of_spelling(&text).map_or(ModelLine::Auto, ModelLine::Kind))
+}
 
 #[derive(Args)]
 pub struct AnalyzeArgs {
@@ -33,9 +50,10 @@ pub struct AnalyzeArgs {
     /// Write the personalised model of one case as JSON (`-`: standard output)
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
-    /// Line of action of the model that `--model` writes
-    #[arg(long, value_parser = choice::<LineKind>(), default_value = LineKind::Inflection.spelling())]
-    pub model_line: LineKind,
+    /// Line of action of the model that `--model` writes; `auto`: the one that predicts films which it was not fitted to with
+    /// the smallest error, among those that take one number from each
+    #[arg(long, value_name = "LINE", value_parser = model_line(), default_value = LineKind::Inflection.spelling())]
+    pub model_line: ModelLine,
     /// Draw figures as SVG into this folder
     #[arg(long, value_name = "DIR")]
     pub figures: Option<PathBuf>,

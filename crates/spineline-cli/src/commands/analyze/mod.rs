@@ -4,6 +4,7 @@ mod args;
 mod tables;
 
 pub use args::AnalyzeArgs;
+use args::ModelLine;
 
 use std::path::{Path, PathBuf};
 
@@ -51,8 +52,7 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
         print(&results.text(is_one))?;
     }
     let is_written = |analysis: &Analysis| {
-        let written = analysis.models.iter().filter(|model| model.kind == args.model_line);
-        args.model.is_none() || written.into_iter().all(LineModel::is_converged)
+        args.model.is_none() || written_model(args, analysis).is_none_or(LineModel::is_converged)
     };
     let has_all = |one: &Analysis| one.has_what_was_asked() && is_written(one);
     if ending == Ending::Done && !analyses.iter().all(has_all) {
@@ -62,6 +62,15 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
         ending = Ending::Interrupted;
     }
     Ok(ending)
+}
+
+/// The model that `--model` writes.
+fn written_model<'a>(args: &AnalyzeArgs, analysis: &'a Analysis) -> Option<&'a LineModel> {
+    let kind = match args.model_line {
+        ModelLine::Kind(kind) => kind,
+        ModelLine::Auto => analysis.compare_lines().best_predictor()?.0,
+    };
+    analysis.models.iter().find(|model| model.kind == kind)
 }
 
 /// Refuses outputs that exclude each other; says whether one goes to the standard output.
@@ -81,7 +90,7 @@ fn check_streams(args: &AnalyzeArgs, paths: &[PathBuf]) -> Result<bool, Failure>
 
 /// Checks every output before any work.
 fn check_outputs(args: &AnalyzeArgs, paths: &[PathBuf]) -> Result<Outputs, Failure> {
-    let inputs = paths.iter().chain(&args.method.stiffness).map(PathBuf::as_path);
+    let inputs = paths.iter().chain(args.method.stiffness_file()).map(PathBuf::as_path);
     let outputs = Outputs::new(args.overwrite, inputs);
     for path in [&args.json, &args.model].into_iter().flatten() {
         outputs.file(path)?;
@@ -236,16 +245,23 @@ impl Results<'_> {
         analysis: &Analysis,
         outputs: &Outputs,
     ) -> Result<(), Failure> {
-        let kind = args.model_line;
-        let Some(model) = analysis.models.iter().find(|model| model.kind == kind) else {
-            let text =
-                format!("there is no model with the {kind}, so --model has nothing to write");
+        let Some(model) = written_model(args, analysis) else {
+            let text = match args.model_line {
+                ModelLine::Kind(kind) => format!("there is no model with the {kind}"),
+                ModelLine::Auto => "no line predicts a film that it was not fitted to".to_owned(),
+            };
             return Err(Failure::input(
                 &analysis.case_id,
-                &text,
+                &format!("{text}, so --model has nothing to write"),
                 "the warnings say why; try --model-line iliac",
             ));
         };
+        if matches!(args.model_line, ModelLine::Auto) {
+            say(&format!(
+                "{}: the model of the {} is written, which has the smallest error on films that it was not fitted to, among lines that take one number from each\n",
+                analysis.case_id, model.kind
+            ));
+        }
         let file = ModelFile::new(analysis, model, &generator());
         outputs.write(path, to_text(&file.with_provenance(self.record.provenance())))
     }

@@ -26,6 +26,10 @@ pub struct PhantomArgs {
     /// Factor on the noise of the virtual readers (two observers, three repeats), from 0 to 10; 0: one reader without error
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     pub noise: f64,
+    /// Standard deviation of the length that each film but the erect one shows, in percent, from 0 to 20; 0: all films have one
+    /// scale, and state so
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0)]
+    pub film_length_sd: f64,
     /// Draw radiographs too: one DICOM file per posture beside each case, about 10 MB each
     #[arg(long)]
     pub films: bool,

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use spineline::anatomy::Region;
 use spineline_files::CaseFile;
-use spineline_phantom::{Phantom, SUBJECTS, generate};
+use spineline_phantom::{Phantom, PhantomError, SUBJECTS, TrueFilm, generate};
 
 use crate::options::phantoms::readers;
 use crate::run::failure::{Ending, Failure};
@@ -30,9 +30,22 @@ pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
         }
         None => 1..=SUBJECTS.len(),
     };
+    let percent = args.film_length_sd;
+    if !(0.0..=20.0).contains(&percent) {
+        let text = format!("--film-length-sd {percent}: expected 0 to 20 percent");
+        return Err(Failure::usage(text));
+    }
+    let made = |number: usize| {
+        let phantom = generate(number - 1, truth, &readers, args.seed)?;
+        Ok(if percent > 0.0 {
+            phantom.with_film_lengths(0.01 * percent, number - 1, args.seed)
+        } else {
+            phantom
+        })
+    };
     let phantoms: Vec<Phantom> = subjects
-        .map(|number| generate(number - 1, truth, &readers, args.seed))
-        .collect::<Result<_, _>>()
+        .map(made)
+        .collect::<Result<_, PhantomError>>()
         .map_err(|error| Failure::internal(error.to_string()))?;
     let outputs = Outputs::new(args.overwrite, []);
     outputs.folder(&args.out)?;
@@ -83,11 +96,15 @@ struct TruePosture {
     line_point_mm: Option<[f64; 2]>,
     line_direction: Option<[f64; 2]>,
     force_n: f64,
+    /// A length on the film over the true one; absent where it is 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    film_scale: Option<f64>,
 }
 
 impl TruthFile {
     fn new(phantom: &Phantom) -> Self {
         let point = |p: spineline::spatial::Frontal| [p.y_mm, p.z_mm];
+        let scale = |film: &TrueFilm| Some(film.scale).filter(|scale| *scale != 1.0);
         let posture = |p: &spineline_phantom::TruePosture| TruePosture {
             locations_mm: p.locations.iter().map(|&l| point(l)).collect(),
             tilts_deg: p.tilts.iter().map(|t| t.deg()).collect(),
@@ -95,6 +112,7 @@ impl TruthFile {
             line_point_mm: p.line.map(|line| point(line.point)),
             line_direction: p.line.map(|line| point(line.direction)),
             force_n: p.force_n,
+            film_scale: phantom.film(p.posture).and_then(scale),
         };
         Self {
             format: "spineline-phantom-truth",

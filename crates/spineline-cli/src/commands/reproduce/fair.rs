@@ -3,12 +3,13 @@
 use spineline::action::LineKind;
 use spineline::analysis::{FilmRole, probability};
 use spineline::cohort::{Cohort, ErrorKind, LinePairTest, RoleErrors};
+use spineline::evaluate::Baseline;
 use spineline::multibody::Support;
 
 use super::row::{Cell, Row, Section};
 use super::runs::support_words;
 
-const NONE: &str = "not given";
+pub const NONE: &str = "not given";
 
 /// Errors and differences by kind of film.
 pub fn section(cohorts: [&Cohort; 3], support: Support) -> Section {
@@ -30,6 +31,11 @@ pub fn section(cohorts: [&Cohort; 3], support: Support) -> Section {
             let name = format!("{role}, {kind} (mm)");
             rows.push(row(name, "mm", cohorts.map(|c| error(c, kind, role)), String::new()));
         }
+        for baseline in Baseline::ALL.into_iter().filter(|_| role != FilmRole::Fitted) {
+            let name = format!("{role}, without mechanics: {baseline} (mm)");
+            let ours = cohorts.map(|c| baseline_error(c, baseline, role));
+            rows.push(row(name, "mm", ours, String::new()));
+        }
         for lines in pairs {
             let of = |c| test(c, lines, role);
             let [first, second] = lines.map(|kind| kind.to_string().replace(" line", ""));
@@ -48,7 +54,15 @@ pub fn section(cohorts: [&Cohort; 3], support: Support) -> Section {
     Section { title, support: Some(support), rows, note }
 }
 
-fn error(cohort: &Cohort, kind: LineKind, role: FilmRole) -> Cell {
+/// Location error of a pattern of joint rotations over patients.
+pub fn baseline_error(cohort: &Cohort, baseline: Baseline, role: FilmRole) -> Cell {
+    let mut errors = cohort.baselines.errors.iter();
+    let found = errors.find(|one| one.baseline == baseline && one.role == role);
+    let missing = || Cell::value(f64::NAN, 0, "-".to_owned());
+    found.map_or_else(missing, |one| Cell::of(&one.location_mm.patients, 2))
+}
+
+pub fn error(cohort: &Cohort, kind: LineKind, role: FilmRole) -> Cell {
     let found = |e: &&RoleErrors| e.kind == kind && e.role == role;
     let missing = || Cell::value(f64::NAN, 0, "-".to_owned());
     cohort.compared.errors.iter().find(found).map_or_else(missing, |errors| {

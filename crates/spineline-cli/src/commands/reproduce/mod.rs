@@ -7,6 +7,7 @@ mod args;
 mod drawings;
 mod fair;
 mod files;
+mod film_lengths;
 mod reports;
 mod row;
 mod runs;
@@ -34,7 +35,8 @@ pub fn run(args: &ReproduceArgs) -> Result<Ending, Failure> {
     outputs.table(&args.out.join("summary.csv"))?;
     outputs.file(&args.out.join("summary.json"))?;
     let runs = runs::all_runs(args, &readers)?;
-    let sections = sections::sections(&runs);
+    let mut sections = sections::sections(&runs);
+    sections.push(film_lengths::section(args, &readers)?);
     print(&text(&sections, args))?;
     let provenance =
         Provenance::new(this_run()?, FilmOrigin::Synthetic, Vec::new()).with_seed(args.seed);

@@ -12,9 +12,9 @@ use spineline::anatomy::{Level, Posture, Region, SagittalProfile};
 use spineline::clinical::{RegionBounds, Regions};
 use spineline::error::Error;
 use spineline::measure::{
-    Film, FilmLandmarks, IliacCrests, ImageGeometry, LengthScale, MeasuredVertebra, Noise, Outline,
-    Placement, PlacementSource, Reading, ReadingId, Spacing, SpacingPlane, TiltRule,
-    VertebraLandmarks, measure_film,
+    Film, FilmLandmarks, FilmLength, IliacCrests, ImageGeometry, LengthScale, MeasuredVertebra,
+    Noise, Outline, Placement, PlacementSource, Reading, ReadingId, Spacing, SpacingPlane,
+    TiltRule, VertebraLandmarks, measure_film,
 };
 use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Angle, Frontal, Pixel};
@@ -227,6 +227,7 @@ pub fn outline(posture: Posture, vertebrae: &[(Frontal, Angle)]) -> Outline {
         l4_midpoint_on_film: Frontal::default(),
         noise: Noise::ONE_READING,
         scale: LengthScale::stated(SpacingPlane::Patient),
+        length: FilmLength::ERECT,
         readings: 1,
     }
 }

@@ -1,0 +1,243 @@
+//! Predictions without mechanics over many patients, and whether lines of action predict better.
+
+use super::comparison::corrected_by_holm;
+use super::{Clustered, PairedComparison};
+use crate::action::LineKind;
+use crate::analysis::{Analysis, ComparedFilm, FilmRole, LinesCompared, listed, probability};
+use crate::anatomy::Side;
+use crate::evaluate::{Baseline, BaselinePrediction, joint_rotations, predict_baseline};
+use crate::personalize::SIGNIFICANCE;
+use crate::spatial::Angle;
+
+/// Location errors of a baseline over all films of a role.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BaselineErrors {
+    /// The pattern of rotations.
+    pub baseline: Baseline,
+    /// What the films were to the models.
+    pub role: FilmRole,
+    /// Films that it predicts.
+    pub films: usize,
+    /// Location errors, in mm.
+    pub location_mm: Clustered,
+}
+
+/// A line against a baseline, on the films of a role that both predict.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BaselineTest {
+    /// The line.
+    pub line: LineKind,
+    /// The baseline.
+    pub baseline: Baseline,
+    /// What the films were to the models.
+    pub role: FilmRole,
+    /// Films in the comparison.
+    pub films: usize,
+    /// Location errors, line minus baseline: a negative difference is the line's advantage.
+    pub comparison: PairedComparison,
+    /// The sign-flip probability, corrected by Holm over all tests of lines against baselines.
+    pub holm_p: Option<f64>,
+}
+
+impl BaselineTest {
+    /// Whether the two differ beyond chance in the whole family.
+    #[must_use]
+    pub fn is_significant(&self) -> bool {
+        self.holm_p.is_some_and(|p| p < SIGNIFICANCE)
+    }
+
+    /// Whether the line predicts better, beyond chance.
+    #[must_use]
+    pub fn line_is_better(&self) -> bool {
+        self.is_significant() && self.comparison.mean_difference < 0.0
+    }
+}
+
+/// The baselines of many patients.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BaselinesOverPatients {
+    /// By baseline and role; only those with a film.
+    pub errors: Vec<BaselineErrors>,
+    /// By line, baseline and role: one family.
+    pub tests: Vec<BaselineTest>,
+}
+
+/// The roles of films that are predicted.
+const PREDICTED: [FilmRole; 2] = [FilmRole::LeftOutBend, FilmRole::HeldOut];
+
+impl BaselinesOverPatients {
+    /// `compared` is in the order of the analyses.
+    pub(super) fn of(analyses: &[&Analysis], compared: &[LinesCompared], seed: u64) -> Self {
+        let patients: Vec<Predicted<'_>> = analyses
+            .iter()
+            .zip(compared)
+            .enumerate()
+            .map(|(place, (analysis, compared))| {
+                let others = mean_of_others(analyses, place);
+                Predicted::of(analysis, compared, others.as_deref())
+            })
+            .collect();
+        let cells = || Baseline::ALL.into_iter().flat_map(|one| PREDICTED.map(|role| (one, role)));
+        let mut errors: Vec<BaselineErrors> = cells()
+            .map(|(baseline, role)| {
+                let of = |patient: &Predicted<'_>| -> Vec<Vec<f64>> {
+                    let films = patient.films(role);
+                    films.filter_map(|one| one.errors_mm(baseline).map(<[f64]>::to_vec)).collect()
+                };
+                let by_patient: Vec<Vec<Vec<f64>>> = patients.iter().map(of).collect();
+                let films = by_patient.iter().map(Vec::len).sum();
+                let values = by_patient.into_iter().map(|films| films.concat()).collect();
+                BaselineErrors { baseline, role, films, location_mm: Clustered::new(values, seed) }
+            })
+            .collect();
+        errors.retain(|one| one.films > 0);
+        let mut kinds: Vec<LineKind> =
+            compared.iter().flat_map(|one| one.lines.iter().map(|line| line.kind)).collect();
+        kinds.sort();
+        kinds.dedup();
+        let pairs = kinds.into_iter().flat_map(|line| cells().map(move |cell| (line, cell)));
+        let mut tests: Vec<BaselineTest> =
+            pairs.filter_map(|(line, cell)| test(&patients, line, cell, seed)).collect();
+        let corrected = corrected_by_holm(tests.iter().map(|test| &test.comparison));
+        for (test, holm_p) in tests.iter_mut().zip(corrected) {
+            test.holm_p = holm_p;
+        }
+        Self { errors, tests }
+    }
+}
+
+impl BaselinesOverPatients {
+    /// What patterns of rotations predict without mechanics, and which lines predict better.
+    #[must_use]
+    pub fn sentences(&self) -> Vec<String> {
+        PREDICTED.into_iter().flat_map(|role| self.of_role(role)).collect()
+    }
+
+    fn of_role(&self, role: FilmRole) -> Vec<String> {
+        let mut found: Vec<&BaselineErrors> =
+            self.errors.iter().filter(|one| one.role == role).collect();
+        let mean = |one: &BaselineErrors| one.location_mm.patients.mean;
+        found.sort_by(|a, b| mean(a).total_cmp(&mean(b)));
+        let Some(best) = found.first() else { return Vec::new() };
+        let parts: Vec<String> =
+            found.iter().map(|one| format!("{} {:.1} mm", one.baseline, mean(one))).collect();
+        let mut all = vec![format!("{role}, predicted without mechanics: {}.", listed(&parts))];
+        let tests = self.tests.iter().filter(|test| test.role == role);
+        let tests: Vec<&BaselineTest> =
+            tests.filter(|test| test.baseline == best.baseline).collect();
+        all.extend(tests.iter().filter(|test| test.is_significant()).filter_map(|test| {
+            let [low, high] = test.comparison.bootstrap?;
+            let difference = test.comparison.mean_difference;
+            let sense = if difference < 0.0 { "smaller" } else { "larger" };
+            let (least, most) = (low.abs().min(high.abs()), low.abs().max(high.abs()));
+            Some(format!(
+                "There the error of the {} is {sense} than that of {} by {:.1} mm (95 % interval over {} patients {least:.1} to {most:.1} mm; p {} after Holm's correction).",
+                test.line,
+                best.baseline,
+                difference.abs(),
+                test.comparison.patients(),
+                probability(test.holm_p?)
+            ))
+        }));
+        if !tests.is_empty() && !tests.iter().any(|test| test.line_is_better()) {
+            all.push(format!(
+                "No line predicts them significantly better than {}, so mechanics adds nothing here.",
+                best.baseline
+            ));
+        }
+        all
+    }
+}
+
+/// A predicted film, with every baseline that it has.
+struct PredictedFilm<'a> {
+    film: &'a ComparedFilm,
+    baselines: Vec<BaselinePrediction>,
+}
+
+impl PredictedFilm<'_> {
+    fn errors_mm(&self, baseline: Baseline) -> Option<&[f64]> {
+        let found = self.baselines.iter().find(|one| one.baseline == baseline);
+        found.filter(|one| one.is_usable()).map(|one| &one.location_errors_mm[..])
+    }
+}
+
+/// The predicted films of a patient.
+struct Predicted<'a> {
+    compared: &'a LinesCompared,
+    films: Vec<PredictedFilm<'a>>,
+}
+
+impl<'a> Predicted<'a> {
+    /// `others` are the mean rotations of other patients.
+    fn of(analysis: &Analysis, compared: &'a LinesCompared, others: Option<&[Angle]>) -> Self {
+        let films = compared.films.iter().filter(|film| PREDICTED.contains(&film.role));
+        let with_others = |film: &'a ComparedFilm| {
+            let outline = analysis.posture(film.posture).map(|posture| &posture.outline);
+            let from_others = outline.zip(others).map(|(outline, pattern)| {
+                let erect = &analysis.erect().outline;
+                predict_baseline(Baseline::OtherPatients, pattern, erect, outline)
+            });
+            let baselines = film.baselines.iter().cloned().chain(from_others).collect();
+            PredictedFilm { film, baselines }
+        };
+        Self { compared, films: films.map(with_others).collect() }
+    }
+
+    fn films(&self, role: FilmRole) -> impl Iterator<Item = &PredictedFilm<'a>> {
+        self.films.iter().filter(move |one| one.film.role == role)
+    }
+}
+
+/// Mean rotations over the bends of all other patients with the same vertebrae, as if all bent to the right.
+fn mean_of_others(analyses: &[&Analysis], place: usize) -> Option<Vec<Angle>> {
+    let levels = analyses[place].levels();
+    let others = analyses.iter().enumerate().filter(|(i, _)| *i != place);
+    let bends: Vec<Vec<Angle>> = others
+        .filter(|(_, analysis)| analysis.levels() == levels)
+        .flat_map(|(_, analysis)| {
+            let films = analysis.postures.iter().map(|posture| &posture.outline);
+            films.filter_map(|film| {
+                let sign = match film.posture.bend()? {
+                    Side::Right => 1.0,
+                    Side::Left => -1.0,
+                };
+                let rotations = joint_rotations(&analysis.erect().outline, film);
+                Some(rotations.into_iter().map(|rotation| rotation * sign).collect())
+            })
+        })
+        .collect();
+    let mean = |joint: usize| {
+        let sum: f64 = bends.iter().map(|bend| bend[joint].rad()).sum();
+        Angle::from_rad(sum / bends.len() as f64)
+    };
+    (!bends.is_empty()).then(|| (0..levels.joints()).map(mean).collect())
+}
+
+/// A line against a baseline; `None` where they have no film in common.
+fn test(
+    patients: &[Predicted<'_>],
+    line: LineKind,
+    (baseline, role): (Baseline, FilmRole),
+    seed: u64,
+) -> Option<BaselineTest> {
+    let mut films = 0;
+    let (mut of_line, mut of_baseline) = (Vec::new(), Vec::new());
+    for patient in patients {
+        let place = patient.compared.lines.iter().position(|one| one.kind == line);
+        let both = patient.films(role).filter_map(|one| {
+            let simulation = one.film.simulations[place?].as_ref()?;
+            Some((&simulation.location_errors_mm, one.errors_mm(baseline)?))
+        });
+        let (mut a, mut b) = (Vec::new(), Vec::new());
+        for (first, second) in both {
+            films += 1;
+            a.extend_from_slice(first);
+            b.extend_from_slice(second);
+        }
+        of_line.push(a);
+        of_baseline.push(b);
+    }
+    let comparison = PairedComparison::new(&of_line, &of_baseline, seed);
+    (films > 0).then_some(BaselineTest { line, baseline, role, films, comparison, holm_p: None })
+}

@@ -1,0 +1,88 @@
+//! Predictions of films that were not fitted, whose scale is not known either.
+
+use super::{Simulation, Target, simulate};
+use crate::action::LineOfAction;
+use crate::clinical::Regions;
+use crate::measure::{FilmScale, Outline};
+use crate::multibody::{MatchStatus, Statics};
+use crate::spatial::Frontal;
+
+/// As [`simulate`], for a film that was not fitted: its scale follows from T2 and the prior, never from other vertebrae.
+///
+/// Force and scale are found together: the force brings T2 nearest on the film at that scale, and the scale is what T2's
+/// location gives for that shape ([`crate::measure::FilmLength::from_top`]). The result is in the frame and at the scale of the
+/// outline that was given. Where the scale of films is fixed, this is [`simulate`].
+#[must_use]
+pub fn predict(
+    statics: &Statics<'_>,
+    (line, depth_mm): (LineOfAction, f64),
+    film: &Outline,
+    regions: &Regions,
+    target: Target,
+) -> Simulation {
+    let found = at_scale_of_top(film, |scaled| {
+        let factor = film.length.scale.factor / scaled.length.scale.factor;
+        let line = LineOfAction { point: line.point * factor, ..line };
+        let found = simulate(statics, (line, depth_mm), scaled, regions, target, false);
+        Some((found.locations[found.locations.len() - 1], found))
+    });
+    let ScaledPrediction { scale, prediction, converged } =
+        found.expect("a simulation never comes back empty");
+    let factor = scale.factor / film.length.scale.factor;
+    let LineOfAction { point, .. } = prediction.line;
+    Simulation {
+        status: if converged { prediction.status } else { MatchStatus::NotConverged },
+        scale,
+        line: LineOfAction { point: point * factor, ..prediction.line },
+        locations: prediction.locations.iter().map(|&location| location * factor).collect(),
+        location_errors_mm: prediction.location_errors_mm.iter().map(|mm| mm * factor).collect(),
+        ..prediction
+    }
+}
+
+/// A prediction with the scale of its film.
+pub(crate) struct ScaledPrediction<T> {
+    pub scale: FilmScale,
+    pub prediction: T,
+    /// Whether the scale is the one that T2 gives for this very prediction.
+    pub converged: bool,
+}
+
+/// Finds the scale of a film that is predicted from T2 alone.
+///
+/// `predict` gives T2 in the model and what else was found, for the film at a scale; `None` where there is no prediction.
+pub(crate) fn at_scale_of_top<T>(
+    film: &Outline,
+    mut predict: impl FnMut(&Outline) -> Option<(Frontal, T)>,
+) -> Option<ScaledPrediction<T>> {
+    /// Difference of logarithms that is no longer pursued: 4 µm of a spine.
+    const ENOUGH: f64 = 1e-5;
+    const MAX_ROUNDS: u32 = 25;
+    if !film.length.is_free() {
+        let (_, prediction) = predict(film)?;
+        return Some(ScaledPrediction { scale: film.length.scale, prediction, converged: true });
+    }
+    let top = film.vertebrae[film.vertebrae.len() - 1].location * film.length.scale.factor;
+    let sd_mm = film.top_sd_mm();
+    let mut log: f64 = 0.0;
+    let mut before: Option<[f64; 2]> = None;
+    let mut round = 0;
+    loop {
+        let scale = FilmScale { factor: log.exp(), log_sd: film.length.prior_log_sd };
+        let (simulated, prediction) = predict(&film.at_scale(scale))?;
+        let found = film.length.from_top(simulated, top, sd_mm);
+        let gap = found.factor.ln() - log;
+        round += 1;
+        let converged = gap.abs() < ENOUGH;
+        if converged || round == MAX_ROUNDS || !gap.is_finite() {
+            let scale = FilmScale { log_sd: found.log_sd, ..scale };
+            return Some(ScaledPrediction { scale, prediction, converged });
+        }
+        // The secant through the last two rounds, where it is not far away.
+        let secant =
+            before.map(|[log_before, gap_before]| -gap * (log - log_before) / (gap - gap_before));
+        let step = secant.filter(|step| step.abs() <= 3.0 * gap.abs()).unwrap_or(gap);
+        before = Some([log, gap]);
+        log += step;
+    }
+}

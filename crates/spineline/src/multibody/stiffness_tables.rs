@@ -1,0 +1,117 @@
+//! Published springs of the joints, by name.
+
+use super::{JointStiffness, StiffnessLibrary};
+use crate::anatomy::{Level, named};
+use crate::spatial::Angle;
+
+/// A table of springs before personalisation.
+///
+/// Only the ratios between joints change a personalised model of relative stiffness; absolute values count where a force is
+/// known. `docs/stiffness.md` sets the range of motion of every table beside measured spines.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum StiffnessTable {
+    /// Motion segments without ribs, as models of scoliotic spines take them. Thoracic: the 6 × 6 matrix of [desroches-2007]
+    /// after [panjabi-1976]. Lumbar: [schmidt-1998], normal discs, as compiled in [ammr-repository]; flexion is the mean of
+    /// flexion and extension. T12/L1: mean of its neighbours (assumption).
+    #[default]
+    Paper,
+    /// Thoracic motion segments with their costovertebral joints, without the cage of ribs: 7.5 N·m over half of the range of
+    /// motion of [wilke-2017], whose middle is taken. Lumbar as in [`Self::Paper`].
+    InVitro,
+    /// The same with the cage of ribs: its removal raises the thoracic range of motion by 63.5 % in lateral bending, 63 % in
+    /// flexion and extension and 58.8 % in axial rotation [liebsch-2018].
+    IntactChest,
+    /// Segments of scoliotic patients during surgery: 0.18 °/(N·m) in lateral bending [reutlinger-2012], which is taken for
+    /// every joint; flexion and axial stiffness in the ratio of [`Self::Paper`] (assumptions).
+    ScolioticInVivo,
+}
+
+impl StiffnessTable {
+    /// All of them.
+    pub const ALL: [Self; 4] =
+        [Self::Paper, Self::InVitro, Self::IntactChest, Self::ScolioticInVivo];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::InVitro => "in_vitro",
+            Self::IntactChest => "intact_chest",
+            Self::ScolioticInVivo => "scoliotic_in_vivo",
+        }
+    }
+
+    /// Springs of all joints.
+    ///
+    /// ```
+    /// use spineline::multibody::StiffnessTable;
+    /// use spineline::spatial::Angle;
+    /// let library = StiffnessTable::InVitro.library();
+    /// // T7 on T8 in lateral bending: 7.5 N·m turn it by 4.25° to one side, half of 8 to 9°.
+    /// let joint = library.rows().iter().find(|row| row.superior.name() == "T7").unwrap();
+    /// assert!((7500.0 / joint.nmm_per_rad[0] - Angle::from_deg(4.25).rad()).abs() < 1e-12);
+    /// ```
+    #[must_use]
+    pub fn library(self) -> StiffnessLibrary {
+        let rows = Level::MODEL.windows(2).map(|pair| {
+            let (nmm_per_rad, source) = match self {
+                Self::Paper => paper(pair[0]),
+                Self::InVitro => in_vitro(pair[0], [1.0; 3]),
+                Self::IntactChest => in_vitro(pair[0], [1.635, 1.63, 1.588]),
+                Self::ScolioticInVivo => scoliotic(pair[0]),
+            };
+            let source = source.to_owned();
+            JointStiffness { inferior: pair[0], superior: pair[1], nmm_per_rad, source }
+        });
+        StiffnessLibrary::from_rows(rows.collect()).expect("every joint has positive springs")
+    }
+}
+
+named!(StiffnessTable);
+
+/// Lateral, flexion and axial stiffness of the joint above a vertebra, in N·mm/rad.
+fn paper(inferior: Level) -> ([f64; 3], &'static str) {
+    let (n_m_per_rad, source): ([f64; 3], _) = match inferior {
+        Level::L4 | Level::L3 | Level::L2 => {
+            ([132.0, 126.0, 481.0], "schmidt-1998, ammr-repository")
+        }
+        Level::L1 => ([140.0, 139.0, 317.0], "mean of T11/T12 and L1/L2 (assumption)"),
+        _ => ([148.0, 152.0, 153.0], "panjabi-1976, desroches-2007"),
+    };
+    (n_m_per_rad.map(|value| 1000.0 * value), source)
+}
+
+/// The moment of the tests in vitro, in N·mm.
+const TEST_NMM: f64 = 7500.0;
+
+/// Thoracic springs times a factor per axis; the lumbar ones are those of the paper, T12/L1 the mean of its neighbours.
+fn in_vitro(inferior: Level, factors: [f64; 3]) -> ([f64; 3], &'static str) {
+    let thoracic = |range_deg: [f64; 3]| -> [f64; 3] {
+        // A range covers both directions.
+        std::array::from_fn(|axis| {
+            factors[axis] * TEST_NMM / Angle::from_deg(0.5 * range_deg[axis]).rad()
+        })
+    };
+    let with_ribs = factors[0] > 1.0;
+    let source = if with_ribs { "wilke-2017, liebsch-2018" } else { "wilke-2017" };
+    let lower = [8.5, 7.0, 7.5];
+    match inferior {
+        Level::L4 | Level::L3 | Level::L2 => paper(inferior),
+        Level::L1 => {
+            let ((below, _), above) = (paper(Level::L2), thoracic(lower));
+            let mean = std::array::from_fn(|axis| 0.5 * (below[axis] + above[axis]));
+            (mean, "mean of T11/T12 and L1/L2 (assumption)")
+        }
+        Level::T12 | Level::T11 => (thoracic(lower), source),
+        Level::T10 | Level::T9 | Level::T8 => (thoracic([8.5, 7.0, 11.0]), source),
+        _ => (thoracic([11.0, 7.0, 11.0]), source),
+    }
+}
+
+/// The paper's springs, all multiplied so that lateral bending is that measured in patients.
+fn scoliotic(inferior: Level) -> ([f64; 3], &'static str) {
+    let lateral = 1000.0 / Angle::from_deg(0.18).rad();
+    let (own, _) = paper(inferior);
+    (own.map(|value| value * lateral / own[0]), "reutlinger-2012 (apical segments)")
+}
