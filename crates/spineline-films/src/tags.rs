@@ -61,50 +61,16 @@ pub(super) fn read(
     remarks.extend(other_body_part(data, modality.as_deref()));
     refuse_other_pixels(with_pixels)?;
     name_left_out(with_pixels, remarks);
-    let photometric = Photometric::read(data.text(PHOTOMETRIC).as_deref())?;
-    let shape = data.text(SHAPE).and_then(|text| match text.as_str() {
-        "IDENTITY" => Some(PresentationShape::Identity),
-        "INVERSE" => Some(PresentationShape::Inverse),
-        _ => {
-            remarks.push(FilmRemark::Unusable { attribute: SHAPE });
-            None
-        }
-    });
-    match (photometric, shape) {
-        (Photometric::Monochrome1, Some(PresentationShape::Identity))
-        | (Photometric::Monochrome2, Some(PresentationShape::Inverse)) => {
-            remarks.push(FilmRemark::PolarityContradicted);
-        }
-        (Photometric::NotStated, _) => remarks.push(FilmRemark::PolarityNotStated),
-        _ => {}
-    }
+    let (photometric, shape) = polarity(data, remarks)?;
     if data.text(IMAGE_TYPE_LOSSY).as_deref() == Some("01") {
         remarks.push(FilmRemark::Lossy);
     }
     if data.text(INTENT).as_deref() == Some("FOR PROCESSING") {
         remarks.push(FilmRemark::ForProcessing);
     }
-    let burned_in = match data.text(BURNED_IN).as_deref() {
-        Some("YES") => Some(true),
-        Some("NO") => Some(false),
-        _ => None,
-    };
-    match burned_in {
-        Some(true) => remarks.push(FilmRemark::BurnedIn),
-        Some(false) => {}
-        None => remarks.push(FilmRemark::BurnedInUnknown),
-    }
+    let burned_in = burned_in(data, remarks);
     let spacing = spacing(data, remarks);
-    match data.text(ASPECT).as_deref().map(|text| text.split_once('\\')) {
-        None => {}
-        Some(None) => remarks.push(FilmRemark::Unusable { attribute: ASPECT }),
-        Some(Some((down, across)))
-            if down.trim() != across.trim() && judge_spacing(&spacing).spacing.is_none() =>
-        {
-            remarks.push(FilmRemark::AspectNotUsed);
-        }
-        Some(Some(_)) => {}
-    }
+    remarks.extend(unused_aspect(data, &spacing));
     let tags = FilmTags {
         modality,
         spacing,
@@ -124,6 +90,60 @@ pub(super) fn read(
         bits_stored: 0,
     };
     Ok((tags, look(data, remarks)))
+}
+
+/// What the smallest values mean, and the shape of the look-up table that may contradict it.
+fn polarity(
+    data: &InMemDicomObject,
+    remarks: &mut Vec<FilmRemark>,
+) -> Result<(Photometric, Option<PresentationShape>), FilmError> {
+    let photometric = Photometric::read(data.text(PHOTOMETRIC).as_deref())?;
+    let shape = data.text(SHAPE).and_then(|text| match text.as_str() {
+        "IDENTITY" => Some(PresentationShape::Identity),
+        "INVERSE" => Some(PresentationShape::Inverse),
+        _ => {
+            remarks.push(FilmRemark::Unusable { attribute: SHAPE });
+            None
+        }
+    });
+    match (photometric, shape) {
+        (Photometric::Monochrome1, Some(PresentationShape::Identity))
+        | (Photometric::Monochrome2, Some(PresentationShape::Inverse)) => {
+            remarks.push(FilmRemark::PolarityContradicted);
+        }
+        (Photometric::NotStated, _) => remarks.push(FilmRemark::PolarityNotStated),
+        _ => {}
+    }
+    Ok((photometric, shape))
+}
+
+/// Whether the pixels show text; `None` where that is not stated.
+fn burned_in(data: &InMemDicomObject, remarks: &mut Vec<FilmRemark>) -> Option<bool> {
+    let burned_in = match data.text(BURNED_IN).as_deref() {
+        Some("YES") => Some(true),
+        Some("NO") => Some(false),
+        _ => None,
+    };
+    match burned_in {
+        Some(true) => remarks.push(FilmRemark::BurnedIn),
+        Some(false) => {}
+        None => remarks.push(FilmRemark::BurnedInUnknown),
+    }
+    burned_in
+}
+
+/// A pixel aspect ratio that cannot be read, or that no spacing accounts for.
+fn unused_aspect(data: &InMemDicomObject, spacing: &SpacingEvidence) -> Option<FilmRemark> {
+    match data.text(ASPECT).as_deref().map(|text| text.split_once('\\')) {
+        None => None,
+        Some(None) => Some(FilmRemark::Unusable { attribute: ASPECT }),
+        Some(Some((down, across)))
+            if down.trim() != across.trim() && judge_spacing(spacing).spacing.is_none() =>
+        {
+            Some(FilmRemark::AspectNotUsed)
+        }
+        Some(Some(_)) => None,
+    }
 }
 
 fn modality(

@@ -4,7 +4,8 @@ fn main() {
     print!(
         "# What every column means\n\n\
          Made by `cargo run -p spineline-tables --example dictionary` from the definitions that fill the tables.\n\
-         `analyze --tables DIR` writes the same as `dictionary.csv`.\n\n{}",
+         `analyze --tables DIR` writes the same about its own tables as `dictionary.csv`. The last four are tables of other commands:\n\
+         `noise_study` of `noise-study`, `path` of `simulate --csv`, `summary` of `reproduce`, `verdicts` of `import`.\n\n{}",
         spineline_tables::dictionary_markdown()
     );
 }

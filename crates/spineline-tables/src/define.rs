@@ -1,7 +1,7 @@
 //! One definition per table names, explains and fills every column, so that the dictionary always agrees with the tables.
 
 use crate::Patient;
-use crate::table::{Series, Table, Values};
+use crate::table::{NumberFormat, Series, Table, Values};
 
 /// Unit of a number; its name ends the name of the column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -9,6 +9,7 @@ pub(crate) enum Unit {
     Millimetres,
     Pixels,
     Degrees,
+    Radians,
     NewtonMetresPerRadian,
     Segments,
     Years,
@@ -26,6 +27,7 @@ impl Unit {
             Self::Millimetres => "_mm",
             Self::Pixels => "_px",
             Self::Degrees => "_deg",
+            Self::Radians => "_rad",
             Self::NewtonMetresPerRadian => "_nm_per_rad",
             Self::Segments => "_segments",
             Self::Years => "_years",
@@ -38,6 +40,7 @@ impl Unit {
             Self::Millimetres => "mm",
             Self::Pixels => "px",
             Self::Degrees => "deg",
+            Self::Radians => "rad",
             Self::NewtonMetresPerRadian => "N·m/rad",
             Self::Segments => "segments",
             Self::Years => "years",
@@ -52,6 +55,7 @@ impl Unit {
 enum Cell<R> {
     Text(fn(&R) -> Option<String>),
     Number(fn(&R) -> Option<f64>),
+    Element(fn(&R, usize) -> Option<f64>, usize),
     Count(fn(&R) -> Option<i64>),
     Truth(fn(&R) -> Option<bool>),
 }
@@ -62,6 +66,13 @@ pub(crate) struct Column<R> {
     unit: &'static str,
     meaning: &'static str,
     cell: Cell<R>,
+    format: NumberFormat,
+}
+
+impl<R> Column<R> {
+    fn new(name: String, unit: &'static str, meaning: &'static str, cell: Cell<R>) -> Self {
+        Self { name, unit, meaning, cell, format: NumberFormat::Shortest }
+    }
 }
 
 /// A text.
@@ -70,7 +81,7 @@ pub(crate) fn text<R>(
     meaning: &'static str,
     cell: fn(&R) -> Option<String>,
 ) -> Column<R> {
-    Column { name: name.to_owned(), unit: "", meaning, cell: Cell::Text(cell) }
+    Column::new(name.to_owned(), "", meaning, Cell::Text(cell))
 }
 
 /// A measured or computed number; the unit is added to the name.
@@ -80,8 +91,24 @@ pub(crate) fn number<R>(
     meaning: &'static str,
     cell: fn(&R) -> Option<f64>,
 ) -> Column<R> {
+    Column::new(format!("{name}{}", unit.suffix()), unit.words(), meaning, Cell::Number(cell))
+}
+
+/// A number at one index of a list, for columns that are named after the elements of the list.
+pub(crate) fn element<R>(
+    name: &str,
+    unit: Unit,
+    meaning: &'static str,
+    index: usize,
+    cell: fn(&R, usize) -> Option<f64>,
+) -> Column<R> {
     let name = format!("{name}{}", unit.suffix());
-    Column { name, unit: unit.words(), meaning, cell: Cell::Number(cell) }
+    Column::new(name, unit.words(), meaning, Cell::Element(cell, index))
+}
+
+/// The column with its numbers written in this format.
+pub(crate) fn written<R>(format: NumberFormat, column: Column<R>) -> Column<R> {
+    Column { format, ..column }
 }
 
 /// A count.
@@ -90,7 +117,7 @@ pub(crate) fn count<R>(
     meaning: &'static str,
     cell: fn(&R) -> Option<i64>,
 ) -> Column<R> {
-    Column { name: name.to_owned(), unit: "1", meaning, cell: Cell::Count(cell) }
+    Column::new(name.to_owned(), "1", meaning, Cell::Count(cell))
 }
 
 /// True or false.
@@ -99,7 +126,7 @@ pub(crate) fn truth<R>(
     meaning: &'static str,
     cell: fn(&R) -> Option<bool>,
 ) -> Column<R> {
-    Column { name: name.to_owned(), unit: "", meaning, cell: Cell::Truth(cell) }
+    Column::new(name.to_owned(), "", meaning, Cell::Truth(cell))
 }
 
 /// A row of a patient.
@@ -135,9 +162,13 @@ impl<R> Definition<R> {
             name: column.name,
             unit: column.unit,
             meaning: column.meaning,
+            format: column.format,
             values: match column.cell {
                 Cell::Text(cell) => Values::Text(rows.iter().map(cell).collect()),
                 Cell::Number(cell) => Values::Number(rows.iter().map(cell).map(finite).collect()),
+                Cell::Element(cell, index) => {
+                    Values::Number(rows.iter().map(|row| finite(cell(row, index))).collect())
+                }
                 Cell::Count(cell) => Values::Count(rows.iter().map(cell).collect()),
                 Cell::Truth(cell) => Values::Truth(rows.iter().map(cell).collect()),
             },

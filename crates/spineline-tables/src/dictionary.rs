@@ -1,6 +1,6 @@
 use crate::define::{Definition, text};
 use crate::table::Table;
-use crate::{OptionalTables, tables_of};
+use crate::{OptionalTables, other_files, tables_of};
 
 /// One column of one table.
 struct Entry {
@@ -44,11 +44,11 @@ pub fn dictionary(optional: OptionalTables) -> Table {
     .fill(&entries)
 }
 
-/// The dictionary for people, in Markdown: a section per table.
+/// The dictionary for people, in Markdown: a section per table, with the tables of other commands at the end.
 #[must_use]
 pub fn dictionary_markdown() -> String {
     let mut text = String::new();
-    for table in tables_of(&[], OptionalTables::ALL) {
+    for table in tables_of(&[], OptionalTables::ALL).into_iter().chain(other_files()) {
         text.push_str(&format!("## {}\n\nOne row per {}.\n\n", table.name, table.row));
         text.push_str("| column | unit | type | meaning |\n|---|---|---|---|\n");
         for column in &table.columns {

@@ -16,13 +16,17 @@ mod dictionary;
 mod error;
 mod joints;
 mod models;
+mod noise_study;
+mod path;
 mod patients;
 mod postures;
 mod records;
 mod reliability;
 mod reliability_csv;
+mod reproduction;
 mod table;
 mod uncertainty;
+mod verdicts;
 mod vertebrae;
 mod warnings;
 mod write;
@@ -31,9 +35,12 @@ pub use analysis_csv::{chain_csv, vertebrae_csv};
 pub use cohort_csv::cohort_csv;
 pub use dictionary::{dictionary, dictionary_markdown};
 pub use error::TableError;
-pub use records::{records_to_csv, rows_to_csv};
+pub use noise_study::{NoisePoint, noise_study_table};
+pub use path::{LoadedShape, path_table};
 pub use reliability_csv::reliability_csv;
-pub use table::{Series, Table, Values};
+pub use reproduction::{ReproducedNumber, reproduction_table};
+pub use table::{NumberFormat, Series, Table, Values};
+pub use verdicts::{RowVerdict, verdicts_table};
 pub use write::SCHEMA_VERSION;
 
 use spineline::analysis::{Analysis, Subject};
@@ -103,4 +110,9 @@ fn tables_of(patients: &[Patient<'_>], optional: OptionalTables) -> Vec<Table> {
         all.push(uncertainty::table(patients));
     }
     all
+}
+
+/// Tables of other commands than `analyze --tables`, without rows.
+fn other_files() -> [Table; 4] {
+    [noise_study_table(&[]), path::path_columns(), reproduction_table(&[]), verdicts_table(&[])]
 }

@@ -18,6 +18,8 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let mut columns = keys();
     columns.extend(subject());
     columns.extend(curve());
+    columns.extend(inflections());
+    columns.extend(findings());
     columns.extend(balance());
     columns.extend(options());
     Definition { name: "patients", row: "patient", columns }.fill(&rows)
@@ -96,6 +98,11 @@ fn curve<'a>() -> Vec<Column<PatientRow<'a>>> {
         number("segment", Unit::Millimetres, "length of a segment of the chain (l)", |row| {
             row.patient.analysis.scale().mm(row.patient.analysis.chain.segment_mm)
         }),
+    ]
+}
+
+fn inflections<'a>() -> Vec<Column<PatientRow<'a>>> {
+    vec![
         count("inflections", "number of inflections of the erect curve", |row| {
             Some(row.patient.analysis.inflections.all.len() as i64)
         }),
@@ -123,6 +130,11 @@ fn curve<'a>() -> Vec<Column<PatientRow<'a>>> {
         number("inflection_cranial_z", Unit::Millimetres, "its height", |row| {
             inflection_mm(row, 1).map(|place| place[1])
         }),
+    ]
+}
+
+fn findings<'a>() -> Vec<Column<PatientRow<'a>>> {
+    vec![
         count("lenke_type", "Lenke's curve type as far as frontal films determine it", |row| {
             row.patient.analysis.lenke.map(|lenke| i64::from(lenke.number))
         }),

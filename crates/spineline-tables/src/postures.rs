@@ -17,6 +17,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
         .collect();
     let mut columns = keys();
     columns.extend(film());
+    columns.extend(curve());
     columns.extend(film_scale());
     columns.extend(movement());
     columns.extend(own_line());
@@ -69,6 +70,11 @@ fn film<'a>() -> Vec<Column<PostureRow<'a>>> {
             "whether these standard deviations come from repeated readings; else they are assumed",
             |row| Some(row.item.outline.noise.measured),
         ),
+    ]
+}
+
+fn curve<'a>() -> Vec<Column<PostureRow<'a>>> {
+    vec![
         count("curve_order", "order of the curve's polynomial", |row| {
             Some(row.item.fit.order as i64)
         }),

@@ -1,7 +1,6 @@
 //! The only writer of CSV: comma between cells, decimal point, UTF-8, quotes where needed.
 
 use csv::Writer;
-use serde::Serialize;
 
 use crate::error::TableError;
 
@@ -9,7 +8,7 @@ use crate::error::TableError;
 ///
 /// # Errors
 /// [`TableError::Csv`] if a row has more or fewer cells than the heading.
-pub fn rows_to_csv<Row>(
+pub(crate) fn rows_to_csv<Row>(
     table: &'static str,
     heading: impl IntoIterator<Item = impl AsRef<[u8]>>,
     rows: impl IntoIterator<Item = Row>,
@@ -22,21 +21,6 @@ where
     writer.write_record(heading).map_err(failed)?;
     for row in rows {
         writer.write_record(row).map_err(failed)?;
-    }
-    text(table, writer)
-}
-
-/// Records whose fields name the columns. The name of the table is for the message of the error.
-///
-/// # Errors
-/// [`TableError::Csv`] if a record has no columns.
-pub fn records_to_csv(
-    table: &'static str,
-    records: impl IntoIterator<Item = impl Serialize>,
-) -> Result<String, TableError> {
-    let mut writer = Writer::from_writer(Vec::new());
-    for record in records {
-        writer.serialize(record).map_err(|source| TableError::Csv { table, source })?;
     }
     text(table, writer)
 }

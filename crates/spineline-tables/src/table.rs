@@ -28,6 +28,49 @@ pub struct Series {
     pub meaning: &'static str,
     /// One per row; `None` where there is none.
     pub values: Values,
+    /// How its numbers are written as text.
+    pub format: NumberFormat,
+}
+
+impl Series {
+    /// One value as text; empty where there is none.
+    #[must_use]
+    pub fn shown(&self, row: usize) -> String {
+        match &self.values {
+            Values::Text(all) => all[row].clone(),
+            Values::Number(all) => all[row].map(|number| self.format.shown(number)),
+            Values::Count(all) => all[row].map(|count| count.to_string()),
+            Values::Truth(all) => all[row].map(|truth| truth.to_string()),
+        }
+        .unwrap_or_default()
+    }
+}
+
+/// How a number is written as text. Parquet holds the number itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NumberFormat {
+    /// With every digit that is needed to read the same number back.
+    Shortest,
+    /// The same, with `.0` after a whole number and an exponent where a number is very small or very large.
+    ShortestDecimal,
+    /// The same, always with an exponent.
+    ShortestScientific,
+    /// With so many decimal places.
+    Places(usize),
+    /// With an exponent and so many decimal places.
+    Scientific(usize),
+}
+
+impl NumberFormat {
+    fn shown(self, number: f64) -> String {
+        match self {
+            Self::Shortest => number.to_string(),
+            Self::ShortestDecimal => ryu::Buffer::new().format(number).to_owned(),
+            Self::ShortestScientific => format!("{number:e}"),
+            Self::Places(places) => format!("{number:.places$}"),
+            Self::Scientific(places) => format!("{number:.places$e}"),
+        }
+    }
 }
 
 /// Values of one kind.
@@ -69,20 +112,6 @@ impl Values {
             Self::Number(_) => "number",
             Self::Count(_) => "integer",
             Self::Truth(_) => "boolean",
-        }
-    }
-
-    /// One value as text, with every digit that is needed to read the same number back; empty where there is none.
-    #[must_use]
-    pub fn shown(&self, row: usize) -> String {
-        fn of<T: ToString>(value: &Option<T>) -> String {
-            value.as_ref().map_or_else(String::new, T::to_string)
-        }
-        match self {
-            Self::Text(all) => of(&all[row]),
-            Self::Number(all) => of(&all[row]),
-            Self::Count(all) => of(&all[row]),
-            Self::Truth(all) => of(&all[row]),
         }
     }
 }

@@ -23,7 +23,7 @@ impl Table {
     /// [`TableError::Csv`].
     pub fn to_csv(&self) -> Result<String, TableError> {
         let heading = self.columns.iter().map(|column| &column.name);
-        let cells = |row| self.columns.iter().map(move |column| column.values.shown(row));
+        let cells = |row| self.columns.iter().map(move |column| column.shown(row));
         rows_to_csv(self.name, heading, (0..self.rows()).map(cells))
     }
 

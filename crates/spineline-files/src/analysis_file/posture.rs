@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::analysis::{PostureAnalysis, PreferredLine};
-use spineline::curve::CurveForm;
+use spineline::curve::{CurveFit, CurveForm};
 use spineline::measure::{FilmLength, FilmScale, Interpolation, LengthScale, MeasuredVertebra};
 use spineline::motion::SegmentEstimate;
 use spineline::personalize::{Crossing, LineTest};
@@ -217,6 +217,46 @@ impl TestRecord {
     }
 }
 
+impl CurveRecord {
+    fn new(fit: &CurveFit, scale: &LengthScale) -> Self {
+        Self {
+            order: fit.order,
+            form: match fit.curve.form() {
+                CurveForm::Graph => "graph",
+                CurveForm::Parametric => "parametric",
+            }
+            .to_owned(),
+            rmse_mm: scale.mm(fit.rmse_mm),
+            rmse_px: scale.px(fit.rmse_mm),
+            rmse_deg: fit.rmse_tilt.deg(),
+            left_out: fit.left_out,
+        }
+    }
+}
+
+impl InterpolatedRecord {
+    fn new(found: &Interpolation, scale: &LengthScale) -> Self {
+        Self {
+            between: found.between.map(LevelKey),
+            location_sd_mm: scale.mm(found.location_sd_mm),
+            location_sd_px: scale.px(found.location_sd_mm),
+            tilt_sd_deg: found.tilt_sd.deg(),
+        }
+    }
+}
+
+impl EstimateRecord {
+    fn new(estimate: &SegmentEstimate, erect: &LengthScale) -> Self {
+        Self {
+            segment: estimate.segment,
+            least_segment: estimate.least,
+            distance_segments: estimate.distance_segments,
+            distance_mm: erect.mm(estimate.distance_mm),
+            rotation_deg: estimate.rotation.deg(),
+        }
+    }
+}
+
 impl PostureRecord {
     /// The record of a posture; distances between segments are those on the erect film, in its scale.
     pub fn new(p: &PostureAnalysis, erect: &LengthScale) -> Self {
@@ -233,24 +273,10 @@ impl PostureRecord {
         };
         let vertebrae = &p.outline.vertebrae;
         let interpolated = |(vertebra, found): (&MeasuredVertebra, &Interpolation)| {
-            let record = InterpolatedRecord {
-                between: found.between.map(LevelKey),
-                location_sd_mm: scale.mm(found.location_sd_mm),
-                location_sd_px: scale.px(found.location_sd_mm),
-                tilt_sd_deg: found.tilt_sd.deg(),
-            };
-            (LevelKey(vertebra.level), record)
+            (LevelKey(vertebra.level), InterpolatedRecord::new(found, scale))
         };
         let estimates = |all: Option<[SegmentEstimate; 2]>| {
-            all.map(|pair| {
-                pair.map(|e| EstimateRecord {
-                    segment: e.segment,
-                    least_segment: e.least,
-                    distance_segments: e.distance_segments,
-                    distance_mm: erect.mm(e.distance_mm),
-                    rotation_deg: e.rotation.deg(),
-                })
-            })
+            all.map(|pair| pair.map(|estimate| EstimateRecord::new(&estimate, erect)))
         };
         Self {
             lengths: LengthsRecord {
@@ -261,18 +287,7 @@ impl PostureRecord {
                 spine_mm: scale.mm(spine_mm),
                 spine_scale_sd_mm: scale.sd_mm(spine_mm),
             },
-            curve: CurveRecord {
-                order: p.fit.order,
-                form: match p.fit.curve.form() {
-                    CurveForm::Graph => "graph",
-                    CurveForm::Parametric => "parametric",
-                }
-                .to_owned(),
-                rmse_mm: scale.mm(p.fit.rmse_mm),
-                rmse_px: scale.px(p.fit.rmse_mm),
-                rmse_deg: p.fit.rmse_tilt.deg(),
-                left_out: p.fit.left_out,
-            },
+            curve: CurveRecord::new(&p.fit, scale),
             segments: p.pose.segments(),
             leftover_mm: scale.mm(p.pose.leftover_mm),
             locations_mm: points(point_mm),

@@ -108,26 +108,7 @@ enum Values {
 
 impl Columns {
     fn of(heading: &ByteRecord) -> Result<Self, LandmarkError> {
-        let known: Vec<&str> = [POSTURE, OBSERVER, REPEAT, VERTEBRA, AXIS]
-            .into_iter()
-            .chain(CORNERS)
-            .chain(PLACED)
-            .chain(CONFIDENCES)
-            .collect();
-        let mut places: BTreeMap<&str, usize> = BTreeMap::new();
-        for (place, cell) in heading.iter().enumerate() {
-            let at = || format!("line 1, column {}", place + 1);
-            let name = String::from_utf8_lossy(cell);
-            let Some(&column) = known.iter().find(|known| **known == name) else {
-                let nearest = nearest(&shown(&name), &known);
-                let name = shown(&name);
-                return Err(LandmarkError::Unknown { at: at(), what: "column", name, nearest });
-            };
-            if places.insert(column, place).is_some() {
-                let what = format!("the column `{column}`");
-                return Err(LandmarkError::Duplicate { at: at(), what, first: None });
-            }
-        }
+        let places = places(heading)?;
         let get = |name: &str| places.get(name).copied();
         let need = |name: &'static str| {
             get(name).ok_or_else(|| LandmarkError::Missing {
@@ -175,6 +156,31 @@ impl Columns {
             values,
         })
     }
+}
+
+/// Where every column of a heading is.
+fn places(heading: &ByteRecord) -> Result<BTreeMap<&'static str, usize>, LandmarkError> {
+    let known: Vec<&'static str> = [POSTURE, OBSERVER, REPEAT, VERTEBRA, AXIS]
+        .into_iter()
+        .chain(CORNERS)
+        .chain(PLACED)
+        .chain(CONFIDENCES)
+        .collect();
+    let mut places = BTreeMap::new();
+    for (place, cell) in heading.iter().enumerate() {
+        let at = || format!("line 1, column {}", place + 1);
+        let name = String::from_utf8_lossy(cell);
+        let Some(&column) = known.iter().find(|known| **known == name) else {
+            let nearest = nearest(&shown(&name), &known);
+            let name = shown(&name);
+            return Err(LandmarkError::Unknown { at: at(), what: "column", name, nearest });
+        };
+        if places.insert(column, place).is_some() {
+            let what = format!("the column `{column}`");
+            return Err(LandmarkError::Duplicate { at: at(), what, first: None });
+        }
+    }
+    Ok(places)
 }
 
 /// Rows of one film read so far.

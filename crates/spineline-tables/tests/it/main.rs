@@ -1,3 +1,4 @@
 //! The tests of this crate that see it from outside, in one executable so that they are linked once.
 
+mod other_files;
 mod tables;

@@ -116,6 +116,37 @@ fn place_usable(
         }
     }
     bodies.retain(|level, _| centres.contains_key(level));
+    for (levels, found) in wrong_bodies((posture, image), reading, &bodies, &centres)? {
+        for level in levels {
+            let error = fault(level, found);
+            if !is_needless(level, &error) {
+                return Err(error);
+            }
+            if bodies.remove(&level).is_some() {
+                unusable.push((level, error));
+            }
+        }
+    }
+    Ok(bodies
+        .iter()
+        .map(|(&level, body)| {
+            let by_hand = reading.vertebrae[&level].axis_clockwise;
+            let tilt =
+                by_hand.map_or_else(|| rule.tilt_of(body), |axis| image.tilt_from_clockwise(axis));
+            let endplates = Some(body.measure_endplates());
+            (level, Placement { location: centres[&level], tilt, endplates })
+        })
+        .collect())
+}
+
+/// Bodies that are upside down, and bodies whose sides are exchanged; an error where the film is mirrored.
+fn wrong_bodies(
+    (posture, image): (Posture, &ImageGeometry),
+    reading: &Reading<VertebraLandmarks>,
+    bodies: &BTreeMap<Level, Corners<Frontal>>,
+    centres: &BTreeMap<Level, Frontal>,
+) -> Result<[(Vec<Level>, CornerFault); 2], MeasureError> {
+    let id = || reading.id.clone();
     // The steps from body to body say where cranial is, so that a film may be held in any pose; a single
     // misplaced body does not turn their sum.
     let places: Vec<Frontal> = centres.values().copied().collect();
@@ -137,26 +168,5 @@ fn place_usable(
         return Err(MeasureError::FilmMirrored { posture, id: id(), count: bodies.len() });
     }
     let turned: Vec<Level> = bodies.keys().copied().filter(|&level| upside_down(level)).collect();
-    let wrong = [(turned, CornerFault::UpsideDown), (exchanged, CornerFault::SidesExchanged)];
-    for (levels, found) in wrong {
-        for level in levels {
-            let error = fault(level, found);
-            if !is_needless(level, &error) {
-                return Err(error);
-            }
-            if bodies.remove(&level).is_some() {
-                unusable.push((level, error));
-            }
-        }
-    }
-    Ok(bodies
-        .iter()
-        .map(|(&level, body)| {
-            let by_hand = reading.vertebrae[&level].axis_clockwise;
-            let tilt =
-                by_hand.map_or_else(|| rule.tilt_of(body), |axis| image.tilt_from_clockwise(axis));
-            let endplates = Some(body.measure_endplates());
-            (level, Placement { location: centres[&level], tilt, endplates })
-        })
-        .collect())
+    Ok([(turned, CornerFault::UpsideDown), (exchanged, CornerFault::SidesExchanged)])
 }

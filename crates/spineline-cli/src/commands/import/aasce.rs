@@ -14,15 +14,12 @@ use spineline_landmarks::{
     picture_names, read_file,
 };
 use spineline_report::terminal;
-use spineline_tables::rows_to_csv;
+use spineline_tables::{RowVerdict, verdicts_table};
 
 use super::args::ImportArgs;
 use crate::run::failure::{Ending, Failure};
 use crate::run::film_decoder::Decoder;
 use crate::run::outputs::{Outputs, OverwriteArgs, print};
-
-/// Columns of the verdicts.
-const HEADING: [&str; 5] = ["line", "case_id", "verdict", "main_angle_deg", "faults"];
 
 pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
     let [side] = &args.patient_left[..] else {
@@ -58,25 +55,24 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
     for row in rows(args, folder, side)? {
         let case_id = format!("{name}-{:04}", row.line);
         let verdict = judge_aasce(&row.film, side).map_err(|error| fail(folder, &error))?;
-        let cells = match &verdict {
+        let found = match verdict {
             AasceVerdict::Clean { main_angle } => {
                 clean += 1;
                 if let Some(out) = args.out.as_ref().filter(|_| !args.list) {
                     let path = out.join(format!("{case_id}.json"));
                     outputs.write(&path, case_text(folder, &case_id, &row, side)?)?;
                 }
-                ["clean".to_owned(), format!("{:.4}", main_angle.deg()), String::new()]
+                Ok(main_angle)
             }
             AasceVerdict::Faults(faults) => {
                 let words: Vec<String> = faults.iter().map(ToString::to_string).collect();
                 let words = words.join("; ");
                 let note = format!("! line {}: {words}", row.line);
                 text.push_str(&terminal::paragraph(&note, terminal::WIDTH, "  "));
-                ["faults".to_owned(), String::new(), words]
+                Err(words)
             }
         };
-        let [verdict, angle, faults] = cells;
-        table.push([row.line.to_string(), case_id, verdict, angle, faults]);
+        table.push(RowVerdict { line: row.line, case_id, found });
     }
     text.push_str(&format!(
         "{}: {clean} of {} without faults; cases are written for these only\n",
@@ -84,7 +80,7 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
         counted(table.len(), "row")
     ));
     if let Some(verdicts) = verdicts {
-        outputs.write(&verdicts, rows_to_csv("verdicts", HEADING, &table)?)?;
+        outputs.write(&verdicts, verdicts_table(&table).to_csv()?)?;
         text.push_str(&format!("Verdicts on every row: {}\n", verdicts.display()));
     }
     outputs.commit()?;

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::path::Path;
 
 use spineline::analysis::check_repeated;
 use spineline::anatomy::Posture;
@@ -90,21 +91,7 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksB
             let film = films.iter().find(|f| posture.is_some() && f.role.posture() == posture);
             let image = film.map(ResolvedFilm::image);
             let film = marked.into_film(hint.posture, image).map_err(|error| fail(&error))?;
-            if let FilmLandmarks::Placements { source, .. } = film.landmarks {
-                let what = format!(
-                    "it has locations and tilts of the {} film, but no corners in its picture",
-                    film.posture
-                );
-                let help = match source {
-                    PlacementSource::Vertebrae => {
-                        "such a case needs no picture: write the locations into a case file"
-                    }
-                    PlacementSource::SurfaceMidline => {
-                        "a midline needs no picture: make a case of it with `spineline import --midlines`"
-                    }
-                };
-                return Err(Failure::input(&of.value.display().to_string(), &what, help));
-            }
+            refuse_placements(&of.value, &film)?;
             for warning in judge_landmarks(&film).all() {
                 let level = warning.level.map_or_else(String::new, |level| format!(", {level}"));
                 let (posture, text) = (film.posture, warning.text());
@@ -137,6 +124,26 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksB
         ))),
         None => Ok(landmarks),
     }
+}
+
+/// Refuses landmarks that have no corners in a picture.
+fn refuse_placements(file: &Path, film: &Film) -> Result<(), Failure> {
+    let FilmLandmarks::Placements { source, .. } = &film.landmarks else {
+        return Ok(());
+    };
+    let what = format!(
+        "it has locations and tilts of the {} film, but no corners in its picture",
+        film.posture
+    );
+    let help = match source {
+        PlacementSource::Vertebrae => {
+            "such a case needs no picture: write the locations into a case file"
+        }
+        PlacementSource::SurfaceMidline => {
+            "a midline needs no picture: make a case of it with `spineline import --midlines`"
+        }
+    };
+    Err(Failure::input(&file.display().to_string(), &what, help))
 }
 
 /// Refuses landmarks of one film for two postures, in whatever formats they came.

@@ -6,13 +6,13 @@
 
 mod args;
 mod drawing;
-mod rows;
 mod study;
 mod text;
 
 pub use args::NoiseStudyArgs;
 
 use spineline_files::{FilmOrigin, Provenance};
+use spineline_tables::{NoisePoint, noise_study_table};
 
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{Outputs, print};
@@ -26,9 +26,10 @@ pub fn run(args: &NoiseStudyArgs) -> Result<Ending, Failure> {
     outputs.table(&table)?;
     outputs.file(&figure)?;
     let points = study::study(args)?;
+    let rows: Vec<NoisePoint<'_>> = points.iter().map(study::Point::row).collect();
     let provenance =
         Provenance::new(this_run()?, FilmOrigin::Synthetic, Vec::new()).with_seed(args.seed);
-    outputs.write_table(&table, rows::csv_text(&points)?, &provenance)?;
+    outputs.write_table(&table, noise_study_table(&rows).to_csv()?, &provenance)?;
     outputs.write(&figure, in_svg(&drawing::svg(&points, args), &provenance))?;
     outputs.commit()?;
     print(&text::report(&points, args))?;

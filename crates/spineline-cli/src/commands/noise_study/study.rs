@@ -6,6 +6,7 @@ use spineline::curve::OrderRule;
 use spineline::evaluate::statistics::Share;
 use spineline::multibody::Support;
 use spineline_phantom::{Readers, SUBJECTS, Truth, generate_read};
+use spineline_tables::NoisePoint;
 
 use super::args::NoiseStudyArgs;
 use crate::run::failure::Failure;
@@ -63,6 +64,21 @@ pub struct Point {
     /// Per claim: how often a rod phantom's number exceeds that of one of this scenario. 0.5: they cannot be distinguished. `None`
     /// where rods are not studied.
     pub rod_exceeds: Option<[Share; 3]>,
+}
+
+impl Point {
+    /// The row of the table.
+    pub fn row(&self) -> NoisePoint<'_> {
+        NoisePoint {
+            truth: self.truth.key(),
+            support: self.way.support.map(Support::key),
+            order_rule: self.way.rule_name(),
+            noise_sd_mm: self.noise_mm,
+            claims: &self.claims,
+            lost: self.lost,
+            rod_exceeds: self.rod_exceeds,
+        }
+    }
 }
 
 /// Ways and noises of one scenario, in the order of the points.

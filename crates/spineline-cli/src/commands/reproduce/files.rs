@@ -4,7 +4,7 @@ use serde::Serialize;
 use spineline::analysis::{Analysis, Case};
 use spineline::multibody::Support;
 use spineline_files::{AnalysisFile, CaseFile, Provenance, Request};
-use spineline_tables::{records_to_csv, vertebrae_csv};
+use spineline_tables::{ReproducedNumber, reproduction_table, vertebrae_csv};
 
 use super::args::ReproduceArgs;
 use super::row::Section;
@@ -22,11 +22,9 @@ pub fn write(
     provenance: &Provenance,
 ) -> Result<(), Failure> {
     let out = &args.out;
-    outputs.write_table(
-        &out.join("summary.csv"),
-        records_to_csv("summary", sections.iter().flat_map(records))?,
-        provenance,
-    )?;
+    let rows: Vec<ReproducedNumber> = sections.iter().flat_map(numbers).collect();
+    let table = reproduction_table(&rows).to_csv()?;
+    outputs.write_table(&out.join("summary.csv"), table, provenance)?;
     let summary = Summary {
         format: "spineline-reproduction",
         version: 1,
@@ -35,7 +33,7 @@ pub fn write(
         provenance: provenance.clone(),
         seed: args.seed,
         noise: args.noise,
-        rows: sections.iter().flat_map(records).collect(),
+        rows,
     };
     outputs.write(&out.join("summary.json"), spineline_files::to_text(&summary))?;
     for run in runs {
@@ -68,31 +66,14 @@ struct Summary {
     synthetic: bool,
     seed: u64,
     noise: f64,
-    rows: Vec<Record>,
+    rows: Vec<ReproducedNumber>,
 }
 
-/// One number of the paper beside that of one scenario.
-#[derive(Serialize)]
-struct Record {
-    section: String,
-    support: Option<&'static str>,
-    quantity: String,
-    unit: &'static str,
-    paper: String,
-    truth: &'static str,
-    /// Not a number where there is none.
-    mean: Option<f64>,
-    sd: Option<f64>,
-    n: usize,
-    text: String,
-    verdict: String,
-}
-
-fn records(section: &Section) -> Vec<Record> {
-    let mut records = Vec::new();
+fn numbers(section: &Section) -> Vec<ReproducedNumber> {
+    let mut numbers = Vec::new();
     for row in &section.rows {
         for (truth, cell) in ["rod", "bend", "pull"].into_iter().zip(&row.ours) {
-            records.push(Record {
+            numbers.push(ReproducedNumber {
                 section: section.title.clone(),
                 support: section.support.map(Support::key),
                 quantity: row.quantity.trim().to_owned(),
@@ -107,5 +88,5 @@ fn records(section: &Section) -> Vec<Record> {
             });
         }
     }
-    records
+    numbers
 }

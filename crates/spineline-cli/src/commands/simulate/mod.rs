@@ -3,7 +3,6 @@
 mod args;
 mod loads;
 mod outcome;
-mod path_rows;
 mod text;
 mod warnings;
 mod words;
@@ -88,7 +87,7 @@ impl Outcome {
             outputs.write(path, to_text(&self.file().with_provenance(provenance.clone())))?;
         }
         if let Some(path) = &args.csv {
-            outputs.write_table(path, path_rows::csv_text(self)?, &provenance)?;
+            outputs.write_table(path, self.path().to_csv()?, &provenance)?;
         }
         if let Some(path) = &args.svg {
             outputs.write(path, in_svg(&self.svg(), &provenance))?;
@@ -142,7 +141,7 @@ mod tests {
             assert_eq!(json["status"], "interrupted");
             assert_eq!(json["path"].as_array().expect("a list").len(), 3);
             assert!(outcome.svg().contains("not a result (interrupted)"));
-            let rows = path_rows::csv_text(&outcome).expect("a table");
+            let rows = outcome.path().to_csv().expect("a table");
             assert_eq!(rows.lines().count(), 1 + 3);
             let text = text::report(&outcome);
             assert!(text.contains("INTERRUPTED · NO RESULT") && !text.contains("Cobb"), "{text}");

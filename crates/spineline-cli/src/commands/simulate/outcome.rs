@@ -1,12 +1,15 @@
 //! A simulation from its loads to everything that is shown of it.
 
-use spineline::anatomy::Side;
+use spineline::anatomy::{Region, Side};
 use spineline::clinical::CurvePlaces;
 use spineline::multibody::{GeneralStatics, Goal, PathOptions, Timing};
-use spineline::response::{OnSignedPoint, Response, erect_shape, largest_factor, respond};
+use spineline::response::{
+    OnSignedPoint, Response, erect_shape, largest_factor, measure_angles, respond,
+};
 use spineline::spatial::Angle;
 use spineline_files::{LoadFile, PlacedLoads, SimulationFile, SimulationWarning, StoredModel};
 use spineline_report::figures::{LoadedSpine, loaded_spine};
+use spineline_tables::{LoadedShape, Table, path_table};
 
 use super::args::SimulateArgs;
 use super::warnings::{warning, warnings};
@@ -49,6 +52,28 @@ impl Outcome {
             })?;
         notes.extend(warnings(&model, &loads, &placed, &response));
         Ok(Self { model, loads, placed, places, response, warnings: notes })
+    }
+
+    /// The shapes of both paths as a table. Positive Cobb angles, tilt ranges and Ferguson angles are convex to the patient's
+    /// left.
+    pub fn path(&self) -> Table {
+        let points = self.response.paths.iter().flat_map(|of| {
+            let sign = of.sign;
+            of.path.points.iter().map(move |point| (sign, point))
+        });
+        let shapes = points.map(|(sign, point)| LoadedShape {
+            case_id: &self.model.case_id,
+            synthetic: self.model.synthetic,
+            absolute: self.model.absolute,
+            status: self.response.ending.key(),
+            sign,
+            point,
+            angles: measure_angles(&point.deformed, &self.places),
+        });
+        let shapes: Vec<LoadedShape<'_>> = shapes.collect();
+        let top = self.model.levels.last().map(|level| level.name().to_lowercase());
+        let regions: Vec<Region> = self.places.iter().map(|place| place.bounds.region).collect();
+        path_table(&top.unwrap_or_default(), &regions, &shapes)
     }
 
     /// The simulation as a file.

@@ -1,0 +1,77 @@
+//! `reproduce`: the numbers of the paper beside those of the loading scenarios.
+
+use serde::Serialize;
+
+use crate::define::{Column, Definition, Unit, count, number, text, written};
+use crate::table::{NumberFormat, Table};
+
+/// One number of the paper beside that of one scenario.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReproducedNumber {
+    /// Part of the paper.
+    pub section: String,
+    /// Support of the patient in the models; `None` where it does not matter.
+    pub support: Option<&'static str>,
+    /// What the number measures.
+    pub quantity: String,
+    /// Unit; empty where there is none.
+    pub unit: &'static str,
+    /// The paper's number as text.
+    pub paper: String,
+    /// Loading scenario.
+    pub truth: &'static str,
+    /// Mean, share or p value.
+    pub mean: Option<f64>,
+    /// Standard deviation.
+    pub sd: Option<f64>,
+    /// Number of values.
+    pub n: usize,
+    /// The number as the printed table has it.
+    pub text: String,
+    /// Comparison of all scenarios with the paper.
+    pub verdict: String,
+}
+
+/// One row per number of the paper and scenario.
+#[must_use]
+pub fn reproduction_table(numbers: &[ReproducedNumber]) -> Table {
+    let row = "section × support × quantity × scenario";
+    Definition { name: "summary", row, columns: columns() }.fill(numbers)
+}
+
+fn columns() -> Vec<Column<ReproducedNumber>> {
+    vec![
+        text("section", "part of the paper", |row| Some(row.section.clone())),
+        text("support", "`free`, `frontal`, or empty where it does not matter", |row| {
+            row.support.map(str::to_owned)
+        }),
+        text("quantity", "what the number measures", |row| Some(row.quantity.clone())),
+        text("unit", "unit of `mean` and `sd`; empty where there is none", |row| {
+            Some(row.unit.to_owned())
+        }),
+        text("paper", "the number of the paper", |row| Some(row.paper.clone())),
+        text("truth", "loading scenario: `rod`, `bend` or `pull`", |row| {
+            Some(row.truth.to_owned())
+        }),
+        written(
+            NumberFormat::ShortestDecimal,
+            number(
+                "mean",
+                Unit::Stated,
+                "mean, share or p value; empty where there is none",
+                |row| row.mean,
+            ),
+        ),
+        written(
+            NumberFormat::ShortestDecimal,
+            number("sd", Unit::Stated, "standard deviation; empty where there is none", |row| {
+                row.sd
+            }),
+        ),
+        count("n", "number of values", |row| Some(row.n as i64)),
+        text("text", "the number as it is printed", |row| Some(row.text.clone())),
+        text("verdict", "comparison of all scenarios with the paper", |row| {
+            Some(row.verdict.clone())
+        }),
+    ]
+}
