@@ -3,9 +3,10 @@
 use super::models::{FitTask, bending_loads, fit_model, settings_of};
 use super::{Analysis, LineModel};
 use crate::action::LineKind;
-use crate::anatomy::{Posture, published_lateral_bending};
+use crate::anatomy::Posture;
 use crate::evaluate::{
     Baseline, BaselinePrediction, Simulation, joint_rotations, predict_baseline,
+    published_lateral_bending,
 };
 use crate::multibody::Load;
 use crate::personalize::{FitTarget, Gauge};

@@ -8,6 +8,7 @@ mod comparison;
 mod compatibility;
 mod endings;
 mod findings;
+mod force_path;
 mod hypotheses;
 mod identification;
 mod models;

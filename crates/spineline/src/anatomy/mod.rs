@@ -4,7 +4,6 @@
 mod level;
 mod levels;
 mod line_kind;
-mod mobility;
 mod morphometry;
 mod named;
 mod posture;
@@ -13,7 +12,6 @@ mod trunk;
 pub use level::{Level, UnknownLevel};
 pub use levels::Levels;
 pub use line_kind::LineKind;
-pub use mobility::published_lateral_bending;
 pub use morphometry::{Morphometry, SagittalProfile};
 pub(crate) use named::named;
 pub use named::{Named, UnknownKey};

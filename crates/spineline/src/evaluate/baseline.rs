@@ -15,7 +15,7 @@ use crate::spatial::{Angle, Frontal};
 pub enum Baseline {
     /// The rotations of the patient's other bend, to the other side.
     MirroredBend,
-    /// Published lateral bending of healthy joints ([`crate::anatomy::published_lateral_bending`]).
+    /// Published lateral bending of healthy joints ([`crate::evaluate::published_lateral_bending`]).
     PublishedMobility,
     /// Mean rotations of the bends of other patients.
     OtherPatients,

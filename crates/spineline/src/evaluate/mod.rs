@@ -6,12 +6,14 @@
 //! [jalalian-loa], sections 3.2 and 4.
 
 mod baseline;
+mod mobility;
 pub mod paired;
 mod prediction;
 mod simulate;
 pub mod statistics;
 
 pub use baseline::{Baseline, BaselinePrediction, joint_rotations, predict_baseline};
+pub use mobility::published_lateral_bending;
 pub use prediction::predict;
 pub(crate) use prediction::{ScaledPrediction, at_scale_of_top};
 pub use simulate::{Alternative, ForceChoice, Simulation, Target, simulate};

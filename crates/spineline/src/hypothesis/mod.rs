@@ -26,6 +26,7 @@ mod criteria;
 mod fit;
 mod loads;
 mod near_t2;
+mod prediction;
 mod problem;
 mod start;
 

@@ -1,4 +1,4 @@
-use super::Levels;
+use crate::anatomy::Levels;
 use crate::spatial::Angle;
 
 /// Lateral bending to one side of the joints from L4/L3 to T3/T2, in degrees: representative values of healthy spines
@@ -9,7 +9,8 @@ const LATERAL_BENDING_DEG: [f64; 14] =
 /// Published lateral bending to one side of every joint of a spine, caudal first.
 ///
 /// ```
-/// use spineline::anatomy::{Levels, published_lateral_bending};
+/// use spineline::anatomy::Levels;
+/// use spineline::evaluate::published_lateral_bending;
 /// let joints = published_lateral_bending(Levels::COMPLETE);
 /// // T12 on T11 bends most.
 /// assert_eq!((joints.len(), joints[4].deg()), (14, 9.0));

@@ -1,0 +1,124 @@
+//! A film under the load of a hypothesis: what is shown of its shape, and how a film that was not fitted is predicted.
+
+use super::fit::{CounterRotatingJoints, LossReason, Predicted, Role, ShapePrediction};
+use super::near_t2::nearest_t2;
+use super::problem::{LoadedFilm, statics};
+use super::start::JointResponses;
+use super::{Hypothesis, HypothesisFilm, Spine};
+use crate::evaluate::{ScaledPrediction, at_scale_of_top};
+use crate::spatial::{Angle, Frontal};
+
+/// The film under the load that brings T2 nearest, at the scale that T2 and its prior give.
+pub(super) fn predict(
+    hypothesis: Hypothesis,
+    spine: &Spine<'_>,
+    film: &HypothesisFilm<'_>,
+    log_multipliers: &[f64],
+    role: Role,
+) -> Predicted {
+    let mut reason = LossReason::NoEquilibrium;
+    let found = at_scale_of_top(film.outline, |outline| {
+        let film = film.at_scale_of(outline);
+        match predict_scaled(hypothesis, spine, &film, log_multipliers, role) {
+            Ok(found) => Some((*found.locations.last()?, found)),
+            Err(lost) => {
+                reason = lost;
+                None
+            }
+        }
+    });
+    let ScaledPrediction { scale, prediction, converged } = found.ok_or(reason)?;
+    if !converged {
+        return Err(LossReason::NoEquilibrium);
+    }
+    let factor = scale.factor / film.outline.length.scale.factor;
+    Ok(ShapePrediction {
+        scale,
+        locations: prediction.locations.iter().map(|&location| location * factor).collect(),
+        location_errors_mm: prediction.location_errors_mm.iter().map(|mm| mm * factor).collect(),
+        ..prediction
+    })
+}
+
+fn predict_scaled(
+    hypothesis: Hypothesis,
+    spine: &Spine<'_>,
+    film: &HypothesisFilm<'_>,
+    log_multipliers: &[f64],
+    role: Role,
+) -> Predicted {
+    let found = LoadedFilm::new(hypothesis, film, spine).and_then(|mut loaded| {
+        let top = film.outline.vertebrae.last()?.location;
+        let near = nearest_t2(hypothesis, &mut loaded, log_multipliers, top, spine)?;
+        let statics = statics(spine, log_multipliers);
+        // From where the search has left it, so that no other equilibrium is shown.
+        let solved = loaded.solve(&statics, &near.components, near.base);
+        solved.then_some((loaded, near))
+    });
+    let (loaded, near) = found.ok_or(LossReason::NoEquilibrium)?;
+    prediction(&loaded, (film, role), spine, near.components, near.base)
+}
+
+/// The shape of a film under its loads, if a human spine can have it.
+pub(super) fn prediction(
+    loaded: &LoadedFilm,
+    (film, role): (&HypothesisFilm<'_>, Role),
+    spine: &Spine<'_>,
+    components: Vec<f64>,
+    base: Angle,
+) -> Predicted {
+    if loaded.is_beyond_human_range(spine.model) {
+        return Err(LossReason::BeyondHumanRange);
+    }
+    let measured = &film.outline.vertebrae;
+    let locations: Vec<Frontal> = (0..measured.len()).map(|i| loaded.location(i)).collect();
+    let tilts: Vec<Angle> = (0..measured.len()).map(|i| loaded.tilt(i)).collect();
+    // The turns of joints between marked vertebrae.
+    let turned = || {
+        (1..measured.len()).filter(|&i| measured[i].is_measured() && measured[i - 1].is_measured())
+    };
+    let squares: f64 = turned()
+        .map(|i| {
+            // L4's tilt on a turned base is the base's; as it was read it is zero.
+            let simulated = tilts[i] - tilts[i - 1];
+            (simulated - (measured[i].tilt - measured[i - 1].tilt)).wrapped().rad().powi(2)
+        })
+        .sum();
+    let joints = turned().count() as f64;
+    Ok(ShapePrediction {
+        posture: film.outline.posture,
+        role,
+        scale: film.outline.length.scale,
+        against: against(&JointResponses::measure(film, &loaded.units, spine), &components),
+        components,
+        base,
+        location_errors_mm: locations
+            .iter()
+            .zip(measured)
+            .skip(1)
+            .filter(|(_, vertebra)| vertebra.is_measured())
+            .map(|(simulated, vertebra)| simulated.distance_mm(vertebra.location))
+            .collect(),
+        locations,
+        tilts,
+        rotation_rms: Angle::from_rad((squares / joints).sqrt()),
+    })
+}
+
+/// Joints that turn against the moment of a load of given components.
+fn against(film: &JointResponses, components: &[f64]) -> CounterRotatingJoints {
+    let moments = film.compliances.iter().enumerate().map(|(j, c)| film.turn(j, components) / c);
+    let works: Vec<f64> =
+        moments.zip(&film.rotations).map(|(moment, turn)| moment * turn).collect();
+    let total: f64 = works.iter().map(|work| work.abs()).sum();
+    // A joint that does not turn but for rounding contradicts nothing.
+    let contrary: Vec<usize> = (0..works.len()).filter(|&j| works[j] < -1e-9 * total).collect();
+    CounterRotatingJoints {
+        joints: contrary.len(),
+        beyond_noise: contrary
+            .iter()
+            .filter(|&&j| film.rotations[j].abs() > 2.0 * film.rotation_sds[j])
+            .count(),
+        weight: contrary.iter().map(|&j| works[j].abs()).sum::<f64>() / total,
+    }
+}
