@@ -111,7 +111,8 @@ struct VertebraRecord {
     inferior_left: Option<[f64; 2]>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     inferior_right: Option<[f64; 2]>,
-    /// Axis set by hand: angle to the image's vertical, positive clockwise as seen.
+    /// Axis set by hand: angle to the image's vertical, positive clockwise as seen with square pixels, that is in millimetres and not
+    /// in columns and rows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     axis_deg: Option<f64>,
     /// Confidences of the corners from 0 to 1, where a program found them: superior left, superior right, inferior left,
