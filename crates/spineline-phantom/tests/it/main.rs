@@ -1,5 +1,6 @@
 //! The tests of this crate that see it from outside, in one executable so that they are linked once.
 
+mod baselines;
 mod counter_examples;
 mod hypotheses;
 mod identifiability;

@@ -128,6 +128,9 @@ pub fn films(case: &Case, analysis: &Analysis, pictures: &[FilmPicture]) -> Stri
     page.notes.push(format!(
         "{VIEW} Films are shown as they were taken; {base}'s midpoint is at the origin."
     ));
+    if analysis.postures.iter().any(|posture| posture.outline.length.is_free()) {
+        page.notes.push("Films are drawn at the length of the erect film.".to_owned());
+    }
     page.notes.extend(scale_note(analysis));
     let displayed: Vec<(Displayed<'_>, &PostureAnalysis)> = analysis
         .postures

@@ -92,7 +92,7 @@ pub(super) fn warn_of_length(film: &Outline, warnings: &mut Warnings) {
     }
     let effect = if film.length.is_free() {
         format!(
-            "the scale of the film is taken as {:.3}, expected within {:.1} %",
+            "its scale is taken as {:.3}, and the expected standard deviation is {:.1} %",
             scale.factor,
             100.0 * prior_log_sd
         )

@@ -121,7 +121,8 @@ impl BaselinesOverPatients {
         let Some(best) = found.first() else { return Vec::new() };
         let parts: Vec<String> =
             found.iter().map(|one| format!("{} {:.1} mm", one.baseline, mean(one))).collect();
-        let mut all = vec![format!("{role}, predicted without mechanics: {}.", listed(&parts))];
+        let films = films_words(role);
+        let mut all = vec![format!("{films}, predicted without mechanics: {}.", listed(&parts))];
         let tests = self.tests.iter().filter(|test| test.role == role);
         let tests: Vec<&BaselineTest> =
             tests.filter(|test| test.baseline == best.baseline).collect();
@@ -141,11 +142,19 @@ impl BaselinesOverPatients {
         }));
         if !tests.is_empty() && !tests.iter().any(|test| test.line_is_better()) {
             all.push(format!(
-                "No line predicts them significantly better than {}, so mechanics adds nothing here.",
+                "No line predicts them significantly better than {}: these films are no evidence that a prediction needs mechanics.",
                 best.baseline
             ));
         }
         all
+    }
+}
+
+/// Films of a role, at the start of a sentence.
+const fn films_words(role: FilmRole) -> &'static str {
+    match role {
+        FilmRole::HeldOut => "Neutral and traction films",
+        FilmRole::LeftOutBend | FilmRole::Fitted => "Bends left out",
     }
 }
 

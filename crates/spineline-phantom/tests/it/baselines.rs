@@ -1,0 +1,79 @@
+//! Predictions without mechanics over patients: nobody's own films are in the pattern of the others, and loads that moved the
+//! spines beat patterns that did not.
+
+use spineline::action::LineKind;
+use spineline::analysis::{Analysis, AnalysisOptions, FilmRole, analyze};
+use spineline::anatomy::{Posture, Side};
+use spineline::cohort::Cohort;
+use spineline::evaluate::{Baseline, joint_rotations, predict_baseline};
+use spineline::spatial::Angle;
+use spineline_phantom::{Readers, Truth, generate};
+
+fn analyzed(subject: usize, truth: Truth) -> Analysis {
+    let case = generate(subject, truth, &Readers::default(), 1).expect("a phantom").case;
+    analyze(&case, &AnalysisOptions::default()).expect("a sound case")
+}
+
+#[test]
+fn a_patient_is_predicted_from_the_other_patients_alone() {
+    let (own, other) = (analyzed(2, Truth::Pull), analyzed(4, Truth::Bend));
+    let cohort = Cohort::of(&[&own, &other], 1);
+    // The mean of the other patient's two bends, as if both were to the right.
+    let erect = &other.erect().outline;
+    let bends: Vec<(f64, Vec<Angle>)> = other
+        .postures
+        .iter()
+        .filter_map(|posture| {
+            let sign = if posture.outline.posture.bend()? == Side::Right { 1.0 } else { -1.0 };
+            Some((sign, joint_rotations(erect, &posture.outline)))
+        })
+        .collect();
+    assert_eq!(bends.len(), 2);
+    let pattern: Vec<Angle> = (0..14)
+        .map(|joint| bends.iter().map(move |(sign, bend)| bend[joint] * (0.5 * sign)))
+        .map(|mut parts| parts.next().expect("a bend") + parts.next().expect("a bend"))
+        .collect();
+    let of = |role: FilmRole, films: &[Posture]| {
+        let errors = cohort
+            .baselines
+            .errors
+            .iter()
+            .find(|errors| errors.baseline == Baseline::OtherPatients && errors.role == role);
+        let found = &errors.expect("such films").location_mm.by_patient[0];
+        let expected: Vec<f64> = films
+            .iter()
+            .flat_map(|&film| {
+                let film = &own.posture(film).expect("a film").outline;
+                let own = &own.erect().outline;
+                let baseline = Baseline::OtherPatients;
+                predict_baseline(baseline, &pattern, own, film).location_errors_mm
+            })
+            .collect();
+        assert_eq!(found.len(), expected.len());
+        let off = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-9, "{role}: {found:?} and {expected:?}");
+    };
+    of(FilmRole::LeftOutBend, &[Posture::LeftBending, Posture::RightBending]);
+    of(FilmRole::HeldOut, &[Posture::Neutral, Posture::Traction]);
+}
+
+#[test]
+fn the_load_that_moved_the_spines_beats_patterns_without_mechanics() {
+    let patients: Vec<Analysis> =
+        [0, 2, 4, 6, 8, 10, 12, 14].map(|subject| analyzed(subject, Truth::Pull)).into();
+    let cohort = Cohort::of(&patients.iter().collect::<Vec<_>>(), 1);
+    let test = |line, baseline| {
+        let mut tests = cohort.baselines.tests.iter();
+        let found = tests.find(|test| {
+            test.line == line && test.baseline == baseline && test.role == FilmRole::LeftOutBend
+        });
+        found.expect("eight patients with two bends")
+    };
+    let published = test(LineKind::Iliac, Baseline::PublishedMobility);
+    assert_eq!((published.films, published.comparison.patients()), (16, 8));
+    assert!(published.comparison.mean_difference < -0.5, "{published:?}");
+    // The wrong line has no such advantage.
+    let wrong = test(LineKind::Inflection, Baseline::MirroredBend);
+    assert!(!wrong.line_is_better(), "{wrong:?}");
+    assert!(cohort.verdict().iter().any(|text| text.contains("without mechanics")));
+}
