@@ -1,5 +1,6 @@
 //! An analysis of one patient → a report: contradictions and warnings first, the method last.
 
+mod grouped;
 mod measured;
 mod method;
 mod model;
@@ -83,7 +84,7 @@ fn sentences(section: &mut Section, analysis: &Analysis, compared: &LinesCompare
 fn verdict(analysis: &Analysis, compared: &LinesCompared) -> Section {
     let mut section = Section::new("verdict", "Verdict, contradictions and warnings");
     sentences(&mut section, analysis, compared);
-    let mut notices: Vec<Notice> = analysis.warnings.all().iter().map(Notice::from).collect();
+    let mut notices = grouped::notices(analysis.warnings.all());
     notices.sort_by_key(|notice| notice.kind);
     if notices.is_empty() {
         section.paragraph("There is no contradiction and no warning.");
