@@ -177,15 +177,19 @@ fn options<'a>() -> Vec<Column<PatientRow<'a>>> {
             "scale constraint: the condition that fixes the overall level of stiffness and force",
             |row| Some(row.patient.analysis.options.gauge.key().to_owned()),
         ),
-        text("support", "`free`, or `frontal` for a patient who lies on a table", |row| {
-            Some(
-                match row.patient.analysis.options.support {
-                    Support::Free => "free",
-                    Support::Frontal => "frontal",
-                }
-                .to_owned(),
-            )
-        }),
+        text(
+            "support",
+            "`free`, or `frontal` where flexion and axial rotation are locked",
+            |row| {
+                Some(
+                    match row.patient.analysis.options.support {
+                        Support::Free => "free",
+                        Support::Frontal => "frontal",
+                    }
+                    .to_owned(),
+                )
+            },
+        ),
         text("fit", "fitted data: `shape`, or `ferguson` angles", |row| {
             Some(
                 match row.patient.analysis.options.target {

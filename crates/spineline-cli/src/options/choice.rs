@@ -72,7 +72,9 @@ impl Choice for Support {
     fn help(self) -> &'static str {
         match self {
             Self::Free => "Every joint rotates about three axes (the paper)",
-            Self::Frontal => "The patient lies on a table: flexion and axial rotation are locked",
+            Self::Frontal => {
+                "In the frontal plane, as on a table: flexion and axial rotation are locked"
+            }
         }
     }
 }

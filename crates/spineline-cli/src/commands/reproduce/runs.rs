@@ -30,7 +30,7 @@ const SUPPORTS: [Support; 2] = [Support::Free, Support::Frontal];
 pub fn support_words(support: Support) -> &'static str {
     match support {
         Support::Free => "free support (the paper's)",
-        Support::Frontal => "frontal support (the patient lies on a table)",
+        Support::Frontal => "frontal support (in the frontal plane, as on a table)",
     }
 }
 
