@@ -79,13 +79,13 @@ fn range(values: &[&String]) -> String {
 
 /// A text taken apart: words, of which one more than numbers, and numbers. Digits of a name, such as T12, are words.
 fn parts(text: &str) -> (Vec<String>, Vec<String>) {
-    let (mut words, mut numbers) = (vec![String::new()], Vec::new());
+    let (mut words, mut numbers) = (Vec::new(), Vec::new());
+    let mut current = String::new();
     let mut is_name = false;
     let mut characters = text.chars().peekable();
     while let Some(character) = characters.next() {
-        let last = words.last_mut().expect("one at least");
         if !character.is_ascii_digit() || is_name {
-            last.push(character);
+            current.push(character);
             is_name = character.is_alphanumeric();
             continue;
         }
@@ -107,8 +107,9 @@ fn parts(text: &str) -> (Vec<String>, Vec<String>) {
             characters.next();
         }
         numbers.push(number);
-        words.push(String::new());
+        words.push(std::mem::take(&mut current));
     }
+    words.push(current);
     (words, numbers)
 }
 
