@@ -3,6 +3,8 @@ use rand_distr::{Distribution, Normal, Uniform};
 use spineline::anatomy::{Level, Morphometry};
 use spineline::spatial::{Angle, Mat3, Vec3};
 
+use crate::build::{Build, Construction, Springs};
+use crate::lobes::LobedCurve;
 use crate::{PhantomError, TableRow};
 
 /// Segments of the fine chain.
@@ -19,10 +21,8 @@ pub(crate) struct ErectSpine {
     pub vertebra_s_mm: Vec<f64>,
     /// Arc length of the two inflections.
     pub inflection_s_mm: [f64; 2],
-    /// Lateral multiplier per region, caudal first.
-    pub multipliers: [f64; 3],
-    /// What every joint's spring has beyond that, caudal first.
-    pub joint_multipliers: [f64; Level::MODEL.len() - 1],
+    /// What bends.
+    pub springs: Springs,
 }
 
 /// `y''` of the erect curve is `-A (z + a)(z - z1)(z - z2)(b - z)` on `z` in 0…1: curves convex to the left, right and left, as most adolescent curves are, and a polynomial of degree 6.
@@ -88,6 +88,18 @@ impl Shape {
             .collect()
     }
 
+    /// Tilt of every segment, which is that of the curve at its middle, and the inflections as parts of the length.
+    fn tilts(&self) -> (Vec<f64>, [f64; 2]) {
+        // Every second cut ends a segment.
+        let cuts = self.cut(2 * SEGMENTS);
+        let inflections = self.inflections.map(|z| {
+            let k = cuts.partition_point(|&height| height < z).clamp(1, 2 * SEGMENTS);
+            let part = (z - cuts[k - 1]) / (cuts[k] - cuts[k - 1]);
+            ((k - 1) as f64 + part) / (2 * SEGMENTS) as f64
+        });
+        ((0..SEGMENTS).map(|k| self.tilt(cuts[2 * k + 1])).collect(), inflections)
+    }
+
     /// The shape whose curves have given angles: Newton with differences from a usual shape.
     fn with_turns(target_rad: [f64; 3]) -> Option<Self> {
         let mut shape = Self { amplitude: 20.0 * target_rad[1], inflections: [0.33, 0.73] };
@@ -124,7 +136,11 @@ impl Shape {
 
 impl ErectSpine {
     /// Draws the anatomy of one subject.
-    pub fn draw(row: &TableRow, rng: &mut ChaCha12Rng) -> Result<Self, PhantomError> {
+    pub fn draw(
+        row: &TableRow,
+        build: &Build,
+        rng: &mut ChaCha12Rng,
+    ) -> Result<Self, PhantomError> {
         let vary = Uniform::new(0.95, 1.05).expect("0.95 is below 1.05");
         let cobb = row.cobb_deg();
         let main = cobb.iter().copied().fold(0.0, f64::max);
@@ -133,43 +149,27 @@ impl ErectSpine {
             let factor = if deg == main { 1.0 } else { vary.sample(rng) };
             Angle::from_deg(deg * factor).rad()
         });
-        let shape = Shape::with_turns(lobes).ok_or(PhantomError::NoCurve { number: row.number })?;
-        // The paper's chains: 0.39 ± 0.05 mm per segment, so 389 ± 50 mm.
-        let length_mm = Normal::<f64>::new(389.0, 50.0)
-            .expect("a positive deviation")
-            .sample(rng)
-            .clamp(300.0, 480.0);
-        // Every second cut ends a segment; the tilt of a segment is that of the curve at its middle.
-        let cuts = shape.cut(2 * SEGMENTS);
-        let tilt = |k: usize| shape.tilt(cuts[2 * k + 1]);
+        let no_curve = PhantomError::NoCurve { number: row.number };
+        let (length_mm, tilts, inflection_s_mm) = match build.construction {
+            Construction::Rod => {
+                let shape = Shape::with_turns(lobes).ok_or(no_curve)?;
+                let length_mm = draw_length_mm(rng);
+                let (tilts, parts) = shape.tilts();
+                (length_mm, tilts, parts.map(|part| length_mm * part))
+            }
+            Construction::Discs | Construction::Hinges => {
+                let curve = LobedCurve::draw(lobes, build.construction, rng).ok_or(no_curve)?;
+                let length_mm = draw_length_mm(rng);
+                let tilts =
+                    (0..SEGMENTS).map(|k| curve.tilt_rad((k as f64 + 0.5) / SEGMENTS as f64));
+                (length_mm, tilts.collect(), curve.inflections().map(|part| length_mm * part))
+            }
+        };
         let turns_rad =
-            (0..SEGMENTS).map(|k| tilt(k) - if k == 0 { 0.0 } else { tilt(k - 1) }).collect();
-        let inflection_s_mm = shape.inflections.map(|z| {
-            let k = cuts.partition_point(|&height| height < z).clamp(1, 2 * SEGMENTS);
-            let part = (z - cuts[k - 1]) / (cuts[k] - cuts[k - 1]);
-            length_mm * ((k - 1) as f64 + part) / (2 * SEGMENTS) as f64
-        });
-        let spread = Normal::<f64>::new(0.0, 0.25).expect("a positive deviation");
-        let stiff = Uniform::<f64>::new(3.0, 5.0).expect("3 is below 5");
-        // Ribs make the main thoracic region three to five times as stiff as segments without them.
-        let multipliers =
-            [spread.sample(rng).exp(), stiff.sample(rng), 1.6 * spread.sample(rng).exp()];
-        Ok(Self {
-            length_mm,
-            turns_rad,
-            vertebra_s_mm: vertebra_s_mm(length_mm),
-            inflection_s_mm,
-            multipliers,
-            joint_multipliers: [1.0; Level::MODEL.len() - 1],
-        })
-    }
-
-    /// Lets the springs of joints differ: their logarithms have this standard deviation.
-    pub fn vary_joints(&mut self, log_sd: f64, rng: &mut ChaCha12Rng) {
-        let spread = Normal::<f64>::new(0.0, log_sd).expect("a deviation");
-        for multiplier in &mut self.joint_multipliers {
-            *multiplier = spread.sample(rng).exp();
-        }
+            (0..SEGMENTS).map(|k| tilts[k] - if k == 0 { 0.0 } else { tilts[k - 1] }).collect();
+        let vertebra_s_mm = vertebra_s_mm(length_mm);
+        let springs = Springs::draw(build, (&vertebra_s_mm, inflection_s_mm), rng);
+        Ok(Self { length_mm, turns_rad, vertebra_s_mm, inflection_s_mm, springs })
     }
 
     /// Length of a segment.
@@ -179,8 +179,18 @@ impl ErectSpine {
 
     /// Region of an arc length: caudal, middle or cranial of the inflections.
     pub fn region(&self, s_mm: f64) -> usize {
-        self.inflection_s_mm.iter().filter(|&&end| s_mm > end).count()
+        region(self.inflection_s_mm, s_mm)
     }
+}
+
+/// Region of an arc length: caudal, middle or cranial of the inflections.
+pub(crate) fn region(inflection_s_mm: [f64; 2], s_mm: f64) -> usize {
+    inflection_s_mm.iter().filter(|&&end| s_mm > end).count()
+}
+
+/// The paper's chains: 0.39 ± 0.05 mm per segment, so 389 ± 50 mm.
+fn draw_length_mm(rng: &mut ChaCha12Rng) -> f64 {
+    Normal::<f64>::new(389.0, 50.0).expect("a positive deviation").sample(rng).clamp(300.0, 480.0)
 }
 
 fn vertebra_s_mm(length_mm: f64) -> Vec<f64> {

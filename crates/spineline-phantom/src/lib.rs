@@ -25,11 +25,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod build;
 mod counter;
 mod erect;
 mod film;
 mod film_lengths;
 mod loads;
+mod lobes;
 mod movement;
 mod radiograph;
 mod readers;
@@ -37,6 +39,7 @@ mod rod;
 mod subjects;
 mod truth;
 
+pub use build::{Build, Construction};
 pub use film::{Polarity, TrueFilm};
 pub use radiograph::Radiograph;
 pub use readers::Readers;
@@ -115,6 +118,12 @@ impl Truth {
         }
     }
 
+    /// Whether forces move the spine; else its rotations are prescribed.
+    #[must_use]
+    pub const fn is_elastic(self) -> bool {
+        !matches!(self, Self::Bend | Self::Flatten | Self::Random)
+    }
+
     /// Short description.
     #[must_use]
     pub const fn meaning(self) -> &'static str {
@@ -187,6 +196,16 @@ pub enum PhantomError {
         /// Number of the subject, from 1.
         number: usize,
     },
+    /// Prescribed rotations, of a spine that bends at joints only.
+    #[error(
+        "{truth}: without a force only a spine of construction `rod` can be moved, not `{construction}`"
+    )]
+    Construction {
+        /// Loading scenario.
+        truth: &'static str,
+        /// Construction.
+        construction: &'static str,
+    },
     /// The force that should move the spine was not found.
     #[error("subject {number}, {truth}: the force for the {posture} posture was not found")]
     NoForce {
@@ -211,25 +230,24 @@ pub fn generate(
     readers: &Readers,
     seed: u64,
 ) -> Result<Phantom, PhantomError> {
-    generate_varied(index, truth, readers, seed, 0.0)
+    generate_built(index, truth, readers, seed, Build::default())
 }
 
-/// As [`generate`], where the springs of joints in one region differ: their logarithms have this standard deviation. Truths
-/// without springs stay as they are, and [`Phantom::multipliers`] are those of the regions.
+/// As [`generate`], of a spine that is built otherwise. [`Phantom::multipliers`] are means of regions.
 ///
 /// # Errors
 /// [`PhantomError`].
 ///
 /// # Panics
 /// If the deviation is no finite number.
-pub fn generate_varied(
+pub fn generate_built(
     index: usize,
     truth: Truth,
     readers: &Readers,
     seed: u64,
-    joint_log_sd: f64,
+    build: Build,
 ) -> Result<Phantom, PhantomError> {
-    let patient = Patient { index, copy: 0, joint_log_sd };
+    let patient = Patient { index, copy: 0, build };
     let mut phantoms = generate_patient(&patient, truth, std::slice::from_ref(readers), seed)?;
     Ok(phantoms.pop().expect("one per kind of readers"))
 }
@@ -248,7 +266,7 @@ pub fn generate_read(
     readers: &[Readers],
     seed: u64,
 ) -> Result<Vec<Phantom>, PhantomError> {
-    generate_patient(&Patient { index, copy, joint_log_sd: 0.0 }, truth, readers, seed)
+    generate_patient(&Patient { index, copy, build: Build::default() }, truth, readers, seed)
 }
 
 /// Selection of a phantom.
@@ -256,21 +274,25 @@ struct Patient {
     /// Row of Table 1, from 0.
     index: usize,
     copy: u32,
-    joint_log_sd: f64,
+    build: Build,
 }
 
 fn generate_patient(
-    &Patient { index, copy, joint_log_sd }: &Patient,
+    &Patient { index, copy, build }: &Patient,
     truth: Truth,
     readers: &[Readers],
     seed: u64,
 ) -> Result<Vec<Phantom>, PhantomError> {
     let row = SUBJECTS.get(index).ok_or(PhantomError::NoSubject { number: index + 1 })?;
+    let construction = build.construction;
+    if construction != Construction::Rod && !truth.is_elastic() {
+        let (truth, construction) = (truth.key(), construction.key());
+        return Err(PhantomError::Construction { truth, construction });
+    }
     let place = 8 * (index as u64 + SUBJECTS.len() as u64 * u64::from(copy));
     // Anatomy is the same for all scenarios; movement and readers have streams of their own.
     let mut anatomy_rng = stream(seed, place);
-    let mut spine = erect::ErectSpine::draw(row, &mut anatomy_rng)?;
-    spine.vary_joints(joint_log_sd, &mut anatomy_rng);
+    let spine = erect::ErectSpine::draw(row, &build, &mut anatomy_rng)?;
     let (movement, look) = streams(place, truth);
     let mut rng = stream(seed, movement);
     let (postures, multipliers) = truth::postures(row, truth, &spine, &mut rng)?;
@@ -285,6 +307,9 @@ fn generate_patient(
             &mut rng.clone(),
             &mut stream(seed, look),
         );
+        if construction != Construction::Rod {
+            case.id = format!("{}-{}", case.id, construction.key());
+        }
         if copy > 0 {
             case.id = format!("{}-copy-{copy}", case.id);
         }

@@ -1,8 +1,6 @@
 //! Planar statics of the fine chain, independent of the library's march, which is tested against it.
 
 use spineline::action::{Application, LineOfAction};
-use spineline::anatomy::Level;
-use spineline::multibody::StiffnessLibrary;
 use spineline::spatial::{Angle, Frontal};
 
 use crate::erect::{ErectSpine, SEGMENTS};
@@ -69,30 +67,12 @@ impl ChainShape {
 #[derive(Debug)]
 pub(crate) struct Rod<'a> {
     spine: &'a ErectSpine,
-    stiffness_nmm_per_rad: Vec<f64>,
+    stiffness_nmm_per_rad: &'a [f64],
 }
 
 impl<'a> Rod<'a> {
-    /// Spreads every joint's lateral spring over the segments between its two vertebrae.
     pub fn new(spine: &'a ErectSpine) -> Self {
-        let library = StiffnessLibrary::default();
-        let segment_mm = spine.segment_mm();
-        let stiffness_nmm_per_rad = (0..SEGMENTS)
-            .map(|k| {
-                let s = k as f64 * segment_mm;
-                let joint = spine
-                    .vertebra_s_mm
-                    .partition_point(|&v| v <= s)
-                    .clamp(1, Level::MODEL.len() - 1)
-                    - 1;
-                let span = spine.vertebra_s_mm[joint + 1] - spine.vertebra_s_mm[joint];
-                let nominal = library.rows()[joint].nmm_per_rad[0];
-                let multiplier =
-                    spine.multipliers[spine.region(s)] * spine.joint_multipliers[joint];
-                nominal * multiplier * span / segment_mm
-            })
-            .collect();
-        Self { spine, stiffness_nmm_per_rad }
+        Self { spine, stiffness_nmm_per_rad: &spine.springs.nmm_per_rad }
     }
 
     /// Equilibrium under a force along a line fixed in space.

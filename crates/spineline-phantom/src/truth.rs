@@ -34,8 +34,7 @@ pub(crate) fn postures(
             loads::move_by(truth, spine, &erect, rng).map_err(missing)?
         }
     };
-    let elastic = !matches!(truth, Truth::Bend | Truth::Flatten | Truth::Random);
-    let multipliers = if elastic { spine.multipliers } else { [1.0; 3] };
+    let multipliers = if truth.is_elastic() { spine.springs.multipliers } else { [1.0; 3] };
     let first = Moved::at(Posture::Erect, erect, 0.0);
     let mut all: Vec<TruePosture> =
         std::iter::once(first).chain(moved).map(|moved| moved.observed(spine)).collect();

@@ -67,6 +67,12 @@ fn inflection_mm(row: &PatientRow<'_>, end: usize) -> Option<[f64; 2]> {
     Some([scale.mm(place.y_mm)?, scale.mm(place.z_mm)?])
 }
 
+/// End of the 95 % interval of an inflection along the erect curve.
+fn interval_mm(row: &PatientRow<'_>, inflection: usize, end: usize) -> Option<f64> {
+    let found = row.patient.analysis.inflection_intervals?.each[inflection]?;
+    row.patient.analysis.scale().mm(found.along_mm[end])
+}
+
 fn between(row: &PatientRow<'_>, end: usize) -> Option<String> {
     inflection(row, end).map(|found| format!("{}/{}", found.between.0, found.between.1))
 }
@@ -118,6 +124,18 @@ fn inflections<'a>() -> Vec<Column<PatientRow<'a>>> {
         number("inflection_caudal_z", Unit::Millimetres, "its height", |row| {
             inflection_mm(row, 0).map(|place| place[1])
         }),
+        number(
+            "inflection_caudal_interval_95_low",
+            Unit::Millimetres,
+            "caudal end of its 95 % interval along the erect curve from the base, by landmark noise and the unknown form of the curve",
+            |row| interval_mm(row, 0, 0),
+        ),
+        number(
+            "inflection_caudal_interval_95_high",
+            Unit::Millimetres,
+            "cranial end of it",
+            |row| interval_mm(row, 0, 1),
+        ),
         text("inflection_cranial_between", "vertebrae around the cranial inflection", |row| {
             between(row, 1)
         }),
@@ -130,6 +148,18 @@ fn inflections<'a>() -> Vec<Column<PatientRow<'a>>> {
         number("inflection_cranial_z", Unit::Millimetres, "its height", |row| {
             inflection_mm(row, 1).map(|place| place[1])
         }),
+        number(
+            "inflection_cranial_interval_95_low",
+            Unit::Millimetres,
+            "caudal end of its 95 % interval along the erect curve from the base, by landmark noise and the unknown form of the curve",
+            |row| interval_mm(row, 1, 0),
+        ),
+        number(
+            "inflection_cranial_interval_95_high",
+            Unit::Millimetres,
+            "cranial end of it",
+            |row| interval_mm(row, 1, 1),
+        ),
     ]
 }
 

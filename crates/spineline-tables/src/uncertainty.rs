@@ -53,11 +53,14 @@ fn spread<'a>() -> Vec<Column<SpreadRow<'a>>> {
         number("sd", Unit::Stated, "standard deviation over the replicates", |row| {
             row.item.spread.map(|spread| spread.sd)
         }),
-        number("interval_95_low", Unit::Stated, "2.5 % quantile", |row| {
-            row.item.spread.map(|spread| spread.interval_95()[0])
-        }),
-        number("interval_95_high", Unit::Stated, "97.5 % quantile", |row| {
-            row.item.spread.map(|spread| spread.interval_95()[1])
+        number(
+            "interval_95_low",
+            Unit::Stated,
+            "2.5 % quantile; empty for distances and absolute errors, which any noise makes larger",
+            |row| row.item.interval_95().map(|interval| interval[0]),
+        ),
+        number("interval_95_high", Unit::Stated, "97.5 % quantile, likewise", |row| {
+            row.item.interval_95().map(|interval| interval[1])
         }),
         count("replicates", "number of replicates with a value", |row| Some(row.item.count as i64)),
     ]

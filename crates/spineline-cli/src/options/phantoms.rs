@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
-use spineline_phantom::{Readers, Truth};
+use spineline_phantom::{Construction, Readers, Truth};
 
 use crate::run::failure::Failure;
 
@@ -17,6 +17,22 @@ impl ValueEnum for ScenarioName {
         static NAMES: LazyLock<Vec<ScenarioName>> = LazyLock::new(|| {
             Truth::EVERY.into_iter().chain(Truth::OTHERS).map(ScenarioName).collect()
         });
+        &NAMES
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.0.key()).help(self.0.meaning()))
+    }
+}
+
+/// How the synthetic spine is built.
+#[derive(Clone, Copy)]
+pub struct ConstructionName(pub Construction);
+
+impl ValueEnum for ConstructionName {
+    fn value_variants<'a>() -> &'a [Self] {
+        static NAMES: LazyLock<Vec<ConstructionName>> =
+            LazyLock::new(|| Construction::ALL.into_iter().map(ConstructionName).collect());
         &NAMES
     }
 

@@ -101,6 +101,13 @@ struct InflectionRecord {
     erect_mm: Option<[f64; 2]>,
     /// In pixels, where it has none.
     erect_px: Option<[f64; 2]>,
+    /// 95 % interval along the erect curve, measured from the base (L4), by landmark noise and the unknown form of the curve. Absent
+    /// where it reaches an end of the spine, where the erect film has no spacing, and where the inflections were picked by hand.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    interval_95_along_mm: Option<[f64; 2]>,
+    /// The vertebrae between which that interval lies, caudal first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    interval_95_between: Option<[LevelKey; 2]>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -291,12 +298,20 @@ fn inflections(analysis: &Analysis) -> Vec<InflectionRecord> {
         .iter()
         .flatten()
         .zip(analysis.inflection_segments.iter().flatten());
+    let intervals = analysis.inflection_intervals.map_or([None; 2], |found| found.each);
     pairs
-        .map(|(inflection, &segment)| InflectionRecord {
+        .zip(intervals)
+        .map(|((inflection, &segment), interval)| InflectionRecord {
             segment,
             between: [LevelKey(inflection.between.0), LevelKey(inflection.between.1)],
             erect_mm: point_mm(scale, inflection.erect),
             erect_px: point_px(scale, inflection.erect),
+            interval_95_along_mm: interval.and_then(|found| {
+                let [from, to] = found.along_mm.map(|mm| scale.mm(mm));
+                Some([from?, to?])
+            }),
+            interval_95_between: interval
+                .map(|found| [LevelKey(found.between.0), LevelKey(found.between.1)]),
         })
         .collect()
 }

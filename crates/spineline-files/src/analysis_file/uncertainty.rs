@@ -74,6 +74,7 @@ struct SpreadRecord {
     value: Option<f64>,
     mean: Option<f64>,
     sd: Option<f64>,
+    /// Absent for distances and absolute errors, which any noise makes larger.
     interval_95: Option<[f64; 2]>,
     /// The 25, 50 and 75 % quantiles.
     quartiles: Option<[f64; 3]>,
@@ -144,7 +145,7 @@ fn record(found: &QuantitySpread, analysis: &Analysis) -> SpreadRecord {
         value: found.nominal.ok(),
         mean: spread.map(|s| s.mean),
         sd: spread.map(|s| s.sd),
-        interval_95: spread.map(|s| s.interval_95()),
+        interval_95: found.interval_95(),
         quartiles: spread.map(|s| [s.quantiles[1], s.quantiles[2], s.quantiles[3]]),
         count: found.count,
         absent: absent.collect(),

@@ -26,7 +26,6 @@ fn kind(quantity: AnalysisQuantity) -> Option<&'static str> {
         Q::LineTilt(LineKind::Estimated, _) => "lean of the estimated line",
         Q::LogMultiplier(..) => "ln of a multiplier",
         Q::Force(..) => "force",
-        Q::LocationError(..) | Q::MeanLocationError(..) => "location error",
         _ => return None,
     })
 }
@@ -48,9 +47,8 @@ fn patient(index: usize, truth: Truth, seed: u64, replicates: u64) -> Counts {
     let right = told(&exact, &analysis, LandmarkNoise::Pixels(0.0), 1);
     let mut counts = Counts::new();
     for spread in found.quantities.iter().filter(|spread| 20 * spread.count >= 19 * replicates) {
-        let both = spread.spread.as_ref().zip(right.spread(spread.quantity));
-        let Some((kind, (noisy, right))) = kind(spread.quantity).zip(both) else { continue };
-        let [low, high] = noisy.interval_95();
+        let both = spread.interval_95().zip(right.spread(spread.quantity));
+        let Some((kind, ([low, high], right))) = kind(spread.quantity).zip(both) else { continue };
         let [held, all] = counts.entry(kind).or_default();
         *held += usize::from((low..=high).contains(&right.mean));
         *all += 1;

@@ -9,19 +9,22 @@ use spineline::action::LineOfAction;
 use spineline::analysis::{Analysis, AnalysisOptions, PostureAnalysis, analyze};
 use spineline::anatomy::Posture;
 use spineline::personalize::{Crossing, ProposedLine};
-use spineline::spatial::Frontal;
-use spineline_phantom::{Readers, SUBJECTS, TruePosture, Truth, generate_varied};
+use spineline::spatial::{Angle, Frontal};
+use spineline_phantom::{
+    Build, Construction, Readers, SUBJECTS, TruePosture, Truth, generate_built,
+};
 
 const REGION: &str = "the true line is in the 95 % region";
 const SETTLED: &str = "the fit of the films' own loads settles";
+const INFLECTION: &str = "an inflection is in its 95 % interval";
 const CROSSING: &str = "the true line crosses within the 95 % interval";
 
 /// How often each of several things was so.
 type Counts = BTreeMap<(Posture, &'static str), [usize; 2]>;
 
-/// A true line in the frame of the film as it was read: that is L4's, which turns and shifts as L4 is read. All vertebrae
+/// From the true frame into that of the film as it was read: that is L4's, which turns and shifts as L4 is read. All vertebrae
 /// together show where it lies.
-fn as_read(line: &LineOfAction, truth: &TruePosture, posture: &PostureAnalysis) -> LineOfAction {
+fn as_read(truth: &TruePosture, posture: &PostureAnalysis) -> impl Fn(Frontal) -> Frontal {
     let read: Vec<Frontal> = posture.outline.vertebrae.iter().map(|v| v.location).collect();
     let mean = |places: &[Frontal]| {
         places.iter().fold(Frontal::default(), |sum, place| sum + *place)
@@ -32,15 +35,23 @@ fn as_read(line: &LineOfAction, truth: &TruePosture, posture: &PostureAnalysis) 
     let pairs = truth.locations.iter().zip(&read).map(|(a, b)| (*a - true_middle, *b - middle));
     let (cross, dot) = pairs.fold((0.0, 0.0), |(c, d), (a, b)| (c + a.cross(b), d + a.dot(b)));
     let (sin, cos) = (cross / cross.hypot(dot), dot / cross.hypot(dot));
-    let turned =
-        |v: Frontal| Frontal::new(cos * v.y_mm - sin * v.z_mm, sin * v.y_mm + cos * v.z_mm);
-    let mut line = *line;
-    line.point = middle + turned(line.point - true_middle);
-    line.direction = turned(line.direction);
-    line
+    move |place| {
+        let v = place - true_middle;
+        middle + Frontal::new(cos * v.y_mm - sin * v.z_mm, sin * v.y_mm + cos * v.z_mm)
+    }
 }
 
 fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut Counts) {
+    let erect = phantom.posture(Posture::Erect).expect("a film");
+    let intervals = analysis.inflection_intervals.expect("a pair of inflections");
+    for (truth, interval) in erect.inflections.iter().zip(intervals.each) {
+        // An interval that is not limited holds everything.
+        let z_mm = as_read(erect, analysis.erect())(*truth).z_mm;
+        let held = interval.is_none_or(|found| (found.t_mm[0]..=found.t_mm[1]).contains(&z_mm));
+        let [yes, all] = counts.entry((Posture::Erect, INFLECTION)).or_default();
+        *yes += usize::from(held);
+        *all += 1;
+    }
     let loads = analysis.preferred_loads();
     // One fit for all films: it is kept under the one that has no load.
     let [settled, all] = counts.entry((Posture::Erect, SETTLED)).or_default();
@@ -56,8 +67,9 @@ fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut
             *all += 1;
         };
         let truth = phantom.posture(name).expect("a film");
-        let line = as_read(&truth.line.expect("a known line"), truth, posture);
-        let points = [line.point, line.point + line.direction * 100.0];
+        let (true_line, placed) = (truth.line.expect("a known line"), as_read(truth, posture));
+        let points = [0.0, 100.0].map(|mm| placed(true_line.point + true_line.direction * mm));
+        let line = LineOfAction::through(points[0], points[1]).expect("two points");
         let proposal = ProposedLine::Through { points, covariance: Matrix4::zeros() };
         let test = loads.test(film, &proposal).expect("a load");
         add(REGION, !test.rejects());
@@ -77,16 +89,15 @@ fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut
     }
 }
 
-/// Counts over sets of the 18 subjects, one per seed, whose joints may differ from one another.
-fn study(truth: Truth, seeds: RangeInclusive<u64>, joint_log_sd: f64) -> Counts {
+/// Counts over sets of the 18 subjects, one per seed.
+fn study(truth: Truth, seeds: RangeInclusive<u64>, build: Build, readers: &Readers) -> Counts {
     let patients: Vec<(u64, usize)> =
         seeds.flat_map(|seed| (0..SUBJECTS.len()).map(move |index| (seed, index))).collect();
     let counts: Vec<Counts> = patients
         .par_iter()
         .map(|&(seed, index)| {
             let mut counts = Counts::new();
-            let phantom = generate_varied(index, truth, &Readers::default(), seed, joint_log_sd)
-                .expect("a phantom");
+            let phantom = generate_built(index, truth, readers, seed, build).expect("a phantom");
             let analysis =
                 analyze(&phantom.case, &AnalysisOptions::default()).expect("a sound case");
             if analysis.inflections.pair.is_some() {
@@ -108,27 +119,34 @@ fn share(counts: &Counts, posture: Posture, what: &'static str) -> f64 {
     yes as f64 / all as f64
 }
 
-fn print(truth: Truth, joint_log_sd: f64, counts: &Counts) {
-    println!("synthetic, {} ({}), joints differ by {joint_log_sd}", truth.key(), truth.meaning());
+fn print(truth: Truth, build: Build, counts: &Counts) {
+    let (construction, sd) = (build.construction.key(), build.joint_log_sd);
+    println!(
+        "synthetic, {} ({}), {construction}, joints differ by {sd}",
+        truth.key(),
+        truth.meaning()
+    );
     for ((posture, what), [yes, all]) in counts {
         println!("  {posture}: {what}: {yes} of {all}, {:.1} %", 100.0 * *yes as f64 / *all as f64);
     }
 }
 
 /// The hypothesis that each truth obeys, and one that it breaks.
-fn check(truth: Truth, counts: &Counts, right: RangeInclusive<f64>) {
+fn check(truth: Truth, counts: &Counts, bounds: &Bounds) {
     let (inflection, iliac) = (
         "'through the inflections' is not rejected",
         "'parallel to the iliac line' is not rejected",
     );
     assert!(share(counts, Posture::Erect, SETTLED) > 0.99, "{truth:?}");
+    let inflections = share(counts, Posture::Erect, INFLECTION);
+    assert!((0.9..=1.0).contains(&inflections), "{truth:?}: {inflections}");
     for posture in Posture::MOVED {
         let region = share(counts, posture, REGION);
-        assert!(right.contains(&region), "{truth:?}, {posture}: {region}");
+        assert!(bounds.regions.contains(&region), "{truth:?}, {posture}: {region}");
         // The other lines of pulled spines are nearly horizontal, and cross anywhere.
         if truth == Truth::Rod || posture == Posture::Traction {
             let crossing = share(counts, posture, CROSSING);
-            assert!(right.contains(&crossing), "{truth:?}, {posture}: {crossing}");
+            assert!(bounds.regions.contains(&crossing), "{truth:?}, {posture}: {crossing}");
         }
         let (obeyed, broken) = match (truth, posture) {
             // Its traction is a cranial force at T2.
@@ -137,30 +155,60 @@ fn check(truth: Truth, counts: &Counts, right: RangeInclusive<f64>) {
             _ => (inflection, iliac),
         };
         let kept = share(counts, posture, obeyed);
-        assert!(right.contains(&kept), "{truth:?}, {posture}: {obeyed} in {kept}");
+        assert!(bounds.tests.contains(&kept), "{truth:?}, {posture}: {obeyed} in {kept}");
+        // At rest a pulled spine moves little, and biased observers see less of it.
         let missed = share(counts, posture, broken);
-        assert!(missed < 0.2, "{truth:?}, {posture}: {broken} in {missed}");
+        assert!(missed < 0.3, "{truth:?}, {posture}: {broken} in {missed}");
     }
+}
+
+/// Observers who disagree: each sets every vertebra of a film off by a bias of his own.
+fn biased() -> Readers {
+    let [corner_bias_sd_mm, axis_bias_deg] = [0.4, 0.3];
+    let axis_bias_sd = Angle::from_deg(axis_bias_deg);
+    Readers { corner_bias_sd_mm, axis_bias_sd, ..Readers::default() }
 }
 
 #[test]
 fn regions_contain_the_true_line_and_tests_keep_their_size() {
     // Oracle: the line that made the films. Of 36 patients 95 % are 34; fewer than 29 come by chance once in 200 times.
-    for truth in [Truth::Rod, Truth::Pull] {
-        check(truth, &study(truth, 1..=2, 0.0), 0.8..=1.0);
+    for (construction, readers) in
+        [(Construction::Rod, Readers::default()), (Construction::Discs, biased())]
+    {
+        let bounds = Bounds { construction, regions: 0.75..=1.0, tests: 0.8..=1.0 };
+        let joint_log_sd = if construction == Construction::Rod { 0.0 } else { 0.12 };
+        let build = Build { construction, joint_log_sd };
+        for truth in [Truth::Rod, Truth::Pull] {
+            check(truth, &study(truth, 1..=2, build, &readers), &bounds);
+        }
     }
 }
 
+/// Shares of a study over spines of one construction: the true line in its region, and the tests of the line that made the films.
+struct Bounds {
+    construction: Construction,
+    regions: RangeInclusive<f64>,
+    tests: RangeInclusive<f64>,
+}
+
 /// The study behind the rows in `validation/README.md`: some minutes in a release build. The priors of deviations were chosen
-/// with sets 1 to 168 and 1001 to 1168 in view; these are others.
+/// with sets 1 to 168, 1001 to 1168 and 2001 to 2008 in view; these are others.
 #[test]
-#[ignore = "over 2,000 patients per truth: cargo test --release -p spineline-phantom --test it line_regions -- --ignored --nocapture"]
-fn over_two_thousand_patients() {
-    for (truth, joint_log_sd) in
-        [Truth::Rod, Truth::Pull].into_iter().flat_map(|truth| [(truth, 0.0), (truth, 0.1)])
-    {
-        let counts = study(truth, 2001..=2112, joint_log_sd);
-        print(truth, joint_log_sd, &counts);
-        check(truth, &counts, 0.93..=0.97);
+#[ignore = "over 12,000 patients: cargo test --release -p spineline-phantom --test it line_regions -- --ignored --nocapture"]
+fn over_thousands_of_patients() {
+    let rods = Bounds { construction: Construction::Rod, regions: 0.92..=0.99, tests: 0.92..=0.99 };
+    // What the caudal joints of a pulled spine say of its force is not wholly in the regions.
+    let discs = |construction| Bounds { construction, regions: 0.87..=0.98, tests: 0.92..=0.99 };
+    for bounds in [rods, discs(Construction::Discs), discs(Construction::Hinges)] {
+        for (joint_log_sd, readers) in
+            [(0.0, Readers::default()), (0.12, Readers::default()), (0.12, biased())]
+        {
+            for truth in [Truth::Rod, Truth::Pull] {
+                let build = Build { construction: bounds.construction, joint_log_sd };
+                let counts = study(truth, 6001..=6040, build, &readers);
+                print(truth, build, &counts);
+                check(truth, &counts, &bounds);
+            }
+        }
     }
 }

@@ -4,7 +4,10 @@ use spineline::analysis::analyze;
 use spineline::anatomy::Posture;
 use spineline::clinical::ClinicalCurve;
 use spineline::spatial::Angle;
-use spineline_phantom::{Phantom, PhantomError, Readers, SUBJECTS, TableRow, Truth, generate};
+use spineline_phantom::{
+    Build, Construction, Phantom, PhantomError, Readers, SUBJECTS, TableRow, Truth, generate,
+    generate_built,
+};
 
 /// The angle is set on the curve itself; between vertebrae its largest tilts are interpolated.
 const COBB_DEG: f64 = 0.1;
@@ -138,4 +141,48 @@ fn a_repeated_analysis_is_equal_to_the_last_digit() {
             [0, 1].map(|_| analyze(&case, &Default::default()).expect("a sound case"));
         assert_eq!(format!("{first:?}"), format!("{again:?}"));
     }
+}
+
+#[test]
+fn every_construction_has_the_curve_of_its_row_and_moves() {
+    // Oracle: Table 1. Readers without error see the true places.
+    for construction in Construction::ALL {
+        let build = Build { construction, joint_log_sd: 0.12 };
+        let phantom =
+            generate_built(4, Truth::Rod, &Readers::exact(), 3, build).expect("a phantom");
+        let erect = phantom.posture(Posture::Erect).expect("a film");
+        let tilts = || erect.tilts.iter().map(|tilt| tilt.deg());
+        let most = tilts().fold(f64::MIN, f64::max) - tilts().fold(f64::MAX, f64::min);
+        // The largest difference of two vertebrae is a little less than that of the curve at its inflections.
+        assert!((50.0..=53.1).contains(&most), "{construction:?}: {most}");
+        let bend = phantom.posture(Posture::LeftBending).expect("a film");
+        assert!((bend.tilts[14] - erect.tilts[14]).abs().deg() > 5.0, "{construction:?}");
+    }
+}
+
+#[test]
+fn a_force_at_the_top_turns_all_joints_of_every_construction_to_its_side() {
+    // Oracle: the moment of a horizontal force at T2 has one sign below it.
+    let rotations = |construction| {
+        let build = Build { construction, joint_log_sd: 0.0 };
+        let phantom =
+            generate_built(4, Truth::Pull, &Readers::exact(), 3, build).expect("a phantom");
+        let turns = |posture| {
+            let film = phantom.posture(posture).expect("a film");
+            film.tilts.windows(2).map(|pair| (pair[1] - pair[0]).rad()).collect::<Vec<f64>>()
+        };
+        let (erect, bent) = (turns(Posture::Erect), turns(Posture::RightBending));
+        erect.iter().zip(&bent).map(|(a, b)| b - a).collect::<Vec<f64>>()
+    };
+    for construction in Construction::ALL {
+        let rotations = rotations(construction);
+        assert!(rotations.iter().all(|turn| *turn > 0.0), "{construction:?}: {rotations:?}");
+    }
+}
+
+#[test]
+fn scenarios_without_forces_need_a_rod() {
+    let build = Build { construction: Construction::Discs, joint_log_sd: 0.0 };
+    let error = generate_built(0, Truth::Bend, &Readers::exact(), 1, build).expect_err("no forces");
+    assert!(error.to_string().contains("discs"), "{error}");
 }

@@ -14,6 +14,7 @@
 //! | [`spine_in_space`] | none: the multibody model from three sides |
 //! | [`lenke_types`], [`exclusions`] | none: counts over a cohort |
 //! | [`case_overview`] | none: all postures of one patient side by side |
+//! | [`predictions`] | none: left-out bends, measured and predicted, on the first page |
 //! | [`noise_study`] | none: the paper's claims over landmark noise |
 //! | [`loaded_spine`] | none: a model under loads, from behind and from the right |
 //!
@@ -40,6 +41,7 @@ mod noise;
 mod overview;
 mod page;
 mod panel;
+mod prediction;
 mod rotation;
 mod spines;
 mod style;
@@ -56,6 +58,7 @@ pub use identification::line_identification;
 pub use loaded::{LoadedSpine, loaded_spine};
 pub use noise::{NoiseCurve, NoisePanel, NoiseRow, NoiseTruth, noise_study};
 pub use overview::case_overview;
+pub use prediction::predictions;
 pub use rotation::rotations;
 pub use spines::{force_path, measured_and_simulated};
 pub use views::spine_in_space;

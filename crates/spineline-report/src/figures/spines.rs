@@ -16,7 +16,8 @@ use super::style::{
 /// Tallest frame of a frontal picture.
 const TALL_PX: f64 = 540.0;
 
-const MEASURED: (Ink, Marker) =
+/// How measured spines are drawn.
+pub const MEASURED: (Ink, Marker) =
     (Ink::new(BLACK, "", 1.0), Marker::new(Shape::Circle, BLACK, false));
 
 /// One panel per line of action: the measured spine of a posture and the simulated one, like figure 9 of the paper.

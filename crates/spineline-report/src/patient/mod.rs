@@ -4,6 +4,7 @@ mod grouped;
 mod measured;
 mod method;
 mod model;
+mod short;
 mod summary;
 mod uncertainty;
 
@@ -42,7 +43,7 @@ pub struct Patient<'a> {
 pub fn report(patient: &Patient<'_>) -> Document {
     let analysis = patient.analysis;
     let compared = analysis.compare_lines();
-    let mut sections = vec![verdict(analysis, &compared)];
+    let mut sections = vec![short::short(analysis, &compared), verdict(analysis, &compared)];
     sections.push(measured::films(patient));
     sections.push(measured::movement(analysis));
     sections.push(measured::line(analysis));
@@ -82,7 +83,7 @@ fn sentences(section: &mut Section, analysis: &Analysis, compared: &LinesCompare
 
 /// The verdict in sentences, then contradictions and warnings, the most severe first.
 fn verdict(analysis: &Analysis, compared: &LinesCompared) -> Section {
-    let mut section = Section::new("verdict", "Verdict, contradictions and warnings");
+    let mut section = Section::new("verdict", "Evidence, contradictions and warnings");
     sentences(&mut section, analysis, compared);
     let mut notices = grouped::notices(analysis.warnings.all());
     notices.sort_by_key(|notice| notice.kind);

@@ -157,8 +157,8 @@ fn noise_interval(
     group: usize,
     scale: f64,
 ) -> Option<String> {
-    let spread = found.spread(AnalysisQuantity::LogMultiplier(model.kind, group))?;
-    let [low, high] = spread.interval_95().map(|log| scale * log.exp());
+    let spread = found.of(AnalysisQuantity::LogMultiplier(model.kind, group))?;
+    let [low, high] = spread.interval_95()?.map(|log| scale * log.exp());
     Some(format!("{low:.2} to {high:.2}"))
 }
 

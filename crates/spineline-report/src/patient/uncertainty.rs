@@ -196,10 +196,9 @@ fn spreads(analysis: &Analysis, found: &Uncertainty) -> Table {
             spread.nominal.ok().map_or_else(none, number),
             of.map_or_else(none, |s| number(s.mean)),
             of.map_or_else(none, |s| format!("{:.2}", s.sd)),
-            of.map_or_else(none, |s| {
-                let [low, high] = s.interval_95();
-                format!("{} to {}", number(low), number(high))
-            }),
+            spread
+                .interval_95()
+                .map_or_else(none, |[low, high]| format!("{} to {}", number(low), number(high))),
             format!("{:.1}", 100.0 * spread.count as f64 / found.done.max(1) as f64),
         ]);
     }

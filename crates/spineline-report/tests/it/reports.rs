@@ -1,7 +1,8 @@
 //! Reports contain the required texts, escape user text, and embed their analysis.
 
-use spineline::analysis::{Analysis, AnalysisOptions, Case, Subject, analyze};
+use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, Subject, analyze};
 use spineline::cohort::Cohort;
+use spineline::evaluate::Baseline;
 use spineline_phantom::{Readers, Truth, generate};
 use spineline_report::cohort::{Patients, Refusal, Refused};
 use spineline_report::document::{Block, NoticeKind, Section, Table};
@@ -74,12 +75,42 @@ fn tables(section: &Section) -> Vec<&Table> {
 }
 
 #[test]
+fn page_one_sets_every_line_beside_predictions_without_mechanics() {
+    let case = case(0);
+    let document = document(&case);
+    let short = section(&document, "short");
+    let compared = analysis(&case).compare_lines();
+    let sentences: Vec<&String> = short
+        .blocks
+        .iter()
+        .filter_map(|block| if let Block::Paragraph(text) = block { Some(text) } else { None })
+        .collect();
+    assert_eq!(sentences.len(), 3, "{sentences:?}");
+    // A rod obeys the paper's line and no other.
+    assert!(sentences[0].contains("contradict a single force along the iliac line"));
+    assert!(sentences[0].contains("do not contradict one along the inflection line"));
+    assert!(sentences[1].starts_with("The inflection line predicts left-out bends best"));
+    assert!(sentences[2].starts_with("With the inflection line, all 3"));
+    let table = tables(short)[0];
+    assert_eq!(table.rows.len(), compared.lines.len() + 2);
+    for (i, row) in table.rows.iter().enumerate().take(compared.lines.len()) {
+        let errors = compared.errors(i, FilmRole::LeftOutBend).expect("two bends");
+        assert_eq!(row[1], format!("{:.1}", errors.location_mm));
+    }
+    let mirrored = compared.baseline_error_mm(Baseline::MirroredBend, FilmRole::LeftOutBend);
+    let rows = table.rows.iter().filter(|row| row[0].starts_with("Without mechanics"));
+    assert!(rows.clone().any(|row| row[1] == format!("{:.1}", mirrored.expect("two bends"))));
+    assert!(short.blocks.iter().any(|block| matches!(block, Block::Figure(_))));
+}
+
+#[test]
 fn a_patient_report_has_every_section_and_the_main_finding_first() {
     let document = document(&case(0));
     let ids: Vec<&str> = document.sections.iter().map(|section| section.id).collect();
     assert_eq!(
         ids,
         [
+            "short",
             "verdict",
             "films",
             "movement",

@@ -15,7 +15,9 @@ use crate::chain::{Chain, ChainPose};
 use crate::clinical::{
     Balance, ClinicalCurve, LenkeType, Regions, lenke_type, measure_balance, measure_curves,
 };
-use crate::curve::{CurveFit, InflectionChoice, Inflections, find_inflections, fit_curve};
+use crate::curve::{
+    CurveFit, InflectionChoice, InflectionIntervals, Inflections, find_inflections, fit_curve,
+};
 use crate::error::Error;
 use crate::hypothesis::HypothesisFit;
 use crate::measure::{
@@ -97,6 +99,7 @@ struct Movement {
     readings: Vec<FilmReadings>,
     curves: Curves,
     chain: Chain,
+    inflection_intervals: Option<InflectionIntervals>,
     inflection_segments: Option<[usize; 2]>,
     mean_least_segments: Option<[usize; 2]>,
     spine: SpineModel,
@@ -116,6 +119,12 @@ impl Movement {
         let outlines = at_erect_length(outlines, options.film_lengths, warnings);
         let (curves, fits) = fit_curves(&outlines, options, warnings)?;
         let (chain, poses) = lay_chain(&fits, options)?;
+        // Replicates show what noise does; what the form of the curve leaves open is that of the case. What a user has picked is
+        // not doubted.
+        let automatic = options.inflections == InflectionChoice::Automatic;
+        let pair = curves.inflections.pair.filter(|_| automatic && known.is_none());
+        let inflection_intervals =
+            pair.and_then(|pair| fits[0].inflection_intervals(&outlines[0], pair));
         let inflection_segments = curves
             .inflections
             .pair
@@ -139,6 +148,7 @@ impl Movement {
             readings,
             curves,
             chain,
+            inflection_intervals,
             inflection_segments,
             mean_least_segments,
             spine,
@@ -152,6 +162,7 @@ impl Movement {
         Findings {
             postures: &self.postures,
             inflections: &self.curves.inflections,
+            inflection_intervals: self.inflection_intervals,
             inflection_segments: self.inflection_segments,
             chain: &self.chain,
             regions: &self.curves.regions,
@@ -180,6 +191,7 @@ impl Movement {
             readings: self.readings,
             postures: postures.collect(),
             inflections: self.curves.inflections,
+            inflection_intervals: self.inflection_intervals,
             inflection_segments: self.inflection_segments,
             mean_least_segments: self.mean_least_segments,
             chain: self.chain,

@@ -2,7 +2,7 @@ use super::{AnalysisOptions, Grouping, PostureAnalysis};
 use crate::anatomy::{Level, Levels, Posture};
 use crate::chain::Chain;
 use crate::clinical::Regions;
-use crate::curve::Inflections;
+use crate::curve::{InflectionIntervals, Inflections};
 use crate::measure::SpacingPlane;
 use crate::multibody::{JointGroups, SpineModel, StiffnessLibrary};
 
@@ -13,6 +13,8 @@ pub(super) struct Findings<'a> {
     pub postures: &'a [PostureAnalysis],
     /// Inflections of the erect curve, and the curves between them.
     pub inflections: &'a Inflections,
+    /// Where the two inflections may lie if the erect curve is no polynomial.
+    pub inflection_intervals: Option<InflectionIntervals>,
     /// The inflections as segments of the chain.
     pub inflection_segments: Option<[usize; 2]>,
     /// Segment number and length.

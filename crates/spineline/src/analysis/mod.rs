@@ -9,6 +9,7 @@ mod compatibility;
 mod endings;
 mod findings;
 mod force_path;
+mod headline;
 mod hypotheses;
 mod identification;
 mod models;

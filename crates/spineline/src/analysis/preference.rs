@@ -177,12 +177,16 @@ fn against_inflections(
     })
 }
 
-/// Covariance of the two inflections along the spine: what the erect curve and the length of a segment leave open.
+/// Covariance of the two inflections along the spine: what the erect curve and the length of a segment leave open. The noise alone
+/// where nothing else is known.
 fn inflections_along_mm2(findings: Findings<'_>) -> Option<Matrix2<f64>> {
     let erect = findings.erect();
     let pair = findings.inflections.pair?;
     let segment_mm2 = findings.chain.segment_mm.powi(2) / 12.0;
-    let on_curve = erect.fit.spread(&erect.outline)?.inflections_mm2(pair.map(|i| i.t_mm));
+    let on_curve = match findings.inflection_intervals {
+        Some(free) => free.about_polynomial_mm2,
+        None => erect.fit.spread(&erect.outline)?.inflections_mm2(pair.map(|i| i.t_mm)),
+    };
     Some(on_curve + Matrix2::identity() * segment_mm2)
 }
 

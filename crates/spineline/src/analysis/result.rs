@@ -6,7 +6,7 @@ use crate::chain::{Chain, ChainPose};
 use crate::clinical::{
     Balance, ClinicalCurve, CobbEnds, CurvePlaces, LenkeType, RegionBounds, Regions, film_tilts,
 };
-use crate::curve::{CurveFit, Inflections};
+use crate::curve::{CurveFit, InflectionIntervals, Inflections};
 use crate::hypothesis::HypothesisFit;
 use crate::measure::{FilmReadings, LengthScale, Outline};
 use crate::motion::{Motion, SegmentEstimate};
@@ -52,6 +52,9 @@ pub struct Analysis {
     pub postures: Vec<PostureAnalysis>,
     /// Inflections of the erect curve, and the curves between them.
     pub inflections: Inflections,
+    /// Where the two inflections may lie if the erect curve is no polynomial; `None` without them, where they were picked by hand,
+    /// and in Monte Carlo replicates.
+    pub inflection_intervals: Option<InflectionIntervals>,
     /// The inflections as segments of the chain.
     pub inflection_segments: Option<[usize; 2]>,
     /// MMS_Mean per window, where both bends were filmed.
@@ -143,6 +146,7 @@ impl Analysis {
         Findings {
             postures: &self.postures,
             inflections: &self.inflections,
+            inflection_intervals: self.inflection_intervals,
             inflection_segments: self.inflection_segments,
             chain: &self.chain,
             regions: &self.regions,

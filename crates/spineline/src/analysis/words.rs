@@ -5,7 +5,7 @@ use std::fmt;
 use super::{Analysis, Identification, LineModel, MultiplierVerdict};
 use crate::anatomy::{Posture, Side};
 use crate::clinical::ClinicalCurve;
-use crate::curve::Inflection;
+use crate::curve::{Inflection, InflectionInterval};
 use crate::evaluate::Simulation;
 use crate::personalize::{FitStatus, Gauge, StiffnessBound};
 use crate::warning::counted;
@@ -33,9 +33,33 @@ impl Analysis {
         };
         let turns = format!("Erect curve bends {}", curves.join(", "));
         match &self.inflections.pair {
-            Some([a, b]) => format!("{turns}\nInflections at {} and {}", place(a), place(b)),
+            Some([a, b]) => {
+                let intervals = self.inflection_interval_words();
+                format!("{turns}\nInflections at {} and {}{intervals}", place(a), place(b))
+            }
             None => turns,
         }
+    }
+
+    /// Where the inflections may lie, on a line of its own; empty where that is not known.
+    fn inflection_interval_words(&self) -> String {
+        let Some(intervals) = &self.inflection_intervals else { return String::new() };
+        let scale = self.scale();
+        let mm = |mm: f64| mm * scale.pixels_per_mm.unwrap_or(1.0);
+        let one = |interval: &Option<InflectionInterval>| match interval {
+            Some(found) => {
+                let ([from, to], (below, above)) = (found.along_mm, found.between);
+                format!("{:.0} to {} ({below} to {above})", mm(from), scale.text(to, 0))
+            }
+            None => "not limited".to_owned(),
+        };
+        let [a, b] = &intervals.each;
+        format!(
+            "\n95 % intervals of the inflections along the curve from {}, by landmark noise and the unknown form of the curve: {}; {}",
+            self.levels().base(),
+            one(a),
+            one(b)
+        )
     }
 
     /// The scale of every film against the erect one with its 95 % interval; `None` where all scales are fixed.

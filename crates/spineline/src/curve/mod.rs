@@ -17,12 +17,14 @@
 //! [jalalian-loa], section 2.3.
 
 mod fit;
+mod free_form;
 mod inflection;
 mod residual;
 mod series;
 mod spread;
 
 pub use fit::{CurveError, CurveFit, OrderRule, fit_curve};
+pub use free_form::{InflectionInterval, InflectionIntervals};
 pub(crate) use inflection::MIN_TURN;
 pub use inflection::{
     CurveBetween, Inflection, InflectionChoice, Inflections, Site, find_inflections,

@@ -145,6 +145,7 @@ mod tests {
             centres_higher_discs: 0.0,
             evenness: 0.0,
             joint_log_sd: 0.1,
+            trend_log_sd: 0.1,
             centre_sd_discs: 1.0,
             covariance: DMatrix::from_diagonal(&DVector::from_column_slice(&variances)),
         }

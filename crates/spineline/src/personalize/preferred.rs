@@ -3,7 +3,8 @@
 //! # Model
 //! The rotation of joint `j` on a film is `(a_j · w) / α e^(δ_j)` and noise: `w` is the planar load, `a_j` its nominal
 //! response about the joint's centre and `α` the multiplier of the joint's group. What a joint has of its own is the same on
-//! every film: `δ_j` of its stiffness, and a centre that lies higher up the disc than the model has it, by a part of the
+//! every film: `δ_j` of its stiffness, which is a part of its own and a random walk along the spine, since stiffness need not
+//! step where regions end; and a centre that lies higher up the disc than the model has it, by a part of the
 //! disc that all joints share and a part of its own. A joint in which a region ends has springs of both. A hinge's centre
 //! lies where tangents meet; the more evenly joints turn over their length, the nearer it is to the chord. Noise is that of
 //! the tilts: neighbouring joints share a vertebra and all films share the erect one, so that the rotations of all films
@@ -15,17 +16,17 @@
 //!
 //! # Equations
 //! With the rotations of all films in one vector `y`, the fitted numbers `b` (loads `w`, multipliers `ln alpha`, shared shift
-//! of the centres, evenness), what joints have of their own `u = (delta, centres)` and the noise `e`:
+//! of the centres, evenness), what joints have of their own `u = (delta, centres, steps of the walk)` and the noise `e`:
 //!
 //! ```text
-//! y = f(b) + Z u + e,    u ~ N(0, D),  D = diag(s_1 I, s_2 I),    e ~ N(0, S),  S = S_films (x) S_joints
+//! y = f(b) + Z u + e,    u ~ N(0, D),  D = diag(s_1 I, s_2 I, s_3 I),    e ~ N(0, S),  S = S_films (x) S_joints
 //! S_films[a,b]  = delta_ab sd_a^2 + sd_erect^2            tilts of a film, and of the erect film that all share
 //! S_joints[i,j] = 2 on the diagonal, -1 beside it         neighbouring joints share a vertebra
 //! ```
 //!
 //! With `X = df/db`, `r = y - f(b)` and `V = S + Z D Z'`, generalised least squares solve `X' V^-1 X db = X' V^-1 r`, and the
-//! covariance of `b` is `(X' V^-1 X)^-1`; `V^-1` is applied by Woodbury's identity. The variances `s_1` (of `ln` stiffness)
-//! and `s_2` (of centres, in discs) maximise the restricted likelihood
+//! covariance of `b` is `(X' V^-1 X)^-1`; `V^-1` is applied by Woodbury's identity. The variances `s_1` (of `ln` stiffness),
+//! `s_2` (of centres, in discs) and `s_3` (of `ln` stiffness along the spine, mean over the joints) maximise the restricted likelihood
 //!
 //! ```text
 //! l_R(s) = -1/2 (ln|V| + ln|X' V^-1 X| + r' V^-1 r) + sum_i p_i ln s_i
@@ -39,14 +40,15 @@
 //! I_ij      = 1/2 |delta_ij I / s_i - C_ij / (s_i s_j)|_F^2
 //! ```
 //!
-//! One scoring step of the variances and one Gauss-Newton step of `b` alternate until nothing moves.
+//! One scoring step of the variances and one Gauss-Newton step of `b` alternate until nothing moves. Evenness and the shared shift of
+//! the centres have normal priors.
 //!
 //! # References
 //! [harville-1977] for the restricted likelihood, [chung-2013] for the priors.
 
 use std::ops::AddAssign;
 
-use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::MULTIPLIER_BOUNDS;
 use super::acceleration::{IterationStep, anderson_step};
@@ -67,27 +69,37 @@ pub struct PreferredLoads {
     pub centres_higher_discs: f64,
     /// How evenly joints turn over their length: 0 for hinges, 1 for a rod.
     pub evenness: f64,
-    /// Deviation of `ln` stiffness among the joints of a group.
+    /// Deviation of `ln` stiffness among the joints of a group, of every joint by itself.
     pub joint_log_sd: f64,
+    /// Deviation of `ln` stiffness by what changes slowly along the spine.
+    pub trend_log_sd: f64,
     /// Deviation of the joints' centres along the spine about that, in thicknesses of the disc.
     pub centre_sd_discs: f64,
     /// Covariance of all components, film by film, with multipliers free.
     pub(super) covariance: DMatrix<f64>,
 }
 
-/// Variances beyond these are none of springs (of `ln`) and of centres (in discs).
-const MAX_VARIANCES: Vector2<f64> = Vector2::new(1.0, 4.0);
+/// Variances beyond these are none of springs (of `ln`, by joint), of centres (in discs) and of springs along the spine (of `ln`).
+const MAX_VARIANCES: Vector3<f64> = Vector3::new(1.0, 4.0, 1.0);
 /// Centres of rotation lie between the middles of the vertebrae.
 const MAX_HIGHER_DISCS: f64 = 3.0;
+/// Deviation of the shared shift of the centres before films are seen: loads and this shift are hard to tell apart.
+const HIGHER_SD_DISCS: f64 = 1.0;
 /// Variances below this part of the most are none.
 const MIN_OF_MAX_VARIANCE: f64 = 1e-9;
 /// How evenly joints turn is not known: anywhere between a hinge, 0, and a rod, 1. Mean and deviation of that.
 const EVENNESS: f64 = 0.5;
 const EVENNESS_SD: f64 = 0.289;
-/// Gamma priors of the deviations, flat but near zero where they vanish: shapes 2 and 3/2, the latter of centres, chosen by how
-/// often regions hold the true line (`docs/decisions/0024`). Per `ln` of a variance, half of the shape beyond one.
-const PRIORS: Vector2<f64> = Vector2::new(0.5, 0.25);
-const ROUNDS: usize = 100;
+/// Gamma priors of the deviations, flat but near zero where they vanish: shapes 2, 3/2 and 4, the latter two of centres and of
+/// what changes slowly along the spine, chosen by how often regions hold the true line (`docs/decisions/0024`). Per `ln` of a
+/// variance, half of the shape beyond one.
+const PRIORS: Vector3<f64> = Vector3::new(0.5, 0.25, 1.5);
+/// Number of the variances.
+const VARIANCES: usize = 3;
+const ROUNDS: usize = 150;
+/// From this round on steps are shortened and not extrapolated: some fits go to and fro.
+const DAMPED_FROM: usize = 30;
+const DAMPING: f64 = 0.35;
 /// A longer step of multipliers leaves what the linear theory knows.
 const MAX_LOG_STEP: f64 = 0.5;
 /// The iteration has converged when no unknown moves by more than this.
@@ -113,25 +125,35 @@ impl PreferredLoads {
         if let Some(near) = near.filter(|near| near.log_multipliers.len() == shares.0.ncols()) {
             fit.logs.clone_from(&near.log_multipliers);
             (fit.centres_higher_discs, fit.evenness) = (near.centres_higher_discs, near.evenness);
-            variances = Vector2::new(near.joint_log_sd.powi(2), near.centre_sd_discs.powi(2));
+            let sds = [near.joint_log_sd, near.centre_sd_discs, near.trend_log_sd];
+            variances = Vector3::from(sds.map(|sd| sd.powi(2)));
         }
         fit.solve_loads(None)?;
         let mut state = fit.linearize(variances)?;
         let mut steps: Vec<IterationStep> = Vec::new();
-        for _ in 0..ROUNDS {
-            let step = fit.iterate(&state, variances);
+        for round in 0..ROUNDS {
+            let mut step = fit.iterate(&state, variances);
             let converged = (&step.to - &step.from).amax() < CONVERGED_STEP;
+            let damping = if round < DAMPED_FROM { 1.0 } else { DAMPING };
+            if !converged {
+                step.to = &step.from + (&step.to - &step.from) * damping;
+            }
             steps.insert(0, step);
             steps.truncate(3);
             // At the end, and where the extrapolation would put a multiplier on its bound, the last step counts alone.
             let extrapolated = anderson_step(&steps);
             let mut within = extrapolated.clone();
             fit.clamp(&mut within);
-            let logs = 2..2 + fit.logs.len();
+            let logs = VARIANCES..VARIANCES + fit.logs.len();
             let alone = converged
+                || round >= DAMPED_FROM
                 || within.rows_range(logs.clone()) != extrapolated.rows_range(logs.clone());
             variances = fit.set_unknowns(if alone { &steps[0].to } else { &within });
+            let before = fit.loads.clone();
             fit.solve_loads(Some(&state.own))?;
+            if !converged {
+                fit.loads = &before + (&fit.loads - &before) * damping;
+            }
             state = fit.linearize(variances)?;
             if converged {
                 return Some(fit.finish(variances, &state));
@@ -171,19 +193,19 @@ struct Linearized {
     covariance: DMatrix<f64>,
     own: RandomEffects,
     /// Of the restricted likelihood by the variances.
-    score: Vector2<f64>,
-    information: Matrix2<f64>,
+    score: Vector3<f64>,
+    information: Matrix3<f64>,
     ways: DMatrix<f64>,
 }
 
 impl Linearized {
     /// One scoring step of the variances' logarithms. Their priors keep them off zero, where nothing would be known of them.
-    fn scoring_step(&self, variances: Vector2<f64>) -> Vector2<f64> {
+    fn scoring_step(&self, variances: Vector3<f64>) -> Vector3<f64> {
         const MAX_LOG_SCORING_STEP: f64 = 2.0;
         let score = variances.component_mul(&self.score) + PRIORS;
-        let scaled = Matrix2::from_diagonal(&variances);
+        let scaled = Matrix3::from_diagonal(&variances);
         // The priors have no curvature in logarithms; this much keeps a step finite where films say nothing.
-        let information = scaled * self.information * scaled + Matrix2::identity() * 0.25;
+        let information = scaled * self.information * scaled + Matrix3::identity() * 0.25;
         let step = information.try_inverse().map_or(score, |inverse| inverse * score);
         variances.zip_map(&step, |v, step| {
             v * step.clamp(-MAX_LOG_SCORING_STEP, MAX_LOG_SCORING_STEP).exp()
@@ -262,7 +284,7 @@ impl<'a> Fit<'a> {
         ways
     }
 
-    fn linearize(&self, variances: Vector2<f64>) -> Option<Linearized> {
+    fn linearize(&self, variances: Vector3<f64>) -> Option<Linearized> {
         let by_loads = self.by_loads();
         let predicted = &by_loads * &self.loads;
         let ways = self.free_directions();
@@ -290,7 +312,7 @@ impl<'a> Fit<'a> {
             DMatrix::from_column_slice(self.joints, self.films, rotations.as_slice())
         };
         let own = RandomEffects::new(
-            [by_films(&predicted), by_films(&higher)],
+            [by_films(&predicted), by_films(&higher), by_films(&predicted)],
             &self.precision,
             variances,
         )?;
@@ -298,6 +320,9 @@ impl<'a> Fit<'a> {
         let (last, scale) = (jacobian.ncols() - 1, scales[jacobian.ncols() - 1]);
         found.matrix[(last, last)] += 1.0 / (EVENNESS_SD.powi(2) * scale * scale);
         found.right[last] += (EVENNESS - self.evenness) / (EVENNESS_SD.powi(2) * scale);
+        let (higher, scale) = (last - 1, scales[last - 1]);
+        found.matrix[(higher, higher)] += 1.0 / (HIGHER_SD_DISCS.powi(2) * scale * scale);
+        found.right[higher] -= self.centres_higher_discs / (HIGHER_SD_DISCS.powi(2) * scale);
         let covariance = found.matrix.cholesky()?.inverse();
         let slope = found.right.column(0).into_owned();
         // The predicted random effects of the joints, and their covariance given the rotations, with the unknowns free.
@@ -305,18 +330,18 @@ impl<'a> Fit<'a> {
             &found.effects_by_residual - &found.effects_by_columns * (&covariance * &found.right);
         let unsure = &own.covariance
             + &found.effects_by_columns * &covariance * found.effects_by_columns.transpose();
-        let joints = self.joints;
-        let score = Vector2::from_fn(|i, _| {
-            let squares = expected.rows(i * joints, joints).norm_squared() / variances[i];
-            let known =
-                unsure.view((i * joints, i * joints), (joints, joints)).trace() / variances[i];
-            0.5 * (squares - (joints as f64 - known)) / variances[i]
+        let score = Vector3::from_fn(|i, _| {
+            let (first, count) = own.block(i);
+            let squares = expected.rows(first, count).norm_squared() / variances[i];
+            let known = unsure.view((first, first), (count, count)).trace() / variances[i];
+            0.5 * (squares - (count as f64 - known)) / variances[i]
         });
-        let information = Matrix2::from_fn(|i, j| {
-            let unsure = unsure.view((i * joints, j * joints), (joints, joints));
+        let information = Matrix3::from_fn(|i, j| {
+            let ((row, rows), (column, columns)) = (own.block(i), own.block(j));
+            let unsure = unsure.view((row, column), (rows, columns));
             let known = if i == j { 1.0 / variances[i] } else { 0.0 };
             let part =
-                DMatrix::identity(joints, joints) * known - unsure / (variances[i] * variances[j]);
+                DMatrix::identity(rows, columns) * known - unsure / (variances[i] * variances[j]);
             0.5 * part.norm_squared()
         });
         Some(Linearized { score, information, slope, scales, covariance, own, ways })
@@ -324,7 +349,7 @@ impl<'a> Fit<'a> {
 
     /// One scoring step of the variances, and one Gauss-Newton step of multipliers and centres. Alone they converge slowly:
     /// residuals are large, and scoring knows the expected curvature only.
-    fn iterate(&self, at: &Linearized, variances: Vector2<f64>) -> IterationStep {
+    fn iterate(&self, at: &Linearized, variances: Vector3<f64>) -> IterationStep {
         let step = (&at.covariance * &at.slope).component_div(&at.scales);
         let mut change = &at.ways * step.rows(3 * self.films, at.ways.ncols());
         let longest = change.amax();
@@ -333,21 +358,21 @@ impl<'a> Fit<'a> {
         let shifts = step.rows(3 * self.films + at.ways.ncols(), 2) * part;
         let from = self.place(variances);
         let mut to = from.clone();
-        to.rows_mut(0, 2).copy_from(&at.scoring_step(variances).map(f64::ln));
-        to.rows_range_mut(2..2 + self.logs.len()).add_assign(&change);
-        to[2 + self.logs.len()] += shifts[0] / MAX_HIGHER_DISCS;
-        to[3 + self.logs.len()] += shifts[1];
+        to.rows_mut(0, VARIANCES).copy_from(&at.scoring_step(variances).map(f64::ln));
+        to.rows_range_mut(VARIANCES..VARIANCES + self.logs.len()).add_assign(&change);
+        to[VARIANCES + self.logs.len()] += shifts[0] / MAX_HIGHER_DISCS;
+        to[VARIANCES + 1 + self.logs.len()] += shifts[1];
         self.clamp(&mut to);
         IterationStep { from, to }
     }
 
-    /// All that is not linear: `ln` of both variances, `ln α`, and of centres how much higher they lie, as a part of the most, and
+    /// All that is not linear: `ln` of the variances, `ln α`, and of centres how much higher they lie, as a part of the most, and
     /// how evenly joints turn.
-    fn place(&self, variances: Vector2<f64>) -> DVector<f64> {
+    fn place(&self, variances: Vector3<f64>) -> DVector<f64> {
         let variances = variances.map(f64::ln);
         let all = variances.iter().chain(&self.logs).copied();
         let higher = self.centres_higher_discs / MAX_HIGHER_DISCS;
-        DVector::from_iterator(4 + self.logs.len(), all.chain([higher, self.evenness]))
+        DVector::from_iterator(VARIANCES + 2 + self.logs.len(), all.chain([higher, self.evenness]))
     }
 
     fn clamp(&self, place: &mut DVector<f64>) {
@@ -355,20 +380,20 @@ impl<'a> Fit<'a> {
             place[i] = place[i].clamp(most + MIN_OF_MAX_VARIANCE.ln(), *most);
         }
         let limit = MULTIPLIER_BOUNDS[1].ln();
-        for log in place.rows_range_mut(2..2 + self.logs.len()).iter_mut() {
+        for log in place.rows_range_mut(VARIANCES..VARIANCES + self.logs.len()).iter_mut() {
             *log = log.clamp(-limit, limit);
         }
-        let higher = &mut place[2 + self.logs.len()];
+        let higher = &mut place[VARIANCES + self.logs.len()];
         *higher = higher.clamp(-1.0, 1.0);
     }
 
     /// Takes multipliers, centres and evenness of a place, and answers with its variances.
-    fn set_unknowns(&mut self, place: &DVector<f64>) -> Vector2<f64> {
+    fn set_unknowns(&mut self, place: &DVector<f64>) -> Vector3<f64> {
         let groups = self.logs.len();
-        self.logs.copy_from_slice(&place.as_slice()[2..2 + groups]);
-        self.centres_higher_discs = place[2 + groups] * MAX_HIGHER_DISCS;
-        self.evenness = place[3 + groups];
-        Vector2::new(place[0].exp(), place[1].exp())
+        self.logs.copy_from_slice(&place.as_slice()[VARIANCES..VARIANCES + groups]);
+        self.centres_higher_discs = place[VARIANCES + groups] * MAX_HIGHER_DISCS;
+        self.evenness = place[VARIANCES + 1 + groups];
+        Vector3::from_fn(|i, _| place[i].exp())
     }
 
     /// The best loads at the multipliers of now, which is linear.
@@ -382,7 +407,7 @@ impl<'a> Fit<'a> {
         Some(())
     }
 
-    fn finish(&self, variances: Vector2<f64>, at: &Linearized) -> PreferredLoads {
+    fn finish(&self, variances: Vector3<f64>, at: &Linearized) -> PreferredLoads {
         let loads = 3 * self.films;
         let covariance = DMatrix::from_fn(loads, loads, |i, j| {
             at.covariance[(i, j)] / (at.scales[i] * at.scales[j])
@@ -396,6 +421,7 @@ impl<'a> Fit<'a> {
             evenness: self.evenness,
             joint_log_sd: variances[0].sqrt(),
             centre_sd_discs: variances[1].sqrt(),
+            trend_log_sd: variances[2].sqrt(),
             covariance,
         }
     }

@@ -1,6 +1,6 @@
 //! Weights of rotations: by their noise, and by the joints' random effects.
 
-use nalgebra::{DMatrix, DVector, Dyn, Vector2};
+use nalgebra::{DMatrix, DVector, Dyn, Vector3};
 
 use super::evidence::FilmEvidence;
 use crate::spatial::Angle;
@@ -95,42 +95,98 @@ fn whole_covariance(films: &[&FilmEvidence], joints: usize) -> DMatrix<f64> {
     covariance
 }
 
-/// The joints' random effects: what each has of its own on all films, beside the noise.
+/// The joints' random effects: what each has of its own on all films, and what neighbours share, beside the noise.
 pub(super) struct RandomEffects {
-    /// Rotations per unit of every joint's own stiffness, and of its own centre: joints by films.
-    pub rotations: [DMatrix<f64>; 2],
+    blocks: [EffectBlock; 3],
     /// Its covariance once the rotations are known.
     pub covariance: DMatrix<f64>,
 }
 
+/// Effects of one kind.
+struct EffectBlock {
+    /// Rotations per unit of what a joint has: joints by films.
+    rotations: DMatrix<f64>,
+    /// What joints have, by the effects; `None` where every joint has its own.
+    along: Option<DMatrix<f64>>,
+}
+
+impl EffectBlock {
+    fn len(&self) -> usize {
+        self.along.as_ref().map_or(self.rotations.nrows(), DMatrix::ncols)
+    }
+
+    /// Sums over joints, by the effects.
+    fn gathered(&self, by_joints: DMatrix<f64>) -> DMatrix<f64> {
+        match &self.along {
+            Some(along) => along.tr_mul(&by_joints),
+            None => by_joints,
+        }
+    }
+}
+
 impl RandomEffects {
+    /// Of stiffness by joint, of centres, and of stiffness along the spine, in this order.
     pub fn new(
-        rotations: [DMatrix<f64>; 2],
+        [stiffness, centres, along]: [DMatrix<f64>; 3],
         precision: &Precision,
-        variances: Vector2<f64>,
+        variances: Vector3<f64>,
     ) -> Option<Self> {
-        let joints = precision.joints();
-        let mut known = DMatrix::zeros(2 * joints, 2 * joints);
-        for (a, part) in rotations.iter().enumerate() {
-            for (b, other) in rotations.iter().enumerate() {
-                let block = precision.between([part, other]);
-                known.view_mut((a * joints, b * joints), (joints, joints)).copy_from(&block);
+        let trend = Some(random_walk(precision.joints()));
+        let blocks = [
+            EffectBlock { rotations: stiffness, along: None },
+            EffectBlock { rotations: centres, along: None },
+            EffectBlock { rotations: along, along: trend },
+        ];
+        let count = blocks.iter().map(EffectBlock::len).sum();
+        let mut own = Self { blocks, covariance: DMatrix::zeros(count, count) };
+        let mut known = DMatrix::zeros(count, count);
+        for (a, part) in own.blocks.iter().enumerate() {
+            let (row, rows) = own.block(a);
+            for (b, other) in own.blocks.iter().enumerate() {
+                let (column, columns) = own.block(b);
+                let between = precision.between([&part.rotations, &other.rotations]);
+                let by_columns = other.gathered(part.gathered(between).transpose()).transpose();
+                known.view_mut((row, column), (rows, columns)).copy_from(&by_columns);
+            }
+            for i in row..row + rows {
+                known[(i, i)] += 1.0 / variances[a];
             }
         }
-        for i in 0..2 * joints {
-            known[(i, i)] += 1.0 / variances[i / joints];
-        }
-        Some(Self { covariance: known.cholesky()?.inverse(), rotations })
+        own.covariance = known.cholesky()?.inverse();
+        Some(own)
+    }
+
+    /// First effect of a block, and their number.
+    pub fn block(&self, index: usize) -> (usize, usize) {
+        let first = self.blocks[..index].iter().map(EffectBlock::len).sum();
+        (first, self.blocks[index].len())
     }
 
     /// Weighted columns of rotations projected on the effects.
     fn gather(&self, weighed: &DMatrix<f64>) -> DMatrix<f64> {
-        let (joints, films) = self.rotations[0].shape();
-        DMatrix::from_fn(2 * joints, weighed.ncols(), |own, column| {
-            let (part, joint) = (&self.rotations[own / joints], own % joints);
-            (0..films).map(|a| part[(joint, a)] * weighed[(a * joints + joint, column)]).sum()
-        })
+        let mut gathered = DMatrix::zeros(self.covariance.nrows(), weighed.ncols());
+        for (index, block) in self.blocks.iter().enumerate() {
+            let (joints, films) = block.rotations.shape();
+            let by_joints = DMatrix::from_fn(joints, weighed.ncols(), |joint, column| {
+                let of = |a| block.rotations[(joint, a)] * weighed[(a * joints + joint, column)];
+                (0..films).map(of).sum()
+            });
+            let (first, count) = self.block(index);
+            gathered.rows_mut(first, count).copy_from(&block.gathered(by_joints));
+        }
+        gathered
     }
+}
+
+/// A random walk over the joints with a mean of zero, by its steps; its mean variance is one for steps of one.
+fn random_walk(joints: usize) -> DMatrix<f64> {
+    let mut walk = DMatrix::from_fn(joints, joints - 1, |joint, step| {
+        let after = (joints - 1 - step) as f64 / joints as f64;
+        if joint > step { 1.0 - after } else { -after }
+    });
+    let variance = walk.norm_squared() / joints as f64;
+    walk /= variance.sqrt();
+    walk
 }
 
 /// The normal equations of columns and a residual, weighted by noise and by the random effects.

@@ -312,6 +312,19 @@ impl AnalysisQuantity {
         })
     }
 
+    /// Whether it is a distance or an absolute error, which any noise makes larger on the mean.
+    #[must_use]
+    pub const fn grows_with_noise(self) -> bool {
+        matches!(
+            self,
+            Self::ComparisonAngle(_)
+                | Self::ComparisonDistance(_)
+                | Self::LocationError(..)
+                | Self::MeanLocationError(..)
+                | Self::FergusonError(..)
+        )
+    }
+
     /// An angle is the same after so many degrees; a line after half a turn.
     pub(super) const fn period_deg(self) -> Option<f64> {
         match self {

@@ -56,11 +56,15 @@ pub struct Spread {
 impl Spread {
     /// The parts at which quantiles are taken.
     pub const PARTS: [f64; 5] = [0.025, 0.25, 0.5, 0.75, 0.975];
+}
 
-    /// The central 95 %.
+impl QuantitySpread {
+    /// The central 95 % of the replicates. `None` where no replicate has the number, and for distances and absolute errors: any
+    /// noise makes these larger, a replicate has it twice, and the interval would lie too high.
     #[must_use]
-    pub const fn interval_95(&self) -> [f64; 2] {
-        [self.quantiles[0], self.quantiles[4]]
+    pub fn interval_95(&self) -> Option<[f64; 2]> {
+        let spread = self.spread.filter(|_| !self.quantity.grows_with_noise())?;
+        Some([spread.quantiles[0], spread.quantiles[4]])
     }
 }
 

@@ -6,8 +6,10 @@ use crate::anatomy::Posture;
 
 impl Uncertainty {
     /// A caveat on the intervals.
-    pub const CAVEAT: &'static str = "Errors, and distances and angles between lines, increase with noise: \
-                                      their means and intervals exceed the values of landmarks without noise.";
+    pub const CAVEAT: &'static str = "Intervals hold what landmarks without noise would give; they contain no bias that all \
+                                      observers share, and no error of the model. Distances, angles between lines and absolute \
+                                      errors increase with any noise: their means exceed the values of landmarks without noise, \
+                                      and they have no interval.";
 }
 
 impl AnalysisQuantity {

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use spineline_phantom::Truth;
+use spineline_phantom::{Construction, Truth};
 
-use crate::options::phantoms::ScenarioName;
+use crate::options::phantoms::{ConstructionName, ScenarioName};
 use crate::options::values::threads;
 use crate::run::outputs::OverwriteArgs;
 
@@ -14,6 +14,12 @@ pub struct PhantomArgs {
     /// Loading scenario that moved the spine
     #[arg(long, visible_alias = "scenario", value_enum, default_value_t = ScenarioName(Truth::Rod))]
     pub truth: ScenarioName,
+    /// How the spine is built; other than `rod` for scenarios with forces
+    #[arg(long, value_enum, default_value_t = ConstructionName(Construction::Rod))]
+    pub construction: ConstructionName,
+    /// Standard deviation of what every joint's stiffness has of its own, in percent, from 0 to 50
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0)]
+    pub joint_sd: f64,
     /// Subject of the paper's Table 1, from 1 to 18 [default: all]
     #[arg(long, value_name = "N")]
     pub subject: Option<usize>,

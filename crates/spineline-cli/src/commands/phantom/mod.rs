@@ -10,11 +10,30 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use spineline::anatomy::Region;
 use spineline_files::CaseFile;
-use spineline_phantom::{Phantom, PhantomError, SUBJECTS, TrueFilm, generate};
+use spineline_phantom::{
+    Build, Construction, Phantom, PhantomError, SUBJECTS, TrueFilm, generate_built,
+};
 
 use crate::options::phantoms::readers;
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{Outputs, print};
+
+/// What the spines are made of.
+fn build(args: &PhantomArgs) -> Result<Build, Failure> {
+    let (construction, truth) = (args.construction.0, args.truth.0);
+    if construction != Construction::Rod && !truth.is_elastic() {
+        return Err(Failure::usage(format!(
+            "--construction {}: scenario `{}` has no force and needs `rod`",
+            construction.key(),
+            truth.key()
+        )));
+    }
+    let percent = args.joint_sd;
+    if !(0.0..=50.0).contains(&percent) {
+        return Err(Failure::usage(format!("--joint-sd {percent}: expected 0 to 50 percent")));
+    }
+    Ok(Build { construction, joint_log_sd: 0.01 * percent })
+}
 
 pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
     let truth = args.truth.0;
@@ -35,8 +54,9 @@ pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
         let text = format!("--film-length-sd {percent}: expected 0 to 20 percent");
         return Err(Failure::usage(text));
     }
+    let build = build(args)?;
     let made = |number: usize| {
-        let phantom = generate(number - 1, truth, &readers, args.seed)?;
+        let phantom = generate_built(number - 1, truth, &readers, args.seed, build)?;
         Ok(if percent > 0.0 {
             phantom.with_film_lengths(0.01 * percent, number - 1, args.seed)
         } else {

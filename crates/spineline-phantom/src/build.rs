@@ -1,0 +1,192 @@
+//! How a synthetic spine is built: what bends, where, and how joints differ.
+
+use rand_chacha::ChaCha12Rng;
+use rand_distr::{Distribution, Normal, Uniform};
+use spineline::anatomy::Level;
+use spineline::multibody::StiffnessLibrary;
+
+use crate::erect::{SEGMENTS, region};
+
+const JOINTS: usize = Level::MODEL.len() - 1;
+
+/// Construction of a synthetic spine. They differ in the erect curve, in what bends, and in how stiffness varies, so that a
+/// claim that holds on one of them can be tried on the others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub enum Construction {
+    /// A continuous rod that bends everywhere. Its erect curve is a polynomial; its stiffness steps at the inflections.
+    #[default]
+    Rod,
+    /// Rigid vertebrae and discs that bend evenly over their thickness. The curvature of the erect spine is three half sines;
+    /// stiffness rises smoothly from the lumbar spine to the rib cage.
+    Discs,
+    /// Rigid vertebrae and hinges, which lie up or down of the middle of their discs at random. The curvature of the erect spine
+    /// is three lobes, each with its summit at another place; stiffness follows the curve of a random walk from joint to joint.
+    Hinges,
+}
+
+impl Construction {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Rod, Self::Discs, Self::Hinges];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Rod => "rod",
+            Self::Discs => "discs",
+            Self::Hinges => "hinges",
+        }
+    }
+
+    /// Short description.
+    #[must_use]
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Self::Rod => "continuous rod, stiffness in steps",
+            Self::Discs => "rigid vertebrae, flexible discs, stiffness that rises smoothly",
+            Self::Hinges => {
+                "rigid vertebrae, hinges off the middle of the discs, wandering stiffness"
+            }
+        }
+    }
+}
+
+/// What a synthetic spine is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Build {
+    /// Construction.
+    pub construction: Construction,
+    /// Standard deviation of the logarithms of what every joint's stiffness has of its own, beside its region's or its place's.
+    pub joint_log_sd: f64,
+}
+
+/// The springs of one spine.
+#[derive(Debug, Clone)]
+pub(crate) struct Springs {
+    /// Lateral stiffness of every joint over the nominal one: mean of logarithms per region, caudal first.
+    pub multipliers: [f64; 3],
+    /// Of every segment of the fine chain; infinite where nothing bends.
+    pub nmm_per_rad: Vec<f64>,
+}
+
+impl Springs {
+    pub fn draw(
+        build: &Build,
+        (vertebra_s_mm, inflection_s_mm): (&[f64], [f64; 2]),
+        rng: &mut ChaCha12Rng,
+    ) -> Self {
+        let place = Place { vertebra_s_mm, inflection_s_mm };
+        match build.construction {
+            Construction::Rod => place.rod(build.joint_log_sd, rng),
+            Construction::Discs => {
+                let along = rising(rng);
+                place.jointed(build.joint_log_sd, along, |disc, _| disc, rng)
+            }
+            Construction::Hinges => {
+                let along = wandering(rng);
+                let offset = Normal::new(0.0, 0.25).expect("a positive deviation");
+                let hinge = |[from, to]: [f64; 2], rng: &mut ChaCha12Rng| {
+                    let middle = 0.5 * (from + to) + offset.sample(rng) * (to - from);
+                    [middle, middle]
+                };
+                place.jointed(build.joint_log_sd, along, hinge, rng)
+            }
+        }
+    }
+}
+
+/// What every joint's stiffness has of its own.
+fn scatter(log_sd: f64, rng: &mut ChaCha12Rng) -> [f64; JOINTS] {
+    let spread = Normal::<f64>::new(0.0, log_sd).expect("a deviation");
+    std::array::from_fn(|_| spread.sample(rng).exp())
+}
+
+/// Logarithm of stiffness by joint: from the lumbar spine, where there are no ribs, to three to five times of it above T11, where
+/// all ribs meet the sternum, with a slow wave of a random phase.
+fn rising(rng: &mut ChaCha12Rng) -> [f64; JOINTS] {
+    let ribs = Uniform::<f64>::new(3.0, 5.0).expect("3 is below 5").sample(rng).ln();
+    let phase = Uniform::new(0.0, std::f64::consts::TAU).expect("a range").sample(rng);
+    std::array::from_fn(|joint| {
+        let wave = 0.2 * (std::f64::consts::TAU * joint as f64 / JOINTS as f64 + phase).sin();
+        // Joint 4 is T12-T11.
+        ribs / (1.0 + (-(joint as f64 - 4.0) / 1.5).exp()) + wave
+    })
+}
+
+/// Logarithm of stiffness by joint: the same rise, and steps of a random walk.
+fn wandering(rng: &mut ChaCha12Rng) -> [f64; JOINTS] {
+    let mut log = rising(rng);
+    let step = Normal::new(0.0, 0.1).expect("a positive deviation");
+    let mut sum = 0.0;
+    for own in &mut log {
+        sum += step.sample(rng);
+        *own += sum;
+    }
+    log
+}
+
+/// Where vertebrae and inflections lie on the fine chain.
+struct Place<'a> {
+    vertebra_s_mm: &'a [f64],
+    inflection_s_mm: [f64; 2],
+}
+
+impl Place<'_> {
+    fn segment_mm(&self) -> f64 {
+        self.vertebra_s_mm[JOINTS] / SEGMENTS as f64
+    }
+
+    /// Spreads every joint's spring over the segments between its two vertebrae.
+    fn rod(&self, joint_log_sd: f64, rng: &mut ChaCha12Rng) -> Springs {
+        let spread = Normal::<f64>::new(0.0, 0.25).expect("a positive deviation");
+        let stiff = Uniform::<f64>::new(3.0, 5.0).expect("3 is below 5");
+        // Ribs make the main thoracic region three to five times as stiff as segments without them.
+        let multipliers =
+            [spread.sample(rng).exp(), stiff.sample(rng), 1.6 * spread.sample(rng).exp()];
+        let own = scatter(joint_log_sd, rng);
+        let library = StiffnessLibrary::default();
+        let segment_mm = self.segment_mm();
+        let spring = |k: usize| {
+            let s = k as f64 * segment_mm;
+            let joint = self.vertebra_s_mm.partition_point(|&v| v <= s).clamp(1, JOINTS) - 1;
+            let span = self.vertebra_s_mm[joint + 1] - self.vertebra_s_mm[joint];
+            let nominal = library.rows()[joint].nmm_per_rad[0];
+            let multiplier = multipliers[region(self.inflection_s_mm, s)] * own[joint];
+            nominal * multiplier * span / segment_mm
+        };
+        Springs { multipliers, nmm_per_rad: (0..SEGMENTS).map(spring).collect() }
+    }
+
+    /// Puts every joint's spring where `flexible` says, which knows the ends of the disc.
+    fn jointed(
+        &self,
+        joint_log_sd: f64,
+        along: [f64; JOINTS],
+        flexible: impl Fn([f64; 2], &mut ChaCha12Rng) -> [f64; 2],
+        rng: &mut ChaCha12Rng,
+    ) -> Springs {
+        /// Thickness of a disc in parts of the distance of two vertebrae, from the lumbar spine to the upper thoracic one.
+        const DISC: [f64; 2] = [0.28, 0.16];
+        let own = scatter(joint_log_sd, rng);
+        let library = StiffnessLibrary::default();
+        let segment_mm = self.segment_mm();
+        let mut nmm_per_rad = vec![f64::INFINITY; SEGMENTS];
+        let mut regions = [[0.0; 2]; 3];
+        for joint in 0..JOINTS {
+            let [low, high] = [joint, joint + 1].map(|v| self.vertebra_s_mm[v]);
+            let part = joint as f64 / (JOINTS - 1) as f64;
+            let half = 0.5 * (high - low) * (DISC[0] + part * (DISC[1] - DISC[0]));
+            let middle = 0.5 * (low + high);
+            let [from, to] = flexible([middle - half, middle + half], rng)
+                .map(|s| ((s.clamp(low, high) / segment_mm).round() as usize).min(SEGMENTS - 1));
+            let segments = to.max(from + 1) - from;
+            let multiplier = along[joint].exp() * own[joint];
+            let spring = library.rows()[joint].nmm_per_rad[0] * multiplier * segments as f64;
+            nmm_per_rad[from..from + segments].fill(spring);
+            let [sum, count] = &mut regions[region(self.inflection_s_mm, middle)];
+            (*sum, *count) = (*sum + multiplier.ln(), *count + 1.0);
+        }
+        let multipliers = regions.map(|[sum, count]| f64::exp(sum / f64::max(count, 1.0)));
+        Springs { multipliers, nmm_per_rad }
+    }
+}

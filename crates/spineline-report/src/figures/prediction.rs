@@ -1,0 +1,75 @@
+//! Bends that were left out of the fit: measured, predicted by the best line, and predicted without mechanics.
+
+use spineline::analysis::{Analysis, ComparedFilm, FilmRole, LinesCompared};
+use spineline::evaluate::Baseline;
+use spineline::spatial::Frontal;
+
+use super::frontal::{Extent, VIEW, extent_words, frame_px, frontal_panel};
+use super::page::{Page, Sample};
+use super::panel::HeadingKind;
+use super::spines::MEASURED;
+use super::style::{GREY, Ink, Marker, Shape, action_ink};
+
+/// Tallest frame; the picture stands on the first page.
+const TALL_PX: f64 = 300.0;
+
+/// One panel per predicted film that counts in the comparison. `None` where no film was predicted by all lines.
+#[must_use]
+pub fn predictions(analysis: &Analysis, compared: &LinesCompared) -> Option<String> {
+    let (kind, role) = compared.best_predictor()?;
+    let line = compared.lines.iter().position(|one| one.kind == kind)?;
+    let films: Vec<&ComparedFilm> =
+        compared.films.iter().filter(|film| film.role == role && film.is_common()).collect();
+    let baseline = best_baseline(compared, role);
+    let what = match role {
+        FilmRole::LeftOutBend => "Bends left out of the fit",
+        FilmRole::Fitted | FilmRole::HeldOut => "Neutral and traction films",
+    };
+    let title = format!("{what}, measured and predicted, case {}", analysis.case_id);
+    let mut page = Page::new(title, analysis.synthetic);
+    page.notes.push(format!("{VIEW} Circles: vertebra midpoints, {}.", extent_words(analysis)));
+    let ink = Ink::new(action_ink(kind).colour, "", 1.6);
+    let filled = Marker { radius_px: 2.4, ..Marker::new(Shape::Circle, ink.colour, true) };
+    let dotted = Ink::new(GREY, "2 3", 1.4);
+    page.legend.push((Sample::Stroke(MEASURED.0, Some(MEASURED.1)), "measured".to_owned()));
+    page.legend.push((Sample::Stroke(ink, Some(filled)), format!("predicted, {kind}")));
+    page.legend.extend(
+        baseline.map(|one| (Sample::Stroke(dotted, None), format!("without mechanics: {one}"))),
+    );
+    let measured = |film: &ComparedFilm| -> Vec<Frontal> {
+        let posture = analysis.posture(film.posture);
+        posture.map(|p| p.outline.locations().collect()).unwrap_or_default()
+    };
+    let extent = Extent::of(films.iter().flat_map(|film| measured(film)));
+    let axes: Vec<bool> = (0..films.len()).map(|i| i == 0).collect();
+    let cell_px = frame_px(page.inner_px(), &axes, films.len());
+    let px_per_mm = (TALL_PX / extent.height_mm()).min(cell_px / extent.width_mm());
+    let mut panels = Vec::new();
+    for film in films {
+        let mut panel = frontal_panel(extent, px_per_mm, analysis.levels().base());
+        panel.y_written = panels.is_empty();
+        panel.heading(HeadingKind::Title, film.posture.to_string());
+        let simulation = film.simulations[line].as_ref()?;
+        let without = baseline.and_then(|one| film.baseline(one));
+        let mm = format!("{kind} {:.1} mm", simulation.mean_location_error_mm());
+        panel.heading(HeadingKind::Plain, mm);
+        let points = measured(film);
+        panel.end_levels(&points, analysis.levels());
+        panel.spine(&points, MEASURED.0, Marker { radius_px: 4.4, ..MEASURED.1 });
+        if let Some(without) = without {
+            panel.spine(&without.locations, dotted, Marker { radius_px: 0.1, ..filled });
+        }
+        panel.spine(&simulation.locations, ink, filled);
+        panels.push(panel);
+    }
+    page.rows.push(panels);
+    Some(page.into_svg())
+}
+
+/// The prediction without mechanics that is nearest over the films of a role.
+fn best_baseline(compared: &LinesCompared, role: FilmRole) -> Option<Baseline> {
+    let errors = Baseline::ALL
+        .into_iter()
+        .filter_map(|one| Some((compared.baseline_error_mm(one, role)?, one)));
+    errors.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, one)| one)
+}
