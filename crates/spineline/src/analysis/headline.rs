@@ -39,10 +39,10 @@ impl Analysis {
             side.push(format!("the {}", model.kind));
         }
         let (against_words, consistent_words) = (listed(&against), listed(&consistent));
-        match (against.is_empty(), consistent.is_empty()) {
+        let sentence = match (against.is_empty(), consistent.is_empty()) {
             (true, true) => None,
             (true, false) => Some(format!(
-                "The bends do not contradict a single force along {consistent_words}. This proves none."
+                "The bends do not contradict a single force along {consistent_words}; this does not prove such a force."
             )),
             (false, true) => {
                 Some(format!("The bends contradict a single force along {against_words}."))
@@ -50,7 +50,11 @@ impl Analysis {
             (false, false) => Some(format!(
                 "The bends contradict a single force along {against_words}, and do not contradict one along {consistent_words}."
             )),
-        }
+        };
+        let has_inflections = self.models.iter().any(|model| model.kind == LineKind::Inflection);
+        let missing = (!has_inflections).then(|| "There is no inflection line.".to_owned());
+        let words: Vec<String> = [missing, sentence].into_iter().flatten().collect();
+        (!words.is_empty()).then(|| words.join(" "))
     }
 
     /// Of how many regions a model's stiffness is identified.
@@ -100,7 +104,7 @@ impl LinesCompared {
                 "The {kind} predicts {films} best: {mm:.1} mm; without mechanics {without_mm:.1} mm ({baseline})."
             ),
             Some((without_mm, baseline)) => format!(
-                "No line predicts {films} better than without mechanics: {kind} {mm:.1} mm, {baseline} {without_mm:.1} mm."
+                "No line with one parameter per film predicts {films} better than without mechanics: {kind} {mm:.1} mm, {baseline} {without_mm:.1} mm."
             ),
         })
     }
