@@ -181,11 +181,12 @@ def _collect(
         tasks[task] = number
     try:
         for task in as_completed(tasks):
-            error = task.exception()
-            if isinstance(error, (InputError, OSError)):
-                raise error
-            if error is not None:
-                lost[tasks[task]] = f"{type(error).__name__}: {error}"
+            fault = task.exception()
+            is_of_files = isinstance(fault, OSError) and not isinstance(fault, ConnectionError)
+            if fault is not None and (is_of_files or isinstance(fault, InputError)):
+                raise fault
+            if fault is not None:
+                lost[tasks[task]] = f"{type(fault).__name__}: {fault}"
             else:
                 done[tasks[task]] = task.result()
     except BaseException:

@@ -181,7 +181,7 @@ class Plot:
 
     def _finish(self, ax: Axes, title: str, *, is_inverted: bool = False) -> None:
         ax.set_title(title)
-        ax.set_aspect("equal", adjustable="datalim")
+        ax.set_aspect("equal", adjustable="box")
         ax.set_xlabel("patient's left (mm)")
         ax.set_ylabel("cranial (mm)")
         # Seen from behind, the patient's left is on the left; shared axes are turned once.

@@ -43,7 +43,10 @@ class Replicates(Mapping[str, Spread]):
     """
 
     def __init__(self, native: _native.Replicates) -> None:
-        self._spreads: dict[str, dict[str, Any]] = native.spreads()
+        self._spreads = {
+            name: {**one, "quantiles": None if (q := one["quantiles"]) is None else tuple(q)}
+            for name, one in native.spreads().items()
+        }
         self._json = native.to_json()
         self._table: _native.Table | None = native.table()
         self.n: int = native.count
@@ -68,8 +71,7 @@ class Replicates(Mapping[str, Spread]):
                 f"there is no number `{name}`{meant}",
                 help="`list(replicates)` gives all names",
             )
-        quantiles = found["quantiles"]
-        return Spread(**{**found, "quantiles": None if quantiles is None else tuple(quantiles)})
+        return Spread(**found)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._spreads)

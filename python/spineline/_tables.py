@@ -74,7 +74,8 @@ class Table:
 
     def to_pandas(self) -> pandas.DataFrame:
         """The table as a pandas DataFrame. Needs pandas and pyarrow (the extra ``pandas``)."""
-        return self.to_pyarrow().to_pandas()
+        frame: pandas.DataFrame = self.to_pyarrow().to_pandas()
+        return frame
 
     def to_polars(self) -> polars.DataFrame:
         """The table as a polars DataFrame. Needs polars (the extra ``polars``)."""

@@ -1,10 +1,12 @@
 //! Analyses: the results of all steps for one patient.
 
+use std::time::Instant;
+
 use numpy::PyArray2;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use spineline::analysis;
+use spineline::analysis::{self, AnalysisOptions};
 use spineline::anatomy::{Named, Posture};
 use spineline::personalize::Identifiability;
 use spineline_files::{
@@ -312,4 +314,15 @@ impl Analysis {
             && self.analysis == other.analysis
             && self.identified == other.identified
     }
+}
+
+/// Seconds that the library alone takes to analyse a case, to compare calls from Python with.
+#[pyfunction]
+pub fn time_analysis(py: Python<'_>, case: &Case) -> PyResult<f64> {
+    py.detach(|| {
+        let start = Instant::now();
+        let found = analysis::analyze(&case.case, &AnalysisOptions::default());
+        found.map(|_| start.elapsed().as_secs_f64())
+    })
+    .map_err(|error| Fault::from(error).raise(py))
 }

@@ -19,7 +19,7 @@ mod wait;
 #[pyo3::pymodule(gil_used = false)]
 mod _native {
     #[pymodule_export]
-    use super::analysis::Analysis;
+    use super::analysis::{Analysis, time_analysis};
     #[pymodule_export]
     use super::case::{Case, parse_case, phantom, read_case};
     #[pymodule_export]
@@ -38,4 +38,8 @@ mod _native {
     /// The version of the program.
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+    /// Whether it was built for development, and is slower than a release.
+    #[pymodule_export]
+    const IS_DEVELOPMENT: bool = cfg!(debug_assertions);
 }

@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 /// A row of numbers.
 pub fn row<'py>(py: Python<'py>, values: Vec<f64>) -> Bound<'py, PyArray1<f64>> {
     let array = PyArray1::from_vec(py, values);
-    // The reader of the array gets it back; only the flag of the array counts.
-    let _readonly = array.readwrite().make_nonwriteable();
+    // Only the flag of the array counts, and not the borrow that comes with it.
+    drop(array.readwrite().make_nonwriteable());
     array
 }
 
@@ -24,7 +24,7 @@ pub fn points<'py, const N: usize>(
     let flat = PyArray1::from_vec(py, points.flatten().collect::<Vec<f64>>());
     let array =
         flat.reshape([count, N]).map_err(|error| PyValueError::new_err(error.to_string()))?;
-    let _readonly = flat.readwrite().make_nonwriteable();
-    let _readonly = array.readwrite().make_nonwriteable();
+    drop(array.readwrite().make_nonwriteable());
+    drop(flat.readwrite().make_nonwriteable());
     Ok(array)
 }
