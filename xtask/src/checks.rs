@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::plan::Plan;
-use crate::{cargo, python, run, tools};
+use crate::{cargo, package, python, run, tools};
 
 /// Typesetting is most of a build, and a feature of its own.
 const WITHOUT_PDF: [&str; 4] = ["--locked", "--workspace", "--exclude", "spineline-pdf"];
@@ -35,6 +35,13 @@ pub fn built(plan: &Plan<'_>, name: &str) -> Result<PathBuf, String> {
         IS_BUILT.store(true, Ordering::Release);
     }
     Ok(python::target()?.join("debug").join(name).with_extension(std::env::consts::EXE_EXTENSION))
+}
+
+/// The native module of the Python package, with what the tests have built: the same crates and features.
+pub fn native_module(plan: &Plan<'_>) -> Result<PathBuf, String> {
+    built(plan, "spineline")?;
+    cargo_on(plan, &["build", "--quiet"], &["--lib", "--tests"], &[])?;
+    Ok(python::target()?.join("debug").join(package::module_file()))
 }
 
 pub fn format(plan: &Plan<'_>) -> Result<(), String> {

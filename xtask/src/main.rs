@@ -6,6 +6,7 @@ mod checks;
 mod fuzz;
 mod oracle;
 mod outside;
+mod package;
 mod peers;
 mod plan;
 mod python;
@@ -44,6 +45,8 @@ cargo xtask COMMAND
            compare ICC, errors and correlations with pingouin and scipy
   films    compare films of phantoms with pydicom
   exchange compare landmarks with highdicom, pydicom and DCMTK, tables with pyarrow and pandas, typeset reports with qpdf
+  python   test the Python package and its types; measure import and calls
+  wheel    build the wheel of the Python package, with the program and the browser app inside
   attack   give the program damaged files, bombs, full disks, interruptions and kills
   docs     make the guide as a book, with the pages of credibility and of the paper's numbers
   fuzz [SECONDS]
@@ -69,6 +72,7 @@ fn main() -> ExitCode {
         },
         ("quick", []) => quick::run(&root, "HEAD"),
         ("quick", [option, base]) if option == "--base" => quick::run(&root, base),
+        ("wheel", []) => package::wheel(&root).map(|_| ()),
         ("setup", []) => tools::setup(&root),
         ("docs", []) => book::make(&root),
         ("bench", []) => cargo(&root, &["bench", "--package", "spineline", "--benches"]),
@@ -108,6 +112,7 @@ fn steps(command: &str) -> Option<Vec<Step>> {
     let reliability = Step::new("reliability", &[Tool::Python], outside::reliability);
     let films = Step::new("films", &[Tool::Python], outside::films);
     let exchange = Step::new("exchange", &[Tool::Python, Tool::Dcmtk], outside::exchange).full();
+    let package = Step::new("python", &[Tool::Python], package::test);
     let attack = Step::new("attack", &[Tool::Python], outside::attack).full();
     let studies = Step::new("studies", &[], checks::slow_studies).full();
     Some(match command {
@@ -121,6 +126,7 @@ fn steps(command: &str) -> Option<Vec<Step>> {
             reliability.beside(),
             films.beside(),
             exchange.beside(),
+            package,
             Step::new("doc examples", &[], checks::doctest),
             lint,
             Step::new("docs", &[], checks::rustdoc),
@@ -128,6 +134,7 @@ fn steps(command: &str) -> Option<Vec<Step>> {
             attack,
             studies,
         ],
+        "python" => vec![package],
         "attack" => vec![attack.usual()],
         "studies" => vec![studies.usual()],
         "check" => vec![format, tidy, lint],

@@ -82,6 +82,6 @@ pub fn target() -> Result<PathBuf, String> {
 }
 
 /// A path as an argument.
-fn text(path: &Path) -> Result<String, String> {
+pub fn text(path: &Path) -> Result<String, String> {
     path.to_str().map(str::to_owned).ok_or_else(|| format!("{} is not UTF-8", path.display()))
 }

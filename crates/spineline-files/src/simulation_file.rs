@@ -75,6 +75,14 @@ pub struct SimulationWarning {
     pub message: String,
 }
 
+impl SimulationWarning {
+    /// A warning with its stable code.
+    #[must_use]
+    pub fn new(code: &str, message: impl Into<String>) -> Self {
+        Self { code: code.to_owned(), message: message.into() }
+    }
+}
+
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct AnglesRecord {
     /// Lateral tilt of the line from L4 to T2; positive to the patient's right.

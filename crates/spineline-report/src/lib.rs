@@ -24,7 +24,7 @@ pub mod terminal;
 
 pub use document::{Document, file_stem};
 pub use embedded::embedded;
-pub use html::html;
+pub use html::{html, html_fragment};
 pub use markdown::markdown;
 pub use png::{PngError, png};
 pub use terminal::terminal;

@@ -1,9 +1,9 @@
 //! Errors that stop an analysis, by step, with their remedies.
 
-use crate::anatomy::Posture;
+use crate::anatomy::{Level, Posture};
 use crate::chain::ChainError;
 use crate::curve::CurveError;
-use crate::measure::MeasureError;
+use crate::measure::{LateralFault, MeasureError};
 use crate::multibody::StiffnessError;
 use crate::spatial::Angle;
 use crate::warning::Step;
@@ -70,7 +70,55 @@ pub enum Error {
     Stiffness(#[from] StiffnessError),
 }
 
+/// What an error is about, as far as it is about one film, vertebra or value.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ErrorPlace {
+    /// The frontal film.
+    pub posture: Option<Posture>,
+    /// Whether it is the lateral film.
+    pub on_lateral_film: bool,
+    /// The vertebra; of two, the upper one.
+    pub level: Option<Level>,
+    /// The value that cannot be used, in the unit of the message.
+    pub value: Option<f64>,
+    /// Its limit.
+    pub limit: Option<f64>,
+}
+
 impl Error {
+    /// What it is about, for programs; the message says the same in words.
+    #[must_use]
+    pub fn place(&self) -> ErrorPlace {
+        let none = ErrorPlace::default();
+        match self {
+            Self::Case(CaseError::PostureTwice { posture }) => on_film(*posture),
+            Self::Case(CaseError::FilmRepeated { second, .. }) => on_film(*second),
+            Self::Case(CaseError::Age { age_years, limit_years }) => {
+                ErrorPlace { value: Some(*age_years), limit: Some(*limit_years), ..none }
+            }
+            Self::Case(CaseError::NoErectFilm | CaseError::BendsExchanged { .. }) => none,
+            Self::Measure(MeasureError::LateralFilm(fault)) => place_of_lateral(fault),
+            Self::Measure(error) => place_of_film(error),
+            Self::Curve(CurveError::Order { order, limit }) => {
+                ErrorPlace { value: Some(*order as f64), limit: Some(*limit as f64), ..none }
+            }
+            Self::Curve(CurveError::Singular { posture, order }) => {
+                ErrorPlace { value: Some(*order as f64), ..on_film(*posture) }
+            }
+            Self::Chain(ChainError::TooShort { length_mm: value, .. })
+            | Self::Chain(ChainError::NoLength { erect_mm: value }) => {
+                ErrorPlace { value: Some(*value), ..none }
+            }
+            Self::Chain(ChainError::Window { .. }) => none,
+            Self::Stiffness(
+                StiffnessError::Missing { superior, .. } | StiffnessError::Twice { superior, .. },
+            ) => ErrorPlace { level: Some(*superior), ..none },
+            Self::Stiffness(StiffnessError::Value { superior, value, .. }) => {
+                ErrorPlace { level: Some(*superior), value: Some(*value), limit: Some(0.0), ..none }
+            }
+        }
+    }
+
     /// The step of the error.
     #[must_use]
     pub const fn step(&self) -> Step {
@@ -130,5 +178,105 @@ impl Error {
                 "give every joint from L4/L3 to T3/T2 one row with three positive values in N·mm/rad"
             }
         }
+    }
+}
+
+fn on_film(posture: Posture) -> ErrorPlace {
+    ErrorPlace { posture: Some(posture), ..ErrorPlace::default() }
+}
+
+fn place_of_film(error: &MeasureError) -> ErrorPlace {
+    use MeasureError as E;
+    match error {
+        E::NoReading { posture }
+        | E::DuplicateReading { posture, .. }
+        | E::NoObserver { posture, .. }
+        | E::AxesExchanged { posture, .. }
+        | E::NoCommonEnd { posture, .. }
+        | E::FilmMirrored { posture, .. } => on_film(*posture),
+        E::Spacing { posture, value, .. } => {
+            ErrorPlace { value: Some(*value), ..on_film(*posture) }
+        }
+        E::TopMissing { posture, highest } => ErrorPlace { level: *highest, ..on_film(*posture) },
+        E::BaseMissing { posture, lowest } => {
+            ErrorPlace { level: Some(*lowest), ..on_film(*posture) }
+        }
+        E::Gap { posture, superior, missing, limit, .. } => ErrorPlace {
+            level: Some(*superior),
+            value: Some(*missing as f64),
+            limit: Some(*limit as f64),
+            ..on_film(*posture)
+        },
+        E::NotFinite { posture, level, .. }
+        | E::Corners { posture, level, .. }
+        | E::OffImage { posture, level, .. } => {
+            ErrorPlace { level: Some(*level), ..on_film(*posture) }
+        }
+        E::Confidence { posture, level, value, .. } => {
+            ErrorPlace { level: Some(*level), value: Some(*value), ..on_film(*posture) }
+        }
+        E::Lateral { level, .. } => {
+            ErrorPlace { on_lateral_film: true, level: Some(*level), ..ErrorPlace::default() }
+        }
+        E::LateralFilm(fault) => place_of_lateral(fault),
+        E::Crests { posture, apart_mm, limit_mm, .. } => {
+            ErrorPlace { value: Some(*apart_mm), limit: Some(*limit_mm), ..on_film(*posture) }
+        }
+        E::OutOfOrder { posture, superior, share, limit, .. } => ErrorPlace {
+            level: Some(*superior),
+            value: Some(*share),
+            limit: Some(*limit),
+            ..on_film(*posture)
+        },
+        E::TiltTooLarge { posture, level, tilt_deg, limit_deg, .. } => ErrorPlace {
+            level: Some(*level),
+            value: Some(*tilt_deg),
+            limit: Some(*limit_deg),
+            ..on_film(*posture)
+        },
+    }
+}
+
+fn place_of_lateral(fault: &LateralFault) -> ErrorPlace {
+    let lateral = ErrorPlace { on_lateral_film: true, ..ErrorPlace::default() };
+    match fault {
+        LateralFault::NoObserver { .. } | LateralFault::DuplicateReading { .. } => lateral,
+        LateralFault::Spacing { value, .. } => ErrorPlace { value: Some(*value), ..lateral },
+        LateralFault::NotFinite { level, .. } | LateralFault::OffImage { level, .. } => {
+            ErrorPlace { level: Some(*level), ..lateral }
+        }
+        LateralFault::OutOfOrder { superior, share, limit, .. } => ErrorPlace {
+            level: Some(*superior),
+            value: Some(*share),
+            limit: Some(*limit),
+            ..lateral
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_tells_programs_the_film_the_vertebra_the_value_and_the_limit() {
+        let error = MeasureError::TiltTooLarge {
+            posture: Posture::Traction,
+            base: Level::L4,
+            level: Level::T5,
+            tilt_deg: 91.0,
+            limit_deg: 85.0,
+        };
+        let expected = ErrorPlace {
+            posture: Some(Posture::Traction),
+            on_lateral_film: false,
+            level: Some(Level::T5),
+            value: Some(91.0),
+            limit: Some(85.0),
+        };
+        assert_eq!(Error::from(error).place(), expected);
+        let fault = LateralFault::Spacing { direction: "column", value: -1.0 };
+        let place = Error::from(MeasureError::from(fault)).place();
+        assert!(place.on_lateral_film && place.posture.is_none() && place.value == Some(-1.0));
     }
 }

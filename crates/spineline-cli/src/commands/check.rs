@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use spineline::analysis::{Analysis, AnalysisOptions};
-use spineline::warning::Step;
-use spineline_report::document::{Column, Table};
+use spineline_report::patient::{film_warnings, films_table};
 use spineline_report::terminal;
 
 use crate::analysis::case::analyze_file;
@@ -41,36 +40,8 @@ pub fn run(args: &CheckArgs) -> Result<Ending, Failure> {
 fn text(path: &Path, analysis: &Analysis) -> String {
     let synthetic = if analysis.synthetic { " · SYNTHETIC" } else { "" };
     let mut text = format!("{}: {}{synthetic}\n", path.display(), analysis.case_id);
-    let levels = analysis.levels();
-    let columns = vec![
-        Column::words("Film"),
-        Column::numbers("Readings"),
-        Column::numbers(format!("{}-{}", levels.base(), levels.top())),
-        Column::words("Lateral tilt"),
-        Column::words("Location sd"),
-        Column::words("Tilt sd (°)"),
-        Column::words("Iliac crests"),
-        Column::words("Lengths"),
-    ];
-    let mut table = Table::new("", columns);
-    for p in &analysis.postures {
-        let outline = &p.outline;
-        let assumed = if outline.noise.measured { "" } else { " assumed" };
-        table.row(vec![
-            outline.posture.to_string(),
-            outline.readings.to_string(),
-            outline.scale.text(outline.polygon_mm(), 0),
-            outline.amplitude().leaning(),
-            format!("{}{assumed}", outline.scale.residual_text(outline.noise.location_mm)),
-            format!("{:.2}{assumed}", outline.noise.tilt.deg()),
-            if outline.iliac_normal.is_some() { "marked" } else { "none" }.to_owned(),
-            outline.scale.to_string(),
-        ]);
-    }
-    text.push_str(&terminal::table(&table, terminal::WIDTH));
-    // Warnings of the fit belong to `analyze`; here only the films count.
-    let of_films = |step: Step| step <= Step::Motion;
-    let warnings: Vec<_> = analysis.warnings.all().iter().filter(|w| of_films(w.step)).collect();
+    text.push_str(&terminal::table(&films_table(analysis), terminal::WIDTH));
+    let warnings: Vec<_> = film_warnings(analysis).collect();
     for warning in &warnings {
         let place = warning.posture.map_or_else(String::new, |p| format!("{p} film: "));
         let level = warning.level.map_or_else(String::new, |l| format!("{l}: "));

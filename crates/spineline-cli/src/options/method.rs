@@ -1,23 +1,23 @@
 //! Choices of the method.
 
-use std::path::PathBuf;
-use std::str::FromStr;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use spineline::action::LineOfAction;
 use spineline::analysis::{AnalysisOptions, Grouping};
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::Posture;
 use spineline::clinical::EndChoice;
 use spineline::curve::{InflectionChoice, OrderRule, Site};
-use spineline::hypothesis::Hypothesis;
 use spineline::measure::{FilmLengthRule, TiltRule};
-use spineline::multibody::{StiffnessTable, Support};
-use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
-use spineline::spatial::{Angle, Frontal};
+use spineline::multibody::Support;
+use spineline::personalize::{FitTarget, Gauge};
+use spineline::spatial::Angle;
+use spineline_files::method_text::{
+    Choice, ChosenHypotheses, Prior, StiffnessSource, curve_turn, end_vertebrae, film_lengths,
+    gauge, given_line, hypotheses, inflection_sites, order_rule, prior, stiffness_source,
+};
 
-use super::choice::{Choice, choice, of_spelling};
-use super::ends::end_vertebrae;
-use super::values::{number, posture};
+use super::choice::choice;
 use crate::run::failure::Failure;
 
 /// Choices of the method.
@@ -100,12 +100,10 @@ impl MethodArgs {
             hypotheses: self.compare_models.clone().map(|chosen| chosen.0).unwrap_or_default(),
             ..AnalysisOptions::default()
         };
-        options.library = match &self.stiffness {
-            StiffnessSource::Table(table) => table.library(),
-            StiffnessSource::File(path) => spineline_files::read_text(path)
-                .and_then(|text| spineline_files::parse_stiffness(&text))
-                .map_err(|error| Failure::file(path, &error))?,
-        };
+        options.library = self.stiffness.library().map_err(|error| {
+            let path = self.stiffness_file().map_or(Path::new(""), PathBuf::as_path);
+            Failure::file(path, &error)
+        })?;
         Ok(options)
     }
 
@@ -116,135 +114,4 @@ impl MethodArgs {
             StiffnessSource::Table(_) => None,
         }
     }
-}
-
-/// Where springs come from.
-#[derive(Clone)]
-enum StiffnessSource {
-    Table(StiffnessTable),
-    File(PathBuf),
-}
-
-fn stiffness_source(text: &str) -> Result<StiffnessSource, String> {
-    Ok(of_spelling(text)
-        .map_or_else(|| StiffnessSource::File(PathBuf::from(text)), StiffnessSource::Table))
-}
-
-/// A prior, or none.
-#[derive(Clone, Copy)]
-struct Prior(Option<LogNormalPrior>);
-
-fn prior(text: &str) -> Result<Prior, String> {
-    match text {
-        "none" => Ok(Prior(None)),
-        "in-vivo" => Ok(Prior(Some(LogNormalPrior::IN_VIVO))),
-        other => match number(other) {
-            Ok(log_sd @ 0.01..=5.0) => Ok(Prior(Some(LogNormalPrior { log_sd }))),
-            _ => Err("expected `none`, `in-vivo`, or a standard deviation of ln from 0.01 to 5"
-                .to_owned()),
-        },
-    }
-}
-
-fn film_lengths(text: &str) -> Result<FilmLengthRule, String> {
-    match text {
-        "per-film" => Ok(FilmLengthRule::default()),
-        "as-marked" => Ok(FilmLengthRule::AsMarked),
-        percent => match number(percent) {
-            Ok(percent @ 0.01..=50.0) => {
-                Ok(FilmLengthRule::PerFilm { relative_sd: 0.01 * percent })
-            }
-            _ => Err(
-                "expected `per-film`, `as-marked`, or a standard deviation from 0.01 to 50 percent"
-                    .to_owned(),
-            ),
-        },
-    }
-}
-
-fn order_rule(text: &str) -> Result<OrderRule, String> {
-    match text {
-        "leave-one-out" => Ok(OrderRule::LeaveOneOut),
-        "paper" => Ok(OrderRule::Paper),
-        number => match usize::from_str(number) {
-            Ok(order @ 4..=12) => Ok(OrderRule::Fixed(order)),
-            _ => Err("expected `leave-one-out`, `paper`, or an order from 4 to 12".to_owned()),
-        },
-    }
-}
-
-fn gauge(text: &str) -> Result<Gauge, String> {
-    match text {
-        "geometric-mean" => return Ok(Gauge::GeometricMean),
-        "frozen-force" => return Ok(Gauge::FrozenForce),
-        _ => {}
-    }
-    let expected = "expected `geometric-mean`, `frozen-force`, or `known-force:POSTURE=NEWTON`";
-    let (name, force) = text
-        .strip_prefix("known-force:")
-        .and_then(|rest| rest.split_once('='))
-        .ok_or_else(|| expected.to_owned())?;
-    let force_n = number(force)?;
-    if force_n <= 0.0 {
-        return Err(
-            "a known force must be greater than 0 N: it is a magnitude, and its direction is found"
-                .to_owned(),
-        );
-    }
-    let posture = posture(name)?;
-    if posture == Posture::Erect {
-        return Err("the erect film has no force: all others are measured from it; name the film on which the force was measured".to_owned());
-    }
-    Ok(Gauge::KnownForce { posture, force_n })
-}
-
-fn curve_turn(text: &str) -> Result<Angle, String> {
-    match number(text)? {
-        degrees @ 0.0..=90.0 => Ok(Angle::from_deg(degrees)),
-        _ => Err("expected 0 to 90 degrees".to_owned()),
-    }
-}
-
-fn inflection_sites(text: &str) -> Result<[Site; 2], String> {
-    let site = |text: &str| -> Result<Site, String> {
-        let level = |name: &str| {
-            let level = Level::from_str(name.trim()).map_err(|error| error.to_string())?;
-            level
-                .model_index()
-                .map(|_| level)
-                .ok_or_else(|| format!("{level} is not between L4 and T2"))
-        };
-        let (a, b) = text.split_once('/').unwrap_or((text, text));
-        let (a, b) = (level(a)?, level(b)?);
-        Ok(Site { inferior: a.min(b), superior: a.max(b) })
-    };
-    let (caudal, cranial) =
-        text.split_once(',').ok_or_else(|| "expected two sites, such as L1/T12,T6".to_owned())?;
-    let sites = [site(caudal)?, site(cranial)?];
-    if sites[0].inferior > sites[1].inferior {
-        Err("the caudal site comes first".to_owned())
-    } else {
-        Ok(sites)
-    }
-}
-
-fn given_line(text: &str) -> Result<(Posture, LineOfAction), String> {
-    let expected = || "expected POSTURE=Y,Z,TILT, such as left_bending=20,150,-5".to_owned();
-    let (name, rest) = text.split_once('=').ok_or_else(expected)?;
-    let numbers: Vec<f64> = rest.split(',').map(number).collect::<Result<_, _>>()?;
-    let [y, z, tilt] = numbers[..] else { return Err(expected()) };
-    Ok((posture(name)?, LineOfAction::leaning(Frontal::new(y, z), Angle::from_deg(tilt))))
-}
-
-/// Loads and base supports to compare.
-#[derive(Clone)]
-struct ChosenHypotheses(Vec<Hypothesis>);
-
-/// `all`, or names with commas between.
-fn hypotheses(text: &str) -> Result<ChosenHypotheses, String> {
-    if text == "all" {
-        return Ok(ChosenHypotheses(Hypothesis::compared()));
-    }
-    let chosen = text.split(',').map(Hypothesis::from_str).collect::<Result<_, _>>();
-    chosen.map(ChosenHypotheses).map_err(|error| error.to_string())
 }

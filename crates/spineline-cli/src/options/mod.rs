@@ -1,7 +1,6 @@
 //! Option groups that several commands share.
 
 pub mod choice;
-mod ends;
 pub mod method;
 pub mod phantoms;
 pub mod uncertainty;

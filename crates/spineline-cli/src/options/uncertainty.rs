@@ -3,8 +3,7 @@
 use clap::Args;
 use spineline::uncertainty::LandmarkNoise;
 use spineline_files::Replicates;
-
-use super::values::number;
+use spineline_files::method_text::noise;
 
 /// Questions about the confidence of the results.
 #[derive(Args)]
@@ -24,16 +23,6 @@ pub struct UncertaintyArgs {
     /// Seed of the replicates
     #[arg(long, default_value_t = 1, requires = "replicates")]
     pub seed: u64,
-}
-
-fn noise(text: &str) -> Result<LandmarkNoise, String> {
-    if text == "measured" {
-        return Ok(LandmarkNoise::Measured);
-    }
-    match number(text) {
-        Ok(sd_px @ 0.0..=1000.0) => Ok(LandmarkNoise::Pixels(sd_px)),
-        _ => Err("expected `measured`, or a noise standard deviation from 0 to 1000 px".to_owned()),
-    }
 }
 
 impl UncertaintyArgs {

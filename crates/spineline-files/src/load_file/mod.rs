@@ -214,6 +214,22 @@ impl AppliedLoad {
     }
 }
 
+/// Unit vectors of `G` in the patient's terms.
+pub const DIRECTIONS: [(&str, [f64; 3]); 6] = [
+    ("left", [0.0, 1.0, 0.0]),
+    ("right", [0.0, -1.0, 0.0]),
+    ("cranial", [0.0, 0.0, 1.0]),
+    ("caudal", [0.0, 0.0, -1.0]),
+    ("anterior", [1.0, 0.0, 0.0]),
+    ("posterior", [-1.0, 0.0, 0.0]),
+];
+
+/// The unit vector of a direction in the patient's terms.
+#[must_use]
+pub fn direction(name: &str) -> Option<[f64; 3]> {
+    DIRECTIONS.into_iter().find(|(known, _)| *known == name).map(|(_, vector)| vector)
+}
+
 /// Reads loads from the text of their file.
 ///
 /// # Errors

@@ -6,6 +6,8 @@ use crate::document::{Block, Document, Figure, Notice, Section, Table};
 use crate::embedded::{ELEMENT_ID, for_html};
 
 const STYLE: &str = include_str!("report.css");
+/// Rules for a part of a page of others.
+const FRAGMENT_STYLE: &str = include_str!("fragment.css");
 const SCRIPT: &str = include_str!("report.js");
 /// What the file may load: nothing but what it holds.
 const POLICY: &str =
@@ -55,18 +57,44 @@ pub fn html(document: &Document) -> String {
     .into_string()
 }
 
+/// The same as a part of another page, such as a notebook: it loads nothing, runs nothing, and changes nothing outside of it.
+/// Views in space are left out.
+#[must_use]
+pub fn html_fragment(document: &Document) -> String {
+    html! {
+        div.spineline {
+            style { (PreEscaped(FRAGMENT_STYLE)) }
+            p { strong { bdi { (document.subject) } } " · " (document.title) }
+            @for banner in &document.banners { (notice(banner)) }
+            @for part in &document.sections {
+                @if !part.title.is_empty() { h4 { (part.title) } }
+                (blocks(part, |figure| html! {
+                    figure.picture { (PreEscaped(&figure.svg)) figcaption { (figure.caption) } }
+                }))
+            }
+        }
+    }
+    .into_string()
+}
+
 fn section(section: &Section) -> Markup {
     html! {
         section id=(section.id) {
             h2 { (section.title) }
-            @for block in &section.blocks {
-                @match block {
-                    Block::Heading(text) => h3 { (text) },
-                    Block::Paragraph(text) => p dir="auto" { (text) },
-                    Block::Notice(one) => (notice(one)),
-                    Block::Table(one) => (table(one)),
-                    Block::Figure(one) => (figure(one)),
-                }
+            (blocks(section, figure))
+        }
+    }
+}
+
+fn blocks(section: &Section, picture: impl Fn(&Figure) -> Markup) -> Markup {
+    html! {
+        @for block in &section.blocks {
+            @match block {
+                Block::Heading(text) => h3 { (text) },
+                Block::Paragraph(text) => p dir="auto" { (text) },
+                Block::Notice(one) => (notice(one)),
+                Block::Table(one) => (table(one)),
+                Block::Figure(one) => (picture(one)),
             }
         }
     }

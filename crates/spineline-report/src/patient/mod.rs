@@ -1,5 +1,6 @@
 //! An analysis of one patient → a report: contradictions and warnings first, the method last.
 
+mod check;
 mod grouped;
 mod measured;
 mod method;
@@ -12,10 +13,11 @@ use spineline::analysis::{Analysis, Case, LinesCompared};
 use spineline::personalize::Identifiability;
 use spineline::uncertainty::Uncertainty;
 
-use crate::document::{Document, Notice, NoticeKind, Section};
-use crate::figures::FilmPicture;
+use crate::document::{Document, Figure, Notice, NoticeKind, Section};
+use crate::figures::{self, FilmPicture};
 use crate::hypotheses;
 
+pub use check::{check, film_warnings, films_table};
 pub(crate) use method::options;
 pub use summary::{summary, warnings};
 
@@ -78,6 +80,23 @@ pub(crate) fn banners(synthetic: bool) -> Vec<Notice> {
 fn sentences(section: &mut Section, analysis: &Analysis, compared: &LinesCompared) {
     for sentence in analysis.verdict(compared) {
         section.paragraph(sentence);
+    }
+}
+
+/// What a notebook shows of an analysis: banners, verdict, contradictions and warnings, and all films side by side.
+#[must_use]
+pub fn overview(analysis: &Analysis, generator: &str) -> Document {
+    let mut verdict = verdict(analysis, &analysis.compare_lines());
+    verdict.title = String::new();
+    let caption = "Measured spine, fitted curve, inflections and candidate lines of action";
+    verdict.figure(Figure::new("overview", caption, figures::case_overview(analysis)));
+    Document {
+        title: "analysis".to_owned(),
+        subject: analysis.case_id.clone(),
+        generator: generator.to_owned(),
+        banners: banners(analysis.synthetic),
+        sections: vec![verdict],
+        analysis: String::new(),
     }
 }
 

@@ -41,7 +41,7 @@ mod words;
 
 pub use landmarks::{FilmNoise, LandmarkNoise, NoiseSource, VertebraNoise};
 pub use quantities::{Absent, AnalysisQuantity, QuantityUnit};
-pub use tally::{FailureCount, QuantitySpread, Spread, Tally, Uncertainty};
+pub use tally::{FailureCount, MultiplierSpread, QuantitySpread, Spread, Tally, Uncertainty};
 
 use crate::action::LineKind;
 use crate::analysis::{Analysis, Case, OtherReadings, analyze_known};

@@ -42,6 +42,25 @@ pub struct QuantitySpread {
     pub spread: Option<Spread>,
 }
 
+/// Distribution of a multiplier, whose logarithm is what an analysis counts in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MultiplierSpread {
+    /// In the case itself.
+    pub value: Option<f64>,
+    /// The quantiles at [`Spread::PARTS`]: the exponential keeps the order of values, so that it takes quantiles to quantiles.
+    pub quantiles: Option<[f64; 5]>,
+}
+
+impl QuantitySpread {
+    /// The multiplier of which it is the logarithm; `None` for any other quantity.
+    #[must_use]
+    pub fn multiplier(&self) -> Option<MultiplierSpread> {
+        let AnalysisQuantity::LogMultiplier(..) = self.quantity else { return None };
+        let value = self.nominal.ok().map(f64::exp);
+        Some(MultiplierSpread { value, quantiles: self.spread.map(|s| s.quantiles.map(f64::exp)) })
+    }
+}
+
 /// Moments and quantiles, in the unit of the quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {

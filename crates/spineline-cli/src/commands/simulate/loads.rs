@@ -9,7 +9,6 @@ use spineline_files::{
 };
 
 use super::args::SimulateArgs;
-use super::warnings::warning;
 use crate::run::failure::Failure;
 
 /// Reference force of a search for a factor; its size only sets the steps of the path.
@@ -82,7 +81,7 @@ fn of_posture(
             "the analysis found no force for the {posture} film ({}); this is the one whose shape came nearest",
             record.status
         );
-        notes.push(warning("load_not_found", text));
+        notes.push(SimulationWarning::new("load_not_found", text));
     }
     let size_n = args.force.map_or(record.force_n, |force| force.copysign(record.force_n));
     let force_n = (Vec3::from(record.direction) * size_n).into();

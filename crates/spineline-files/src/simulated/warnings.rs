@@ -2,15 +2,15 @@
 
 use spineline::multibody::{BodyLoad, PathEnding};
 use spineline::response::{Response, UNUSUAL_HINGE, largest_hinge};
-use spineline_files::{AppliedLoad, LoadFile, PlacedLoads, SimulationWarning, StoredModel};
 
-/// A warning with its stable code.
-pub fn warning(code: &str, message: impl Into<String>) -> SimulationWarning {
-    SimulationWarning { code: code.to_owned(), message: message.into() }
+use crate::{AppliedLoad, LoadFile, PlacedLoads, SimulationWarning, StoredModel};
+
+fn warning(code: &str, message: impl Into<String>) -> SimulationWarning {
+    SimulationWarning::new(code, message)
 }
 
 /// All warnings about a simulation.
-pub fn warnings(
+pub(super) fn warnings(
     model: &StoredModel,
     loads: &LoadFile,
     placed: &PlacedLoads,

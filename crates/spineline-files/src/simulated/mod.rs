@@ -1,0 +1,144 @@
+//! A personalised model under loads: from the files of both to everything that is shown of the result.
+
+mod warnings;
+
+use spineline::clinical::CurvePlaces;
+use spineline::multibody::{GeneralStatics, Goal, LoadingError, PathOptions, SpringError, Timing};
+use spineline::response::{OnSignedPoint, Response, erect_shape, largest_factor, respond};
+
+use crate::{FileError, LoadFile, PlacedLoads, SimulationFile, SimulationWarning, StoredModel};
+
+/// A model, its loads, and what it does.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Simulated {
+    /// The model.
+    pub model: StoredModel,
+    /// The loads as they were given.
+    pub loads: LoadFile,
+    /// The same on the vertebrae of the model.
+    pub placed: PlacedLoads,
+    /// Between which vertebrae angles of curves are measured.
+    pub places: Vec<CurvePlaces>,
+    /// What the spine does.
+    pub response: Response,
+    /// Everything doubtful about it.
+    pub warnings: Vec<SimulationWarning>,
+}
+
+/// A model or loads that cannot be simulated.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SimulationError {
+    /// A load does not fit the model.
+    #[error(transparent)]
+    Loads(#[from] FileError),
+    /// A load cannot be applied.
+    #[error(transparent)]
+    Loading(#[from] LoadingError),
+    /// The springs of the model are no springs.
+    #[error("{0}")]
+    Springs(String),
+    /// A lateral tilt is wanted, and no load is varied.
+    #[error("a wanted lateral tilt needs proportional loads, and all loads are constant")]
+    NothingGrows,
+}
+
+impl SimulationError {
+    /// Remedy.
+    #[must_use]
+    pub fn help(&self) -> &'static str {
+        match self {
+            Self::Loads(error) => error.help(),
+            Self::Loading(error) => error.help(),
+            Self::Springs(_) => "correct the stiffness, or write the model again with `analyze`",
+            Self::NothingGrows => "let at least one load have the timing `growing`",
+        }
+    }
+}
+
+impl Simulated {
+    /// Loads a model; the callback gets every shape and may interrupt the search.
+    ///
+    /// `notes` are warnings that the loads brought with them. Without a largest factor, the usual one is taken.
+    ///
+    /// # Errors
+    /// [`SimulationError`].
+    pub fn of(
+        model: StoredModel,
+        loads: LoadFile,
+        goal: Goal,
+        limit: Option<f64>,
+        notes: Vec<SimulationWarning>,
+        on_point: OnSignedPoint<'_>,
+    ) -> Result<Self, SimulationError> {
+        let placed = loads.place(&model)?;
+        if matches!(goal, Goal::LateralTilt(_)) && !grows(&placed) {
+            return Err(SimulationError::NothingGrows);
+        }
+        let mut warnings = notes;
+        let statics = statics(&model)?;
+        let places = places(&model, &mut warnings);
+        let factor = limit.unwrap_or_else(|| match goal {
+            Goal::FullLoad => PathOptions::default().largest_factor,
+            Goal::LateralTilt(_) => largest_factor(&model.spine, &model.stiffness, &placed.loading),
+        });
+        let response = respond(&statics, &placed.loading, goal, factor, on_point)?;
+        warnings.extend(warnings::warnings(&model, &loads, &placed, &response));
+        Ok(Self { model, loads, placed, places, response, warnings })
+    }
+
+    /// The simulation as a file.
+    #[must_use]
+    pub fn file(&self, generator: &str) -> SimulationFile {
+        SimulationFile::new(
+            &self.model,
+            (&self.loads, &self.placed),
+            &self.places,
+            &self.response,
+            self.warnings.clone(),
+            generator,
+        )
+    }
+}
+
+/// Whether a load is varied.
+fn grows(placed: &PlacedLoads) -> bool {
+    let timings = placed.loading.items.iter().map(|item| item.timing);
+    let mut timings = timings.chain(placed.loading.rods.iter().map(|rod| rod.timing));
+    timings.any(|timing| timing == Timing::Growing)
+}
+
+fn statics(model: &StoredModel) -> Result<GeneralStatics<'_>, SimulationError> {
+    let springs = model.stiffness.iter().copied();
+    GeneralStatics::new(&model.spine, springs, model.support).map_err(|error| {
+        SimulationError::Springs(match &error {
+            SpringError::NotPositive { joint } => format!(
+                "the stiffness of joint {}/{} is not symmetric and positive definite",
+                model.levels[*joint],
+                model.levels[joint + 1]
+            ),
+            other => other.to_string(),
+        })
+    })
+}
+
+/// Where Cobb and Ferguson angles are measured.
+fn places(model: &StoredModel, notes: &mut Vec<SimulationWarning>) -> Vec<CurvePlaces> {
+    if let Some(curves) = &model.curves {
+        return curves.clone();
+    }
+    let erect = erect_shape(&model.spine);
+    let count = model.levels.len();
+    let locations: Vec<_> = (0..count).map(|i| erect.location(i)).collect();
+    let tilts: Vec<_> = (0..count).map(|i| erect.tilt(i)).collect();
+    let usual =
+        model.known_levels().and_then(|levels| CurvePlaces::usual(levels, &locations, &tilts));
+    let text = if usual.is_some() {
+        "the model file has no regions; tilt ranges and Ferguson angles are measured with regions that end at T12 and T6, \
+         which may not be those of its analysis; write the model again with `spineline analyze CASE --model FILE`"
+    } else {
+        "the model file has no regions and does not go from L4 to T2 or a part of it: there are no angles of curves"
+    };
+    notes.push(SimulationWarning::new("usual_regions", text));
+    usual.map_or_else(Vec::new, Vec::from)
+}

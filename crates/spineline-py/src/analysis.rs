@@ -1,0 +1,328 @@
+//! Analyses: the results of all steps for one patient.
+
+use std::time::Instant;
+
+use numpy::PyArray2;
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use spineline::analysis::{self, AnalysisOptions};
+use spineline::anatomy::{Named, Posture};
+use spineline::personalize::Identifiability;
+use spineline_files::{
+    AnalysisFile, CaseFile, FilmOrigin, Provenance, Request, parse_analysis, to_line, to_text,
+};
+use spineline_report::figures;
+use spineline_report::patient::{Patient as ReportedPatient, overview, report, summary};
+use spineline_report::{html, html_fragment, terminal};
+use spineline_tables::{Patient, tables};
+
+use crate::case::Case;
+use crate::fault::Fault;
+use crate::numbers;
+use crate::patient::{generator, options, run};
+use crate::table::Table;
+use crate::wait::beside;
+
+/// The results of all steps for one patient.
+#[pyclass(frozen, module = "spineline._native")]
+pub struct Analysis {
+    pub file: CaseFile,
+    pub case: analysis::Case,
+    pub analysis: analysis::Analysis,
+    pub request: Request,
+    pub provenance: Provenance,
+    pub identified: Option<Vec<Option<Identifiability>>>,
+}
+
+/// Computes everything that a request asks of a case, but for replicates.
+fn compute(
+    case: &analysis::Case,
+    request: &Request,
+) -> Result<(analysis::Analysis, Option<Vec<Option<Identifiability>>>), Fault> {
+    let found = analysis::analyze(case, &request.options)?;
+    let identified = request
+        .identifiability
+        .then(|| found.models.iter().map(|model| found.identifiability(model)).collect());
+    Ok((found, identified))
+}
+
+impl Analysis {
+    /// The patient as the tables take it.
+    fn patient(&self) -> Patient<'_> {
+        Patient {
+            analysis: &self.analysis,
+            subject: &self.case.subject,
+            identified: self.identified.as_deref(),
+            spread: None,
+        }
+    }
+
+    /// The patient as reports take it.
+    fn reported<'a>(&'a self, generator: &'a str, json: &'a str) -> ReportedPatient<'a> {
+        ReportedPatient {
+            case: &self.case,
+            analysis: &self.analysis,
+            pictures: &[],
+            identifiability: self.identified.as_deref(),
+            uncertainty: None,
+            generator,
+            json,
+        }
+    }
+
+    /// Its file.
+    fn stored(&self) -> AnalysisFile {
+        let file = AnalysisFile::new(&self.analysis, self.file.clone(), self.provenance.clone());
+        match &self.identified {
+            Some(found) => file.with_identifiability(&self.analysis, found),
+            None => file,
+        }
+    }
+
+    /// The results of a posture.
+    fn posture(&self, film: &str) -> Result<&analysis::PostureAnalysis, Fault> {
+        let known = Posture::from_key(&film.replace('-', "_"));
+        known.and_then(|posture| self.analysis.posture(posture)).ok_or_else(|| {
+            let films: Vec<&str> =
+                self.analysis.postures.iter().map(|one| one.outline.posture.key()).collect();
+            let meant = spineline_files::nearest(film, &films)
+                .map(|word| format!("; did you mean `{word}`?"))
+                .unwrap_or_default();
+            let text = format!("{}: there is no `{film}` film{meant}", self.analysis.case_id);
+            Fault::new(text, format!("give one of {}", films.join(", ")))
+        })
+    }
+
+    /// Points of a film in mm.
+    fn in_mm<'py, const N: usize>(
+        &self,
+        py: Python<'py>,
+        film: &str,
+        points: impl ExactSizeIterator<Item = [f64; N]>,
+        scale: &spineline::measure::LengthScale,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        if scale.mm(1.0).is_none() {
+            let text = format!(
+                "{}: the {film} film has no spacing, so its curve has no millimetres",
+                self.analysis.case_id
+            );
+            let help = "give the spacing of the film in the case";
+            return Err(Fault::new(text, help).raise(py));
+        }
+        numbers::points(py, points)
+    }
+}
+
+#[pymethods]
+impl Analysis {
+    /// Analyses a case with options given as text.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        case: &Case,
+        given: Vec<(String, String)>,
+        identifiability: bool,
+        command: Vec<String>,
+        date_utc: String,
+    ) -> PyResult<Self> {
+        let (options, files) = options(&given).map_err(|fault| fault.raise(py))?;
+        let request = Request { options, replicates: None, identifiability };
+        let found = beside(py, |_| compute(&case.case, &request))?;
+        let (found, identified) = found.map_err(|fault| fault.raise(py))?;
+        let inputs = case.input.iter().cloned().chain(files).collect();
+        let films = FilmOrigin::of([case.case.synthetic]);
+        let provenance = Provenance::new(run(command, date_utc), films, inputs).asking(&request);
+        Ok(Self {
+            file: case.file.clone(),
+            case: case.case.clone(),
+            analysis: found,
+            request,
+            provenance,
+            identified,
+        })
+    }
+
+    /// Repeats an analysis from its file, which has to say the same.
+    #[staticmethod]
+    fn repeat(py: Python<'_>, text: &str) -> PyResult<Self> {
+        let stored = parse_analysis(text).map_err(|error| Fault::from(error).raise(py))?;
+        let request = stored.request;
+        let found = beside(py, |_| compute(&stored.case, &request))?;
+        let (found, identified) = found.map_err(|fault| fault.raise(py))?;
+        let again = Self {
+            file: stored.case_file,
+            case: stored.case,
+            analysis: found,
+            request,
+            provenance: stored.provenance,
+            identified,
+        };
+        if to_text(&again.stored()) == text {
+            return Ok(again);
+        }
+        let what = format!(
+            "{}: this version of Spineline ({}) finds other results than {}, which wrote the analysis",
+            again.analysis.case_id,
+            generator(),
+            again.provenance.program()
+        );
+        let help = "install the same version everywhere, or compare both with `spineline rerun`";
+        Err(Fault::new(what, help).raise(py))
+    }
+
+    /// Identifier of the case.
+    #[getter]
+    fn id(&self) -> &str {
+        &self.analysis.case_id
+    }
+
+    /// Whether the films are made up.
+    #[getter]
+    fn synthetic(&self) -> bool {
+        self.analysis.synthetic
+    }
+
+    /// Whether what was asked for has a result.
+    #[getter]
+    fn is_usable(&self) -> bool {
+        self.analysis.has_what_was_asked()
+    }
+
+    /// Postures that have a film, the erect one first.
+    #[getter]
+    fn films(&self) -> Vec<&'static str> {
+        self.analysis.postures.iter().map(|one| one.outline.posture.key()).collect()
+    }
+
+    /// The lines of action that have a model.
+    #[getter]
+    fn lines(&self) -> Vec<&'static str> {
+        self.analysis.models.iter().map(|model| model.kind.key()).collect()
+    }
+
+    /// The verdict in sentences.
+    #[getter]
+    fn verdict(&self) -> Vec<String> {
+        self.analysis.verdict(&self.analysis.compare_lines())
+    }
+
+    /// The case that was analysed.
+    #[getter]
+    fn case(&self) -> Case {
+        Case {
+            file: self.file.clone(),
+            case: self.case.clone(),
+            input: self.provenance.inputs().first().cloned(),
+        }
+    }
+
+    /// Every warning, in the order of the steps.
+    #[getter]
+    fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let warnings = self.analysis.warnings.all().iter();
+        warnings.map(|warning| crate::patient::warning(py, warning)).collect()
+    }
+
+    /// The text of its file.
+    fn to_json(&self, py: Python<'_>) -> String {
+        py.detach(|| to_text(&self.stored()))
+    }
+
+    /// All tables, in the order of the dictionary.
+    fn tables(&self, py: Python<'_>) -> Vec<Table> {
+        py.detach(|| tables(&[self.patient()])).into_iter().map(Table::new).collect()
+    }
+
+    /// A page of text for a terminal.
+    fn summary(&self, py: Python<'_>) -> String {
+        let made = generator();
+        py.detach(|| terminal(&summary(&self.reported(&made, "")), terminal::WIDTH))
+    }
+
+    /// What a notebook shows.
+    fn overview_html(&self, py: Python<'_>) -> String {
+        py.detach(|| html_fragment(&overview(&self.analysis, &generator())))
+    }
+
+    /// The report as one HTML page.
+    fn report_html(&self, py: Python<'_>) -> String {
+        let made = generator();
+        py.detach(|| html(&report(&self.reported(&made, &to_line(&self.stored())))))
+    }
+
+    /// A figure as SVG; None where there is nothing to show.
+    #[pyo3(signature = (name, film = None))]
+    fn figure(&self, py: Python<'_>, name: &str, film: Option<&str>) -> PyResult<Option<String>> {
+        let posture = film.map(|film| self.posture(film)).transpose();
+        let posture = posture.map_err(|fault| fault.raise(py))?;
+        let found = &self.analysis;
+        Ok(match (name, posture) {
+            ("overview", None) => Some(figures::case_overview(found)),
+            ("rotations", None) => figures::rotations(found),
+            ("simulated", Some(film)) => {
+                figures::measured_and_simulated(found, film.outline.posture)
+            }
+            _ => return Err(PyRuntimeError::new_err(format!("no figure `{name}`"))),
+        })
+    }
+
+    /// Refuses a film that there is not.
+    fn check_film(&self, py: Python<'_>, film: &str) -> PyResult<()> {
+        self.posture(film).map(|_| ()).map_err(|fault| fault.raise(py))
+    }
+
+    /// Points of the curve of a film: (n, 2), patient's left and cranial, mm.
+    fn curve_points<'py>(
+        &self,
+        py: Python<'py>,
+        film: &str,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let posture = self.posture(film).map_err(|fault| fault.raise(py))?;
+        let points = posture.pose.joints.iter().map(|point| [point.y_mm, point.z_mm]);
+        self.in_mm(py, film, points, &posture.outline.scale)
+    }
+
+    /// Measured midpoints of the vertebrae of a film, the lowest first, and their names.
+    fn locations<'py>(
+        &self,
+        py: Python<'py>,
+        film: &str,
+    ) -> PyResult<(Vec<String>, Bound<'py, PyArray2<f64>>)> {
+        let posture = self.posture(film).map_err(|fault| fault.raise(py))?;
+        let vertebrae = &posture.outline.vertebrae;
+        let levels = vertebrae.iter().map(|vertebra| vertebra.level.to_string()).collect();
+        let points = vertebrae.iter().map(|v| [v.location.y_mm, v.location.z_mm]);
+        Ok((levels, self.in_mm(py, film, points, &posture.outline.scale)?))
+    }
+
+    /// Where the two inflections of the erect curve lie on a film, the caudal one first; None where there is no such pair.
+    fn inflections<'py>(
+        &self,
+        py: Python<'py>,
+        film: &str,
+    ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let posture = self.posture(film).map_err(|fault| fault.raise(py))?;
+        let Some(points) = posture.inflection_points else { return Ok(None) };
+        let points = points.map(|point| [point.y_mm, point.z_mm]);
+        self.in_mm(py, film, points.into_iter(), &posture.outline.scale).map(Some)
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.file == other.file
+            && self.request == other.request
+            && self.analysis == other.analysis
+            && self.identified == other.identified
+    }
+}
+
+/// Seconds that the library alone takes to analyse a case, to compare calls from Python with.
+#[pyfunction]
+pub fn time_analysis(py: Python<'_>, case: &Case) -> PyResult<f64> {
+    py.detach(|| {
+        let start = Instant::now();
+        let found = analysis::analyze(&case.case, &AnalysisOptions::default());
+        found.map(|_| start.elapsed().as_secs_f64())
+    })
+    .map_err(|error| Fault::from(error).raise(py))
+}

@@ -1,0 +1,142 @@
+//! Cases: the films of one patient.
+
+use std::path::{Path, PathBuf};
+
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use spineline::analysis::{self, AnalysisOptions};
+use spineline::error::Error;
+use spineline_files::{
+    CaseFile, InputFile, parse_case_file, parse_case_within, read_text, to_text,
+};
+use spineline_phantom::{Readers, SUBJECTS, Truth, generate};
+
+use spineline_report::patient::{check, film_warnings};
+use spineline_report::{html_fragment, terminal};
+
+use crate::fault::Fault;
+use crate::patient::{generator, warning};
+use crate::wait::beside;
+
+/// The films of one patient with their landmarks.
+#[pyclass(frozen, module = "spineline._native")]
+pub struct Case {
+    pub file: CaseFile,
+    pub case: analysis::Case,
+    /// The file that it was read from.
+    pub input: Option<InputFile>,
+}
+
+impl Case {
+    pub fn new(file: CaseFile, input: Option<InputFile>) -> Result<Self, Fault> {
+        let case = file.clone().into_case()?;
+        Ok(Self { file, case, input })
+    }
+}
+
+/// Reads a case, or the case within an analysis, from a file.
+#[pyfunction]
+pub fn read_case(py: Python<'_>, path: PathBuf) -> PyResult<Case> {
+    read(&path).map_err(|fault| fault.in_file(&path).raise(py))
+}
+
+fn read(path: &Path) -> Result<Case, Fault> {
+    let text = read_text(path)?;
+    let (file, _) = parse_case_within(&text)?;
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    Case::new(file, Some(InputFile::of(name, text.as_bytes())))
+}
+
+/// Reads a case from the text of its file.
+#[pyfunction]
+pub fn parse_case(py: Python<'_>, text: &str) -> PyResult<Case> {
+    let parse = || Case::new(parse_case_file(text)?, None);
+    parse().map_err(|fault: Fault| fault.raise(py))
+}
+
+/// A synthetic patient.
+#[pyfunction]
+pub fn phantom(
+    py: Python<'_>,
+    truth: &str,
+    subject: usize,
+    seed: u64,
+    noise: f64,
+) -> PyResult<Case> {
+    let known = || Truth::EVERY.into_iter().chain(Truth::OTHERS);
+    let Some(truth) = known().find(|known| known.key() == truth) else {
+        let names: Vec<&str> = known().map(Truth::key).collect();
+        let text = format!("unknown loading scenario `{truth}`");
+        return Err(Fault::new(text, format!("give one of {}", names.join(", "))).raise(py));
+    };
+    if !(1..=SUBJECTS.len()).contains(&subject) {
+        let text = format!("subject {subject}: there are subjects 1 to {}", SUBJECTS.len());
+        return Err(Fault::new(text, "give one of them").raise(py));
+    }
+    if !(0.0..=10.0).contains(&noise) {
+        let text = format!("noise {noise}: the factor must be from 0 to 10");
+        return Err(Fault::new(text, "give 1 for the usual noise of readers").raise(py));
+    }
+    let readers = if noise == 0.0 { Readers::exact() } else { Readers::scaled(noise) };
+    let made = py.detach(|| generate(subject - 1, truth, &readers, seed));
+    let made = made.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+    Case::new(CaseFile::from_case(&made.case), None).map_err(|fault| fault.raise(py))
+}
+
+#[pymethods]
+impl Case {
+    /// Identifier, without any name.
+    #[getter]
+    fn id(&self) -> &str {
+        &self.case.id
+    }
+
+    /// Whether the films are made up.
+    #[getter]
+    fn synthetic(&self) -> bool {
+        self.case.synthetic
+    }
+
+    /// Postures that have a film, in the order of the file.
+    #[getter]
+    fn films(&self) -> Vec<&'static str> {
+        self.case.films.iter().map(|film| film.posture.key()).collect()
+    }
+
+    /// Errors and warnings about the films, one dictionary each, and the whole as text and as HTML.
+    fn check<'py>(&self, py: Python<'py>) -> PyResult<(Vec<Bound<'py, PyDict>>, String, String)> {
+        let checked = beside(py, |_| analysis::analyze(&self.case, &AnalysisOptions::default()))?;
+        let document = check(&self.case, checked.as_ref(), &generator());
+        let rows = match &checked {
+            Ok(found) => {
+                film_warnings(found).map(|one| warning(py, one)).collect::<PyResult<_>>()?
+            }
+            Err(error) => vec![error_row(py, error)?],
+        };
+        Ok((rows, terminal(&document, terminal::WIDTH), html_fragment(&document)))
+    }
+
+    /// The text of its file.
+    fn to_json(&self) -> String {
+        to_text(&self.file)
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.file == other.file
+    }
+}
+
+/// An error that stops an analysis, as a row beside the warnings.
+fn error_row<'py>(py: Python<'py>, error: &Error) -> PyResult<Bound<'py, PyDict>> {
+    let place = error.place();
+    let film = place.posture.map(|posture| posture.key());
+    let row = PyDict::new(py);
+    row.set_item("severity", "error")?;
+    row.set_item("code", error.code())?;
+    row.set_item("step", error.step().key())?;
+    row.set_item("film", film.or_else(|| place.on_lateral_film.then_some("lateral")))?;
+    row.set_item("level", place.level.map(|level| level.to_string()))?;
+    row.set_item("text", format!("{error}: {}", error.help()))?;
+    Ok(row)
+}

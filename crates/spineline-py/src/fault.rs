@@ -1,0 +1,132 @@
+//! Errors of the library as `spineline.InputError`.
+
+use std::fmt::Display;
+use std::path::Path;
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use spineline::anatomy::{Level, Posture};
+use spineline::error::Error;
+use spineline_files::FileError;
+use spineline_files::method_text::OptionError;
+use spineline_landmarks::LandmarkError;
+
+/// What an `InputError` says.
+#[derive(Default)]
+pub struct Fault {
+    text: String,
+    help: String,
+    file: Option<String>,
+    film: Option<String>,
+    level: Option<Level>,
+    value: Option<f64>,
+    limit: Option<f64>,
+}
+
+impl Fault {
+    /// Wrong input, and what to do about it.
+    pub fn new(text: impl Display, help: impl Into<String>) -> Self {
+        Self { text: text.to_string(), help: help.into(), ..Self::default() }
+    }
+
+    /// The same, of a file.
+    pub fn in_file(mut self, path: &Path) -> Self {
+        let name = path.display().to_string();
+        // Reading errors name the path themselves.
+        if !self.text.starts_with(&name) {
+            self.text = format!("{name}: {}", self.text);
+        }
+        self.file = Some(name);
+        self
+    }
+
+    /// What is wrong.
+    pub fn text(&self) -> String {
+        self.text.clone()
+    }
+
+    /// What to do about it.
+    pub fn help(&self) -> String {
+        self.help.clone()
+    }
+
+    /// The film.
+    pub fn film(&self) -> Option<String> {
+        self.film.clone()
+    }
+
+    /// The vertebra.
+    pub fn level(&self) -> Option<String> {
+        self.level.map(|level| level.to_string())
+    }
+
+    fn on_film(mut self, posture: Option<Posture>) -> Self {
+        self.film = posture.map(|posture| posture.key().to_owned());
+        self
+    }
+
+    /// The Python exception.
+    pub fn raise(self, py: Python<'_>) -> PyErr {
+        let made = || -> PyResult<PyErr> {
+            let class = py.import("spineline._errors")?.getattr("InputError")?;
+            let facts = PyDict::new(py);
+            facts.set_item("help", self.help)?;
+            facts.set_item("file", self.file)?;
+            facts.set_item("film", self.film)?;
+            facts.set_item("level", self.level.map(|level| level.to_string()))?;
+            facts.set_item("value", self.value)?;
+            facts.set_item("limit", self.limit)?;
+            Ok(PyErr::from_value(class.call((self.text,), Some(&facts))?))
+        };
+        made().unwrap_or_else(|error| error)
+    }
+}
+
+impl From<Error> for Fault {
+    fn from(error: Error) -> Self {
+        let place = error.place();
+        let film = place.posture.map(|posture| posture.key().to_owned());
+        Self {
+            film: film.or_else(|| place.on_lateral_film.then(|| "lateral".to_owned())),
+            level: place.level,
+            value: place.value,
+            limit: place.limit,
+            ..Self::new(&error, error.help())
+        }
+    }
+}
+
+impl From<FileError> for Fault {
+    fn from(error: FileError) -> Self {
+        let film = match &error {
+            FileError::MixedKinds { posture }
+            | FileError::NoImage { posture }
+            | FileError::SourceOfCorners { posture }
+            | FileError::SpacingIncomplete { posture }
+            | FileError::SpacingOfPixels { posture } => Some(*posture),
+            _ => None,
+        };
+        let level = match &error {
+            FileError::ModelAxes { level, .. } | FileError::Region { level, .. } => Some(*level),
+            FileError::ModelPlace { above, .. } => Some(*above),
+            _ => None,
+        };
+        Self { level, ..Self::new(&error, error.help()).on_film(film) }
+    }
+}
+
+impl From<OptionError> for Fault {
+    fn from(error: OptionError) -> Self {
+        Self::new(&error, error.help())
+    }
+}
+
+impl From<LandmarkError> for Fault {
+    fn from(error: LandmarkError) -> Self {
+        match error {
+            LandmarkError::Marks(error) => Error::from(error).into(),
+            LandmarkError::File(error) => error.into(),
+            other => Self::new(&other, other.help()),
+        }
+    }
+}

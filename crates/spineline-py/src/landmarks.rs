@@ -1,0 +1,92 @@
+//! Cases made of tables of landmarks.
+
+use pyo3::prelude::*;
+use spineline::analysis::{self, Subject, check_repeated};
+use spineline::anatomy::{ImageSide, Named, Posture};
+use spineline::error::Error;
+use spineline::measure::{Film, ImageGeometry, Spacing, SpacingPlane};
+use spineline::spatial::Pixel;
+use spineline_files::CaseFile;
+use spineline_files::method_text::{of_spelling, posture};
+use spineline_landmarks::{LandmarkHint, LandmarkReadings, MarkedFilm, parse_csv};
+
+use crate::case::Case;
+use crate::fault::Fault;
+
+/// What a table of landmarks does not say.
+struct Given<'a> {
+    film: Option<&'a str>,
+    mm_per_px: Option<(f64, f64)>,
+    patient_left: &'a str,
+    size_px: Option<(u32, u32)>,
+    plane: &'a str,
+}
+
+/// Makes a case of a table of landmarks as CSV.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "Python hands on what its own keywords are")]
+pub fn case_from_landmarks(
+    py: Python<'_>,
+    text: &str,
+    case_id: String,
+    film: Option<&str>,
+    mm_per_px: Option<(f64, f64)>,
+    patient_left: &str,
+    size_px: Option<(u32, u32)>,
+    plane: &str,
+    synthetic: bool,
+) -> PyResult<Case> {
+    let given = Given { film, mm_per_px, patient_left, size_px, plane };
+    let made = || -> Result<Case, Fault> {
+        let films = films(text, &given)?;
+        check_repeated(&films).map_err(Error::from)?;
+        let subject = Subject::default();
+        let case = analysis::Case { id: case_id, synthetic, subject, films, lateral: None };
+        Case::new(CaseFile::from_case(&case), None)
+    };
+    made().map_err(|fault| fault.raise(py))
+}
+
+fn films(text: &str, given: &Given<'_>) -> Result<Vec<Film>, Fault> {
+    let help = "give `film`, such as \"erect\", or a column `posture`";
+    let known = given.film.map(|film| posture(film).map_err(|reason| Fault::new(reason, help)));
+    let known: Option<Posture> = known.transpose()?;
+    let hint = LandmarkHint { posture: known, ..LandmarkHint::default() };
+    let file = parse_csv(text.as_bytes(), &hint)?;
+    let film = |marked: MarkedFilm| {
+        let image = image(&marked, given)?;
+        Ok(marked.into_film(known, image)?)
+    };
+    file.films.into_iter().map(film).collect()
+}
+
+/// How the picture lies; `None` for locations, which have none.
+fn image(marked: &MarkedFilm, given: &Given<'_>) -> Result<Option<ImageGeometry>, Fault> {
+    let LandmarkReadings::Corners(readings) = &marked.landmarks else { return Ok(None) };
+    let patient_left: Option<ImageSide> = of_spelling(given.patient_left);
+    let Some(patient_left) = patient_left else {
+        let text = format!("`patient_left` is `{}`", given.patient_left);
+        return Err(Fault::new(text, "give \"image-left\" or \"image-right\""));
+    };
+    let plane = SpacingPlane::from_key(given.plane).filter(|plane| *plane != SpacingPlane::Pixels);
+    let Some(plane) = plane else {
+        let text = format!("`plane` is `{}`", given.plane);
+        return Err(Fault::new(text, "give \"patient\", \"detector\" or \"unknown\""));
+    };
+    let corners = readings.iter().flat_map(|reading| reading.vertebrae.values());
+    let corners = corners.flat_map(|vertebra| vertebra.corners.points());
+    let crests = marked.iliac_crests.iter().flat_map(|crests| [crests.left, crests.right]);
+    let (columns, rows) = given.size_px.unwrap_or_else(|| smallest_size(corners.chain(crests)));
+    let spacing = given.mm_per_px.map(|(column, row)| Spacing::stated(column, row, plane));
+    Ok(Some(ImageGeometry { columns, rows, spacing, patient_left }))
+}
+
+/// The smallest picture that holds all points.
+fn smallest_size(points: impl Iterator<Item = Pixel>) -> (u32, u32) {
+    // A point beyond the largest picture stays outside of it, and is refused.
+    let size = |largest: f64| (largest.max(0.0).ceil() + 1.0).min(f64::from(u32::MAX)) as u32;
+    let largest = points.fold((0.0_f64, 0.0_f64), |(column, row), point| {
+        (column.max(point.column_px), row.max(point.row_px))
+    });
+    (size(largest.0), size(largest.1))
+}

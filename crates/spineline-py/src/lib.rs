@@ -1,0 +1,45 @@
+//! The native module `spineline._native`, which the Python package wraps.
+//!
+//! It parses, calls the library and hands results on. What Python users see is in `python/spineline`; nothing there or here
+//! computes. Long calls let other Python threads run, and look for Ctrl-C ten times a second.
+
+mod analysis;
+mod case;
+mod cohort;
+mod fault;
+mod landmarks;
+mod model;
+mod numbers;
+mod patient;
+mod replicates;
+mod table;
+mod wait;
+
+/// The native module.
+#[pyo3::pymodule(gil_used = false)]
+mod _native {
+    #[pymodule_export]
+    use super::analysis::{Analysis, time_analysis};
+    #[pymodule_export]
+    use super::case::{Case, parse_case, phantom, read_case};
+    #[pymodule_export]
+    use super::cohort::{analyze_paths, check_options};
+    #[pymodule_export]
+    use super::landmarks::case_from_landmarks;
+    #[pymodule_export]
+    use super::model::{Model, Simulation, force_vector, parse_model_text};
+    #[pymodule_export]
+    use super::patient::{did_you_mean, option_names};
+    #[pymodule_export]
+    use super::replicates::Replicates;
+    #[pymodule_export]
+    use super::table::Table;
+
+    /// The version of the program.
+    #[pymodule_export]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+    /// Whether it was built for development, and is slower than a release.
+    #[pymodule_export]
+    const IS_DEVELOPMENT: bool = cfg!(debug_assertions);
+}

@@ -1,0 +1,233 @@
+//! Personalised models, and their shapes under loads.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::Ordering;
+
+use numpy::PyArray2;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use spineline::multibody::{Goal, Support};
+use spineline::response::{CurveAngles, measure_angles};
+use spineline::spatial::Angle;
+use spineline_files::method_text::of_spelling;
+use spineline_files::{
+    ExportFormat, ModelFile, Simulated, StoredModel, export, parse_load, parse_model, to_text,
+};
+
+use crate::analysis::Analysis;
+use crate::fault::Fault;
+use crate::numbers;
+use crate::patient::generator;
+use crate::wait::beside;
+
+/// A personalised model.
+#[pyclass(frozen, module = "spineline._native")]
+pub struct Model {
+    text: String,
+    model: StoredModel,
+}
+
+/// Reads a model from the text of its file.
+#[pyfunction]
+pub fn parse_model_text(py: Python<'_>, text: String) -> PyResult<Model> {
+    match parse_model(&text) {
+        Ok(model) if model.spine.joints.is_empty() => {
+            let help = "give a model of at least two vertebrae";
+            Err(Fault::new("the model has no joint", help).raise(py))
+        }
+        Ok(model) => Ok(Model { text, model }),
+        Err(error) => Err(Fault::from(error).raise(py)),
+    }
+}
+
+#[pymethods]
+impl Model {
+    /// The model of an analysis with a line of action.
+    #[new]
+    fn new(py: Python<'_>, analysis: &Analysis, line: &str) -> PyResult<Self> {
+        let found = &analysis.analysis;
+        let Some(model) = found.models.iter().find(|model| model.kind.key() == line) else {
+            let lines: Vec<&str> = found.models.iter().map(|model| model.kind.key()).collect();
+            let text = format!("{}: there is no model with the line `{line}`", found.case_id);
+            let help = match &lines[..] {
+                [] => "a model needs a bending film with a line of action, and the scale of every film".to_owned(),
+                lines => format!("give one of {}", lines.join(", ")),
+            };
+            return Err(Fault::new(text, help).raise(py));
+        };
+        let file = ModelFile::new(found, model, &generator());
+        parse_model_text(py, to_text(&file.with_provenance(analysis.provenance.clone())))
+    }
+
+    /// Identifier of the case.
+    #[getter]
+    fn id(&self) -> &str {
+        &self.model.case_id
+    }
+
+    /// Whether the films are made up.
+    #[getter]
+    fn synthetic(&self) -> bool {
+        self.model.synthetic
+    }
+
+    /// The line of action with which it was fitted.
+    #[getter]
+    fn line(&self) -> &str {
+        &self.model.line
+    }
+
+    /// Whether forces and springs are in newtons.
+    #[getter]
+    fn absolute(&self) -> bool {
+        self.model.absolute
+    }
+
+    /// Names of the vertebrae, the fixed one first.
+    #[getter]
+    fn levels(&self) -> Vec<String> {
+        self.model.levels.iter().map(ToString::to_string).collect()
+    }
+
+    /// Midpoints of the erect vertebrae.
+    fn midpoints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        numbers::points(py, self.model.spine.midpoints_mm.iter().map(|&point| point.into()))
+    }
+
+    /// The text of its file.
+    fn to_json(&self) -> String {
+        self.text.clone()
+    }
+
+    /// The model as another program reads it: `mjcf`, `osim` or `urdf`.
+    fn export(&self, py: Python<'_>, format: &str) -> PyResult<String> {
+        let format = match format {
+            "mjcf" => ExportFormat::Mjcf,
+            "osim" => ExportFormat::Osim,
+            "urdf" => ExportFormat::Urdf,
+            other => {
+                let text = format!("unknown format `{other}`");
+                return Err(Fault::new(text, "give \"mjcf\", \"osim\" or \"urdf\"").raise(py));
+            }
+        };
+        let written = export(&self.model, format, &generator());
+        written.map_err(|error| Fault::new(&error, error.help()).raise(py))
+    }
+
+    /// The model under the loads of a load file, up to their full size or up to a lateral tilt to the patient's right.
+    fn simulate(
+        &self,
+        py: Python<'_>,
+        loads: &str,
+        tilt_right_deg: Option<f64>,
+        largest_factor: Option<f64>,
+        support: Option<&str>,
+    ) -> PyResult<Simulation> {
+        let mut model = self.model.clone();
+        if let Some(name) = support {
+            let Some(support) = of_spelling::<Support>(name) else {
+                let text = format!("unknown support `{name}`");
+                return Err(Fault::new(text, "give \"free\" or \"frontal\"").raise(py));
+            };
+            model.support = support;
+        }
+        let loads = parse_load(loads).map_err(|error| Fault::from(error).raise(py))?;
+        let tilt = tilt_right_deg.map(|degrees| Goal::LateralTilt(Angle::from_deg(degrees)));
+        let goal = tilt.unwrap_or(Goal::FullLoad);
+        let found = beside(py, |stop| {
+            Simulated::of(model, loads, goal, largest_factor, Vec::new(), &mut |_, _| {
+                if stop.load(Ordering::Relaxed) {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
+            })
+        })?;
+        let found = found.map_err(|error| Fault::new(&error, error.help()).raise(py))?;
+        Ok(Simulation { found })
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.text == other.text
+    }
+}
+
+/// What a model does under loads.
+#[pyclass(frozen, module = "spineline._native")]
+pub struct Simulation {
+    found: Simulated,
+}
+
+#[pymethods]
+impl Simulation {
+    /// How the search ended.
+    #[getter]
+    fn status(&self) -> &'static str {
+        self.found.response.ending.key()
+    }
+
+    /// What that means.
+    #[getter]
+    fn meaning(&self) -> &'static str {
+        self.found.response.ending.meaning()
+    }
+
+    /// Whether there is a result.
+    #[getter]
+    fn is_usable(&self) -> bool {
+        self.found.response.ending.is_usable()
+    }
+
+    /// Code and text of every warning.
+    #[getter]
+    fn warnings(&self) -> Vec<(String, String)> {
+        let warnings = self.found.warnings.iter();
+        warnings.map(|one| (one.code.clone(), one.message.clone())).collect()
+    }
+
+    /// The text of its file.
+    fn to_json(&self, py: Python<'_>) -> String {
+        py.detach(|| to_text(&self.found.file(&generator())))
+    }
+
+    /// Midpoints of the vertebrae of the result, or else of the nearest shape; None where no path could be started.
+    fn midpoints<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let Some(shape) = self.found.response.shape() else { return Ok(None) };
+        numbers::points(py, shape.midpoints_mm.iter().map(|&point| point.into())).map(Some)
+    }
+
+    /// Angles of the same shape in degrees by name and region; None where no path could be started.
+    fn angles<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let Some(shape) = self.found.response.shape() else { return Ok(None) };
+        let measured = measure_angles(shape, &self.found.places);
+        let by_region = |angle: fn(&CurveAngles) -> Option<Angle>| -> PyResult<Bound<'py, PyDict>> {
+            let regions = PyDict::new(py);
+            for curve in &measured.curves {
+                if let Some(angle) = angle(curve) {
+                    regions.set_item(curve.region.key(), angle.deg())?;
+                }
+            }
+            Ok(regions)
+        };
+        let angles = PyDict::new(py);
+        angles.set_item("lateral_tilt", measured.lateral_tilt.deg())?;
+        angles.set_item("cobb", by_region(|curve| curve.ends.cobb)?)?;
+        angles.set_item("tilt_range", by_region(|curve| Some(curve.ends.tilt_range))?)?;
+        angles.set_item("ferguson", by_region(|curve| Some(curve.ferguson))?)?;
+        Ok(Some(angles))
+    }
+}
+
+/// A force by its direction in the patient's terms and its size, in the frame of the model.
+#[pyfunction]
+pub fn force_vector(py: Python<'_>, towards: &str, newtons: f64) -> PyResult<[f64; 3]> {
+    let Some(direction) = spineline_files::direction(towards) else {
+        let names = spineline_files::DIRECTIONS.map(|(name, _)| name);
+        let meant = spineline_files::nearest(towards, &names)
+            .map(|word| format!("; did you mean `{word}`?"))
+            .unwrap_or_default();
+        let text = format!("unknown direction `{towards}`{meant}");
+        return Err(Fault::new(text, format!("give one of {}", names.join(", "))).raise(py));
+    };
+    Ok(direction.map(|part| part * newtons))
+}

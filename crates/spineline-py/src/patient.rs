@@ -1,0 +1,76 @@
+//! What is asked of a case, and where its numbers come from.
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use spineline::analysis::AnalysisOptions;
+use spineline::warning::Warning;
+use spineline_files::method_text::{OPTION_NAMES, set_option};
+use spineline_files::{InputFile, ProgramRun};
+
+use spineline_report::document::NoticeKind;
+
+use crate::fault::Fault;
+
+/// The program and its version, as files name what wrote them: the same as of the program itself.
+pub fn generator() -> String {
+    format!("spineline {}", env!("CARGO_PKG_VERSION"))
+}
+
+/// A call from Python as the run of a program.
+pub fn run(command: Vec<String>, date_utc: String) -> ProgramRun {
+    ProgramRun { program: generator(), command, date_utc }
+}
+
+/// Options of an analysis, with the files that they name.
+///
+/// # Errors
+/// If an option or its value is not known, or a file cannot be read.
+pub fn options(given: &[(String, String)]) -> Result<(AnalysisOptions, Vec<InputFile>), Fault> {
+    let mut options = AnalysisOptions::default();
+    let mut files = Vec::new();
+    for (name, value) in given {
+        set_option(&mut options, name, value)?;
+        if name == "stiffness" {
+            files.extend(stiffness_file(value)?);
+        }
+    }
+    Ok((options, files))
+}
+
+/// The stiffness table as an input, where it is a file.
+fn stiffness_file(value: &str) -> Result<Option<InputFile>, Fault> {
+    use spineline_files::method_text::{StiffnessSource, stiffness_source};
+    let Ok(StiffnessSource::File(path)) = stiffness_source(value) else { return Ok(None) };
+    let text = spineline_files::read_text(&path)?;
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    Ok(Some(InputFile::of(name, text.as_bytes())))
+}
+
+/// The names of all options of an analysis.
+#[pyfunction]
+pub fn option_names() -> Vec<&'static str> {
+    OPTION_NAMES.to_vec()
+}
+
+/// A warning as a dictionary.
+///
+/// # Errors
+/// If Python has no memory.
+pub fn warning<'py>(py: Python<'py>, warning: &Warning) -> PyResult<Bound<'py, PyDict>> {
+    let dictionary = PyDict::new(py);
+    dictionary.set_item("severity", NoticeKind::from(warning.severity()).key())?;
+    dictionary.set_item("code", warning.code)?;
+    dictionary.set_item("step", warning.step.key())?;
+    dictionary.set_item("film", warning.posture.map(|posture| posture.key()))?;
+    dictionary.set_item("level", warning.level.map(|level| level.to_string()))?;
+    dictionary.set_item("text", warning.text())?;
+    Ok(dictionary)
+}
+
+/// `; did you mean `X`?` for the candidate that resembles a word most; empty where none does.
+#[pyfunction]
+pub fn did_you_mean(word: &str, candidates: Vec<String>) -> String {
+    let candidates: Vec<&str> = candidates.iter().map(String::as_str).collect();
+    let meant = spineline_files::nearest(word, &candidates);
+    meant.map(|word| format!("; did you mean `{word}`?")).unwrap_or_default()
+}

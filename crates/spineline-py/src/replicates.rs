@@ -1,0 +1,208 @@
+//! Monte Carlo replicates with perturbed landmarks.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rayon::prelude::*;
+use spineline::analysis::Analysis as Found;
+use spineline::uncertainty::{
+    AnalysisQuantity, MonteCarlo, MultiplierSpread, Replicate, Uncertainty,
+};
+use spineline_files::method_text::noise;
+use spineline_files::{
+    AnalysisFile, FilmOrigin, Provenance, Replicates as Asked, Request, to_text,
+};
+use spineline_tables::{Patient, tables};
+
+use crate::analysis::Analysis;
+use crate::fault::Fault;
+use crate::patient::run;
+use crate::table::Table;
+use crate::wait::beside;
+
+/// Replicates per thread that are computed before they are added in order: few, because Ctrl-C waits for them.
+const BLOCK: u64 = 16;
+
+/// The effect of landmark noise on every number of an analysis.
+#[pyclass(frozen, module = "spineline._native")]
+pub struct Replicates {
+    of: Py<Analysis>,
+    asked: Asked,
+    found: Uncertainty,
+    provenance: Provenance,
+}
+
+#[pymethods]
+impl Replicates {
+    /// Runs replicates on this number of threads; 0 for all cores. The number does not change the results.
+    #[new]
+    #[expect(clippy::too_many_arguments, reason = "Python hands on what its own keywords are")]
+    fn new(
+        py: Python<'_>,
+        of: Py<Analysis>,
+        count: u64,
+        noise_text: &str,
+        seed: u64,
+        threads: usize,
+        command: Vec<String>,
+        date_utc: String,
+    ) -> PyResult<Self> {
+        if !(2..=10_000_000).contains(&count) {
+            let text = format!("n is {count}: the number of replicates must be from 2 to 10000000");
+            return Err(Fault::new(text, "give 1000 for intervals").raise(py));
+        }
+        let size = noise(noise_text)
+            .map_err(|reason| Fault::new(format!("noise is `{noise_text}`"), reason).raise(py))?;
+        let asked = Asked { count, noise: size, seed };
+        let analysis = of.get();
+        let found = beside(py, |stop| compute(analysis, &asked, threads, stop))??;
+        let found = found.map_err(|fault| fault.raise(py))?;
+        let films = FilmOrigin::of([analysis.case.synthetic]);
+        let inputs = analysis.provenance.inputs().to_vec();
+        let request = Request { replicates: Some(asked), ..analysis.request.clone() };
+        let provenance = Provenance::new(run(command, date_utc), films, inputs).asking(&request);
+        Ok(Self { of, asked, found, provenance })
+    }
+
+    /// Replicates that were run.
+    #[getter]
+    fn count(&self) -> u64 {
+        self.asked.count
+    }
+
+    /// Replicates whose analysis stopped with an error.
+    #[getter]
+    fn failed(&self) -> u64 {
+        self.found.failed
+    }
+
+    /// Which noise was laid on the landmarks, in sentences.
+    #[getter]
+    fn noise(&self) -> Vec<String> {
+        self.found.noise_words()
+    }
+
+    /// The distribution of every number, by its name.
+    fn spreads<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let analysis = &self.of.get().analysis;
+        let all = PyDict::new(py);
+        for one in &self.found.quantities {
+            let name = name(one.quantity, analysis);
+            let unit = one.quantity.unit(analysis).key();
+            let numbers = Numbers {
+                unit,
+                value: one.nominal.ok(),
+                mean: one.spread.map(|spread| spread.mean),
+                sd: one.spread.map(|spread| spread.sd),
+                quantiles: one.spread.map(|spread| spread.quantiles),
+                count: one.count,
+            };
+            if let (Some(rest), Some(ratio)) =
+                (name.strip_prefix("log_multiplier."), one.multiplier())
+            {
+                let MultiplierSpread { value, quantiles } = ratio;
+                let ratio = Numbers { value, quantiles, mean: None, sd: None, ..numbers };
+                all.set_item(format!("multiplier.{rest}"), ratio.dictionary(py)?)?;
+            }
+            all.set_item(&name, numbers.dictionary(py)?)?;
+        }
+        Ok(all)
+    }
+
+    /// The table of the distributions.
+    fn table(&self) -> PyResult<Table> {
+        let of = self.of.get();
+        let patient = Patient {
+            analysis: &of.analysis,
+            subject: &of.case.subject,
+            identified: None,
+            spread: Some(&self.found),
+        };
+        let table = tables(&[patient]).into_iter().find(|table| table.name == "uncertainty");
+        let missing = || PyRuntimeError::new_err("a fault of the program: no table of uncertainty");
+        table.map(Table::new).ok_or_else(missing)
+    }
+
+    /// The text of the file of the analysis with the distributions.
+    fn to_json(&self, py: Python<'_>) -> String {
+        let of = self.of.get();
+        py.detach(|| {
+            let file = AnalysisFile::new(&of.analysis, of.file.clone(), self.provenance.clone());
+            let file = match &of.identified {
+                Some(found) => file.with_identifiability(&of.analysis, found),
+                None => file,
+            };
+            to_text(&file.with_uncertainty(&of.analysis, &self.found))
+        })
+    }
+}
+
+/// Runs all replicates, or those before the flag is set.
+fn compute(
+    of: &Analysis,
+    asked: &Asked,
+    threads: usize,
+    stop: &AtomicBool,
+) -> PyResult<Result<Uncertainty, Fault>> {
+    let monte_carlo = match MonteCarlo::new(&of.case, &of.analysis, asked.noise, asked.seed) {
+        Ok(ready) => ready,
+        Err(error) => return Ok(Err(Fault::new(&error, error.help()))),
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|error| {
+        PyRuntimeError::new_err(format!("threads could not be started: {error}"))
+    })?;
+    let block = BLOCK.saturating_mul(pool.current_num_threads() as u64);
+    let mut tally = monte_carlo.tally();
+    let mut next = 0;
+    while next < asked.count && !stop.load(Ordering::Relaxed) {
+        let end = asked.count.min(next.saturating_add(block));
+        let one = |index| monte_carlo.replicate(index);
+        let done: Vec<Replicate> = pool.install(|| (next..end).into_par_iter().map(one).collect());
+        // In their order, so that the bytes are the same for any number of threads.
+        done.iter().for_each(|replicate| tally.add(replicate));
+        next = end;
+    }
+    Ok(Ok(tally.finish(asked.count)))
+}
+
+/// The name of a number: its kind, then film, vertebra, group, end and line, as far as it has them. The line through the
+/// inflections is not named.
+fn name(quantity: AnalysisQuantity, analysis: &Found) -> String {
+    let line = quantity.line().map(|line| line.key().to_owned());
+    let parts = [
+        Some(quantity.key().to_owned()),
+        quantity.posture().map(|posture| posture.key().to_owned()),
+        quantity.level().map(|level| level.to_string()),
+        quantity.group(analysis),
+        quantity.end().map(str::to_owned),
+        line.filter(|line| line != "inflection_line"),
+    ];
+    parts.into_iter().flatten().collect::<Vec<_>>().join(".")
+}
+
+/// What is known of one number.
+#[derive(Clone, Copy)]
+struct Numbers {
+    unit: &'static str,
+    value: Option<f64>,
+    mean: Option<f64>,
+    sd: Option<f64>,
+    quantiles: Option<[f64; 5]>,
+    count: u64,
+}
+
+impl Numbers {
+    fn dictionary<'py>(self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let found = PyDict::new(py);
+        found.set_item("unit", self.unit)?;
+        found.set_item("value", self.value)?;
+        found.set_item("mean", self.mean)?;
+        found.set_item("sd", self.sd)?;
+        found.set_item("quantiles", self.quantiles)?;
+        found.set_item("count", self.count)?;
+        Ok(found)
+    }
+}

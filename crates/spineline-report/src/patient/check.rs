@@ -1,0 +1,74 @@
+//! What is shown of films before any result.
+
+use spineline::analysis::{Analysis, Case};
+use spineline::error::Error;
+use spineline::warning::{Step, Warning};
+
+use super::banners;
+use crate::document::{Column, Document, Section, Table};
+
+/// What a notebook shows of a case: its films with their scale and noise, and the warnings about them, or the error that stops
+/// its analysis.
+#[must_use]
+pub fn check(case: &Case, checked: Result<&Analysis, &Error>, generator: &str) -> Document {
+    let mut section = Section::new("films", "");
+    match checked {
+        Ok(analysis) => {
+            section.table(films_table(analysis));
+            let mut warnings = film_warnings(analysis).peekable();
+            if warnings.peek().is_none() {
+                section.paragraph("There are no warnings about these films.");
+            }
+            warnings.for_each(|warning| section.notice(warning.into()));
+        }
+        Err(error) => {
+            section.paragraph(format!("Error: {error}."));
+            section.paragraph(format!("Help: {}.", error.help()));
+        }
+    }
+    Document {
+        title: "check of the films".to_owned(),
+        subject: case.id.clone(),
+        generator: generator.to_owned(),
+        banners: banners(case.synthetic),
+        sections: vec![section],
+        analysis: String::new(),
+    }
+}
+
+/// The films of a case with their scale and noise, one per row.
+#[must_use]
+pub fn films_table(analysis: &Analysis) -> Table {
+    let levels = analysis.levels();
+    let columns = vec![
+        Column::words("Film"),
+        Column::numbers("Readings"),
+        Column::numbers(format!("{}-{}", levels.base(), levels.top())),
+        Column::words("Lateral tilt"),
+        Column::words("Location sd"),
+        Column::words("Tilt sd (°)"),
+        Column::words("Iliac crests"),
+        Column::words("Lengths"),
+    ];
+    let mut table = Table::new("", columns);
+    for p in &analysis.postures {
+        let outline = &p.outline;
+        let assumed = if outline.noise.measured { "" } else { " assumed" };
+        table.row(vec![
+            outline.posture.to_string(),
+            outline.readings.to_string(),
+            outline.scale.text(outline.polygon_mm(), 0),
+            outline.amplitude().leaning(),
+            format!("{}{assumed}", outline.scale.residual_text(outline.noise.location_mm)),
+            format!("{:.2}{assumed}", outline.noise.tilt.deg()),
+            if outline.iliac_normal.is_some() { "marked" } else { "none" }.to_owned(),
+            outline.scale.to_string(),
+        ]);
+    }
+    table
+}
+
+/// Warnings about the films alone; those of the fits belong to the results.
+pub fn film_warnings(analysis: &Analysis) -> impl Iterator<Item = &Warning> {
+    analysis.warnings.all().iter().filter(|warning| warning.step <= Step::Motion)
+}

@@ -1,0 +1,411 @@
+"""Analyses: the results of all steps for one patient."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
+
+from . import _native
+from ._case import Case, Finding
+from ._errors import InputError
+from ._run import command, now_utc, write_whole
+from ._tables import Tables
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+    from typing_extensions import Unpack
+
+    from ._model import Model
+    from ._plot import Plot
+
+    Floats = NDArray[np.float64]
+
+LineName = Literal["inflection", "iliac", "estimated", "given"]
+
+
+class MethodOptions(TypedDict, total=False):
+    """Options of the method, with the names and values of ``spineline analyze --help``."""
+
+    order_rule: str | int
+    """Order of the curves: ``"leave-one-out"``, ``"paper"``, or 4 to 12."""
+    gauge: str
+    """Scale constraint: ``"geometric-mean"``, ``"frozen-force"`` or ``"known-force:POSTURE=NEWTON"``."""
+    support: Literal["free", "frontal"]
+    """Support of the patient."""
+    fit: Literal["shape", "ferguson"]
+    """Quantity that the stiffness is fitted to."""
+    tilt: Literal["endplates", "axis"]
+    """Landmarks from which the tilt of a vertebra is measured."""
+    film_lengths: str | float
+    """``"per-film"``, ``"as-marked"``, or a standard deviation in percent."""
+    end_vertebrae: str
+    """``"erect"``, ``"each-film"``, or such as ``"main-thoracic=T12/T5"``."""
+    multipliers: Literal["regional", "per-joint"]
+    """Joints that share a stiffness multiplier."""
+    prior: str | float
+    """``"none"``, ``"in-vivo"``, or a standard deviation of ln."""
+    stiffness: str | os.PathLike[str]
+    """Table to start from: ``"paper"``, ``"in-vitro"``, ``"intact-chest"``, ``"scoliotic-in-vivo"``, or a file."""
+    inflections: str | Sequence[str]
+    """Inflections set by hand, caudal first, such as ``("L1/T12", "T6")``."""
+    min_curve: float
+    """Minimum angle of a curve between inflections, in degrees."""
+    given_line: Mapping[str, Sequence[float]]
+    """Lines of action by posture: y and z of a point in mm, and the lateral tilt in degrees, positive to the right."""
+    compare_models: str | Sequence[str]
+    """Other loads and bases to compare: ``"all"``, or names."""
+
+
+class Analysis:
+    """The results of all steps for one patient, made by :func:`analyze`. It does not change.
+
+    Two analyses are equal where case, options and results are. Pickle and copies hold the file of the analysis and repeat the
+    computation where they are read, which refuses another version of Spineline.
+    """
+
+    def __init__(self, native: _native.Analysis) -> None:
+        self._native = native
+
+    @classmethod
+    def from_json(cls, text: str | bytes) -> Analysis:
+        """Repeats an analysis from the text of its file, as ``spineline rerun`` does.
+
+        Raises
+        ------
+        InputError
+            If the text is no analysis, or this version of Spineline finds other results.
+        """
+        return cls(_native.Analysis.repeat(text.decode() if isinstance(text, bytes) else text))
+
+    @property
+    def id(self) -> str:
+        """Identifier of the case."""
+        return self._native.id
+
+    @property
+    def synthetic(self) -> bool:
+        """Whether the films are made up."""
+        return self._native.synthetic
+
+    @property
+    def case(self) -> Case:
+        """The case that was analysed."""
+        return Case(self._native.case)
+
+    @property
+    def films(self) -> list[str]:
+        """Postures that have a film, the erect one first."""
+        return self._native.films
+
+    @property
+    def lines(self) -> list[str]:
+        """Lines of action that have a model, such as ``"inflection_line"``."""
+        return self._native.lines
+
+    @property
+    def is_usable(self) -> bool:
+        """Whether what was asked for has a result: fits converged and forces were found."""
+        return self._native.is_usable
+
+    @property
+    def verdict(self) -> list[str]:
+        """What the analysis says, in sentences."""
+        return self._native.verdict
+
+    @property
+    def warnings(self) -> list[Finding]:
+        """Contradictions, warnings and notes, in the order of the steps."""
+        return [Finding(**row) for row in self._native.warnings]
+
+    @cached_property
+    def tables(self) -> Tables:
+        """Tidy tables by name, as of ``spineline analyze --tables``: ``a.tables["vertebrae"].to_pandas()``."""
+        return Tables(self._native.tables())
+
+    @cached_property
+    def data(self) -> dict[str, Any]:
+        """Every number, as in the file of the analysis (``spineline schema analysis`` explains every key)."""
+        found: dict[str, Any] = json.loads(self.to_json())
+        return found
+
+    @property
+    def held_out(self) -> FilmErrors:
+        """Errors on films that the models were not fitted to. They are predictions."""
+        return FilmErrors(self, fitted=False)
+
+    @property
+    def fitted(self) -> FilmErrors:
+        """Errors on the films that the models were fitted to. They are no predictions."""
+        return FilmErrors(self, fitted=True)
+
+    def model(self, line: LineName | str = "inflection") -> Model:
+        """The personalised model with a line of action: ``"inflection"``, ``"iliac"``, ``"estimated"`` or ``"given"``.
+
+        Raises
+        ------
+        InputError
+            If there is no model with this line.
+        """
+        from ._model import Model
+
+        return Model(_native.Model(self._native, _line_key(line)))
+
+    @property
+    def plot(self) -> Plot:
+        """Figures: ``a.plot.lines()`` and ``a.plot.errors()`` with matplotlib, ``a.plot.model3d()`` with plotly."""
+        from ._plot import Plot
+
+        return Plot(self)
+
+    def curve(self, film: str) -> Curve:
+        """The fitted curve of a film, such as ``"erect"``.
+
+        Raises
+        ------
+        InputError
+            If there is no such film.
+        """
+        return Curve(self._native, film)
+
+    def figure(self, name: Literal["overview", "rotations"] | str = "overview") -> str:
+        """A figure as SVG text: ``"overview"``, ``"rotations"``, or a film for its measured and simulated shapes.
+
+        Raises
+        ------
+        InputError
+            If there is no such film, or the figure has nothing to show.
+        """
+        known = name in ("overview", "rotations")
+        svg = self._native.figure(name) if known else self._native.figure("simulated", name)
+        if svg is None:
+            raise InputError(
+                f"{self.id}: the figure `{name}` has nothing to show",
+                help="it needs films other than the erect one, and a model",
+            )
+        return svg
+
+    def summary(self) -> str:
+        """The results in about a page of text, as ``spineline analyze`` prints them."""
+        return self._native.summary()
+
+    def to_json(self) -> str:
+        """The text of its file."""
+        return self._native.to_json()
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Writes the analysis as JSON, as ``spineline analyze --json``; whole or not at all. Returns the path.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        return write_whole(path, self.to_json().encode())
+
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Writes the report as one HTML file, as ``spineline report``; whole or not at all. Returns the path.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        return write_whole(path, self._native.report_html().encode())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Analysis) and self._native == other._native
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Analysis.from_json, (self.to_json(),))
+
+    def __deepcopy__(self, memo: object) -> Analysis:
+        return self
+
+    def __copy__(self) -> Analysis:
+        return self
+
+    def __repr__(self) -> str:
+        synthetic = ", SYNTHETIC" if self.synthetic else ""
+        lines = ", ".join(self.lines) or "no model"
+        return f"<Analysis {self.id}{synthetic}: {len(self.films)} films; {lines}>"
+
+    def _repr_html_(self) -> str:
+        return self._native.overview_html()
+
+
+class Curve:
+    """The fitted curve of a film, with what lies on it. Arrays cannot be written to."""
+
+    __slots__ = ("_native", "film")
+
+    def __init__(self, native: _native.Analysis, film: str) -> None:
+        self._native = native
+        self.film = film
+        native.check_film(film)
+
+    @property
+    def points_mm(self) -> Floats:
+        """Points of the curve from the lowest vertebra upwards at equal distances, shape (n, 2), float64.
+
+        Columns: y to the patient's left, z cranial, in mm from the midpoint of the lowest vertebra (L4), in the frame of its
+        axis; the mm are those of the film's plane.
+
+        Raises
+        ------
+        InputError
+            If the film has no spacing.
+        """
+        return self._native.curve_points(self.film)
+
+    @property
+    def locations_mm(self) -> Floats:
+        """Measured midpoints of the vertebrae, lowest first, shape (vertebrae, 2), in the frame of :attr:`points_mm`.
+
+        Raises
+        ------
+        InputError
+            If the film has no spacing.
+        """
+        return self._native.locations(self.film)[1]
+
+    @property
+    def levels(self) -> list[str]:
+        """Names of the vertebrae of :attr:`locations_mm`."""
+        return self._native.locations(self.film)[0]
+
+    @property
+    def inflections_mm(self) -> Floats | None:
+        """Where the two inflections of the erect curve lie on this film, the caudal one first, shape (2, 2), in the frame of
+        :attr:`points_mm`; None where the erect curve has no such pair.
+        """
+        return self._native.inflections(self.film)
+
+    def __repr__(self) -> str:
+        return f"<Curve of the {self.film} film>"
+
+
+class FilmErrors:
+    """Errors of a model on its fitted films, or on films that were held out; one entry per vertebra and film.
+
+    By default of the model with the line through the inflections; :meth:`of` gives those of another line.
+    """
+
+    __slots__ = ("_analysis", "_rows", "is_fitted", "line")
+
+    def __init__(self, analysis: Analysis, *, fitted: bool, line: str = "inflection") -> None:
+        key = _line_key(line)
+        if key not in analysis.lines:
+            names = analysis.lines
+            meant = _native.did_you_mean(key, names)
+            raise InputError(
+                f"{analysis.id}: there is no model with the line `{line}`{meant}",
+                help=f"give one of {', '.join(names)}" if names else "a model needs a bending film",
+            )
+        self._analysis = analysis
+        self.line = key
+        self.is_fitted = fitted
+        table = analysis.tables["vertebrae"]
+        rows = zip(table["line"], table["fitted"], table["location_error_mm"], strict=True)
+        self._rows = [
+            row
+            for row, (own, is_fitted, error) in enumerate(rows)
+            if own == key and is_fitted is fitted and error == error
+        ]
+
+    def of(self, line: LineName | str) -> FilmErrors:
+        """The same of the model with another line: ``"inflection"``, ``"iliac"``, ``"estimated"`` or ``"given"``.
+
+        Raises
+        ------
+        InputError
+            If there is no model with this line.
+        """
+        return FilmErrors(self._analysis, fitted=self.is_fitted, line=line)
+
+    @property
+    def location_error_mm(self) -> Floats:
+        """Distance of simulated and measured midpoints in mm, shape (n,), read-only: without the base, which is fixed,
+        without interpolated vertebrae, and without films whose force was not found.
+        """
+        errors: Floats = self._analysis.tables["vertebrae"]["location_error_mm"][self._rows]
+        errors.flags.writeable = False
+        return errors
+
+    @property
+    def films(self) -> list[str]:
+        """The film of every entry."""
+        films = self._analysis.tables["vertebrae"]["posture"]
+        return [films[row] for row in self._rows]
+
+    @property
+    def levels(self) -> list[str]:
+        """The vertebra of every entry."""
+        levels = self._analysis.tables["vertebrae"]["level"]
+        return [levels[row] for row in self._rows]
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __repr__(self) -> str:
+        kind = "fitted" if self.is_fitted else "held out"
+        films = ", ".join(dict.fromkeys(self.films)) or "no film"
+        return f"<FilmErrors of the {self.line}, {kind}: {films}>"
+
+
+def analyze(
+    case: Case, *, identifiability: bool = False, **options: Unpack[MethodOptions]
+) -> Analysis:
+    """Runs all steps of the method. Other Python threads run meanwhile, and Ctrl-C ends it.
+
+    Parameters
+    ----------
+    case
+        The films.
+    identifiability
+        Whether to compute which multipliers the bending films identify: profile likelihoods with 95 % intervals.
+    **options
+        Options of the method by their names on the command line, with ``_``: see :class:`MethodOptions`.
+
+    Raises
+    ------
+    InputError
+        If an option or its value is unknown (the nearest name is given), or what stops the analysis: with film, vertebra,
+        value and limit.
+    """
+    given: dict[str, Any] = dict(options)
+    words = as_words(given)
+    if identifiability:
+        given["identifiability"] = True
+    return Analysis(
+        _native.Analysis(
+            case._native, words, identifiability, command("analyze", given), now_utc()
+        )
+    )
+
+
+def as_words(options: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Options as the words that the command line has for them."""
+    return [pair for name, value in options.items() for pair in _as_text(name, value)]
+
+
+def _line_key(line: str) -> str:
+    """The name of a line in files."""
+    return line if line.endswith("_line") else f"{line}_line"
+
+
+def _as_text(name: str, value: Any) -> list[tuple[str, str]]:
+    if isinstance(value, Mapping):
+        return [
+            (name, f"{key}={','.join(repr(float(part)) for part in parts)}")
+            for key, parts in value.items()
+        ]
+    if isinstance(value, (list, tuple)):
+        return [(name, ",".join(str(part) for part in value))]
+    return [(name, os.fspath(value) if isinstance(value, os.PathLike) else str(value))]

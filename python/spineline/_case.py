@@ -1,0 +1,259 @@
+"""Cases: the films of one patient with their landmarks."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from . import _native
+from ._run import write_whole
+
+if TYPE_CHECKING:
+    import pandas
+
+
+class Case:
+    """The films of one patient with their landmarks. It does not change.
+
+    Made by :func:`read_case`, :meth:`Case.from_landmarks`, :meth:`Case.from_json` or :func:`phantom`. Two cases are equal
+    where their files are.
+    """
+
+    __slots__ = ("_native",)
+
+    def __init__(self, native: _native.Case) -> None:
+        self._native = native
+
+    @classmethod
+    def from_json(cls, text: str | bytes) -> Case:
+        """Reads a case from the text of its file (``spineline schema case`` explains every key).
+
+        Raises
+        ------
+        InputError
+            If the text is no case; it says where.
+        """
+        return cls(_native.parse_case(text.decode() if isinstance(text, bytes) else text))
+
+    @classmethod
+    def from_landmarks(
+        cls,
+        landmarks: Any,
+        *,
+        film: str | None = None,
+        mm_per_px: float | tuple[float, float] | None = None,
+        patient_left: Literal["image-left", "image-right"] = "image-left",
+        size_px: tuple[int, int] | None = None,
+        plane: Literal["patient", "detector", "unknown"] = "unknown",
+        case_id: str = "case",
+        synthetic: bool = False,
+    ) -> Case:
+        """Makes a case of a table of landmarks, one row per vertebra.
+
+        Parameters
+        ----------
+        landmarks
+            A DataFrame of pandas or polars, anything with ``to_csv`` or ``write_csv``, a mapping from names of columns to
+            values, or the text of a CSV file. The columns are those of the CSV format: ``vertebra``, and column and row of
+            the four corners in pixels, named by the patient's sides: ``superior_left_column_px``,
+            ``superior_left_row_px``, and so on for ``superior_right``, ``inferior_left``, ``inferior_right``. Optional:
+            ``posture``, ``observer``, ``repeat``, ``axis_clockwise_deg`` and confidences. A row whose vertebra is
+            ``iliac_crests`` has the tips in the superior columns. Locations in mm (``location_left_mm``,
+            ``location_cranial_mm``, ``tilt_right_deg``) may stand in place of corners.
+        film
+            Posture of the film, such as ``"erect"``, where the table has no column ``posture``.
+        mm_per_px
+            Distance of pixel centres in mm, one number or (columns, rows); without it there are angles, but no lengths.
+        patient_left
+            Side of the picture, as it is stored, on which the patient's left is. A wrong one is found and refused.
+        size_px
+            Columns and rows of the pictures; by default the smallest that holds all landmarks.
+        plane
+            Where ``mm_per_px`` holds.
+        case_id
+            Identifier, without any name.
+        synthetic
+            Whether the landmarks are made up.
+
+        Raises
+        ------
+        InputError
+            If a landmark is missing, doubled or impossible: with film, vertebra, value and limit.
+        """
+        spacing = (mm_per_px, mm_per_px) if isinstance(mm_per_px, (int, float)) else mm_per_px
+        return cls(
+            _native.case_from_landmarks(
+                _csv_text(landmarks), case_id, film, spacing, patient_left, size_px, plane, synthetic
+            )
+        )
+
+    @property
+    def id(self) -> str:
+        """Identifier, without any name."""
+        return self._native.id
+
+    @property
+    def synthetic(self) -> bool:
+        """Whether the films are made up; every result then says so."""
+        return self._native.synthetic
+
+    @property
+    def films(self) -> list[str]:
+        """Postures that have a film, such as ``"erect"`` or ``"left_bending"``."""
+        return self._native.films
+
+    def check(self) -> Check:
+        """Errors and warnings about the films, before any result. Jupyter shows it as a table.
+
+        An error that stops the analysis is a row too; nothing is raised.
+        """
+        return Check(*self._native.check())
+
+    def to_json(self) -> str:
+        """The text of its file, from which :meth:`from_json` makes an equal case."""
+        return self._native.to_json()
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Writes the case file, whole or not at all, over an existing one; returns its path.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        return write_whole(path, self.to_json().encode())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Case) and self._native == other._native
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Case.from_json, (self.to_json(),))
+
+    def __deepcopy__(self, memo: object) -> Case:
+        return self
+
+    def __copy__(self) -> Case:
+        return self
+
+    def __repr__(self) -> str:
+        synthetic = ", SYNTHETIC" if self.synthetic else ""
+        return f"<Case {self.id}{synthetic}: {', '.join(self.films)}>"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """An error or a warning about a film."""
+
+    severity: Literal["error", "contradiction", "warning", "note"]
+    """How much it matters; an error stops the analysis."""
+    code: str
+    """Its stable name."""
+    step: str
+    """The step of the method."""
+    film: str | None
+    """The film by its posture, or ``"lateral"``."""
+    level: str | None
+    """The vertebra."""
+    text: str
+    """What happened and what to do."""
+
+
+class Check:
+    """Errors and warnings about the films of a case: a sequence of :class:`Finding`."""
+
+    __slots__ = ("_html", "_text", "findings")
+
+    def __init__(self, rows: list[dict[str, Any]], text: str, html: str) -> None:
+        self.findings: tuple[Finding, ...] = tuple(Finding(**row) for row in rows)
+        self._text = text
+        self._html = html
+
+    @property
+    def ok(self) -> bool:
+        """Whether no error stops an analysis."""
+        return not any(finding.severity == "error" for finding in self.findings)
+
+    def __len__(self) -> int:
+        return len(self.findings)
+
+    def __getitem__(self, index: int) -> Finding:
+        return self.findings[index]
+
+    def __iter__(self) -> Iterator[Finding]:
+        return iter(self.findings)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The findings as a pandas DataFrame, one row each. Needs pandas."""
+        import pandas
+
+        names = list(Finding.__dataclass_fields__)
+        rows = [[getattr(finding, name) for name in names] for finding in self.findings]
+        return pandas.DataFrame(rows, columns=names)
+
+    def __repr__(self) -> str:
+        return self._text
+
+    def _repr_html_(self) -> str:
+        return self._html
+
+
+def read_case(path: str | os.PathLike[str]) -> Case:
+    """Reads a case file, or the case within a file of an analysis.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is no case; it says where in the file, and names the nearest known key.
+    """
+    return Case(_native.read_case(os.fspath(path)))
+
+
+def phantom(
+    truth: str = "rod", *, subject: int = 1, seed: int = 1, noise: float = 1.0
+) -> Case:
+    """Makes a synthetic patient with five films, the same as ``spineline phantom``.
+
+    Parameters
+    ----------
+    truth
+        Loading scenario, such as ``"rod"``, ``"bend"`` or ``"pull"``.
+    subject
+        Row of the paper's Table 1, from 1 to 18.
+    seed
+        Seed of the virtual readers.
+    noise
+        Factor on the readers' noise, from 0 to 10; 0 for one reader without error.
+
+    Raises
+    ------
+    InputError
+        If there is no such scenario or subject.
+    """
+    return Case(_native.phantom(truth, subject, seed, noise))
+
+
+def _csv_text(landmarks: Any) -> str:
+    """A table as CSV with commas."""
+    if isinstance(landmarks, str):
+        return landmarks
+    if hasattr(landmarks, "write_csv"):
+        return str(landmarks.write_csv())
+    if hasattr(landmarks, "to_csv"):
+        return str(landmarks.to_csv(index=False))
+    if isinstance(landmarks, Mapping):
+        import csv
+        import io
+
+        text = io.StringIO()
+        writer = csv.writer(text)
+        writer.writerow(landmarks)
+        writer.writerows(zip(*landmarks.values(), strict=True))
+        return text.getvalue()
+    raise TypeError(
+        f"landmarks are a DataFrame, a mapping of columns or CSV text, not {type(landmarks).__name__}"
+    )

@@ -1,0 +1,430 @@
+"""Personalised models, and what they do under loads."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from . import _native
+from ._errors import InputError, NotAResultError
+from ._run import write_whole
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+Direction = Literal["left", "right", "cranial", "caudal", "anterior", "posterior"]
+Timing = Literal["growing", "held"]
+
+
+@dataclass(frozen=True)
+class Force:
+    """A force at the midpoint of a vertebra; of fixed direction, or one that turns with the vertebra."""
+
+    level: str
+    """Vertebra, such as ``"T9"``."""
+    towards: Direction
+    """Direction in the patient's terms."""
+    newtons: float
+    """Size: newtons where the model is absolute, else relative."""
+    timing: Timing = "growing"
+    """``"held"`` loads are applied first and stay; ``"growing"`` ones are varied."""
+
+    def as_load(self) -> dict[str, Any]:
+        """The load as files have it."""
+        force = list(_native.force_vector(self.towards, self.newtons))
+        return {
+            "kind": "force_at_point",
+            "level": self.level,
+            "force_n": force,
+            "timing": self.timing,
+        }
+
+
+@dataclass(frozen=True)
+class Pad:
+    """A frictionless pad that pushes a vertebra: with a given force, or as a spring that is advanced.
+
+    Give either ``newtons``, or ``n_per_mm`` and ``advance_mm``. With ``newtons`` it pushes with this force wherever the
+    vertebra goes. As a spring it touches the erect spine without force, is then advanced, and gives way with its stiffness.
+    """
+
+    level: str
+    """Vertebra, such as ``"T9"``."""
+    towards: Direction
+    """Direction of the push, in the patient's terms."""
+    newtons: float | None = None
+    """Force: newtons where the model is absolute, else relative."""
+    n_per_mm: float | None = None
+    """Stiffness, in the unit of forces per mm."""
+    advance_mm: float | None = None
+    """Displacement of the pad."""
+    timing: Timing = "growing"
+    """``"held"`` loads are applied first and stay; ``"growing"`` ones are varied."""
+
+    def as_load(self) -> dict[str, Any]:
+        """The load as files have it.
+
+        Raises
+        ------
+        InputError
+            If not exactly one of force and spring is given.
+        """
+        if self.newtons is not None and self.n_per_mm is None and self.advance_mm is None:
+            return Force(self.level, self.towards, self.newtons, self.timing).as_load()
+        if self.newtons is None and self.n_per_mm is not None and self.advance_mm is not None:
+            return {
+                "kind": "pad",
+                "level": self.level,
+                "direction": list(_native.force_vector(self.towards, 1.0)),
+                "n_per_mm": self.n_per_mm,
+                "advance_mm": self.advance_mm,
+                "timing": self.timing,
+            }
+        raise InputError(
+            f"the pad on {self.level} has neither a force nor a spring, or both",
+            help="give `newtons`, or `n_per_mm` and `advance_mm`",
+            level=self.level,
+        )
+
+
+@dataclass(frozen=True)
+class Rod:
+    """A stiff rod between two vertebrae, which keeps their erect pose relative to each other, or prescribes another."""
+
+    inferior: str
+    """Lower vertebra."""
+    superior: str
+    """Upper vertebra, at least two joints above."""
+    shift_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Displacement of the upper vertebra from its erect pose, in the lower one's axes: anterior, left, cranial."""
+    turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Rotation vector from its erect pose about these axes."""
+    timing: Timing = "growing"
+    """``"held"`` loads are applied first and stay; ``"growing"`` ones are varied."""
+
+    def as_load(self) -> dict[str, Any]:
+        """The load as files have it."""
+        return {
+            "kind": "rod",
+            "inferior": self.inferior,
+            "superior": self.superior,
+            "shift_mm": list(self.shift_mm),
+            "turn_deg": list(self.turn_deg),
+            "timing": self.timing,
+        }
+
+
+@dataclass(frozen=True)
+class Gravity:
+    """The weight of trunk, head and arms, at the midpoints of the vertebrae above the base."""
+
+    body_weight_n: float
+    """Weight of the whole patient, in the unit of forces of the model."""
+    timing: Timing = "held"
+    """``"held"`` loads are applied first and stay; ``"growing"`` ones are varied."""
+
+    def as_load(self) -> dict[str, Any]:
+        """The load as files have it."""
+        return {"kind": "gravity", "body_weight_n": self.body_weight_n, "timing": self.timing}
+
+
+Load = Force | Pad | Rod | Gravity | dict[str, Any]
+
+
+class Model:
+    """A personalised model: vertebrae, joints, springs, and the loads that were found. It does not change.
+
+    Made by :meth:`Analysis.model` or :meth:`Model.from_json`. Pickle, copies and equality go by its file.
+    """
+
+    def __init__(self, native: _native.Model) -> None:
+        self._native = native
+
+    @classmethod
+    def from_json(cls, text: str | bytes) -> Model:
+        """Reads a model from the text of its file (``spineline analyze CASE --model FILE``).
+
+        Raises
+        ------
+        InputError
+            If the text is no model; it says where.
+        """
+        return cls(_native.parse_model_text(text.decode() if isinstance(text, bytes) else text))
+
+    @property
+    def id(self) -> str:
+        """Identifier of the case."""
+        return self._native.id
+
+    @property
+    def synthetic(self) -> bool:
+        """Whether the films are made up."""
+        return self._native.synthetic
+
+    @property
+    def line(self) -> str:
+        """The line of action with which it was fitted."""
+        return self._native.line
+
+    @property
+    def absolute(self) -> bool:
+        """Whether forces and springs are in newtons; else only their ratios have a meaning."""
+        return self._native.absolute
+
+    @property
+    def levels(self) -> list[str]:
+        """Names of the vertebrae, the fixed one first."""
+        return self._native.levels
+
+    @property
+    def midpoints_mm(self) -> Floats:
+        """Midpoints of the erect, unloaded vertebrae, shape (vertebrae, 3), read-only: x anterior, y to the patient's left,
+        z cranial, in mm from the midpoint of the lowest one.
+        """
+        return self._native.midpoints()
+
+    @cached_property
+    def data(self) -> dict[str, Any]:
+        """Every number, as in its file (``spineline schema model`` explains every key)."""
+        found: dict[str, Any] = json.loads(self.to_json())
+        return found
+
+    def simulate(
+        self,
+        *loads: Load,
+        amplitude_deg: float | None = None,
+        towards: Literal["left", "right"] | None = None,
+        largest_factor: float | None = None,
+        support: Literal["free", "frontal"] | None = None,
+        allow_unusable: bool = False,
+    ) -> Simulation:
+        """Finds the shape of the model under loads, as ``spineline simulate``. Ctrl-C ends it.
+
+        Parameters
+        ----------
+        *loads
+            :class:`Force`, :class:`Pad`, :class:`Rod`, :class:`Gravity`, or a load as a dictionary of a load file.
+        amplitude_deg, towards
+            A lateral tilt of the line from the lowest to the highest vertebra, in degrees, and its side: then the factor of
+            the growing loads is sought that gives it. Without them, the loads have their full size.
+        largest_factor
+            No larger factor of the growing loads is tried.
+        support
+            Support of the patient; by default as in the model.
+        allow_unusable
+            Whether shape and angles of a search without a result may be read; they are then of the nearest shape.
+
+        Raises
+        ------
+        InputError
+            If a load cannot be applied to this model.
+        """
+        if (amplitude_deg is None) != (towards is None):
+            raise InputError(
+                "`amplitude_deg` and `towards` belong together", help="give both, or neither"
+            )
+        tilt = amplitude_deg if towards != "left" or amplitude_deg is None else -amplitude_deg
+        given = [load if isinstance(load, dict) else load.as_load() for load in loads]
+        text = json.dumps({"format": "spineline-load", "version": 1, "loads": given})
+        native = self._native.simulate(text, tilt, largest_factor, support)
+        return Simulation(native, self.levels, allow_unusable=allow_unusable)
+
+    def to_mujoco(self, path: str | os.PathLike[str]) -> Path:
+        """Writes the model for MuJoCo (MJCF), in m, N and rad; whole or not at all. Returns the path.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        return write_whole(path, self._native.export("mjcf").encode())
+
+    def to_opensim(self, path: str | os.PathLike[str]) -> Path:
+        """Writes the model for OpenSim 4, in m, N and rad; whole or not at all. Returns the path.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        return write_whole(path, self._native.export("osim").encode())
+
+    def to_urdf(self, path: str | os.PathLike[str]) -> Path:
+        """Writes the model as URDF, in m, N and rad; whole or not at all. Returns the path.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        return write_whole(path, self._native.export("urdf").encode())
+
+    def to_json(self) -> str:
+        """The text of its file, from which :meth:`from_json` makes an equal model."""
+        return self._native.to_json()
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Writes the model file, whole or not at all; returns its path.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        return write_whole(path, self.to_json().encode())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Model) and self._native == other._native
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Model.from_json, (self.to_json(),))
+
+    def __deepcopy__(self, memo: object) -> Model:
+        return self
+
+    def __copy__(self) -> Model:
+        return self
+
+    def __repr__(self) -> str:
+        unit = "newtons" if self.absolute else "relative forces"
+        synthetic = ", SYNTHETIC" if self.synthetic else ""
+        return f"<Model {self.id}{synthetic}: {self.line}, {unit}>"
+
+
+class Simulation:
+    """What a model does under loads, made by :meth:`Model.simulate`."""
+
+    __slots__ = ("_allow_unusable", "_native", "levels")
+
+    def __init__(
+        self, native: _native.Simulation, levels: list[str], *, allow_unusable: bool
+    ) -> None:
+        self._native = native
+        self._allow_unusable = allow_unusable
+        self.levels = levels
+        """Names of the vertebrae, the fixed one first."""
+
+    @property
+    def status(self) -> str:
+        """How the search ended: ``"converged"``, ``"several_equilibria"``, ``"limit_point"``, ``"branch_point"``,
+        ``"beyond_human_range"``, ``"unreachable"`` or ``"not_converged"``. Only the first two have a result.
+        """
+        return self._native.status
+
+    @property
+    def is_usable(self) -> bool:
+        """Whether there is a result."""
+        return self._native.is_usable
+
+    @property
+    def warnings(self) -> list[tuple[str, str]]:
+        """Code and text of every warning."""
+        return self._native.warnings
+
+    @property
+    def midpoints_mm(self) -> Floats:
+        """Midpoints of the loaded vertebrae, shape (vertebrae, 3), read-only, in the frame of :attr:`Model.midpoints_mm`.
+
+        Raises
+        ------
+        NotAResultError
+            If the search ended without a result and ``allow_unusable`` was not given.
+        """
+        self._check()
+        points = self._native.midpoints()
+        if points is None:
+            raise self._no_shape()
+        return points
+
+    @property
+    def cobb_deg(self) -> dict[str, float]:
+        """Cobb angle by region in degrees, positive where convex to the patient's left; empty where endplates are not known.
+
+        Raises
+        ------
+        NotAResultError
+            If the search ended without a result and ``allow_unusable`` was not given.
+        """
+        return self._angles("cobb")
+
+    @property
+    def tilt_range_deg(self) -> dict[str, float]:
+        """Tilt of the upper minus that of the lower end vertebra by region in degrees, positive where convex to the left.
+
+        Raises
+        ------
+        NotAResultError
+            As :attr:`cobb_deg`.
+        """
+        return self._angles("tilt_range")
+
+    @property
+    def ferguson_deg(self) -> dict[str, float]:
+        """Ferguson angle by region in degrees, positive where convex to the patient's left.
+
+        Raises
+        ------
+        NotAResultError
+            As :attr:`cobb_deg`.
+        """
+        return self._angles("ferguson")
+
+    @property
+    def lateral_tilt_deg(self) -> float:
+        """Lateral tilt of the line from the lowest to the highest vertebra in degrees, positive to the patient's right.
+
+        Raises
+        ------
+        NotAResultError
+            As :attr:`cobb_deg`.
+        """
+        tilt: float = self._all_angles()["lateral_tilt"]
+        return tilt
+
+    def to_json(self) -> str:
+        """The text of its file, with the whole path of equilibria (``spineline schema simulation``)."""
+        return self._native.to_json()
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Writes the simulation file, whole or not at all; returns its path.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        return write_whole(path, self.to_json().encode())
+
+    def _angles(self, name: str) -> dict[str, float]:
+        found: dict[str, float] = self._all_angles()[name]
+        return found
+
+    def _all_angles(self) -> dict[str, Any]:
+        self._check()
+        angles = self._native.angles()
+        if angles is None:
+            raise self._no_shape()
+        return angles
+
+    def _no_shape(self) -> NotAResultError:
+        return NotAResultError("no shape could be computed", status=self.status)
+
+    def _check(self) -> None:
+        if not (self.is_usable or self._allow_unusable):
+            raise NotAResultError(
+                f"the search ended without a result: {self._native.meaning}; "
+                "`simulate(…, allow_unusable=True)` gives the nearest shape",
+                status=self.status,
+            )
+
+    def __repr__(self) -> str:
+        return f"<Simulation: {self.status}>"

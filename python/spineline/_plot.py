@@ -1,0 +1,193 @@
+"""Figures of an analysis with matplotlib and plotly."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ._errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ._analysis import Analysis
+    from ._model import Simulation
+
+# Okabe and Ito, as in the figures of the program.
+_FILMS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7")
+_LINES = {
+    "inflection_line": ("#D55E00", "solid"),
+    "iliac_line": ("#0072B2", "dashed"),
+    "estimated_line": ("#009E73", "dotted"),
+    "given_line": ("#CC79A7", "dashdot"),
+}
+
+
+class Plot:
+    """Figures of one analysis. Frontal figures are seen from behind: the patient's left is on the left."""
+
+    __slots__ = ("_analysis",)
+
+    def __init__(self, analysis: Analysis) -> None:
+        self._analysis = analysis
+
+    def lines(self, film: str | None = None, *, ax: Axes | None = None) -> Axes | list[Axes]:
+        """Draws vertebrae, fitted curve, inflections and the candidate lines of action, in mm. Needs matplotlib.
+
+        Parameters
+        ----------
+        film
+            One film; by default all of them.
+        ax
+            Where to draw; several films are laid over each other there. By default every film gets a panel of a new figure.
+
+        Returns
+        -------
+        The axes that were drawn on: a list where there are several.
+
+        Raises
+        ------
+        InputError
+            If there is no such film, or a film has no spacing.
+        """
+        films = self._analysis.films if film is None else [film]
+        if ax is not None:
+            for number, one in enumerate(films):
+                self._draw(ax, one, _FILMS[number % len(_FILMS)])
+            self._finish(ax, ", ".join(_words(one) for one in films))
+            return ax
+        import matplotlib.pyplot as plt
+
+        figure, panels = plt.subplots(
+            1,
+            len(films),
+            sharex=True,
+            sharey=True,
+            squeeze=False,
+            figsize=(2.6 * len(films) + 0.6, 6.0),
+            layout="constrained",
+        )
+        axes: list[Axes] = list(panels[0])
+        for panel, one in zip(axes, films, strict=True):
+            self._draw(panel, one, _FILMS[0])
+            self._finish(panel, _words(one), is_inverted=panel is not axes[0])
+        synthetic = " · SYNTHETIC" if self._analysis.synthetic else ""
+        figure.suptitle(f"{self._analysis.id}{synthetic}")
+        handles, labels = axes[-1].get_legend_handles_labels()
+        if handles:
+            figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False)
+        return axes[0] if len(axes) == 1 else axes
+
+    def errors(self, *, ax: Axes | None = None) -> Axes:
+        """Draws the location errors of every model in mm, on fitted and on held-out films. Needs matplotlib.
+
+        Raises
+        ------
+        InputError
+            If there is no model.
+        """
+        analysis = self._analysis
+        if not analysis.lines:
+            raise InputError(f"{analysis.id}: there is no model", help="add a bending film")
+        if ax is None:
+            import matplotlib.pyplot as plt
+
+            ax = plt.subplots(layout="constrained")[1]
+        samples, names = [], []
+        for line in analysis.lines:
+            for kind, errors in (("fitted", analysis.fitted), ("held out", analysis.held_out)):
+                values = errors.of(line).location_error_mm
+                if len(values):
+                    samples.append(values)
+                    names.append(f"{_words(line)}\n{kind}")
+        ax.boxplot(samples)
+        ax.set_xticks(range(1, len(names) + 1), names)
+        ax.set_ylim(bottom=0.0)
+        ax.set_ylabel("location error (mm)")
+        synthetic = " · SYNTHETIC" if analysis.synthetic else ""
+        ax.set_title(f"{analysis.id}{synthetic}")
+        return ax
+
+    def model3d(self, line: str = "inflection", *, simulation: Simulation | None = None) -> Any:
+        """The model in space as a figure of plotly, which turns with the mouse. Needs plotly (the extra ``model3d``).
+
+        Parameters
+        ----------
+        line
+            The line of action with which the model was fitted.
+        simulation
+            A loaded shape to draw beside the erect one.
+
+        Raises
+        ------
+        InputError
+            If there is no model with this line.
+        NotAResultError
+            If the simulation has no result that may be shown.
+        """
+        import plotly.graph_objects as go
+
+        model = self._analysis.model(line)
+        shapes = [("erect", model.midpoints_mm, "#000000")]
+        if simulation is not None:
+            shapes.append((f"loaded ({simulation.status})", simulation.midpoints_mm, "#D55E00"))
+        figure = go.Figure()
+        for name, points, colour in shapes:
+            figure.add_trace(
+                go.Scatter3d(
+                    x=points[:, 0],
+                    y=points[:, 1],
+                    z=points[:, 2],
+                    text=model.levels,
+                    name=name,
+                    mode="lines+markers",
+                    line={"color": colour, "width": 6},
+                    marker={"color": colour, "size": 5, "symbol": "square"},
+                )
+            )
+        synthetic = " · SYNTHETIC" if model.synthetic else ""
+        figure.update_layout(
+            title=f"{model.id}{synthetic}: {_words(model.line)}",
+            scene={
+                "xaxis_title": "anterior (mm)",
+                "yaxis_title": "patient's left (mm)",
+                "zaxis_title": "cranial (mm)",
+                "aspectmode": "data",
+                "camera": {"eye": {"x": -2.2, "y": 0.0, "z": 0.3}},
+            },
+        )
+        return figure
+
+    def _draw(self, ax: Axes, film: str, colour: str) -> None:
+        curve = self._analysis.curve(film)
+        points, locations = curve.points_mm, curve.locations_mm
+        ax.plot(points[:, 0], points[:, 1], color=colour, alpha=0.6, linewidth=1.5)
+        ax.plot(locations[:, 0], locations[:, 1], "s", color=colour, markersize=4)
+        inflections = curve.inflections_mm
+        if inflections is not None:
+            ax.plot(
+                inflections[:, 0], inflections[:, 1], "D", color="#E69F00", markersize=7, zorder=3
+            )
+        for line, model in self._analysis.data["models"].items():
+            simulated = model["postures"].get(film)
+            if simulated is None:
+                continue
+            hue, dashes = _LINES.get(line, ("#56B4E9", "solid"))
+            (y, z), (dy, dz) = simulated["line"]["point_mm"], simulated["line"]["direction"]
+            known = ax.get_legend_handles_labels()[1]
+            label = None if _words(line) in known else _words(line)
+            ax.axline(
+                (y, z), (y + dy, z + dz), color=hue, linestyle=dashes, linewidth=1.2, label=label
+            )
+
+    def _finish(self, ax: Axes, title: str, *, is_inverted: bool = False) -> None:
+        ax.set_title(title)
+        ax.set_aspect("equal", adjustable="box")
+        ax.set_xlabel("patient's left (mm)")
+        ax.set_ylabel("cranial (mm)")
+        # Seen from behind, the patient's left is on the left; shared axes are turned once.
+        if not is_inverted and not ax.xaxis_inverted():
+            ax.invert_xaxis()
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")

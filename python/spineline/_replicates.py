@@ -1,0 +1,168 @@
+"""Monte Carlo replicates with perturbed landmarks: how landmark noise spreads to every number."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from . import _native
+from ._analysis import Analysis
+from ._errors import InputError
+from ._run import command, now_utc, write_whole
+from ._tables import Table
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Distribution of one number over the replicates, in its unit."""
+
+    unit: str
+    """``"mm"``, ``"px"``, ``"deg"``, ``"segments"``, ``"force"`` (newtons where a force is known, else relative) or ``"1"``."""
+    value: float | None
+    """In the case itself."""
+    mean: float | None
+    """Mean; None of a multiplier, whose logarithm has one."""
+    sd: float | None
+    """Standard deviation; None of a multiplier."""
+    quantiles: tuple[float, float, float, float, float] | None
+    """The 2.5, 25, 50, 75 and 97.5 % quantiles; None where no replicate has the number."""
+    count: int
+    """Replicates that have the number."""
+
+
+class Replicates(Mapping[str, Spread]):
+    """Distributions of every number of an analysis by name, made by :func:`replicates`.
+
+    A name is the kind of the number, then film, vertebra, region or group, end and line, as far as it has them, with dots
+    between: ``"cobb.erect.main_thoracic"``, ``"multiplier.main_thoracic"``. The line through the inflections is not named,
+    other lines are: ``"multiplier.main_thoracic.iliac_line"``.
+    """
+
+    def __init__(self, native: _native.Replicates) -> None:
+        self._spreads = {
+            name: {**one, "quantiles": None if (q := one["quantiles"]) is None else tuple(q)}
+            for name, one in native.spreads().items()
+        }
+        self._json = native.to_json()
+        self._table: _native.Table | None = native.table()
+        self.n: int = native.count
+        """Replicates that were run."""
+        self.failed: int = native.failed
+        """Replicates whose analysis stopped with an error."""
+        self.noise: tuple[str, ...] = tuple(native.noise)
+        """Which noise was laid on the landmarks, in sentences."""
+
+    def __getitem__(self, name: str) -> Spread:
+        """The distribution of a number.
+
+        Raises
+        ------
+        InputError
+            If there is no number of this name; the nearest name is given.
+        """
+        found = self._spreads.get(name)
+        if found is None:
+            meant = _native.did_you_mean(name, list(self._spreads))
+            raise UnknownNumberError(
+                f"there is no number `{name}`{meant}",
+                help="`list(replicates)` gives all names",
+            )
+        return Spread(**found)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._spreads)
+
+    def __len__(self) -> int:
+        return len(self._spreads)
+
+    def interval(self, name: str) -> tuple[float, float]:
+        """The central 95 % of a number over the replicates, in its unit: the 2.5 and 97.5 % quantiles.
+
+        Raises
+        ------
+        InputError
+            If there is no number of this name, or no replicate has it.
+        """
+        quantiles = self[name].quantiles
+        if quantiles is None:
+            raise InputError(f"no replicate has the number `{name}`", help="look at its `count`")
+        return (quantiles[0], quantiles[4])
+
+    @cached_property
+    def table(self) -> Table:
+        """The table ``uncertainty`` of ``spineline analyze --tables``: one row per number."""
+        if self._table is None:
+            raise InputError(
+                "replicates that were unpickled have no table",
+                help="take the distributions by name, or run them again",
+            )
+        return Table(self._table)
+
+    def to_json(self) -> str:
+        """The text of the file of the analysis with all distributions."""
+        return self._json
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Writes the analysis with all distributions as JSON; whole or not at all. Returns the path.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        return write_whole(path, self._json.encode())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Replicates) and self._spreads == other._spreads
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __getstate__(self) -> dict[str, Any]:
+        kept = {name: value for name, value in self.__dict__.items() if name != "table"}
+        return {**kept, "_table": None}
+
+    def __repr__(self) -> str:
+        return f"<Replicates: {self.n}, of {len(self)} numbers>"
+
+
+class UnknownNumberError(InputError, KeyError):
+    """A number that an analysis does not have."""
+
+
+def replicates(
+    analysis: Analysis,
+    n: int = 1000,
+    *,
+    noise: float | str = "measured",
+    seed: int = 1,
+    threads: int = 0,
+) -> Replicates:
+    """Analyses the case again n times with perturbed landmarks. Ctrl-C ends it.
+
+    Parameters
+    ----------
+    analysis
+        The analysis whose case and options are taken.
+    n
+        Number of replicates: 1000 for intervals, 10000 for stable ends of intervals.
+    noise
+        Standard deviation of one reading: ``"measured"`` between the readings of the case (assumed where there is one), or
+        in pixels of the film.
+    seed
+        Seed of all of them; the same seed gives the same numbers on any machine and any number of threads.
+    threads
+        Threads; 0 for all cores.
+
+    Raises
+    ------
+    InputError
+        If the noise does not apply to this case, or n is out of range.
+    """
+    words = command("replicates", {"n": n, "noise": noise, "seed": seed})
+    return Replicates(
+        _native.Replicates(analysis._native, n, str(noise), seed, threads, words, now_utc())
+    )

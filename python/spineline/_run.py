@@ -1,0 +1,54 @@
+"""A call from Python as files record it."""
+
+from __future__ import annotations
+
+import os
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+from ._errors import InputError
+
+
+def now_utc() -> str:
+    """The time of this call as RFC 3339, or the one that ``SOURCE_DATE_EPOCH`` names."""
+    given = os.environ.get("SOURCE_DATE_EPOCH")
+    try:
+        moment = (
+            datetime.now(timezone.utc)
+            if given is None
+            else datetime.fromtimestamp(int(given), timezone.utc)
+        )
+    except (ValueError, OverflowError, OSError):
+        raise InputError(
+            f"SOURCE_DATE_EPOCH is `{given}`", help="give whole seconds since 1970"
+        ) from None
+    return moment.strftime("%Y-%m-%dT%H:%M:%SZ")
+
+
+def command(function: str, options: dict[str, Any]) -> list[str]:
+    """The words that stand for a call where the program would record its command line."""
+    return [f"spineline.{function}", *(f"{name}={value}" for name, value in options.items())]
+
+
+def write_whole(path: str | os.PathLike[str], data: bytes) -> Path:
+    """Writes a file whole or not at all, over an existing one.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written; then what was there stays.
+    """
+    target = Path(path)
+    part = target.with_name(f".{target.name}.{uuid4().hex}.part")
+    try:
+        with part.open("xb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(part, target)
+    except BaseException:
+        part.unlink(missing_ok=True)
+        raise
+    return target

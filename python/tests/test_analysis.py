@@ -1,0 +1,161 @@
+"""Analyses: the same numbers and bytes as of the program, safe arrays, copies, errors."""
+
+from __future__ import annotations
+
+import copy
+import json
+import pickle
+import re
+import subprocess
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import spineline as sl
+
+
+def without_run(text: str) -> str:
+    """The file of an analysis without what tells one run from another: command, time and program's words."""
+    data = json.loads(text)
+    for key in ("command", "date_utc"):
+        del data["provenance"][key]
+    return json.dumps(data, ensure_ascii=False, indent=2)
+
+
+def test_the_file_has_the_bytes_of_the_program(program: Path, tmp_path: Path) -> None:
+    subprocess.run(
+        [program, "phantom", "--truth", "rod", "--subject", "1", "--out", tmp_path],
+        check=True,
+        capture_output=True,
+    )
+    case_file = tmp_path / "phantom-rod-01.json"
+    subprocess.run(
+        [program, "analyze", case_file, "--json", tmp_path / "program.json"],
+        check=True,
+        capture_output=True,
+    )
+    case = sl.read_case(case_file)
+    assert case == sl.phantom("rod", subject=1)
+    assert case.to_json() == case_file.read_text()
+    ours = sl.analyze(case).save(tmp_path / "python.json").read_text()
+    program_text = (tmp_path / "program.json").read_text()
+    line = re.compile(r'^    "(command|date_utc)": (\[[^\]]*\]|"[^"]*"),\n', re.MULTILINE)
+    assert line.sub("", ours) == line.sub("", program_text)
+    assert without_run(ours) == without_run(program_text)
+
+
+def test_tables_are_those_of_the_program(
+    program: Path, tmp_path: Path, analysis: sl.Analysis
+) -> None:
+    case_file = analysis.case.save(tmp_path / "case.json")
+    out = tmp_path / "tables"
+    subprocess.run(
+        [program, "analyze", case_file, "--tables", out], check=True, capture_output=True
+    )
+    written = {path.stem for path in out.glob("*.csv")} - {"dictionary"}
+    assert set(analysis.tables) == written
+    for name, table in analysis.tables.items():
+        assert table.to_csv() == (out / f"{name}.csv").read_text(), name
+
+
+def test_held_out_films_are_apart_from_fitted_ones(analysis: sl.Analysis) -> None:
+    fitted, held_out = analysis.fitted, analysis.held_out
+    assert set(fitted.films) == {"left_bending", "right_bending"}
+    assert not set(fitted.films) & set(held_out.films)
+    model = analysis.data["models"]["inflection_line"]["postures"]
+    for errors in (fitted, held_out):
+        for film in dict.fromkeys(errors.films):
+            own = [film == other for other in errors.films]
+            expected = model[film]["location_error_mm"]
+            assert errors.location_error_mm[own].mean() == pytest.approx(expected["mean"])
+            assert model[film]["fitted"] is errors.is_fitted
+    assert len(held_out.of("iliac")) and held_out.of("iliac").line == "iliac_line"
+
+
+def test_the_curve_is_an_array_that_cannot_be_written_to(analysis: sl.Analysis) -> None:
+    points = analysis.curve("erect").points_mm
+    assert points.dtype == np.float64 and points.ndim == 2 and points.shape[1] == 2
+    assert points[0] == pytest.approx([0.0, 0.0], abs=5.0)
+    for array in (points, analysis.held_out.location_error_mm, analysis.model().midpoints_mm):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1.0
+    for array in (points, analysis.model().midpoints_mm):
+        with pytest.raises(ValueError, match="WRITEABLE"):
+            array.flags.writeable = True
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    assert steps.std() < 1e-6 * steps.mean()
+
+
+def test_copies_and_pickles_are_equal(case: sl.Case, analysis: sl.Analysis) -> None:
+    for one in (case, analysis, analysis.model()):
+        for again in (copy.copy(one), copy.deepcopy(one), pickle.loads(pickle.dumps(one))):
+            assert again == one
+        with pytest.raises(TypeError, match="unhashable"):
+            hash(one)
+    other = sl.analyze(case, order_rule="paper")
+    assert other != analysis and pickle.loads(pickle.dumps(other)) == other
+    assert sl.phantom("rod", subject=2) != case
+
+
+def test_an_analysis_of_another_version_is_refused(analysis: sl.Analysis) -> None:
+    data = json.loads(analysis.to_json())
+    data["chain"]["segments"] += 1
+    text = json.dumps(data, ensure_ascii=False, indent=2) + "\n"
+    with pytest.raises(sl.InputError, match="finds other results"):
+        sl.Analysis.from_json(text)
+
+
+def test_an_unknown_option_is_answered_with_the_nearest(case: sl.Case) -> None:
+    with pytest.raises(sl.InputError, match="did you mean `support`"):
+        sl.analyze(case, suport="frontal")  # type: ignore[call-arg]
+    with pytest.raises(sl.InputError, match="did you mean `frontal`"):
+        sl.analyze(case, support="frontl")  # type: ignore[typeddict-item]
+    assert isinstance(sl.InputError("x"), ValueError)
+
+
+def test_options_take_the_values_of_python(case: sl.Case) -> None:
+    a = sl.analyze(
+        case,
+        order_rule=7,
+        min_curve=6.5,
+        inflections=("L1/T12", "T6"),
+        given_line={"left_bending": (20.0, 150.0, -5.0)},
+    )
+    options = a.data["provenance"]["options"]
+    assert "given_line" in a.lines and "7" in json.dumps(options)
+
+
+def test_names_that_there_are_not_are_errors_with_the_nearest(analysis: sl.Analysis) -> None:
+    with pytest.raises(sl.InputError, match="did you mean `erect`"):
+        analysis.curve("errect")
+    with pytest.raises(sl.InputError, match="did you mean `vertebrae`"):
+        analysis.tables["vertebra"]
+    with pytest.raises(sl.InputError, match="given_line"):
+        analysis.model("given")
+    assert "vertebra" not in analysis.tables
+
+
+def test_a_notebook_shows_banner_verdict_and_figure(analysis: sl.Analysis) -> None:
+    html = analysis._repr_html_()
+    assert "Synthetic data" in html and "<svg" in html and analysis.verdict[0][:20] in html
+    assert "<script" not in html and "http-equiv" not in html
+    assert "SYNTHETIC" in repr(analysis)
+    assert analysis.summary().startswith("Patient: phantom-rod-01 · SYNTHETIC")
+
+
+def test_reports_and_figures_are_written(analysis: sl.Analysis, tmp_path: Path) -> None:
+    page = analysis.report(tmp_path / "p.html").read_text()
+    assert page.startswith("<!DOCTYPE html>") and "phantom-rod-01" in page
+    for name in ("overview", "rotations", "left_bending"):
+        assert analysis.figure(name).startswith("<svg") or "<svg" in analysis.figure(name)
+    with pytest.raises(FileNotFoundError):
+        analysis.save(tmp_path / "missing" / "a.json")
+    assert [path.name for path in tmp_path.iterdir()] == ["p.html"]
+
+
+def test_threads_give_the_same(case: sl.Case, analysis: sl.Analysis) -> None:
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(lambda _: sl.analyze(case), range(8)))
+    assert all(one == analysis for one in found)

@@ -1,0 +1,119 @@
+"""Cases: files, tables of landmarks, checks, errors with their place."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from pathlib import Path
+
+import pytest
+
+import spineline as sl
+
+CORNERS = ("superior_left", "superior_right", "inferior_left", "inferior_right")
+
+
+def landmarks(case: sl.Case, posture: str) -> dict[str, list[object]]:
+    """The landmarks of a film as columns."""
+    film = next(f for f in json.loads(case.to_json())["films"] if f["posture"] == posture)
+    columns: dict[str, list[object]] = {"vertebra": [], "observer": [], "repeat": []}
+    for reading in film["readings"]:
+        for level, vertebra in reading["vertebrae"].items():
+            columns["vertebra"].append(level)
+            columns["observer"].append(reading["observer"])
+            columns["repeat"].append(reading["repeat"])
+            columns.setdefault("axis_clockwise_deg", []).append(vertebra.get("axis_deg", ""))
+            for corner in CORNERS:
+                for part, value in zip(("column_px", "row_px"), vertebra[corner], strict=True):
+                    columns.setdefault(f"{corner}_{part}", []).append(value)
+    crests = film.get("iliac_crests_px")
+    if crests is not None:
+        columns["vertebra"].append("iliac_crests")
+        columns["observer"].append(film["readings"][0]["observer"])
+        columns["repeat"].append(film["readings"][0]["repeat"])
+        columns["axis_clockwise_deg"].append("")
+        tips = {"superior_left": crests["left"], "superior_right": crests["right"]}
+        for corner in CORNERS:
+            for place, part in enumerate(("column_px", "row_px")):
+                tip = tips.get(corner)
+                columns[f"{corner}_{part}"].append("" if tip is None else tip[place])
+    return columns
+
+
+def spacing(case: sl.Case, posture: str) -> tuple[float, float]:
+    film = next(f for f in json.loads(case.to_json())["films"] if f["posture"] == posture)
+    return film["image"]["column_spacing_mm"], film["image"]["row_spacing_mm"]
+
+
+def test_a_table_of_landmarks_gives_the_curve_of_the_case(case: sl.Case) -> None:
+    made = sl.Case.from_landmarks(
+        landmarks(case, "erect"), film="erect", mm_per_px=spacing(case, "erect"), synthetic=True
+    )
+    assert made.films == ["erect"] and made.synthetic
+    found = sl.analyze(made).curve("erect").locations_mm
+    data = json.loads(case.to_json())
+    data["films"] = [film for film in data["films"] if film["posture"] == "erect"]
+    expected = sl.analyze(sl.Case.from_json(json.dumps(data))).curve("erect").locations_mm
+    assert abs(found - expected).max() < 1e-9
+
+
+def test_a_missing_corner_is_named(case: sl.Case) -> None:
+    columns = landmarks(case, "erect")
+    columns["superior_left_row_px"][0] = ""
+    with pytest.raises(sl.InputError, match="superior_left"):
+        sl.Case.from_landmarks(columns, film="erect", mm_per_px=0.14)
+    with pytest.raises(sl.InputError, match="unknown posture"):
+        sl.Case.from_landmarks(landmarks(case, "erect"), film="errect", mm_per_px=0.14)
+
+
+def test_a_mirrored_film_is_refused_with_its_place(case: sl.Case) -> None:
+    with pytest.raises(sl.InputError) as caught:
+        sl.Case.from_landmarks(
+            landmarks(case, "erect"), film="erect", mm_per_px=0.14, patient_left="image-right"
+        )
+    assert caught.value.film == "erect" and "mirrored" in str(caught.value)
+
+
+def test_an_error_has_film_level_value_limit_and_help(case: sl.Case) -> None:
+    data = json.loads(case.to_json())
+    film = next(f for f in data["films"] if f["posture"] == "traction")
+    for reading in film["readings"]:
+        reading["vertebrae"]["T5"], reading["vertebrae"]["T9"] = (
+            reading["vertebrae"]["T9"],
+            reading["vertebrae"]["T5"],
+        )
+    broken = sl.Case.from_json(json.dumps(data))
+    with pytest.raises(sl.InputError) as caught:
+        sl.analyze(broken)
+    error = caught.value
+    assert error.film == "traction" and error.level is not None
+    assert error.value is not None and error.limit is not None and error.value < error.limit
+    assert error.help and error.help in str(error)
+    again = pickle.loads(pickle.dumps(error))
+    assert (again.film, again.level, str(again)) == (error.film, error.level, str(error))
+    check = broken.check()
+    assert not check.ok and check[0].severity == "error" and check[0].film == "traction"
+    assert "Error" in check._repr_html_()
+
+
+def test_a_check_lists_doubts_as_a_table(case: sl.Case) -> None:
+    check = case.check()
+    assert check.ok and all(finding.severity != "error" for finding in check)
+    assert "Lateral tilt" in repr(check) and "<table>" in check._repr_html_()
+    assert "Synthetic data" in check._repr_html_()
+
+
+def test_a_misspelt_key_is_answered_with_its_file_and_the_nearest(tmp_path: Path) -> None:
+    path = tmp_path / "case.json"
+    path.write_text('{"format": "spineline-case", "version": 1, "case_id": "a", "filmes": []}')
+    with pytest.raises(sl.InputError, match="did you mean `films`") as caught:
+        sl.read_case(path)
+    assert caught.value.file == str(path)
+    with pytest.raises(sl.InputError, match="missing.json"):
+        sl.read_case(tmp_path / "missing.json")
+
+
+def test_phantoms_that_there_are_not_are_errors() -> None:
+    for wrong in (lambda: sl.phantom("rood"), lambda: sl.phantom(subject=19)):
+        with pytest.raises(sl.InputError):
+            wrong()

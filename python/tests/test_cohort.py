@@ -1,0 +1,122 @@
+"""Cohorts: parts that are whole, resumed, and the same on any executor."""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import spineline as sl
+from spineline import _cohort
+
+pytest.importorskip("pyarrow")
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    """Every Parquet file below a folder."""
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*.parquet")}
+
+
+def test_any_executor_gives_the_same_bytes_and_another_run_resumes(
+    folder_of_cases: Path, tmp_path: Path
+) -> None:
+    cohort = sl.Cohort.glob(str(folder_of_cases / "*.json"))
+    assert len(cohort) == 18
+    runs = []
+    with (
+        ThreadPoolExecutor(2) as threads,
+        ProcessPoolExecutor(2, mp_context=get_context("spawn")) as processes,
+    ):
+        for name, executor in (("own", None), ("threads", threads), ("processes", processes)):
+            runs.append(cohort.analyze(executor=executor, out=tmp_path / name, chunk=5))
+    assert len(runs[0].parts) == 4 and all(run.is_complete for run in runs)
+    first = files(tmp_path / "own")
+    assert first and first == files(tmp_path / "threads") == files(tmp_path / "processes")
+    table = runs[0].read("cases")
+    assert table["status"].to_pylist() == ["ok"] * 18
+    assert table["case_id"].to_pylist() == sorted(table["case_id"].to_pylist())
+    removed = tmp_path / "own" / "done" / f"{runs[0].parts[1].name}.json"
+    removed.unlink()
+    again = cohort.analyze(out=tmp_path / "own", chunk=5)
+    assert [part.was_there for part in again.parts] == [True, False, True, True]
+    assert files(tmp_path / "own") == first
+    other = cohort.analyze(out=tmp_path / "own", chunk=5, support="frontal")
+    assert not {part.name for part in other.parts} & {part.name for part in again.parts}
+
+
+def test_a_bad_patient_is_a_row_with_its_error(folder_of_cases: Path, tmp_path: Path) -> None:
+    good = next(folder_of_cases.glob("phantom-rod-01.json"))
+    bad = tmp_path / "bad.json"
+    bad.write_text("{")
+    run = sl.Cohort([bad, good, tmp_path / "missing.json"]).analyze(out=tmp_path / "out")
+    rows = run.read("cases").to_pylist()
+    assert [row["status"] for row in rows] == ["error", "ok", "error"]
+    assert "not JSON" in rows[0]["error"] and rows[0]["help"] and rows[2]["sha256"] is None
+    assert run.parts[0].failed == 2
+    assert set(run.read("vertebrae")["case_id"].to_pylist()) == {"phantom-rod-01"}
+
+
+def test_a_worker_with_another_version_is_refused(folder_of_cases: Path, tmp_path: Path) -> None:
+    paths = [str(next(folder_of_cases.glob("phantom-rod-01.json")))]
+    with pytest.raises(sl.InputError, match="0.0.9 asks it"):
+        _cohort.analyze_chunk(paths, [], str(tmp_path), "0.0.9")
+
+
+class Losing(Executor):
+    """Loses the second task, as a cluster loses one with its worker."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def submit(self, task: Any, /, *arguments: Any, **named: Any) -> Future[Any]:
+        self.count += 1
+        future: Future[Any] = Future()
+        if self.count == 2:
+            future.set_exception(ConnectionError("the worker was killed"))
+        else:
+            future.set_result(task(*arguments, **named))
+        return future
+
+
+def test_a_lost_task_is_named_and_another_run_repeats_it(
+    folder_of_cases: Path, tmp_path: Path
+) -> None:
+    cohort = sl.Cohort.glob(str(folder_of_cases / "*.json"))[:6]
+    run = cohort.analyze(executor=Losing(), out=tmp_path, chunk=2)
+    assert not run.is_complete and len(run.lost) == 1 and "killed" in run.lost[0][1]
+    assert run.lost[0][0] == tuple(str(path) for path in cohort[2:4])
+    again = cohort.analyze(out=tmp_path, chunk=2)
+    assert again.is_complete and [part.was_there for part in again.parts] == [True, False, True]
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root writes anywhere")
+def test_a_folder_that_cannot_be_written_is_an_error(folder_of_cases: Path, tmp_path: Path) -> None:
+    closed = tmp_path / "closed"
+    closed.mkdir(mode=0o500)
+    with pytest.raises(PermissionError):
+        sl.Cohort.glob(str(folder_of_cases / "*-01.json")).analyze(out=closed)
+
+
+def test_a_file_is_whole_or_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from spineline._run import write_whole
+
+    def fail(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", fail)
+    with pytest.raises(OSError, match="No space left"):
+        write_whole(tmp_path / "a.parquet", b"x" * 1000)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_empty_cohort_and_wrong_options_are_errors(folder_of_cases: Path, tmp_path: Path) -> None:
+    with pytest.raises(sl.InputError, match="no case file"):
+        sl.Cohort.glob(str(tmp_path / "*.json"))
+    cohort = sl.Cohort.glob(str(folder_of_cases / "*-01.json"))
+    with pytest.raises(sl.InputError, match="did you mean `support`"):
+        cohort.analyze(out=tmp_path, suport="frontal")  # type: ignore[call-arg]
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,121 @@
+"""Models under loads, and replicates."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import subprocess
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import spineline as sl
+
+
+def test_a_simulation_is_that_of_the_program(
+    program: Path, analysis: sl.Analysis, tmp_path: Path
+) -> None:
+    model = analysis.model("inflection")
+    path = model.save(tmp_path / "model.json")
+    subprocess.run(
+        [program, "simulate", path, "--push", "left", "--force", "20", "--level", "T9"]
+        + ["--json", tmp_path / "out.json"],
+        check=True,
+        capture_output=True,
+    )
+    expected = json.loads((tmp_path / "out.json").read_text())
+    found = model.simulate(sl.Force("T9", "left", 20.0))
+    ours = json.loads(found.to_json())
+    del expected["provenance"]
+    assert ours == expected
+    assert found.is_usable and found.status == expected["status"]
+    result = expected["equilibria"][0]
+    assert found.cobb_deg == result["cobb_deg"]
+    assert found.ferguson_deg == result["ferguson_deg"]
+    assert found.lateral_tilt_deg == result["lateral_tilt_right_deg"]
+    shape = np.array([result["midpoints_mm"][level] for level in found.levels])
+    assert np.array_equal(found.midpoints_mm, shape)
+    assert [code for code, _ in found.warnings] == [w["code"] for w in expected["warnings"]]
+
+
+def test_pads_push_by_force_or_by_spring(analysis: sl.Analysis) -> None:
+    model = analysis.model()
+    by_force = model.simulate(sl.Pad("T9", towards="left", newtons=10))
+    assert by_force.cobb_deg == model.simulate(sl.Force("T9", "left", 10)).cobb_deg
+    spring = model.simulate(sl.Pad("T9", towards="left", n_per_mm=1.0, advance_mm=5.0))
+    assert spring.is_usable and "springs_stick" in dict(spring.warnings)
+    moved = spring.midpoints_mm - model.midpoints_mm
+    assert moved[model.levels.index("T9"), 1] > 0.0, "to the patient's left"
+    with pytest.raises(sl.InputError, match="neither a force nor a spring"):
+        model.simulate(sl.Pad("T9", towards="left"))
+    with pytest.raises(sl.InputError, match="did you mean `left`"):
+        model.simulate(sl.Force("T9", "lef", 1.0))  # type: ignore[arg-type]
+    assert model.simulate(sl.Rod("T12", "T6"), sl.Gravity(10.0)).is_usable
+
+
+def test_an_amplitude_is_met_on_its_side(analysis: sl.Analysis) -> None:
+    found = analysis.model().simulate(
+        sl.Force("T2", "left", 100.0), amplitude_deg=10.0, towards="left"
+    )
+    assert found.lateral_tilt_deg == pytest.approx(-10.0, abs=1e-6)
+    with pytest.raises(sl.InputError, match="belong together"):
+        analysis.model().simulate(sl.Force("T2", "left", 1.0), amplitude_deg=10.0)
+
+
+def test_an_ending_without_a_result_raises_on_its_shape(analysis: sl.Analysis) -> None:
+    model, huge = analysis.model(), sl.Force("T2", "caudal", 1e6)
+    found = model.simulate(huge)
+    assert not found.is_usable
+    for read in ("cobb_deg", "ferguson_deg", "midpoints_mm", "lateral_tilt_deg"):
+        with pytest.raises(sl.NotAResultError, match="allow_unusable") as caught:
+            getattr(found, read)
+        assert caught.value.status == found.status
+    allowed = model.simulate(huge, allow_unusable=True)
+    assert allowed.midpoints_mm.shape == (len(model.levels), 3) and allowed.cobb_deg
+
+
+def test_exports_are_read_by_parsers(analysis: sl.Analysis, tmp_path: Path) -> None:
+    model = analysis.model()
+    for write, root in (
+        (model.to_mujoco, "mujoco"),
+        (model.to_opensim, "OpenSimDocument"),
+        (model.to_urdf, "robot"),
+    ):
+        assert ET.parse(write(tmp_path / f"{root}.xml")).getroot().tag == root
+
+
+def test_replicates_are_those_of_the_program(
+    program: Path, case: sl.Case, analysis: sl.Analysis, tmp_path: Path
+) -> None:
+    path = case.save(tmp_path / "case.json")
+    subprocess.run(
+        [program, "analyze", path, "--replicates", "20", "--seed", "3"]
+        + ["--json", tmp_path / "program.json"],
+        check=True,
+        capture_output=True,
+    )
+    expected = json.loads((tmp_path / "program.json").read_text())
+    mc = sl.replicates(analysis, n=20, noise="measured", seed=3)
+    assert json.loads(mc.to_json())["uncertainty"] == expected["uncertainty"]
+    assert mc == sl.replicates(analysis, n=20, seed=3, threads=1)
+    assert mc != sl.replicates(analysis, n=20, seed=4)
+    low, high = mc.interval("multiplier.main_thoracic")
+    assert low < high
+    log_low, log_high = mc.interval("log_multiplier.main_thoracic")
+    assert np.allclose(np.log([low, high]), [log_low, log_high])
+    value = mc["multiplier.main_thoracic"].value
+    model = analysis.data["models"]["inflection_line"]
+    assert value == pytest.approx(model["multipliers"]["main_thoracic"])
+    assert len(set(mc)) == len(mc) and len(mc.table) > 100
+    again = pickle.loads(pickle.dumps(mc))
+    assert again == mc and again.interval("multiplier.main_thoracic") == (low, high)
+    with pytest.raises(sl.InputError, match="did you mean `multiplier.main_thoracic`"):
+        mc.interval("multiplier.main_thorax")
+
+
+def test_noise_that_there_is_not_is_refused(analysis: sl.Analysis) -> None:
+    for wrong in ({"noise": "loud"}, {"noise": -1.0}, {"n": 1}):
+        with pytest.raises(sl.InputError):
+            sl.replicates(analysis, **wrong)  # type: ignore[arg-type]

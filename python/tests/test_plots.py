@@ -1,0 +1,34 @@
+"""Figures with matplotlib and plotly."""
+
+from __future__ import annotations
+
+import pytest
+
+import spineline as sl
+
+
+def test_lines_are_drawn_on_own_and_on_given_axes(analysis: sl.Analysis) -> None:
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("agg")
+    import matplotlib.pyplot as plt
+
+    panels = analysis.plot.lines()
+    assert isinstance(panels, list) and len(panels) == len(analysis.films)
+    assert all(panel.xaxis_inverted() for panel in panels), "the patient's left is on the left"
+    figure = panels[0].figure
+    figure.canvas.draw()
+    assert "SYNTHETIC" in figure.get_suptitle()
+    ax = plt.subplots()[1]
+    assert analysis.plot.lines("left_bending", ax=ax) is ax
+    assert "inflection line" in ax.get_legend_handles_labels()[1]
+    assert analysis.plot.errors().get_ylabel() == "location error (mm)"
+    with pytest.raises(sl.InputError):
+        analysis.plot.lines("lateral")
+    plt.close("all")
+
+
+def test_the_model_turns_in_space(analysis: sl.Analysis) -> None:
+    pytest.importorskip("plotly")
+    loaded = analysis.model().simulate(sl.Pad("T9", towards="left", newtons=10))
+    figure = analysis.plot.model3d(simulation=loaded)
+    assert len(figure.data) == 2 and "SYNTHETIC" in figure.layout.title.text

@@ -1,0 +1,124 @@
+//! The Python package: its wheel, with the program and the browser app inside, and its tests.
+
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX, EXE_EXTENSION};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use crate::checks::native_module;
+use crate::plan::Plan;
+use crate::tools::Tool;
+use crate::{cargo, python, run, web};
+
+/// The name of its Python environment.
+const ENVIRONMENT: &str = "package";
+
+/// The interpreter of the environment in which the package is built and tested.
+pub fn environment(root: &Path) -> Result<PathBuf, String> {
+    python::environment(root, ENVIRONMENT, &root.join("python/tests/requirements.txt"))
+}
+
+/// Builds the wheel: the browser app where Node is there, the program, then the native module.
+pub fn wheel(root: &Path) -> Result<PathBuf, String> {
+    let start = Instant::now();
+    if Tool::Npm.is_there() {
+        web::build(root)?;
+    } else {
+        println!("Node.js is missing: the program of this wheel has no browser app");
+    }
+    cargo(root, &["build", "--release", "--locked", "--package", "spineline-cli"])?;
+    let target = python::target()?;
+    let scripts = root.join("python/spineline.data/scripts");
+    let program = Path::new("spineline").with_extension(EXE_EXTENSION);
+    fs::create_dir_all(&scripts).map_err(|error| format!("{}: {error}", scripts.display()))?;
+    copy(&target.join("release").join(&program), &scripts.join(&program))?;
+    let wheels = target.join("wheels");
+    if wheels.exists() {
+        fs::remove_dir_all(&wheels).map_err(|error| format!("{}: {error}", wheels.display()))?;
+    }
+    let interpreter = python::text(&environment(root)?)?;
+    let (out, built) = (python::text(&wheels)?, python::text(&target)?);
+    let arguments =
+        ["-m", "maturin", "build", "--release", "--out", &out, "--interpreter", &interpreter];
+    run(&root.join("python"), &interpreter, &arguments, &[("CARGO_TARGET_DIR", &built)])?;
+    let wheel = only_file(&wheels)?;
+    let bytes =
+        fs::metadata(&wheel).map_err(|error| format!("{}: {error}", wheel.display()))?.len();
+    let seconds = start.elapsed().as_secs();
+    println!("» {}: {:.1} MB in {seconds} s", wheel.display(), bytes as f64 / 1e6);
+    Ok(wheel)
+}
+
+/// Tests the package and its types: the module as the tests have built it, and in a full run the wheel as well.
+pub fn test(plan: &Plan<'_>) -> Result<(), String> {
+    let root = plan.root;
+    let interpreter = python::text(&environment(root)?)?;
+    let module = native_module(plan)?;
+    let staged = stage(root, &module)?;
+    let program = python::target()?.join("debug/spineline").with_extension(EXE_EXTENSION);
+    let (path, program) = (python::text(&staged)?, python::text(&program)?);
+    let variables = [
+        ("PYTHONPATH", path.as_str()),
+        ("SPINELINE_PROGRAM", program.as_str()),
+        ("PYTHONDONTWRITEBYTECODE", "1"),
+    ];
+    let folder = root.join("python");
+    run(&folder, &interpreter, &["-m", "pytest", "--quiet"], &variables)?;
+    run(&folder, &interpreter, &["-m", "mypy"], &[])?;
+    run(&folder, &interpreter, &["-m", "pyright", "--pythonpath", &interpreter], &[])?;
+    run(&folder, &interpreter, &["tests/measure.py"], &variables)?;
+    if plan.is_full() { test_wheel(root) } else { Ok(()) }
+}
+
+/// Installs the wheel in an environment of its own, and tests what it has installed.
+fn test_wheel(root: &Path) -> Result<(), String> {
+    let wheel = python::text(&wheel(root)?)?;
+    let folder = root.join("python");
+    let requirements = folder.join("tests/requirements.txt");
+    let interpreter = python::text(&python::environment(root, "wheel", &requirements)?)?;
+    let install = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", &wheel];
+    run(root, &interpreter, &install, &[])?;
+    let tests = python::text(&folder.join("tests"))?;
+    let config = python::text(&folder.join("pyproject.toml"))?;
+    // Elsewhere, so that what is installed is found, and not the sources.
+    let target = python::target()?;
+    let arguments = ["-m", "pytest", "--quiet", "--config-file", &config, &tests];
+    run(&target, &interpreter, &arguments, &[("PYTHONDONTWRITEBYTECODE", "1")])
+}
+
+/// The package with a native module that cargo has built, below the target folder.
+fn stage(root: &Path, module: &Path) -> Result<PathBuf, String> {
+    let staged = python::target()?.join("python/staged");
+    let (from, to) = (root.join("python/spineline"), staged.join("spineline"));
+    if staged.exists() {
+        fs::remove_dir_all(&staged).map_err(|error| format!("{}: {error}", staged.display()))?;
+    }
+    fs::create_dir_all(&to).map_err(|error| format!("{}: {error}", to.display()))?;
+    let entries = fs::read_dir(&from).map_err(|error| format!("{}: {error}", from.display()))?;
+    for entry in entries {
+        let path = entry.map_err(|error| error.to_string())?.path();
+        if let Some(name) = path.file_name().filter(|_| path.is_file()) {
+            copy(&path, &to.join(name))?;
+        }
+    }
+    let end = if cfg!(windows) { "pyd" } else { "abi3.so" };
+    copy(module, &to.join(format!("_native.{end}")))?;
+    Ok(staged)
+}
+
+/// The name of the file that cargo makes of the native module.
+pub fn module_file() -> String {
+    format!("{DLL_PREFIX}_native{DLL_SUFFIX}")
+}
+
+fn copy(from: &Path, to: &Path) -> Result<(), String> {
+    fs::copy(from, to).map(|_| ()).map_err(|error| {
+        format!("{} could not be copied to {}: {error}", from.display(), to.display())
+    })
+}
+
+fn only_file(folder: &Path) -> Result<PathBuf, String> {
+    let entries = fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut files = entries.filter_map(|entry| Some(entry.ok()?.path()));
+    files.next().ok_or_else(|| format!("{} holds no wheel", folder.display()))
+}
