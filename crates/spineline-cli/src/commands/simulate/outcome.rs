@@ -116,7 +116,7 @@ fn goal(args: &SimulateArgs, placed: &PlacedLoads) -> Result<Goal, Failure> {
     };
     let timings = placed.loading.items.iter().map(|item| item.timing);
     let mut timings = timings.chain(placed.loading.rods.iter().map(|rod| rod.timing));
-    if !timings.any(|timing| timing == Timing::Growing) {
+    if !timings.any(|timing| timing == Timing::Proportional) {
         return Err(Failure::usage(
             "--amplitude needs proportional loads, and all loads of this file are constant",
         ));
