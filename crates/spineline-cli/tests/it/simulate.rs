@@ -29,6 +29,34 @@ fn number(json: &Value, pointer: &str) -> f64 {
     json.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}"))
 }
 
+/// What the JSON of every simulation holds.
+const POINTERS: [&str; 24] = [
+    "/generator",
+    "/case_id",
+    "/equilibria/0/factor",
+    "/equilibria/0/on_erect_branch",
+    "/equilibria/0/limit_points",
+    "/equilibria/0/branch_points",
+    "/equilibria/0/residual_rad",
+    "/equilibria/0/smallest_singular_value",
+    "/equilibria/0/midpoints_mm/T2/2",
+    "/equilibria/0/axes/T2/2/2",
+    "/equilibria/0/hinges_rad/T3~1T2/0",
+    "/equilibria/0/spring_forces",
+    "/equilibria/0/rod_reactions",
+    "/equilibria/0/cobb_deg/main_thoracic",
+    "/equilibria/0/ferguson_deg/main_thoracic",
+    "/events",
+    "/path/0/timing",
+    "/path/0/factor",
+    "/path/0/arc_rad",
+    "/path/0/lateral_tilt_right_deg",
+    "/path/0/residual_rad",
+    "/path/0/iterations",
+    "/warnings/0/code",
+    "/erect/cobb_deg/main_thoracic",
+];
+
 #[test]
 fn a_force_gives_a_report_and_complete_files() {
     let here = folder();
@@ -49,32 +77,7 @@ fn a_force_gives_a_report_and_complete_files() {
     }
     let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("it was written");
     let json: Value = serde_json::from_str(&read("out/s.json")).expect("JSON");
-    for pointer in [
-        "/generator",
-        "/case_id",
-        "/equilibria/0/factor",
-        "/equilibria/0/on_erect_branch",
-        "/equilibria/0/limit_points",
-        "/equilibria/0/branch_points",
-        "/equilibria/0/residual_rad",
-        "/equilibria/0/smallest_singular_value",
-        "/equilibria/0/midpoints_mm/T2/2",
-        "/equilibria/0/axes/T2/2/2",
-        "/equilibria/0/hinges_rad/T3~1T2/0",
-        "/equilibria/0/spring_forces",
-        "/equilibria/0/rod_reactions",
-        "/equilibria/0/cobb_deg/main_thoracic",
-        "/equilibria/0/ferguson_deg/main_thoracic",
-        "/events",
-        "/path/0/timing",
-        "/path/0/factor",
-        "/path/0/arc_rad",
-        "/path/0/lateral_tilt_right_deg",
-        "/path/0/residual_rad",
-        "/path/0/iterations",
-        "/warnings/0/code",
-        "/erect/cobb_deg/main_thoracic",
-    ] {
+    for pointer in POINTERS {
         assert!(json.pointer(pointer).is_some_and(|value| !value.is_null()), "{pointer}");
     }
     assert_eq!((&json["format"], &json["version"]), (&json!("spineline-simulation"), &json!(1)));
