@@ -1,6 +1,6 @@
 use serde_json::{Value, json};
 use spineline::analysis::Case;
-use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::anatomy::{Level, Posture};
 use spineline::measure::{Corners, FilmLandmarks, VertebraLandmarks};
 use spineline::spatial::{Angle, Pixel};
 use spineline_store::{PlanDesign, ReadingId, Store};
@@ -143,10 +143,7 @@ fn mirrored(case: &Case) -> Case {
         };
         let last = f64::from(image.columns - 1);
         let mirror = |p: Pixel| Pixel::new(last - p.column_px, p.row_px);
-        image.patient_left = match image.patient_left {
-            ImageSide::Left => ImageSide::Right,
-            ImageSide::Right => ImageSide::Left,
-        };
+        image.patient_left = image.patient_left.opposite();
         if let Some(crests) = iliac_crests {
             (crests.left, crests.right) = (mirror(crests.left), mirror(crests.right));
         }
@@ -191,10 +188,7 @@ fn swapped_sides_are_refused_with_a_reason() {
     let mut wrong = case.clone();
     for film in &mut wrong.films {
         let FilmLandmarks::Corners { image, .. } = &mut film.landmarks else { panic!("landmarks") };
-        image.patient_left = match image.patient_left {
-            ImageSide::Left => ImageSide::Right,
-            ImageSide::Right => ImageSide::Left,
-        };
+        image.patient_left = image.patient_left.opposite();
     }
     let mut reading = None;
     let running = serve(|store| {
