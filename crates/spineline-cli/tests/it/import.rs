@@ -50,6 +50,11 @@ fn put(here: &Here, name: &str, maker: &Maker) {
     fs::write(here.path(name), maker.file(EXPLICIT)).expect("a file");
 }
 
+/// The arguments that make case A of one film in the folder `a`.
+fn one_film<'a>(file: &'a str, film: &'a str) -> [&'a str; 9] {
+    [file, "--case-id", "A", "--out", "a", "--film", film, "--patient-left", "image-left"]
+}
+
 /// All bytes below a folder.
 fn everything(folder: &Path) -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -228,17 +233,7 @@ fn missing_values_are_asked_for_by_film_with_the_option_to_give_them() {
 fn an_answer_that_contradicts_the_file_needs_confirmation() {
     let here = Here::new();
     put(&here, "a.dcm", &film(1));
-    let arguments = [
-        "a.dcm",
-        "--case-id",
-        "A",
-        "--out",
-        "a",
-        "--film",
-        "erect=1",
-        "--patient-left",
-        "image-left",
-    ];
+    let arguments = one_film("a.dcm", "erect=1");
     let (_, error, code) = here.import(&arguments);
     assert_eq!(code, 2);
     assert!(error.contains("Patient Orientation") && error.contains("--accept"), "{error}");
@@ -258,17 +253,7 @@ fn lateral_views_are_recognised_and_offered_for_the_profile() {
     let (out, _, _) = here.import(&[".", "--list"]);
     assert!(out.contains("lateral"), "{out}");
     // Not as a frontal film, unless someone insists.
-    let (_, error, code) = here.import(&[
-        ".",
-        "--case-id",
-        "A",
-        "--out",
-        "a",
-        "--film",
-        "erect=2",
-        "--patient-left",
-        "image-left",
-    ]);
+    let (_, error, code) = here.import(&one_film(".", "erect=2"));
     assert_eq!(code, 2);
     assert!(error.contains("lateral view"), "{error}");
     let (_, error, code) =
@@ -443,17 +428,7 @@ fn pictures_are_stored_without_metadata() {
     encoder.write_header().expect("a header").write_image_data(&pixels).expect("pixels");
     assert!(holds(&png, CANARY));
     fs::write(here.path("a.png"), &png).expect("a file");
-    let (_, error, code) = here.import(&[
-        "a.png",
-        "--case-id",
-        "A",
-        "--out",
-        "a",
-        "--film",
-        "erect=1",
-        "--patient-left",
-        "image-left",
-    ]);
+    let (_, error, code) = here.import(&one_film("a.png", "erect=1"));
     assert_eq!(code, 0, "{error}");
     let written = fs::read(here.path("a/erect.png")).expect("the film");
     assert!(!holds(&written, CANARY));

@@ -8,13 +8,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
-use tempfile::TempDir;
 
-use crate::program::run;
-
-fn folder() -> TempDir {
-    tempfile::tempdir().expect("a place for files")
-}
+use crate::program::{folder, run, with_phantom, with_phantoms};
 
 fn json(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON")
@@ -32,11 +27,7 @@ fn number(value: &Value) -> f64 {
 
 #[test]
 fn the_errors_of_phantom_readings_equal_those_of_their_readers() {
-    let here = folder();
-    for subject in ["1", "2"] {
-        let made = ["phantom", "--truth", "rod", "--subject", subject, "--out", "cases"];
-        assert_eq!(run(here.path(), &made).2, 0);
-    }
+    let here = with_phantoms("rod", &["1", "2"]);
     let (text, error, code) = run(
         here.path(),
         &["reliability", "cases", "--json", "out.json", "--csv", "out.csv", "--figure", "figures"],
@@ -85,9 +76,7 @@ fn nonzero_numbers_are_not_printed_as_zero() {
 #[test]
 fn a_single_reader_gives_reasons_in_text_and_analysis() {
     // F27.
-    let here = folder();
-    let made = ["phantom", "--truth", "rod", "--subject", "1", "--noise", "0", "--out", "cases"];
-    assert_eq!(run(here.path(), &made).2, 0);
+    let here = with_phantom(&["--subject", "1", "--noise", "0"]);
     let (text, _, code) = run(here.path(), &["reliability", "cases"]);
     assert_eq!(code, 0);
     assert!(text.contains("undefined: one observer only") && text.contains("one repeat only"));
@@ -100,9 +89,7 @@ fn a_single_reader_gives_reasons_in_text_and_analysis() {
 
 #[test]
 fn several_readings_reach_the_analysis_file() {
-    let here = folder();
-    let made = ["phantom", "--truth", "rod", "--subject", "1", "--out", "cases"];
-    assert_eq!(run(here.path(), &made).2, 0);
+    let here = with_phantom(&[]);
     let (text, _, _) = run(here.path(), &["analyze", "cases", "--json", "-"]);
     let file = json(&text);
     let spacing = with(&file["reliability"], "quantity", "spacing");
