@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::program::{add_phantom, folder, run, with_phantom, words};
+use crate::program::{add_phantom, done, folder, run, with_phantom, words};
 use crate::results::results;
 
 #[test]
@@ -299,9 +299,7 @@ fn a_given_line_and_given_inflections_are_used() {
 fn reproduce_prints_the_table_and_writes_the_same_bytes_for_any_number_of_threads() {
     let here = folder();
     let with = |threads: &str, out: &str| {
-        let (text, error, code) =
-            run(here.path(), &["reproduce", "--threads", threads, "--out", out]);
-        assert_eq!(code, 0, "{error}");
+        let text = done(here.path(), &["reproduce", "--threads", threads, "--out", out]);
         text
     };
     let text = with("1", "a");
@@ -349,12 +347,10 @@ fn reproduce_prints_the_table_and_writes_the_same_bytes_for_any_number_of_thread
 fn a_model_is_exported_for_three_engines_and_unknown_formats_are_refused() {
     let here = with_phantom(&[]);
     let case = "cases/phantom-rod-01.json";
-    let (_, error, code) = run(here.path(), &["analyze", case, "--model", "model.json"]);
-    assert_eq!(code, 0, "{error}");
+    done(here.path(), &["analyze", case, "--model", "model.json"]);
     for (format, root) in [("mjcf", "<mujoco "), ("osim", "<OpenSimDocument "), ("urdf", "<robot ")]
     {
-        let (text, error, code) = run(here.path(), &["export", "model.json", "--to", format]);
-        assert_eq!(code, 0, "{error}");
+        let text = done(here.path(), &["export", "model.json", "--to", format]);
         assert!(text.contains(root) && text.contains("SYNTHETIC"), "{format}");
         let out = format!("spine.{format}");
         run(here.path(), &["export", "model.json", "--to", format, "--out", &out]);
@@ -404,26 +400,22 @@ fn landmarks_are_exported_for_image_programs() {
     let here = with_phantom(&["--truth", "rod", "--subject", "3"]);
     let case = "cases/rod-03.json";
     let case = if here.path().join(case).exists() { case } else { "cases/phantom-rod-03.json" };
-    let (table, error, code) = run(here.path(), &["export", case, "--to", "csv"]);
-    assert_eq!(code, 0, "{error}");
+    let table = done(here.path(), &["export", case, "--to", "csv"]);
     assert!(
         table.starts_with("posture,observer,repeat,vertebra,superior_left_column_px"),
         "{table}"
     );
-    let (list, error, code) =
-        run(here.path(), &["export", case, "--to", "slicer", "--posture", "erect"]);
-    assert_eq!(code, 0, "{error}");
+    let list = done(here.path(), &["export", case, "--to", "slicer", "--posture", "erect"]);
     assert!(list.contains("\"coordinateSystem\": \"LPS\""), "{list}");
     let (_, error, code) = run(here.path(), &["export", case, "--to", "slicer"]);
     assert!(code == 2 && error.contains("folder"), "{error}");
     let out = ["export", case, "--to", "slicer", "--out", "lists"];
-    assert_eq!(run(here.path(), &out).2, 0);
+    done(here.path(), &out);
     assert!(here.path().join("lists/left_bending.mrk.json").exists());
-    let (keypoints, error, code) = run(here.path(), &["export", case, "--to", "coco"]);
-    assert_eq!(code, 0, "{error}");
+    let keypoints = done(here.path(), &["export", case, "--to", "coco"]);
     assert!(keypoints.contains("\"file_name\": \"left_bending.png\""), "{keypoints}");
     let out = ["export", case, "--to", "labelme", "--posture", "erect", "--out", "points"];
-    assert_eq!(run(here.path(), &out).2, 0);
+    done(here.path(), &out);
     assert!(here.path().join("points/erect-1.json").exists());
     // Phantoms have no pictures, so there is nothing that a report could be about.
     let out = ["export", case, "--to", "dicom-sr", "--out", "reports"];
@@ -436,7 +428,7 @@ fn a_model_has_no_landmarks_and_a_case_no_springs() {
     let here = with_phantom(&["--truth", "rod", "--subject", "3"]);
     let case = "cases/rod-03.json";
     let case = if here.path().join(case).exists() { case } else { "cases/phantom-rod-03.json" };
-    assert_eq!(run(here.path(), &["analyze", case, "--model", "model.json"]).2, 0);
+    done(here.path(), &["analyze", case, "--model", "model.json"]);
     let (_, error, code) = run(here.path(), &["export", "model.json", "--to", "slicer"]);
     assert!(
         code == 3

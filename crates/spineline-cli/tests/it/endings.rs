@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::program::{json, run, with_phantom, words};
+use crate::program::{done, json, run, with_phantom, words};
 
 /// The ending of the simulations of one line.
 fn statuses(analysis: &Value, line: &str) -> Vec<String> {
@@ -29,7 +29,7 @@ fn a_model_in_addition_that_has_no_result_does_not_fail_the_analysis() {
     let codes = analysis["warnings"].as_array().expect("a list");
     assert!(codes.iter().any(|warning| warning["code"] == "force_not_found"), "it is still said");
     let report = ["report", case, "--support", "free", "--out", "a.html"];
-    assert_eq!(run(here.path(), &report).2, 0);
+    done(here.path(), &report);
     // The model that is asked for by name counts.
     let named = ["--model", "m.json", "--model-line", "estimated"];
     assert_eq!(run(here.path(), &[&free[..4], &named].concat()).2, 4);
@@ -61,7 +61,7 @@ fn outputs_beside_the_cases_of_a_folder_are_passed_over_and_named() {
     let here = with_phantom(&[]);
     let outputs = ["--json", "cases/a.json", "--model", "cases/m.json", "--cohort", "cases/c.json"];
     let case = "cases/phantom-rod-01.json";
-    assert_eq!(run(here.path(), &[&["analyze", case], &outputs[..]].concat()).2, 0);
+    done(here.path(), &[&["analyze", case], &outputs[..]].concat());
     for command in ["analyze", "check"] {
         let (text, error, code) = run(here.path(), &[command, "cases"]);
         assert_eq!(code, 0, "{text}{error}");

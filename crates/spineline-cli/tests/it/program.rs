@@ -33,8 +33,7 @@ pub fn with_phantoms(truth: &str, subjects: &[&str]) -> TempDir {
 
 /// Makes phantoms under `cases` in a folder.
 pub fn add_phantom(folder: &Path, arguments: &[&str]) {
-    let (_, error, code) = run(folder, &[&["phantom", "--out", "cases"], arguments].concat());
-    assert_eq!(code, 0, "{error}");
+    done(folder, &[&["phantom", "--out", "cases"], arguments].concat());
 }
 
 /// The JSON in a file.
@@ -64,4 +63,15 @@ pub fn finish(command: &mut Command) -> (String, String, i32) {
 /// Runs the program in a folder: standard output, standard error and exit code.
 pub fn run(folder: &Path, arguments: &[&str]) -> (String, String, i32) {
     finish(spineline(folder).args(arguments))
+}
+
+/// The standard output of a command that has to succeed.
+pub fn done(folder: &Path, arguments: &[&str]) -> String {
+    succeeded(run(folder, arguments))
+}
+
+/// The standard output, of exit code 0.
+pub fn succeeded((output, error, code): (String, String, i32)) -> String {
+    assert_eq!(code, 0, "{error}{output}");
+    output
 }

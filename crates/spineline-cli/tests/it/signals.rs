@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use serde_json::Value;
 
-use crate::program::{CASE, run, with_phantom};
+use crate::program::{CASE, done, with_phantom};
 
 /// Moments after the start.
 const MOMENTS_MS: [u64; 4] = [0, 30, 300, 1500];
@@ -139,7 +139,7 @@ fn a_report_says_how_many_replicates_count() {
 fn a_repeated_analysis_compares_nothing_that_was_cut_short() {
     let here = with_phantom(&[]);
     let whole = ["analyze", CASE, "--json", "a.json", "--replicates", "2", "--seed", "1"];
-    assert_eq!(run(here.path(), &whole).2, 0);
+    done(here.path(), &whole);
     let path = here.path().join("a.json");
     let mut file: Value =
         serde_json::from_str(&fs::read_to_string(&path).expect("a file")).expect("JSON");
@@ -156,7 +156,7 @@ fn a_repeated_analysis_compares_nothing_that_was_cut_short() {
 #[test]
 fn a_simulation_leaves_whole_files_or_none() {
     let here = with_phantom(&[]);
-    assert_eq!(run(here.path(), &["analyze", CASE, "--model", "m.json"]).2, 0);
+    done(here.path(), &["analyze", CASE, "--model", "m.json"]);
     for moment in [0, 20, 60, 120, 250] {
         let arguments =
             ["simulate", "m.json", "--push", "left", "--force", "50", "--json", "s.json"];
@@ -197,6 +197,6 @@ fn a_signal_is_the_ordinary_end_of_the_server() {
         output.read_line(&mut String::new()).expect("an address");
         send(&child, signal);
         assert_eq!(child.wait().expect("an end").code(), Some(0), "{signal}");
-        assert_eq!(run(here.path(), &["study", "verify", "s.spineline"]).2, 0);
+        done(here.path(), &["study", "verify", "s.spineline"]);
     }
 }

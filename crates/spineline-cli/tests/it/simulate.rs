@@ -6,15 +6,14 @@ use std::path::Path;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use crate::program::run;
+use crate::program::{done, run};
 
 /// A folder with the model of a phantom, `model.json`.
 fn folder() -> TempDir {
     let here = tempfile::tempdir().expect("a place for files");
     run(here.path(), &["phantom", "--truth", "rod", "--subject", "1", "--out", "."]);
     let analyze = ["analyze", "phantom-rod-01.json", "--model", "model.json"];
-    let (_, error, code) = run(here.path(), &analyze);
-    assert_eq!(code, 0, "{error}");
+    done(here.path(), &analyze);
     here
 }
 
@@ -63,8 +62,7 @@ fn a_force_gives_a_report_and_complete_files() {
     let line = ["simulate", "model.json", "--push", "left", "--force", "20"];
     let files = ["--json", "out/s.json", "--csv", "out/s.csv", "--svg", "out/s.svg"];
     let all: Vec<&str> = line.iter().chain(&files).copied().collect();
-    let (text, error, code) = run(here.path(), &all);
-    assert_eq!(code, 0, "{error}");
+    let text = done(here.path(), &all);
     for words in [
         "SYNTHETIC",
         "relative units, not newtons",

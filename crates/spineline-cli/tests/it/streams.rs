@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::program::{CASE, finish, run, spineline, with_phantom, words};
+use crate::program::{CASE, done, finish, run, spineline, with_phantom, words};
 
 /// Commands that say something on the standard error, and how they end.
 const TALKATIVE: [(&[&str], i32); 6] = [
@@ -112,7 +112,7 @@ fn assert_ends_well(folder: &Path, arguments: &[&str], what: &str) -> (i32, Stri
 #[test]
 fn a_number_beyond_all_numbers_is_bad_input_wherever_it_stands() {
     let here = with_phantom(&[]);
-    assert_eq!(run(here.path(), &["analyze", CASE, "--json", "a.json", "--model", "m.json"]).2, 0);
+    done(here.path(), &["analyze", CASE, "--json", "a.json", "--model", "m.json"]);
     let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("a file");
     let (case, analysis, model) = (read(CASE), read("a.json"), read("m.json"));
     let try_all = |text: &str, keys: &[&str], command: &[&str]| {
@@ -174,12 +174,11 @@ fn a_case_with_a_mark_of_the_byte_order_enters_a_store() {
     let here = tempfile::tempdir().expect("a place for files");
     let arguments =
         ["phantom", "--subject", "1", "--films", "--film-encoding", "rle", "--out", "c"];
-    assert_eq!(run(here.path(), &arguments).2, 0);
+    done(here.path(), &arguments);
     let path = here.path().join("c/phantom-rod-01.json");
     let text = fs::read_to_string(&path).expect("a case");
     fs::write(&path, format!("\u{feff}{text}")).expect("written");
-    assert_eq!(run(here.path(), &["study", "create", "s.spineline"]).2, 0);
+    done(here.path(), &["study", "create", "s.spineline"]);
     let add = ["study", "add", "s.spineline", "c/phantom-rod-01.json"];
-    let (_, error, code) = run(here.path(), &add);
-    assert_eq!(code, 0, "{error}");
+    done(here.path(), &add);
 }
