@@ -31,7 +31,7 @@ class Spine(Protocol):
 
 
 class NoEquilibrium(Exception):
-    """Newton's method came to no end."""
+    """Newton's method did not converge."""
 
 
 def equilibrium(spine: Spine) -> np.ndarray:

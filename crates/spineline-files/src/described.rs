@@ -94,8 +94,8 @@ impl Described for Timing {
 
     fn meaning(self) -> &'static str {
         match self {
-            Self::Held => "Constant: applied before the proportional loads, and then constant.",
-            Self::Growing => {
+            Self::Constant => "Constant: applied before the proportional loads, and then constant.",
+            Self::Proportional => {
                 "Proportional: increases with the load factor, after the constant loads."
             }
         }

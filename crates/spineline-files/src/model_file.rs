@@ -182,55 +182,6 @@ impl ModelFile {
     /// The file of one personalised model of an analysis.
     #[must_use]
     pub fn new(analysis: &Analysis, model: &LineModel, generator: &str) -> Self {
-        let spine = &analysis.spine;
-        let vector = |v: &Vec3| [v.x, v.y, v.z];
-        let column = |m: &Mat3, i: usize| [m[(0, i)], m[(1, i)], m[(2, i)]];
-        let levels = analysis.levels().as_slice();
-        let vertebrae = (0..levels.len())
-            .map(|i| VertebraRecord {
-                level: LevelKey(levels[i]),
-                midpoint_mm: vector(&spine.midpoints_mm[i]),
-                axes: [0, 1, 2].map(|axis| column(&spine.axes[i], axis)),
-            })
-            .collect();
-        let joints = model
-            .stiffness_nmm_per_rad(&analysis.library)
-            .into_iter()
-            .zip(analysis.library.rows())
-            .enumerate()
-            .map(|(j, (stiffness_nmm_per_rad, row))| JointRecord {
-                inferior: LevelKey(row.inferior),
-                superior: LevelKey(row.superior),
-                centre_mm: vector(
-                    &(spine.midpoints_mm[j]
-                        + spine.axes[j] * spine.joints[j].centre_in_inferior_mm),
-                ),
-                stiffness_nmm_per_rad,
-                stiffness_matrix_nmm_per_rad: None,
-                nominal_nmm_per_rad: row.nmm_per_rad,
-                source: row.source.clone(),
-            })
-            .collect();
-        let top_x_mm = spine.midpoints_mm[levels.len() - 1].x;
-        let loads = model
-            .postures
-            .iter()
-            .map(|s| {
-                let line = analysis.line_in_model(s);
-                let x_mm = match line.application {
-                    Application::Fixed => s.depth_mm,
-                    Application::AtT2 => top_x_mm,
-                };
-                LoadRecord {
-                    posture: s.posture.into(),
-                    status: s.status.key().to_owned(),
-                    force_n: s.force_n,
-                    point_mm: [x_mm, line.point.y_mm, line.point.z_mm],
-                    direction: [0.0, line.direction.y_mm, line.direction.z_mm],
-                    application: line.application.into(),
-                }
-            })
-            .collect();
         Self {
             format: FORMAT.to_owned(),
             version: VERSION,
@@ -241,9 +192,9 @@ impl ModelFile {
             support: analysis.options.support.into(),
             gauge: analysis.options.gauge.key().to_owned(),
             absolute: model.is_absolute(analysis.options.gauge),
-            vertebrae,
-            joints,
-            loads,
+            vertebrae: vertebrae(analysis),
+            joints: joints(analysis, model),
+            loads: loads(analysis, model),
             regions: Some(regions(analysis)),
             provenance: None,
         }
@@ -255,6 +206,66 @@ impl ModelFile {
         self.provenance = Some(provenance);
         self
     }
+}
+
+fn vertebrae(analysis: &Analysis) -> Vec<VertebraRecord> {
+    let spine = &analysis.spine;
+    let column = |m: &Mat3, i: usize| [m[(0, i)], m[(1, i)], m[(2, i)]];
+    let places = spine.midpoints_mm.iter().zip(&spine.axes);
+    let vertebrae = analysis.levels().as_slice().iter().zip(places);
+    vertebrae
+        .map(|(&level, (midpoint_mm, axes))| VertebraRecord {
+            level: LevelKey(level),
+            midpoint_mm: vector(midpoint_mm),
+            axes: [0, 1, 2].map(|axis| column(axes, axis)),
+        })
+        .collect()
+}
+
+fn joints(analysis: &Analysis, model: &LineModel) -> Vec<JointRecord> {
+    let spine = &analysis.spine;
+    let stiffness = model.stiffness_nmm_per_rad(&analysis.library);
+    let joints = stiffness.into_iter().zip(analysis.library.rows()).enumerate();
+    joints
+        .map(|(j, (stiffness_nmm_per_rad, row))| JointRecord {
+            inferior: LevelKey(row.inferior),
+            superior: LevelKey(row.superior),
+            centre_mm: vector(
+                &(spine.midpoints_mm[j] + spine.axes[j] * spine.joints[j].centre_in_inferior_mm),
+            ),
+            stiffness_nmm_per_rad,
+            stiffness_matrix_nmm_per_rad: None,
+            nominal_nmm_per_rad: row.nmm_per_rad,
+            source: row.source.clone(),
+        })
+        .collect()
+}
+
+fn loads(analysis: &Analysis, model: &LineModel) -> Vec<LoadRecord> {
+    let top = analysis.levels().as_slice().len() - 1;
+    let top_x_mm = analysis.spine.midpoints_mm[top].x;
+    let loads = model.postures.iter();
+    loads
+        .map(|film| {
+            let line = analysis.line_in_model(film);
+            let x_mm = match line.application {
+                Application::Fixed => film.depth_mm,
+                Application::AtT2 => top_x_mm,
+            };
+            LoadRecord {
+                posture: film.posture.into(),
+                status: film.status.key().to_owned(),
+                force_n: film.force_n,
+                point_mm: [x_mm, line.point.y_mm, line.point.z_mm],
+                direction: [0.0, line.direction.y_mm, line.direction.z_mm],
+                application: line.application.into(),
+            }
+        })
+        .collect()
+}
+
+fn vector(v: &Vec3) -> [f64; 3] {
+    [v.x, v.y, v.z]
 }
 
 /// The places of the analysis's own angles.

@@ -96,20 +96,7 @@ fn insert(
     let cell = |column: &str| {
         places.get(column).and_then(|&place| record.get(place)).unwrap_or_default().trim()
     };
-    let name = |column: &str| match cell(column) {
-        "" => Err(format!("`{column}` is empty")),
-        text if text.chars().count() > MAX_NAME => {
-            Err(format!("`{column}` has more than {MAX_NAME} letters"))
-        }
-        text if text.chars().any(char::is_control) => {
-            Err(format!("`{column}` holds a control character"))
-        }
-        // A spreadsheet would take it for a formula when it opens a result.
-        text if text.starts_with(['=', '@', '+', '-']) => {
-            Err(format!("`{column}` starts like a formula: `{}`", shortened(text)))
-        }
-        text => Ok(text),
-    };
+    let name = |column| name(column, cell(column));
     let (key, unit) = (name("quantity")?, name("unit")?);
     let (subject, observer) = (name("subject")?, name("observer")?);
     let repeat = match cell("repeat").parse::<u32>() {
@@ -150,6 +137,24 @@ fn insert(
         ));
     }
     Ok(synthetic)
+}
+
+/// A cell that names something.
+fn name<'a>(column: &str, text: &'a str) -> Result<&'a str, String> {
+    if text.is_empty() {
+        return Err(format!("`{column}` is empty"));
+    }
+    if text.chars().count() > MAX_NAME {
+        return Err(format!("`{column}` has more than {MAX_NAME} letters"));
+    }
+    if text.chars().any(char::is_control) {
+        return Err(format!("`{column}` holds a control character"));
+    }
+    // A spreadsheet would take it for a formula when it opens a result.
+    if text.starts_with(['=', '@', '+', '-']) {
+        return Err(format!("`{column}` starts like a formula: `{}`", shortened(text)));
+    }
+    Ok(text)
 }
 
 fn row_error(error: &csv::Error, line: u64) -> FileError {

@@ -58,7 +58,7 @@ const OTHER_PARTS: [&str; 41] = [
     "ZYGOMA",
 ];
 
-/// Identity of a patient as two files state it: whether they agree can be told, and nothing else. Never written to a file.
+/// Identity of a patient as two files state it: whether they agree can be asked, and nothing else. Never written to a file.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PatientMarks {
     id: Option<u64>,

@@ -71,7 +71,7 @@ struct Listener {
 }
 
 impl Listener {
-    /// What is told of a message.
+    /// What is reported of a message.
     async fn heard(self, message: Message) -> Answer<Option<Change>> {
         let change = match message {
             Message::Change(of, change) if of == self.study => Some(change),

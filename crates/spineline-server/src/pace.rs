@@ -86,7 +86,7 @@ mod tests {
 
     use super::{Pace, Paced};
 
-    /// Whether a body of 100 pieces, one a second, arrives. Time is made up.
+    /// Whether a body of 100 pieces, one a second, arrives. Time is simulated.
     async fn arrives(piece: &'static [u8], bytes_per_s: u64) -> bool {
         let seconds = IntervalStream::new(tokio::time::interval(Duration::from_secs(1))).take(100);
         let body = Body::from_stream(

@@ -4,8 +4,10 @@ fn main() {
     print!(
         "# What every column means\n\n\
          Made by `cargo run -p spineline-tables --example dictionary` from the definitions that fill the tables.\n\
-         `analyze --tables DIR` writes the same about its own tables as `dictionary.csv`. The last four are tables of other commands:\n\
-         `noise_study` of `noise-study`, `path` of `simulate --csv`, `summary` of `reproduce`, `verdicts` of `import`.\n\n{}",
+         `analyze --tables DIR` writes the same about its own tables as `dictionary.csv`. The last eight are tables of other options and commands:\n\
+         `chain` of `analyze --chain`, `errors` of `analyze --csv` and of `reproduce`, `cohort_tests` of `analyze --cohort`,\n\
+         `noise_study` of `noise-study`, `path` of `simulate --csv`, `statistics` of `reliability --csv`, `summary` of\n\
+         `reproduce`, `verdicts` of `import`.\n\n{}",
         spineline_tables::dictionary_markdown()
     );
 }

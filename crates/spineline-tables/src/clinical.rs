@@ -31,7 +31,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     for patient in patients {
         for posture in patient.analysis.postures.iter().map(|p| p.outline.posture) {
             let curves = patient.analysis.clinical.iter();
-            rows.extend(curves.map(|curve| Row { patient, item: Measured { curve, posture } }));
+            rows.extend(curves.map(|curve| patient.row(Measured { curve, posture })));
         }
     }
     let mut columns = keys();
@@ -80,8 +80,8 @@ fn columns_of_curves<'a>() -> Vec<Column<ClinicalRow<'a>>> {
             "distance of the apex from the central sacral vertical line on the erect film, positive to the patient's left; only in the row of the erect film",
             |row| {
                 let region = row.item.erect()?.region;
-                let balance = row.patient.analysis.balance.as_ref()?;
-                row.patient.analysis.scale().mm(balance.apical_translation_mm[region.index()])
+                let balance = row.analysis.balance.as_ref()?;
+                row.analysis.scale().mm(balance.apical_translation_mm[region.index()])
             },
         ),
         number(

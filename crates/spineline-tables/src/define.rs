@@ -1,5 +1,7 @@
 //! One definition per table names, explains and fills every column, so that the dictionary always agrees with the tables.
 
+use spineline::analysis::Analysis;
+
 use crate::Patient;
 use crate::table::{NumberFormat, Series, Table, Values};
 
@@ -106,6 +108,17 @@ pub(crate) fn element<R>(
     Column::new(name, unit.words(), meaning, Cell::Element(cell, index))
 }
 
+/// A number that is written with so many decimal places.
+pub(crate) fn places<R>(
+    name: &str,
+    unit: Unit,
+    meaning: &'static str,
+    places: usize,
+    cell: fn(&R) -> Option<f64>,
+) -> Column<R> {
+    written(NumberFormat::Places(places), number(name, unit, meaning, cell))
+}
+
 /// The column with its numbers written in this format.
 pub(crate) fn written<R>(format: NumberFormat, column: Column<R>) -> Column<R> {
     Column { format, ..column }
@@ -129,22 +142,40 @@ pub(crate) fn truth<R>(
     Column::new(name.to_owned(), "", meaning, Cell::Truth(cell))
 }
 
+/// Meaning of the columns `lengths`.
+pub(crate) const LENGTHS: &str = "plane of the lengths of this film: `patient`, `detector`, `unknown`, or `pixels` without a spacing";
+
 /// A row of a patient.
 pub(crate) struct Row<'a, T> {
-    pub patient: &'a Patient<'a>,
+    pub analysis: &'a Analysis,
     pub item: T,
+}
+
+impl<'a> Patient<'a> {
+    pub(crate) fn row<T>(&self, item: T) -> Row<'a, T> {
+        Row { analysis: self.analysis, item }
+    }
 }
 
 /// The columns that every table begins with.
 pub(crate) fn keys<'a, T>() -> Vec<Column<Row<'a, T>>> {
     vec![
-        text("case_id", "patient", |row| Some(row.patient.analysis.case_id.clone())),
+        text("case_id", "patient", |row| Some(row.analysis.case_id.clone())),
         truth(
             "synthetic",
             "whether the films are synthetic; then every number of the row is synthetic",
-            |row| Some(row.patient.analysis.synthetic),
+            |row| Some(row.analysis.synthetic),
         ),
     ]
+}
+
+/// The columns with these names, in the order of the names.
+pub(crate) fn chosen<R>(mut columns: Vec<Column<R>>, names: &[&str]) -> Vec<Column<R>> {
+    let take = |name: &&str| {
+        let place = columns.iter().position(|column| column.name == *name)?;
+        Some(columns.swap_remove(place))
+    };
+    names.iter().filter_map(take).collect()
 }
 
 /// A table before it has rows.

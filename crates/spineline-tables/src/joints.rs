@@ -7,6 +7,7 @@ use spineline::personalize::evidence::{ContradictedJoint, JointEvidence};
 use crate::Patient;
 use crate::define::{Column, Definition, Row, Unit, keys, number, text, truth};
 use crate::table::Table;
+use crate::vertebrae::simulations;
 
 /// A joint on a film, and under one line of action.
 pub(crate) struct Joint<'a> {
@@ -35,18 +36,11 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     for patient in patients {
         for posture in &patient.analysis.postures {
             let Some(evidence) = &posture.evidence else { continue };
-            let film = posture.outline.posture;
-            let models = patient.analysis.models.iter();
-            let mut lines: Vec<Option<(LineKind, &Simulation)>> =
-                models.filter_map(|m| m.posture(film).map(|s| Some((m.kind, s)))).collect();
-            if lines.is_empty() {
-                lines.push(None);
-            }
-            for simulated in lines {
+            for simulated in simulations(patient.analysis, posture) {
                 let pairs = evidence.levels.joint_pairs();
                 for ([inferior, superior], evidence) in pairs.zip(&evidence.joints) {
                     let item = Joint { posture, inferior, superior, evidence, simulated };
-                    rows.push(Row { patient, item });
+                    rows.push(patient.row(item));
                 }
             }
         }

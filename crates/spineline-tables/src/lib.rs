@@ -8,9 +8,9 @@
 //! assert!(text.contains("vertebrae,location_error_mm,mm,number,"));
 //! ```
 
-mod analysis_csv;
+mod chain;
 mod clinical;
-mod cohort_csv;
+mod cohort_tests;
 mod define;
 mod dictionary;
 mod error;
@@ -20,10 +20,9 @@ mod noise_study;
 mod path;
 mod patients;
 mod postures;
-mod records;
 mod reliability;
-mod reliability_csv;
 mod reproduction;
+mod statistics;
 mod table;
 mod uncertainty;
 mod verdicts;
@@ -31,16 +30,17 @@ mod vertebrae;
 mod warnings;
 mod write;
 
-pub use analysis_csv::{chain_csv, vertebrae_csv};
-pub use cohort_csv::cohort_csv;
+pub use chain::chain_table;
+pub use cohort_tests::cohort_tests_table;
 pub use dictionary::{dictionary, dictionary_markdown};
 pub use error::TableError;
 pub use noise_study::{NoisePoint, noise_study_table};
 pub use path::{LoadedShape, path_table};
-pub use reliability_csv::reliability_csv;
 pub use reproduction::{ReproducedNumber, reproduction_table};
+pub use statistics::statistics_table;
 pub use table::{NumberFormat, Series, Table, Values};
 pub use verdicts::{RowVerdict, verdicts_table};
+pub use vertebrae::errors_table;
 pub use write::SCHEMA_VERSION;
 
 use spineline::analysis::{Analysis, Subject};
@@ -112,7 +112,16 @@ fn tables_of(patients: &[Patient<'_>], optional: OptionalTables) -> Vec<Table> {
     all
 }
 
-/// Tables of other commands than `analyze --tables`, without rows.
-fn other_files() -> [Table; 4] {
-    [noise_study_table(&[]), path::path_columns(), reproduction_table(&[]), verdicts_table(&[])]
+/// Tables of other options and commands than `analyze --tables`, without rows.
+fn other_files() -> [Table; 8] {
+    [
+        chain_table(&[]),
+        errors_table(&[]),
+        cohort_tests::cohort_tests_columns(),
+        noise_study_table(&[]),
+        path::path_columns(),
+        statistics_table(&[], false),
+        reproduction_table(&[]),
+        verdicts_table(&[]),
+    ]
 }

@@ -1,5 +1,5 @@
 use spineline::action::Application;
-use spineline::analysis::LineModel;
+use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::Region;
 use spineline::evaluate::Simulation;
 use spineline::hypothesis::{HypothesisFit, ShapePrediction};
@@ -12,15 +12,15 @@ use crate::table::Table;
 
 type ModelRow<'a> = Row<'a, &'a LineModel>;
 
-fn absolute(patient: &Patient<'_>, model: &LineModel) -> bool {
-    model.is_absolute(patient.analysis.options.gauge)
+fn absolute(analysis: &Analysis, model: &LineModel) -> bool {
+    model.is_absolute(analysis.options.gauge)
 }
 
 /// One row per patient and line.
 pub(crate) fn models(patients: &[Patient<'_>]) -> Table {
     let rows: Vec<ModelRow<'_>> = patients
         .iter()
-        .flat_map(|patient| patient.analysis.models.iter().map(move |item| Row { patient, item }))
+        .flat_map(|patient| patient.analysis.models.iter().map(|item| patient.row(item)))
         .collect();
     let mut columns = keys();
     columns.extend(columns_of_models());
@@ -47,7 +47,7 @@ fn columns_of_models<'a>() -> Vec<Column<ModelRow<'a>>> {
         truth(
             "absolute",
             "whether forces and stiffness are absolute; else only ratios are identified",
-            |row| Some(absolute(row.patient, row.item)),
+            |row| Some(absolute(row.analysis, row.item)),
         ),
         number(
             "absolute_scale",
@@ -87,7 +87,7 @@ pub(crate) fn multipliers(patients: &[Patient<'_>]) -> Table {
             let identified = patient.identified.and_then(|all| all[i].as_ref());
             rows.extend((0..model.groups.len()).map(|group| {
                 let found = identified.map(|identified| &identified.multipliers[group]);
-                Row { patient, item: Multiplier { model, group, found } }
+                patient.row(Multiplier { model, group, found })
             }));
         }
     }
@@ -168,9 +168,8 @@ pub(crate) fn springs(patients: &[Patient<'_>]) -> Table {
         for model in &patient.analysis.models {
             let personal = model.stiffness_nmm_per_rad(library);
             let joints = library.rows().iter().zip(personal);
-            rows.extend(joints.map(|(nominal, personal_nmm_per_rad)| Row {
-                patient,
-                item: Springs { model, nominal, personal_nmm_per_rad },
+            rows.extend(joints.map(|(nominal, personal_nmm_per_rad)| {
+                patient.row(Springs { model, nominal, personal_nmm_per_rad })
             }));
         }
     }
@@ -232,9 +231,7 @@ pub(crate) fn lines(patients: &[Patient<'_>]) -> Table {
     for patient in patients {
         for model in &patient.analysis.models {
             let simulated = model.postures.iter();
-            rows.extend(
-                simulated.map(|simulation| Row { patient, item: Line { model, simulation } }),
-            );
+            rows.extend(simulated.map(|simulation| patient.row(Line { model, simulation })));
         }
     }
     let mut columns = keys();
@@ -286,7 +283,7 @@ fn columns_of_lines<'a>() -> Vec<Column<LineRow<'a>>> {
             Some(row.item.simulation.force_n)
         }),
         truth("absolute", "whether the force is in newtons; else it is relative", |row| {
-            Some(absolute(row.patient, row.item.model))
+            Some(absolute(row.analysis, row.item.model))
         }),
         text(
             "choice",
@@ -365,9 +362,7 @@ pub(crate) fn hypotheses(patients: &[Patient<'_>]) -> Table {
     for patient in patients {
         for fit in &patient.analysis.hypotheses {
             let predictions = fit.predictions.iter();
-            rows.extend(
-                predictions.map(|prediction| Row { patient, item: Predicted { fit, prediction } }),
-            );
+            rows.extend(predictions.map(|prediction| patient.row(Predicted { fit, prediction })));
         }
     }
     let mut columns = keys();

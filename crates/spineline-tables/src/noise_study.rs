@@ -3,7 +3,9 @@
 use spineline::cohort::Claims;
 use spineline::evaluate::statistics::Share;
 
-use crate::define::{Column, Definition, Unit, count, element, number, text, truth, written};
+use crate::define::{
+    Column, Definition, Unit, count, element, number, places, text, truth, written,
+};
 use crate::table::{NumberFormat, Table};
 
 /// The claims in one setting of the study.
@@ -67,16 +69,6 @@ fn verdict(point: &NoisePoint<'_>, claim: usize) -> Option<String> {
     point.claims.verdicts()[claim].map(|verdict| verdict.key().to_owned())
 }
 
-fn places<'a>(
-    name: &str,
-    unit: Unit,
-    meaning: &'static str,
-    places: usize,
-    cell: fn(&NoisePoint<'a>) -> Option<f64>,
-) -> Column<NoisePoint<'a>> {
-    written(NumberFormat::Places(places), number(name, unit, meaning, cell))
-}
-
 fn setting<'a>() -> Vec<Column<NoisePoint<'a>>> {
     vec![
         truth("synthetic", "always true: the patients are phantoms", |_| Some(true)),
@@ -111,9 +103,13 @@ fn near<'a>() -> Vec<Column<NoisePoint<'a>>> {
         |row, index| Some(part(&row.claims.near, index)),
     ));
     columns.extend([
-        places("near_share_by_chance", Unit::One, "this share at random places", 4, |row| {
-            Some(row.claims.near_by_chance)
-        }),
+        places(
+            "near_share_by_chance",
+            Unit::One,
+            "this share at random places",
+            4,
+            |row: &NoisePoint<'a>| Some(row.claims.near_by_chance),
+        ),
         text("near_verdict", VERDICT, |row| verdict(row, 0)),
         places(
             "median_distance",
@@ -129,9 +125,13 @@ fn near<'a>() -> Vec<Column<NoisePoint<'a>>> {
 /// Claim 2.
 fn below_mean<'a>() -> Vec<Column<NoisePoint<'a>>> {
     let mut columns = vec![
-        places("mean_rotation", Unit::Degrees, "mean rotation of all segments", 5, |row| {
-            Some(row.claims.rotations_deg[0])
-        }),
+        places(
+            "mean_rotation",
+            Unit::Degrees,
+            "mean rotation of all segments",
+            5,
+            |row: &NoisePoint<'a>| Some(row.claims.rotations_deg[0]),
+        ),
         places(
             "inflection_rotation",
             Unit::Degrees,
@@ -205,7 +205,7 @@ fn advantage<'a>() -> Vec<Column<NoisePoint<'a>>> {
     ]
 }
 
-/// Whether the scenario can be told from a rod.
+/// Whether the scenario can be distinguished from a rod.
 fn rod_exceeds<'a>() -> Vec<Column<NoisePoint<'a>>> {
     let meanings = [
         (

@@ -1,4 +1,4 @@
-use spineline::analysis::{Analysis, Grouping, Sex};
+use spineline::analysis::{Analysis, Grouping, Sex, Subject};
 use spineline::curve::{Inflection, OrderRule};
 use spineline::multibody::Support;
 use spineline::personalize::FitTarget;
@@ -9,12 +9,12 @@ use crate::Patient;
 use crate::define::{Column, Definition, Row, Unit, count, keys, number, text, truth};
 use crate::table::Table;
 
-type PatientRow<'a> = Row<'a, ()>;
+type PatientRow<'a> = Row<'a, &'a Subject>;
 
 /// One row per patient.
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let rows: Vec<PatientRow<'_>> =
-        patients.iter().map(|patient| Row { patient, item: () }).collect();
+        patients.iter().map(|patient| patient.row(patient.subject)).collect();
     let mut columns = keys();
     columns.extend(subject());
     columns.extend(curve());
@@ -28,7 +28,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
 fn subject<'a>() -> Vec<Column<PatientRow<'a>>> {
     vec![
         text("sex", "`female`, `male` or `other`, as stated in the case", |row| {
-            row.patient.subject.sex.map(|sex| {
+            row.item.sex.map(|sex| {
                 match sex {
                     Sex::Female => "female",
                     Sex::Male => "male",
@@ -38,11 +38,9 @@ fn subject<'a>() -> Vec<Column<PatientRow<'a>>> {
             })
         }),
         number("age", Unit::Years, "age at the time of the films, as stated in the case", |row| {
-            row.patient.subject.age_years
+            row.item.age_years
         }),
-        text("lenke_recorded", "Lenke class recorded by clinicians", |row| {
-            row.patient.subject.lenke.clone()
-        }),
+        text("lenke_recorded", "Lenke class recorded by clinicians", |row| row.item.lenke.clone()),
     ]
 }
 
@@ -58,19 +56,19 @@ fn doubted_films(analysis: &Analysis) -> Option<String> {
 }
 
 fn inflection(row: &PatientRow<'_>, end: usize) -> Option<Inflection> {
-    row.patient.analysis.inflections.pair.map(|pair| pair[end])
+    row.analysis.inflections.pair.map(|pair| pair[end])
 }
 
 fn inflection_mm(row: &PatientRow<'_>, end: usize) -> Option<[f64; 2]> {
     let place = inflection(row, end)?.erect;
-    let scale = row.patient.analysis.scale();
+    let scale = row.analysis.scale();
     Some([scale.mm(place.y_mm)?, scale.mm(place.z_mm)?])
 }
 
 /// End of the 95 % interval of an inflection along the erect curve.
 fn interval_mm(row: &PatientRow<'_>, inflection: usize, end: usize) -> Option<f64> {
-    let found = row.patient.analysis.inflection_intervals?.each[inflection]?;
-    row.patient.analysis.scale().mm(found.along_mm[end])
+    let found = row.analysis.inflection_intervals?.each[inflection]?;
+    row.analysis.scale().mm(found.along_mm[end])
 }
 
 fn between(row: &PatientRow<'_>, end: usize) -> Option<String> {
@@ -79,30 +77,28 @@ fn between(row: &PatientRow<'_>, end: usize) -> Option<String> {
 
 fn curve<'a>() -> Vec<Column<PatientRow<'a>>> {
     vec![
-        count("films", "number of frontal films", |row| {
-            Some(row.patient.analysis.postures.len() as i64)
-        }),
+        count("films", "number of frontal films", |row| Some(row.analysis.postures.len() as i64)),
         text(
             "doubted",
             "films that may not show what they are named after, in the order of the warnings, with spaces between them; empty where there is none",
-            |row| doubted_films(row.patient.analysis),
+            |row| doubted_films(row.analysis),
         ),
         text("chain_base", "lowest vertebra of the model, which is fixed", |row| {
-            Some(row.patient.analysis.levels().base().to_string())
+            Some(row.analysis.levels().base().to_string())
         }),
         text("chain_top", "highest vertebra of the model, which carries the force", |row| {
-            Some(row.patient.analysis.levels().top().to_string())
+            Some(row.analysis.levels().top().to_string())
         }),
         text(
             "lengths",
             "plane of the lengths of the erect film: `patient`, `detector`, `unknown`, or `pixels` without a spacing",
-            |row| Some(row.patient.analysis.scale().plane.key().to_owned()),
+            |row| Some(row.analysis.scale().plane.key().to_owned()),
         ),
         count("chain_segments", "number of segments of the erect chain (n)", |row| {
-            Some(row.patient.analysis.chain.segments as i64)
+            Some(row.analysis.chain.segments as i64)
         }),
         number("segment", Unit::Millimetres, "length of a segment of the chain (l)", |row| {
-            row.patient.analysis.scale().mm(row.patient.analysis.chain.segment_mm)
+            row.analysis.scale().mm(row.analysis.chain.segment_mm)
         }),
     ]
 }
@@ -110,7 +106,7 @@ fn curve<'a>() -> Vec<Column<PatientRow<'a>>> {
 fn inflections<'a>() -> Vec<Column<PatientRow<'a>>> {
     vec![
         count("inflections", "number of inflections of the erect curve", |row| {
-            Some(row.patient.analysis.inflections.all.len() as i64)
+            Some(row.analysis.inflections.all.len() as i64)
         }),
         text("inflection_caudal_between", "vertebrae around the caudal inflection", |row| {
             between(row, 0)
@@ -166,27 +162,27 @@ fn inflections<'a>() -> Vec<Column<PatientRow<'a>>> {
 fn findings<'a>() -> Vec<Column<PatientRow<'a>>> {
     vec![
         count("lenke_type", "Lenke's curve type as far as frontal films determine it", |row| {
-            row.patient.analysis.lenke.map(|lenke| i64::from(lenke.number))
+            row.analysis.lenke.map(|lenke| i64::from(lenke.number))
         }),
         text(
             "sagittal_profile",
             "`measured` on the lateral film, or that of a `population`",
             |row| {
-                let measured = row.patient.analysis.lateral_measured;
+                let measured = row.analysis.lateral_measured;
                 Some(if measured { "measured" } else { "population" }.to_owned())
             },
         ),
         truth("converged", "whether every fit and every search for a force converged", |row| {
-            Some(row.patient.analysis.is_converged())
+            Some(row.analysis.is_converged())
         }),
         count("warnings", "number of warnings, notes and contradictions", |row| {
-            Some(row.patient.analysis.warnings.all().len() as i64)
+            Some(row.analysis.warnings.all().len() as i64)
         }),
         count(
             "contradictions",
             "number of contradictions: the data contradict the model, or a number is not a result",
             |row| {
-                let all = row.patient.analysis.warnings.all().iter();
+                let all = row.analysis.warnings.all().iter();
                 Some(all.filter(|w| w.severity() == Severity::Contradiction).count() as i64)
             },
         ),
@@ -196,7 +192,7 @@ fn findings<'a>() -> Vec<Column<PatientRow<'a>>> {
 fn options<'a>() -> Vec<Column<PatientRow<'a>>> {
     vec![
         text("order_rule", "`leave_one_out`, `paper`, or an order", |row| {
-            Some(match row.patient.analysis.options.order_rule {
+            Some(match row.analysis.options.order_rule {
                 OrderRule::LeaveOneOut => "leave_one_out".to_owned(),
                 OrderRule::Paper => "paper".to_owned(),
                 OrderRule::Fixed(order) => order.to_string(),
@@ -205,14 +201,14 @@ fn options<'a>() -> Vec<Column<PatientRow<'a>>> {
         text(
             "gauge",
             "scale constraint: the condition that fixes the overall level of stiffness and force",
-            |row| Some(row.patient.analysis.options.gauge.key().to_owned()),
+            |row| Some(row.analysis.options.gauge.key().to_owned()),
         ),
         text(
             "support",
             "`free`, or `frontal` where flexion and axial rotation are locked",
             |row| {
                 Some(
-                    match row.patient.analysis.options.support {
+                    match row.analysis.options.support {
                         Support::Free => "free",
                         Support::Frontal => "frontal",
                     }
@@ -222,7 +218,7 @@ fn options<'a>() -> Vec<Column<PatientRow<'a>>> {
         ),
         text("fit", "fitted data: `shape`, or `ferguson` angles", |row| {
             Some(
-                match row.patient.analysis.options.target {
+                match row.analysis.options.target {
                     FitTarget::Shape => "shape",
                     FitTarget::Ferguson => "ferguson",
                 }
@@ -231,7 +227,7 @@ fn options<'a>() -> Vec<Column<PatientRow<'a>>> {
         }),
         text("grouping", "multipliers are `regional` or `per_joint`", |row| {
             Some(
-                match row.patient.analysis.options.grouping {
+                match row.analysis.options.grouping {
                     Grouping::Regional => "regional",
                     Grouping::PerJoint => "per_joint",
                 }
@@ -239,7 +235,7 @@ fn options<'a>() -> Vec<Column<PatientRow<'a>>> {
             )
         }),
         number("prior_log_sd", Unit::One, "prior standard deviation of ln multiplier", |row| {
-            row.patient.analysis.options.prior.map(|prior| prior.log_sd)
+            row.analysis.options.prior.map(|prior| prior.log_sd)
         }),
     ]
 }
@@ -250,39 +246,39 @@ fn balance<'a>() -> Vec<Column<PatientRow<'a>>> {
         text(
             "sacral_reference",
             "what the central sacral vertical line runs through: `iliac_crests`, `l5` or `base`",
-            |row| Some(row.patient.analysis.balance.as_ref()?.reference.key().to_owned()),
+            |row| Some(row.analysis.balance.as_ref()?.reference.key().to_owned()),
         ),
         text("plumb_level", "vertebra from which the plumb line falls", |row| {
-            Some(row.patient.analysis.balance.as_ref()?.plumb_level.to_string())
+            Some(row.analysis.balance.as_ref()?.plumb_level.to_string())
         }),
         number(
             "coronal_balance",
             Unit::Millimetres,
             "distance of the plumb line from the central sacral vertical line, positive to the patient's left",
             |row| {
-                let balance = row.patient.analysis.balance.as_ref()?;
-                row.patient.analysis.scale().mm(balance.coronal_balance_mm)
+                let balance = row.analysis.balance.as_ref()?;
+                row.analysis.scale().mm(balance.coronal_balance_mm)
             },
         ),
         number(
             "t1_tilt",
             Unit::Degrees,
             "tilt of the superior endplate of T1 against the horizontal; its normal leans to the patient's right where positive",
-            |row| row.patient.analysis.balance.as_ref()?.t1_tilt.map(Angle::deg),
+            |row| row.analysis.balance.as_ref()?.t1_tilt.map(Angle::deg),
         ),
         number("l4_tilt", Unit::Degrees, "the same of L4", |row| {
-            row.patient.analysis.balance.as_ref()?.l4_tilt.map(Angle::deg)
+            row.analysis.balance.as_ref()?.l4_tilt.map(Angle::deg)
         }),
         number(
             "pelvic_obliquity",
             Unit::Degrees,
             "tilt of the iliac line against the horizontal; positive where the patient's left crest is higher",
-            |row| row.patient.analysis.balance.as_ref()?.pelvic_obliquity.map(Angle::deg),
+            |row| row.analysis.balance.as_ref()?.pelvic_obliquity.map(Angle::deg),
         ),
         text(
             "stable_vertebra",
             "vertebra below the apex of the main thoracic curve that is nearest to the central sacral vertical line",
-            |row| Some(row.patient.analysis.balance.as_ref()?.stable.to_string()),
+            |row| Some(row.analysis.balance.as_ref()?.stable.to_string()),
         ),
     ]
 }

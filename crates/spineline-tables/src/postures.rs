@@ -4,7 +4,7 @@ use spineline::measure::FilmLength;
 use spineline::spatial::Angle;
 
 use crate::Patient;
-use crate::define::{Column, Definition, Row, Unit, count, keys, number, text, truth};
+use crate::define::{Column, Definition, LENGTHS, Row, Unit, count, keys, number, text, truth};
 use crate::table::Table;
 
 type PostureRow<'a> = Row<'a, &'a PostureAnalysis>;
@@ -13,7 +13,7 @@ type PostureRow<'a> = Row<'a, &'a PostureAnalysis>;
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let rows: Vec<PostureRow<'_>> = patients
         .iter()
-        .flat_map(|patient| patient.analysis.postures.iter().map(move |item| Row { patient, item }))
+        .flat_map(|patient| patient.analysis.postures.iter().map(|item| patient.row(item)))
         .collect();
     let mut columns = keys();
     columns.extend(film());
@@ -27,17 +27,13 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
 fn film<'a>() -> Vec<Column<PostureRow<'a>>> {
     vec![
         text("posture", "film", |row| Some(row.item.outline.posture.key().to_owned())),
-        text(
-            "lengths",
-            "plane of the lengths of this film: `patient`, `detector`, `unknown`, or `pixels` without a spacing",
-            |row| Some(row.item.outline.scale.plane.key().to_owned()),
-        ),
+        text("lengths", LENGTHS, |row| Some(row.item.outline.scale.plane.key().to_owned())),
         text(
             "doubted",
             "codes of the warnings that this film may not show what it is named after, with spaces between them; empty where there is none",
             |row| {
                 let posture = Some(row.item.outline.posture);
-                let doubts = row.patient.analysis.film_doubts();
+                let doubts = row.analysis.film_doubts();
                 let codes: Vec<&str> =
                     doubts.filter(|one| one.posture == posture).map(|one| one.code).collect();
                 (!codes.is_empty()).then(|| codes.join(" "))
@@ -146,7 +142,7 @@ fn distance(row: &PostureRow<'_>, end: usize) -> Option<f64> {
 
 fn distance_mm(row: &PostureRow<'_>, end: usize) -> Option<f64> {
     let pair = row.item.inflection_estimates?;
-    row.patient.analysis.scale().mm(pair[end].distance_mm)
+    row.analysis.scale().mm(pair[end].distance_mm)
 }
 
 fn rotation(row: &PostureRow<'_>, end: usize) -> Option<f64> {

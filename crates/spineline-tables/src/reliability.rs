@@ -21,15 +21,14 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     for patient in patients {
         for found in patient.analysis.reliability() {
             for design in &found.designs {
-                rows.extend(design.statistics.iter().map(|&statistic| Row {
-                    patient,
-                    item: StatisticRow {
+                rows.extend(design.statistics.iter().map(|&statistic| {
+                    patient.row(StatisticRow {
                         quantity: found.key.clone(),
                         unit: found.unit.clone(),
                         design: design.design.clone(),
                         subjects: design.subjects,
                         statistic,
-                    },
+                    })
                 }));
             }
         }

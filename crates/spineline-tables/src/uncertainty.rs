@@ -12,7 +12,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
         .iter()
         .flat_map(|patient| {
             let found = patient.spread.iter().flat_map(|spread| &spread.quantities);
-            found.map(move |item| Row { patient, item })
+            found.map(|item| patient.row(item))
         })
         .collect();
     let mut columns = keys();
@@ -32,14 +32,14 @@ fn which<'a>() -> Vec<Column<SpreadRow<'a>>> {
         }),
         text("level", "vertebra", |row| row.item.quantity.level().map(|level| level.to_string())),
         text("group", "region, or the joints that share a multiplier", |row| {
-            row.item.quantity.group(row.patient.analysis)
+            row.item.quantity.group(row.analysis)
         }),
         text("end", "`caudal` or `cranial`", |row| row.item.quantity.end().map(str::to_owned)),
         text("line", "line of action", |row| {
             row.item.quantity.line().map(|line| line.key().to_owned())
         }),
         text("unit", "`mm`, `px`, `deg`, `segments`, `force` or `1`", |row| {
-            Some(row.item.quantity.unit(row.patient.analysis).key().to_owned())
+            Some(row.item.quantity.unit(row.analysis).key().to_owned())
         }),
     ]
 }

@@ -2,8 +2,8 @@
 
 use spineline::spatial::Angle;
 
-use crate::define::{Column, Definition, Unit, count, number, text, written};
-use crate::table::{NumberFormat, Table};
+use crate::define::{Column, Definition, Unit, count, places, text};
+use crate::table::Table;
 
 /// The verdict on one row of landmarks.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,14 +29,12 @@ fn columns() -> Vec<Column<RowVerdict>> {
         text("verdict", "`clean`, or `faults`, for which no case is written", |row| {
             Some(if row.found.is_ok() { "clean" } else { "faults" }.to_owned())
         }),
-        written(
-            NumberFormat::Places(4),
-            number(
-                "main_angle",
-                Unit::Degrees,
-                "main angle: range of the tilts of the mean endplates from T1 to L5; empty where there are faults",
-                |row| row.found.as_ref().ok().map(|angle| angle.deg()),
-            ),
+        places(
+            "main_angle",
+            Unit::Degrees,
+            "main angle: range of the tilts of the mean endplates from T1 to L5; empty where there are faults",
+            4,
+            |row| row.found.as_ref().ok().map(|angle| angle.deg()),
         ),
         text("faults", "faults of the row, with `; ` between them", |row| {
             row.found.as_ref().err().cloned()

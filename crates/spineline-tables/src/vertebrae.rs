@@ -1,11 +1,13 @@
 use spineline::action::LineKind;
-use spineline::analysis::PostureAnalysis;
+use spineline::analysis::{Analysis, PostureAnalysis};
 use spineline::evaluate::Simulation;
 use spineline::measure::MeasuredVertebra;
 
 use crate::Patient;
-use crate::define::{Column, Definition, Row, Unit, keys, number, text, truth};
-use crate::table::Table;
+use crate::define::{
+    Column, Definition, LENGTHS, Row, Unit, chosen, keys, number, text, truth, written,
+};
+use crate::table::{NumberFormat, Table};
 
 /// A vertebra on a film, and under one line of action.
 #[derive(Clone, Copy)]
@@ -32,33 +34,82 @@ impl Vertebra<'_> {
 
 type VertebraRow<'a> = Row<'a, Vertebra<'a>>;
 
+/// What the models give on a film; one `None` without a model.
+pub(crate) fn simulations<'a>(
+    analysis: &'a Analysis,
+    posture: &PostureAnalysis,
+) -> Vec<Option<(LineKind, &'a Simulation)>> {
+    let posture = posture.outline.posture;
+    let models = analysis.models.iter();
+    let mut found: Vec<_> =
+        models.filter_map(|model| Some(Some((model.kind, model.posture(posture)?)))).collect();
+    if found.is_empty() {
+        found.push(None);
+    }
+    found
+}
+
 /// One row per patient, posture, line and vertebra; of a posture without a model, one per vertebra.
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let mut rows: Vec<VertebraRow<'_>> = Vec::new();
     for patient in patients {
         for posture in &patient.analysis.postures {
-            let models = patient.analysis.models.iter();
-            let of_line = |m: &'_ spineline::analysis::LineModel| m.kind;
-            let mut simulated: Vec<Option<(LineKind, &Simulation)>> = models
-                .filter_map(|m| m.posture(posture.outline.posture).map(|s| Some((of_line(m), s))))
-                .collect();
-            if simulated.is_empty() {
-                simulated.push(None);
-            }
-            for simulated in simulated {
+            for simulated in simulations(patient.analysis, posture) {
                 let of_level = |index| Vertebra { posture, index, simulated };
                 rows.extend(
-                    (0..posture.outline.vertebrae.len())
-                        .map(|index| Row { patient, item: of_level(index) }),
+                    (0..posture.outline.vertebrae.len()).map(|index| patient.row(of_level(index))),
                 );
             }
         }
     }
+    let row = "patient × posture × line × vertebra; measured values are repeated in the rows of every line, and `line` is empty where there is no model";
+    Definition { name: "vertebrae", row, columns: columns() }.fill(&rows)
+}
+
+/// The columns of [`errors_table`], in its order.
+const OF_ERRORS: [&str; 16] = [
+    "case_id",
+    "synthetic",
+    "posture",
+    "level",
+    "measured_y_mm",
+    "measured_z_mm",
+    "measured_tilt_deg",
+    "line",
+    "fitted",
+    "status",
+    "simulated_y_mm",
+    "simulated_z_mm",
+    "simulated_tilt_deg",
+    "location_error_mm",
+    "lengths",
+    "interpolated",
+];
+
+/// `analyze --csv`: the vertebrae with lengths and angles of four decimal places, vertebra by vertebra.
+#[must_use]
+pub fn errors_table(analyses: &[Analysis]) -> Table {
+    let mut rows: Vec<VertebraRow<'_>> = Vec::new();
+    for analysis in analyses {
+        for posture in &analysis.postures {
+            let simulations = simulations(analysis, posture);
+            for index in 0..posture.outline.vertebrae.len() {
+                let of_line = |&simulated| Vertebra { posture, index, simulated };
+                rows.extend(simulations.iter().map(of_line).map(|item| Row { analysis, item }));
+            }
+        }
+    }
+    let columns = chosen(columns(), &OF_ERRORS);
+    let columns = columns.into_iter().map(|column| written(NumberFormat::Places(4), column));
+    let row = "patient × posture × vertebra × line; `line` is empty where there is no model";
+    Definition { name: "errors", row, columns: columns.collect() }.fill(&rows)
+}
+
+fn columns<'a>() -> Vec<Column<VertebraRow<'a>>> {
     let mut columns = keys();
     columns.extend(measured());
     columns.extend(simulated());
-    let row = "patient × posture × line × vertebra; measured values are repeated in the rows of every line, and `line` is empty where there is no model";
-    Definition { name: "vertebrae", row, columns }.fill(&rows)
+    columns
 }
 
 fn measured<'a>() -> Vec<Column<VertebraRow<'a>>> {
@@ -68,11 +119,7 @@ fn measured<'a>() -> Vec<Column<VertebraRow<'a>>> {
             row.item.simulated.map(|(kind, _)| kind.key().to_owned())
         }),
         text("level", "vertebra", |row| Some(row.item.measured().level.to_string())),
-        text(
-            "lengths",
-            "plane of the lengths of this film: `patient`, `detector`, `unknown`, or `pixels` without a spacing",
-            |row| Some(row.item.posture.outline.scale.plane.key().to_owned()),
-        ),
+        text("lengths", LENGTHS, |row| Some(row.item.posture.outline.scale.plane.key().to_owned())),
         number(
             "measured_y",
             Unit::Millimetres,

@@ -10,9 +10,7 @@ type WarningRow<'a> = Row<'a, &'a Warning>;
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let rows: Vec<WarningRow<'_>> = patients
         .iter()
-        .flat_map(|patient| {
-            patient.analysis.warnings.all().iter().map(move |item| Row { patient, item })
-        })
+        .flat_map(|patient| patient.analysis.warnings.all().iter().map(|item| patient.row(item)))
         .collect();
     let mut columns = keys();
     columns.extend([

@@ -10,7 +10,6 @@ use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::{Type, TypePtr};
 
 use crate::error::TableError;
-use crate::records::rows_to_csv;
 use crate::table::{Series, Table, Values};
 
 /// The tables' columns are those of this version; another number means that some mean something else.
@@ -22,9 +21,17 @@ impl Table {
     /// # Errors
     /// [`TableError::Csv`].
     pub fn to_csv(&self) -> Result<String, TableError> {
-        let heading = self.columns.iter().map(|column| &column.name);
-        let cells = |row| self.columns.iter().map(move |column| column.shown(row));
-        rows_to_csv(self.name, heading, (0..self.rows()).map(cells))
+        self.csv().map_err(|source| TableError::Csv { table: self.name, source })
+    }
+
+    fn csv(&self) -> csv::Result<String> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(self.columns.iter().map(|column| &column.name))?;
+        for row in 0..self.rows() {
+            writer.write_record(self.columns.iter().map(|column| column.shown(row)))?;
+        }
+        let bytes = writer.into_inner().map_err(|error| error.into_error())?;
+        Ok(String::from_utf8(bytes).expect("texts are UTF-8"))
     }
 
     /// The table as Parquet, compressed by Snappy. Its key-value metadata has the version of the columns

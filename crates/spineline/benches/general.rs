@@ -26,8 +26,8 @@ fn loadings() -> Vec<(&'static str, Loading)> {
         advance_mm: 20.0,
     };
     let mut standing = Loading::single(7, pad);
-    standing.items.extend(Loading::gravity(Levels::COMPLETE, 400.0, -Vec3::z(), Timing::Held));
-    let rod = Rod::locking(4, 10, Timing::Held);
+    standing.items.extend(Loading::gravity(Levels::COMPLETE, 400.0, -Vec3::z(), Timing::Constant));
+    let rod = Rod::locking(4, 10, Timing::Constant);
     let rod = Loading { items: standing.items.clone(), rods: vec![rod] };
     vec![
         ("line fixed in space", Loading::single(14, line)),

@@ -40,8 +40,8 @@ fn newton_does_not_allocate_under_any_load() {
         advance_mm: 10.0,
     };
     let mut loading = Loading::single(7, pad);
-    loading.items.extend(Loading::gravity(Levels::COMPLETE, 300.0, -Vec3::z(), Timing::Held));
-    loading.rods.push(Rod::locking(4, 10, Timing::Held));
+    loading.items.extend(Loading::gravity(Levels::COMPLETE, 300.0, -Vec3::z(), Timing::Constant));
+    loading.rods.push(Rod::locking(4, 10, Timing::Constant));
     let mut work = statics.work(&loading).expect("sound loads");
     let mut converged = false;
     let counted = measure(|| converged = statics.solve_near(&loading, 1.0, &mut work).converged);

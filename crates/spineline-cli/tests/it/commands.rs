@@ -1,22 +1,9 @@
 //! Commands from first to last: phantom, check, analyze, reproduce and export.
 
 use std::fs;
-use std::path::Path;
 
-use tempfile::TempDir;
-
-use crate::program::{run, words};
+use crate::program::{add_phantom, done, folder, run, with_phantom, words};
 use crate::results::results;
-
-fn folder() -> TempDir {
-    tempfile::tempdir().expect("a place for files")
-}
-
-fn phantom(folder: &Path, truth: &str, subject: &str) {
-    let (_, error, code) =
-        run(folder, &["phantom", "--truth", truth, "--subject", subject, "--out", "cases"]);
-    assert_eq!(code, 0, "{error}");
-}
 
 #[test]
 fn every_command_has_a_help_text() {
@@ -58,8 +45,7 @@ fn a_scenario_is_given_by_either_name_of_its_option() {
 
 #[test]
 fn a_phantom_is_made_checked_and_analysed() {
-    let here = folder();
-    phantom(here.path(), "rod", "1");
+    let here = with_phantom(&[]);
     let (text, error, code) = run(here.path(), &["check", "cases"]);
     assert_eq!(code, 0, "{error}");
     assert!(text.contains("phantom-rod-01 · SYNTHETIC"), "{text}");
@@ -78,8 +64,7 @@ fn a_phantom_is_made_checked_and_analysed() {
 
 #[test]
 fn the_json_has_its_documented_keys() {
-    let here = folder();
-    phantom(here.path(), "rod", "1");
+    let here = with_phantom(&[]);
     let (text, _, _) = run(here.path(), &["analyze", "cases/phantom-rod-01.json", "--json", "-"]);
     let json: serde_json::Value = serde_json::from_str(&text).expect("JSON and nothing else");
     for pointer in [
@@ -116,8 +101,7 @@ fn the_json_has_its_documented_keys() {
 
 #[test]
 fn replicates_give_intervals_that_do_not_depend_on_threads() {
-    let here = folder();
-    phantom(here.path(), "rod", "2");
+    let here = with_phantom(&["--truth", "rod", "--subject", "2"]);
     let case = "cases/phantom-rod-02.json";
     let with = |more: &[&str]| run(here.path(), &[&["analyze", case], more].concat());
     // More than one block, so that their order counts.
@@ -144,8 +128,7 @@ fn replicates_give_intervals_that_do_not_depend_on_threads() {
 
 #[test]
 fn identifiability_is_reported_on_request_with_and_without_a_prior() {
-    let here = folder();
-    phantom(here.path(), "rod", "2");
+    let here = with_phantom(&["--truth", "rod", "--subject", "2"]);
     let case = "cases/phantom-rod-02.json";
     let with = |more: &[&str]| run(here.path(), &[&["analyze", case], more].concat()).0;
     let plain = with(&[]);
@@ -172,8 +155,7 @@ fn identifiability_is_reported_on_request_with_and_without_a_prior() {
 
 #[test]
 fn other_loads_are_compared_on_request() {
-    let here = folder();
-    phantom(here.path(), "couple", "2");
+    let here = with_phantom(&["--truth", "couple", "--subject", "2"]);
     let case = "cases/phantom-couple-02.json";
     let asked = ["analyze", case, "--compare-models", "inflection-line,couple"];
     let (text, error, code) = run(here.path(), &asked);
@@ -188,7 +170,7 @@ fn other_loads_are_compared_on_request() {
 fn a_cohort_is_the_same_for_any_number_of_threads() {
     let here = folder();
     for subject in ["1", "5", "11"] {
-        phantom(here.path(), "pull", subject);
+        add_phantom(here.path(), &["--truth", "pull", "--subject", subject]);
     }
     let with = |threads: &str| {
         run(here.path(), &["analyze", "cases", "--json", "-", "--threads", threads])
@@ -200,8 +182,7 @@ fn a_cohort_is_the_same_for_any_number_of_threads() {
 
 #[test]
 fn tables_models_and_figures_are_written_completely() {
-    let here = folder();
-    phantom(here.path(), "rod", "3");
+    let here = with_phantom(&["--truth", "rod", "--subject", "3"]);
     let arguments = [
         "analyze",
         "cases/phantom-rod-03.json",
@@ -230,8 +211,7 @@ fn tables_models_and_figures_are_written_completely() {
 
 #[test]
 fn bad_input_ends_with_3_and_names_file_film_and_vertebra() {
-    let here = folder();
-    phantom(here.path(), "rod", "1");
+    let here = with_phantom(&[]);
     let path = here.path().join("cases/phantom-rod-01.json");
     let mut case: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(&path).expect("the case")).expect("JSON");
@@ -275,8 +255,7 @@ fn wrong_options_are_refused_with_the_valid_ones() {
 
 #[test]
 fn a_known_force_makes_forces_absolute() {
-    let here = folder();
-    phantom(here.path(), "rod", "1");
+    let here = with_phantom(&[]);
     let arguments = [
         "analyze",
         "cases",
@@ -297,8 +276,7 @@ fn a_known_force_makes_forces_absolute() {
 
 #[test]
 fn a_given_line_and_given_inflections_are_used() {
-    let here = folder();
-    phantom(here.path(), "pull", "1");
+    let here = with_phantom(&["--truth", "pull", "--subject", "1"]);
     let arguments = [
         "analyze",
         "cases",
@@ -321,9 +299,7 @@ fn a_given_line_and_given_inflections_are_used() {
 fn reproduce_prints_the_table_and_writes_the_same_bytes_for_any_number_of_threads() {
     let here = folder();
     let with = |threads: &str, out: &str| {
-        let (text, error, code) =
-            run(here.path(), &["reproduce", "--threads", threads, "--out", out]);
-        assert_eq!(code, 0, "{error}");
+        let text = done(here.path(), &["reproduce", "--threads", threads, "--out", out]);
         text
     };
     let text = with("1", "a");
@@ -369,15 +345,12 @@ fn reproduce_prints_the_table_and_writes_the_same_bytes_for_any_number_of_thread
 
 #[test]
 fn a_model_is_exported_for_three_engines_and_unknown_formats_are_refused() {
-    let here = folder();
-    phantom(here.path(), "rod", "1");
+    let here = with_phantom(&[]);
     let case = "cases/phantom-rod-01.json";
-    let (_, error, code) = run(here.path(), &["analyze", case, "--model", "model.json"]);
-    assert_eq!(code, 0, "{error}");
+    done(here.path(), &["analyze", case, "--model", "model.json"]);
     for (format, root) in [("mjcf", "<mujoco "), ("osim", "<OpenSimDocument "), ("urdf", "<robot ")]
     {
-        let (text, error, code) = run(here.path(), &["export", "model.json", "--to", format]);
-        assert_eq!(code, 0, "{error}");
+        let text = done(here.path(), &["export", "model.json", "--to", format]);
         assert!(text.contains(root) && text.contains("SYNTHETIC"), "{format}");
         let out = format!("spine.{format}");
         run(here.path(), &["export", "model.json", "--to", format, "--out", &out]);
@@ -424,30 +397,25 @@ fn films_of_a_phantom_are_written_beside_their_case() {
 
 #[test]
 fn landmarks_are_exported_for_image_programs() {
-    let here = folder();
-    phantom(here.path(), "rod", "3");
+    let here = with_phantom(&["--truth", "rod", "--subject", "3"]);
     let case = "cases/rod-03.json";
     let case = if here.path().join(case).exists() { case } else { "cases/phantom-rod-03.json" };
-    let (table, error, code) = run(here.path(), &["export", case, "--to", "csv"]);
-    assert_eq!(code, 0, "{error}");
+    let table = done(here.path(), &["export", case, "--to", "csv"]);
     assert!(
         table.starts_with("posture,observer,repeat,vertebra,superior_left_column_px"),
         "{table}"
     );
-    let (list, error, code) =
-        run(here.path(), &["export", case, "--to", "slicer", "--posture", "erect"]);
-    assert_eq!(code, 0, "{error}");
+    let list = done(here.path(), &["export", case, "--to", "slicer", "--posture", "erect"]);
     assert!(list.contains("\"coordinateSystem\": \"LPS\""), "{list}");
     let (_, error, code) = run(here.path(), &["export", case, "--to", "slicer"]);
     assert!(code == 2 && error.contains("folder"), "{error}");
     let out = ["export", case, "--to", "slicer", "--out", "lists"];
-    assert_eq!(run(here.path(), &out).2, 0);
+    done(here.path(), &out);
     assert!(here.path().join("lists/left_bending.mrk.json").exists());
-    let (keypoints, error, code) = run(here.path(), &["export", case, "--to", "coco"]);
-    assert_eq!(code, 0, "{error}");
+    let keypoints = done(here.path(), &["export", case, "--to", "coco"]);
     assert!(keypoints.contains("\"file_name\": \"left_bending.png\""), "{keypoints}");
     let out = ["export", case, "--to", "labelme", "--posture", "erect", "--out", "points"];
-    assert_eq!(run(here.path(), &out).2, 0);
+    done(here.path(), &out);
     assert!(here.path().join("points/erect-1.json").exists());
     // Phantoms have no pictures, so there is nothing that a report could be about.
     let out = ["export", case, "--to", "dicom-sr", "--out", "reports"];
@@ -457,11 +425,10 @@ fn landmarks_are_exported_for_image_programs() {
 
 #[test]
 fn a_model_has_no_landmarks_and_a_case_no_springs() {
-    let here = folder();
-    phantom(here.path(), "rod", "3");
+    let here = with_phantom(&["--truth", "rod", "--subject", "3"]);
     let case = "cases/rod-03.json";
     let case = if here.path().join(case).exists() { case } else { "cases/phantom-rod-03.json" };
-    assert_eq!(run(here.path(), &["analyze", case, "--model", "model.json"]).2, 0);
+    done(here.path(), &["analyze", case, "--model", "model.json"]);
     let (_, error, code) = run(here.path(), &["export", "model.json", "--to", "slicer"]);
     assert!(
         code == 3

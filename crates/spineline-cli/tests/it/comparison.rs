@@ -3,23 +3,13 @@
 use std::fs;
 
 use serde_json::{Value, json};
-use tempfile::TempDir;
 
-use crate::program::{run, words};
+use crate::program::{run, with_phantom, with_phantoms, words};
 use crate::results::results;
-
-fn with_phantoms(truth: &str, subjects: &[&str]) -> TempDir {
-    let here = tempfile::tempdir().expect("a place for files");
-    for subject in subjects {
-        let arguments = ["phantom", "--truth", truth, "--subject", subject, "--out", "cases"];
-        assert_eq!(run(here.path(), &arguments).2, 0);
-    }
-    here
-}
 
 #[test]
 fn one_patient_shows_every_line_by_kind_of_film_and_a_conclusion() {
-    let here = with_phantoms("bend", &["1"]);
+    let here = with_phantom(&["--truth", "bend", "--subject", "1"]);
     let (text, error, _) = run(here.path(), &["analyze", "cases/phantom-bend-01.json"]);
     let text = words(&text);
     for word in [

@@ -1,24 +1,10 @@
 //! What an exit code promises, and what is refused before any work.
 
 use std::fs;
-use std::path::Path;
 
 use serde_json::Value;
-use tempfile::TempDir;
 
-use crate::program::{run, words};
-
-fn phantom(arguments: &[&str]) -> TempDir {
-    let here = tempfile::tempdir().expect("a place for files");
-    let (_, error, code) = run(here.path(), &[&["phantom", "--out", "cases"], arguments].concat());
-    assert_eq!(code, 0, "{error}");
-    here
-}
-
-fn json(folder: &Path, name: &str) -> Value {
-    let text = fs::read_to_string(folder.join(name)).expect("it was written");
-    serde_json::from_str(&text).expect("JSON")
-}
+use crate::program::{done, json, run, with_phantom, words};
 
 /// The ending of the simulations of one line.
 fn statuses(analysis: &Value, line: &str) -> Vec<String> {
@@ -28,12 +14,12 @@ fn statuses(analysis: &Value, line: &str) -> Vec<String> {
 
 #[test]
 fn a_model_in_addition_that_has_no_result_does_not_fail_the_analysis() {
-    let here = phantom(&["--truth", "bend", "--subject", "2", "--noise", "5"]);
+    let here = with_phantom(&["--truth", "bend", "--subject", "2", "--noise", "5"]);
     let case = "cases/phantom-bend-02.json";
     // The estimated line bends out of the plane, where nothing holds it.
     let free = ["analyze", case, "--support", "free", "--json", "a.json"];
     let (text, error, code) = run(here.path(), &free);
-    let analysis = json(here.path(), "a.json");
+    let analysis = json(&here.path().join("a.json"));
     assert!(
         statuses(&analysis, "estimated_line").iter().any(|status| status != "converged"),
         "the test means something: {analysis}"
@@ -43,7 +29,7 @@ fn a_model_in_addition_that_has_no_result_does_not_fail_the_analysis() {
     let codes = analysis["warnings"].as_array().expect("a list");
     assert!(codes.iter().any(|warning| warning["code"] == "force_not_found"), "it is still said");
     let report = ["report", case, "--support", "free", "--out", "a.html"];
-    assert_eq!(run(here.path(), &report).2, 0);
+    done(here.path(), &report);
     // The model that is asked for by name counts.
     let named = ["--model", "m.json", "--model-line", "estimated"];
     assert_eq!(run(here.path(), &[&free[..4], &named].concat()).2, 4);
@@ -51,7 +37,7 @@ fn a_model_in_addition_that_has_no_result_does_not_fail_the_analysis() {
 
 #[test]
 fn a_known_force_is_positive_and_belongs_to_a_film_with_a_force() {
-    let here = phantom(&["--truth", "rod", "--subject", "1"]);
+    let here = with_phantom(&[]);
     let case = "cases/phantom-rod-01.json";
     let with = |gauge: &str| run(here.path(), &["analyze", case, "--gauge", gauge]);
     for (gauge, words) in [
@@ -62,7 +48,7 @@ fn a_known_force_is_positive_and_belongs_to_a_film_with_a_force() {
         let (_, error, code) = with(gauge);
         assert!(code == 2 && error.contains(words), "{gauge}: {code} {error}");
     }
-    let mut file = json(here.path(), case);
+    let mut file = json(&here.path().join(case));
     let films = file["films"].as_array_mut().expect("films");
     films.retain(|film| film["posture"] != "traction");
     fs::write(here.path().join(case), file.to_string()).expect("written");
@@ -72,10 +58,10 @@ fn a_known_force_is_positive_and_belongs_to_a_film_with_a_force() {
 
 #[test]
 fn outputs_beside_the_cases_of_a_folder_are_passed_over_and_named() {
-    let here = phantom(&["--truth", "rod", "--subject", "1"]);
+    let here = with_phantom(&[]);
     let outputs = ["--json", "cases/a.json", "--model", "cases/m.json", "--cohort", "cases/c.json"];
     let case = "cases/phantom-rod-01.json";
-    assert_eq!(run(here.path(), &[&["analyze", case], &outputs[..]].concat()).2, 0);
+    done(here.path(), &[&["analyze", case], &outputs[..]].concat());
     for command in ["analyze", "check"] {
         let (text, error, code) = run(here.path(), &[command, "cases"]);
         assert_eq!(code, 0, "{text}{error}");
@@ -108,14 +94,14 @@ fn a_file_that_is_not_ours_or_not_utf_8_is_named_as_such() {
 
 #[test]
 fn the_line_that_predicts_best_gives_the_model() {
-    let here = phantom(&["--truth", "pull", "--subject", "2", "--noise", "0"]);
+    let here = with_phantom(&["--truth", "pull", "--subject", "2", "--noise", "0"]);
     let case = "cases/phantom-pull-02.json";
     let auto = ["analyze", case, "--json", "a.json", "--model", "m.json", "--model-line", "auto"];
     let (_, error, code) = run(here.path(), &auto);
     assert_eq!(code, 0, "{error}");
     assert!(error.contains("the model of the iliac line is written"), "{error}");
-    assert_eq!(json(here.path(), "m.json")["line"], "iliac_line");
-    let compared = &json(here.path(), "a.json")["comparison"];
+    assert_eq!(json(&here.path().join("m.json"))["line"], "iliac_line");
+    let compared = &json(&here.path().join("a.json"))["comparison"];
     let left_out = |line: &str| {
         compared["lines"][line]["errors"]["left_out_bend"]["location_mm"].as_f64().expect("a mean")
     };
@@ -124,8 +110,8 @@ fn the_line_that_predicts_best_gives_the_model() {
 
 #[test]
 fn a_model_that_cannot_be_written_says_what_would_give_one() {
-    let here = phantom(&["--truth", "rod", "--subject", "1"]);
-    let case = json(here.path(), "cases/phantom-rod-01.json");
+    let here = with_phantom(&[]);
+    let case = json(&here.path().join("cases/phantom-rod-01.json"));
     let mut no_scale = case.clone();
     for film in no_scale["films"].as_array_mut().expect("films") {
         let image = film["image"].as_object_mut().expect("a picture");

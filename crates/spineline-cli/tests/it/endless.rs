@@ -7,7 +7,7 @@ use std::process::Command;
 use tempfile::TempDir;
 
 use crate::maker::{EXPLICIT, Maker, ramp};
-use crate::program::{run, spineline, words};
+use crate::program::{done, run, spineline, words};
 
 /// Commands that read the file `@` whole, with what the refusal says of its limit.
 const READERS: [(&str, &str); 11] = [
@@ -31,9 +31,8 @@ const READERS: [(&str, &str); 11] = [
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
-    let (_, error, code) = run(at, &["phantom", "--subject", "1", "--out", "."]);
-    assert_eq!(code, 0, "{error}");
-    assert_eq!(run(at, &["study", "create", "studies.spineline"]).2, 0);
+    done(at, &["phantom", "--subject", "1", "--out", "."]);
+    done(at, &["study", "create", "studies.spineline"]);
     fs::write(at.join("film.dcm"), Maker::new(60, 40, &ramp(60, 40)).file(EXPLICIT))
         .expect("written");
     fs::create_dir(at.join("aasce")).expect("a folder");

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::maker::{EXPLICIT, Maker};
-use crate::program::run;
+use crate::program::{done, run};
 
 fn read(folder: &Path, name: &str) -> Value {
     let text = fs::read_to_string(folder.join(name)).expect("it was written");
@@ -29,7 +29,7 @@ fn film(image: &Value) -> Vec<u8> {
 fn reports_of_several_readings_are_imported_together() {
     let here = tempfile::tempdir().expect("a place for files");
     let at = here.path();
-    assert_eq!(run(at, &["phantom", "--subject", "1", "--out", "p", "--noise", "2"]).2, 0);
+    done(at, &["phantom", "--subject", "1", "--out", "p", "--noise", "2"]);
     let mut case = read(at, "p/phantom-rod-01.json");
     let erect = &mut case["films"][0];
     fs::write(at.join("p/erect.dcm"), film(&erect["image"])).expect("written");
@@ -40,8 +40,7 @@ fn reports_of_several_readings_are_imported_together() {
     erect["readings"].as_array_mut().expect("readings").push(second);
     fs::write(at.join("p/two.json"), case.to_string()).expect("written");
     let export = ["export", "p/two.json", "--to", "dicom-sr", "--posture", "erect", "--out", "sr"];
-    let (_, error, code) = run(at, &export);
-    assert_eq!(code, 0, "{error}");
+    done(at, &export);
     let import = |out: &str, reports: [&str; 2]| {
         let [first, second] = reports;
         let mut line = vec!["import", "p/erect.dcm", "--case-id", "A", "--out", out];

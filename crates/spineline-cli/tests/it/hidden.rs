@@ -8,8 +8,7 @@ use crate::program;
 
 /// A phantom's case with T8 removed from the left bend and T2 from the neutral film.
 fn write_partial_case(folder: &std::path::Path) {
-    let (_, error, code) = program::run(folder, &["phantom", "--subject", "1", "--out", "cases"]);
-    assert_eq!(code, 0, "{error}");
+    program::add_phantom(folder, &["--subject", "1"]);
     let read = |entry: std::io::Result<fs::DirEntry>| -> Option<Value> {
         let text = fs::read_to_string(entry.expect("a file").path()).ok()?;
         serde_json::from_str(&text).ok()
@@ -34,8 +33,7 @@ fn write_partial_case(folder: &std::path::Path) {
 fn hidden_vertebrae_reach_terminal_tables_and_report() {
     let here = tempfile::tempdir().expect("a place for files");
     write_partial_case(here.path());
-    let (text, error, code) = program::run(here.path(), &["check", "case.json"]);
-    assert_eq!(code, 0, "{error}");
+    let text = program::done(here.path(), &["check", "case.json"]);
     assert!(text.contains("L4-T3"), "{text}");
     for part in ["left bending film: T8: T8 is not marked", "missing on: neutral"] {
         let flat = text.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -43,8 +41,7 @@ fn hidden_vertebrae_reach_terminal_tables_and_report() {
     }
     let arguments =
         ["analyze", "case.json", "--tables", "t", "--tables-format", "csv", "--model", "m.json"];
-    let (_, error, code) = program::run(here.path(), &arguments);
-    assert_eq!(code, 0, "{error}");
+    program::done(here.path(), &arguments);
     let table = fs::read_to_string(here.path().join("t/vertebrae.csv")).expect("a table");
     let mut lines = table.lines();
     let heading: Vec<&str> = lines.next().expect("a heading").split(',').collect();
@@ -62,15 +59,13 @@ fn hidden_vertebrae_reach_terminal_tables_and_report() {
     let push = ["simulate", "m.json", "--push", "left", "--force", "10"];
     let (text, error, code) = program::run(here.path(), &push);
     assert_eq!(code, 0, "{text}{error}");
-    let (_, error, code) = program::run(here.path(), &["report", "case.json", "--out", "r.html"]);
-    assert_eq!(code, 0, "{error}");
+    program::done(here.path(), &["report", "case.json", "--out", "r.html"]);
     let report = fs::read_to_string(here.path().join("r.html")).expect("a report");
     for part in ["Interpolated, not marked: left bending: T8", "without interpolated", "L4–T3"] {
         assert!(report.contains(part), "`{part}` is not in the report");
     }
     let arguments = ["analyze", "case.json", "--figures", "figures"];
-    let (_, error, code) = program::run(here.path(), &arguments);
-    assert_eq!(code, 0, "{error}");
+    program::done(here.path(), &arguments);
     let figures = fs::read_dir(here.path().join("figures")).expect("a folder");
     let marked = figures.filter(|figure| {
         let path = figure.as_ref().expect("a file").path();

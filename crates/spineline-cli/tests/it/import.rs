@@ -7,7 +7,7 @@ use serde_json::Value as Json;
 use spineline_films::{FilmLimits, read_film};
 
 use crate::maker::{EXPLICIT, Maker, Value, ramp, text};
-use crate::program::{finish, spineline};
+use crate::program::{finish, json, spineline, succeeded};
 
 /// A name that must never be seen again.
 const CANARY: &str = "Kanarienvogel";
@@ -30,9 +30,13 @@ impl Here {
         finish(command.arg("import").args(arguments))
     }
 
+    /// The standard output of an import that has to succeed.
+    pub fn imported(&self, arguments: &[&str]) -> String {
+        succeeded(self.import(arguments))
+    }
+
     pub fn json(&self, name: &str) -> Json {
-        let text = fs::read_to_string(self.path(name)).expect("it was written");
-        serde_json::from_str(&text).expect("JSON")
+        json(&self.path(name))
     }
 }
 
@@ -48,6 +52,11 @@ fn film(number: u16) -> Maker {
 
 fn put(here: &Here, name: &str, maker: &Maker) {
     fs::write(here.path(name), maker.file(EXPLICIT)).expect("a file");
+}
+
+/// The arguments that make case A of one film in the folder `a`.
+fn one_film<'a>(file: &'a str, film: &'a str) -> [&'a str; 9] {
+    [file, "--case-id", "A", "--out", "a", "--film", film, "--patient-left", "image-left"]
 }
 
 /// All bytes below a folder.
@@ -116,8 +125,7 @@ fn films_of_phantoms_make_a_synthetic_case_and_one_of_a_patient_does_not() {
     put(&here, "a.dcm", &phantom);
     put(&here, "b.dcm", &film(2));
     let arguments = ["a.dcm", "b.dcm", "--case-id", "A", "--film", "erect=1", "--out"];
-    let (out, error, code) = here.import(&[&arguments[..], &["a"]].concat());
-    assert_eq!(code, 0, "{error}{out}");
+    let out = here.imported(&[&arguments[..], &["a"]].concat());
     assert_eq!(here.json("a/case.json")["synthetic"], true);
     assert!(out.contains("SYNTHETIC"), "{out}");
     let both = [&arguments[..], &["b", "--film", "left-bending=2"]].concat();
@@ -155,7 +163,7 @@ fn landmarks_of_another_program_lie_on_their_films() {
         let export =
             ["export", "p/phantom-rod-01.json", "--to", to, "--posture", "erect", "--out", file];
         program().current_dir(here.path("")).args(export).assert().success();
-        let (_, error, code) = here.import(&[
+        here.imported(&[
             "erect.dcm",
             "--case-id",
             "A",
@@ -166,7 +174,6 @@ fn landmarks_of_another_program_lie_on_their_films() {
             "--landmarks",
             file,
         ]);
-        assert_eq!(code, 0, "{error}");
         let found = here.json(&format!("{to}/case.json"));
         let landmarks = |case: &Json| {
             case["films"][0]["readings"][0]["vertebrae"]["T12"]["superior_left"].clone()
@@ -184,7 +191,7 @@ fn equal_secrets_map_equal_identifiers_to_equal_new_ones() {
     let here = Here::new();
     put(&here, "a.dcm", &film(1));
     let uid = |folder: &str, secret: &str| {
-        let (_, error, code) = here.import(&[
+        here.imported(&[
             "a.dcm",
             "--case-id",
             "A",
@@ -195,7 +202,6 @@ fn equal_secrets_map_equal_identifiers_to_equal_new_ones() {
             "--secret",
             secret,
         ]);
-        assert_eq!(code, 0, "{error}");
         let bytes = fs::read(here.path(folder).join("erect.dcm")).expect("the film");
         read_film(&bytes, &FilmLimits::default()).expect("a film").tags.uids.sop_instance
     };
@@ -218,9 +224,7 @@ fn missing_values_are_asked_for_by_film_with_the_option_to_give_them() {
     assert!(error.contains("erect film") && error.contains("the patient's left"), "{error}");
     assert!(error.contains("--patient-left erect=image-left"), "{error}");
     assert!(!here.path("a").exists(), "nothing was written");
-    let (_, error, code) =
-        here.import(&[&arguments[..], &["--patient-left", "erect=image-left"]].concat());
-    assert_eq!(code, 0, "{error}");
+    here.imported(&[&arguments[..], &["--patient-left", "erect=image-left"]].concat());
     assert_eq!(here.json("a/case.json")["films"][0]["image"]["patient_left"], "image_left");
 }
 
@@ -228,22 +232,11 @@ fn missing_values_are_asked_for_by_film_with_the_option_to_give_them() {
 fn an_answer_that_contradicts_the_file_needs_confirmation() {
     let here = Here::new();
     put(&here, "a.dcm", &film(1));
-    let arguments = [
-        "a.dcm",
-        "--case-id",
-        "A",
-        "--out",
-        "a",
-        "--film",
-        "erect=1",
-        "--patient-left",
-        "image-left",
-    ];
+    let arguments = one_film("a.dcm", "erect=1");
     let (_, error, code) = here.import(&arguments);
     assert_eq!(code, 2);
     assert!(error.contains("Patient Orientation") && error.contains("--accept"), "{error}");
-    let (out, error, code) = here.import(&[&arguments[..], &["--accept"]].concat());
-    assert_eq!(code, 0, "{error}");
+    let out = here.imported(&[&arguments[..], &["--accept"]].concat());
     assert!(out.contains("accepted as said"), "{out}");
     assert_eq!(here.json("a/case.json")["films"][0]["image"]["patient_left"], "image_left");
 }
@@ -258,22 +251,10 @@ fn lateral_views_are_recognised_and_offered_for_the_profile() {
     let (out, _, _) = here.import(&[".", "--list"]);
     assert!(out.contains("lateral"), "{out}");
     // Not as a frontal film, unless someone insists.
-    let (_, error, code) = here.import(&[
-        ".",
-        "--case-id",
-        "A",
-        "--out",
-        "a",
-        "--film",
-        "erect=2",
-        "--patient-left",
-        "image-left",
-    ]);
+    let (_, error, code) = here.import(&one_film(".", "erect=2"));
     assert_eq!(code, 2);
     assert!(error.contains("lateral view"), "{error}");
-    let (_, error, code) =
-        here.import(&[".", "--case-id", "A", "--out", "a", "--film", "erect=1", "--lateral", "2"]);
-    assert_eq!(code, 0, "{error}");
+    here.imported(&[".", "--case-id", "A", "--out", "a", "--film", "erect=1", "--lateral", "2"]);
     let case = here.json("a/case.json");
     assert_eq!(case["lateral"]["image"]["patient_anterior"], "image_right");
     assert_eq!(case["lateral"]["image"]["file"], "lateral.dcm");
@@ -319,8 +300,7 @@ fn one_picture_cannot_show_two_postures_and_one_identifier_two_pictures() {
     let mut changed = film(2);
     changed.text((0x08, 0x18), "UI", "1.2.3.1");
     put(&here, "b.dcm", &changed);
-    let (out, error, code) = here.import(&arguments("a"));
-    assert_eq!(code, 0, "{error}");
+    let out = here.imported(&arguments("a"));
     assert!(out.contains("the same SOP Instance UID"), "{out}");
 }
 
@@ -331,7 +311,7 @@ fn a_ball_gives_the_scale_with_its_error_and_overrides_the_file() {
     bare.remove((0x28, 0x30)).remove((0x28, 0xA02));
     put(&here, "a.dcm", &bare);
     let ball = "erect=10,20,50,20,25+-0.1";
-    let (out, error, code) = here.import(&[
+    let out = here.imported(&[
         "a.dcm",
         "--case-id",
         "A",
@@ -342,7 +322,6 @@ fn a_ball_gives_the_scale_with_its_error_and_overrides_the_file() {
         "--ball",
         ball,
     ]);
-    assert_eq!(code, 0, "{error}");
     assert!(out.contains("a ball in the picture"), "{out}");
     let image = &here.json("a/case.json")["films"][0]["image"];
     // 25 mm over 40 pixels; each click scatters by half a pixel, the diameter by 0.4 %.
@@ -371,9 +350,7 @@ fn a_film_without_spacing_is_in_pixels() {
     let mut bare = film(1);
     bare.remove((0x28, 0x30));
     put(&here, "a.dcm", &bare);
-    let (out, error, code) =
-        here.import(&["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"]);
-    assert_eq!(code, 0, "{error}");
+    let out = here.imported(&["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"]);
     assert!(out.contains("pixels (taken as square)"), "{out}");
     let image = &here.json("a/case.json")["films"][0]["image"];
     assert_eq!(image["spacing_plane"], "pixels");
@@ -443,18 +420,7 @@ fn pictures_are_stored_without_metadata() {
     encoder.write_header().expect("a header").write_image_data(&pixels).expect("pixels");
     assert!(holds(&png, CANARY));
     fs::write(here.path("a.png"), &png).expect("a file");
-    let (_, error, code) = here.import(&[
-        "a.png",
-        "--case-id",
-        "A",
-        "--out",
-        "a",
-        "--film",
-        "erect=1",
-        "--patient-left",
-        "image-left",
-    ]);
-    assert_eq!(code, 0, "{error}");
+    here.imported(&one_film("a.png", "erect=1"));
     let written = fs::read(here.path("a/erect.png")).expect("the film");
     assert!(!holds(&written, CANARY));
     let film = read_film(&written, &FilmLimits::default()).expect("a film");

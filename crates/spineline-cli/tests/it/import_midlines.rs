@@ -27,8 +27,7 @@ fn midlines_of_the_back_make_a_case_that_says_its_levels_are_estimates() {
         serde_json::json!({ "midlines": [midline("erect", 0.0), midline("left_bending", -120.0)] });
     fs::write(here.path("lines.json"), lines.to_string()).expect("a file");
     let import = ["--midlines", "lines.json", "--case-id", "P07", "--out", "p07"];
-    let (out, error, code) = here.import(&import);
-    assert_eq!(code, 0, "{error}");
+    let out = here.imported(&import);
     assert!(out.contains("No vertebra was seen"), "{out}");
     let case = here.json("p07/case.json");
     assert_eq!(case["films"][0]["placement_source"], "surface_midline");

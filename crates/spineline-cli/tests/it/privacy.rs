@@ -10,7 +10,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use tempfile::TempDir;
 
 use crate::maker::{DEFLATED, EXPLICIT, Maker, ramp};
-use crate::program::{run, spineline};
+use crate::program::{done, run, spineline};
 use crate::unpacked::{holds, wrapped};
 
 /// In the folders of all inputs and outputs, the home folder and the user's name.
@@ -156,9 +156,7 @@ t,deg,P1,A,1,1.0,true\nt,deg,P1,B,1,1.5,true\nt,deg,P2,A,1,3.0,true\nt,deg,P2,B,
 t,deg,P3,A,1,5.0,true\nt,deg,P3,B,1,5.3,true\n";
 
 fn inputs(folder: &Path) {
-    let (_, error, code) =
-        run(folder, &["phantom", "--truth", "rod", "--subject", "1", "--noise", "0", "--out", "."]);
-    assert_eq!(code, 0, "{error}");
+    done(folder, &["phantom", "--truth", "rod", "--subject", "1", "--noise", "0", "--out", "."]);
     fs::write(folder.join("stiffness.csv"), run(folder, &["stiffness"]).0).expect("a table");
     fs::write(folder.join("readings.csv"), READINGS).expect("a table");
 }
@@ -403,7 +401,7 @@ mod unix {
     #[test]
     fn serve_warns_of_an_older_store_that_others_can_read() {
         let here = tempfile::tempdir().expect("a temporary folder");
-        assert_eq!(run(here.path(), &["study", "create", "s.spineline"]).2, 0);
+        done(here.path(), &["study", "create", "s.spineline"]);
         let path = here.path().join("s.spineline");
         assert_eq!(spineline_store::wider_permissions(&path), None);
         fs::set_permissions(&path, fs::Permissions::from_mode(0o644)).expect("permissions");

@@ -8,13 +8,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
-use tempfile::TempDir;
 
-use crate::program::run;
-
-fn folder() -> TempDir {
-    tempfile::tempdir().expect("a place for files")
-}
+use crate::program::{done, folder, run, with_phantom, with_phantoms};
 
 fn json(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON")
@@ -32,16 +27,11 @@ fn number(value: &Value) -> f64 {
 
 #[test]
 fn the_errors_of_phantom_readings_equal_those_of_their_readers() {
-    let here = folder();
-    for subject in ["1", "2"] {
-        let made = ["phantom", "--truth", "rod", "--subject", subject, "--out", "cases"];
-        assert_eq!(run(here.path(), &made).2, 0);
-    }
-    let (text, error, code) = run(
+    let here = with_phantoms("rod", &["1", "2"]);
+    let text = done(
         here.path(),
         &["reliability", "cases", "--json", "out.json", "--csv", "out.csv", "--figure", "figures"],
     );
-    assert_eq!(code, 0, "{error}");
     assert!(text.contains("SYNTHETIC") && text.contains("two-way random, absolute agreement"));
     let file = json(&fs::read_to_string(here.path().join("out.json")).expect("written"));
     assert_eq!(file["synthetic"], true);
@@ -73,8 +63,7 @@ fn nonzero_numbers_are_not_printed_as_zero() {
         let _ = writeln!(table, "loose,mm,{i},A,1,{a}\nloose,mm,{i},B,1,{b}");
     }
     fs::write(here.path().join("t.csv"), table).expect("written");
-    let (text, error, code) = run(here.path(), &["reliability", "t.csv"]);
-    assert_eq!(code, 0, "{error}");
+    let text = done(here.path(), &["reliability", "t.csv"]);
     let shown = text.split_whitespace().filter_map(|word| word.parse::<f64>().ok());
     assert!(shown.clone().count() > 50, "{text}");
     let words = text.split_whitespace().filter(|word| word.parse() == Ok(0.0));
@@ -85,9 +74,7 @@ fn nonzero_numbers_are_not_printed_as_zero() {
 #[test]
 fn a_single_reader_gives_reasons_in_text_and_analysis() {
     // F27.
-    let here = folder();
-    let made = ["phantom", "--truth", "rod", "--subject", "1", "--noise", "0", "--out", "cases"];
-    assert_eq!(run(here.path(), &made).2, 0);
+    let here = with_phantom(&["--subject", "1", "--noise", "0"]);
     let (text, _, code) = run(here.path(), &["reliability", "cases"]);
     assert_eq!(code, 0);
     assert!(text.contains("undefined: one observer only") && text.contains("one repeat only"));
@@ -100,9 +87,7 @@ fn a_single_reader_gives_reasons_in_text_and_analysis() {
 
 #[test]
 fn several_readings_reach_the_analysis_file() {
-    let here = folder();
-    let made = ["phantom", "--truth", "rod", "--subject", "1", "--out", "cases"];
-    assert_eq!(run(here.path(), &made).2, 0);
+    let here = with_phantom(&[]);
     let (text, _, _) = run(here.path(), &["analyze", "cases", "--json", "-"]);
     let file = json(&text);
     let spacing = with(&file["reliability"], "quantity", "spacing");
@@ -222,8 +207,7 @@ fn errors_of_three_clinicians_lines_follow_from_their_differences() {
     }
     let here = folder();
     fs::write(here.path().join("lines.csv"), table).expect("written");
-    let (text, error, code) = run(here.path(), &["reliability", "lines.csv", "--json", "-"]);
-    assert_eq!(code, 0, "{error}");
+    let text = done(here.path(), &["reliability", "lines.csv", "--json", "-"]);
     let file = json(&text);
     for quantity in ["location", "tilt"] {
         let found = with(&file["quantities"], "quantity", quantity);

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::maker::{DEFLATED, EXPLICIT, Maker, Syntax, ramp};
-use crate::program::run;
+use crate::program::{done, run};
 
 /// A film of its own pixels, with an identifier.
 fn film(number: u16, uid: &str, syntax: Syntax) -> Vec<u8> {
@@ -20,9 +20,7 @@ fn film(number: u16, uid: &str, syntax: Syntax) -> Vec<u8> {
 fn case(folder: &Path, erect: &[u8], neutral: &[u8]) {
     let path = folder.join("phantom-rod-01.json");
     if !path.exists() {
-        let (_, error, code) =
-            run(folder, &["phantom", "--subject", "1", "--out", ".", "--noise", "0"]);
-        assert_eq!(code, 0, "{error}");
+        done(folder, &["phantom", "--subject", "1", "--out", ".", "--noise", "0"]);
     }
     let text = fs::read_to_string(&path).expect("written");
     let mut case: Value = serde_json::from_str(&text).expect("JSON");
@@ -50,7 +48,7 @@ fn readers(folder: &Path) -> Vec<Vec<&'static str>> {
     if store.exists() {
         fs::remove_file(&store).expect("removed");
     }
-    assert_eq!(run(folder, &["study", "create", "s.db"]).2, 0);
+    done(folder, &["study", "create", "s.db"]);
     vec![
         vec!["check", CASE],
         vec!["analyze", CASE, "--json", "a.json"],

@@ -7,13 +7,13 @@ use serde_json::Value;
 use spineline_report::embedded;
 use tempfile::TempDir;
 
-use crate::program::run;
+use crate::program::{done, run};
 
 fn phantoms(subjects: &[&str]) -> TempDir {
     let here = tempfile::tempdir().expect("a place for files");
     for subject in subjects {
         let arguments = ["phantom", "--truth", "rod", "--subject", subject, "--out", "demo"];
-        assert_eq!(run(here.path(), &arguments).2, 0);
+        done(here.path(), &arguments);
     }
     here
 }
@@ -40,8 +40,7 @@ fn a_folder_with_one_case_gives_a_patient_report_with_its_name() {
 fn markdown_figures_are_written_beside_it() {
     let here = phantoms(&["1"]);
     let arguments = ["report", "demo", "--to", "md", "--out", "out/a.md", "--figures", "pictures"];
-    let (_, error, code) = run(here.path(), &arguments);
-    assert_eq!(code, 0, "{error}");
+    done(here.path(), &arguments);
     let report = here.path().join("out/a.md");
     assert_eq!(analysis_in(&report)["case_id"], "phantom-rod-01");
     let text = fs::read_to_string(&report).expect("it is text");
@@ -100,8 +99,7 @@ fn a_hostile_identifier_is_escaped_in_paths_and_markup() {
     let mut case: Value = serde_json::from_str(&text).expect("it is JSON");
     case["case_id"] = name.into();
     fs::write(&path, case.to_string()).expect("it can be written");
-    let (said, error, code) = run(here.path(), &["report", "demo"]);
-    assert_eq!(code, 0, "{error}");
+    let said = done(here.path(), &["report", "demo"]);
     let file = said.trim_start_matches("Report").trim();
     assert!(file.ends_with(".html") && !file.contains('/') && file.is_ascii(), "{file}");
     let report = here.path().join(file);
@@ -160,8 +158,7 @@ fn a_report_is_repeated_from_itself() {
 #[test]
 fn the_extension_of_the_output_chooses_the_format() {
     let here = phantoms(&["1"]);
-    let (_, error, code) = run(here.path(), &["report", "demo", "--out", "r.md"]);
-    assert_eq!(code, 0, "{error}");
+    done(here.path(), &["report", "demo", "--out", "r.md"]);
     let text = fs::read_to_string(here.path().join("r.md")).expect("it is text");
     assert!(text.contains("](r-figures/"), "Markdown with figures beside it");
     let contradiction = ["report", "demo", "--to", "html", "--out", "r.pdf"];

@@ -7,7 +7,7 @@ use assert_cmd::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::program::{finish, spineline};
+use crate::program::{CASE, finish, json, spineline};
 
 /// Standard output, standard error and exit code, at a fixed date.
 fn run(folder: &Path, arguments: &[&str]) -> (String, String, i32) {
@@ -20,12 +20,6 @@ fn folder_with_phantom() -> TempDir {
     assert_eq!(code, 0, "{error}");
     here
 }
-
-fn json(path: &Path) -> Value {
-    serde_json::from_str(&fs::read_to_string(path).expect("a file")).expect("JSON")
-}
-
-const CASE: &str = "cases/phantom-rod-01.json";
 
 #[test]
 fn an_analysis_is_repeated_from_its_file() {

@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use serde_json::Value;
 
-use crate::program::run;
+use crate::program::{CASE, done, with_phantom};
 
 /// Moments after the start.
 const MOMENTS_MS: [u64; 4] = [0, 30, 300, 1500];
@@ -67,15 +67,6 @@ fn assert_nothing_is_half_written(folder: &Path) {
     }
 }
 
-const CASE: &str = "cases/phantom-rod-01.json";
-
-fn folder_with_phantom() -> tempfile::TempDir {
-    let here = tempfile::tempdir().expect("a place for files");
-    let (_, error, code) = run(here.path(), &["phantom", "--subject", "1", "--out", "cases"]);
-    assert_eq!(code, 0, "{error}");
-    here
-}
-
 #[test]
 fn commands_without_partial_results_write_nothing() {
     for arguments in [
@@ -107,7 +98,7 @@ fn cut_short(arguments: &[&str], output: &str, signal: &str) -> (tempfile::TempD
     let arguments = [arguments, &REPLICATES].concat();
     let mut moment = 0;
     loop {
-        let here = folder_with_phantom();
+        let here = with_phantom(&[]);
         let Ended { code, error } = signalled(here.path(), &arguments, signal, moment);
         assert_nothing_is_half_written(here.path());
         let at = format!("{arguments:?} after {moment} ms: {code:?} {error}");
@@ -146,9 +137,9 @@ fn a_report_says_how_many_replicates_count() {
 
 #[test]
 fn a_repeated_analysis_compares_nothing_that_was_cut_short() {
-    let here = folder_with_phantom();
+    let here = with_phantom(&[]);
     let whole = ["analyze", CASE, "--json", "a.json", "--replicates", "2", "--seed", "1"];
-    assert_eq!(run(here.path(), &whole).2, 0);
+    done(here.path(), &whole);
     let path = here.path().join("a.json");
     let mut file: Value =
         serde_json::from_str(&fs::read_to_string(&path).expect("a file")).expect("JSON");
@@ -164,8 +155,8 @@ fn a_repeated_analysis_compares_nothing_that_was_cut_short() {
 
 #[test]
 fn a_simulation_leaves_whole_files_or_none() {
-    let here = folder_with_phantom();
-    assert_eq!(run(here.path(), &["analyze", CASE, "--model", "m.json"]).2, 0);
+    let here = with_phantom(&[]);
+    done(here.path(), &["analyze", CASE, "--model", "m.json"]);
     for moment in [0, 20, 60, 120, 250] {
         let arguments =
             ["simulate", "m.json", "--push", "left", "--force", "50", "--json", "s.json"];
@@ -179,7 +170,7 @@ fn a_simulation_leaves_whole_files_or_none() {
 
 #[test]
 fn a_second_signal_ends_the_program_at_once() {
-    let here = folder_with_phantom();
+    let here = with_phantom(&[]);
     let mut child = start(here.path(), &[&["analyze", CASE], &REPLICATES[..]].concat());
     let mut lines = BufReader::new(child.stderr.take().expect("its messages")).lines();
     // Until it is in the work that stops by itself, the first one ends it.
@@ -206,6 +197,6 @@ fn a_signal_is_the_ordinary_end_of_the_server() {
         output.read_line(&mut String::new()).expect("an address");
         send(&child, signal);
         assert_eq!(child.wait().expect("an end").code(), Some(0), "{signal}");
-        assert_eq!(run(here.path(), &["study", "verify", "s.spineline"]).2, 0);
+        done(here.path(), &["study", "verify", "s.spineline"]);
     }
 }

@@ -6,15 +6,14 @@ use std::path::Path;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use crate::program::run;
+use crate::program::{done, run};
 
 /// A folder with the model of a phantom, `model.json`.
 fn folder() -> TempDir {
     let here = tempfile::tempdir().expect("a place for files");
     run(here.path(), &["phantom", "--truth", "rod", "--subject", "1", "--out", "."]);
     let analyze = ["analyze", "phantom-rod-01.json", "--model", "model.json"];
-    let (_, error, code) = run(here.path(), &analyze);
-    assert_eq!(code, 0, "{error}");
+    done(here.path(), &analyze);
     here
 }
 
@@ -29,14 +28,41 @@ fn number(json: &Value, pointer: &str) -> f64 {
     json.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}"))
 }
 
+/// What the JSON of every simulation holds.
+const POINTERS: [&str; 24] = [
+    "/generator",
+    "/case_id",
+    "/equilibria/0/factor",
+    "/equilibria/0/on_erect_branch",
+    "/equilibria/0/limit_points",
+    "/equilibria/0/branch_points",
+    "/equilibria/0/residual_rad",
+    "/equilibria/0/smallest_singular_value",
+    "/equilibria/0/midpoints_mm/T2/2",
+    "/equilibria/0/axes/T2/2/2",
+    "/equilibria/0/hinges_rad/T3~1T2/0",
+    "/equilibria/0/spring_forces",
+    "/equilibria/0/rod_reactions",
+    "/equilibria/0/cobb_deg/main_thoracic",
+    "/equilibria/0/ferguson_deg/main_thoracic",
+    "/events",
+    "/path/0/timing",
+    "/path/0/factor",
+    "/path/0/arc_rad",
+    "/path/0/lateral_tilt_right_deg",
+    "/path/0/residual_rad",
+    "/path/0/iterations",
+    "/warnings/0/code",
+    "/erect/cobb_deg/main_thoracic",
+];
+
 #[test]
 fn a_force_gives_a_report_and_complete_files() {
     let here = folder();
     let line = ["simulate", "model.json", "--push", "left", "--force", "20"];
     let files = ["--json", "out/s.json", "--csv", "out/s.csv", "--svg", "out/s.svg"];
     let all: Vec<&str> = line.iter().chain(&files).copied().collect();
-    let (text, error, code) = run(here.path(), &all);
-    assert_eq!(code, 0, "{error}");
+    let text = done(here.path(), &all);
     for words in [
         "SYNTHETIC",
         "relative units, not newtons",
@@ -49,32 +75,7 @@ fn a_force_gives_a_report_and_complete_files() {
     }
     let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("it was written");
     let json: Value = serde_json::from_str(&read("out/s.json")).expect("JSON");
-    for pointer in [
-        "/generator",
-        "/case_id",
-        "/equilibria/0/factor",
-        "/equilibria/0/on_erect_branch",
-        "/equilibria/0/limit_points",
-        "/equilibria/0/branch_points",
-        "/equilibria/0/residual_rad",
-        "/equilibria/0/smallest_singular_value",
-        "/equilibria/0/midpoints_mm/T2/2",
-        "/equilibria/0/axes/T2/2/2",
-        "/equilibria/0/hinges_rad/T3~1T2/0",
-        "/equilibria/0/spring_forces",
-        "/equilibria/0/rod_reactions",
-        "/equilibria/0/cobb_deg/main_thoracic",
-        "/equilibria/0/ferguson_deg/main_thoracic",
-        "/events",
-        "/path/0/timing",
-        "/path/0/factor",
-        "/path/0/arc_rad",
-        "/path/0/lateral_tilt_right_deg",
-        "/path/0/residual_rad",
-        "/path/0/iterations",
-        "/warnings/0/code",
-        "/erect/cobb_deg/main_thoracic",
-    ] {
+    for pointer in POINTERS {
         assert!(json.pointer(pointer).is_some_and(|value| !value.is_null()), "{pointer}");
     }
     assert_eq!((&json["format"], &json["version"]), (&json!("spineline-simulation"), &json!(1)));

@@ -5,16 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::program::{finish, run, spineline, words};
-
-const CASE: &str = "cases/phantom-rod-01.json";
-
-fn folder_with_phantom() -> tempfile::TempDir {
-    let here = tempfile::tempdir().expect("a place for files");
-    let (_, error, code) = run(here.path(), &["phantom", "--subject", "1", "--out", "cases"]);
-    assert_eq!(code, 0, "{error}");
-    here
-}
+use crate::program::{CASE, done, finish, run, spineline, with_phantom, words};
 
 /// Commands that say something on the standard error, and how they end.
 const TALKATIVE: [(&[&str], i32); 6] = [
@@ -29,7 +20,7 @@ const TALKATIVE: [(&[&str], i32); 6] = [
 #[test]
 #[cfg(target_os = "linux")]
 fn a_full_error_stream_changes_no_exit_code() {
-    let here = folder_with_phantom();
+    let here = with_phantom(&[]);
     for (arguments, expected) in TALKATIVE {
         let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a full device");
         let status = Command::new(assert_cmd::cargo::cargo_bin("spineline"))
@@ -45,7 +36,7 @@ fn a_full_error_stream_changes_no_exit_code() {
 #[test]
 #[cfg(target_os = "linux")]
 fn a_full_output_stream_is_said_and_has_its_code() {
-    let here = folder_with_phantom();
+    let here = with_phantom(&[]);
     for arguments in [
         &["--help"][..],
         &["stiffness"],
@@ -74,7 +65,7 @@ fn a_full_output_stream_is_said_and_has_its_code() {
 #[test]
 #[cfg(unix)]
 fn closed_streams_change_no_exit_code() {
-    let here = folder_with_phantom();
+    let here = with_phantom(&[]);
     let program = assert_cmd::cargo::cargo_bin("spineline");
     for closed in ["2>&-", ">&- 2>&-", "<&- >&- 2>&-"] {
         for (arguments, expected) in TALKATIVE {
@@ -90,7 +81,7 @@ fn closed_streams_change_no_exit_code() {
 #[test]
 #[cfg(unix)]
 fn a_reader_that_goes_away_is_no_error() {
-    let here = folder_with_phantom();
+    let here = with_phantom(&[]);
     let program = assert_cmd::cargo::cargo_bin("spineline");
     let mut shell = Command::new("sh");
     shell.args(["-c", "{ \"$0\" schema case; echo $? >&2; } | true"]).arg(&program);
@@ -120,8 +111,8 @@ fn assert_ends_well(folder: &Path, arguments: &[&str], what: &str) -> (i32, Stri
 
 #[test]
 fn a_number_beyond_all_numbers_is_bad_input_wherever_it_stands() {
-    let here = folder_with_phantom();
-    assert_eq!(run(here.path(), &["analyze", CASE, "--json", "a.json", "--model", "m.json"]).2, 0);
+    let here = with_phantom(&[]);
+    done(here.path(), &["analyze", CASE, "--json", "a.json", "--model", "m.json"]);
     let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("a file");
     let (case, analysis, model) = (read(CASE), read("a.json"), read("m.json"));
     let try_all = |text: &str, keys: &[&str], command: &[&str]| {
@@ -152,7 +143,7 @@ fn a_number_beyond_all_numbers_is_bad_input_wherever_it_stands() {
 
 #[test]
 fn json_nested_without_end_is_bad_input() {
-    let here = folder_with_phantom();
+    let here = with_phantom(&[]);
     let deep = format!("{}{}", "[".repeat(200_000), "]".repeat(200_000));
     let case = fs::read_to_string(here.path().join(CASE)).expect("a case");
     let inside = case.replacen("\"films\":", &format!("\"films\": {deep}, \"x\":"), 1);
@@ -167,7 +158,7 @@ fn json_nested_without_end_is_bad_input() {
 
 #[test]
 fn an_output_that_cannot_be_written_is_code_3_with_advice() {
-    let here = folder_with_phantom();
+    let here = with_phantom(&[]);
     fs::write(here.path().join("file"), "").expect("written");
     fs::create_dir(here.path().join("folder")).expect("a folder");
     for (out, advice) in [("file/a.json", "name another path"), ("folder", "help: ")] {
@@ -183,12 +174,11 @@ fn a_case_with_a_mark_of_the_byte_order_enters_a_store() {
     let here = tempfile::tempdir().expect("a place for files");
     let arguments =
         ["phantom", "--subject", "1", "--films", "--film-encoding", "rle", "--out", "c"];
-    assert_eq!(run(here.path(), &arguments).2, 0);
+    done(here.path(), &arguments);
     let path = here.path().join("c/phantom-rod-01.json");
     let text = fs::read_to_string(&path).expect("a case");
     fs::write(&path, format!("\u{feff}{text}")).expect("written");
-    assert_eq!(run(here.path(), &["study", "create", "s.spineline"]).2, 0);
+    done(here.path(), &["study", "create", "s.spineline"]);
     let add = ["study", "add", "s.spineline", "c/phantom-rod-01.json"];
-    let (_, error, code) = run(here.path(), &add);
-    assert_eq!(code, 0, "{error}");
+    done(here.path(), &add);
 }

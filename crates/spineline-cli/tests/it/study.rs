@@ -3,13 +3,11 @@
 use std::fs;
 use std::path::Path;
 
-use crate::program::run;
+use crate::program::{done, run};
 
 /// A store with one synthetic case of one reading, whose films are small files of any bytes.
 fn store(folder: &Path) {
-    let (_, error, code) =
-        run(folder, &["phantom", "--subject", "1", "--out", "p", "--noise", "0"]);
-    assert_eq!(code, 0, "{error}");
+    done(folder, &["phantom", "--subject", "1", "--out", "p", "--noise", "0"]);
     let path = folder.join("p/phantom-rod-01.json");
     let mut case: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(&path).expect("written")).expect("JSON");
@@ -21,9 +19,8 @@ fn store(folder: &Path) {
         film["image"]["sha256"] = spineline_files::sha256_hex(posture.as_bytes()).into();
     }
     fs::write(&path, spineline_files::to_text(&case)).expect("written");
-    assert_eq!(run(folder, &["study", "create", "s.db"]).2, 0);
-    let (out, error, code) = run(folder, &["study", "add", "s.db", "p/phantom-rod-01.json"]);
-    assert_eq!(code, 0, "{error}");
+    done(folder, &["study", "create", "s.db"]);
+    let out = done(folder, &["study", "add", "s.db", "p/phantom-rod-01.json"]);
     assert!(out.contains("5 films and 5 readings"), "{out}");
 }
 
@@ -31,8 +28,7 @@ fn store(folder: &Path) {
 fn a_case_round_trips_through_the_store_with_equal_landmarks() {
     let here = tempfile::tempdir().expect("a temporary folder");
     store(here.path());
-    let (out, error, code) = run(here.path(), &["study", "export", "s.db", "phantom-rod-01"]);
-    assert_eq!(code, 0, "{error}");
+    let out = done(here.path(), &["study", "export", "s.db", "phantom-rod-01"]);
     let before = fs::read_to_string(here.path().join("p/phantom-rod-01.json")).expect("written");
     let before = spineline_files::parse_case(&before).expect("a case");
     let after = spineline_files::parse_case(&out).expect("a case");
@@ -52,7 +48,7 @@ fn a_store_verification_reports_edits() {
     let head = head.expect("the end of the log").to_owned();
     let (out, error, code) = run(here.path(), &["study", "backup", "s.db", "copy.db"]);
     assert_eq!((code, error.as_str()), (0, ""), "{out}");
-    assert_eq!(run(here.path(), &["study", "verify", "copy.db", "--head", &head]).2, 0);
+    done(here.path(), &["study", "verify", "copy.db", "--head", &head]);
     let connection = rusqlite::Connection::open(here.path().join("copy.db")).expect("SQLite");
     connection
         .execute_batch("UPDATE studies SET synthetic = 0")
@@ -76,10 +72,9 @@ fn an_observer_sees_only_a_code() {
         film["readings"] = serde_json::Value::Array(Vec::new());
     }
     fs::write(here.path().join("p/blind.json"), case.to_string()).expect("written");
-    assert_eq!(run(here.path(), &["study", "add", "s.db", "p/blind.json"]).2, 0);
+    done(here.path(), &["study", "add", "s.db", "p/blind.json"]);
     let plan = ["study", "plan", "s.db", "blind", "--observers", "A,B", "--repeats", "2"];
-    let (out, error, code) = run(here.path(), &plan);
-    assert_eq!(code, 0, "{error}");
+    let out = done(here.path(), &plan);
     assert!(out.contains("Planned 20 readings"), "{out}");
     let (out, _, _) = run(here.path(), &["study", "next", "s.db", "blind", "--observer", "A"]);
     assert!(out.starts_with("Next: film "), "{out}");

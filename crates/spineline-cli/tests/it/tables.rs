@@ -20,9 +20,7 @@ fn names(folder: &Path) -> BTreeSet<String> {
 
 #[test]
 fn every_table_is_written_in_both_formats_with_its_hash() {
-    let here = tempfile::tempdir().expect("a place for files");
-    let (error, code) = run(here.path(), &["phantom", "--subject", "1", "--out", "cases"]);
-    assert_eq!(code, 0, "{error}");
+    let here = program::with_phantom(&[]);
     let (error, code) = run(here.path(), &["analyze", "cases", "--tables", "t", "--threads", "1"]);
     assert_eq!(code, 0, "{error}");
     let folder = here.path().join("t");
@@ -53,9 +51,7 @@ fn every_table_is_written_in_both_formats_with_its_hash() {
 
 #[test]
 fn formats_are_chosen_and_requests_add_tables() {
-    let here = tempfile::tempdir().expect("a place for files");
-    let (error, code) = run(here.path(), &["phantom", "--subject", "1", "--out", "cases"]);
-    assert_eq!(code, 0, "{error}");
+    let here = program::with_phantom(&[]);
     let asked = [
         "analyze",
         "cases",

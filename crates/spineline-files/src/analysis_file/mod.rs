@@ -29,6 +29,7 @@ use identifiability::IdentifiabilityRecord;
 use model::ModelRecord;
 use posture::PostureRecord;
 use spineline::uncertainty::Uncertainty;
+use spineline::warning::Warning;
 pub use stored::{StoredAnalysis, parse_analysis, parse_case_within};
 use uncertainty::UncertaintyRecord;
 
@@ -126,6 +127,18 @@ struct ClinicalRecord {
     curves: BTreeMap<String, ClinicalCurveRecord>,
 }
 
+impl ClinicalRecord {
+    fn new(analysis: &Analysis) -> Self {
+        let (balance, scale) = (analysis.balance.as_ref(), analysis.scale());
+        let curves = analysis.clinical.iter();
+        Self {
+            lenke_type: analysis.lenke.map(|lenke| lenke.number),
+            balance: balance.map(|found| BalanceRecord::new(found, scale)),
+            curves: curves.map(|curve| clinical_curve(curve, balance, scale)).collect(),
+        }
+    }
+}
+
 /// How the spine stands over the pelvis on the erect film. Distances are from the central sacral vertical line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct BalanceRecord {
@@ -192,6 +205,18 @@ struct WarningRecord {
     message: String,
 }
 
+impl WarningRecord {
+    fn new(warning: &Warning) -> Self {
+        Self {
+            code: warning.code.to_owned(),
+            step: warning.step.key().to_owned(),
+            posture: warning.posture.map(Into::into),
+            level: warning.level.map(LevelKey),
+            message: warning.text(),
+        }
+    }
+}
+
 impl AnalysisFile {
     /// The file of an analysis of a case, with its provenance.
     #[must_use]
@@ -217,15 +242,7 @@ impl AnalysisFile {
                 .iter()
                 .map(|part| TurnRecord { turn_deg: part.turn.deg() })
                 .collect(),
-            clinical: ClinicalRecord {
-                lenke_type: analysis.lenke.map(|lenke| lenke.number),
-                balance: analysis.balance.as_ref().map(|found| BalanceRecord::new(found, scale)),
-                curves: analysis
-                    .clinical
-                    .iter()
-                    .map(|c| clinical_curve(c, analysis.balance.as_ref(), scale))
-                    .collect(),
-            },
+            clinical: ClinicalRecord::new(analysis),
             sagittal_profile: if analysis.lateral_measured { "measured" } else { "population" }
                 .to_owned(),
             postures: analysis
@@ -248,24 +265,11 @@ impl AnalysisFile {
                 .map(|fit| (fit.hypothesis.key(), HypothesisRecord::new(fit)))
                 .collect(),
             uncertainty: None,
-            warnings: analysis
-                .warnings
-                .all()
-                .iter()
-                .map(|w| WarningRecord {
-                    code: w.code.to_owned(),
-                    step: w.step.key().to_owned(),
-                    posture: w.posture.map(Into::into),
-                    level: w.level.map(LevelKey),
-                    message: w.text(),
-                })
-                .collect(),
+            warnings: analysis.warnings.all().iter().map(WarningRecord::new).collect(),
             case,
         }
     }
-}
 
-impl AnalysisFile {
     /// The same file with the uncertainty of its numbers.
     #[must_use]
     pub fn with_uncertainty(mut self, analysis: &Analysis, found: &Uncertainty) -> Self {

@@ -157,7 +157,7 @@ pub enum AppliedLoad {
 }
 
 const fn held() -> Key<Timing> {
-    Key(Timing::Held)
+    Key(Timing::Constant)
 }
 
 fn caudal() -> [f64; 3] {

@@ -72,7 +72,7 @@ impl Simulated {
         on_point: OnSignedPoint<'_>,
     ) -> Result<Self, SimulationError> {
         let placed = loads.place(&model)?;
-        if matches!(goal, Goal::LateralTilt(_)) && !grows(&placed) {
+        if matches!(goal, Goal::LateralTilt(_)) && !is_proportional(&placed) {
             return Err(SimulationError::NothingGrows);
         }
         let mut warnings = notes;
@@ -102,10 +102,10 @@ impl Simulated {
 }
 
 /// Whether a load is varied.
-fn grows(placed: &PlacedLoads) -> bool {
+fn is_proportional(placed: &PlacedLoads) -> bool {
     let timings = placed.loading.items.iter().map(|item| item.timing);
     let mut timings = timings.chain(placed.loading.rods.iter().map(|rod| rod.timing));
-    timings.any(|timing| timing == Timing::Growing)
+    timings.any(|timing| timing == Timing::Proportional)
 }
 
 fn statics(model: &StoredModel) -> Result<GeneralStatics<'_>, SimulationError> {

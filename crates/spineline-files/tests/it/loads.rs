@@ -58,9 +58,9 @@ fn every_load_kind_is_read_and_placed() {
     );
     assert_eq!(placed.load_of_rod, [9]);
     let items = &placed.loading.items;
-    assert_eq!((items[0].vertebra, items[0].timing), (14, Timing::Growing));
-    assert_eq!((items[1].vertebra, items[1].timing), (8, Timing::Held));
-    assert_eq!(items[6].timing, Timing::Held, "gravity is held unless told otherwise");
+    assert_eq!((items[0].vertebra, items[0].timing), (14, Timing::Proportional));
+    assert_eq!((items[1].vertebra, items[1].timing), (8, Timing::Constant));
+    assert_eq!(items[6].timing, Timing::Constant, "gravity is held unless told otherwise");
     let BodyLoad::ForceAtPoint { force_n, .. } = items[19].load else { panic!("a slice") };
     assert!(force_n.z < 0.0 && force_n.x == 0.0, "down is caudal");
     let rod = &placed.loading.rods[0];

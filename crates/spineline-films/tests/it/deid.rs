@@ -26,6 +26,44 @@ fn run(bytes: &[u8]) -> (Vec<u8>, DeidReport) {
     (done.bytes, done.report)
 }
 
+/// Attributes of the standard that a film often has, with their value representations.
+const STANDARD: [((u16, u16), &str); 34] = [
+    ((0x0008, 0x0005), "CS"),
+    ((0x0008, 0x0008), "CS"),
+    ((0x0008, 0x0012), "DA"),
+    ((0x0008, 0x0020), "DA"),
+    ((0x0008, 0x0050), "SH"),
+    ((0x0008, 0x0070), "LO"),
+    ((0x0008, 0x0080), "LO"),
+    ((0x0008, 0x0090), "PN"),
+    ((0x0008, 0x1030), "LO"),
+    ((0x0008, 0x103E), "LO"),
+    ((0x0010, 0x0010), "PN"),
+    ((0x0010, 0x0020), "LO"),
+    ((0x0010, 0x0030), "DA"),
+    ((0x0010, 0x0040), "CS"),
+    ((0x0010, 0x1010), "AS"),
+    ((0x0010, 0x4000), "LT"),
+    ((0x0012, 0x0063), "LO"),
+    ((0x0018, 0x0015), "CS"),
+    ((0x0018, 0x0060), "DS"),
+    ((0x0018, 0x1000), "LO"),
+    ((0x0018, 0x1164), "DS"),
+    ((0x0018, 0x5101), "CS"),
+    ((0x0020, 0x000D), "UI"),
+    ((0x0020, 0x0010), "SH"),
+    ((0x0020, 0x0013), "IS"),
+    ((0x0020, 0x0020), "CS"),
+    ((0x0020, 0x4000), "LT"),
+    ((0x0028, 0x0030), "DS"),
+    ((0x0028, 0x0106), "US"),
+    ((0x0028, 0x1050), "DS"),
+    ((0x0028, 0x1055), "LO"),
+    ((0x2050, 0x0020), "CS"),
+    ((0x7FE0, 0x0011), "OB"),
+    ((0xFFFC, 0xFFFC), "OB"),
+];
+
 /// Texts in all value representations, at every attribute that the film does not need.
 fn with_canaries() -> Maker {
     let mut maker = Maker::new(6, 4, &ramp(6, 4));
@@ -41,42 +79,7 @@ fn with_canaries() -> Maker {
         }
         maker.set((0x0011, 0x1000 + number), vr, Value::Bytes(wide.clone()));
     }
-    for (tag, vr) in [
-        ((0x0008, 0x0005), "CS"),
-        ((0x0008, 0x0008), "CS"),
-        ((0x0008, 0x0012), "DA"),
-        ((0x0008, 0x0020), "DA"),
-        ((0x0008, 0x0050), "SH"),
-        ((0x0008, 0x0070), "LO"),
-        ((0x0008, 0x0080), "LO"),
-        ((0x0008, 0x0090), "PN"),
-        ((0x0008, 0x1030), "LO"),
-        ((0x0008, 0x103E), "LO"),
-        ((0x0010, 0x0010), "PN"),
-        ((0x0010, 0x0020), "LO"),
-        ((0x0010, 0x0030), "DA"),
-        ((0x0010, 0x0040), "CS"),
-        ((0x0010, 0x1010), "AS"),
-        ((0x0010, 0x4000), "LT"),
-        ((0x0012, 0x0063), "LO"),
-        ((0x0018, 0x0015), "CS"),
-        ((0x0018, 0x0060), "DS"),
-        ((0x0018, 0x1000), "LO"),
-        ((0x0018, 0x1164), "DS"),
-        ((0x0018, 0x5101), "CS"),
-        ((0x0020, 0x000D), "UI"),
-        ((0x0020, 0x0010), "SH"),
-        ((0x0020, 0x0013), "IS"),
-        ((0x0020, 0x0020), "CS"),
-        ((0x0020, 0x4000), "LT"),
-        ((0x0028, 0x0030), "DS"),
-        ((0x0028, 0x0106), "US"),
-        ((0x0028, 0x1050), "DS"),
-        ((0x0028, 0x1055), "LO"),
-        ((0x2050, 0x0020), "CS"),
-        ((0x7FE0, 0x0011), "OB"),
-        ((0xFFFC, 0xFFFC), "OB"),
-    ] {
+    for (tag, vr) in STANDARD {
         maker.text(tag, vr, CANARY);
     }
     let item = || -> BTreeMap<_, _> {

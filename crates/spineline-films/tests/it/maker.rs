@@ -267,16 +267,7 @@ pub fn jpeg_lossless(
             (((1 << (extra + 1)) - 2) | (0b111 << (extra + 1)), 4 + extra)
         }
     };
-    let mut bytes = vec![0xFF, 0xD8, 0xFF, 0xC3, 0, 11, bits];
-    bytes.extend(rows.to_be_bytes());
-    bytes.extend(columns.to_be_bytes());
-    bytes.extend([1, 1, 0x11, 0, 0xFF, 0xC4, 0, 19 + 17, 0]);
-    bytes.extend([0, 0, 7, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0]);
-    bytes.extend(0..17_u8);
-    if restart_lines > 0 {
-        bytes.extend([0xFF, 0xDD, 0, 4]);
-        bytes.extend((restart_lines * columns).to_be_bytes());
-    }
+    let mut bytes = jpeg_lossless_header([columns, rows], bits, restart_lines);
     bytes.extend([0xFF, 0xDA, 0, 8, 1, 1, 0, predictor, 0, shift]);
     let mut writer = BitWriter { bytes, held: 0, count: 0 };
     let width = usize::from(columns);
@@ -294,18 +285,7 @@ pub fn jpeg_lossless(
                 (0, true) => 1 << (bits - shift - 1),
                 (0, false) => at(0, y - 1),
                 (_, true) => at(x - 1, y),
-                (_, false) => {
-                    let (a, b, c) = (at(x - 1, y), at(x, y - 1), at(x - 1, y - 1));
-                    match predictor {
-                        1 => a,
-                        2 => b,
-                        3 => c,
-                        4 => a + b - c,
-                        5 => a + ((b - c) >> 1),
-                        6 => b + ((a - c) >> 1),
-                        _ => (a + b) >> 1,
-                    }
-                }
+                (_, false) => predicted(predictor, [at(x - 1, y), at(x, y - 1), at(x - 1, y - 1)]),
             };
             let difference = i32::from((at(x, y) - prediction) as i16);
             let category = 32 - difference.unsigned_abs().leading_zeros();
@@ -320,6 +300,34 @@ pub fn jpeg_lossless(
     writer.flush();
     writer.bytes.extend([0xFF, 0xD9]);
     writer.bytes
+}
+
+/// What stands before the scan: size, codes and the distance of restart markers.
+fn jpeg_lossless_header([columns, rows]: [u16; 2], bits: u8, restart_lines: u16) -> Vec<u8> {
+    let mut bytes = vec![0xFF, 0xD8, 0xFF, 0xC3, 0, 11, bits];
+    bytes.extend(rows.to_be_bytes());
+    bytes.extend(columns.to_be_bytes());
+    bytes.extend([1, 1, 0x11, 0, 0xFF, 0xC4, 0, 19 + 17, 0]);
+    bytes.extend([0, 0, 7, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0]);
+    bytes.extend(0..17_u8);
+    if restart_lines > 0 {
+        bytes.extend([0xFF, 0xDD, 0, 4]);
+        bytes.extend((restart_lines * columns).to_be_bytes());
+    }
+    bytes
+}
+
+/// A pixel predicted from its left, upper and upper left neighbours.
+fn predicted(predictor: u8, [a, b, c]: [i32; 3]) -> i32 {
+    match predictor {
+        1 => a,
+        2 => b,
+        3 => c,
+        4 => a + b - c,
+        5 => a + ((b - c) >> 1),
+        6 => b + ((a - c) >> 1),
+        _ => (a + b) >> 1,
+    }
 }
 
 /// JPEG-LS without losses.

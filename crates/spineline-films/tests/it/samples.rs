@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use sha1::{Digest, Sha1};
-use spineline_films::{Codec, CodecFault, DeidOptions, FilmError, FilmLimits, deidentify};
+use spineline_films::{
+    Codec, CodecFault, DeidOptions, FilmError, FilmFile, FilmLimits, deidentify,
+};
 
 use crate::reading::read;
 
@@ -32,6 +34,29 @@ fn expected_error(name: &str) -> Option<FilmError> {
         }
         _ => return None,
     })
+}
+
+/// The attributes of a film are those that the independent program lists.
+fn assert_tags(film: &FilmFile, row: &BTreeMap<String, String>, name: &str) {
+    let same = |column: &str, found: String| assert_eq!(found, row[column], "{name}: {column}");
+    same("rows", film.rows.to_string());
+    same("columns", film.columns.to_string());
+    same("modality", film.tags.modality.clone().unwrap_or_default());
+    same("photometric", film.tags.photometric.name().to_owned());
+    same("bits_stored", film.tags.bits_stored.to_string());
+    for (column, found) in [
+        ("pixel_spacing", film.tags.spacing.pixel_mm),
+        ("imager_pixel_spacing", film.tags.spacing.imager_mm),
+    ] {
+        let expected: Vec<f64> = row[column]
+            .trim_matches(['[', ']'])
+            .split(',')
+            .filter_map(|text| text.trim().parse().ok())
+            .collect();
+        assert_eq!(found.map(Vec::from).unwrap_or_default(), expected, "{name}: {column}");
+    }
+    let magnification = row["est_radiographic_magnification"].parse().ok();
+    assert_eq!(film.tags.spacing.magnification, magnification, "{name}");
 }
 
 #[test]
@@ -67,25 +92,7 @@ fn every_sample_is_read_like_by_the_independent_program() {
             (Ok(film), None) => film,
             (Ok(_), Some(expected)) => panic!("{name}: should be `{expected}`"),
         };
-        let same = |column: &str, found: String| assert_eq!(found, row[column], "{name}: {column}");
-        same("rows", film.rows.to_string());
-        same("columns", film.columns.to_string());
-        same("modality", film.tags.modality.clone().unwrap_or_default());
-        same("photometric", film.tags.photometric.name().to_owned());
-        same("bits_stored", film.tags.bits_stored.to_string());
-        for (column, found) in [
-            ("pixel_spacing", film.tags.spacing.pixel_mm),
-            ("imager_pixel_spacing", film.tags.spacing.imager_mm),
-        ] {
-            let expected: Vec<f64> = row[column]
-                .trim_matches(['[', ']'])
-                .split(',')
-                .filter_map(|text| text.trim().parse().ok())
-                .collect();
-            assert_eq!(found.map(Vec::from).unwrap_or_default(), expected, "{name}: {column}");
-        }
-        let magnification = row["est_radiographic_magnification"].parse().ok();
-        assert_eq!(film.tags.spacing.magnification, magnification, "{name}");
+        assert_tags(&film, &row, &name);
         let mut sum = Sha1::new();
         for value in film.stored.iter() {
             sum.update(value.to_le_bytes());

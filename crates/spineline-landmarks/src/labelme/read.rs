@@ -45,41 +45,9 @@ pub fn parse_labelme(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, 
     let mut points = Points::default();
     for (place, shape) in annotation.shapes.iter().enumerate() {
         let at = format!("shapes[{place}] `{}`", shown(&shape.label));
-        let places = shape
-            .points
-            .iter()
-            .take(5)
-            .map(|&[x, y]| pixel(x - HALF_PIXEL, y - HALF_PIXEL, &at))
-            .collect::<Result<Vec<Pixel>, _>>()?;
-        match (shape.shape_type.as_deref(), &places[..]) {
-            (Some("point"), &[point]) => {
-                let name = PointName::parse(&shape.label, &at)?;
-                points.insert(name, point, &at)?;
-                points.set_confidence(name, shape.score, &at)?;
-            }
-            (Some("polygon") | None, &[a, b, c, d]) => {
-                let level = parse_level(&shape.label, &at)?;
-                let patient_left = hint.patient_left().ok_or(LandmarkError::Needs {
-                    format: "a quadrilateral of labelme",
-                    what: "the side of the picture on which the patient's left is",
-                })?;
-                let corners = corners_of([a, b, c, d], patient_left, &at)?;
-                for (corner, point) in CornerName::ALL.into_iter().zip(corners) {
-                    let name = PointName::Corner(level, corner);
-                    points.insert(name, point, &at)?;
-                    points.set_confidence(name, shape.score, &at)?;
-                }
-            }
-            (kind, _) => {
-                return Err(LandmarkError::Syntax {
-                    at,
-                    reason: format!(
-                        "a {} of {} points, and only points and polygons of four are landmarks",
-                        shown(kind.unwrap_or("shape")),
-                        shape.points.len()
-                    ),
-                });
-            }
+        for (name, point) in landmarks_of(shape, hint, &at)? {
+            points.insert(name, point, &at)?;
+            points.set_confidence(name, shape.score, &at)?;
         }
     }
     if points.is_empty() {
@@ -102,6 +70,41 @@ pub fn parse_labelme(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, 
     };
     let remarks = points.remarks();
     Ok(LandmarkFile { format: LandmarkFormat::Labelme, films: vec![film], remarks })
+}
+
+/// The landmark of a point, or the four corners of a quadrilateral.
+fn landmarks_of(
+    shape: &Shape,
+    hint: &LandmarkHint,
+    at: &str,
+) -> Result<Vec<(PointName, Pixel)>, LandmarkError> {
+    let places = shape
+        .points
+        .iter()
+        .take(5)
+        .map(|&[x, y]| pixel(x - HALF_PIXEL, y - HALF_PIXEL, at))
+        .collect::<Result<Vec<Pixel>, _>>()?;
+    match (shape.shape_type.as_deref(), &places[..]) {
+        (Some("point"), &[point]) => Ok(vec![(PointName::parse(&shape.label, at)?, point)]),
+        (Some("polygon") | None, &[a, b, c, d]) => {
+            let level = parse_level(&shape.label, at)?;
+            let patient_left = hint.patient_left().ok_or(LandmarkError::Needs {
+                format: "a quadrilateral of labelme",
+                what: "the side of the picture on which the patient's left is",
+            })?;
+            let corners = corners_of([a, b, c, d], patient_left, at)?;
+            let names = CornerName::ALL.map(|corner| PointName::Corner(level, corner));
+            Ok(names.into_iter().zip(corners).collect())
+        }
+        (kind, _) => Err(LandmarkError::Syntax {
+            at: at.to_owned(),
+            reason: format!(
+                "a {} of {} points, and only points and polygons of four are landmarks",
+                shown(kind.unwrap_or("shape")),
+                shape.points.len()
+            ),
+        }),
+    }
 }
 
 /// The corners of a quadrilateral drawn around a body, in either sense and from any corner.

@@ -108,19 +108,7 @@ fn gather(
     let signs = signs(markup, at)?;
     let unit_mm = unit_mm(markup, at)?;
     let about = description(markup, at)?;
-    let key = match &about {
-        Some(about) => {
-            let posture = Posture::from_key(&about.film);
-            let posture = posture.ok_or_else(|| LandmarkError::Unknown {
-                at: at.to_owned(),
-                what: "posture",
-                name: shown(&about.film),
-                nearest: nearest(&shown(&about.film), &Posture::ALL.map(Posture::key)),
-            })?;
-            (Some(posture), ReadingId::new(observer(&about.observer, at)?, about.repeat))
-        }
-        None => (hint.posture, hint.reading.clone()),
-    };
+    let key = list_key(about.as_ref(), at, hint)?;
     let list = lists.entry(key).or_insert_with(|| List {
         at: at.to_owned(),
         about: about.clone(),
@@ -134,20 +122,9 @@ fn gather(
     }
     for (place, point) in markup.control_points.iter().enumerate() {
         let at = format!("{at}, controlPoints[{place}] `{}`", shown(&point.label));
-        match point.position_status.as_deref() {
-            None | Some("defined") => {}
-            Some(status @ ("undefined" | "preview")) => {
-                remarks
-                    .push(format!("{at} is {status}, so it was never placed; it was passed over"));
-                continue;
-            }
-            Some(status) => {
-                return Err(LandmarkError::Value {
-                    at,
-                    value: shown(status),
-                    expected: "`defined`, `undefined` or `preview`",
-                });
-            }
+        if let Some(status) = never_placed(point, &at)? {
+            remarks.push(format!("{at} is {status}, so it was never placed; it was passed over"));
+            continue;
         }
         let Some(&[x, y, z]) = point.position.as_deref() else {
             return Err(LandmarkError::Missing {
@@ -163,6 +140,37 @@ fn gather(
         list.points.insert(name, lps, &at)?;
     }
     Ok(())
+}
+
+/// Film and reading of a list: as its description says, else as the user says.
+fn list_key(
+    about: Option<&Description>,
+    at: &str,
+    hint: &LandmarkHint,
+) -> Result<ListKey, LandmarkError> {
+    let Some(about) = about else {
+        return Ok((hint.posture, hint.reading.clone()));
+    };
+    let posture = Posture::from_key(&about.film).ok_or_else(|| LandmarkError::Unknown {
+        at: at.to_owned(),
+        what: "posture",
+        name: shown(&about.film),
+        nearest: nearest(&shown(&about.film), &Posture::ALL.map(Posture::key)),
+    })?;
+    Ok((Some(posture), ReadingId::new(observer(&about.observer, at)?, about.repeat)))
+}
+
+/// The status of a point that was never placed.
+fn never_placed<'a>(point: &'a ControlPoint, at: &str) -> Result<Option<&'a str>, LandmarkError> {
+    match point.position_status.as_deref() {
+        None | Some("defined") => Ok(None),
+        Some(status @ ("undefined" | "preview")) => Ok(Some(status)),
+        Some(status) => Err(LandmarkError::Value {
+            at: at.to_owned(),
+            value: shown(status),
+            expected: "`defined`, `undefined` or `preview`",
+        }),
+    }
 }
 
 /// Conversion of the coordinates to LPS.

@@ -43,6 +43,14 @@ fn rows(folder: &std::path::Path) -> Vec<AasceRow> {
     rows.collect::<Result<Vec<_>, _>>().expect("all rows can be read")
 }
 
+/// The main angles of the data set, by row.
+fn main_angles_deg(folder: &std::path::Path) -> Vec<f64> {
+    let angles = std::fs::read_to_string(folder.join("labels/training/angles.csv"));
+    let first = |line: &str| line.split(',').next().map(str::parse);
+    let angles = angles.expect("angles");
+    angles.lines().map(|line| first(line).expect("a column").expect("a number")).collect()
+}
+
 /// Rows that someone flagged, by geometry or by looking at the pictures.
 fn flags(folder: &std::path::Path, source: &str) -> BTreeSet<usize> {
     let text = std::fs::read_to_string(folder.join("row_flags.csv")).expect("flags");
@@ -180,12 +188,7 @@ fn no_two_films_of_the_set_are_taken_as_one() {
 #[test]
 fn the_main_angle_of_valid_films_equals_that_of_the_data_set() {
     let Some(folder) = folder() else { return };
-    let angles =
-        std::fs::read_to_string(folder.join("labels/training/angles.csv")).expect("angles");
-    let main: Vec<f64> = angles
-        .lines()
-        .map(|line| line.split(',').next().expect("a column").parse().expect("a number"))
-        .collect();
+    let main = main_angles_deg(&folder);
     let mut off: Vec<f64> = Vec::new();
     for row in rows(&folder) {
         if let AasceVerdict::Clean { main_angle } =
@@ -274,12 +277,7 @@ fn cobb_angles_by_endplates_are_about_one_degree_above_those_of_the_data_set() {
     // Oracle: the set's own angles are differences of mean endplate tilts; between superior and inferior endplates they are
     // about 1° larger. Axes gave 8°.
     let Some(folder) = folder() else { return };
-    let angles =
-        std::fs::read_to_string(folder.join("labels/training/angles.csv")).expect("angles");
-    let main: Vec<f64> = angles
-        .lines()
-        .map(|line| line.split(',').next().expect("a column").parse().expect("a number"))
-        .collect();
+    let main = main_angles_deg(&folder);
     let mut off: Vec<f64> = Vec::new();
     for row in rows(&folder) {
         let clean = judge_aasce(&row.film, ImageSide::Right).expect("a film with its size");

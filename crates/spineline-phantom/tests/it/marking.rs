@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use spineline::anatomy::{ImageSide, Level};
+use spineline::anatomy::Level;
 use spineline::measure::{
     CornerFault, CornerName, Corners, ImageGeometry, MarkingFault, NextLandmark, PartialLandmarks,
     PartialReading, turn_axis_towards,
@@ -53,10 +53,7 @@ fn proposals_are_near_the_true_corners_on_every_film() {
 fn a_mirrored_picture_has_mirrored_proposals_and_axes() {
     let film = &phantom(2).films[1];
     let image = film.image;
-    let other = match image.patient_left {
-        ImageSide::Left => ImageSide::Right,
-        ImageSide::Right => ImageSide::Left,
-    };
+    let other = image.patient_left.opposite();
     let mirrored = ImageGeometry { patient_left: other, ..image };
     let flip = |p: Pixel| Pixel::new(f64::from(image.columns - 1) - p.column_px, p.row_px);
     let flipped = film.vertebrae.iter().map(|(&level, c)| (level, c.map(flip))).collect();

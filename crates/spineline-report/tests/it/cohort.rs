@@ -3,38 +3,28 @@
 use std::collections::BTreeSet;
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, AnalysisOptions, FilmRole, Subject, analyze};
+use spineline::analysis::{Analysis, FilmRole, Subject};
 use spineline::anatomy::{Level, Posture};
 use spineline::cohort::Cohort;
 use spineline::measure::FilmLandmarks;
 use spineline::multibody::MatchStatus;
 use spineline_phantom::{Readers, Truth, generate};
-use spineline_report::cohort::{self, Patients};
-use spineline_report::document::{Block, Section, Table};
+use spineline_report::document::{Block, Table};
 use spineline_report::{Document, figures, html};
+
+use crate::common::{analyzed, cohort_report, section};
 
 /// A phantom of which some films are kept.
 fn analysis(subject: usize, films: &[Posture]) -> Analysis {
     let readers = Readers::exact();
     let mut case = generate(subject, Truth::Rod, &readers, 1).expect("a subject").case;
     case.films.retain(|film| films.contains(&film.posture));
-    analyze(&case, &AnalysisOptions::default()).expect("a phantom is sound")
+    analyzed(&case)
 }
 
 fn document(analyses: &[Analysis]) -> Document {
     let subjects = vec![Subject::default(); analyses.len()];
-    cohort::report(&Patients {
-        analyses,
-        subjects: &subjects,
-        together: &Cohort::of(&analyses.iter().collect::<Vec<_>>(), 1),
-        refused: &[],
-        generator: "spineline test",
-        json: "[]",
-    })
-}
-
-fn section<'a>(document: &'a Document, id: &str) -> &'a Section {
-    document.sections.iter().find(|section| section.id == id).expect("the section is there")
+    cohort_report(analyses, &subjects, &[])
 }
 
 fn table<'a>(document: &'a Document, id: &str, caption: &str) -> Option<&'a Table> {
@@ -117,7 +107,7 @@ fn a_doubted_film_and_a_shorter_chain_are_named() {
             }
         }
     }
-    let doubted = analyze(&case, &AnalysisOptions::default()).expect("a sound case");
+    let doubted = analyzed(&case);
     let analyses = [analysis(0, &Posture::ALL), doubted];
     let document = document(&analyses);
     let films = &table(&document, "flow", "Films that may be wrong ones").expect("a table").rows;
@@ -188,7 +178,7 @@ fn figures_of_a_shorter_chain_name_its_own_base() {
             reading.vertebrae.retain(|level, _| (Level::L3..=Level::T4).contains(level));
         }
     }
-    let analysis = analyze(&case, &AnalysisOptions::default()).expect("a sound case");
+    let analysis = analyzed(&case);
     let line = &analysis.models[0];
     let drawn = [
         Some(figures::films(&case, &analysis, &[])),

@@ -1,11 +1,12 @@
 //! Films fill their page, and tables keep their heads on paper.
 
-use spineline::analysis::{AnalysisOptions, Case, analyze};
+use spineline::analysis::Case;
 use spineline::anatomy::Posture;
 use spineline_phantom::{Readers, Truth, generate};
 use spineline_report::document::{Column, Section, Table};
-use spineline_report::patient::{self, Patient};
 use spineline_report::{Document, figures, html};
+
+use crate::common::{analyzed, report};
 
 /// Between the edges of a figure, for frames and written axes.
 const PAGE_PX: f64 = 900.0;
@@ -30,7 +31,7 @@ fn frames_px(svg: &str) -> Vec<[f64; 2]> {
 fn films_fill_the_page_whatever_their_number() {
     for (count, per_row) in [(2, 2), (3, 3), (4, 2), (5, 3)] {
         let case = case(&Posture::ALL[..count]);
-        let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom is sound");
+        let analysis = analyzed(&case);
         let frames = frames_px(&figures::films(&case, &analysis, &[]));
         assert_eq!(frames.len(), count);
         let row: f64 = frames[..per_row].iter().map(|[width, _]| width).sum();
@@ -48,16 +49,7 @@ fn films_fill_the_page_whatever_their_number() {
 #[test]
 fn films_may_have_a_page_of_their_own() {
     let case = case(&Posture::ALL);
-    let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom is sound");
-    let document = patient::report(&Patient {
-        case: &case,
-        analysis: &analysis,
-        pictures: &[],
-        identifiability: None,
-        uncertainty: None,
-        generator: "spineline test",
-        json: "{}",
-    });
+    let document = report(&case);
     let whole: Vec<&str> =
         document.figures().filter(|f| f.whole_page).map(|f| f.name.as_str()).collect();
     assert_eq!(whole, ["films"]);

@@ -1,13 +1,13 @@
 //! Reports contain the required texts, escape user text, and embed their analysis.
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, Subject, analyze};
-use spineline::cohort::Cohort;
 use spineline::evaluate::Baseline;
 use spineline_phantom::{Readers, Truth, generate};
-use spineline_report::cohort::{Patients, Refusal, Refused};
+use spineline_report::cohort::{Refusal, Refused};
 use spineline_report::document::{Block, NoticeKind, Section, Table};
-use spineline_report::patient::{self, Patient};
-use spineline_report::{Document, cohort, embedded, html, markdown, png};
+use spineline_report::{Document, embedded, html, markdown, patient, png};
+
+use crate::common::{analyzed, cohort_report, section, shown};
 
 const HOSTILE: [&str; 6] = [
     "<script>alert(1)</script>",
@@ -26,42 +26,19 @@ fn case(subject: usize) -> Case {
     generate(subject, Truth::Rod, &readers, 1).expect("a subject of table 1").case
 }
 
-fn analysis(case: &Case) -> Analysis {
-    analyze(case, &AnalysisOptions::default()).expect("a phantom is sound")
-}
-
 fn document(case: &Case) -> Document {
-    patient::report(&Patient {
-        case,
-        analysis: &analysis(case),
-        pictures: &[],
-        identifiability: None,
-        uncertainty: None,
-        generator: "spineline test",
-        json: JSON,
-    })
+    patient::report(&shown(case, &analyzed(case), JSON))
 }
 
 fn cohort_document(refused: &[Refused]) -> Document {
     let cases: Vec<Case> = (0..3).map(case).collect();
-    let analyses: Vec<Analysis> = cases.iter().map(analysis).collect();
+    let analyses: Vec<Analysis> = cases.iter().map(analyzed).collect();
     let subjects: Vec<Subject> = cases.iter().map(|case| case.subject.clone()).collect();
-    cohort::report(&Patients {
-        analyses: &analyses,
-        subjects: &subjects,
-        together: &Cohort::of(&analyses.iter().collect::<Vec<_>>(), 1),
-        refused,
-        generator: "spineline test",
-        json: "[]",
-    })
+    cohort_report(&analyses, &subjects, refused)
 }
 
 fn named(name: &str) -> Case {
     Case { id: name.to_owned(), ..case(0) }
-}
-
-fn section<'a>(document: &'a Document, id: &str) -> &'a Section {
-    document.sections.iter().find(|section| section.id == id).expect("the section is there")
 }
 
 fn tables(section: &Section) -> Vec<&Table> {
@@ -79,7 +56,7 @@ fn page_one_sets_every_line_beside_predictions_without_mechanics() {
     let case = case(0);
     let document = document(&case);
     let short = section(&document, "short");
-    let compared = analysis(&case).compare_lines();
+    let compared = analyzed(&case).compare_lines();
     let sentences: Vec<&String> = short
         .blocks
         .iter()
@@ -150,23 +127,8 @@ fn loads_and_bases_are_compared_where_they_were_requested() {
     let hypotheses = ["inflection_line", "couple"].map(|name| name.parse().expect("a load"));
     let options = AnalysisOptions { hypotheses: hypotheses.to_vec(), ..AnalysisOptions::default() };
     let analyses = [analyze(&case, &options).expect("a phantom is sound")];
-    let of_patient = patient::report(&Patient {
-        case: &case,
-        analysis: &analyses[0],
-        pictures: &[],
-        identifiability: None,
-        uncertainty: None,
-        generator: "spineline test",
-        json: JSON,
-    });
-    let of_cohort = cohort::report(&Patients {
-        analyses: &analyses,
-        subjects: std::slice::from_ref(&case.subject),
-        together: &Cohort::of(&[&analyses[0]], 1),
-        refused: &[],
-        generator: "spineline test",
-        json: "[]",
-    });
+    let of_patient = patient::report(&shown(&case, &analyses[0], JSON));
+    let of_cohort = cohort_report(&analyses, std::slice::from_ref(&case.subject), &[]);
     for document in [of_patient, of_cohort] {
         let found = section(&document, "hypotheses");
         assert!(found.title.starts_with("Loads and bases compared"), "{}", found.title);

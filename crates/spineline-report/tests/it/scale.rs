@@ -1,13 +1,14 @@
 //! Reports of films without a scale: no length in millimetres, and the reason for what is missing.
 
-use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
+use spineline::analysis::Case;
 use spineline::anatomy::Posture;
 use spineline::measure::FilmLandmarks;
 use spineline_phantom::{Readers, Truth, generate};
 use spineline_report::document::{Block, Section};
 use spineline_report::figures::{case_overview, line_identification, spine_in_space};
-use spineline_report::patient::{self, Patient};
-use spineline_report::{Document, html};
+use spineline_report::html;
+
+use crate::common::{analyzed, report, section};
 
 /// A phantom whose films of some postures have no spacing.
 fn case(without: &[Posture]) -> Case {
@@ -17,26 +18,6 @@ fn case(without: &[Posture]) -> Case {
         image.spacing = None;
     }
     case
-}
-
-fn analysis(case: &Case) -> Analysis {
-    analyze(case, &AnalysisOptions::default()).expect("a phantom is sound")
-}
-
-fn document(case: &Case) -> Document {
-    patient::report(&Patient {
-        case,
-        analysis: &analysis(case),
-        pictures: &[],
-        identifiability: None,
-        uncertainty: None,
-        generator: "spineline test",
-        json: "{}",
-    })
-}
-
-fn section<'a>(document: &'a Document, id: &str) -> &'a Section {
-    document.sections.iter().find(|section| section.id == id).expect("the section is there")
 }
 
 fn paragraphs(section: &Section) -> String {
@@ -49,7 +30,7 @@ fn paragraphs(section: &Section) -> String {
 
 #[test]
 fn a_case_without_a_scale_has_no_drawing_in_millimetres() {
-    let document = document(&case(&Posture::ALL));
+    let document = report(&case(&Posture::ALL));
     for figure in document.figures() {
         assert!(!figure.svg.contains("(mm)"), "{}", figure.name);
     }
@@ -57,13 +38,13 @@ fn a_case_without_a_scale_has_no_drawing_in_millimetres() {
     assert!(!space.blocks.iter().any(|block| matches!(block, Block::Figure(_))));
     let words = paragraphs(space);
     assert!(words.contains("not drawn") && words.contains("no scale"), "{words}");
-    assert_eq!(spine_in_space(&analysis(&case(&[Posture::Erect]))), None);
+    assert_eq!(spine_in_space(&analyzed(&case(&[Posture::Erect]))), None);
     assert!(!html(&document).contains("class=\"space\""), "no view to turn either");
 }
 
 #[test]
 fn sections_without_a_model_name_the_films_without_a_scale() {
-    let document = document(&case(&[Posture::LeftBending, Posture::Traction]));
+    let document = report(&case(&[Posture::LeftBending, Posture::Traction]));
     for id in ["simulated", "stiffness", "errors", "comparison"] {
         let words = paragraphs(section(&document, id));
         assert!(words.contains("without a scale (left bending, traction)"), "{id}: {words}");
@@ -75,7 +56,7 @@ fn sections_without_a_model_name_the_films_without_a_scale() {
 
 #[test]
 fn only_films_with_a_scale_have_axes_in_millimetres() {
-    let analysis = analysis(&case(&[Posture::LeftBending]));
+    let analysis = analyzed(&case(&[Posture::LeftBending]));
     let figures = [case_overview(&analysis), line_identification(&analysis).expect("four films")];
     for (svg, films) in figures.iter().zip([5, 4]) {
         assert_eq!(svg.matches("lateral (no scale)").count(), 1);
@@ -88,7 +69,7 @@ fn only_films_with_a_scale_have_axes_in_millimetres() {
 
 #[test]
 fn a_model_without_a_scale_needs_none_for_its_angles() {
-    let document = document(&case(&Posture::ALL));
+    let document = report(&case(&Posture::ALL));
     let text = html(&document);
     assert!(text.contains("Cobb angles") && text.contains("Rotation of every segment"));
 }

@@ -14,6 +14,8 @@ use spineline_report::document::{Block, NoticeKind, Table};
 use spineline_report::patient::{self, Patient, warnings};
 use spineline_report::{Document, cohort, reliability, terminal};
 
+use crate::common::{analyzed, shown};
+
 const WIDTH: usize = 110;
 /// No line is broken below it.
 const WIDE: usize = 1000;
@@ -22,25 +24,14 @@ fn case(subject: usize, truth: Truth) -> Case {
     generate(subject, truth, &Readers::scaled(1.0), 1).expect("a subject of table 1").case
 }
 
-fn analysis(case: &Case) -> Analysis {
-    analyze(case, &AnalysisOptions::default()).expect("a phantom is sound")
-}
-
 fn summary(
     case: &Case,
     analysis: &Analysis,
     identifiability: Option<&[Option<Identifiability>]>,
     uncertainty: Option<&Uncertainty>,
 ) -> Document {
-    patient::summary(&Patient {
-        case,
-        analysis,
-        pictures: &[],
-        identifiability,
-        uncertainty,
-        generator: "spineline test",
-        json: "",
-    })
+    let shown = shown(case, analysis, "");
+    patient::summary(&Patient { identifiability, uncertainty, ..shown })
 }
 
 /// The text with one blank between words.
@@ -62,7 +53,7 @@ fn percent(part: f64) -> String {
 fn the_header_the_main_finding_and_the_curve_are_shown() {
     for (subject, truth) in [(0, Truth::Rod), (4, Truth::Pull)] {
         let case = case(subject, truth);
-        let analysis = analysis(&case);
+        let analysis = analyzed(&case);
         let text = terminal(&summary(&case, &analysis, None, None), WIDTH);
         let head = format!("{} · SYNTHETIC · films: {}", case.id, analysis.postures.len());
         assert!(text.lines().next().expect("a line").contains(&head), "{text}");
@@ -85,7 +76,7 @@ fn the_header_the_main_finding_and_the_curve_are_shown() {
 #[test]
 fn every_clinical_angle_and_every_fitted_curve_is_shown() {
     let case = case(0, Truth::Rod);
-    let analysis = analysis(&case);
+    let analysis = analyzed(&case);
     let text = terminal(&summary(&case, &analysis, None, None), WIDE);
     assert!(!analysis.clinical.is_empty());
     for curve in &analysis.clinical {
@@ -133,7 +124,7 @@ fn every_clinical_angle_and_every_fitted_curve_is_shown() {
 #[test]
 fn every_error_force_and_multiplier_is_shown() {
     let case = case(0, Truth::Rod);
-    let analysis = analysis(&case);
+    let analysis = analyzed(&case);
     let compared = analysis.compare_lines();
     let text = terminal(&summary(&case, &analysis, None, None), WIDE);
     assert_eq!(analysis.models.len(), 3);
@@ -192,7 +183,7 @@ fn every_error_force_and_multiplier_is_shown() {
 #[test]
 fn a_fit_that_found_no_value_says_so() {
     let case = case(0, Truth::Rod);
-    let mut analysis = analysis(&case);
+    let mut analysis = analyzed(&case);
     for model in &mut analysis.models {
         model.fit.bounds.fill(StiffnessBound::Inside);
     }
@@ -279,7 +270,7 @@ fn requested_identifiability_and_prior_are_shown() {
 #[test]
 fn requested_numbers_of_replicates_are_shown() {
     let case = case(0, Truth::Rod);
-    let analysis = analysis(&case);
+    let analysis = analyzed(&case);
     let monte_carlo =
         MonteCarlo::new(&case, &analysis, LandmarkNoise::Measured, 7).expect("readings repeat");
     let mut tally = monte_carlo.tally();
@@ -314,7 +305,7 @@ fn requested_numbers_of_replicates_are_shown() {
 #[test]
 fn every_warning_names_case_place_and_code() {
     let case = case(0, Truth::Rod);
-    let analysis = analysis(&case);
+    let analysis = analyzed(&case);
     let notices = warnings(&analysis);
     assert!(!notices.is_empty() && notices.len() == analysis.warnings.all().len());
     for (notice, warning) in notices.iter().zip(analysis.warnings.all()) {
@@ -332,7 +323,7 @@ fn every_warning_names_case_place_and_code() {
 fn a_single_film_has_no_models_and_no_empty_sections() {
     let mut alone = case(0, Truth::Rod);
     alone.films.retain(|film| film.posture == spineline::anatomy::Posture::Erect);
-    let document = summary(&alone, &analysis(&alone), None, None);
+    let document = summary(&alone, &analyzed(&alone), None, None);
     let ids: Vec<&str> = document.sections.iter().map(|section| section.id).collect();
     assert_eq!(ids, ["verdict", "films"]);
     assert!(document.sections.iter().all(|section| !section.blocks.is_empty()));
@@ -371,7 +362,7 @@ fn assert_whole(document: &Document) {
 fn a_patient_fits_the_terminal_width_and_two_pages() {
     for truth in [Truth::Rod, Truth::Pull] {
         let case = case(2, truth);
-        let document = summary(&case, &analysis(&case), None, None);
+        let document = summary(&case, &analyzed(&case), None, None);
         assert_whole(&document);
         let lines = terminal(&document, WIDTH).lines().count();
         assert!(lines < 110, "{lines} lines");
@@ -381,7 +372,7 @@ fn a_patient_fits_the_terminal_width_and_two_pages() {
 #[test]
 fn a_cohort_shows_every_patient_line_and_test() {
     let cases: Vec<Case> = (0..4).map(|subject| case(subject, Truth::Pull)).collect();
-    let analyses: Vec<Analysis> = cases.iter().map(analysis).collect();
+    let analyses: Vec<Analysis> = cases.iter().map(analyzed).collect();
     let together = Cohort::of(&analyses.iter().collect::<Vec<_>>(), 1);
     let document = cohort::summary(&analyses, &together, "spineline test");
     assert_whole(&document);
@@ -476,7 +467,7 @@ fn every_statistic_of_readings_is_shown_with_interval_and_limits_of_agreement() 
 fn control_characters_in_a_name_are_removed() {
     let hostile = "\u{1b}[2J\u{1b}]0;x\u{7}\u{202e}P07\r\u{9b}31m";
     let case = Case { id: hostile.to_owned(), ..case(0, Truth::Rod) };
-    let analysis = analysis(&case);
+    let analysis = analyzed(&case);
     let mut text = terminal(&summary(&case, &analysis, None, None), WIDTH);
     text.extend(warnings(&analysis).iter().map(|notice| terminal::notice(notice, WIDTH)));
     assert!(text.chars().all(|c| c == '\n' || !(c.is_control() || c == '\u{202e}')), "{text:?}");

@@ -1,4 +1,5 @@
 //! The tests of this crate that see it from outside, in one executable so that they are linked once.
 
+mod analysis_files;
 mod other_files;
 mod tables;

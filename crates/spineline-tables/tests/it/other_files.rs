@@ -77,7 +77,7 @@ fn shapes_on_a_path() {
         ferguson: angle(0.125),
     };
     let point = PathPoint {
-        timing: Timing::Growing,
+        timing: Timing::Proportional,
         factor: 1.0,
         arc_rad: 0.0625,
         limit_points: 0,
@@ -116,7 +116,7 @@ fn shapes_on_a_path() {
          largest_hinge_rad,residual_rad,iterations\n\
          \"a,b\",true,false,reached,against,{},1,0.0625,0,1.5,-20,330.25,{},,{tilt},{tilt},{f},{f},\
          0.5,2.5e-13,7\n",
-        Timing::Growing.key(),
+        Timing::Proportional.key(),
         degrees(0.75),
         tilt = degrees(-0.25),
         f = degrees(0.125),

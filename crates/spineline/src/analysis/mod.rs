@@ -81,7 +81,7 @@ pub struct Subject {
 pub struct Case {
     /// Identifier, without any name.
     pub id: String,
-    /// Whether the films are made up.
+    /// Whether the films are synthetic.
     pub synthetic: bool,
     /// Who was X-rayed.
     pub subject: Subject,

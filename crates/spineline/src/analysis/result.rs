@@ -44,7 +44,7 @@ pub struct PostureAnalysis {
 pub struct Analysis {
     /// Identifier of the case.
     pub case_id: String,
-    /// Whether the films are made up.
+    /// Whether the films are synthetic.
     pub synthetic: bool,
     /// Every reading of every film by itself, the erect one first.
     pub readings: Vec<FilmReadings>,
@@ -81,7 +81,7 @@ pub struct Analysis {
     pub hypotheses: Vec<HypothesisFit>,
     /// Choices.
     pub options: AnalysisOptions,
-    /// Soft problems.
+    /// Problems that do not stop the analysis.
     pub warnings: Warnings,
 }
 

@@ -269,7 +269,7 @@ impl LinesCompared {
         } else if films == 1 {
             "One predicted film is not enough to compare the lines.".to_owned()
         } else {
-            let wins: Vec<String> = fair
+            let counts: Vec<String> = fair
                 .iter()
                 .map(|&i| {
                     let won = nearest.iter().filter(|&&line| line == i).count();
@@ -278,7 +278,7 @@ impl LinesCompared {
                 .collect();
             format!(
                 "No line has the smallest error on all {films} predicted films: {}.",
-                listed(&wins)
+                listed(&counts)
             )
         })
     }

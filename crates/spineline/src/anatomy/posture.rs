@@ -63,6 +63,15 @@ impl ImageSide {
             Self::Right => "image_right",
         }
     }
+
+    /// The other one.
+    #[must_use]
+    pub const fn opposite(self) -> Self {
+        match self {
+            Self::Left => Self::Right,
+            Self::Right => Self::Left,
+        }
+    }
 }
 
 /// The position in which a film was taken.

@@ -9,7 +9,7 @@
 //! # Departures from the paper
 //! Problem (1), `min Σ |n_0 - n_i|`, always prefers a longer link. The number of segments of the erect curve is
 //! therefore held in a stated window, by default 993…1003, which covers the paper's 998 ± 3; among equal sums, the
-//! number nearest to the middle of the window wins.
+//! number nearest to the middle of the window is taken.
 //!
 //! # References
 //! [jalalian-loa], section 2.3 and figure 4; [denavit-hartenberg-1955].

@@ -117,7 +117,7 @@ pub struct LineStatistics {
 pub struct Cohort {
     /// Patients.
     pub patients: usize,
-    /// Whether any of them is made up.
+    /// Whether any of them is synthetic.
     pub synthetic: bool,
     /// Segments per chain: n.
     pub segments: Summary,

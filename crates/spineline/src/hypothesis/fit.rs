@@ -125,7 +125,7 @@ pub enum LossReason {
 }
 
 impl HypothesisFit {
-    /// Whether the fit to all bends came to an end that may be shown as a result.
+    /// Whether the fit to all bends converged to a shape that may be shown as a result.
     #[must_use]
     pub fn is_converged(&self) -> bool {
         self.status == FitStatus::Converged && !self.is_beyond_human_range()

@@ -24,7 +24,7 @@ enum UnitKind {
 }
 
 fn item(vertebra: usize, load: BodyLoad) -> LoadItem {
-    LoadItem { vertebra, load, timing: Timing::Growing }
+    LoadItem { vertebra, load, timing: Timing::Proportional }
 }
 
 impl UnitLoad {

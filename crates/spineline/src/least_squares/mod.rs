@@ -101,11 +101,7 @@ pub(crate) fn minimize(
         let (normal, gradient) = normal_equations(&system, &x, lower, upper);
         let cost = system.cost();
         loop {
-            let mut damped = normal.clone();
-            for i in 0..n {
-                damped[(i, i)] += damping * normal[(i, i)] + f64::MIN_POSITIVE;
-            }
-            let Some(cholesky) = damped.cholesky() else {
+            let Some(cholesky) = damped(&normal, damping).cholesky() else {
                 damping = damping.max(1e-12) * 10.0;
                 if damping > 1e12 {
                     break 'outer;
@@ -145,6 +141,14 @@ pub(crate) fn minimize(
         }
     }
     Minimum { status, iterations, x, system }
+}
+
+fn damped(normal: &DMatrix<f64>, damping: f64) -> DMatrix<f64> {
+    let mut damped = normal.clone();
+    for i in 0..normal.nrows() {
+        damped[(i, i)] += damping * normal[(i, i)] + f64::MIN_POSITIVE;
+    }
+    damped
 }
 
 fn clamp(x: &mut DVector<f64>, lower: &DVector<f64>, upper: &DVector<f64>) {

@@ -46,7 +46,7 @@ pub(super) const MAX_GAP: usize = 3;
 /// Standard deviation of an interpolated location, for one, two and three vertebrae in a row, in a spine of typical size.
 ///
 /// Root mean square errors, along or across the spine, whichever is larger, on 433 films of [wu-boostnet-2017] whose marked
-/// vertebrae were left out and interpolated (5629 to 14,289 per size of the gap); the error of the marks is included.
+/// vertebrae were left out and interpolated (5629 to 14,289 per size of the gap); the error of the landmarks is included.
 const LOCATION_SD_MM: [f64; MAX_GAP] = [1.4, 1.8, 2.2];
 
 /// Standard deviation of an interpolated tilt, from the same films: 4.8°, 4.5° and 4.7°. It does not grow with the gap,

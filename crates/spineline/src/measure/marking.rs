@@ -102,7 +102,7 @@ pub fn turn_axis_towards(image: &ImageGeometry, midpoint: Pixel, place: Pixel) -
     Some(Angle::from_deg(((clockwise * 10.0).round() / 10.0).clamp(-90.0, 90.0)))
 }
 
-/// Something wrong with the marks of a film.
+/// Something wrong with the landmarks of a film.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MarkingFault {
     /// A corner lies outside of the picture.
@@ -229,7 +229,7 @@ impl fmt::Display for MarkingFault {
 }
 
 impl PartialReading {
-    /// Everything wrong with the marks so far: vertebrae caudal first, then the crests.
+    /// Everything wrong with the landmarks so far: vertebrae caudal first, then the crests.
     ///
     /// Three corners already show whether sides or endplates are exchanged. Where cranial is, the steps between the
     /// bodies say; for a single one, up the picture.

@@ -332,12 +332,11 @@ impl MeasureError {
     #[must_use]
     pub fn help(&self) -> &'static str {
         match self {
-            Self::NoReading { posture: Posture::Erect } => {
-                "mark the vertebrae of the erect film; no analysis can do without it"
-            }
-            Self::NoReading { .. } => {
-                "mark the vertebrae of this film, or leave the film out of the case"
-            }
+            Self::NoReading { posture } => of_film(
+                *posture,
+                "mark the vertebrae of the erect film; no analysis can do without it",
+                "mark the vertebrae of this film, or leave the film out of the case",
+            ),
             Self::DuplicateReading { .. } => {
                 "give each reading of a film its own observer and repeat"
             }
@@ -346,34 +345,26 @@ impl MeasureError {
                 "landmarks are [column, row]: exchange the two numbers of every landmark of this reading"
             }
             Self::Spacing { .. } => "state the distance between pixel centres in mm",
-            Self::TopMissing { posture, .. } => match posture {
-                Posture::Erect => {
-                    "mark the vertebrae of the erect film upwards to T6 at least; no analysis can do without this film"
-                }
-                _ => {
-                    "mark its vertebrae upwards to T6 at least, or leave this film out of the case"
-                }
-            },
-            Self::BaseMissing { posture, .. } => match posture {
-                Posture::Erect => {
-                    "mark L2 and, where they are seen, L3 and L4 on the erect film; no analysis can do without this film"
-                }
-                _ => {
-                    "mark L2 and, where they are seen, L3 and L4, or leave this film out of the case"
-                }
-            },
-            Self::NoCommonEnd { posture, .. } => match posture {
-                Posture::Erect => {
-                    "mark one of these vertebrae on all films, or leave out films that do not show those of the erect film"
-                }
-                _ => "mark one of these vertebrae on all films, or leave this film out of the case",
-            },
-            Self::Gap { posture, .. } => match posture {
-                Posture::Erect => {
-                    "mark one of them at least on the erect film; no analysis can do without this film"
-                }
-                _ => "mark one of them at least, or leave this film out of the case",
-            },
+            Self::TopMissing { posture, .. } => of_film(
+                *posture,
+                "mark the vertebrae of the erect film upwards to T6 at least; no analysis can do without this film",
+                "mark its vertebrae upwards to T6 at least, or leave this film out of the case",
+            ),
+            Self::BaseMissing { posture, .. } => of_film(
+                *posture,
+                "mark L2 and, where they are seen, L3 and L4 on the erect film; no analysis can do without this film",
+                "mark L2 and, where they are seen, L3 and L4, or leave this film out of the case",
+            ),
+            Self::NoCommonEnd { posture, .. } => of_film(
+                *posture,
+                "mark one of these vertebrae on all films, or leave out films that do not show those of the erect film",
+                "mark one of these vertebrae on all films, or leave this film out of the case",
+            ),
+            Self::Gap { posture, .. } => of_film(
+                *posture,
+                "mark one of them at least on the erect film; no analysis can do without this film",
+                "mark one of them at least, or leave this film out of the case",
+            ),
             Self::NotFinite { .. } => "mark this vertebra again",
             Self::Confidence { .. } => {
                 "give the probability that the program assigns to the landmark, or no confidence at all"
@@ -400,4 +391,9 @@ impl MeasureError {
             }
         }
     }
+}
+
+/// One text for the erect film, without which there is no analysis, and one for the others, which can be left out.
+fn of_film(posture: Posture, erect: &'static str, other: &'static str) -> &'static str {
+    if posture == Posture::Erect { erect } else { other }
 }

@@ -5,7 +5,7 @@ use crate::spatial::{Angle, Frontal};
 /// From which landmarks of a vertebral body its tilt is measured.
 ///
 /// Endplates are longer than a body is high, so that the same landmark noise turns them less. On 433 erect radiographs
-/// the scatter of tilts about a local cubic is 1.5° by endplates and 3.5° by axis (decision record 0030).
+/// the standard deviation of tilts about a local cubic is 1.5° by endplates and 3.5° by axis (decision record 0030).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TiltRule {
     /// The mean direction of both endplates: [`Corners::measure_endplate_tilt`].

@@ -23,7 +23,7 @@ pub struct ActingLoad {
     pub kind: ActingKind,
 }
 
-/// Where and how strongly every load acts on a shape, at a factor of the growing ones.
+/// Where and how strongly every load acts on a shape, at a factor of the proportional ones.
 ///
 /// `spring_forces_n` are those of the pads and straps, as an [`crate::multibody::Equilibrium`] has them; a pad or strap
 /// without one is left out.
@@ -40,8 +40,8 @@ pub fn acting_loads(
         let (midpoint, axes) = (shape.midpoints_mm[vertebra], shape.axes[vertebra]);
         let place = |in_vertebra: &Vec3| midpoint + axes * in_vertebra;
         let part = match item.timing {
-            Timing::Held => 1.0,
-            Timing::Growing => factor,
+            Timing::Constant => 1.0,
+            Timing::Proportional => factor,
         };
         let spring = || spring_forces_n.iter().find(|(of, _)| *of == number).map(|(_, n)| *n);
         let (point_mm, kind) = match &item.load {

@@ -11,7 +11,7 @@ const NO_LOAD: f64 = 1e-9;
 /// Loads given in small units take many points; more than these lead nowhere.
 const MAX_POINTS: usize = 20_000;
 
-/// A path whose growing loads grow along or against themselves.
+/// A path whose proportional loads grow along or against themselves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SignedPath {
     /// Along or against.
@@ -93,9 +93,9 @@ impl Response {
     #[must_use]
     pub fn nearest(&self) -> Option<&PathPoint> {
         let points = || self.paths.iter().flat_map(|signed| &signed.path.points);
-        // Held loads come first, and while they come nothing of the goal is seen.
-        let grows = points().any(|point| point.timing == Timing::Growing);
-        let counts = |point: &&PathPoint| !grows || point.timing == Timing::Growing;
+        // Constant loads are applied first, and meanwhile nothing of the goal is seen.
+        let grows = points().any(|point| point.timing == Timing::Proportional);
+        let counts = |point: &&PathPoint| !grows || point.timing == Timing::Proportional;
         let away = |point: &PathPoint| match self.goal {
             Goal::LateralTilt(tilt) if grows => {
                 (point.deformed.lateral_tilt() - tilt).wrapped().rad().abs()
@@ -151,8 +151,8 @@ pub const fn direction_word(sign: ForceSign) -> &'static str {
 pub fn largest_factor(model: &SpineModel, stiffness: &[Mat3], loading: &Loading) -> f64 {
     let top = model.midpoints_mm.len() - 1;
     let length_mm = (model.midpoints_mm[top] - model.midpoints_mm[0]).norm();
-    let growing = loading.items.iter().filter(|item| item.timing == Timing::Growing);
-    let total_n: f64 = growing
+    let proportional = loading.items.iter().filter(|item| item.timing == Timing::Proportional);
+    let total_n: f64 = proportional
         .map(|item| match &item.load {
             BodyLoad::ForceOnLine { force_n, .. } | BodyLoad::ForceAtPoint { force_n, .. } => {
                 force_n.norm()
@@ -200,8 +200,8 @@ pub fn respond(
             interrupted |= flow.is_break();
             flow
         })?;
-        let grew = path.points.last().is_some_and(|point| point.timing == Timing::Growing);
-        // What balances while the held loads come does not meet the goal; a goal met at no load is met once.
+        let grew = path.points.last().is_some_and(|point| point.timing == Timing::Proportional);
+        // An equilibrium under a part of the constant loads does not meet the goal; a goal met at no load is met once.
         let counts =
             |e: &&Equilibrium| grew && !(sign == ForceSign::Negative && e.factor.abs() < NO_LOAD);
         equilibria.extend(path.equilibria.iter().filter(counts).map(|equilibrium| {

@@ -2,7 +2,7 @@
 
 use crate::common::{analyzed, exact_case, film_mut, landmarks_mut, on_a_table, phantom};
 use spineline::analysis::{AnalysisOptions, Case};
-use spineline::anatomy::{ImageSide, Level, Posture, Region, Side};
+use spineline::anatomy::{Level, Posture, Region, Side};
 use spineline::clinical::{ClinicalCurve, CobbEnds, EndChoice, EndRule};
 use spineline::measure::{
     FilmLandmarks, ImageGeometry, Placement, PlacementSource, TiltRule, VertebraLandmarks,
@@ -70,10 +70,7 @@ fn a_mirrored_film_has_the_same_cobb_angle_to_the_other_side() {
         };
         let FilmLandmarks::Corners { image, .. } = &mut film.landmarks else { panic!("corners") };
         // The same picture of a patient who turned about: left becomes right.
-        image.patient_left = match image.patient_left {
-            ImageSide::Left => ImageSide::Right,
-            ImageSide::Right => ImageSide::Left,
-        };
+        image.patient_left = image.patient_left.opposite();
         let FilmLandmarks::Corners { readings, iliac_crests, .. } = &mut film.landmarks else {
             panic!("corners")
         };

@@ -7,7 +7,7 @@ use crate::common::{
 };
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
-use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::anatomy::{Level, Posture};
 use spineline::chain::ChainError;
 use spineline::curve::{CurveError, InflectionChoice, OrderRule, Site};
 use spineline::error::{CaseError, Error};
@@ -32,10 +32,7 @@ fn warned<'a>(analysis: &'a Analysis, code: &str, posture: Option<Posture>) -> &
 /// The film as someone sees it who takes the picture for its mirror image, corners and all.
 fn mistake_sides(film: &mut Film) {
     let (image, crests, readings) = landmarks(film);
-    image.patient_left = match image.patient_left {
-        ImageSide::Left => ImageSide::Right,
-        ImageSide::Right => ImageSide::Left,
-    };
+    image.patient_left = image.patient_left.opposite();
     for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
         let corners = &mut landmark.corners;
         swap(&mut corners.superior_left, &mut corners.superior_right);

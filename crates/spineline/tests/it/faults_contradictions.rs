@@ -1,10 +1,10 @@
 //! Films and landmarks that contradict themselves.
 
 use crate::common::{
-    analyzed, exact_case, film_mut, landmarks, landmarks_mut, on_a_table, refused,
+    analyzed, exact_case, film_mut, landmarks, landmarks_mut, mirrored, on_a_table, refused,
 };
 use spineline::analysis::Case;
-use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::anatomy::{Level, Posture};
 use spineline::measure::{
     Film, FilmLandmarks, PlacementSource, Reading, ReadingId, TiltRule, VertebraLandmarks,
     judge_landmarks, judge_reading,
@@ -14,24 +14,7 @@ use spineline::spatial::{Angle, Pixel};
 /// The same patient on films of both kinds: as held, mirrored, and with pixels twice as high as wide.
 fn variants() -> [Case; 3] {
     let plain = exact_case(0);
-    let mut mirrored = plain.clone();
     let mut oblong = plain.clone();
-    for film in &mut mirrored.films {
-        let (image, crests, readings) = landmarks(film);
-        let last = f64::from(image.columns) - 1.0;
-        let flip = |place: Pixel| Pixel::new(last - place.column_px, place.row_px);
-        image.patient_left = match image.patient_left {
-            ImageSide::Left => ImageSide::Right,
-            ImageSide::Right => ImageSide::Left,
-        };
-        change(readings, flip);
-        for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
-            landmark.axis_clockwise = landmark.axis_clockwise.map(|axis| -axis);
-        }
-        if let Some(crests) = crests {
-            (crests.left, crests.right) = (flip(crests.left), flip(crests.right));
-        }
-    }
     for film in &mut oblong.films {
         let (image, crests, readings) = landmarks(film);
         let squeeze = |place: Pixel| Pixel::new(place.column_px, 0.5 * place.row_px);
@@ -43,7 +26,7 @@ fn variants() -> [Case; 3] {
             (crests.left, crests.right) = (squeeze(crests.left), squeeze(crests.right));
         }
     }
-    [plain, mirrored, oblong]
+    [plain.clone(), mirrored(&plain), oblong]
 }
 
 fn change(readings: &mut [Reading<VertebraLandmarks>], to: impl Fn(Pixel) -> Pixel) {

@@ -7,7 +7,7 @@ use crate::common::{
     case_of, exact_case, film_mut, graph_film, landmarks, landmarks_mut, refused, spacing,
 };
 use spineline::analysis::Case;
-use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::anatomy::{Level, Posture};
 use spineline::error::Error;
 use spineline::measure::{CornerFault, Corners, FilmLandmarks, MeasureError};
 use spineline::spatial::{Angle, Pixel};
@@ -281,10 +281,7 @@ fn a_film_whose_side_is_wrong_is_mirrored() {
     for posture in Posture::ALL {
         let mut case = exact_case(0);
         let (image, _, readings) = landmarks(film_mut(&mut case, posture));
-        image.patient_left = match image.patient_left {
-            ImageSide::Left => ImageSide::Right,
-            ImageSide::Right => ImageSide::Left,
-        };
+        image.patient_left = image.patient_left.opposite();
         let count = readings[0].vertebrae.len();
         let error = refused_in_measure(&case, &[&posture.to_string(), "15", "patient_left"]);
         match error {

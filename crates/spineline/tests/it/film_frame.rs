@@ -3,7 +3,7 @@
 use crate::common::{landmarks, measured, phantom};
 use proptest::prelude::*;
 use spineline::analysis::{AnalysisOptions, Identification, analyze};
-use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::anatomy::{Level, Posture};
 use spineline::clinical::endplate_line;
 use spineline::measure::{
     Corners, Film, FilmFrame, Outline, Spacing, SpacingPlane, endplate_centres,
@@ -32,10 +32,7 @@ fn film(subject: usize, readers: &Readers, spacing: Option<(f64, f64)>, flip: bo
         Pixel::new(if flip { last - column } else { column }, place.row_px * scale[1])
     };
     if flip {
-        image.patient_left = match image.patient_left {
-            ImageSide::Left => ImageSide::Right,
-            ImageSide::Right => ImageSide::Left,
-        };
+        image.patient_left = image.patient_left.opposite();
     }
     *crests = None;
     for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {

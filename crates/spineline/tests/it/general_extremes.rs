@@ -64,7 +64,7 @@ fn any_load(draw: &mut Draw) -> BodyLoad {
 }
 
 fn any_timing(draw: &mut Draw) -> Timing {
-    if draw.below(3) == 0 { Timing::Held } else { Timing::Growing }
+    if draw.below(3) == 0 { Timing::Constant } else { Timing::Proportional }
 }
 
 fn any_loading(draw: &mut Draw) -> Loading {

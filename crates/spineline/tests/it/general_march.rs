@@ -52,7 +52,7 @@ fn newton_and_march_agree() {
         }
         let diagonal = springs.iter().map(|k| Mat3::from_diagonal(&Vec3::from(*k)));
         let general = GeneralStatics::new(&model, diagonal, support).expect("sound springs");
-        let item = |load| LoadItem { vertebra: 14, load, timing: Timing::Growing };
+        let item = |load| LoadItem { vertebra: 14, load, timing: Timing::Proportional };
         let loading = Loading {
             items: vec![
                 item(BodyLoad::ForceOnLine { force_n, point_mm }),

@@ -22,7 +22,7 @@ fn analysis() -> Analysis {
 
 /// Dead forces on two vertebrae, a line and a moment on T2.
 fn loads(times: [f64; 3]) -> Vec<LoadItem> {
-    let at = |vertebra, load| LoadItem { vertebra, load, timing: Timing::Growing };
+    let at = |vertebra, load| LoadItem { vertebra, load, timing: Timing::Proportional };
     let dead = |force_n| BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };
     vec![
         at(6, dead(Vec3::new(0.0, 12.0, -25.0) * times[0])),
@@ -115,7 +115,7 @@ fn a_line_alone_has_the_shape_and_derivatives_of_the_march() {
             force_n: Vec3::new(0.0, line.direction.y_mm, line.direction.z_mm),
             point_mm: Vec3::new(0.0, line.point.y_mm, line.point.z_mm),
         },
-        timing: Timing::Growing,
+        timing: Timing::Proportional,
     };
     let BodyLoad::ForceOnLine { force_n, point_mm } = unit.load else { panic!("a line") };
     let load = BodyLoad::ForceOnLine { force_n: force_n * 60.0, point_mm };

@@ -203,7 +203,7 @@ fn a_path_lost_beyond_its_result_is_reported_as_incomplete() {
         superior: 10,
         shift_mm,
         turn_rad: Vec3::zeros(),
-        timing: Timing::Growing,
+        timing: Timing::Proportional,
     };
     let loading = Loading { items: Vec::new(), rods: vec![stretched] };
     let mut go_on = |_, _: &_| ControlFlow::Continue(());

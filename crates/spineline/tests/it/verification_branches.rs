@@ -2,8 +2,8 @@
 
 use crate::common::assert_near;
 use crate::common::chain::{
-    Plane, dead, events, far, follow, growing, held, loads, pendulum, root, springs, straight,
-    with_rods,
+    Plane, constant, dead, events, far, follow, loads, pendulum, proportional, root, springs,
+    straight, with_rods,
 };
 use spineline::multibody::{
     BodyLoad, BranchEventKind, EquilibriumPath, Loading, PathEnding, PathOptions, Rod, SpineModel,
@@ -65,7 +65,7 @@ impl Snap {
             shortening_mm: 0.0,
         };
         let moment = BodyLoad::Moment { moment_nmm: plane.axis() * moment_nmm };
-        let loading = loads([growing(1, strap), growing(1, moment)]);
+        let loading = loads([proportional(1, strap), proportional(1, moment)]);
         // The other hinges hold the bar in its plane, whatever the strap presses.
         let mut stiffness = [1e7; 3];
         stiffness[plane.hinge()] = HINGE_NMM;
@@ -179,7 +179,7 @@ fn a_round_column_with_a_small_tilt_does_not_stay_upright() {
     let weight = 2.0 * k / length;
     let model = pendulum(length);
     let moment = BodyLoad::Moment { moment_nmm: Vec3::x() * m };
-    let loading = loads([held(1, moment), growing(1, dead(Vec3::z() * -weight))]);
+    let loading = loads([constant(1, moment), proportional(1, dead(Vec3::z() * -weight))]);
     for ky in [1e5, 1.05e5, 3e5] {
         let path = follow(&model, &springs(&model, [k, ky, 1e5]), Support::Free, &loading, &far());
         let expected = root(0.5, 3.0, |angle| k * angle - weight * length * angle.sin() - m);
@@ -204,9 +204,9 @@ fn a_column_with_a_rod_buckles_below_the_rod_on_a_table() {
         superior: 4,
         shift_mm: Vec3::zeros(),
         turn_rad: Vec3::zeros(),
-        timing: Timing::Held,
+        timing: Timing::Constant,
     };
-    let load = growing(4, dead(Vec3::z() * (-1.5 * k / 120.0)));
+    let load = proportional(4, dead(Vec3::z() * (-1.5 * k / 120.0)));
     let loading = with_rods(vec![load], vec![rod]);
     let path = follow(&model, &springs(&model, [k; 3]), Support::Frontal, &loading, &far());
     assert_eq!(path.ending, PathEnding::BranchPoint, "{:?}", path.events);

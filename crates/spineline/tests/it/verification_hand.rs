@@ -1,7 +1,8 @@
 //! The general solver on one and two joints and on rods, where the answer can be written down.
 
 use crate::common::chain::{
-    self, dead, equilibrium, follow, growing, held, loads, pendulum, root, springs, with_rods,
+    self, constant, dead, equilibrium, follow, loads, pendulum, proportional, root, springs,
+    with_rods,
 };
 use crate::common::{Draw, assert_near};
 use spineline::multibody::{
@@ -131,8 +132,8 @@ fn a_heavy_pendulum_under_a_small_push_follows_its_closed_form() {
     for share in [-1.5, 0.6, 0.95, 1.3] {
         let weight = share * K / LENGTH_MM;
         let moment_nmm = Vec3::x() * (0.05 * K);
-        let push = held(1, BodyLoad::Moment { moment_nmm });
-        let loading = loads([push, growing(1, dead(Vec3::z() * -weight))]);
+        let push = constant(1, BodyLoad::Moment { moment_nmm });
+        let loading = loads([push, proportional(1, dead(Vec3::z() * -weight))]);
         let exact =
             root(0.0, 3.0, |turn| K * turn - weight * LENGTH_MM * turn.sin() - moment_nmm.x);
         // Its slope near the buckling load is a tenth.
@@ -183,10 +184,10 @@ fn a_rod_that_keeps_the_erect_pose_keeps_what_it_spans() {
         superior: 4,
         shift_mm: Vec3::zeros(),
         turn_rad: Vec3::zeros(),
-        timing: Timing::Held,
+        timing: Timing::Constant,
     };
     let force = Vec3::new(30.0, -60.0, -80.0);
-    let loading = with_rods(vec![growing(6, dead(force))], vec![rod]);
+    let loading = with_rods(vec![proportional(6, dead(force))], vec![rod]);
     let found = equilibrium(&model, &stiffness, Support::Free, &loading);
     for joint in 1..4 {
         for angle in found.deformed.hinges_rad[joint] {
@@ -246,7 +247,7 @@ fn a_rod_has_the_wrench_that_gives_the_same_joint_angles() {
             superior: joints,
             shift_mm: back * (bent.midpoints_mm[joints] - point),
             turn_rad: rotation_vector(turn),
-            timing: Timing::Growing,
+            timing: Timing::Proportional,
         };
         let stiffness: Vec<Mat3> =
             rows.iter().map(|row| Mat3::from_diagonal(&Vec3::from(*row))).collect();

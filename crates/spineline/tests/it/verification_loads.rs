@@ -1,6 +1,6 @@
 //! Small loads, and virtual work of all loads at once, for the general solver.
 
-use crate::common::chain::{self, equilibrium, growing, loads};
+use crate::common::chain::{self, equilibrium, loads, proportional};
 use crate::common::everything::{Problem, draw_spine, draw_springs, draw_vector};
 use crate::common::independent::{Body, Matrix, product, stack, transposed};
 use crate::common::{Draw, assert_near};
@@ -12,7 +12,7 @@ const JOINTS: usize = 8;
 
 /// Displacements of all midpoints under loads, each multiplied by a size.
 fn displacements(problem: &Problem, items: &[(usize, BodyLoad)], size: f64) -> Vec<Vec3> {
-    let items = items.iter().map(|(vertebra, load)| growing(*vertebra, scaled(load, size)));
+    let items = items.iter().map(|(vertebra, load)| proportional(*vertebra, scaled(load, size)));
     let found = solve(problem, items.collect::<Vec<_>>());
     let places = found.deformed.midpoints_mm.iter().zip(&problem.model.midpoints_mm);
     places.map(|(now, before)| now - before).collect()
@@ -79,7 +79,7 @@ fn small_loads_superpose_with_an_error_of_second_order() {
 fn small_answer(problem: &Problem, vertebra: usize, load: &BodyLoad, at: usize) -> (Vec3, Vec3) {
     const SMALL: f64 = 1e-3;
     let [plus, minus] = [SMALL, -SMALL]
-        .map(|size| solve(problem, vec![growing(vertebra, scaled(load, size))]).deformed);
+        .map(|size| solve(problem, vec![proportional(vertebra, scaled(load, size))]).deformed);
     let moved = plus.midpoints_mm[at] - minus.midpoints_mm[at];
     let turned = plus.axes[at] * minus.axes[at].transpose();
     let rotation = nalgebra::Rotation3::from_matrix_unchecked(turned);
@@ -248,7 +248,7 @@ fn every_hinge_is_in_equilibrium_under_all_loads_by_virtual_work() {
     let mut draw = Draw::new(61);
     for _ in 0..10 {
         let problem = Problem::draw(&mut draw, JOINTS);
-        assert!(problem.loading.items.iter().any(|item| item.timing == Timing::Held));
+        assert!(problem.loading.items.iter().any(|item| item.timing == Timing::Constant));
         check_virtual_work(&problem);
     }
 }

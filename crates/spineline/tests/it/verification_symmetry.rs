@@ -1,6 +1,6 @@
 //! What the general solver must not change, or change in a known way: mirrored and moved problems.
 
-use crate::common::chain::{self, equilibrium, follow, growing};
+use crate::common::chain::{self, equilibrium, follow, proportional};
 use crate::common::everything::{Problem, draw_loads, draw_spine, draw_springs, draw_vector};
 use crate::common::{Draw, assert_near};
 use spineline::multibody::{Equilibrium, Loading, PathOptions, Support, Timing};
@@ -160,8 +160,8 @@ fn order_and_timing_of_loads_do_not_change_the_final_shape() {
         other.loading.items.reverse();
         for item in &mut other.loading.items {
             item.timing = match item.timing {
-                Timing::Held => Timing::Growing,
-                Timing::Growing => Timing::Held,
+                Timing::Constant => Timing::Proportional,
+                Timing::Proportional => Timing::Constant,
             };
         }
         let theirs = solved(&other, Support::Free);
@@ -183,7 +183,10 @@ fn a_load_in_another_unit_of_its_factor_is_found_on_its_branch() {
     assert!(path.points.len() < 100, "{} points", path.points.len());
     for point in path.points.iter().filter(|point| point.factor > 0.0) {
         let same = Loading {
-            items: vec![growing(JOINTS, chain::dead(Vec3::new(0.3, 0.9, -0.3) * point.factor))],
+            items: vec![proportional(
+                JOINTS,
+                chain::dead(Vec3::new(0.3, 0.9, -0.3) * point.factor),
+            )],
             rods: Vec::new(),
         };
         let alone = equilibrium(&model, &stiffness, Support::Free, &same);

@@ -1,8 +1,10 @@
 //! Films that show another posture or another patient than they are named after.
 
-use crate::common::{Draw, analyzed, exact_case, film_mut, landmarks, move_landmarks, on_a_table};
+use crate::common::{
+    Draw, analyzed, exact_case, film_mut, landmarks, mirrored, move_landmarks, on_a_table,
+};
 use spineline::analysis::{Analysis, Case, analyze_movement};
-use spineline::anatomy::{ImageSide, Posture};
+use spineline::anatomy::Posture;
 use spineline::cohort::Cohort;
 use spineline::measure::{Corners, IliacCrests};
 use spineline::spatial::{Angle, Frontal, Pixel};
@@ -26,27 +28,6 @@ fn doubts(analysis: &Analysis) -> Vec<(&'static str, Option<Posture>)> {
 
 fn verdict(analysis: &Analysis) -> String {
     analysis.verdict(&analysis.compare_lines()).join(" ")
-}
-
-/// All pictures seen from the other side, with the patient's left where it is then.
-fn mirrored(case: &Case) -> Case {
-    let mut case = case.clone();
-    for film in &mut case.films {
-        let (image, crests, readings) = landmarks(film);
-        let last = f64::from(image.columns) - 1.0;
-        let flip = |place: Pixel| Pixel::new(last - place.column_px, place.row_px);
-        image.patient_left = match image.patient_left {
-            ImageSide::Left => ImageSide::Right,
-            ImageSide::Right => ImageSide::Left,
-        };
-        for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
-            landmark.corners = landmark.corners.map(flip);
-            landmark.axis_clockwise = landmark.axis_clockwise.map(|axis| -axis);
-        }
-        *crests =
-            crests.map(|crests| IliacCrests { left: flip(crests.left), right: flip(crests.right) });
-    }
-    case
 }
 
 /// The case as it is, and with all its pictures mirrored.
@@ -112,10 +93,7 @@ fn a_bend_with_the_mirrored_erect_film_is_reported() {
     film_mut(&mut case, Posture::RightBending).landmarks = from.landmarks.clone();
     // The picture is mirrored, and nobody said so: sides and side of the picture are those of the other film.
     let (image, crests, readings) = landmarks(film_mut(&mut case, Posture::RightBending));
-    image.patient_left = match image.patient_left {
-        ImageSide::Left => ImageSide::Right,
-        ImageSide::Right => ImageSide::Left,
-    };
+    image.patient_left = image.patient_left.opposite();
     for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
         landmark.axis_clockwise = None;
         let corners = &mut landmark.corners;

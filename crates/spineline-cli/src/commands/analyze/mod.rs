@@ -12,7 +12,7 @@ use spineline::analysis::{Analysis, LineModel};
 use spineline::cohort::Cohort;
 use spineline_files::{AnalysisFile, ModelFile, to_text};
 use spineline_report::{Document, patient, terminal};
-use spineline_tables::{Patient, chain_csv, cohort_csv, vertebrae_csv};
+use spineline_tables::{Patient, chain_table, cohort_tests_table, errors_table};
 
 use crate::analysis::case::analyze_input;
 use crate::analysis::cohort;
@@ -179,10 +179,18 @@ impl Results<'_> {
             outputs.write(path, self.json(is_list))?;
         }
         if let Some(path) = &args.csv {
-            outputs.write_table(path, vertebrae_csv(self.analyses)?, &self.record.provenance())?;
+            outputs.write_table(
+                path,
+                errors_table(self.analyses).to_csv()?,
+                &self.record.provenance(),
+            )?;
         }
         if let Some(path) = &args.chain {
-            outputs.write_table(path, chain_csv(self.analyses)?, &self.record.provenance())?;
+            outputs.write_table(
+                path,
+                chain_table(self.analyses).to_csv()?,
+                &self.record.provenance(),
+            )?;
         }
         if let (Some(path), Some(cohort)) = (&args.cohort, self.cohort) {
             self.write_cohort(path, cohort, outputs)?;
@@ -233,7 +241,7 @@ impl Results<'_> {
     fn write_cohort(&self, path: &Path, cohort: &Cohort, outputs: &Outputs) -> Result<(), Failure> {
         let provenance = self.record.provenance();
         if is_csv(path) {
-            return outputs.write_table(path, cohort_csv(cohort)?, &provenance);
+            return outputs.write_table(path, cohort_tests_table(cohort).to_csv()?, &provenance);
         }
         let file = cohort::file(self.analyses, cohort, &generator()).with_provenance(provenance);
         outputs.write(path, to_text(&file))

@@ -69,18 +69,7 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksB
     let mut pictures: BTreeMap<String, Posture> = BTreeMap::new();
     for of in &args.landmarks {
         let fail = |error: &LandmarkError| Failure::landmarks(&of.value, error);
-        // A file that is for one film may need that film's picture to be read.
-        let only = match (of.posture, films) {
-            (Some(posture), films) => films.iter().find(|f| f.role.posture() == Some(posture)),
-            (None, [film]) => Some(film),
-            (None, _) => None,
-        };
-        let hint = LandmarkHint {
-            posture: of.posture.or(only.and_then(|film| film.role.posture())),
-            patient_left: only.map(|film| film.side),
-            image: only.map(ResolvedFilm::image),
-            ..LandmarkHint::default()
-        };
+        let hint = hint_for(of.posture, films);
         let file = read_landmarks(&of.value, &hint).map_err(|error| fail(&error))?;
         for remark in &file.remarks {
             say(&format!("note: {}: {remark}\n", of.value.display()));
@@ -123,6 +112,21 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksB
             posture.key().replace('_', "-")
         ))),
         None => Ok(landmarks),
+    }
+}
+
+/// What is known before a file is read: one that is for one film may need that film's picture.
+fn hint_for(posture: Option<Posture>, films: &[ResolvedFilm]) -> LandmarkHint {
+    let only = match (posture, films) {
+        (Some(posture), films) => films.iter().find(|f| f.role.posture() == Some(posture)),
+        (None, [film]) => Some(film),
+        (None, _) => None,
+    };
+    LandmarkHint {
+        posture: posture.or(only.and_then(|film| film.role.posture())),
+        patient_left: only.map(|film| film.side),
+        image: only.map(ResolvedFilm::image),
+        ..LandmarkHint::default()
     }
 }
 

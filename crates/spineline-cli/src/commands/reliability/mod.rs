@@ -8,7 +8,7 @@ use spineline::reliability::{QuantityReliability, RatedQuantity, assess, film_qu
 use spineline_files::{FilmOrigin, InputFile, Provenance, ReliabilityFile};
 use spineline_report::reliability::summary;
 use spineline_report::{figures, terminal};
-use spineline_tables::reliability_csv;
+use spineline_tables::statistics_table;
 
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{CaseInput, case_files, input_of};
@@ -65,7 +65,7 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
         outputs.write(path, spineline_files::to_text(&file))?;
     }
     if let Some(path) = &args.csv {
-        outputs.write_table(path, reliability_csv(&found, synthetic)?, &provenance)?;
+        outputs.write_table(path, statistics_table(&found, synthetic).to_csv()?, &provenance)?;
     }
     if let Some(folder) = &args.figure {
         draw(&found, synthetic, &provenance, folder, &outputs)?;

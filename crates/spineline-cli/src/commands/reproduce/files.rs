@@ -4,7 +4,7 @@ use serde::Serialize;
 use spineline::analysis::{Analysis, Case};
 use spineline::multibody::Support;
 use spineline_files::{AnalysisFile, CaseFile, Provenance, Request};
-use spineline_tables::{ReproducedNumber, reproduction_table, vertebrae_csv};
+use spineline_tables::{ReproducedNumber, errors_table, reproduction_table};
 
 use super::args::ReproduceArgs;
 use super::row::Section;
@@ -40,7 +40,7 @@ pub fn write(
         let support = run.support.key();
         let name = format!("errors-{}-{support}.csv", run.truth.key());
         let path = out.join("errors").join(name);
-        outputs.write_table(&path, vertebrae_csv(&run.analyses)?, provenance)?;
+        outputs.write_table(&path, errors_table(&run.analyses).to_csv()?, provenance)?;
         for (case, analysis) in run.cases.iter().zip(&run.analyses) {
             let name = format!("{}-{support}.json", analysis.case_id);
             let file = analysis_file(case, analysis, provenance);

@@ -49,14 +49,14 @@ pub fn of(
             level: LevelKey(level),
             force_in_vertebra_n: in_vertebra.into(),
             point_in_vertebra_mm: [0.0; 3],
-            timing: Timing::Growing.into(),
+            timing: Timing::Proportional.into(),
         }
     } else {
         AppliedLoad::ForceAtPoint {
             level: LevelKey(level),
             force_n: force.into(),
             point_in_vertebra_mm: [0.0; 3],
-            timing: Timing::Growing.into(),
+            timing: Timing::Proportional.into(),
         }
     };
     Ok((LoadFile::new(vec![load]), Vec::new()))
@@ -86,7 +86,7 @@ fn of_posture(
     let size_n = args.force.map_or(record.force_n, |force| force.copysign(record.force_n));
     let force_n = (Vec3::from(record.direction) * size_n).into();
     let level = LevelKey(model.top());
-    let timing = Timing::Growing.into();
+    let timing = Timing::Proportional.into();
     let load = match record.application.0 {
         Application::Fixed => {
             AppliedLoad::ForceOnLine { level, force_n, point_mm: record.point_mm, timing }

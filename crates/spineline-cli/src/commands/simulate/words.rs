@@ -7,8 +7,8 @@ use spineline_files::AppliedLoad;
 /// How loads are applied, in words.
 pub const fn timing_words(timing: Timing) -> &'static str {
     match timing {
-        Timing::Held => "constant",
-        Timing::Growing => "proportional",
+        Timing::Constant => "constant",
+        Timing::Proportional => "proportional",
     }
 }
 
@@ -53,7 +53,7 @@ pub fn load_words(load: &AppliedLoad) -> String {
         }
     };
     match load.timing() {
-        Timing::Held => format!("{words} (constant)"),
-        Timing::Growing => words,
+        Timing::Constant => format!("{words} (constant)"),
+        Timing::Proportional => words,
     }
 }

@@ -1,4 +1,4 @@
-//! `spineline study`: the store of films, readings and clicks, from the command line.
+//! `spineline study`: the study store, from the command line.
 
 mod add;
 mod args;
@@ -43,41 +43,12 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
         }
         StudyCommand::List { .. } => print(&list(&view(path)?).map_err(fail)?),
         StudyCommand::Plan { study, observers, repeats, washout_days, seed, .. } => {
-            let mut store = Store::open(path).map_err(fail)?;
-            let observers =
-                observers.iter().map(|o| store_name(o)).collect::<Result<Vec<_>, _>>()?;
             let design = PlanDesign { repeats: *repeats, washout_days: *washout_days, seed: *seed };
-            let slots = store
-                .reading_plan(&store_name(study)?, &observers, design, &by()?)
-                .map_err(fail)?;
-            print(&format!(
-                "Planned {}: every observer reads every film {}, {} apart, in a random order each.\n",
-                counted(slots, "reading"),
-                counted(*repeats, "time"),
-                counted(*washout_days, "day")
-            ))
+            plan(path, study, observers, design, &by()?)
         }
-        StudyCommand::Next { study, observer, .. } => {
-            let store = view(path)?;
-            let (study, observer) = (store_name(study)?, store_name(observer)?);
-            let next =
-                store.observer(&observer).next_film_for(&study, Utc::now().into()).map_err(fail)?;
-            let planned = store.planned_observers(&study).map_err(fail)?;
-            if !planned.contains(&observer) {
-                return Err(unknown_observer(path, &study, &observer, &planned));
-            }
-            print(&next_text(&next))
-        }
+        StudyCommand::Next { study, observer, .. } => next(path, study, observer),
         StudyCommand::Export { study, out, overwrite, .. } => {
-            let outputs = Outputs::new(*overwrite, [path]);
-            outputs.declare(out)?;
-            let exported = view(path)?.export_case(&store_name(study)?).map_err(fail)?;
-            for remark in &exported.remarks {
-                say(&format!("note: {remark}\n"));
-            }
-            outputs.write(out, &exported.text)?;
-            outputs.commit()?;
-            Ok(Ending::Done)
+            export(path, study, out, Outputs::new(*overwrite, [path]))
         }
         StudyCommand::Log { .. } => print(&log(&view(path)?).map_err(fail)?),
         StudyCommand::Verify { head, .. } => verify(path, head.as_ref()),
@@ -88,6 +59,49 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
             report(out, &verification)
         }
     }
+}
+
+fn plan(
+    path: &Path,
+    study: &str,
+    observers: &[String],
+    design: PlanDesign,
+    by: &Signature,
+) -> Result<Ending, Failure> {
+    let fail = |error: StoreError| Failure::store(path, &error);
+    let mut store = Store::open(path).map_err(fail)?;
+    let observers = observers.iter().map(|o| store_name(o)).collect::<Result<Vec<_>, _>>()?;
+    let readings = store.reading_plan(&store_name(study)?, &observers, design, by).map_err(fail)?;
+    print(&format!(
+        "Planned {}: every observer reads every film {}, {} apart, in a random order each.\n",
+        counted(readings, "reading"),
+        counted(design.repeats, "time"),
+        counted(design.washout_days, "day")
+    ))
+}
+
+fn next(path: &Path, study: &str, observer: &str) -> Result<Ending, Failure> {
+    let fail = |error: StoreError| Failure::store(path, &error);
+    let store = view(path)?;
+    let (study, observer) = (store_name(study)?, store_name(observer)?);
+    let next = store.observer(&observer).next_film_for(&study, Utc::now().into()).map_err(fail)?;
+    let planned = store.planned_observers(&study).map_err(fail)?;
+    if !planned.contains(&observer) {
+        return Err(unknown_observer(path, &study, &observer, &planned));
+    }
+    print(&next_text(&next))
+}
+
+fn export(path: &Path, study: &str, out: &Path, outputs: Outputs) -> Result<Ending, Failure> {
+    outputs.declare(out)?;
+    let exported = view(path)?.export_case(&store_name(study)?);
+    let exported = exported.map_err(|error| Failure::store(path, &error))?;
+    for remark in &exported.remarks {
+        say(&format!("note: {remark}\n"));
+    }
+    outputs.write(out, &exported.text)?;
+    outputs.commit()?;
+    Ok(Ending::Done)
 }
 
 /// Opens a store to look at it.

@@ -1,13 +1,13 @@
 use serde_json::{Value, json};
 use spineline::analysis::Case;
-use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::anatomy::{Level, Posture};
 use spineline::measure::{Corners, FilmLandmarks, VertebraLandmarks};
 use spineline::spatial::{Angle, Pixel};
 use spineline_store::{PlanDesign, ReadingId, Store};
 
 use super::server::{
-    READER, add_read_study, add_study, assert_numbers, by, events, name, phantom, reading_of,
-    record, serve, vertebra,
+    READER, Running, add_read_study, add_study, assert_numbers, by, events, name, phantom,
+    reading_of, record, serve, vertebra,
 };
 
 fn px(value: &Value) -> [f64; 2] {
@@ -29,15 +29,21 @@ fn begun(store: &mut Store, case: &Case, study: &str, count: usize) -> ReadingId
     reading
 }
 
+/// A server with a reading that is filled in, and the address of the reading.
+fn serve_reading(fill: impl FnOnce(&mut Store) -> ReadingId) -> (Running, String) {
+    let mut reading = None;
+    let running = serve(|store| reading = Some(fill(store)));
+    (running, format!("/api/readings/{}", reading.expect("begun").0))
+}
+
 #[test]
 fn an_incomplete_reading_is_partial_and_names_missing_vertebrae() {
     let case = phantom().case;
-    let mut reading = None;
-    let running = serve(|store| {
+    let (running, reading) = serve_reading(|store| {
         add_study(store, "S1", &case);
-        reading = Some(begun(store, &case, "S1", 12));
+        begun(store, &case, "S1", 12)
     });
-    let live = running.get(&format!("/api/readings/{}/live", reading.expect("begun").0));
+    let live = running.get(&format!("{reading}/live"));
     assert_eq!(live["status"], "partial");
     assert_eq!(live["status_text"], "12 of 15 vertebrae; T4, T3 and T2 are missing");
     assert!(live["overlay"].is_null() && live["study"].is_null());
@@ -46,12 +52,11 @@ fn an_incomplete_reading_is_partial_and_names_missing_vertebrae() {
 #[test]
 fn a_complete_reading_gives_an_overlay_and_study_results() {
     let case = phantom().case;
-    let mut reading = None;
-    let running = serve(|store| {
+    let (running, reading) = serve_reading(|store| {
         add_read_study(store, "S1", &case);
-        reading = Some(begun(store, &case, "S1", 15));
+        begun(store, &case, "S1", 15)
     });
-    let live = running.get(&format!("/api/readings/{}/live", reading.expect("begun").0));
+    let live = running.get(&format!("{reading}/live"));
     assert_numbers(&live, "live");
     assert_eq!(live["status"], "complete", "{live}");
     assert_eq!(live["study"]["curves"].as_array().map(Vec::len), Some(3));
@@ -143,10 +148,7 @@ fn mirrored(case: &Case) -> Case {
         };
         let last = f64::from(image.columns - 1);
         let mirror = |p: Pixel| Pixel::new(last - p.column_px, p.row_px);
-        image.patient_left = match image.patient_left {
-            ImageSide::Left => ImageSide::Right,
-            ImageSide::Right => ImageSide::Left,
-        };
+        image.patient_left = image.patient_left.opposite();
         if let Some(crests) = iliac_crests {
             (crests.left, crests.right) = (mirror(crests.left), mirror(crests.right));
         }
@@ -191,17 +193,13 @@ fn swapped_sides_are_refused_with_a_reason() {
     let mut wrong = case.clone();
     for film in &mut wrong.films {
         let FilmLandmarks::Corners { image, .. } = &mut film.landmarks else { panic!("landmarks") };
-        image.patient_left = match image.patient_left {
-            ImageSide::Left => ImageSide::Right,
-            ImageSide::Right => ImageSide::Left,
-        };
+        image.patient_left = image.patient_left.opposite();
     }
-    let mut reading = None;
-    let running = serve(|store| {
+    let (running, reading) = serve_reading(|store| {
         add_study(store, "S1", &wrong);
-        reading = Some(begun(store, &case, "S1", 4));
+        begun(store, &case, "S1", 4)
     });
-    let live = running.get(&format!("/api/readings/{}/live", reading.expect("begun").0));
+    let live = running.get(&format!("{reading}/live"));
     assert_eq!(live["status"], "refused");
     let text = live["status_text"].as_str().expect("words");
     assert!(text.contains("left and right corners are exchanged"), "{text}");
@@ -211,8 +209,7 @@ fn swapped_sides_are_refused_with_a_reason() {
 #[test]
 fn a_bending_film_has_its_curve_before_the_erect_film_is_read() {
     let case = phantom().case;
-    let mut reading = None;
-    let running = serve(|store| {
+    let (running, reading) = serve_reading(|store| {
         let films = add_study(store, "S1", &case);
         let (_, film) =
             films.into_iter().find(|(p, _)| *p == Posture::LeftBending).expect("a bend");
@@ -220,9 +217,9 @@ fn a_bending_film_has_its_curve_before_the_erect_film_is_read() {
         let begun = store.begin_reading(film, 1, &by).expect("a new reading");
         let (film, landmarks) = reading_of(&case, Posture::LeftBending);
         record(store, begun, &events(film, landmarks), &by);
-        reading = Some(begun);
+        begun
     });
-    let live = running.get(&format!("/api/readings/{}/live", reading.expect("begun").0));
+    let live = running.get(&format!("{reading}/live"));
     assert_eq!(live["status"], "complete");
     assert!(live["study"].is_null());
     assert_eq!(live["overlay"]["curve_px"].as_array().map(Vec::len), Some(120));
@@ -232,18 +229,16 @@ fn a_bending_film_has_its_curve_before_the_erect_film_is_read() {
 #[test]
 fn blinded_readers_see_no_results() {
     let case = phantom().case;
-    let mut reading = None;
-    let running = serve(|store| {
+    let (running, reading) = serve_reading(|store| {
         add_study(store, "S1", &case);
         let design = PlanDesign { repeats: 1, washout_days: 1, seed: 1 };
         store.reading_plan(&name("S1"), &[name(READER)], design, &by("lead")).expect("a plan");
         let who = name(READER);
         let next = store.observer(&who).next_film_for(&name("S1"), by(READER).at).expect("a plan");
         let spineline_store::Next::Begin(film) = next else { panic!("a film to begin") };
-        let begun = store.begin_planned(&film.code, &by(READER)).expect("in turn");
-        reading = Some(begun);
+        store.begin_planned(&film.code, &by(READER)).expect("in turn")
     });
-    let path = format!("/api/readings/{}/live", reading.expect("begun").0);
+    let path = format!("{reading}/live");
     let (status, body) = running.ask("GET", &path, None);
     assert_eq!((status, &body["code"]), (403, &json!("blinded")));
 }
@@ -251,20 +246,18 @@ fn blinded_readers_see_no_results() {
 #[test]
 fn a_preview_gives_results_and_records_no_event() {
     let case = phantom().case;
-    let mut reading = None;
-    let running = serve(|store| {
+    let (running, reading) = serve_reading(|store| {
         add_study(store, "S1", &case);
-        reading = Some(begun(store, &case, "S1", 15));
+        begun(store, &case, "S1", 15)
     });
-    let reading = reading.expect("begun").0;
-    let before = running.get(&format!("/api/readings/{reading}/live"));
+    let before = running.get(&format!("{reading}/live"));
     let (_, landmarks) = reading_of(&case, Posture::Erect);
     let corner = landmarks.vertebrae[&Level::T8].corners.superior_left;
     let moved = json!({
         "kind": "move_corner", "level": "T8", "corner": "superior_left",
         "column_px": corner.column_px + 6.0, "row_px": corner.row_px,
     });
-    let path = format!("/api/readings/{reading}/preview");
+    let path = format!("{reading}/preview");
     let preview = running.post(&path, &json!({ "events": [moved], "turn_axis": null }));
     let residual = |live: &Value| {
         let all = live["overlay"]["residuals"].as_array().expect("a list").clone();
@@ -272,7 +265,7 @@ fn a_preview_gives_results_and_records_no_event() {
     };
     // Moving one corner moves the crossing of the diagonals, and no other film's.
     assert!((residual(&preview["live"])[0] - residual(&before)[0]).abs() > 1.0);
-    assert_eq!(running.get(&format!("/api/readings/{reading}/live")), before);
+    assert_eq!(running.get(&format!("{reading}/live")), before);
     let midpoint = residual(&before);
     let towards = json!({ "level": "T8", "towards_px": [midpoint[0] + 10.0, midpoint[1] - 100.0] });
     let turned = running.post(&path, &json!({ "events": [], "turn_axis": towards }));
@@ -286,32 +279,30 @@ fn a_preview_gives_results_and_records_no_event() {
 #[test]
 fn recorded_events_are_answered_with_their_results() {
     let case = phantom().case;
-    let mut reading = None;
-    let running = serve(|store| {
+    let (running, reading) = serve_reading(|store| {
         add_study(store, "S1", &case);
-        reading = Some(begun(store, &case, "S1", 15));
+        begun(store, &case, "S1", 15)
     });
-    let path = format!("/api/readings/{}", reading.expect("begun").0);
-    let revision = running.get(&path)["revision"].as_u64().expect("a number");
-    let before = running.get(&format!("{path}/live"));
+    let revision = running.get(&reading)["revision"].as_u64().expect("a number");
+    let before = running.get(&format!("{reading}/live"));
     let (_, landmarks) = reading_of(&case, Posture::Erect);
     let corner = landmarks.vertebrae[&Level::T8].corners.superior_left;
     let moved = json!([{
         "kind": "move_corner", "level": "T8", "corner": "superior_left",
         "column_px": corner.column_px + 6.0, "row_px": corner.row_px,
     }]);
-    let preview = running.post(&format!("{path}/preview"), &json!({ "events": moved }));
+    let preview = running.post(&format!("{reading}/preview"), &json!({ "events": moved }));
     let body = json!({ "expected_revision": revision, "events": moved });
-    let recorded = running.post(&format!("{path}/events"), &body);
+    let recorded = running.post(&format!("{reading}/events"), &body);
     assert_eq!(recorded["reading"]["revision"], json!(revision + 1));
     assert_eq!(recorded["live"]["status"], "complete", "{recorded}");
     assert_ne!(recorded["live"], before);
     // What was shown while it was dragged, and what a reload shows.
     assert_eq!(recorded["live"], preview["live"]);
-    assert_eq!(recorded["live"], running.get(&format!("{path}/live")));
-    assert_eq!(recorded["reading"], running.get(&path));
+    assert_eq!(recorded["live"], running.get(&format!("{reading}/live")));
+    assert_eq!(recorded["reading"], running.get(&reading));
     // A repeated request gets the same answer.
-    assert_eq!(running.post(&format!("{path}/events"), &body), recorded);
+    assert_eq!(running.post(&format!("{reading}/events"), &body), recorded);
 }
 
 /// Codes of the notices of the erect film's open reading, after a change of its landmarks up to a level.
@@ -319,13 +310,12 @@ fn notices_of(count: usize, change: impl Fn(&mut Case), fill: impl Fn(&mut Store
     let case = phantom().case;
     let mut odd = case.clone();
     change(&mut odd);
-    let mut reading = None;
-    let running = serve(|store| {
+    let (running, reading) = serve_reading(|store| {
         add_study(store, "S1", &case);
         fill(store);
-        reading = Some(begun(store, &odd, "S1", count));
+        begun(store, &odd, "S1", count)
     });
-    let live = running.get(&format!("/api/readings/{}/live", reading.expect("begun").0));
+    let live = running.get(&format!("{reading}/live"));
     let notices = live["notices"].as_array().expect("a list").iter();
     notices.map(|notice| notice["code"].as_str().expect("a name").to_owned()).collect()
 }
@@ -394,25 +384,24 @@ fn a_corner_far_from_the_finished_readings_of_its_film_is_named() {
 #[test]
 fn landmarks_of_another_posture_are_refused_by_both_names() {
     let case = phantom().case;
-    let mut reading = None;
-    let running = serve(|store| {
+    let (running, reading) = serve_reading(|store| {
         let films = add_study(store, "S1", &case);
         let by = by(READER);
         let (_, landmarks) = reading_of(&case, Posture::Erect);
-        for (posture, film) in films {
-            if ![Posture::Erect, Posture::Neutral].contains(&posture) {
-                continue;
-            }
+        let of_both =
+            films.into_iter().filter(|(p, _)| [Posture::Erect, Posture::Neutral].contains(p));
+        let begun = of_both.map(|(_, film)| {
             let begun = store.begin_reading(film, 1, &by).expect("a new reading");
             let clicks: Vec<_> = Level::MODEL[..15]
                 .iter()
                 .flat_map(|level| vertebra(*level, &landmarks.vertebrae[level]))
                 .collect();
             record(store, begun, &clicks, &by);
-            reading = Some(begun);
-        }
+            begun
+        });
+        begun.last().expect("two films")
     });
-    let live = running.get(&format!("/api/readings/{}/live", reading.expect("begun").0));
+    let live = running.get(&format!("{reading}/live"));
     assert_eq!(live["notices"][0]["code"], "film_repeated", "{live}");
     let text = live["status_text"].as_str().expect("words");
     assert!(text.contains("erect") && text.contains("neutral"), "{text}");

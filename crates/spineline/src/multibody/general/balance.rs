@@ -3,19 +3,19 @@ use super::wrench::{Pose, Spatial, SpatialMatrix, first, second, spatial};
 use crate::multibody::{Deformed, SpineModel, Support};
 use crate::spatial::{Angle, Mat3, Vec3, sin_cos};
 
-/// How much of the held and of the growing loads has come, and which of them the derivative is for.
+/// How much of the constant and of the proportional loads is applied, and which of them the derivative is for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Factors {
-    pub held: f64,
-    pub growing: f64,
+    pub constant: f64,
+    pub proportional: f64,
     pub varies: Timing,
 }
 
 impl Factors {
     pub(super) fn of(&self, timing: Timing) -> f64 {
         match timing {
-            Timing::Held => self.held,
-            Timing::Growing => self.growing,
+            Timing::Constant => self.constant,
+            Timing::Proportional => self.proportional,
         }
     }
 
@@ -26,8 +26,8 @@ impl Factors {
 
     pub(super) fn set_varied(&mut self, factor: f64) {
         match self.varies {
-            Timing::Held => self.held = factor,
-            Timing::Growing => self.growing = factor,
+            Timing::Constant => self.constant = factor,
+            Timing::Proportional => self.proportional = factor,
         }
     }
 }

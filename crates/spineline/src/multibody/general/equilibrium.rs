@@ -135,7 +135,7 @@ pub struct PathPoint {
 /// A shape that meets the goal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
-    /// Factor of the growing loads.
+    /// Factor of the proportional loads.
     pub factor: f64,
     /// The vertebrae.
     pub deformed: Deformed,
@@ -177,7 +177,7 @@ impl Equilibrium {
             .collect();
         let rods = balance.loading.rods.iter().zip(&state.reactions);
         Self {
-            factor: factors.growing,
+            factor: factors.proportional,
             deformed: state.deformed(),
             residual_rad: balance.residual_rad(state),
             smallest_singular_value: smallest_singular_value(balance, state),

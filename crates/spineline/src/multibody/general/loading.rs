@@ -64,22 +64,22 @@ pub enum BodyLoad {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Timing {
     /// First, and then it stays: gravity, say.
-    Held,
-    /// After the held ones; this is what the path follows.
+    Constant,
+    /// After the constant ones; this is what the path follows.
     #[default]
-    Growing,
+    Proportional,
 }
 
 impl Timing {
     /// Both, the earlier one first.
-    pub const ALL: [Self; 2] = [Self::Held, Self::Growing];
+    pub const ALL: [Self; 2] = [Self::Constant, Self::Proportional];
 
     /// The name used in files.
     #[must_use]
     pub const fn key(self) -> &'static str {
         match self {
-            Self::Held => "held",
-            Self::Growing => "growing",
+            Self::Constant => "held",
+            Self::Proportional => "growing",
         }
     }
 }
@@ -230,7 +230,7 @@ impl Loading {
     /// One load that grows.
     #[must_use]
     pub fn single(vertebra: usize, load: BodyLoad) -> Self {
-        let items = vec![LoadItem { vertebra, load, timing: Timing::Growing }];
+        let items = vec![LoadItem { vertebra, load, timing: Timing::Proportional }];
         Self { items, rods: Vec::new() }
     }
 
@@ -262,10 +262,10 @@ impl Loading {
 
     /// Whether anything comes before the path.
     #[must_use]
-    pub fn has_held(&self) -> bool {
-        let held = |timing| timing == Timing::Held;
-        self.items.iter().any(|item| held(item.timing))
-            || self.rods.iter().any(|rod| held(rod.timing))
+    pub fn has_constant_loads(&self) -> bool {
+        let constant = |timing| timing == Timing::Constant;
+        self.items.iter().any(|item| constant(item.timing))
+            || self.rods.iter().any(|rod| constant(rod.timing))
     }
 
     /// Looks for what cannot be applied to a spine.

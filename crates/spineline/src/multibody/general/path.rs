@@ -22,7 +22,7 @@ pub enum Goal {
 /// How far a path is followed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathOptions {
-    /// Whether the growing loads grow along or against themselves.
+    /// Whether the proportional loads grow along or against themselves.
     pub sign: ForceSign,
     /// No factor beyond this one is looked at.
     pub largest_factor: f64,

@@ -32,7 +32,7 @@ impl GeneralStatics<'_> {
     ) {
         let balance = self.balance(loading);
         let newton = work.newton_mut();
-        let factors = Factors { held: 1.0, growing: 1.0, varies: Timing::Growing };
+        let factors = Factors { constant: 1.0, proportional: 1.0, varies: Timing::Proportional };
         balance.evaluate(&factors, &mut newton.state);
         solution.deformed = newton.state.deformed();
         let vertebrae = balance.model.midpoints_mm.len();

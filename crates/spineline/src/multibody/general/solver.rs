@@ -125,7 +125,7 @@ impl<'a> GeneralStatics<'a> {
         Ok(NewtonWork(Newton::new(&self.balance(loading))))
     }
 
-    /// Equilibrium under a loading whose growing loads are multiplied by a factor, by Newton from the hinge angles in
+    /// Equilibrium under a loading whose proportional loads are multiplied by a factor, by Newton from the hinge angles in
     /// `work`. No allocation.
     ///
     /// The start must be near: nothing shows which branch was found. `work` must have been made for this loading.
@@ -138,7 +138,8 @@ impl<'a> GeneralStatics<'a> {
         factor: f64,
         work: &mut NewtonWork,
     ) -> NearbyReport {
-        let mut factors = Factors { held: 1.0, growing: factor, varies: Timing::Growing };
+        let mut factors =
+            Factors { constant: 1.0, proportional: factor, varies: Timing::Proportional };
         let report = work.0.correct(&self.balance(loading), &mut factors, &Closing::Factor);
         NearbyReport {
             converged: report.ending == NewtonEnding::Balanced,
@@ -147,7 +148,8 @@ impl<'a> GeneralStatics<'a> {
         }
     }
 
-    /// Follows the branch of equilibria from the erect spine: first while the held loads come, then as the growing ones do.
+    /// Follows the branch of equilibria from the erect spine: first while the constant loads are applied, then as the
+    /// proportional ones grow.
     ///
     /// The branch is followed past limit points; the solver never steps to another branch without saying so.
     ///
@@ -183,8 +185,8 @@ impl<'a> GeneralStatics<'a> {
             iterations: 0,
             is_complete: false,
         };
-        if loading.has_held() {
-            let factors = Factors { held: 0.0, growing: 0.0, varies: Timing::Held };
+        if loading.has_constant_loads() {
+            let factors = Factors { constant: 0.0, proportional: 0.0, varies: Timing::Constant };
             let once = PathOptions {
                 sign: ForceSign::Positive,
                 largest_factor: 1.0,
@@ -201,7 +203,7 @@ impl<'a> GeneralStatics<'a> {
                 return Ok(path);
             }
         }
-        let factors = Factors { held: 1.0, growing: 0.0, varies: Timing::Growing };
+        let factors = Factors { constant: 1.0, proportional: 0.0, varies: Timing::Proportional };
         let stop =
             Walk::new(balance, &mut newton, (factors, goal), options, &mut path, on_point).run();
         path.ending = path.ending(stop);

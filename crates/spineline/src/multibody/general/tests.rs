@@ -58,7 +58,7 @@ fn every_load(draw: &mut Draw, joints: usize) -> Loading {
     let items = loads.into_iter().enumerate().map(|(i, load)| LoadItem {
         vertebra: 1 + (i * 5) % joints,
         load,
-        timing: if i % 2 == 0 { Timing::Growing } else { Timing::Held },
+        timing: if i % 2 == 0 { Timing::Proportional } else { Timing::Constant },
     });
     Loading { items: items.collect(), rods: Vec::new() }
 }
@@ -72,7 +72,7 @@ fn springs(draw: &mut Draw, joints: usize) -> Vec<Mat3> {
     (0..joints).map(|_| spring(draw)).collect()
 }
 
-const FACTORS: Factors = Factors { held: 0.8, growing: 0.6, varies: Timing::Growing };
+const FACTORS: Factors = Factors { constant: 0.8, proportional: 0.6, varies: Timing::Proportional };
 
 /// Residuals, divided by the roots of the springs, at hinge angles.
 fn residual(balance: &Balance<'_>, hinges: &[Vec3], factors: &Factors) -> Vec<f64> {
@@ -110,7 +110,7 @@ fn the_tangent_is_the_derivative_of_the_residual() {
         }
     }
     // And by the factor.
-    let at = |growing| residual(&balance, &state.hinges, &Factors { growing, ..FACTORS });
+    let at = |proportional| residual(&balance, &state.hinges, &Factors { proportional, ..FACTORS });
     let growth = state.growth.iter().flat_map(|g| [g.x, g.y, g.z]);
     for (growth, (plus, minus)) in growth.zip(at(0.61).iter().zip(at(0.59))) {
         // Linear in the factor but for straps, whose force is linear too.

@@ -67,12 +67,12 @@ pub fn springs(model: &SpineModel, nmm_per_rad: [f64; 3]) -> Vec<Mat3> {
     vec![Mat3::from_diagonal(&Vec3::from(nmm_per_rad)); model.joints.len()]
 }
 
-pub fn growing(vertebra: usize, load: BodyLoad) -> LoadItem {
-    LoadItem { vertebra, load, timing: Timing::Growing }
+pub fn proportional(vertebra: usize, load: BodyLoad) -> LoadItem {
+    LoadItem { vertebra, load, timing: Timing::Proportional }
 }
 
-pub fn held(vertebra: usize, load: BodyLoad) -> LoadItem {
-    LoadItem { vertebra, load, timing: Timing::Held }
+pub fn constant(vertebra: usize, load: BodyLoad) -> LoadItem {
+    LoadItem { vertebra, load, timing: Timing::Constant }
 }
 
 /// A dead force at a vertebra's midpoint.

@@ -75,17 +75,17 @@ pub fn draw_loads(draw: &mut Draw) -> [BodyLoad; 7] {
 pub fn draw_rod(draw: &mut Draw) -> Rod {
     let (shift, turn_rad) = (draw_vector(draw, 1.5), draw_vector(draw, 0.05));
     let shift_mm = Vec3::new(shift.x, shift.y, -2.0 - shift.z.abs());
-    Rod { inferior: 2, superior: 6, shift_mm, turn_rad, timing: Timing::Growing }
+    Rod { inferior: 2, superior: 6, shift_mm, turn_rad, timing: Timing::Proportional }
 }
 
 impl Problem {
-    /// Every kind of load, held and growing by turns.
+    /// Every kind of load, constant and proportional by turns.
     pub fn draw(draw: &mut Draw, joints: usize) -> Self {
         let loads = draw_loads(draw).into_iter().enumerate();
         let items = loads.map(|(i, load)| LoadItem {
             vertebra: 1 + (i * 5) % joints,
             load,
-            timing: if i % 2 == 0 { Timing::Growing } else { Timing::Held },
+            timing: if i % 2 == 0 { Timing::Proportional } else { Timing::Constant },
         });
         let items = items.collect();
         Self {

@@ -120,6 +120,24 @@ pub fn landmarks_mut(case: &mut Case, posture: Posture, level: Level) -> &mut Ve
     readings[0].vertebrae.get_mut(&level).expect("phantoms mark every vertebra")
 }
 
+/// All pictures seen from the other side, with the patient's left where it is then.
+pub fn mirrored(case: &Case) -> Case {
+    let mut case = case.clone();
+    for film in &mut case.films {
+        let (image, crests, readings) = landmarks(film);
+        let last = f64::from(image.columns) - 1.0;
+        let flip = |place: Pixel| Pixel::new(last - place.column_px, place.row_px);
+        image.patient_left = image.patient_left.opposite();
+        for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
+            landmark.corners = landmark.corners.map(flip);
+            landmark.axis_clockwise = landmark.axis_clockwise.map(|axis| -axis);
+        }
+        *crests =
+            crests.map(|crests| IliacCrests { left: flip(crests.left), right: flip(crests.right) });
+    }
+    case
+}
+
 /// Moves every landmark of a film in the plane of the film; axes turned by hand turn with them.
 ///
 /// The picture is made large enough, and the landmarks are shifted into its middle.

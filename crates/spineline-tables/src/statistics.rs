@@ -1,0 +1,146 @@
+//! `reliability --csv`: the statistics of readings, and the limits of agreement of every pair.
+
+use spineline::reliability::{
+    BlandAltman, Design, DesignReliability, QuantityReliability, Statistic, StatisticEstimate,
+};
+
+use crate::define::{Column, Definition, Unit, count, element, number, text, truth};
+use crate::table::Table;
+
+/// A statistic of a design, or one of the limits of a pair.
+struct StatisticRow<'a> {
+    synthetic: bool,
+    quantity: &'a QuantityReliability,
+    design: &'a DesignReliability,
+    value: Value<'a>,
+}
+
+enum Value<'a> {
+    Statistic(&'a Statistic),
+    /// The bias of a pair of raters or one of its limits of agreement, with its 95 % interval.
+    Limit {
+        pair: &'a BlandAltman,
+        name: &'static str,
+        value: f64,
+        interval: Option<[f64; 2]>,
+    },
+}
+
+impl Value<'_> {
+    fn estimate(&self) -> Option<StatisticEstimate> {
+        match self {
+            Self::Statistic(statistic) => statistic.outcome.ok(),
+            Self::Limit { .. } => None,
+        }
+    }
+
+    fn interval(&self) -> Option<[f64; 2]> {
+        match self {
+            Self::Statistic(_) => self.estimate()?.interval.ok(),
+            Self::Limit { interval, .. } => *interval,
+        }
+    }
+}
+
+/// One row per statistic, and per bias and limit of every pair.
+#[must_use]
+pub fn statistics_table(found: &[QuantityReliability], synthetic: bool) -> Table {
+    let mut rows = Vec::new();
+    for quantity in found {
+        for design in &quantity.designs {
+            let statistics = design.statistics.iter().map(Value::Statistic);
+            let limits = design.bland_altman.iter().flat_map(|pair| {
+                let limits = pair.named_limits().into_iter();
+                limits.map(|(name, value, interval)| Value::Limit { pair, name, value, interval })
+            });
+            let values = statistics.chain(limits);
+            rows.extend(values.map(|value| StatisticRow { synthetic, quantity, design, value }));
+        }
+    }
+    let mut columns = which();
+    columns.extend(values());
+    let row = "quantity × design × statistic, or quantity × design × pair of raters × bias or limit of agreement";
+    Definition { name: "statistics", row, columns }.fill(&rows)
+}
+
+fn which<'a>() -> Vec<Column<StatisticRow<'a>>> {
+    vec![
+        truth("synthetic", "whether the films of some case are synthetic", |row| {
+            Some(row.synthetic)
+        }),
+        text("quantity", "quantity that was read", |row| Some(row.quantity.key.clone())),
+        text(
+            "design",
+            "`inter_observer_means`, `inter_observer_single` or `intra_observer`",
+            |row| Some(row.design.design.key().to_owned()),
+        ),
+        text("observer", "for `intra_observer`: the observer whose repeats are compared", |row| {
+            match &row.design.design {
+                Design::IntraObserver { observer } => Some(observer.clone()),
+                Design::InterObserverMeans | Design::InterObserverSingle { .. } => None,
+            }
+        }),
+        count("raters", "number of raters", |row| Some(row.design.raters.len() as i64)),
+        text(
+            "repeats",
+            "number of readings in a value of each rater, with spaces between them",
+            |row| {
+                let repeats: Vec<_> = row.design.repeats.iter().map(usize::to_string).collect();
+                Some(repeats.join(" "))
+            },
+        ),
+        count("subjects", "number of subjects that all raters rated", |row| {
+            Some(row.design.subjects as i64)
+        }),
+        count("dropped", "subjects that are left out, since some rater did not rate them", |row| {
+            Some(row.design.dropped as i64)
+        }),
+    ]
+}
+
+fn values<'a>() -> Vec<Column<StatisticRow<'a>>> {
+    let interval: fn(&StatisticRow<'a>, usize) -> Option<f64> =
+        |row, end| row.value.interval().map(|ends| ends[end]);
+    vec![
+        text("statistic", "key of the statistic", |row| {
+            Some(match &row.value {
+                Value::Statistic(statistic) => statistic.kind.key().to_owned(),
+                Value::Limit { name, .. } => format!("bland_altman_{}", name.replace(' ', "_")),
+            })
+        }),
+        text("name", "its name; of a bias or limit of agreement, the two raters", |row| {
+            Some(match &row.value {
+                Value::Statistic(statistic) => statistic.kind.name().to_owned(),
+                Value::Limit { pair, .. } => {
+                    format!("{1} minus {0}", pair.raters[0], pair.raters[1])
+                }
+            })
+        }),
+        number("value", Unit::Stated, "its value", |row| match row.value {
+            Value::Statistic(_) => Some(row.value.estimate()?.value),
+            Value::Limit { value, .. } => Some(value),
+        }),
+        number(
+            "sd",
+            Unit::Stated,
+            "standard deviation over pairs of raters; of a bias, that of the differences",
+            |row| match row.value {
+                Value::Statistic(_) => row.value.estimate()?.sd,
+                Value::Limit { pair, name, .. } => (name == "bias").then_some(pair.sd),
+            },
+        ),
+        element("ci95_low", Unit::Stated, "lower end of its 95 % interval", 0, interval),
+        element("ci95_high", Unit::Stated, "upper end of its 95 % interval", 1, interval),
+        text("unit", "unit of the value; empty for a coefficient", |row| {
+            let has_unit = match row.value {
+                Value::Statistic(statistic) => statistic.kind.has_unit(),
+                Value::Limit { .. } => true,
+            };
+            has_unit.then(|| row.quantity.unit.clone())
+        }),
+        text("undefined", "reason why there is no value", |row| match row.value {
+            Value::Statistic(statistic) => Some(statistic.outcome.err()?.key().to_owned()),
+            Value::Limit { .. } => None,
+        }),
+    ]
+}
