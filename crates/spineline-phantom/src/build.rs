@@ -5,8 +5,8 @@ use rand_distr::{Distribution, Normal, Uniform};
 use spineline::anatomy::Level;
 use spineline::multibody::StiffnessLibrary;
 
-use crate::erect::{SEGMENTS, region};
-
+/// Segments of the fine chain.
+pub(crate) const SEGMENTS: usize = 998;
 const JOINTS: usize = Level::MODEL.len() - 1;
 
 /// Construction of a synthetic spine. They differ in the erect curve, in what bends, and in how stiffness varies, so that a
@@ -93,6 +93,11 @@ impl Springs {
             }
         }
     }
+}
+
+/// Region of an arc length: caudal, middle or cranial of the inflections.
+pub(crate) fn region(inflection_s_mm: [f64; 2], s_mm: f64) -> usize {
+    inflection_s_mm.iter().filter(|&&end| s_mm > end).count()
 }
 
 /// What every joint's stiffness has of its own.

@@ -8,7 +8,8 @@ use rand_distr::{Distribution, StandardNormal};
 use spineline::anatomy::Posture;
 use spineline::spatial::{Angle, Frontal};
 
-use crate::erect::{ErectSpine, SEGMENTS};
+use crate::build::SEGMENTS;
+use crate::erect::ErectSpine;
 use crate::movement::{
     Moved, TOTAL_DEG, force_for, in_order, leans, main_turn, through, usual_variation,
 };

@@ -3,12 +3,9 @@ use rand_distr::{Distribution, Normal, Uniform};
 use spineline::anatomy::{Level, Morphometry};
 use spineline::spatial::{Angle, Mat3, Vec3};
 
-use crate::build::{Build, Construction, Springs};
+use crate::build::{Build, Construction, SEGMENTS, Springs, region};
 use crate::lobes::LobedCurve;
 use crate::{PhantomError, TableRow};
-
-/// Segments of the fine chain.
-pub(crate) const SEGMENTS: usize = 998;
 
 /// The erect spine as a fine planar chain.
 #[derive(Debug, Clone)]
@@ -181,11 +178,6 @@ impl ErectSpine {
     pub fn region(&self, s_mm: f64) -> usize {
         region(self.inflection_s_mm, s_mm)
     }
-}
-
-/// Region of an arc length: caudal, middle or cranial of the inflections.
-pub(crate) fn region(inflection_s_mm: [f64; 2], s_mm: f64) -> usize {
-    inflection_s_mm.iter().filter(|&&end| s_mm > end).count()
 }
 
 /// The paper's chains: 0.39 ± 0.05 mm per segment, so 389 ± 50 mm.

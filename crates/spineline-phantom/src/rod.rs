@@ -3,7 +3,8 @@
 use spineline::action::{Application, LineOfAction};
 use spineline::spatial::{Angle, Frontal};
 
-use crate::erect::{ErectSpine, SEGMENTS};
+use crate::build::SEGMENTS;
+use crate::erect::ErectSpine;
 
 /// The chain in one shape.
 #[derive(Debug, Clone)]
