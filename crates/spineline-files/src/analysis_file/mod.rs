@@ -29,7 +29,7 @@ use identifiability::IdentifiabilityRecord;
 use model::ModelRecord;
 use posture::PostureRecord;
 use spineline::uncertainty::Uncertainty;
-pub use stored::{StoredAnalysis, parse_analysis, parse_case_within};
+pub use stored::{PICTURE_WARNINGS, StoredAnalysis, parse_analysis, parse_case_within};
 use uncertainty::UncertaintyRecord;
 
 const FORMAT: &str = "spineline-analysis";
