@@ -49,4 +49,5 @@ def test_a_killed_worker_costs_no_case(folder_of_cases: Path, tmp_path: Path) ->
             name = f"{table}/{part.name}.parquet"
             ours = (tmp_path / "cluster" / name).read_bytes()
             assert ours == (tmp_path / "alone" / name).read_bytes(), name
-    assert not list((tmp_path / "cluster").rglob("*.part")), "no file is left half written"
+    found = {path.stem for path in (tmp_path / "cluster").rglob("*.parquet")}
+    assert found == {part.name for part in alone.parts}, "what was half written has no name of a part"
