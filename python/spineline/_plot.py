@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 # Okabe and Ito, as in the figures of the program.
 _FILMS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7")
 _LINES = {
-    "inflection_line": ("#D55E00", "solid"),
-    "iliac_line": ("#0072B2", "dashed"),
-    "estimated_line": ("#009E73", "dotted"),
-    "given_line": ("#CC79A7", "dashdot"),
+    "inflection_line": ("#0072B2", "dashed"),
+    "iliac_line": ("#D55E00", "dotted"),
+    "estimated_line": ("#009E73", "dashdot"),
+    "given_line": ("#CC79A7", "solid"),
 }
 
 
@@ -70,6 +70,7 @@ class Plot:
         for panel, one in zip(axes, films, strict=True):
             self._draw(panel, one, _FILMS[0])
             self._finish(panel, _words(one), is_inverted=panel is not axes[0])
+            panel.label_outer()
         synthetic = " · SYNTHETIC" if self._analysis.synthetic else ""
         figure.suptitle(f"{self._analysis.id}{synthetic}")
         handles, labels = axes[-1].get_legend_handles_labels()

@@ -107,6 +107,27 @@ def test_an_analysis_of_another_version_is_refused(analysis: sl.Analysis) -> Non
         sl.Analysis.from_json(text)
 
 
+def test_the_programs_own_analysis_is_read(
+    program: Path, analysis: sl.Analysis, tmp_path: Path
+) -> None:
+    path = analysis.case.save(tmp_path / "case.json")
+    out = tmp_path / "out.json"
+    subprocess.run(
+        [program, "analyze", path, "--json", out, "--replicates", "3", "--identifiability"],
+        check=True,
+        capture_output=True,
+    )
+    data = json.loads(out.read_text())
+    code = "patient_differs"
+    warning = {"code": code, "step": "measure", "posture": None, "level": None, "message": "odd"}
+    data["warnings"].append(warning)
+    text = json.dumps(data, ensure_ascii=False, indent=2) + "\n"
+    found = sl.Analysis.from_json(text)
+    assert found.warnings[-1].code == code and found.data["warnings"] == data["warnings"]
+    del data["uncertainty"]
+    assert {**found.data, "provenance": None} == {**data, "provenance": None}
+
+
 def test_an_unknown_option_is_answered_with_the_nearest(case: sl.Case) -> None:
     with pytest.raises(sl.InputError, match="did you mean `support`"):
         sl.analyze(case, suport="frontal")  # type: ignore[call-arg]

@@ -63,11 +63,25 @@ pub fn test(plan: &Plan<'_>) -> Result<(), String> {
         ("PYTHONDONTWRITEBYTECODE", "1"),
     ];
     let folder = root.join("python");
-    run(&folder, &interpreter, &["-m", "pytest", "--quiet"], &variables)?;
+    pytest(root, &staged, &interpreter, &variables)?;
     run(&folder, &interpreter, &["-m", "mypy"], &[])?;
     run(&folder, &interpreter, &["-m", "pyright", "--pythonpath", &interpreter], &[])?;
-    run(&folder, &interpreter, &["tests/measure.py"], &variables)?;
+    let measure = python::text(&folder.join("tests/measure.py"))?;
+    run(&staged, &interpreter, &[&measure], &variables)?;
     if plan.is_full() { test_wheel(root) } else { Ok(()) }
+}
+
+/// Runs the tests from another folder, so that the sources are not taken for the package.
+fn pytest(
+    root: &Path,
+    from: &Path,
+    interpreter: &str,
+    variables: &[(&str, &str)],
+) -> Result<(), String> {
+    let tests = python::text(&root.join("python/tests"))?;
+    let config = python::text(&root.join("python/pyproject.toml"))?;
+    let arguments = ["-m", "pytest", "--quiet", "--config-file", &config, &tests];
+    run(from, interpreter, &arguments, variables)
 }
 
 /// Installs the wheel in an environment of its own, and tests what it has installed.
@@ -78,12 +92,7 @@ fn test_wheel(root: &Path) -> Result<(), String> {
     let interpreter = python::text(&python::environment(root, "wheel", &requirements)?)?;
     let install = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", &wheel];
     run(root, &interpreter, &install, &[])?;
-    let tests = python::text(&folder.join("tests"))?;
-    let config = python::text(&folder.join("pyproject.toml"))?;
-    // Elsewhere, so that what is installed is found, and not the sources.
-    let target = python::target()?;
-    let arguments = ["-m", "pytest", "--quiet", "--config-file", &config, &tests];
-    run(&target, &interpreter, &arguments, &[("PYTHONDONTWRITEBYTECODE", "1")])
+    pytest(root, &python::target()?, &interpreter, &[("PYTHONDONTWRITEBYTECODE", "1")])
 }
 
 /// The package with a native module that cargo has built, below the target folder.

@@ -35,7 +35,9 @@ mod simulated;
 mod simulation_file;
 mod stiffness_file;
 
-pub use analysis_file::{AnalysisFile, StoredAnalysis, parse_analysis, parse_case_within};
+pub use analysis_file::{
+    AnalysisFile, PICTURE_WARNINGS, StoredAnalysis, parse_analysis, parse_case_within,
+};
 pub use case_file::{
     CaseFile, FilmSource, image_value, parse_case, parse_case_file, parse_image, with_spacing,
     written_axis_deg,

@@ -6,11 +6,14 @@ use numpy::PyArray2;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use serde_json::Value;
 use spineline::analysis::{self, AnalysisOptions};
 use spineline::anatomy::{Named, Posture};
 use spineline::personalize::Identifiability;
+use spineline::warning::Step;
 use spineline_files::{
-    AnalysisFile, CaseFile, FilmOrigin, Provenance, Request, parse_analysis, to_line, to_text,
+    AnalysisFile, CaseFile, FilmOrigin, PICTURE_WARNINGS, Provenance, Request, parse_analysis,
+    parse_json, to_line, to_text,
 };
 use spineline_report::figures;
 use spineline_report::patient::{Patient as ReportedPatient, overview, report, summary};
@@ -35,11 +38,11 @@ pub struct Analysis {
     pub identified: Option<Vec<Option<Identifiability>>>,
 }
 
+/// An analysis, and what is known of every model's multipliers, where that was asked for.
+type Computed = (analysis::Analysis, Option<Vec<Option<Identifiability>>>);
+
 /// Computes everything that a request asks of a case, but for replicates.
-fn compute(
-    case: &analysis::Case,
-    request: &Request,
-) -> Result<(analysis::Analysis, Option<Vec<Option<Identifiability>>>), Fault> {
+fn compute(case: &analysis::Case, request: &Request) -> Result<Computed, Fault> {
     let found = analysis::analyze(case, &request.options)?;
     let identified = request
         .identifiability
@@ -143,22 +146,26 @@ impl Analysis {
         })
     }
 
-    /// Repeats an analysis from its file, which has to say the same.
+    /// Repeats an analysis from its file, which has to say the same. Replicates are left out.
     #[staticmethod]
     fn repeat(py: Python<'_>, text: &str) -> PyResult<Self> {
         let stored = parse_analysis(text).map_err(|error| Fault::from(error).raise(py))?;
-        let request = stored.request;
+        let request = Request { replicates: None, ..stored.request };
         let found = beside(py, |_| compute(&stored.case, &request))?;
-        let (found, identified) = found.map_err(|fault| fault.raise(py))?;
+        let (mut found, identified) = found.map_err(|fault| fault.raise(py))?;
+        let then = parse_json(text).map_err(|error| Fault::from(error).raise(py))?;
+        keep_picture_warnings(&then, &mut found);
         let again = Self {
             file: stored.case_file,
             case: stored.case,
             analysis: found,
+            provenance: stored.provenance.asking(&request),
             request,
-            provenance: stored.provenance,
             identified,
         };
-        if to_text(&again.stored()) == text {
+        let now = parse_json(&to_text(&again.stored()));
+        let now = now.map_err(|error| Fault::from(error).raise(py))?;
+        if results(then) == results(now) {
             return Ok(again);
         }
         let what = format!(
@@ -325,4 +332,26 @@ pub fn time_analysis(py: Python<'_>, case: &Case) -> PyResult<f64> {
         found.map(|_| start.elapsed().as_secs_f64())
     })
     .map_err(|error| Fault::from(error).raise(py))
+}
+
+/// What an analysis has found, without what was asked beside it.
+fn results(mut file: Value) -> Value {
+    if let Some(parts) = file.as_object_mut() {
+        parts.remove("provenance");
+        parts.remove("uncertainty");
+    }
+    file
+}
+
+/// Warnings about pictures that lay beside the case then: an analysis holds no pictures.
+fn keep_picture_warnings(then: &Value, found: &mut analysis::Analysis) {
+    for warning in then["warnings"].as_array().into_iter().flatten() {
+        let code = PICTURE_WARNINGS.into_iter().find(|code| warning["code"] == *code);
+        let Some(code) = code else { continue };
+        let text = warning["message"].as_str().unwrap_or_default();
+        match warning["posture"].as_str().and_then(Posture::from_key) {
+            Some(posture) => found.warnings.film(Step::Measure, code, posture, text),
+            None => found.warnings.push(Step::Measure, code, text),
+        }
+    }
 }

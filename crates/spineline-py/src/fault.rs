@@ -11,9 +11,12 @@ use spineline_files::FileError;
 use spineline_files::method_text::OptionError;
 use spineline_landmarks::LandmarkError;
 
-/// What an `InputError` says.
+/// What an `InputError` says; on the heap, since a result carries it beside what it is for.
 #[derive(Default)]
-pub struct Fault {
+pub struct Fault(Box<Facts>);
+
+#[derive(Default)]
+struct Facts {
     text: String,
     help: String,
     file: Option<String>,
@@ -26,57 +29,58 @@ pub struct Fault {
 impl Fault {
     /// Wrong input, and what to do about it.
     pub fn new(text: impl Display, help: impl Into<String>) -> Self {
-        Self { text: text.to_string(), help: help.into(), ..Self::default() }
+        Self(Box::new(Facts { text: text.to_string(), help: help.into(), ..Facts::default() }))
     }
 
     /// The same, of a file.
     pub fn in_file(mut self, path: &Path) -> Self {
         let name = path.display().to_string();
         // Reading errors name the path themselves.
-        if !self.text.starts_with(&name) {
-            self.text = format!("{name}: {}", self.text);
+        if !self.0.text.starts_with(&name) {
+            self.0.text = format!("{name}: {}", self.0.text);
         }
-        self.file = Some(name);
+        self.0.file = Some(name);
         self
     }
 
     /// What is wrong.
     pub fn text(&self) -> String {
-        self.text.clone()
+        self.0.text.clone()
     }
 
     /// What to do about it.
     pub fn help(&self) -> String {
-        self.help.clone()
+        self.0.help.clone()
     }
 
     /// The film.
     pub fn film(&self) -> Option<String> {
-        self.film.clone()
+        self.0.film.clone()
     }
 
     /// The vertebra.
     pub fn level(&self) -> Option<String> {
-        self.level.map(|level| level.to_string())
+        self.0.level.map(|level| level.to_string())
     }
 
     fn on_film(mut self, posture: Option<Posture>) -> Self {
-        self.film = posture.map(|posture| posture.key().to_owned());
+        self.0.film = posture.map(|posture| posture.key().to_owned());
         self
     }
 
     /// The Python exception.
     pub fn raise(self, py: Python<'_>) -> PyErr {
+        let Facts { text, help, file, film, level, value, limit } = *self.0;
         let made = || -> PyResult<PyErr> {
             let class = py.import("spineline._errors")?.getattr("InputError")?;
             let facts = PyDict::new(py);
-            facts.set_item("help", self.help)?;
-            facts.set_item("file", self.file)?;
-            facts.set_item("film", self.film)?;
-            facts.set_item("level", self.level.map(|level| level.to_string()))?;
-            facts.set_item("value", self.value)?;
-            facts.set_item("limit", self.limit)?;
-            Ok(PyErr::from_value(class.call((self.text,), Some(&facts))?))
+            facts.set_item("help", help)?;
+            facts.set_item("file", file)?;
+            facts.set_item("film", film)?;
+            facts.set_item("level", level.map(|level| level.to_string()))?;
+            facts.set_item("value", value)?;
+            facts.set_item("limit", limit)?;
+            Ok(PyErr::from_value(class.call((text,), Some(&facts))?))
         };
         made().unwrap_or_else(|error| error)
     }
@@ -86,13 +90,15 @@ impl From<Error> for Fault {
     fn from(error: Error) -> Self {
         let place = error.place();
         let film = place.posture.map(|posture| posture.key().to_owned());
-        Self {
+        Self(Box::new(Facts {
+            text: error.to_string(),
+            help: error.help().into(),
             film: film.or_else(|| place.on_lateral_film.then(|| "lateral".to_owned())),
             level: place.level,
             value: place.value,
             limit: place.limit,
-            ..Self::new(&error, error.help())
-        }
+            file: None,
+        }))
     }
 }
 
@@ -111,7 +117,9 @@ impl From<FileError> for Fault {
             FileError::ModelPlace { above, .. } => Some(*above),
             _ => None,
         };
-        Self { level, ..Self::new(&error, error.help()).on_film(film) }
+        let mut fault = Self::new(&error, error.help()).on_film(film);
+        fault.0.level = level;
+        fault
     }
 }
 

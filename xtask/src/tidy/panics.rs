@@ -7,12 +7,13 @@ use std::path::Path;
 use super::{read, sources};
 
 /// Crates that read files, requests or streams.
-const READERS: [&str; 9] = [
+const READERS: [&str; 10] = [
     "spineline-cli",
     "spineline-files",
     "spineline-films",
     "spineline-landmarks",
     "spineline-pdf",
+    "spineline-py",
     "spineline-report",
     "spineline-server",
     "spineline-store",

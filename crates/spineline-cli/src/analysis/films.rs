@@ -6,16 +6,13 @@ use spineline::analysis::{Analysis, Case};
 use spineline::anatomy::Posture;
 use spineline::measure::FilmLandmarks;
 use spineline::warning::Step;
-use spineline_files::CaseFile;
+use spineline_files::{CaseFile, PICTURE_WARNINGS};
 use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_films::{Stated, film_doubts};
 use spineline_landmarks::read_source;
 
 use crate::run::failure::Failure;
 use crate::run::film_decoder::Decoder;
-
-/// Codes of the warnings about pictures: what is odd about them shows in no landmark.
-const CODES: [&str; 3] = ["identifier_repeated", "other_body_part", "patient_differs"];
 
 /// A film of a case whose picture lies beside the case.
 struct Beside {
@@ -48,7 +45,7 @@ impl FilmWarning {
 
     /// The code of a warning about a picture, as a file has it.
     pub fn code(text: &str) -> Option<&'static str> {
-        CODES.into_iter().find(|code| *code == text)
+        PICTURE_WARNINGS.into_iter().find(|code| *code == text)
     }
 
     /// Whether the film may not belong into the case.

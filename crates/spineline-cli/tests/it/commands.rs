@@ -299,8 +299,7 @@ fn a_given_line_and_given_inflections_are_used() {
 fn reproduce_prints_the_table_and_writes_the_same_bytes_for_any_number_of_threads() {
     let here = folder();
     let with = |threads: &str, out: &str| {
-        let text = done(here.path(), &["reproduce", "--threads", threads, "--out", out]);
-        text
+        done(here.path(), &["reproduce", "--threads", threads, "--out", out])
     };
     let text = with("1", "a");
     for word in [

@@ -10,8 +10,7 @@ use crate::results::results;
 type Row = BTreeMap<String, String>;
 
 fn run(folder: &Path, arguments: &[&str]) -> String {
-    let text = program::done(folder, arguments);
-    text
+    program::done(folder, arguments)
 }
 
 fn rows(text: &str) -> Vec<Row> {

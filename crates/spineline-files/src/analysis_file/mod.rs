@@ -30,7 +30,7 @@ use model::ModelRecord;
 use posture::PostureRecord;
 use spineline::uncertainty::Uncertainty;
 use spineline::warning::Warning;
-pub use stored::{StoredAnalysis, parse_analysis, parse_case_within};
+pub use stored::{PICTURE_WARNINGS, StoredAnalysis, parse_analysis, parse_case_within};
 use uncertainty::UncertaintyRecord;
 
 const FORMAT: &str = "spineline-analysis";

@@ -8,6 +8,11 @@ use crate::case_file::parse_case_file;
 use crate::json::{format_of, parse};
 use crate::{CaseFile, FileError, Provenance, Request};
 
+/// Codes of the warnings about pictures beside a case. They are the only ones that an analysis cannot find again without the
+/// pictures.
+pub const PICTURE_WARNINGS: [&str; 3] =
+    ["identifier_repeated", "other_body_part", "patient_differs"];
+
 /// Inputs of an analysis, sufficient to repeat it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredAnalysis {
