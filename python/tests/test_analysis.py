@@ -136,6 +136,15 @@ def test_an_unknown_option_is_answered_with_the_nearest(case: sl.Case) -> None:
     assert isinstance(sl.InputError("x"), ValueError)
 
 
+def test_a_known_force_of_a_film_that_there_is_not_is_refused(case: sl.Case) -> None:
+    data = json.loads(case.to_json())
+    data["films"] = [film for film in data["films"] if film["posture"] != "traction"]
+    without = sl.Case.from_json(json.dumps(data))
+    with pytest.raises(sl.InputError, match="no such film"):
+        sl.analyze(without, gauge="known-force:traction=120")
+    assert sl.analyze(case, gauge="known-force:traction=120").model().absolute
+
+
 def test_options_take_the_values_of_python(case: sl.Case) -> None:
     a = sl.analyze(
         case,

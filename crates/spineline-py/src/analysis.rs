@@ -1,5 +1,6 @@
 //! Analyses: the results of all steps for one patient.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use numpy::PyArray2;
@@ -7,10 +8,11 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::Value;
-use spineline::analysis::{self, AnalysisOptions};
+use spineline::analysis::{self, AnalysisOptions, Grouping};
 use spineline::anatomy::{Named, Posture};
 use spineline::personalize::Identifiability;
 use spineline::warning::Step;
+use spineline_files::method_text::missing_known_force;
 use spineline_files::{
     AnalysisFile, CaseFile, FilmOrigin, PICTURE_WARNINGS, Provenance, Request, parse_analysis,
     parse_json, to_line, to_text,
@@ -30,19 +32,43 @@ use crate::wait::beside;
 /// The results of all steps for one patient.
 #[pyclass(frozen, module = "spineline._native")]
 pub struct Analysis {
-    pub file: CaseFile,
-    pub case: analysis::Case,
+    pub file: Arc<CaseFile>,
+    pub case: Arc<analysis::Case>,
     pub analysis: analysis::Analysis,
     pub request: Request,
     pub provenance: Provenance,
     pub identified: Option<Vec<Option<Identifiability>>>,
 }
 
-/// An analysis, and what is known of every model's multipliers, where that was asked for.
+/// An analysis, and the identifiability of its models where it was asked for.
 type Computed = (analysis::Analysis, Option<Vec<Option<Identifiability>>>);
+
+/// Computes while other Python threads run. What takes milliseconds needs no thread that looks for Ctrl-C.
+fn waited_for(
+    py: Python<'_>,
+    case: &analysis::Case,
+    request: &Request,
+) -> PyResult<Result<Computed, Fault>> {
+    let options = &request.options;
+    let is_short = !request.identifiability
+        && options.hypotheses.is_empty()
+        && options.grouping == Grouping::Regional;
+    if is_short {
+        Ok(py.detach(|| compute(case, request)))
+    } else {
+        beside(py, |_| compute(case, request))
+    }
+}
 
 /// Computes everything that a request asks of a case, but for replicates.
 fn compute(case: &analysis::Case, request: &Request) -> Result<Computed, Fault> {
+    if let Some(posture) = missing_known_force(&request.options, case) {
+        let text = format!(
+            "{}: `gauge` names the {posture} film, and this case has no such film",
+            case.id
+        );
+        return Err(Fault::new(text, "name a film of the case"));
+    }
     let found = analysis::analyze(case, &request.options)?;
     let identified = request
         .identifiability
@@ -76,7 +102,7 @@ impl Analysis {
 
     /// Its file.
     fn stored(&self) -> AnalysisFile {
-        let file = AnalysisFile::new(&self.analysis, self.file.clone(), self.provenance.clone());
+        let file = AnalysisFile::new(&self.analysis, (*self.file).clone(), self.provenance.clone());
         match &self.identified {
             Some(found) => file.with_identifiability(&self.analysis, found),
             None => file,
@@ -131,14 +157,14 @@ impl Analysis {
     ) -> PyResult<Self> {
         let (options, files) = options(&given).map_err(|fault| fault.raise(py))?;
         let request = Request { options, replicates: None, identifiability };
-        let found = beside(py, |_| compute(&case.case, &request))?;
+        let found = waited_for(py, &case.case, &request)?;
         let (found, identified) = found.map_err(|fault| fault.raise(py))?;
         let inputs = case.input.iter().cloned().chain(files).collect();
         let films = FilmOrigin::of([case.case.synthetic]);
         let provenance = Provenance::new(run(command, date_utc), films, inputs).asking(&request);
         Ok(Self {
-            file: case.file.clone(),
-            case: case.case.clone(),
+            file: Arc::clone(&case.file),
+            case: Arc::clone(&case.case),
             analysis: found,
             request,
             provenance,
@@ -151,13 +177,13 @@ impl Analysis {
     fn repeat(py: Python<'_>, text: &str) -> PyResult<Self> {
         let stored = parse_analysis(text).map_err(|error| Fault::from(error).raise(py))?;
         let request = Request { replicates: None, ..stored.request };
-        let found = beside(py, |_| compute(&stored.case, &request))?;
+        let found = waited_for(py, &stored.case, &request)?;
         let (mut found, identified) = found.map_err(|fault| fault.raise(py))?;
         let then = parse_json(text).map_err(|error| Fault::from(error).raise(py))?;
         keep_picture_warnings(&then, &mut found);
         let again = Self {
-            file: stored.case_file,
-            case: stored.case,
+            file: Arc::new(stored.case_file),
+            case: Arc::new(stored.case),
             analysis: found,
             provenance: stored.provenance.asking(&request),
             request,
@@ -218,8 +244,8 @@ impl Analysis {
     #[getter]
     fn case(&self) -> Case {
         Case {
-            file: self.file.clone(),
-            case: self.case.clone(),
+            file: Arc::clone(&self.file),
+            case: Arc::clone(&self.case),
             input: self.provenance.inputs().first().cloned(),
         }
     }
@@ -329,7 +355,8 @@ pub fn time_analysis(py: Python<'_>, case: &Case) -> PyResult<f64> {
     py.detach(|| {
         let start = Instant::now();
         let found = analysis::analyze(&case.case, &AnalysisOptions::default());
-        found.map(|_| start.elapsed().as_secs_f64())
+        // To give the memory of a result back is a part of its price.
+        found.map(drop).map(|()| start.elapsed().as_secs_f64())
     })
     .map_err(|error| Fault::from(error).raise(py))
 }

@@ -1,6 +1,7 @@
 //! Cases: the films of one patient.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -22,8 +23,8 @@ use crate::wait::beside;
 /// The films of one patient with their landmarks.
 #[pyclass(frozen, module = "spineline._native")]
 pub struct Case {
-    pub file: CaseFile,
-    pub case: analysis::Case,
+    pub file: Arc<CaseFile>,
+    pub case: Arc<analysis::Case>,
     /// The file that it was read from.
     pub input: Option<InputFile>,
 }
@@ -31,7 +32,7 @@ pub struct Case {
 impl Case {
     pub fn new(file: CaseFile, input: Option<InputFile>) -> Result<Self, Fault> {
         let case = file.clone().into_case()?;
-        Ok(Self { file, case, input })
+        Ok(Self { file: Arc::new(file), case: Arc::new(case), input })
     }
 }
 
@@ -119,7 +120,7 @@ impl Case {
 
     /// The text of its file.
     fn to_json(&self) -> String {
-        to_text(&self.file)
+        to_text(&*self.file)
     }
 
     fn __eq__(&self, other: &Self) -> bool {

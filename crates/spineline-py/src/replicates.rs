@@ -129,7 +129,7 @@ impl Replicates {
     fn to_json(&self, py: Python<'_>) -> String {
         let of = self.of.get();
         py.detach(|| {
-            let file = AnalysisFile::new(&of.analysis, of.file.clone(), self.provenance.clone());
+            let file = AnalysisFile::new(&of.analysis, (*of.file).clone(), self.provenance.clone());
             let file = match &of.identified {
                 Some(found) => file.with_identifiability(&of.analysis, found),
                 None => file,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
-use spineline::personalize::Gauge;
+use spineline_files::method_text::missing_known_force;
 
 use crate::analysis::films::check_films;
 use crate::run::failure::Failure;
@@ -43,9 +43,7 @@ pub fn analyze_case(
     case: &Case,
     options: &AnalysisOptions,
 ) -> Result<Analysis, Failure> {
-    if let Gauge::KnownForce { posture, .. } = options.gauge
-        && !case.films.iter().any(|film| film.posture == posture)
-    {
+    if let Some(posture) = missing_known_force(options, case) {
         return Err(Failure::usage(format!(
             "{}: --gauge known-force names the {posture} film, and this case has no such film",
             path.display()

@@ -23,8 +23,10 @@ pub use parse::{
 };
 pub use values::{number, posture};
 
-use spineline::analysis::AnalysisOptions;
+use spineline::analysis::{AnalysisOptions, Case};
+use spineline::anatomy::Posture;
 use spineline::curve::InflectionChoice;
+use spineline::personalize::Gauge;
 
 use crate::FileError;
 use crate::json::nearest;
@@ -125,6 +127,14 @@ pub fn set_option(
         }
     }
     Ok(())
+}
+
+/// The film whose force the options know, where the case does not have it: such options do not fit the case.
+#[must_use]
+pub fn missing_known_force(options: &AnalysisOptions, case: &Case) -> Option<Posture> {
+    let Gauge::KnownForce { posture, .. } = options.gauge else { return None };
+    let has = case.films.iter().any(|film| film.posture == posture);
+    (!has).then_some(posture)
 }
 
 /// A named value, in either spelling.
