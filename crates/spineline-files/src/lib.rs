@@ -100,6 +100,48 @@ pub fn to_text<T: serde::Serialize>(file: &T) -> String {
     text
 }
 
+/// A list of files as text, piece by piece: the same text as that of [`to_text`] of all of them, without all of them in memory.
+///
+/// ```
+/// use spineline_files::{ListText, to_text};
+///
+/// let mut list = ListText::default();
+/// let mut text = String::new();
+/// for item in ["a", "b"] {
+///     text += list.before_item();
+///     text += &ListText::item(&[item]);
+/// }
+/// text += list.end();
+/// assert_eq!(text, to_text(&[["a"], ["b"]]));
+/// ```
+#[derive(Debug, Default)]
+pub struct ListText {
+    has_items: bool,
+}
+
+impl ListText {
+    /// The text of one item, at its depth in the list.
+    ///
+    /// # Panics
+    /// Never, as [`to_text`].
+    #[must_use]
+    pub fn item<T: serde::Serialize>(item: &T) -> String {
+        // Line ends within texts are escaped, so that every one here begins a line of the layout.
+        serde_json::to_string_pretty(item).expect("string keys only").replace('\n', "\n  ")
+    }
+
+    /// What stands before the next item.
+    pub fn before_item(&mut self) -> &'static str {
+        if std::mem::replace(&mut self.has_items, true) { ",\n  " } else { "[\n  " }
+    }
+
+    /// What stands after the last item.
+    #[must_use]
+    pub fn end(self) -> &'static str {
+        if self.has_items { "\n]\n" } else { "[]\n" }
+    }
+}
+
 /// The text of a file that is embedded in another one: JSON on one line.
 ///
 /// # Panics

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
 use spineline::analysis::Case;
 use spineline_files::{
     CaseFile, FileError, InputFile, Request, StoredModel, parse_model, read_text,
@@ -59,8 +60,10 @@ pub fn case_files(given: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
 fn without_outputs(folder: &Path, inside: Vec<PathBuf>) -> Result<Vec<PathBuf>, Failure> {
     let inside: Vec<PathBuf> = inside.into_iter().filter(|file| !is_truth(file)).collect();
     let (outputs, mut cases): (Vec<_>, Vec<_>) = inside
-        .into_iter()
+        .into_par_iter()
         .map(|file| (output_format(&file), file))
+        .collect::<Vec<_>>()
+        .into_iter()
         .partition(|(format, _)| format.is_some());
     let mut outputs = outputs;
     if cases.is_empty() {

@@ -1,5 +1,6 @@
 //! The program as its users call it: what it prints, what it writes, and how it ends.
 
+mod cohort_list;
 mod commands;
 mod comparison;
 mod endings;

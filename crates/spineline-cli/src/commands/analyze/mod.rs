@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use spineline::analysis::{Analysis, LineModel};
 use spineline::cohort::Cohort;
-use spineline_files::{AnalysisFile, ModelFile, to_text};
+use spineline_files::{AnalysisFile, ListText, ModelFile, to_text};
 use spineline_report::{Document, patient, terminal};
 use spineline_tables::{Patient, chain_table, cohort_tests_table, errors_table};
 
@@ -25,7 +25,7 @@ use crate::run::inputs::{CaseInput, case_files};
 use crate::run::messages::say;
 use crate::run::outputs::{Outputs, is_stdout, print, print_notices};
 use crate::run::provenance::generator;
-use crate::run::threads::map_all;
+use crate::run::threads::{map_all, stream_all};
 
 pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     let mut record = RunRecord::new(&args.method, &args.uncertainty)?;
@@ -176,7 +176,7 @@ impl Results<'_> {
 
     fn write(&self, args: &AnalyzeArgs, is_list: bool, outputs: &Outputs) -> Result<(), Failure> {
         if let Some(path) = &args.json {
-            outputs.write(path, self.json(is_list))?;
+            self.write_json(path, is_list, args.threads, outputs)?;
         }
         if let Some(path) = &args.csv {
             outputs.write_table(
@@ -225,16 +225,36 @@ impl Results<'_> {
         self.analyses.iter().zip(self.confidences).zip(&self.record.cases)
     }
 
-    fn json(&self, is_list: bool) -> String {
-        let file = |((analysis, confidence), input): ((&Analysis, &Confidence), &CaseInput)| {
+    /// Writes the analysis of one case, or the list of a cohort. A list leaves memory patient by patient.
+    fn write_json(
+        &self,
+        path: &Path,
+        is_list: bool,
+        threads: usize,
+        outputs: &Outputs,
+    ) -> Result<(), Failure> {
+        let patients: Vec<_> = self.patients().collect();
+        let file = |&((analysis, confidence), input): &((&Analysis, &Confidence), &CaseInput)| {
             let provenance = self.record.provenance_of(std::slice::from_ref(input));
             let file = AnalysisFile::new(analysis, input.file.clone(), provenance);
             confidence.add_to(analysis, file)
         };
-        let files: Vec<AnalysisFile> = self.patients().map(file).collect();
-        match &files[..] {
-            [one] if !is_list => to_text(one),
-            all => to_text(&all),
+        match &patients[..] {
+            [one] if !is_list => outputs.write(path, to_text(&file(one))),
+            all => outputs.write_pieces(path, |add| {
+                let mut list = ListText::default();
+                stream_all(
+                    "writing",
+                    all,
+                    threads,
+                    |one| ListText::item(&file(one)),
+                    |item| {
+                        add(list.before_item())?;
+                        add(&item)
+                    },
+                )?;
+                add(list.end())
+            }),
         }
     }
 

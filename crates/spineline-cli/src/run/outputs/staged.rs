@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use clap::Args;
 use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
-use tempfile::TempPath;
+use tempfile::{NamedTempFile, TempPath};
 
 use super::origin::is_result;
 use super::print;
@@ -132,10 +132,39 @@ impl Outputs {
                     return self.check_replaceable(path, &file);
                 }
                 self.make_folder(path, file.parent().unwrap_or(Path::new("")))?;
-                let part = part(path, &file, content)?;
+                let part = part(path, &file, |part| written(path, part, content))?;
                 Staged::File { part, file, shown: path.to_owned() }
             }
         };
+        self.state().staged.push(staged);
+        Ok(())
+    }
+
+    /// Keeps a result that is made piece by piece, so that it need not fit into memory where it goes to a file. `make` is given what
+    /// takes the next piece.
+    ///
+    /// # Errors
+    /// As [`Outputs::file`], or of `make`, or if it cannot be written.
+    pub fn write_pieces(
+        &self,
+        path: &Path,
+        make: impl FnOnce(&mut dyn FnMut(&str) -> Result<(), Failure>) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let Target::File(file) = Target::of(path)? else {
+            let mut text = String::new();
+            make(&mut |piece| {
+                text.push_str(piece);
+                Ok(())
+            })?;
+            return self.write(path, text);
+        };
+        self.check_own(path, &file)?;
+        self.check_replaceable(path, &file)?;
+        self.make_folder(path, file.parent().unwrap_or(Path::new("")))?;
+        let part = part(path, &file, |part| {
+            make(&mut |piece| written(path, &mut *part, piece.as_bytes()))
+        })?;
+        let staged = Staged::File { part, file, shown: path.to_owned() };
         self.state().staged.push(staged);
         Ok(())
     }
@@ -255,8 +284,12 @@ fn check_folder(path: &Path, folder: &Path) -> Result<(), Failure> {
     tempfile::tempfile_in(there).map(|_| ()).map_err(failed(path))
 }
 
-/// A file with the content, in the folder of its target.
-fn part(path: &Path, file: &Path, content: &[u8]) -> Result<TempPath, Failure> {
+/// A file in the folder of its target, filled by `fill`.
+fn part(
+    path: &Path,
+    file: &Path,
+    fill: impl FnOnce(&mut NamedTempFile) -> Result<(), Failure>,
+) -> Result<TempPath, Failure> {
     let folder = folder_or_here(file.parent().unwrap_or(Path::new("")));
     let mut builder = tempfile::Builder::new();
     builder.prefix(".spineline-").suffix(".part");
@@ -264,8 +297,16 @@ fn part(path: &Path, file: &Path, content: &[u8]) -> Result<TempPath, Failure> {
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut part = interrupt::make_part(|| builder.tempfile_in(folder)).map_err(failed(path))?;
-    part.write_all(content).and_then(|()| part.flush()).map_err(failed(path))?;
+    let filled = fill(&mut part).and_then(|()| part.flush().map_err(failed(path)));
+    if let Err(failure) = filled {
+        interrupt::forget_part(part.path());
+        return Err(failure);
+    }
     Ok(part.into_temp_path())
+}
+
+fn written(path: &Path, part: &mut NamedTempFile, content: &[u8]) -> Result<(), Failure> {
+    part.write_all(content).map_err(failed(path))
 }
 
 /// A pipe or device gets the content and stays what it is.
