@@ -29,7 +29,7 @@ class Spread:
     sd: float | None
     """Standard deviation; None of a multiplier."""
     quantiles: tuple[float, float, float, float, float] | None
-    """The 2.5, 25, 50, 75 and 97.5 % quantiles; None where no replicate has the number."""
+    """The 2.5, 25, 50, 75 and 97.5 % quantiles; None where no replicate has the number, and for distances and absolute errors, which any noise makes larger."""
     count: int
     """Replicates that have the number."""
 
@@ -85,9 +85,16 @@ class Replicates(Mapping[str, Spread]):
         Raises
         ------
         InputError
-            If there is no number of this name, or no replicate has it.
+            If there is no number of this name, no replicate has it, or it is a distance or an absolute error: any noise
+            makes these larger, so that an interval would lie too high.
         """
-        quantiles = self[name].quantiles
+        found = self[name]
+        quantiles = found.quantiles
+        if quantiles is None and found.count > 0:
+            raise InputError(
+                f"`{name}` has no interval: any noise makes a distance or an absolute error larger",
+                help="take its `mean` and `sd`, and compare them with its `value`",
+            )
         if quantiles is None:
             raise InputError(f"no replicate has the number `{name}`", help="look at its `count`")
         return (quantiles[0], quantiles[4])

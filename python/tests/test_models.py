@@ -113,6 +113,11 @@ def test_replicates_are_those_of_the_program(
     assert again == mc and again.interval("multiplier.main_thoracic") == (low, high)
     with pytest.raises(sl.InputError, match="did you mean `multiplier.main_thoracic`"):
         mc.interval("multiplier.main_thorax")
+    # An absolute error grows with any noise: it has a mean and no interval.
+    errors = [name for name in mc if name.startswith("mean_location_error")]
+    assert errors and all(mc[name].quantiles is None for name in errors)
+    with pytest.raises(sl.InputError, match="has no interval"):
+        mc.interval(next(name for name in errors if mc[name].count))
 
 
 def test_noise_that_there_is_not_is_refused(analysis: sl.Analysis) -> None:

@@ -96,7 +96,8 @@ impl Replicates {
                 value: one.nominal.ok(),
                 mean: one.spread.map(|spread| spread.mean),
                 sd: one.spread.map(|spread| spread.sd),
-                quantiles: one.spread.map(|spread| spread.quantiles),
+                // What has no interval has no quantiles to make one of.
+                quantiles: one.interval_95().and(one.spread).map(|spread| spread.quantiles),
                 count: one.count,
             };
             if let (Some(rest), Some(ratio)) =
