@@ -127,7 +127,7 @@ impl ListText {
     #[must_use]
     pub fn item<T: serde::Serialize>(item: &T) -> String {
         // Line ends within texts are escaped, so that every one here begins a line of the layout.
-        serde_json::to_string_pretty(item).expect("string keys only").replace('\n', "\n  ")
+        to_text(item).trim_end().replace('\n', "\n  ")
     }
 
     /// What stands before the next item.
