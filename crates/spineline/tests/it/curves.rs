@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use spineline::anatomy::{Posture, Side};
 use spineline::chain::{Chain, SEGMENT_WINDOW};
 use spineline::clinical::{EndChoice, ferguson_angle, measure_curves};
-use spineline::curve::{CurveFit, OrderRule, find_inflections, fit_curve};
+use spineline::curve::{CurveFit, InflectionIntervals, OrderRule, find_inflections, fit_curve};
 use spineline::measure::Outline;
 use spineline::spatial::{Angle, Frontal};
 use spineline::warning::Warnings;
@@ -190,6 +190,61 @@ fn three_arcs(angles_deg: [f64; 3]) -> Outline {
         }
     }
     outline(Posture::Erect, &vertebrae)
+}
+
+/// A curve whose curvature changes its sign at given parts of the height, with a bump between them and ripples all along.
+fn rippled(height_mm: f64, [p, q]: [f64; 2]) -> Outline {
+    let bending = |u: f64| {
+        let bump = 1.0 + 12.0 * (-((u - 0.52) / 0.16).powi(2)).exp();
+        -bump * (10.0 + 2.5 * (9.0 * u).sin()) * (u - p) * (u - q)
+    };
+    // Integrated twice by the midpoint rule.
+    const FINE: usize = 20_000;
+    let step = 1.0 / FINE as f64;
+    let mut grid = vec![(0.0, 0.0)];
+    for i in 0..FINE {
+        let (y, slope) = grid[i];
+        let next = slope + step * bending((i as f64 + 0.5) * step);
+        grid.push((y + 0.5 * step * (slope + next), next));
+    }
+    measured(&graph_film(Posture::Erect, height_mm, |z| {
+        let (y, slope) = grid[(z / height_mm / step).round() as usize];
+        (height_mm * y, slope)
+    }))
+}
+
+#[test]
+fn intervals_of_inflections_hold_those_of_a_curve_that_is_no_polynomial() {
+    // Oracle: the places where the curvature was made to change its sign; landmarks have no error but are said to have one.
+    let height_mm = 390.0;
+    let ends = [0.34, 0.7];
+    let outline = rippled(height_mm, ends);
+    let fit = fit(&outline, OrderRule::LeaveOneOut);
+    let pair = find_inflections(&fit, MIN_TURN).pair.expect("three curves");
+    let found = fit.inflection_intervals(&outline, pair).expect("a graph");
+    for (end, interval) in ends.iter().zip(found.each) {
+        let interval = interval.expect("far from both ends of the spine");
+        let [low, high] = interval.t_mm;
+        assert!((low..=high).contains(&(end * height_mm)), "{end}: {low} to {high}");
+        assert!(high - low < 60.0, "{end}: {low} to {high}");
+        // The lengths along the curve are those of its heights, and the vertebrae lie around them.
+        assert_near(
+            interval.along_mm[0],
+            fit.curve.length_mm(low),
+            CHAIN_MM,
+            "length to the interval",
+        );
+        let levels = outline.levels();
+        let place = |level| fit.vertebra_t_mm[levels.index_of(level).expect("of the model")];
+        assert!(place(interval.between.0) <= low && high <= place(interval.between.1));
+    }
+    // Landmarks that are said to be rougher leave more open.
+    let mut rough = outline.clone();
+    rough.noise.location_mm *= 4.0;
+    rough.noise.tilt = rough.noise.tilt * 4.0;
+    let wider = fit.inflection_intervals(&rough, pair).expect("a graph");
+    let trace = |found: &InflectionIntervals| found.about_polynomial_mm2.trace();
+    assert!(trace(&wider) > trace(&found));
 }
 
 #[test]
