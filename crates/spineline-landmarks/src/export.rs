@@ -187,41 +187,36 @@ fn reports(
 
 /// What every format needs: readings, vertebrae, and numbers.
 fn check(film: &Film) -> Result<(), LandmarkExportError> {
-    let what = |id: &dyn std::fmt::Display| format!("{} film, observer {id}", film.posture);
-    let nothing = |what| Err(LandmarkExportError::Nothing { what });
     match &film.landmarks {
-        FilmLandmarks::Corners { readings, .. } => {
-            if readings.is_empty() {
-                return nothing(format!("{} film", film.posture));
-            }
-            for reading in readings {
-                if reading.vertebrae.is_empty() {
-                    return nothing(what(&reading.id));
-                }
-                for (&level, landmark) in &reading.vertebrae {
-                    if !landmark.corners.points().iter().all(|point| point.is_finite()) {
-                        return Err(LandmarkExportError::Corner { what: what(&reading.id), level });
-                    }
-                }
-            }
-        }
+        FilmLandmarks::Corners { readings, .. } => check_readings(film, readings, |landmark| {
+            landmark.corners.points().iter().all(|point| point.is_finite())
+        }),
         FilmLandmarks::Placements { source: PlacementSource::SurfaceMidline, .. } => {
-            return Err(LandmarkExportError::Estimated(film.posture));
+            Err(LandmarkExportError::Estimated(film.posture))
         }
-        FilmLandmarks::Placements { readings, .. } => {
-            if readings.is_empty() {
-                return nothing(format!("{} film", film.posture));
-            }
-            for reading in readings {
-                if reading.vertebrae.is_empty() {
-                    return nothing(what(&reading.id));
-                }
-                for (&level, placed) in &reading.vertebrae {
-                    if !(placed.location.is_finite() && placed.tilt.rad().is_finite()) {
-                        return Err(LandmarkExportError::Corner { what: what(&reading.id), level });
-                    }
-                }
-            }
+        FilmLandmarks::Placements { readings, .. } => check_readings(film, readings, |placed| {
+            placed.location.is_finite() && placed.tilt.rad().is_finite()
+        }),
+    }
+}
+
+fn check_readings<V>(
+    film: &Film,
+    readings: &[Reading<V>],
+    is_finite: impl Fn(&V) -> bool,
+) -> Result<(), LandmarkExportError> {
+    if readings.is_empty() {
+        return Err(LandmarkExportError::Nothing { what: format!("{} film", film.posture) });
+    }
+    for reading in readings {
+        let what = format!("{} film, observer {}", film.posture, reading.id);
+        if reading.vertebrae.is_empty() {
+            return Err(LandmarkExportError::Nothing { what });
+        }
+        if let Some((&level, _)) =
+            reading.vertebrae.iter().find(|(_, vertebra)| !is_finite(vertebra))
+        {
+            return Err(LandmarkExportError::Corner { what, level });
         }
     }
     Ok(())

@@ -4,7 +4,7 @@ use spineline::analysis::{Analysis, PostureAnalysis};
 use spineline::chain::DenavitHartenberg;
 use spineline::spatial::Frontal;
 
-use crate::define::{Column, Definition, LENGTHS, Row, Unit, count, keys, number, places, text};
+use crate::define::{Column, LENGTHS, Row, Unit, count, keyed, number, places, text};
 use crate::table::Table;
 
 /// A segment of a chain.
@@ -37,9 +37,7 @@ pub fn chain_table(analyses: &[Analysis]) -> Table {
             }));
         }
     }
-    let mut columns = keys();
-    columns.extend(columns_of_segments());
-    Definition { name: "chain", row: "patient × posture × segment", columns }.fill(&rows)
+    keyed("chain", "patient × posture × segment", [columns_of_segments()]).fill(&rows)
 }
 
 fn columns_of_segments<'a>() -> Vec<Column<SegmentRow<'a>>> {

@@ -3,7 +3,7 @@ use spineline::clinical::ClinicalCurve;
 use spineline::spatial::Angle;
 
 use crate::Patient;
-use crate::define::{Column, Definition, Row, Unit, keys, number, text};
+use crate::define::{Column, Row, Unit, keyed, number, text};
 use crate::table::Table;
 
 /// A clinical curve on a film.
@@ -34,10 +34,8 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
             rows.extend(curves.map(|curve| patient.row(Measured { curve, posture })));
         }
     }
-    let mut columns = keys();
-    columns.extend(columns_of_curves());
     let row = "patient × posture × region";
-    Definition { name: "clinical", row, columns }.fill(&rows)
+    keyed("clinical", row, [columns_of_curves()]).fill(&rows)
 }
 
 fn columns_of_curves<'a>() -> Vec<Column<ClinicalRow<'a>>> {

@@ -2,7 +2,7 @@
 
 use spineline::cohort::{Cohort, ErrorKind, LinePairTest};
 
-use crate::define::{Column, Definition, Unit, count, element, number, text, truth};
+use crate::define::{Column, Definition, Unit, count, element, grouped, number, text, truth};
 use crate::table::Table;
 
 /// A test, and whether its patients are synthetic.
@@ -25,10 +25,8 @@ pub(crate) fn cohort_tests_columns() -> Table {
 }
 
 fn definition<'a>() -> Definition<Test<'a>> {
-    let mut columns = compared();
-    columns.extend(difference());
-    columns.extend(probabilities());
-    Definition { name: "cohort_tests", row: "pair of lines × role of films × error", columns }
+    let row = "pair of lines × role of films × error";
+    grouped("cohort_tests", row, [compared(), difference(), probabilities()])
 }
 
 fn compared<'a>() -> Vec<Column<Test<'a>>> {

@@ -158,7 +158,7 @@ impl<'a> Patient<'a> {
 }
 
 /// The columns that every table begins with.
-pub(crate) fn keys<'a, T>() -> Vec<Column<Row<'a, T>>> {
+fn keys<'a, T>() -> Vec<Column<Row<'a, T>>> {
     vec![
         text("case_id", "patient", |row| Some(row.analysis.case_id.clone())),
         truth(
@@ -184,6 +184,26 @@ pub(crate) struct Definition<R> {
     /// Meaning of one row.
     pub row: &'static str,
     pub columns: Vec<Column<R>>,
+}
+
+/// A table with these groups of columns.
+pub(crate) fn grouped<R, const N: usize>(
+    name: &'static str,
+    row: &'static str,
+    groups: [Vec<Column<R>>; N],
+) -> Definition<R> {
+    Definition { name, row, columns: groups.into_iter().flatten().collect() }
+}
+
+/// A table of rows of patients: the columns that every one of them begins with, and these groups.
+pub(crate) fn keyed<'a, T, const N: usize>(
+    name: &'static str,
+    row: &'static str,
+    groups: [Vec<Column<Row<'a, T>>>; N],
+) -> Definition<Row<'a, T>> {
+    let mut columns = keys();
+    columns.extend(groups.into_iter().flatten());
+    Definition { name, row, columns }
 }
 
 impl<R> Definition<R> {

@@ -5,7 +5,7 @@ use spineline::evaluate::Simulation;
 use spineline::personalize::evidence::{ContradictedJoint, JointEvidence};
 
 use crate::Patient;
-use crate::define::{Column, Definition, Row, Unit, keys, number, text, truth};
+use crate::define::{Column, Row, Unit, keyed, number, text, truth};
 use crate::table::Table;
 use crate::vertebrae::simulations;
 
@@ -45,10 +45,8 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
             }
         }
     }
-    let mut columns = keys();
-    columns.extend(columns_of_joints());
     let row = "patient × moved posture × line × joint; measured values are repeated in the rows of every line, and `line` is empty where there is no model";
-    Definition { name: "joints", row, columns }.fill(&rows)
+    keyed("joints", row, [columns_of_joints()]).fill(&rows)
 }
 
 fn columns_of_joints<'a>() -> Vec<Column<JointRow<'a>>> {

@@ -7,7 +7,7 @@ use spineline::multibody::JointStiffness;
 use spineline::personalize::{MultiplierInformation, ProfileEnd, StiffnessBound};
 
 use crate::Patient;
-use crate::define::{Column, Definition, Row, Unit, count, keys, number, text, truth};
+use crate::define::{Column, Row, Unit, count, keyed, number, text, truth};
 use crate::table::Table;
 
 type ModelRow<'a> = Row<'a, &'a LineModel>;
@@ -22,9 +22,7 @@ pub(crate) fn models(patients: &[Patient<'_>]) -> Table {
         .iter()
         .flat_map(|patient| patient.analysis.models.iter().map(|item| patient.row(item)))
         .collect();
-    let mut columns = keys();
-    columns.extend(columns_of_models());
-    Definition { name: "models", row: "patient × line", columns }.fill(&rows)
+    keyed("models", "patient × line", [columns_of_models()]).fill(&rows)
 }
 
 fn columns_of_models<'a>() -> Vec<Column<ModelRow<'a>>> {
@@ -91,10 +89,8 @@ pub(crate) fn multipliers(patients: &[Patient<'_>]) -> Table {
             }));
         }
     }
-    let mut columns = keys();
-    columns.extend(columns_of_multipliers());
     let row = "patient × line × group of joints with one multiplier";
-    Definition { name: "multipliers", row, columns }.fill(&rows)
+    keyed("multipliers", row, [columns_of_multipliers()]).fill(&rows)
 }
 
 fn end(end: ProfileEnd) -> Option<f64> {
@@ -173,9 +169,7 @@ pub(crate) fn springs(patients: &[Patient<'_>]) -> Table {
             }));
         }
     }
-    let mut columns = keys();
-    columns.extend(columns_of_springs());
-    Definition { name: "springs", row: "patient × line × joint", columns }.fill(&rows)
+    keyed("springs", "patient × line × joint", [columns_of_springs()]).fill(&rows)
 }
 
 fn newton_metres(nmm_per_rad: [f64; 3], axis: usize) -> Option<f64> {
@@ -234,11 +228,8 @@ pub(crate) fn lines(patients: &[Patient<'_>]) -> Table {
             rows.extend(simulated.map(|simulation| patient.row(Line { model, simulation })));
         }
     }
-    let mut columns = keys();
-    columns.extend(columns_of_lines());
-    columns.extend(errors_of_lines());
     let row = "patient × moved posture × line";
-    Definition { name: "lines", row, columns }.fill(&rows)
+    keyed("lines", row, [columns_of_lines(), errors_of_lines()]).fill(&rows)
 }
 
 fn columns_of_lines<'a>() -> Vec<Column<LineRow<'a>>> {
@@ -365,10 +356,8 @@ pub(crate) fn hypotheses(patients: &[Patient<'_>]) -> Table {
             rows.extend(predictions.map(|prediction| patient.row(Predicted { fit, prediction })));
         }
     }
-    let mut columns = keys();
-    columns.extend(columns_of_hypotheses());
     let row = "patient × load and base × posture × role";
-    Definition { name: "hypotheses", row, columns }.fill(&rows)
+    keyed("hypotheses", row, [columns_of_hypotheses()]).fill(&rows)
 }
 
 fn columns_of_hypotheses<'a>() -> Vec<Column<PredictedRow<'a>>> {

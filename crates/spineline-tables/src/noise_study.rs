@@ -3,9 +3,7 @@
 use spineline::cohort::Claims;
 use spineline::evaluate::statistics::Share;
 
-use crate::define::{
-    Column, Definition, Unit, count, element, number, places, text, truth, written,
-};
+use crate::define::{Column, Unit, count, element, grouped, number, places, text, truth, written};
 use crate::table::{NumberFormat, Table};
 
 /// The claims in one setting of the study.
@@ -30,14 +28,8 @@ pub struct NoisePoint<'a> {
 /// One row per scenario, support, rule and noise.
 #[must_use]
 pub fn noise_study_table(points: &[NoisePoint<'_>]) -> Table {
-    let mut columns = setting();
-    columns.extend(near());
-    columns.extend(below_mean());
-    columns.extend(better());
-    columns.extend(rod_exceeds());
-    columns.extend(curve());
-    Definition { name: "noise_study", row: "scenario × support × order rule × noise", columns }
-        .fill(points)
+    let groups = [setting(), near(), below_mean(), better(), rod_exceeds(), curve()];
+    grouped("noise_study", "scenario × support × order rule × noise", groups).fill(points)
 }
 
 const LOW: &str = "lower end of its 95 % interval";

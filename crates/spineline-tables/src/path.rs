@@ -5,7 +5,9 @@ use spineline::multibody::{ForceSign, PathPoint};
 use spineline::response::{SpineAngles, direction_word};
 use spineline::spatial::Angle;
 
-use crate::define::{Column, Definition, Unit, count, element, number, text, truth, written};
+use crate::define::{
+    Column, Definition, Unit, count, element, grouped, number, text, truth, written,
+};
 use crate::table::{NumberFormat, Table};
 
 /// One shape of a spine under loads.
@@ -40,11 +42,8 @@ pub(crate) fn path_columns() -> Table {
 }
 
 fn definition<'a>(top: &str, regions: &[&str]) -> Definition<LoadedShape<'a>> {
-    let mut columns = keys();
-    columns.extend(location(top));
-    columns.extend(curves(regions));
-    columns.extend(numerics());
-    Definition { name: "path", row: "shape on the path of equilibria", columns }
+    let groups = [keys(), location(top), curves(regions), numerics()];
+    grouped("path", "shape on the path of equilibria", groups)
 }
 
 fn keys<'a>() -> Vec<Column<LoadedShape<'a>>> {

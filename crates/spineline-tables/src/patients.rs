@@ -6,7 +6,7 @@ use spineline::spatial::Angle;
 use spineline::warning::Severity;
 
 use crate::Patient;
-use crate::define::{Column, Definition, Row, Unit, count, keys, number, text, truth};
+use crate::define::{Column, Row, Unit, count, keyed, number, text, truth};
 use crate::table::Table;
 
 type PatientRow<'a> = Row<'a, &'a Subject>;
@@ -15,14 +15,12 @@ type PatientRow<'a> = Row<'a, &'a Subject>;
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let rows: Vec<PatientRow<'_>> =
         patients.iter().map(|patient| patient.row(patient.subject)).collect();
-    let mut columns = keys();
-    columns.extend(subject());
-    columns.extend(curve());
-    columns.extend(inflections());
-    columns.extend(findings());
-    columns.extend(balance());
-    columns.extend(options());
-    Definition { name: "patients", row: "patient", columns }.fill(&rows)
+    keyed(
+        "patients",
+        "patient",
+        [subject(), curve(), inflections(), findings(), balance(), options()],
+    )
+    .fill(&rows)
 }
 
 fn subject<'a>() -> Vec<Column<PatientRow<'a>>> {

@@ -4,7 +4,7 @@ use spineline::measure::FilmLength;
 use spineline::spatial::Angle;
 
 use crate::Patient;
-use crate::define::{Column, Definition, LENGTHS, Row, Unit, count, keys, number, text, truth};
+use crate::define::{Column, LENGTHS, Row, Unit, count, keyed, number, text, truth};
 use crate::table::Table;
 
 type PostureRow<'a> = Row<'a, &'a PostureAnalysis>;
@@ -15,13 +15,8 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
         .iter()
         .flat_map(|patient| patient.analysis.postures.iter().map(|item| patient.row(item)))
         .collect();
-    let mut columns = keys();
-    columns.extend(film());
-    columns.extend(curve());
-    columns.extend(film_scale());
-    columns.extend(movement());
-    columns.extend(own_line());
-    Definition { name: "postures", row: "patient × posture", columns }.fill(&rows)
+    keyed("postures", "patient × posture", [film(), curve(), film_scale(), movement(), own_line()])
+        .fill(&rows)
 }
 
 fn film<'a>() -> Vec<Column<PostureRow<'a>>> {

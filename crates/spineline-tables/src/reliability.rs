@@ -1,7 +1,7 @@
 use spineline::reliability::{Design, Statistic};
 
 use crate::Patient;
-use crate::define::{Column, Definition, Row, Unit, count, keys, number, text};
+use crate::define::{Column, Row, Unit, count, keyed, number, text};
 use crate::table::Table;
 
 /// A statistic of one quantity in one design.
@@ -33,10 +33,8 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
             }
         }
     }
-    let mut columns = keys();
-    columns.extend(columns_of_statistics());
     let row = "patient × quantity × design × statistic";
-    Definition { name: "reliability", row, columns }.fill(&rows)
+    keyed("reliability", row, [columns_of_statistics()]).fill(&rows)
 }
 
 fn columns_of_statistics<'a>() -> Vec<Column<ReliabilityRow<'a>>> {

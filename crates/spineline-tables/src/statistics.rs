@@ -4,7 +4,7 @@ use spineline::reliability::{
     BlandAltman, Design, DesignReliability, QuantityReliability, Statistic, StatisticEstimate,
 };
 
-use crate::define::{Column, Definition, Unit, count, element, number, text, truth};
+use crate::define::{Column, Unit, count, element, grouped, number, text, truth};
 use crate::table::Table;
 
 /// A statistic of a design, or one of the limits of a pair.
@@ -57,10 +57,8 @@ pub fn statistics_table(found: &[QuantityReliability], synthetic: bool) -> Table
             rows.extend(values.map(|value| StatisticRow { synthetic, quantity, design, value }));
         }
     }
-    let mut columns = which();
-    columns.extend(values());
     let row = "quantity × design × statistic, or quantity × design × pair of raters × bias or limit of agreement";
-    Definition { name: "statistics", row, columns }.fill(&rows)
+    grouped("statistics", row, [which(), values()]).fill(&rows)
 }
 
 fn which<'a>() -> Vec<Column<StatisticRow<'a>>> {

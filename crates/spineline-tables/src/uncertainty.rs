@@ -1,7 +1,7 @@
 use spineline::uncertainty::QuantitySpread;
 
 use crate::Patient;
-use crate::define::{Column, Definition, Row, Unit, count, keys, number, text};
+use crate::define::{Column, Row, Unit, count, keyed, number, text};
 use crate::table::Table;
 
 type SpreadRow<'a> = Row<'a, &'a QuantitySpread>;
@@ -15,11 +15,8 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
             found.map(|item| patient.row(item))
         })
         .collect();
-    let mut columns = keys();
-    columns.extend(which());
-    columns.extend(spread());
     let row = "patient × quantity, over Monte Carlo replicates with perturbed landmarks";
-    Definition { name: "uncertainty", row, columns }.fill(&rows)
+    keyed("uncertainty", row, [which(), spread()]).fill(&rows)
 }
 
 fn which<'a>() -> Vec<Column<SpreadRow<'a>>> {

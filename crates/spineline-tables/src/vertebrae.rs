@@ -5,7 +5,7 @@ use spineline::measure::MeasuredVertebra;
 
 use crate::Patient;
 use crate::define::{
-    Column, Definition, LENGTHS, Row, Unit, chosen, keys, number, text, truth, written,
+    Column, Definition, LENGTHS, Row, Unit, chosen, keyed, number, text, truth, written,
 };
 use crate::table::{NumberFormat, Table};
 
@@ -63,7 +63,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
         }
     }
     let row = "patient × posture × line × vertebra; measured values are repeated in the rows of every line, and `line` is empty where there is no model";
-    Definition { name: "vertebrae", row, columns: columns() }.fill(&rows)
+    keyed("vertebrae", row, [measured(), simulated()]).fill(&rows)
 }
 
 /// The columns of [`errors_table`], in its order.
@@ -99,17 +99,11 @@ pub fn errors_table(analyses: &[Analysis]) -> Table {
             }
         }
     }
-    let columns = chosen(columns(), &OF_ERRORS);
-    let columns = columns.into_iter().map(|column| written(NumberFormat::Places(4), column));
     let row = "patient × posture × vertebra × line; `line` is empty where there is no model";
-    Definition { name: "errors", row, columns: columns.collect() }.fill(&rows)
-}
-
-fn columns<'a>() -> Vec<Column<VertebraRow<'a>>> {
-    let mut columns = keys();
-    columns.extend(measured());
-    columns.extend(simulated());
-    columns
+    let all = keyed("errors", row, [measured(), simulated()]);
+    let columns = chosen(all.columns, &OF_ERRORS).into_iter();
+    let columns = columns.map(|column| written(NumberFormat::Places(4), column)).collect();
+    Definition { columns, ..all }.fill(&rows)
 }
 
 fn measured<'a>() -> Vec<Column<VertebraRow<'a>>> {

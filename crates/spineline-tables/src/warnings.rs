@@ -1,7 +1,7 @@
 use spineline::warning::{Severity, Warning};
 
 use crate::Patient;
-use crate::define::{Definition, Row, keys, text};
+use crate::define::{Row, keyed, text};
 use crate::table::Table;
 
 type WarningRow<'a> = Row<'a, &'a Warning>;
@@ -12,8 +12,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
         .iter()
         .flat_map(|patient| patient.analysis.warnings.all().iter().map(|item| patient.row(item)))
         .collect();
-    let mut columns = keys();
-    columns.extend([
+    let columns = vec![
         text("severity", "`note`, `warning` or `contradiction`", |row: &WarningRow<'_>| {
             Some(
                 match row.item.severity() {
@@ -36,6 +35,6 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
             row.item.line.map(|line| line.key().to_owned())
         }),
         text("message", "what happened and what to do", |row| Some(row.item.message.clone())),
-    ]);
-    Definition { name: "warnings", row: "patient × warning", columns }.fill(&rows)
+    ];
+    keyed("warnings", "patient × warning", [columns]).fill(&rows)
 }

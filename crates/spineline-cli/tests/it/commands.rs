@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::program::{add_phantom, done, folder, run, with_phantom, words};
+use crate::program::{add_phantom, done, folder, refused, run, with_phantom, words};
 use crate::results::results;
 
 #[test]
@@ -221,13 +221,11 @@ fn bad_input_ends_with_3_and_names_file_film_and_vertebra() {
     t7["superior_left"] = right;
     t7["superior_right"] = left;
     fs::write(here.path().join("crossed.json"), case.to_string()).expect("written");
-    let (_, error, code) = run(here.path(), &["analyze", "crossed.json"]);
-    assert_eq!(code, 3);
+    let error = refused(here.path(), &["analyze", "crossed.json"], 3);
     for word in ["crossed.json", "left bending film", "T7", "diagonals", "help:"] {
         assert!(error.contains(word), "{word} is missing in {error}");
     }
-    let (_, error, code) = run(here.path(), &["analyze", "nowhere.json"]);
-    assert_eq!(code, 3);
+    let error = refused(here.path(), &["analyze", "nowhere.json"], 3);
     assert!(error.contains("nowhere.json"), "{error}");
     // In a cohort the other cases are still analysed.
     fs::copy(here.path().join("crossed.json"), here.path().join("cases/a.json")).expect("copied");
@@ -247,8 +245,7 @@ fn wrong_options_are_refused_with_the_valid_ones() {
         (["analyze", "x.json", "--support", "table"], "frontal"),
         (["phantom", "--subject", "19", "--seed=1"], "1 to 18"),
     ] {
-        let (_, error, code) = run(here.path(), &arguments);
-        assert_eq!(code, 2, "{arguments:?}: {error}");
+        let error = refused(here.path(), &arguments, 2);
         assert!(error.contains(word), "{word} is missing in {error}");
     }
 }
@@ -355,17 +352,14 @@ fn a_model_is_exported_for_three_engines_and_unknown_formats_are_refused() {
         run(here.path(), &["export", "model.json", "--to", format, "--out", &out]);
         assert_eq!(fs::read_to_string(here.path().join(out)).expect("a file"), text);
     }
-    let (_, error, code) = run(here.path(), &["export", "model.json", "--to", "sdf"]);
-    assert_eq!(code, 2);
+    let error = refused(here.path(), &["export", "model.json", "--to", "sdf"], 2);
     assert!(error.contains("sdf") && error.contains("mjcf, osim, urdf"), "{error}");
-    let (_, error, code) = run(here.path(), &["export", case, "--to", "mjcf"]);
-    assert_eq!(code, 3);
+    let error = refused(here.path(), &["export", case, "--to", "mjcf"], 3);
     assert!(error.contains(case) && error.contains("spineline-model"), "{error}");
     let text = fs::read_to_string(here.path().join("model.json")).expect("a file");
     let wrong = text.replacen("\"case_id\": \"", "\"case_id\": \"\\u0007", 1);
     fs::write(here.path().join("wrong.json"), wrong).expect("a file");
-    let (_, error, code) = run(here.path(), &["export", "wrong.json", "--to", "urdf"]);
-    assert_eq!(code, 3);
+    let error = refused(here.path(), &["export", "wrong.json", "--to", "urdf"], 3);
     assert!(error.contains("wrong.json: `case_id`") && error.contains("help:"), "{error}");
 }
 

@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::program::{done, json, run, with_phantom, words};
+use crate::program::{done, json, refused, run, with_phantom, words};
 
 /// The ending of the simulations of one line.
 fn statuses(analysis: &Value, line: &str) -> Vec<String> {
@@ -127,8 +127,7 @@ fn a_model_that_cannot_be_written_says_what_would_give_one() {
     ] {
         fs::write(here.path().join(name), case.to_string()).expect("a case");
         let analyze = ["analyze", name, "--model", "m.json", "--model-line", line];
-        let (_, error, code) = run(here.path(), &analyze);
-        assert_eq!(code, 3, "{name}: {error}");
+        let error = refused(here.path(), &analyze, 3);
         let error = words(&error);
         assert!(error.contains(expected), "{name}: {error}");
         // Another line helps only where it has a model.

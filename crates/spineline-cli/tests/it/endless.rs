@@ -7,7 +7,7 @@ use std::process::Command;
 use tempfile::TempDir;
 
 use crate::maker::{EXPLICIT, Maker, ramp};
-use crate::program::{done, run, spineline, words};
+use crate::program::{done, refused, run, spineline, words};
 
 /// Commands that read the file `@` whole, with what the refusal says of its limit.
 const READERS: [(&str, &str); 11] = [
@@ -111,8 +111,7 @@ fn a_file_that_is_too_large_is_refused_by_its_size() {
     for (line, limit) in READERS {
         let arguments: Vec<_> = line.split(' ').map(|part| part.replace('@', "large")).collect();
         let arguments: Vec<_> = arguments.iter().map(String::as_str).collect();
-        let (_, error, code) = run(folder.path(), &arguments);
-        assert_eq!(code, 3, "{line}: {error}");
+        let error = refused(folder.path(), &arguments, 3);
         for part in ["large: it has 1024 MB", limit, "help: "] {
             assert!(words(&error).contains(part), "{line}: {error}");
         }
@@ -125,8 +124,7 @@ fn a_pipe_in_a_folder_of_cases_is_not_waited_for() {
     let folder = folder();
     let made = Command::new("mkfifo").arg(folder.path().join("pipe.json")).status();
     assert!(made.expect("mkfifo").success());
-    let (_, error, code) = run(folder.path(), &["check", "."]);
-    assert_eq!(code, 3, "{error}");
+    let error = refused(folder.path(), &["check", "."], 3);
     assert!(error.contains("pipe.json: it is no plain file"), "{error}");
 }
 

@@ -35,6 +35,13 @@ impl Here {
         succeeded(self.import(arguments))
     }
 
+    /// The standard error of an import that has to end with this code.
+    pub fn refused(&self, arguments: &[&str], code: i32) -> String {
+        let (output, error, found) = self.import(arguments);
+        assert_eq!(found, code, "{arguments:?}: {error}{output}");
+        error
+    }
+
     pub fn json(&self, name: &str) -> Json {
         json(&self.path(name))
     }
@@ -219,8 +226,7 @@ fn missing_values_are_asked_for_by_film_with_the_option_to_give_them() {
     silent.remove((0x20, 0x20));
     put(&here, "a.dcm", &silent);
     let arguments = ["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"];
-    let (_, error, code) = here.import(&arguments);
-    assert_eq!(code, 2);
+    let error = here.refused(&arguments, 2);
     assert!(error.contains("erect film") && error.contains("the patient's left"), "{error}");
     assert!(error.contains("--patient-left erect=image-left"), "{error}");
     assert!(!here.path("a").exists(), "nothing was written");
@@ -233,8 +239,7 @@ fn an_answer_that_contradicts_the_file_needs_confirmation() {
     let here = Here::new();
     put(&here, "a.dcm", &film(1));
     let arguments = one_film("a.dcm", "erect=1");
-    let (_, error, code) = here.import(&arguments);
-    assert_eq!(code, 2);
+    let error = here.refused(&arguments, 2);
     assert!(error.contains("Patient Orientation") && error.contains("--accept"), "{error}");
     let out = here.imported(&[&arguments[..], &["--accept"]].concat());
     assert!(out.contains("accepted as said"), "{out}");
@@ -251,8 +256,7 @@ fn lateral_views_are_recognised_and_offered_for_the_profile() {
     let (out, _, _) = here.import(&[".", "--list"]);
     assert!(out.contains("lateral"), "{out}");
     // Not as a frontal film, unless someone insists.
-    let (_, error, code) = here.import(&one_film(".", "erect=2"));
-    assert_eq!(code, 2);
+    let error = here.refused(&one_film(".", "erect=2"), 2);
     assert!(error.contains("lateral view"), "{error}");
     here.imported(&[".", "--case-id", "A", "--out", "a", "--film", "erect=1", "--lateral", "2"]);
     let case = here.json("a/case.json");
@@ -267,9 +271,7 @@ fn a_recumbent_film_given_as_erect_needs_confirmation() {
     let code = [((0x08, 0x100), ("SH", text("102538003"))), ((0x08, 0x102), ("SH", text("SCT")))];
     lying.set((0x54, 0x410), "SQ", Value::Items(vec![code.into()]));
     put(&here, "a.dcm", &lying);
-    let (_, error, code) =
-        here.import(&["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"]);
-    assert_eq!(code, 2);
+    let error = here.refused(&["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"], 2);
     assert!(error.contains("recumbent") && error.contains("erect"), "{error}");
 }
 
@@ -294,8 +296,7 @@ fn one_picture_cannot_show_two_postures_and_one_identifier_two_pictures() {
             "left-bending=2",
         ]
     };
-    let (_, error, code) = here.import(&arguments("a"));
-    assert_eq!(code, 3);
+    let error = here.refused(&arguments("a"), 3);
     assert!(error.contains("the same picture"), "{error}");
     let mut changed = film(2);
     changed.text((0x08, 0x18), "UI", "1.2.3.1");
@@ -329,18 +330,20 @@ fn a_ball_gives_the_scale_with_its_error_and_overrides_the_file() {
     let sd = image["spacing_relative_sd"].as_f64().expect("a number");
     let by_hand = (0.5 / 40f64.powi(2) + (0.1f64 / 25.0).powi(2)).sqrt();
     assert!((sd - by_hand).abs() < 1e-12, "{sd}");
-    let (_, error, code) = here.import(&[
-        "a.dcm",
-        "--case-id",
-        "A",
-        "--out",
-        "b",
-        "--film",
-        "erect=1",
-        "--ball",
-        "erect=10,20,11,20,25",
-    ]);
-    assert_eq!(code, 2);
+    let error = here.refused(
+        &[
+            "a.dcm",
+            "--case-id",
+            "A",
+            "--out",
+            "b",
+            "--film",
+            "erect=1",
+            "--ball",
+            "erect=10,20,11,20,25",
+        ],
+        2,
+    );
     assert!(error.contains("1.0 pixels apart"), "{error}");
 }
 
@@ -364,16 +367,14 @@ fn a_case_is_never_overwritten() {
     let arguments = ["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"];
     assert_eq!(here.import(&arguments).2, 0);
     let before = everything(&here.path("a"));
-    let (_, error, code) = here.import(&arguments);
-    assert_eq!(code, 3);
+    let error = here.refused(&arguments, 3);
     assert!(error.contains("overwrites nothing"), "{error}");
     assert_eq!(before, everything(&here.path("a")));
     // Nor are the patient's own films, where they have the names that a case would give them.
     fs::create_dir(here.path("own")).expect("a folder");
     put(&here, "own/left_bending.dcm", &film(3));
     let into = ["own", "--case-id", "A", "--out", "own", "--film", "erect=1"];
-    let (_, error, code) = here.import(&into);
-    assert_eq!(code, 3);
+    let error = here.refused(&into, 3);
     assert!(error.contains("own/left_bending.dcm"), "{error}");
     assert_eq!(fs::read(here.path("own/left_bending.dcm")).expect("there"), film(3).file(EXPLICIT));
 }
@@ -384,8 +385,7 @@ fn repeated_answers_and_answers_about_unknown_films_are_refused() {
     put(&here, "a.dcm", &film(1));
     let refused = |more: &[&str]| {
         let base = ["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"];
-        let (_, error, code) = here.import(&[&base[..], more].concat());
-        assert_eq!(code, 2, "{error}");
+        let error = here.refused(&[&base[..], more].concat(), 2);
         error
     };
     let twice = ["--patient-left", "image-right", "--patient-left", "image-left"];
@@ -400,11 +400,9 @@ fn without_a_choice_films_are_listed_and_no_file_is_written() {
     let here = Here::new();
     put(&here, "a.dcm", &film(1));
     fs::write(here.path("notes.txt"), "<notes>").expect("a file");
-    let (_, error, code) = here.import(&[".", "--case-id", "A", "--out", "a"]);
-    assert_eq!(code, 2);
+    let error = here.refused(&[".", "--case-id", "A", "--out", "a"], 2);
     assert!(error.contains("--film erect=1") && error.contains("notes.txt"), "{error}");
-    let (_, error, code) = here.import(&[".", "--case-id", "A", "--out", "a", "--film", "erect=7"]);
-    assert_eq!(code, 2);
+    let error = here.refused(&[".", "--case-id", "A", "--out", "a", "--film", "erect=7"], 2);
     assert!(error.contains("film 7 is not among the films that were found (1)"), "{error}");
     assert!(!here.path("a").exists());
 }

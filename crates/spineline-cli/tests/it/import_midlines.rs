@@ -42,9 +42,7 @@ fn midlines_of_the_back_make_a_case_that_says_its_levels_are_estimates() {
     // Nothing is overwritten, and a file of landmarks is no file of midlines.
     assert_ne!(here.import(&import).2, 0);
     fs::write(here.path("marks.json"), r#"{"shapes":[]}"#).expect("a file");
-    let (_, error, code) =
-        here.import(&["--midlines", "marks.json", "--case-id", "B", "--out", "b"]);
-    assert_eq!(code, 3, "{error}");
+    here.refused(&["--midlines", "marks.json", "--case-id", "B", "--out", "b"], 3);
     let (_, error, _) =
         here.import(&["--midlines", "lines.json", "lines.json", "--case-id", "B", "--out", "b"]);
     assert!(error.contains("second erect midline"), "{error}");

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use tempfile::TempDir;
 
-use crate::program::run;
+use crate::program::{refused, run};
 
 /// A folder with everything that the commands below read.
 fn samples() -> TempDir {
@@ -173,8 +173,7 @@ fn two_outputs_need_two_files() {
     refuses(&here, &arguments, "out.x", "two outputs");
     let beside = ["analyze", "case.json", "--csv", "a.csv", "--json", "a.csv.provenance.json"];
     refuses(&here, &beside, "a.csv.provenance.json", "two outputs");
-    let (_, error, code) = run(here.path(), &["analyze", "case.json", "--json", "-", "--csv", "-"]);
-    assert_eq!(code, 2, "{error}");
+    refused(here.path(), &["analyze", "case.json", "--json", "-", "--csv", "-"], 2);
 }
 
 #[test]
@@ -295,8 +294,7 @@ mod unix {
             }
         }
         symlink("round", here.path().join("round")).expect("a link");
-        let (_, error, code) = run(here.path(), &["analyze", "case.json", "--json", "round"]);
-        assert_eq!(code, 3, "{error}");
+        let error = refused(here.path(), &["analyze", "case.json", "--json", "round"], 3);
         assert!(error.contains("circle"), "{error}");
     }
 

@@ -10,7 +10,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use tempfile::TempDir;
 
 use crate::maker::{DEFLATED, EXPLICIT, Maker, ramp};
-use crate::program::{done, run, spineline};
+use crate::program::{done, refused, run, spineline};
 use crate::unpacked::{holds, wrapped};
 
 /// In the folders of all inputs and outputs, the home folder and the user's name.
@@ -408,8 +408,7 @@ mod unix {
         // It cannot listen where another program does, and ends after the warning.
         let taken = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
         let port = taken.local_addr().expect("an address").port().to_string();
-        let (_, error, code) = run(here.path(), &["serve", "s.spineline", "--port", &port]);
-        assert_eq!(code, 3, "{error}");
+        let error = refused(here.path(), &["serve", "s.spineline", "--port", &port], 3);
         assert!(error.contains("0644") && error.contains("chmod 600"), "{error}");
     }
 }

@@ -75,3 +75,10 @@ pub fn succeeded((output, error, code): (String, String, i32)) -> String {
     assert_eq!(code, 0, "{error}{output}");
     output
 }
+
+/// The standard error of a command that has to end with this code.
+pub fn refused(folder: &Path, arguments: &[&str], code: i32) -> String {
+    let (output, error, found) = run(folder, arguments);
+    assert_eq!(found, code, "{arguments:?}: {error}{output}");
+    error
+}

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::program::{done, folder, run, with_phantom, with_phantoms};
+use crate::program::{done, folder, refused, run, with_phantom, with_phantoms};
 
 fn json(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON")
@@ -103,8 +103,7 @@ fn wrong_usage_and_wrong_tables_have_different_exit_codes() {
         fs::write(here.path().join(name), text).expect("written");
     };
     write("bad.csv", "quantity,unit,subject,observer,repeat,value\na,mm,1,A,1,x\n");
-    let (_, error, code) = run(here.path(), &["reliability", "bad.csv"]);
-    assert_eq!(code, 3);
+    let error = refused(here.path(), &["reliability", "bad.csv"], 3);
     assert!(
         error.contains("bad.csv: line 2: `value` is `x`") && error.contains("help:"),
         "{error}"

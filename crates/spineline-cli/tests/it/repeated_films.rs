@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::maker::{DEFLATED, EXPLICIT, Maker, Syntax, ramp};
-use crate::program::{done, run};
+use crate::program::{done, refused, run};
 
 /// A film of its own pixels, with an identifier.
 fn film(number: u16, uid: &str, syntax: Syntax) -> Vec<u8> {
@@ -64,8 +64,7 @@ fn one_picture_in_two_files_is_refused_for_two_postures() {
     // Other bytes, another identifier, another compression, and the same pixels.
     case(here, &film(1, "1.2.3.1", EXPLICIT), &film(1, "1.2.3.2", DEFLATED));
     for command in readers(here) {
-        let (_, error, code) = run(here, &command);
-        assert_eq!(code, 3, "{command:?}: {error}");
+        let error = refused(here, &command, 3);
         for part in ["erect film", "neutral film", "the same picture", CASE] {
             assert!(error.contains(part), "{command:?}: no {part} in {error}");
         }
@@ -86,8 +85,7 @@ fn landmarks_of_one_film_are_refused_for_two_postures_by_every_command() {
     films[neutral]["readings"] = films[erect]["readings"].clone();
     fs::write(here.join(CASE), copied.to_string()).expect("written");
     for command in readers(here) {
-        let (_, error, code) = run(here, &command);
-        assert_eq!(code, 3, "{command:?}: {error}");
+        let error = refused(here, &command, 3);
         assert!(error.contains("the same landmarks"), "{command:?}: {error}");
     }
 }
@@ -181,8 +179,7 @@ fn the_picture_of_a_frontal_film_is_no_lateral_one_in_another_file() {
     } });
     fs::write(here.join(CASE), with.to_string()).expect("written");
     fs::write(here.join("side.dcm"), film(2, "1.2.3.9", EXPLICIT)).expect("written");
-    let (_, error, code) = run(here, &["check", CASE]);
-    assert_eq!(code, 3, "{error}");
+    let error = refused(here, &["check", CASE], 3);
     assert!(error.contains("neutral film") && error.contains("lateral film"), "{error}");
 }
 

@@ -7,7 +7,7 @@ use serde_json::Value;
 use spineline_report::embedded;
 use tempfile::TempDir;
 
-use crate::program::{done, run};
+use crate::program::{done, refused, run};
 
 fn phantoms(subjects: &[&str]) -> TempDir {
     let here = tempfile::tempdir().expect("a place for files");
@@ -116,8 +116,7 @@ fn a_cohort_counts_refused_cases_and_does_not_depend_on_threads() {
     let mut reports = Vec::new();
     for threads in ["1", "3"] {
         let arguments = ["report", "demo", "--threads", threads];
-        let (_, error, code) = run(here.path(), &arguments);
-        assert_eq!(code, 3, "a case was refused\n{error}");
+        let error = refused(here.path(), &arguments, 3);
         assert!(error.contains("odd.json"), "{error}");
         let report = here.path().join("cohort.html");
         let mut analyses = analysis_in(&report);

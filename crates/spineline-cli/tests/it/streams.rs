@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::program::{CASE, done, finish, run, spineline, with_phantom, words};
+use crate::program::{CASE, done, finish, refused, run, spineline, with_phantom, words};
 
 /// Commands that say something on the standard error, and how they end.
 const TALKATIVE: [(&[&str], i32); 6] = [
@@ -150,8 +150,7 @@ fn json_nested_without_end_is_bad_input() {
     for text in [deep, inside] {
         fs::write(here.path().join("deep.json"), text).expect("written");
         for command in ["check", "analyze", "rerun", "report"] {
-            let (_, error, code) = run(here.path(), &[command, "deep.json"]);
-            assert_eq!(code, 3, "{command} {error}");
+            refused(here.path(), &[command, "deep.json"], 3);
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::program::{done, run};
+use crate::program::{done, refused, run};
 
 /// A store with one synthetic case of one reading, whose films are small files of any bytes.
 fn store(folder: &Path) {
@@ -92,13 +92,11 @@ fn a_file_that_is_not_a_store_is_not_changed() {
     let here = tempfile::tempdir().expect("a temporary folder");
     fs::write(here.path().join("notes.txt"), "notes").expect("a file");
     for command in ["create", "list", "verify", "log"] {
-        let (_, error, code) = run(here.path(), &["study", command, "notes.txt"]);
-        assert_eq!(code, 3, "{command}: {error}");
+        let error = refused(here.path(), &["study", command, "notes.txt"], 3);
         assert!(error.contains("notes.txt") && error.contains("help:"), "{error}");
     }
     assert_eq!(fs::read(here.path().join("notes.txt")).expect("still there"), b"notes");
-    let (_, error, code) = run(here.path(), &["study", "list", "missing.db"]);
-    assert_eq!(code, 3);
+    let error = refused(here.path(), &["study", "list", "missing.db"], 3);
     assert!(error.contains("missing.db"), "{error}");
 }
 
@@ -110,8 +108,7 @@ fn a_film_of_another_case_is_refused_before_any_write() {
     let text = fs::read_to_string(&path).expect("written").replace("phantom-rod-01", "other");
     fs::write(&path, text).expect("written");
     fs::write(here.path().join("p/neutral.bin"), "changed").expect("a film");
-    let (_, error, code) = run(here.path(), &["study", "add", "s.db", "p/phantom-rod-01.json"]);
-    assert_eq!(code, 3);
+    let error = refused(here.path(), &["study", "add", "s.db", "p/phantom-rod-01.json"], 3);
     assert!(error.contains("neutral film") && error.contains("SHA-256"), "{error}");
     assert!(!run(here.path(), &["study", "list", "s.db"]).0.contains("other"));
 }

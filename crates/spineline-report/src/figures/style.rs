@@ -123,16 +123,7 @@ pub const fn action_fill(kind: LineKind) -> &'static str {
 
 /// A piece of text; the bottom of its letters lies at `y`.
 pub fn text(place: (f64, f64), content: &str, size: u32, anchor: TextAnchor) -> Primitive {
-    Primitive::Text {
-        x: place.0,
-        y: place.1,
-        content: printable(content),
-        size,
-        anchor,
-        rotate: None,
-        bold: false,
-        color: Some(BLACK.into()),
-    }
+    lettering(place, content, size, anchor, (false, BLACK))
 }
 
 /// Bold text in a colour.
@@ -143,16 +134,18 @@ pub fn bold(
     anchor: TextAnchor,
     colour: &str,
 ) -> Primitive {
-    Primitive::Text {
-        x: place.0,
-        y: place.1,
-        content: printable(content),
-        size,
-        anchor,
-        rotate: None,
-        bold: true,
-        color: Some(colour.into()),
-    }
+    lettering(place, content, size, anchor, (true, colour))
+}
+
+fn lettering(
+    (x, y): (f64, f64),
+    content: &str,
+    size: u32,
+    anchor: TextAnchor,
+    (bold, colour): (bool, &str),
+) -> Primitive {
+    let (content, color) = (printable(content), Some(colour.into()));
+    Primitive::Text { x, y, content, size, anchor, rotate: None, bold, color }
 }
 
 /// Control characters have no place in XML, and kuva reads `$…$` as mathematics.
