@@ -118,7 +118,7 @@ def test_the_programs_own_analysis_is_read(
         capture_output=True,
     )
     data = json.loads(out.read_text())
-    code = "patient_differs"
+    code = "identifier_repeated"
     warning = {"code": code, "step": "measure", "posture": None, "level": None, "message": "odd"}
     data["warnings"].append(warning)
     text = json.dumps(data, ensure_ascii=False, indent=2) + "\n"

@@ -156,7 +156,7 @@ mod tests {
         let values = [
             "paper",
             "frozen-force",
-            "frontal",
+            "free",
             "ferguson",
             "axis",
             "as-marked",
