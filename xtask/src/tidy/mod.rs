@@ -4,6 +4,7 @@ mod faults;
 mod imports;
 mod order;
 mod panics;
+mod versions;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -36,6 +37,7 @@ pub fn run(root: &Path) -> Result<(), String> {
     }
     order::check(root, &mut faults)?;
     panics::check(root, &mut faults)?;
+    versions::check(root, &mut faults)?;
     check_core_dependencies(root, &mut faults)?;
     let folders = ["benchmarks", "crates", "fuzz/fuzz_targets", "xtask", "web/src", "web/e2e"];
     for folder in folders {
