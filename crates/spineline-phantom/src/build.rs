@@ -101,7 +101,7 @@ pub(crate) fn region(inflection_s_mm: [f64; 2], s_mm: f64) -> usize {
 }
 
 /// What every joint's stiffness has of its own.
-fn scatter(log_sd: f64, rng: &mut ChaCha12Rng) -> [f64; JOINTS] {
+fn own_stiffness(log_sd: f64, rng: &mut ChaCha12Rng) -> [f64; JOINTS] {
     let spread = Normal::<f64>::new(0.0, log_sd).expect("a deviation");
     std::array::from_fn(|_| spread.sample(rng).exp())
 }
@@ -148,7 +148,7 @@ impl Place<'_> {
         // Ribs make the main thoracic region three to five times as stiff as segments without them.
         let multipliers =
             [spread.sample(rng).exp(), stiff.sample(rng), 1.6 * spread.sample(rng).exp()];
-        let own = scatter(joint_log_sd, rng);
+        let own = own_stiffness(joint_log_sd, rng);
         let library = StiffnessLibrary::default();
         let segment_mm = self.segment_mm();
         let spring = |k: usize| {
@@ -172,7 +172,7 @@ impl Place<'_> {
     ) -> Springs {
         /// Thickness of a disc in parts of the distance of two vertebrae, from the lumbar spine to the upper thoracic one.
         const DISC: [f64; 2] = [0.28, 0.16];
-        let own = scatter(joint_log_sd, rng);
+        let own = own_stiffness(joint_log_sd, rng);
         let library = StiffnessLibrary::default();
         let segment_mm = self.segment_mm();
         let mut nmm_per_rad = vec![f64::INFINITY; SEGMENTS];
