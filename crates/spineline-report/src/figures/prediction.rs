@@ -1,7 +1,6 @@
 //! Bends that were left out of the fit: measured, predicted by the best line, and predicted without mechanics.
 
 use spineline::analysis::{Analysis, ComparedFilm, FilmRole, LinesCompared};
-use spineline::evaluate::Baseline;
 use spineline::spatial::Frontal;
 
 use super::frontal::{Extent, VIEW, extent_words, frame_px, frontal_panel};
@@ -20,7 +19,7 @@ pub fn predictions(analysis: &Analysis, compared: &LinesCompared) -> Option<Stri
     let line = compared.lines.iter().position(|one| one.kind == kind)?;
     let films: Vec<&ComparedFilm> =
         compared.films.iter().filter(|film| film.role == role && film.is_common()).collect();
-    let baseline = best_baseline(compared, role);
+    let baseline = compared.best_baseline(role).map(|(baseline, _)| baseline);
     let what = match role {
         FilmRole::LeftOutBend => "Bends left out of the fit",
         FilmRole::Fitted | FilmRole::HeldOut => "Neutral and traction films",
@@ -64,12 +63,4 @@ pub fn predictions(analysis: &Analysis, compared: &LinesCompared) -> Option<Stri
     }
     page.rows.push(panels);
     Some(page.into_svg())
-}
-
-/// The prediction without mechanics that is nearest over the films of a role.
-fn best_baseline(compared: &LinesCompared, role: FilmRole) -> Option<Baseline> {
-    let errors = Baseline::ALL
-        .into_iter()
-        .filter_map(|one| Some((compared.baseline_error_mm(one, role)?, one)));
-    errors.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, one)| one)
 }

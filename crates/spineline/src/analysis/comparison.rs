@@ -185,6 +185,15 @@ impl LinesCompared {
         (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64)
     }
 
+    /// The prediction without mechanics with the smallest mean location error over the films of a role, with that error.
+    #[must_use]
+    pub fn best_baseline(&self, role: FilmRole) -> Option<(Baseline, f64)> {
+        let errors = Baseline::ALL
+            .into_iter()
+            .filter_map(|one| Some((one, self.baseline_error_mm(one, role)?)));
+        errors.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
     /// The line with the smallest mean location error on bends that were left out, or else on neutral and traction films,
     /// among those that take fewest numbers from a predicted film; with that role. `None` where no film was predicted by all.
     #[must_use]

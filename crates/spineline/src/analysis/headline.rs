@@ -4,7 +4,6 @@ use super::comparison::{FilmRole, LinesCompared};
 use super::verdict::listed;
 use super::{Analysis, Identification, LineModel};
 use crate::action::LineKind;
-use crate::evaluate::Baseline;
 
 impl Analysis {
     /// The verdict in at most three sentences: what the bends say of the lines, what predicts best, and what is identified.
@@ -94,16 +93,12 @@ impl LinesCompared {
             FilmRole::LeftOutBend => "left-out bends",
             FilmRole::Fitted | FilmRole::HeldOut => "neutral and traction films",
         };
-        let baselines = Baseline::ALL
-            .into_iter()
-            .filter_map(|one| Some((self.baseline_error_mm(one, role)?, one)));
-        let best = baselines.min_by(|a, b| a.0.total_cmp(&b.0));
-        Some(match best {
+        Some(match self.best_baseline(role) {
             None => format!("The {kind} predicts {films} best: {mm:.1} mm."),
-            Some((without_mm, baseline)) if mm < without_mm => format!(
+            Some((baseline, without_mm)) if mm < without_mm => format!(
                 "The {kind} predicts {films} best: {mm:.1} mm; without mechanics {without_mm:.1} mm ({baseline})."
             ),
-            Some((without_mm, baseline)) => format!(
+            Some((baseline, without_mm)) => format!(
                 "No line with one parameter per film predicts {films} better than without mechanics: {kind} {mm:.1} mm, {baseline} {without_mm:.1} mm."
             ),
         })
