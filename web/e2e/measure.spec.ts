@@ -312,7 +312,14 @@ test("the scale is set by two clicks and holds for the film", async ({ app, page
   await page.mouse.click(box.x + box.width / 2, box.y + 200);
   await page.mouse.click(box.x + box.width / 2, box.y + 300);
   const dialog = page.getByRole("dialog", { name: /scale of this film/i });
-  await dialog.getByLabel(/true diameter/i).fill("25");
+  // A ball of that size is none; the form is not sent.
+  await dialog.getByLabel(/true diameter/i).fill("254");
+  await expect(dialog).toContainText("254 mm: expected 1 to 200 mm");
+  await dialog.getByRole("button", { name: /set the scale/i }).click();
+  await expect(dialog).toBeVisible();
+  // A decimal comma is a decimal point, and the value is read back.
+  await dialog.getByLabel(/true diameter/i).fill("25,4");
+  await expect(dialog).toContainText("read as 25.4 mm");
   await dialog.getByLabel(/standard deviation/i).fill("0.1");
   await shot(page, "measure-scale");
   await dialog.getByRole("button", { name: /set the scale/i }).click();
