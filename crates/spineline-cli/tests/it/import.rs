@@ -385,8 +385,7 @@ fn repeated_answers_and_answers_about_unknown_films_are_refused() {
     put(&here, "a.dcm", &film(1));
     let refused = |more: &[&str]| {
         let base = ["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"];
-        let error = here.refused(&[&base[..], more].concat(), 2);
-        error
+        here.refused(&[&base[..], more].concat(), 2)
     };
     let twice = ["--patient-left", "image-right", "--patient-left", "image-left"];
     assert!(refused(&twice).contains("--patient-left is given twice"));
