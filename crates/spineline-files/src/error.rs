@@ -146,6 +146,20 @@ pub enum FileError {
     /// A stiffness table that the model cannot use.
     #[error(transparent)]
     Stiffness(#[from] spineline::multibody::StiffnessError),
+    /// A prior of joint rotations whose numbers are no distribution.
+    #[error(transparent)]
+    RotationPrior(#[from] spineline::evaluate::RotationPriorError),
+    /// A prior of joint rotations of vertebrae in the wrong order.
+    #[error("`top` must be above `base`, both between L4 and T2, but they are {top} and {base}")]
+    PriorLevels {
+        /// The lowest vertebra.
+        base: Level,
+        /// The highest vertebra.
+        top: Level,
+    },
+    /// Rows of different length.
+    #[error("the rows of `covariance_deg2` have different lengths")]
+    PriorRows,
     /// A model whose parts do not fit together.
     #[error("a model of {vertebrae} vertebrae needs {} joints, and has {joints}", vertebrae.saturating_sub(1))]
     ModelShape {
@@ -313,6 +327,9 @@ impl FileError {
             }
             Self::NotRepeatable { .. } | Self::NoKnownForce | Self::NoSeed => {
                 "analyse the case again with `spineline analyze CASE --json FILE`"
+            }
+            Self::RotationPrior(_) | Self::PriorLevels { .. } | Self::PriorRows => {
+                "learn it again with `spineline learn-prior CASE… --out FILE`"
             }
             Self::Stiffness(_) => {
                 "`spineline schema stiffness` prints the format; give every joint from L4/L3 to T3/T2 one row"

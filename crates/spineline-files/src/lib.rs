@@ -1,5 +1,5 @@
-//! Files of Spineline: cases, analyses, cohorts, personalised models, loads, simulations, reliabilities, stiffness tables
-//! and provenance, all JSON with a format and a version; tables of readings as CSV ([`parse_readings`]); and models as
+//! Files of Spineline: cases, analyses, cohorts, personalised models, loads, simulations, reliabilities, stiffness tables,
+//! priors of joint rotations and provenance, all JSON with a format and a version; tables of readings as CSV ([`parse_readings`]); and models as
 //! other multibody programs read them ([`export`]).
 //!
 //! The types here are what the files look like; [`spineline`]'s own types are what is computed with. Every file format
@@ -31,6 +31,8 @@ mod read;
 mod readings_table;
 mod reliability_file;
 mod request;
+mod rotation_prior_file;
+mod rotation_prior_record;
 mod simulated;
 mod simulation_file;
 mod stiffness_file;
@@ -56,6 +58,7 @@ pub use read::{MAX_ANALYSES_BYTES, MAX_FILE_BYTES, read_bytes, read_text};
 pub use readings_table::{ReadingsTable, parse_readings};
 pub use reliability_file::ReliabilityFile;
 pub use request::{Replicates, Request};
+pub use rotation_prior_file::{RotationPriorFile, StoredRotationPrior, parse_rotation_prior};
 pub use simulated::{Simulated, SimulationError};
 pub use simulation_file::{SimulationFile, SimulationWarning};
 pub use stiffness_file::{StiffnessFile, parse_stiffness};
@@ -66,7 +69,7 @@ use schemars::Schema;
 type MakeSchema = fn() -> Schema;
 
 /// The schemas of all file formats by name.
-const SCHEMAS: [(&str, MakeSchema); 9] = [
+const SCHEMAS: [(&str, MakeSchema); 10] = [
     ("case", || schemars::schema_for!(CaseFile)),
     ("analysis", || schemars::schema_for!(AnalysisFile)),
     ("cohort", || schemars::schema_for!(CohortFile)),
@@ -74,6 +77,7 @@ const SCHEMAS: [(&str, MakeSchema); 9] = [
     ("load", || schemars::schema_for!(LoadFile)),
     ("provenance", || schemars::schema_for!(ProvenanceFile)),
     ("reliability", || schemars::schema_for!(ReliabilityFile)),
+    ("rotation-prior", || schemars::schema_for!(RotationPriorFile)),
     ("simulation", || schemars::schema_for!(SimulationFile)),
     ("stiffness", || schemars::schema_for!(StiffnessFile)),
 ];

@@ -15,6 +15,7 @@ use spineline::spatial::{Angle, Frontal};
 
 use crate::FileError;
 use crate::keys::{Key, LevelKey};
+use crate::rotation_prior_record::RotationPriorRecord;
 use crate::stiffness_file::{StiffnessFile, border};
 
 /// The options of an analysis.
@@ -52,6 +53,9 @@ pub(crate) struct OptionsRecord {
     multipliers: Key<Grouping>,
     /// Standard deviation of `ln α` in the prior; `null` without a prior.
     prior_log_sd: Option<f64>,
+    /// Distribution of joint rotations learned from other patients; absent for the published one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    rotation_prior: Option<RotationPriorRecord>,
     /// Lines that the user gave.
     given_lines: Vec<GivenLineRecord>,
     /// Other requested loads and bases, such as `couple+free_base`.
@@ -190,6 +194,7 @@ impl From<&AnalysisOptions> for OptionsRecord {
             fit: options.target.into(),
             multipliers: options.grouping.into(),
             prior_log_sd: options.prior.map(|prior| prior.log_sd),
+            rotation_prior: options.rotation_prior.as_ref().and_then(RotationPriorRecord::new),
             given_lines: options.given_lines.iter().map(GivenLineRecord::from).collect(),
             compared_models: options.hypotheses.iter().map(|&one| HypothesisKey(one)).collect(),
             sagittal_profile: ProfileRecord {
@@ -276,6 +281,11 @@ impl OptionsRecord {
             target: self.fit.0,
             grouping: self.multipliers.0,
             prior: self.prior_log_sd.map(|log_sd| LogNormalPrior { log_sd }),
+            rotation_prior: self
+                .rotation_prior
+                .as_ref()
+                .map(RotationPriorRecord::prior)
+                .transpose()?,
             given_lines: self.given_lines.iter().map(GivenLineRecord::line).collect(),
             hypotheses: self.compared_models.iter().map(|key| key.0).collect(),
         })

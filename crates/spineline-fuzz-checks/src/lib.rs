@@ -93,6 +93,7 @@ pub fn other_files(bytes: &[u8]) {
     let _ = spineline_files::parse_model(text);
     let _ = spineline_files::parse_load(text);
     let _ = spineline_files::parse_stiffness(text);
+    let _ = spineline_files::parse_rotation_prior(text);
     let _ = spineline_files::parse_readings(text);
 }
 

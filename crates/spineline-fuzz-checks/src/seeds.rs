@@ -2,10 +2,12 @@
 
 use spineline::analysis::{Case, analyze};
 use spineline::anatomy::Posture;
+use spineline::cohort::learn_rotation_prior;
+use spineline::evaluate::RotationPrior;
 use spineline::measure::{FilmLandmarks, ImageGeometry};
 use spineline_files::{
-    AnalysisFile, CaseFile, FilmOrigin, ModelFile, ProgramRun, Provenance, Request, StiffnessFile,
-    to_text,
+    AnalysisFile, CaseFile, FilmOrigin, ModelFile, ProgramRun, Provenance, Request,
+    RotationPriorFile, StiffnessFile, to_text,
 };
 use spineline_films::{DicomFilm, Encoding, FilmPolarity, View, write_dicom};
 use spineline_landmarks::{LandmarkTarget, ReportOf, SourceImage, export_landmarks, write_sr};
@@ -22,6 +24,27 @@ pub struct Seed {
     pub bytes: Vec<u8>,
 }
 
+/// A distribution of joint rotations, learned from the fewest patients.
+fn rotation_prior() -> Result<String, Box<dyn std::error::Error>> {
+    let analyses = (0..RotationPrior::MIN_PATIENTS)
+        .map(|subject| {
+            let phantom = generate(subject, Truth::Rod, &Readers::exact(), 1)?;
+            Ok(analyze(&phantom.case, &Default::default())?)
+        })
+        .collect::<Result<Vec<_>, Box<dyn std::error::Error>>>()?;
+    let learned = learn_rotation_prior(&analyses.iter().collect::<Vec<_>>(), 1)?;
+    let provenance = Provenance::new(run(), FilmOrigin::Synthetic, Vec::new());
+    Ok(to_text(&RotationPriorFile::new(&learned, provenance)))
+}
+
+fn run() -> ProgramRun {
+    ProgramRun {
+        program: "seeds".to_owned(),
+        command: Vec::new(),
+        date_utc: "1970-01-01T00:00:00Z".to_owned(),
+    }
+}
+
 /// All of them, the same at every call.
 ///
 /// # Errors
@@ -34,17 +57,13 @@ pub fn seeds() -> Result<Vec<Seed>, Box<dyn std::error::Error>> {
     all.put("case", "phantom", to_text(&CaseFile::from_case(case)));
     let model = ModelFile::new(&analysis, &analysis.models[0], "seeds");
     all.put("other_files", "model", to_text(&model));
-    let run = ProgramRun {
-        program: "seeds".to_owned(),
-        command: Vec::new(),
-        date_utc: "1970-01-01T00:00:00Z".to_owned(),
-    };
-    let provenance = Provenance::new(run, FilmOrigin::Synthetic, Vec::new());
+    let provenance = Provenance::new(run(), FilmOrigin::Synthetic, Vec::new());
     let provenance = provenance.asking(&Request::default());
     let file = AnalysisFile::new(&analysis, CaseFile::from_case(case), provenance);
     all.put("other_files", "analysis", to_text(&file));
     let library = spineline::multibody::StiffnessLibrary::default();
     all.put("other_files", "stiffness", to_text(&StiffnessFile::from(&library)));
+    all.put("other_files", "rotation-prior", rotation_prior()?);
     all.put("other_files", "load", LOAD);
     all.put("other_files", "readings", READINGS);
     for encoding in [Encoding::Plain, Encoding::Rle, Encoding::JpegLs] {

@@ -1,5 +1,7 @@
 //! What is asked of a case, and where its numbers come from.
 
+use std::path::Path;
+
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use spineline::analysis::AnalysisOptions;
@@ -30,8 +32,10 @@ pub fn options(given: &[(String, String)]) -> Result<(AnalysisOptions, Vec<Input
     let mut files = Vec::new();
     for (name, value) in given {
         set_option(&mut options, name, value)?;
-        if name == "stiffness" {
-            files.extend(stiffness_file(value)?);
+        match name.replace('-', "_").as_str() {
+            "stiffness" => files.extend(stiffness_file(value)?),
+            "rotation_prior" => files.push(input_file(Path::new(value))?),
+            _ => {}
         }
     }
     Ok((options, files))
@@ -41,9 +45,14 @@ pub fn options(given: &[(String, String)]) -> Result<(AnalysisOptions, Vec<Input
 fn stiffness_file(value: &str) -> Result<Option<InputFile>, Fault> {
     use spineline_files::method_text::{StiffnessSource, stiffness_source};
     let Ok(StiffnessSource::File(path)) = stiffness_source(value) else { return Ok(None) };
-    let text = spineline_files::read_text(&path)?;
+    input_file(&path).map(Some)
+}
+
+/// A file that an option names, as an input.
+fn input_file(path: &Path) -> Result<InputFile, Fault> {
+    let text = spineline_files::read_text(path)?;
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    Ok(Some(InputFile::of(name, text.as_bytes())))
+    Ok(InputFile::of(name, text.as_bytes()))
 }
 
 /// The names of all options of an analysis.

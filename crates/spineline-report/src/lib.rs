@@ -20,6 +20,7 @@ pub mod patient;
 mod phrases;
 mod png;
 pub mod reliability;
+pub mod rotation_prior;
 pub mod terminal;
 
 pub use document::{Document, file_stem};

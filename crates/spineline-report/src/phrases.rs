@@ -67,3 +67,13 @@ pub fn no_model(analysis: &Analysis) -> String {
 /// How a film gets a scale.
 pub const GIVE_SCALE: &str =
     "A pixel spacing, or a ball or ruler of known size on the film, gives a scale.";
+
+/// A mean with its 95 % interval over patients.
+pub(crate) fn with_interval(mean: f64, ends: Option<[f64; 2]>, places: usize) -> String {
+    if !mean.is_finite() {
+        return none();
+    }
+    let ends = ends
+        .map_or_else(String::new, |[low, high]| format!(" ({low:.places$} to {high:.places$})"));
+    format!("{mean:.places$}{ends}")
+}

@@ -18,6 +18,8 @@ pub struct RunRecord {
     pub request: Request,
     /// Files that were read for all cases.
     shared: Vec<InputFile>,
+    /// SHA-256 of the cases that the distribution of joint rotations was learned from.
+    learned_from: Vec<String>,
     /// In the order of the analyses.
     pub cases: Vec<CaseInput>,
 }
@@ -26,22 +28,41 @@ impl RunRecord {
     /// Of this run, before any case is read.
     ///
     /// # Errors
-    /// If a stiffness table cannot be read.
+    /// If a file that the options name cannot be read.
     pub fn new(method: &MethodArgs, uncertainty: &UncertaintyArgs) -> Result<Self, Failure> {
         let request = request(method, uncertainty)?;
-        let tables = method.stiffness_file().into_iter();
-        let shared = tables.map(|path| read_input(path)).collect::<Result<_, _>>()?;
-        Ok(Self { run: this_run()?, request, shared, cases: Vec::new() })
+        let shared = method.files().map(|path| read_input(path)).collect::<Result<_, _>>()?;
+        let learned_from = method.stored_rotation_prior()?.map(|stored| stored.learned_from);
+        let learned_from = learned_from.unwrap_or_default();
+        Ok(Self { run: this_run()?, request, shared, learned_from, cases: Vec::new() })
     }
 
-    /// Refuses a case whose identifier was read before: a cohort would count its patient twice.
+    /// Refuses a case whose rotations are known already: what is then predicted of it is no prediction.
     ///
     /// # Errors
-    /// If the identifier was read before.
-    pub fn refuse_duplicate(
+    /// If the distribution of joint rotations was learned from it.
+    pub fn refuse_learned(&self, source: &CaseInput) -> Result<(), Failure> {
+        if self.learned_from.contains(&source.input.sha256) {
+            let text = format!(
+                "the distribution of joint rotations was learned from the case {}, so it cannot predict its films",
+                source.case.id
+            );
+            let help = "leave out --rotation-prior (a cohort predicts every patient from the others), or learn it from other cases";
+            return Err(Failure::input(&source.input.name, &text, help));
+        }
+        Ok(())
+    }
+
+    /// Refuses a case whose identifier was read before, since a cohort would count its patient twice, or which
+    /// [`RunRecord::refuse_learned`] refuses.
+    ///
+    /// # Errors
+    /// If one of both is so.
+    pub fn refuse_known(
         &self,
         (analysis, source): (Analysis, CaseInput),
     ) -> Result<(Analysis, CaseInput), Failure> {
+        self.refuse_learned(&source)?;
         if self.cases.iter().any(|earlier| earlier.case.id == source.case.id) {
             let text = format!("the case {} was given already", source.case.id);
             let help = "give every case a `case_id` of its own";

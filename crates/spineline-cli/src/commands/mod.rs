@@ -8,6 +8,7 @@ mod decode_film;
 mod export;
 mod film;
 mod import;
+mod learn_prior;
 mod noise_study;
 mod phantom;
 mod reliability;
@@ -62,6 +63,9 @@ pub enum Command {
     /// Measure the reliability of readings: SEM, limits of agreement, ICC and Pearson, within and between observers
     #[command(after_help = reliability::EXAMPLES)]
     Reliability(reliability::ReliabilityArgs),
+    /// Learn how the joints of a cohort rotate in bends, for predictions without mechanics
+    #[command(after_help = learn_prior::EXAMPLES)]
+    LearnPrior(learn_prior::LearnPriorArgs),
     /// Simulate a personalised model under forces, moments, weight, pads, straps and rods
     #[command(after_help = simulate::EXAMPLES)]
     Simulate(simulate::SimulateArgs),
@@ -116,6 +120,7 @@ pub fn run(command: Command) -> Result<Ending, Failure> {
         Command::Serve(args) => serve::run(&args),
         Command::Account(args) => account::run(&args),
         Command::Rerun(args) => rerun::run(&args),
+        Command::LearnPrior(args) => learn_prior::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Reliability(args) => reliability::run(&args),
         Command::Phantom(args) => phantom::run(&args),

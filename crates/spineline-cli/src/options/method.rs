@@ -12,9 +12,11 @@ use spineline::measure::{FilmLengthRule, TiltRule};
 use spineline::multibody::Support;
 use spineline::personalize::{FitTarget, Gauge};
 use spineline::spatial::Angle;
+use spineline_files::StoredRotationPrior;
 use spineline_files::method_text::{
     Choice, ChosenHypotheses, Prior, StiffnessSource, curve_turn, end_vertebrae, film_lengths,
-    gauge, given_line, hypotheses, inflection_sites, order_rule, prior, stiffness_source,
+    gauge, given_line, hypotheses, inflection_sites, order_rule, prior, read_rotation_prior,
+    stiffness_source,
 };
 
 use super::choice::choice;
@@ -56,6 +58,10 @@ pub struct MethodArgs {
     /// (0.5, the spread between segments of living scoliotic spines)
     #[arg(long, value_name = "none|in-vivo|SD", default_value = "none", value_parser = prior)]
     prior: Prior,
+    /// Distribution of joint rotations that `spineline learn-prior` learned from other patients, for the predictions without
+    /// mechanics that models are compared with [default: published mobilities]
+    #[arg(long, value_name = "FILE")]
+    rotation_prior: Option<PathBuf>,
     /// Stiffness table to start from: `paper`, `in-vitro`, `intact-chest` or `scoliotic-in-vivo` (`spineline stiffness` prints
     /// them), or a file
     #[arg(long, value_name = "TABLE|FILE", default_value = "paper", value_parser = stiffness_source)]
@@ -104,11 +110,25 @@ impl MethodArgs {
             let path = self.stiffness_file().map_or(Path::new(""), PathBuf::as_path);
             Failure::file(path, &error)
         })?;
+        options.rotation_prior = self.stored_rotation_prior()?.map(|stored| stored.prior);
         Ok(options)
     }
 
-    /// The file of the stiffness table, where it is one of the inputs.
-    pub fn stiffness_file(&self) -> Option<&PathBuf> {
+    /// The distribution of joint rotations that is read from a file.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub fn stored_rotation_prior(&self) -> Result<Option<StoredRotationPrior>, Failure> {
+        let Some(path) = &self.rotation_prior else { return Ok(None) };
+        read_rotation_prior(path).map(Some).map_err(|error| Failure::file(path, &error))
+    }
+
+    /// Files that the options name: they are inputs.
+    pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
+        self.stiffness_file().into_iter().chain(&self.rotation_prior)
+    }
+
+    fn stiffness_file(&self) -> Option<&PathBuf> {
         match &self.stiffness {
             StiffnessSource::File(path) => Some(path),
             StiffnessSource::Table(_) => None,

@@ -11,6 +11,7 @@ mod guide;
 mod hidden;
 mod import;
 mod import_midlines;
+mod learn_prior;
 #[path = "../../../spineline-films/tests/it/maker.rs"]
 mod maker;
 mod noise_study;

@@ -86,8 +86,8 @@ struct FilmRecord {
 struct BaselineRecord {
     /// `converged` or how else the fit to T2 ended.
     status: String,
-    /// By how much the pattern is multiplied.
-    amount: f64,
+    /// By how much a pattern of rotations is multiplied; `null` for a distribution.
+    amount: Option<f64>,
     #[serde(flatten)]
     scale: ScaleRecord,
     location_mm: f64,

@@ -19,9 +19,11 @@ pub use choice::{Choice, of_spelling};
 pub use ends::end_vertebrae;
 pub use parse::{
     ChosenHypotheses, Prior, StiffnessSource, curve_turn, film_lengths, gauge, given_line,
-    hypotheses, inflection_sites, noise, order_rule, prior, stiffness_source,
+    hypotheses, inflection_sites, noise, order_rule, prior, read_rotation_prior, stiffness_source,
 };
 pub use values::{number, posture};
+
+use std::path::Path;
 
 use spineline::analysis::{AnalysisOptions, Case};
 use spineline::anatomy::Posture;
@@ -32,7 +34,7 @@ use crate::FileError;
 use crate::json::nearest;
 
 /// The names of all options of the method; `-` and `_` are the same in them.
-pub const OPTION_NAMES: [&str; 14] = [
+pub const OPTION_NAMES: [&str; 15] = [
     "order_rule",
     "gauge",
     "support",
@@ -42,6 +44,7 @@ pub const OPTION_NAMES: [&str; 14] = [
     "end_vertebrae",
     "multipliers",
     "prior",
+    "rotation_prior",
     "stiffness",
     "inflections",
     "min_curve",
@@ -71,9 +74,14 @@ pub enum OptionError {
         /// What is expected.
         reason: String,
     },
-    /// A stiffness table that cannot be read.
-    #[error("option `stiffness`: {0}")]
-    Stiffness(#[from] FileError),
+    /// A file that cannot be read.
+    #[error("option `{name}`: {error}")]
+    File {
+        /// The option that names it.
+        name: String,
+        /// Why.
+        error: FileError,
+    },
 }
 
 impl OptionError {
@@ -84,7 +92,7 @@ impl OptionError {
             Self::Unknown { .. } | Self::Value { .. } => {
                 "`spineline analyze --help` lists every option with its values"
             }
-            Self::Stiffness(error) => error.help(),
+            Self::File { error, .. } => error.help(),
         }
     }
 }
@@ -101,6 +109,7 @@ pub fn set_option(
     let name = name.replace('-', "_");
     let refused =
         |reason: String| OptionError::Value { name: name.clone(), value: value.to_owned(), reason };
+    let in_file = |error| OptionError::File { name: name.clone(), error };
     match name.as_str() {
         "order_rule" => options.order_rule = order_rule(value).map_err(refused)?,
         "gauge" => options.gauge = gauge(value).map_err(refused)?,
@@ -111,8 +120,13 @@ pub fn set_option(
         "end_vertebrae" => options.ends = end_vertebrae(value).map_err(refused)?,
         "multipliers" => options.grouping = named(value).map_err(refused)?,
         "prior" => options.prior = prior(value).map_err(refused)?.0,
+        "rotation_prior" => {
+            let stored = read_rotation_prior(Path::new(value)).map_err(in_file)?;
+            options.rotation_prior = Some(stored.prior);
+        }
         "stiffness" => {
-            options.library = stiffness_source(value).map_err(refused)?.library()?;
+            let source = stiffness_source(value).map_err(refused)?;
+            options.library = source.library().map_err(in_file)?;
         }
         "inflections" => {
             let sites = inflection_sites(value).map_err(refused)?;
@@ -169,7 +183,9 @@ mod tests {
             "left_bending=20,150,-5",
             "all",
         ];
-        for (name, value) in OPTION_NAMES.into_iter().zip(values) {
+        // The tests of the command line have a file of rotations.
+        let names = OPTION_NAMES.into_iter().filter(|name| *name != "rotation_prior");
+        for (name, value) in names.zip(values) {
             let mut options = AnalysisOptions::default();
             set_option(&mut options, name, value).expect(name);
             assert_ne!(options, AnalysisOptions::default(), "{name}");

@@ -1,6 +1,6 @@
 //! Choices of the method, each from its text.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use spineline::action::LineOfAction;
@@ -15,7 +15,7 @@ use spineline::uncertainty::LandmarkNoise;
 
 use super::choice::of_spelling;
 use super::values::{number, posture};
-use crate::{FileError, parse_stiffness, read_text};
+use crate::{FileError, StoredRotationPrior, parse_rotation_prior, parse_stiffness, read_text};
 
 /// Where springs come from.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +46,14 @@ impl StiffnessSource {
 pub fn stiffness_source(text: &str) -> Result<StiffnessSource, String> {
     Ok(of_spelling(text)
         .map_or_else(|| StiffnessSource::File(PathBuf::from(text)), StiffnessSource::Table))
+}
+
+/// Reads a file of [`crate::RotationPriorFile`].
+///
+/// # Errors
+/// If the file cannot be read, or holds no prior.
+pub fn read_rotation_prior(path: &Path) -> Result<StoredRotationPrior, FileError> {
+    read_text(path).and_then(|text| parse_rotation_prior(&text))
 }
 
 /// A prior, or none.

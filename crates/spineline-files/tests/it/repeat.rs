@@ -1,10 +1,12 @@
 //! An analysis file contains all its inputs.
 
+use nalgebra::DMatrix;
 use spineline::action::LineOfAction;
 use spineline::analysis::{AnalysisOptions, Grouping, analyze};
-use spineline::anatomy::{Level, Posture, SagittalProfile};
+use spineline::anatomy::{Level, Levels, Posture, SagittalProfile};
 use spineline::clinical::{CobbEnds, EndChoice, EndRule};
 use spineline::curve::{InflectionChoice, OrderRule, Site};
+use spineline::evaluate::{PriorSource, RotationPrior};
 use spineline::hypothesis::{Base, Hypothesis, LoadShape};
 use spineline::measure::{FilmLengthRule, TiltRule};
 use spineline::multibody::{JointStiffness, StiffnessLibrary, Support};
@@ -60,6 +62,7 @@ fn odd_options() -> AnalysisOptions {
         target: FitTarget::Ferguson,
         grouping: Grouping::PerJoint,
         prior: Some(LogNormalPrior { log_sd: 0.3 }),
+        rotation_prior: Some(odd_rotation_prior()),
         given_lines: vec![(
             Posture::LeftBending,
             LineOfAction::leaning(Frontal::new(20.1, 150.7), Angle::from_deg(-5.3)),
@@ -69,6 +72,17 @@ fn odd_options() -> AnalysisOptions {
             Hypothesis { load: LoadShape::FreeLine, base: Base::Noisy },
         ],
     }
+}
+
+/// A distribution as it is read from a file: its numbers are of degrees.
+fn odd_rotation_prior() -> RotationPrior {
+    let mean = (0..14).map(|joint| Angle::from_deg(f64::from(joint) / 9.7)).collect();
+    let square = Angle::from_deg(1.0).rad().powi(2);
+    let covariance = DMatrix::from_fn(14, 14, |i, j| {
+        square * if i == j { 4.0 / (i as f64 + 3.0) } else { 0.03 / (i * j + i + j) as f64 }
+    });
+    let source = PriorSource::Learned { patients: 7, bends: 13, shrinkage: 0.123_456_789 };
+    RotationPrior::new(Levels::COMPLETE, mean, covariance, source).expect("a covariance")
 }
 
 #[test]

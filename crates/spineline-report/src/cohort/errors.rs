@@ -7,10 +7,10 @@ use spineline::cohort::{
 };
 
 use super::movement::tested;
-use super::with_interval;
+
 use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures::{self, LocationErrorSample};
-use crate::phrases::{FITTED, HELD_OUT, LEFT_OUT, none, numbers};
+use crate::phrases::{FITTED, HELD_OUT, LEFT_OUT, none, numbers, with_interval};
 
 const NO_MODEL: &str = "No patient has a personalised model.";
 
@@ -256,7 +256,7 @@ fn baselines(cohort: &Cohort) -> Table {
             with_interval(errors.location_mm.patients.mean, errors.location_mm.bootstrap, 1),
         ]);
     }
-    table.note = "Only the size of the rotations and the scale of the film are fitted, both to T2. A model is worth its parameters where its error is smaller.".to_owned();
+    table.note = "The rotations and the scale of the film are fitted to T2: to its location, as every line is, and in one row to its tilt too. A model is worth its parameters where its error is smaller.".to_owned();
     table
 }
 

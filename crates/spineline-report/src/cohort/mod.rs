@@ -95,13 +95,3 @@ fn how(patients: &Patients<'_>) -> Section {
     section.paragraph("Statistics: a patient is the unit. One mean per patient enters every interval and every test except those called pooled, which are the paper's and treat vertebrae of one spine as independent. Intervals resample patients.");
     section
 }
-
-/// A mean with its 95 % interval over patients.
-fn with_interval(mean: f64, ends: Option<[f64; 2]>, places: usize) -> String {
-    if !mean.is_finite() {
-        return crate::phrases::none();
-    }
-    let ends = ends
-        .map_or_else(String::new, |[low, high]| format!(" ({low:.places$} to {high:.places$})"));
-    format!("{mean:.places$}{ends}")
-}

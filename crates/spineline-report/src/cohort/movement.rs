@@ -2,9 +2,9 @@
 
 use spineline::cohort::{Clustered, Cohort, EstimateStatistics, PairedComparison};
 
-use super::with_interval;
 use crate::document::{Column, Figure, Section, Table};
 use crate::figures::{self, EstimateGroup, EstimateSample, InflectionSample};
+use crate::phrases::with_interval;
 
 const NO_MOVEMENT: &str = "No patient has both a pair of inflections and a film of another posture than erect: inflections and least-rotating segments cannot be compared.";
 

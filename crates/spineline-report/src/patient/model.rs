@@ -307,16 +307,27 @@ pub fn same_films(found: &LinesCompared) -> Table {
             let films = found.counted(role);
             table.row(vec![
                 role.to_string(),
-                format!("none: {baseline}"),
-                "prediction without mechanics".to_owned(),
+                baseline.to_string(),
+                "without mechanics".to_owned(),
                 (films.0 - films.1).to_string(),
                 format!("{mm:.2}"),
                 none(),
-                "size of the rotations, per film".to_owned(),
+                taken(baseline).to_owned(),
             ]);
         }
     }
     table
+}
+
+/// What a prediction without mechanics takes from the film: the size of a pattern, or the coordinates and the tilt of T2.
+const fn taken(baseline: Baseline) -> &'static str {
+    match baseline {
+        Baseline::MirroredBend | Baseline::PublishedMobility | Baseline::OtherPatients => {
+            "1 per film"
+        }
+        Baseline::RotationPrior => "2 per film",
+        Baseline::RotationPriorWithTilt => "3 per film",
+    }
 }
 
 /// What the comparison leaves out, and whether the lines took the same data, a sentence each.

@@ -69,7 +69,7 @@ fn page_one_sets_every_line_beside_predictions_without_mechanics() {
     assert!(sentences[1].starts_with("The inflection line predicts left-out bends best"));
     assert!(sentences[2].starts_with("With the inflection line, all 3"));
     let table = tables(short)[0];
-    assert_eq!(table.rows.len(), compared.lines.len() + 2);
+    assert_eq!(table.rows.len(), compared.lines.len() + 3);
     for (i, row) in table.rows.iter().enumerate().take(compared.lines.len()) {
         let errors = compared.errors(i, FilmRole::LeftOutBend).expect("two bends");
         assert_eq!(row[1], format!("{:.1}", errors.location_mm));

@@ -5,9 +5,10 @@ use super::{Analysis, LineModel};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::evaluate::{
-    Baseline, BaselinePrediction, Simulation, joint_rotations, predict_baseline,
-    published_lateral_bending,
+    Baseline, BaselinePrediction, RotationPrior, Simulation, joint_rotations, predict_baseline,
+    predict_from_prior, published_lateral_bending,
 };
+use crate::measure::Outline;
 use crate::multibody::Load;
 use crate::personalize::{FitTarget, Gauge};
 use crate::warning::Warnings;
@@ -185,11 +186,13 @@ impl LinesCompared {
         (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64)
     }
 
-    /// The prediction without mechanics with the smallest mean location error over the films of a role, with that error.
+    /// The prediction without mechanics with the smallest mean location error over the films of a role, with that error, of
+    /// those that know no more of a film than a line does.
     #[must_use]
     pub fn best_baseline(&self, role: FilmRole) -> Option<(Baseline, f64)> {
         let errors = Baseline::ALL
             .into_iter()
+            .filter(|one| !one.knows_tilt())
             .filter_map(|one| Some((one, self.baseline_error_mm(one, role)?)));
         errors.min_by(|a, b| a.1.total_cmp(&b.1))
     }
@@ -277,7 +280,24 @@ impl Analysis {
             .into_iter()
             .chain([(Baseline::PublishedMobility, published)])
             .map(|(baseline, pattern)| predict_baseline(baseline, &pattern, erect, film))
+            .chain(self.predicted_from_priors(film))
             .collect()
+    }
+
+    /// Predictions of a film from distributions of joint rotations: one that was given describes bends only.
+    fn predicted_from_priors(&self, film: &Outline) -> Vec<BaselinePrediction> {
+        let predict =
+            |baseline, prior| predict_from_prior(baseline, prior, &self.erect().outline, film);
+        let given = self.options.rotation_prior.as_ref().filter(|_| film.posture.bend().is_some());
+        match given.and_then(|prior| prior.of(self.levels())) {
+            Some(learned) => [Baseline::RotationPrior, Baseline::RotationPriorWithTilt]
+                .map(|baseline| predict(baseline, &learned))
+                .into(),
+            None => {
+                let published = RotationPrior::published(self.levels());
+                vec![predict(Baseline::RotationPriorWithTilt, &published)]
+            }
+        }
     }
 
     /// Fits every line to one bend and predicts the other by the rule of all films that are not fitted: its force alone is

@@ -5,6 +5,7 @@ use crate::anatomy::{Posture, SagittalProfile, named};
 use crate::chain::SEGMENT_WINDOW;
 use crate::clinical::EndChoice;
 use crate::curve::{InflectionChoice, MIN_TURN, OrderRule};
+use crate::evaluate::RotationPrior;
 use crate::hypothesis::Hypothesis;
 use crate::measure::{FilmLengthRule, TiltRule};
 use crate::multibody::{StiffnessLibrary, Support};
@@ -68,6 +69,8 @@ pub struct AnalysisOptions {
     pub grouping: Grouping,
     /// What is known of the multipliers before the films; many of one per joint are not identified without.
     pub prior: Option<LogNormalPrior>,
+    /// Distribution of joint rotations from other patients, for predictions without mechanics; `None` for the published one.
+    pub rotation_prior: Option<RotationPrior>,
     /// Lines given by the user.
     pub given_lines: Vec<(Posture, LineOfAction)>,
     /// Other loads and bases that are fitted beside the lines; none by default.
@@ -102,6 +105,7 @@ impl Default for AnalysisOptions {
             target: FitTarget::default(),
             grouping: Grouping::default(),
             prior: None,
+            rotation_prior: None,
             given_lines: Vec::new(),
             hypotheses: Vec::new(),
         }

@@ -191,6 +191,7 @@ impl LinesCompared {
     fn baseline_words(&self, role: FilmRole) -> Option<(String, String)> {
         let mut found: Vec<(f64, Baseline)> = Baseline::ALL
             .into_iter()
+            .filter(|one| !one.knows_tilt())
             .filter_map(|one| Some((self.baseline_error_mm(one, role)?, one)))
             .collect();
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -208,7 +209,9 @@ impl LinesCompared {
         } else {
             format!(" Not better than without mechanics: {}.", listed(&behind))
         };
-        Some((format!("; without mechanics: {}", listed(&parts)), sentence))
+        let tilt = self.baseline_error_mm(Baseline::RotationPriorWithTilt, role);
+        let tilt = tilt.map_or_else(String::new, |mm| format!(" With T2's tilt too: {mm:.1} mm."));
+        Some((format!("; without mechanics: {}", listed(&parts)), sentence + &tilt))
     }
 
     /// Mean location errors by line, the smallest first; `None` where no film is common to all.

@@ -1,11 +1,13 @@
 //! Predictions without mechanics over many patients, and whether lines of action predict better.
 
 use super::comparison::corrected_by_holm;
+use super::rotation_prior::{bend_rotations, priors_of_others};
 use super::{Clustered, PairedComparison};
 use crate::action::LineKind;
 use crate::analysis::{Analysis, ComparedFilm, FilmRole, LinesCompared, listed, probability};
-use crate::anatomy::Side;
-use crate::evaluate::{Baseline, BaselinePrediction, joint_rotations, predict_baseline};
+use crate::evaluate::{
+    Baseline, BaselinePrediction, RotationPrior, predict_baseline, predict_from_prior,
+};
 use crate::personalize::SIGNIFICANCE;
 use crate::spatial::Angle;
 
@@ -68,16 +70,19 @@ const PREDICTED: [FilmRole; 2] = [FilmRole::LeftOutBend, FilmRole::HeldOut];
 impl BaselinesOverPatients {
     /// `compared` is in the order of the analyses.
     pub(super) fn of(analyses: &[&Analysis], compared: &[LinesCompared], seed: u64) -> Self {
+        let bends: Vec<Vec<Vec<Angle>>> = analyses.iter().map(|one| bend_rotations(one)).collect();
+        let priors = priors_of_others(analyses, &bends);
         let patients: Vec<Predicted<'_>> = analyses
             .iter()
             .zip(compared)
             .enumerate()
             .map(|(place, (analysis, compared))| {
-                let others = mean_of_others(analyses, place);
-                Predicted::of(analysis, compared, others.as_deref())
+                let mean = mean_of_others(analyses, &bends, place);
+                Predicted::of(analysis, compared, mean.as_deref(), priors[place].as_ref())
             })
             .collect();
         let cells = || Baseline::ALL.into_iter().flat_map(|one| PREDICTED.map(|role| (one, role)));
+        let fair = || cells().filter(|(baseline, _)| !baseline.knows_tilt());
         let mut errors: Vec<BaselineErrors> = cells()
             .map(|(baseline, role)| {
                 let of = |patient: &Predicted<'_>| -> Vec<Vec<f64>> {
@@ -95,7 +100,7 @@ impl BaselinesOverPatients {
             compared.iter().flat_map(|one| one.lines.iter().map(|line| line.kind)).collect();
         kinds.sort();
         kinds.dedup();
-        let pairs = kinds.into_iter().flat_map(|line| cells().map(move |cell| (line, cell)));
+        let pairs = kinds.into_iter().flat_map(|line| fair().map(move |cell| (line, cell)));
         let mut tests: Vec<BaselineTest> =
             pairs.filter_map(|(line, cell)| test(&patients, line, cell, seed)).collect();
         let corrected = corrected_by_holm(tests.iter().map(|test| &test.comparison));
@@ -118,11 +123,19 @@ impl BaselinesOverPatients {
             self.errors.iter().filter(|one| one.role == role).collect();
         let mean = |one: &BaselineErrors| one.location_mm.patients.mean;
         found.sort_by(|a, b| mean(a).total_cmp(&mean(b)));
+        let with_tilt = found.iter().position(|one| one.baseline.knows_tilt());
+        let with_tilt = with_tilt.map(|place| found.remove(place));
         let Some(best) = found.first() else { return Vec::new() };
         let parts: Vec<String> =
             found.iter().map(|one| format!("{} {:.1} mm", one.baseline, mean(one))).collect();
         let films = films_words(role);
         let mut all = vec![format!("{films}, predicted without mechanics: {}.", listed(&parts))];
+        all.extend(with_tilt.map(|one| {
+            format!(
+                "With T2's tilt as well as its location, the distribution of rotations predicts them to {:.1} mm; no line is compared with it, since a line knows T2's location alone.",
+                mean(one)
+            )
+        }));
         let tests = self.tests.iter().filter(|test| test.role == role);
         let tests: Vec<&BaselineTest> =
             tests.filter(|test| test.baseline == best.baseline).collect();
@@ -178,16 +191,33 @@ struct Predicted<'a> {
 }
 
 impl<'a> Predicted<'a> {
-    /// `others` are the mean rotations of other patients.
-    fn of(analysis: &Analysis, compared: &'a LinesCompared, others: Option<&[Angle]>) -> Self {
+    /// `mean` are the mean rotations of other patients, `prior` the distribution of their rotations.
+    fn of(
+        analysis: &Analysis,
+        compared: &'a LinesCompared,
+        mean: Option<&[Angle]>,
+        prior: Option<&RotationPrior>,
+    ) -> Self {
         let films = compared.films.iter().filter(|film| PREDICTED.contains(&film.role));
         let with_others = |film: &'a ComparedFilm| {
             let outline = analysis.posture(film.posture).map(|posture| &posture.outline);
-            let from_others = outline.zip(others).map(|(outline, pattern)| {
-                let erect = &analysis.erect().outline;
+            let erect = &analysis.erect().outline;
+            let from_mean = outline.zip(mean).map(|(outline, pattern)| {
                 predict_baseline(Baseline::OtherPatients, pattern, erect, outline)
             });
-            let baselines = film.baselines.iter().cloned().chain(from_others).collect();
+            // One that was given was learned elsewhere and is kept; a published one gives way.
+            let learned = prior.filter(|_| analysis.options.rotation_prior.is_none());
+            let learned = learned.filter(|_| film.posture.bend().is_some());
+            let from_prior: Vec<BaselinePrediction> =
+                outline.zip(learned).map_or_else(Vec::new, |(outline, prior)| {
+                    let both = [Baseline::RotationPrior, Baseline::RotationPriorWithTilt];
+                    both.map(|one| predict_from_prior(one, prior, erect, outline)).into()
+                });
+            let is_kept = |one: &&BaselinePrediction| {
+                from_prior.iter().all(|prediction| prediction.baseline != one.baseline)
+            };
+            let own = film.baselines.iter().filter(is_kept).cloned();
+            let baselines = own.chain(from_mean).chain(from_prior.iter().cloned()).collect();
             PredictedFilm { film, baselines }
         };
         Self { compared, films: films.map(with_others).collect() }
@@ -199,23 +229,15 @@ impl<'a> Predicted<'a> {
 }
 
 /// Mean rotations over the bends of all other patients with the same vertebrae, as if all bent to the right.
-fn mean_of_others(analyses: &[&Analysis], place: usize) -> Option<Vec<Angle>> {
+fn mean_of_others(
+    analyses: &[&Analysis],
+    bends: &[Vec<Vec<Angle>>],
+    place: usize,
+) -> Option<Vec<Angle>> {
     let levels = analyses[place].levels();
-    let others = analyses.iter().enumerate().filter(|(i, _)| *i != place);
-    let bends: Vec<Vec<Angle>> = others
-        .filter(|(_, analysis)| analysis.levels() == levels)
-        .flat_map(|(_, analysis)| {
-            let films = analysis.postures.iter().map(|posture| &posture.outline);
-            films.filter_map(|film| {
-                let sign = match film.posture.bend()? {
-                    Side::Right => 1.0,
-                    Side::Left => -1.0,
-                };
-                let rotations = joint_rotations(&analysis.erect().outline, film);
-                Some(rotations.into_iter().map(|rotation| rotation * sign).collect())
-            })
-        })
-        .collect();
+    let others = analyses.iter().zip(bends).enumerate();
+    let others = others.filter(|(i, (analysis, _))| *i != place && analysis.levels() == levels);
+    let bends: Vec<&Vec<Angle>> = others.flat_map(|(_, (_, bends))| bends).collect();
     let mean = |joint: usize| {
         let sum: f64 = bends.iter().map(|bend| bend[joint].rad()).sum();
         Angle::from_rad(sum / bends.len() as f64)

@@ -12,6 +12,7 @@ mod claims;
 mod comparison;
 mod films;
 mod lines;
+mod rotation_prior;
 mod words;
 
 pub use baselines::{BaselineErrors, BaselineTest, BaselinesOverPatients};
@@ -19,6 +20,7 @@ pub use claims::{ClaimVerdict, Claims, NEAR_SEGMENTS, PatientClaims};
 pub use comparison::PairedComparison;
 pub use films::{ChainCount, DoubtedFilm};
 pub use lines::{ErrorKind, LinePairTest, LinesOverPatients, MissingResult, NoResult, RoleErrors};
+pub use rotation_prior::{LearnedRotations, learn_rotation_prior};
 
 use crate::action::LineKind;
 use crate::analysis::{Analysis, LinesCompared, PostureAnalysis, ferguson_errors_deg};

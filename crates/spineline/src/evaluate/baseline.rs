@@ -1,16 +1,17 @@
 //! Predictions without mechanics, which a model must beat to be worth its parameters.
 //!
-//! A film is predicted from a pattern of joint rotations that needs no force and no stiffness. As for every model, T2 alone
-//! says how large the rotations are, and the scale of the film.
+//! A film is predicted from what is known of joint rotations, with no force and no stiffness. As for every model, the
+//! location of T2 says how large the rotations are, and the scale of the film; one of these predictions knows T2's tilt too.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
-use crate::anatomy::{Level, Posture, named};
+use super::rotation_prior::RotationPrior;
+use crate::anatomy::{Level, Posture, Side, named};
 use crate::least_squares::{FitStatus, System, minimize};
-use crate::measure::{FilmScale, MeasuredVertebra, Outline};
+use crate::measure::{FilmScale, Outline};
 use crate::spatial::{Angle, Frontal};
 
-/// A pattern of joint rotations that is known before a film.
+/// What is known of joint rotations before a film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Baseline {
     /// The rotations of the patient's other bend, to the other side.
@@ -19,11 +20,28 @@ pub enum Baseline {
     PublishedMobility,
     /// Mean rotations of the bends of other patients.
     OtherPatients,
+    /// The distribution of joint rotations over the bends of other patients ([`RotationPrior::learned`]).
+    RotationPrior,
+    /// The distribution of joint rotations and, unlike all others, the tilt of T2 on the film.
+    RotationPriorWithTilt,
 }
 
 impl Baseline {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::MirroredBend, Self::PublishedMobility, Self::OtherPatients];
+    pub const ALL: [Self; 5] = [
+        Self::MirroredBend,
+        Self::PublishedMobility,
+        Self::OtherPatients,
+        Self::RotationPrior,
+        Self::RotationPriorWithTilt,
+    ];
+
+    /// Whether it takes the tilt of T2 from the film beside its location: it then knows more than a line of action does, so
+    /// the two are not compared.
+    #[must_use]
+    pub const fn knows_tilt(self) -> bool {
+        matches!(self, Self::RotationPriorWithTilt)
+    }
 
     /// The name used in files.
     #[must_use]
@@ -32,6 +50,8 @@ impl Baseline {
             Self::MirroredBend => "mirrored_bend",
             Self::PublishedMobility => "published_mobility",
             Self::OtherPatients => "other_patients",
+            Self::RotationPrior => "rotation_prior",
+            Self::RotationPriorWithTilt => "rotation_prior_with_tilt",
         }
     }
 }
@@ -42,6 +62,8 @@ impl std::fmt::Display for Baseline {
             Self::MirroredBend => "other bend, mirrored",
             Self::PublishedMobility => "published mobility of the joints",
             Self::OtherPatients => "mean rotations of other patients",
+            Self::RotationPrior => "distribution of rotations",
+            Self::RotationPriorWithTilt => "distribution of rotations with T2's tilt",
         })
     }
 }
@@ -53,12 +75,14 @@ named!(Baseline);
 pub struct BaselinePrediction {
     /// The posture.
     pub posture: Posture,
-    /// The pattern of rotations.
+    /// What was known of the rotations.
     pub baseline: Baseline,
     /// How the fit to T2 ended.
     pub status: FitStatus,
-    /// By how much the pattern is multiplied.
-    pub amount: f64,
+    /// By how much a pattern of rotations is multiplied; `None` for a distribution.
+    pub amount: Option<f64>,
+    /// Predicted rotation of every joint from the erect film, caudal first; positive to the patient's right.
+    pub rotations: Vec<Angle>,
     /// The film's scale against the erect film, from T2.
     pub scale: FilmScale,
     /// Predicted locations on the outline of the film, from L4 (the base) upwards.
@@ -90,6 +114,13 @@ pub fn joint_rotations(erect: &Outline, film: &Outline) -> Vec<Angle> {
     (1..film.vertebrae.len()).map(|i| (turn(i) - turn(i - 1)).wrapped()).collect()
 }
 
+/// Joint rotations before a film: `mean + basis x`, where `x` are either free or standard normal.
+struct Rotations {
+    mean: DVector<f64>,
+    basis: DMatrix<f64>,
+    is_free: bool,
+}
+
 /// Predicts a film from the erect one, a pattern of joint rotations, and T2.
 ///
 /// # Definition
@@ -106,49 +137,53 @@ pub fn predict_baseline(
     erect: &Outline,
     film: &Outline,
 ) -> BaselinePrediction {
-    assert_eq!(pattern.len() + 1, erect.vertebrae.len(), "one rotation per joint");
-    let links = Links::of(erect, pattern);
-    let last = film.vertebrae.len() - 1;
-    let top = film.vertebrae[last].location * film.length.scale.factor;
-    let weight = 1.0 / film.top_sd_mm();
-    let prior = if film.length.is_free() { 1.0 / film.length.prior_log_sd } else { 0.0 };
-    let scaled = usize::from(film.length.is_free());
-    let free = DVector::from_element(1 + scaled, f64::INFINITY);
-    let start = DVector::zeros(1 + scaled);
-    let end = minimize(start, &-&free, &free, 3, |x, system: &mut System| {
-        let log = if scaled == 1 { x[1] } else { 0.0 };
-        let [location, rate] = links.carried(x[0])[last];
-        let (simulated, rate) = (location * log.exp(), rate * log.exp());
-        let off = simulated - top;
-        for (row, (off, [by_amount, by_log])) in
-            [(off.y_mm, [rate.y_mm, simulated.y_mm]), (off.z_mm, [rate.z_mm, simulated.z_mm])]
-                .into_iter()
-                .enumerate()
-        {
-            system.residuals[row] = weight * off;
-            system.jacobian[(row, 0)] = weight * by_amount;
-            if scaled == 1 {
-                system.jacobian[(row, 1)] = weight * by_log;
-            }
-        }
-        system.residuals[2] = prior * log;
-        if scaled == 1 {
-            system.jacobian[(2, 1)] = prior;
-        }
+    let basis = DMatrix::from_iterator(pattern.len(), 1, pattern.iter().map(|joint| joint.rad()));
+    let rotations = Rotations { mean: DVector::zeros(pattern.len()), basis, is_free: true };
+    predict_rotations(baseline, &rotations, erect, film)
+}
+
+/// Predicts a film from the erect one, a distribution of joint rotations, and T2.
+///
+/// # Definition
+/// As [`predict_baseline`], with the most probable rotations and scale: the minimum of the squared distances, each over its
+/// variance, of T2 from where it was marked, of the rotations from their mean, of the scale from one and, where the baseline
+/// knows it, of the tilt of T2. Learned means are mirrored for a bend to the left.
+///
+/// # Panics
+/// If the prior has not one rotation per joint.
+#[must_use]
+pub fn predict_from_prior(
+    baseline: Baseline,
+    prior: &RotationPrior,
+    erect: &Outline,
+    film: &Outline,
+) -> BaselinePrediction {
+    let sign = if film.posture.bend() == Some(Side::Left) { -1.0 } else { 1.0 };
+    let joints = prior.mean().iter().map(|joint| sign * joint.rad());
+    let mean = DVector::from_iterator(prior.mean().len(), joints);
+    let rotations = Rotations { mean, basis: prior.root().clone(), is_free: false };
+    predict_rotations(baseline, &rotations, erect, film)
+}
+
+fn predict_rotations(
+    baseline: Baseline,
+    rotations: &Rotations,
+    erect: &Outline,
+    film: &Outline,
+) -> BaselinePrediction {
+    assert_eq!(rotations.mean.len() + 1, erect.vertebrae.len(), "one rotation per joint");
+    let fit = TopFit::new(baseline, rotations, erect, film);
+    let unknowns = fit.unknowns();
+    let free = DVector::from_element(unknowns, f64::INFINITY);
+    let end = minimize(DVector::zeros(unknowns), &-&free, &free, fit.rows(), |x, system| {
+        fit.evaluate(x, system);
         true
     });
-    let carried = links.carried(end.x[0]);
-    let locations: Vec<Frontal> = carried.iter().map(|[location, _]| *location).collect();
-    let scale = if scaled == 1 {
-        FilmScale {
-            factor: end.x[1].exp(),
-            ..film.length.from_top(locations[last], top, film.top_sd_mm())
-        }
-    } else {
-        film.length.scale
-    };
+    let scale = fit.scale(&end.x);
     let factor = scale.factor / film.length.scale.factor;
-    let locations: Vec<Frontal> = locations.iter().map(|&location| location * factor).collect();
+    let found = fit.rotations_at(&end.x);
+    let carried = fit.links.carried(&found);
+    let locations: Vec<Frontal> = carried.into_iter().map(|location| location * factor).collect();
     let (compared, location_errors_mm) = film
         .measured()
         .skip(1)
@@ -158,7 +193,8 @@ pub fn predict_baseline(
         posture: film.posture,
         baseline,
         status: end.status,
-        amount: end.x[0],
+        amount: rotations.is_free.then(|| end.x[0]),
+        rotations: found.iter().map(|&rad| Angle::from_rad(rad)).collect(),
         scale,
         locations,
         compared,
@@ -166,33 +202,151 @@ pub fn predict_baseline(
     }
 }
 
-/// The links of the erect spine, and how far both vertebrae of each turn per amount.
-struct Links(Vec<(Frontal, [f64; 2])>);
+/// The fit of rotations and scale to what a film says of T2.
+struct TopFit<'a> {
+    links: Links,
+    rotations: &'a Rotations,
+    film: &'a Outline,
+    /// T2 as it was marked.
+    top: Frontal,
+    /// How far T2 turned from the erect film, and the standard deviation of that, in rad; where it is known.
+    turn: Option<[f64; 2]>,
+}
 
-impl Links {
-    fn of(erect: &Outline, pattern: &[Angle]) -> Self {
-        let mut turned = 0.0;
-        let vertebrae = erect.vertebrae.windows(2).zip(pattern);
-        let link = |(pair, joint): (&[MeasuredVertebra], &Angle)| {
-            let before = turned;
-            turned += joint.rad();
-            (pair[1].location - pair[0].location, [before, turned])
-        };
-        Self(vertebrae.map(link).collect())
+impl<'a> TopFit<'a> {
+    fn new(
+        baseline: Baseline,
+        rotations: &'a Rotations,
+        erect: &Outline,
+        film: &'a Outline,
+    ) -> Self {
+        let last = film.vertebrae.len() - 1;
+        let tilt = |outline: &Outline| outline.vertebrae[last].tilt;
+        // A tilt against L4 has the noise of two.
+        let sd = f64::sqrt(2.0) * film.noise.tilt.rad().hypot(erect.noise.tilt.rad());
+        let turn = (tilt(film) - tilt(erect)).wrapped().rad();
+        Self {
+            links: Links::of(erect),
+            rotations,
+            film,
+            top: film.vertebrae[last].location * film.length.scale.factor,
+            turn: baseline.knows_tilt().then_some([turn, sd]),
+        }
     }
 
-    /// Locations from the base upwards, each with its derivative by the amount.
-    fn carried(&self, amount: f64) -> Vec<[Frontal; 2]> {
-        let mut end = [Frontal::default(); 2];
+    fn scaled(&self) -> bool {
+        self.film.length.is_free()
+    }
+
+    fn unknowns(&self) -> usize {
+        self.rotations.basis.ncols() + usize::from(self.scaled())
+    }
+
+    /// Two for the location of T2, one for the scale, one for the tilt, and one for each coordinate with a prior.
+    fn rows(&self) -> usize {
+        let priors = if self.rotations.is_free { 0 } else { self.rotations.basis.ncols() };
+        3 + usize::from(self.turn.is_some()) + priors
+    }
+
+    fn rotations_at(&self, x: &DVector<f64>) -> DVector<f64> {
+        &self.rotations.mean + &self.rotations.basis * x.rows(0, self.rotations.basis.ncols())
+    }
+
+    fn evaluate(&self, x: &DVector<f64>, system: &mut System) {
+        let coordinates = self.rotations.basis.ncols();
+        let log = if self.scaled() { x[coordinates] } else { 0.0 };
+        let rotations = self.rotations_at(x);
+        let simulated = self.links.top(&rotations) * log.exp();
+        let rates = self.links.top_rates(&rotations) * log.exp() * &self.rotations.basis;
+        let weight = 1.0 / self.film.top_sd_mm();
+        let off = simulated - self.top;
+        for (row, (off, by_log)) in
+            [(off.y_mm, simulated.y_mm), (off.z_mm, simulated.z_mm)].into_iter().enumerate()
+        {
+            system.residuals[row] = weight * off;
+            for i in 0..coordinates {
+                system.jacobian[(row, i)] = weight * rates[(row, i)];
+            }
+            if self.scaled() {
+                system.jacobian[(row, coordinates)] = weight * by_log;
+            }
+        }
+        let prior = if self.scaled() { 1.0 / self.film.length.prior_log_sd } else { 0.0 };
+        system.residuals[2] = prior * log;
+        if self.scaled() {
+            system.jacobian[(2, coordinates)] = prior;
+        }
+        if let Some([turn, sd]) = self.turn {
+            system.residuals[3] = (rotations.sum() - turn) / sd;
+            for i in 0..coordinates {
+                system.jacobian[(3, i)] = self.rotations.basis.column(i).sum() / sd;
+            }
+        }
+        if !self.rotations.is_free {
+            let first = self.rows() - coordinates;
+            for i in 0..coordinates {
+                system.residuals[first + i] = x[i];
+                system.jacobian[(first + i, i)] = 1.0;
+            }
+        }
+    }
+
+    /// The film's scale with its interval, for the shape as it was found.
+    fn scale(&self, x: &DVector<f64>) -> FilmScale {
+        let length = &self.film.length;
+        if !self.scaled() {
+            return length.scale;
+        }
+        let simulated = self.links.top(&self.rotations_at(x));
+        FilmScale {
+            factor: x[self.rotations.basis.ncols()].exp(),
+            ..length.from_top(simulated, self.top, self.film.top_sd_mm())
+        }
+    }
+}
+
+/// The links of the erect spine, caudal first.
+struct Links(Vec<Frontal>);
+
+impl Links {
+    fn of(erect: &Outline) -> Self {
+        Self(erect.vertebrae.windows(2).map(|pair| pair[1].location - pair[0].location).collect())
+    }
+
+    /// Locations from the base upwards, after every joint turns.
+    fn carried(&self, rotations: &DVector<f64>) -> Vec<Frontal> {
+        let (mut end, mut turned) = (Frontal::default(), 0.0);
         let mut all = vec![end];
-        for (link, turns) in &self.0 {
-            for turn in turns {
-                let half = link.rotated(Angle::from_rad(amount * turn)) * 0.5;
-                let quarter_turn = Frontal::new(-half.z_mm, half.y_mm);
-                end = [end[0] + half, end[1] + quarter_turn * *turn];
+        for (link, joint) in self.0.iter().zip(rotations.iter()) {
+            let before = turned;
+            turned += joint;
+            for turn in [before, turned] {
+                end = end + link.rotated(Angle::from_rad(turn)) * 0.5;
             }
             all.push(end);
         }
         all
+    }
+
+    /// Location of the top.
+    fn top(&self, rotations: &DVector<f64>) -> Frontal {
+        self.carried(rotations).last().copied().unwrap_or_default()
+    }
+
+    /// How the top moves with every joint: two rows, `y` and `z`.
+    fn top_rates(&self, rotations: &DVector<f64>) -> DMatrix<f64> {
+        let carried = self.carried(rotations);
+        let top = carried[self.0.len()];
+        let mut turned = 0.0;
+        let mut rates = DMatrix::zeros(2, self.0.len());
+        for (joint, link) in self.0.iter().enumerate() {
+            turned += rotations[joint];
+            // With the joint turns all that lies above the middle of its link.
+            let upper = link.rotated(Angle::from_rad(turned)) * 0.5;
+            let arm = top - carried[joint + 1] + upper;
+            rates[(0, joint)] = -arm.z_mm;
+            rates[(1, joint)] = arm.y_mm;
+        }
+        rates
     }
 }

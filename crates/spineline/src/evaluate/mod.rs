@@ -9,11 +9,15 @@ mod baseline;
 mod mobility;
 pub mod paired;
 mod prediction;
+mod rotation_prior;
 mod simulate;
 pub mod statistics;
 
-pub use baseline::{Baseline, BaselinePrediction, joint_rotations, predict_baseline};
+pub use baseline::{
+    Baseline, BaselinePrediction, joint_rotations, predict_baseline, predict_from_prior,
+};
 pub use mobility::published_lateral_bending;
 pub use prediction::predict;
 pub(crate) use prediction::{ScaledPrediction, at_scale_of_top};
+pub use rotation_prior::{PriorSource, RotationPrior, RotationPriorError};
 pub use simulate::{Alternative, ForceChoice, Simulation, Target, simulate};

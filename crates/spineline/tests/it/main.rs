@@ -23,6 +23,7 @@ mod oracle;
 mod oracle_hand;
 mod properties;
 mod response;
+mod rotation_prior;
 mod stiffness_tables;
 mod uncertainty;
 mod verification_beam;

@@ -91,7 +91,7 @@ fn check_streams(args: &AnalyzeArgs, paths: &[PathBuf]) -> Result<bool, Failure>
 
 /// Checks every output before any work.
 fn check_outputs(args: &AnalyzeArgs, paths: &[PathBuf]) -> Result<Outputs, Failure> {
-    let inputs = paths.iter().chain(args.method.stiffness_file()).map(PathBuf::as_path);
+    let inputs = paths.iter().chain(args.method.files()).map(PathBuf::as_path);
     let outputs = Outputs::new(args.overwrite, inputs);
     for path in [&args.json, &args.model].into_iter().flatten() {
         outputs.file(path)?;
@@ -125,7 +125,7 @@ fn analyze_all(
     })?;
     let (mut analyses, mut confidences, mut ending) = (Vec::new(), Vec::new(), Ending::Done);
     for result in results {
-        match result.and_then(|one| record.refuse_duplicate(one)) {
+        match result.and_then(|one| record.refuse_known(one)) {
             Ok((analysis, input)) => {
                 let request = &record.request;
                 confidences.push(Confidence::compute(

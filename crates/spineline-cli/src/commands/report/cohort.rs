@@ -34,7 +34,7 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs, outputs: Outputs) -> Result<End
     let (mut analyses, mut subjects, mut refused) = (Vec::new(), Vec::new(), Vec::new());
     for (path, result) in paths.iter().zip(results) {
         let found = result.and_then(|found| {
-            record.refuse_duplicate(found).map_err(|failure| (Refusal::NotAnalysed, failure))
+            record.refuse_known(found).map_err(|failure| (Refusal::NotAnalysed, failure))
         });
         match found {
             Ok((analysis, source)) => {

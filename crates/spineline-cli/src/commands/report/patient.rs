@@ -20,6 +20,7 @@ use crate::run::provenance::generator;
 pub fn run(path: &Path, args: &ReportArgs, outputs: Outputs) -> Result<Ending, Failure> {
     let mut record = RunRecord::new(&args.method, &args.uncertainty)?;
     record.cases.push(CaseInput::read(path)?);
+    record.refuse_learned(&record.cases[0])?;
     let stem = file_stem(&record.cases[0].case.id);
     let out = write::target(&stem, args, &outputs)?;
     print_notices(&record.warnings());

@@ -249,3 +249,22 @@ pub fn outline(posture: Posture, vertebrae: &[(Frontal, Angle)]) -> Outline {
         readings: 1,
     }
 }
+
+/// The erect spine after every link turned with its two vertebrae: angles of links by complex numbers.
+pub fn turned(erect: &Outline, tilts: &[f64]) -> Vec<Frontal> {
+    let mut at = Frontal::default();
+    let mut all = vec![at];
+    for (pair, turn) in erect.vertebrae.windows(2).zip(tilts.windows(2)) {
+        let link = pair[1].location - pair[0].location;
+        let half = |turn: f64| {
+            let (sin, cos) = turn.sin_cos();
+            Frontal::new(
+                0.5 * (cos * link.y_mm - sin * link.z_mm),
+                0.5 * (sin * link.y_mm + cos * link.z_mm),
+            )
+        };
+        at = at + half(turn[0]) + half(turn[1]);
+        all.push(at);
+    }
+    all
+}

@@ -1,0 +1,126 @@
+//! `spineline learn-prior`: the distribution of joint rotations over a cohort.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use spineline::analysis::{Analysis, AnalysisOptions};
+use spineline::cohort::learn_rotation_prior;
+use spineline_files::{FilmOrigin, InputFile, Provenance, RotationPriorFile};
+use spineline_report::{rotation_prior, terminal};
+
+use crate::analysis::case::analyze_input;
+use crate::options::values::threads;
+use crate::run::failure::{Ending, Failure};
+use crate::run::inputs::{CaseInput, case_files};
+use crate::run::messages::say;
+use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print};
+use crate::run::provenance::{generator, this_run};
+use crate::run::threads::map_all;
+
+/// Seed of the intervals over patients.
+const SEED: u64 = 1;
+
+pub const EXAMPLES: &str = "\
+A mean rotation per joint, and how the rotations vary together. `analyze --rotation-prior FILE` then predicts the bends of other patients \
+from it, without mechanics: a model is worth its parameters where it predicts better. The errors that this command prints are of patients \
+who were left out.
+
+A cohort needs no file: `analyze` predicts each of its patients from the others.
+
+Examples:
+  spineline learn-prior cases/ --out prior.json
+  spineline analyze new/case.json --rotation-prior prior.json";
+
+#[derive(Args)]
+pub struct LearnPriorArgs {
+    /// Case files, or folders of them, of at least five patients with a bending film
+    #[arg(required = true, value_name = "CASE")]
+    cases: Vec<PathBuf>,
+    /// Write the distribution to this file (`-`: standard output)
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    #[command(flatten)]
+    overwrite: OverwriteArgs,
+    /// Number of threads; 0 uses all cores. The results do not depend on it
+    #[arg(long, default_value = "0", value_parser = threads)]
+    threads: usize,
+}
+
+pub fn run(args: &LearnPriorArgs) -> Result<Ending, Failure> {
+    let paths = case_files(&args.cases)?;
+    let outputs = Outputs::new(args.overwrite, paths.iter().map(PathBuf::as_path));
+    outputs.file(&args.out)?;
+    let Patients { analyses, inputs, ending } = read(&paths, args.threads)?;
+    let learned = learn_rotation_prior(&analyses.iter().collect::<Vec<_>>(), SEED);
+    let learned = learned.map_err(|error| {
+        let help = "give the folders of more cases, each with an erect and a bending film";
+        Failure::input("the cohort", &error, help)
+    })?;
+    let films = FilmOrigin::of(analyses.iter().map(|analysis| analysis.synthetic));
+    let provenance = Provenance::new(this_run()?, films, inputs).with_seed(SEED);
+    let file = RotationPriorFile::new(&learned, provenance);
+    outputs.write(&args.out, spineline_files::to_text(&file))?;
+    outputs.commit()?;
+    if !is_stdout(&args.out) {
+        let document = rotation_prior::summary(&learned, films != FilmOrigin::Real, &generator());
+        print(&terminal(&document, terminal::WIDTH))?;
+    }
+    Ok(ending)
+}
+
+/// The patients that are learned from.
+struct Patients {
+    analyses: Vec<Analysis>,
+    inputs: Vec<InputFile>,
+    ending: Ending,
+}
+
+/// Reads and analyses all cases. Those that cannot be used are reported and left out.
+fn read(paths: &[PathBuf], threads: usize) -> Result<Patients, Failure> {
+    let options = AnalysisOptions::default();
+    let results = map_all("analysing", paths, threads, |path| {
+        let input = CaseInput::read(path)?;
+        Ok::<_, Failure>((analyze_input(path, &input, &options)?, input))
+    })?;
+    let mut patients = Patients { analyses: Vec::new(), inputs: Vec::new(), ending: Ending::Done };
+    for result in results {
+        match result.and_then(|(analysis, source)| patients.checked(analysis, source)) {
+            Ok((analysis, input)) => {
+                patients.analyses.push(analysis);
+                patients.inputs.push(input);
+            }
+            Err(failure) => {
+                say(&format!("{failure}\n"));
+                patients.ending = Ending::BadInput;
+            }
+        }
+    }
+    Ok(patients)
+}
+
+impl Patients {
+    /// Refuses a patient who was read before, or whose films may not show what they are named after.
+    fn checked(
+        &self,
+        analysis: Analysis,
+        source: CaseInput,
+    ) -> Result<(Analysis, InputFile), Failure> {
+        let refused = |text: &str, help: &str| {
+            Err(Failure::input(
+                &source.input.name,
+                &format!("the case {} {text}", source.case.id),
+                help,
+            ))
+        };
+        if self.analyses.iter().any(|earlier| earlier.case_id == analysis.case_id) {
+            return refused("was given already", "give every case a `case_id` of its own");
+        }
+        if analysis.has_doubted_film() {
+            return refused(
+                "has a film that may not show what it is named after, so nothing is learned from it",
+                "`spineline check` names the film",
+            );
+        }
+        Ok((analysis, source.input))
+    }
+}

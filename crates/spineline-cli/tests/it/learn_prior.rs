@@ -1,0 +1,101 @@
+//! `learn-prior`, and what `analyze` does with its file.
+
+use std::fs;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::program::{CASE, done, folder, json, refused, run};
+
+/// So many synthetic patients in `cases`, and one more in `other`. Subject 6 has two films of one shape.
+fn cohort(patients: usize) -> TempDir {
+    let here = folder();
+    for subject in ["1", "2", "3", "4", "5", "7"].into_iter().take(patients) {
+        done(here.path(), &["phantom", "--subject", subject, "--out", "cases"]);
+    }
+    done(here.path(), &["phantom", "--subject", "9", "--out", "other"]);
+    here
+}
+
+#[test]
+fn a_learned_distribution_predicts_the_bends_of_another_patient() {
+    let here = cohort(6);
+    let said = done(here.path(), &["learn-prior", "cases", "--out", "prior.json"]);
+    for part in ["6 patients, 12 bends", "SYNTHETIC", "L4/L3", "location and tilt of T2"] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let file = json(&here.path().join("prior.json"));
+    assert_eq!(file["synthetic"], true);
+    assert_eq!(file["prior"]["patients"], 6);
+    assert_eq!(file["left_out"]["patients"], 6);
+    assert_eq!(file["provenance"]["inputs"].as_array().map(Vec::len), Some(6));
+
+    let analyzed = |more: &[&str]| -> Value {
+        let asked = ["analyze", "other", "--json", "-"];
+        serde_json::from_str(&done(here.path(), &[&asked[..], more].concat())).expect("JSON")
+    };
+    let with = analyzed(&["--rotation-prior", "prior.json"]);
+    let left_out = |analysis: &Value, baseline: &str| {
+        analysis["comparison"]["baselines_mm"][baseline]["left_out_bend"].as_f64()
+    };
+    let [given, tilt] =
+        ["rotation_prior", "rotation_prior_with_tilt"].map(|one| left_out(&with, one));
+    assert!(given.is_some_and(f64::is_finite) && tilt.is_some_and(f64::is_finite));
+    let inputs = with["provenance"]["inputs"].as_array().expect("inputs");
+    assert!(inputs.iter().any(|input| input["name"] == "prior.json"), "{inputs:?}");
+    assert_eq!(with["provenance"]["options"]["rotation_prior"], file["prior"]);
+    // Without the file there is the published distribution, which predicts with the tilt alone.
+    let without = analyzed(&[]);
+    assert_eq!(left_out(&without, "rotation_prior"), None);
+    let published = left_out(&without, "rotation_prior_with_tilt");
+    assert!(published.is_some() && published != tilt);
+    // The analysis is repeated from its own file.
+    fs::write(here.path().join("with.json"), with.to_string()).expect("a place");
+    let said = done(here.path(), &["rerun", "with.json"]);
+    assert!(said.contains("Nothing differs"), "{said}");
+}
+
+#[test]
+fn nothing_is_predicted_of_patients_who_were_learned_from() {
+    let here = cohort(5);
+    done(here.path(), &["learn-prior", "cases", "--out", "prior.json"]);
+    for command in ["analyze", "report"] {
+        let error = refused(here.path(), &[command, CASE, "--rotation-prior", "prior.json"], 3);
+        assert!(error.contains("was learned from the case"), "{error}");
+        assert!(error.contains("learn it from other cases"), "{error}");
+    }
+}
+
+#[test]
+fn too_few_patients_doubted_films_and_files_that_are_no_distribution_are_refused() {
+    let here = cohort(4);
+    let error = refused(here.path(), &["learn-prior", "cases", "--out", "prior.json"], 3);
+    assert!(error.contains("4 patients") && error.contains("at least 5"), "{error}");
+    assert!(!here.path().join("prior.json").exists());
+
+    done(here.path(), &["phantom", "--subject", "5", "--out", "cases"]);
+    done(here.path(), &["phantom", "--subject", "6", "--out", "cases"]);
+    let error = refused(here.path(), &["learn-prior", "cases", "--out", "prior.json"], 3);
+    assert!(error.contains("may not show what it is named after"), "{error}");
+    fs::remove_file(here.path().join("prior.json")).expect("of the others");
+    fs::remove_file(here.path().join("cases/phantom-rod-06.json")).expect("the doubted one");
+    done(here.path(), &["learn-prior", "cases", "--out", "prior.json"]);
+    let mut file = json(&here.path().join("prior.json"));
+    file["prior"]["covariance_deg2"][0][0] = (-1.0).into();
+    fs::write(here.path().join("broken.json"), file.to_string()).expect("a place");
+    let error = refused(here.path(), &["analyze", "other", "--rotation-prior", "broken.json"], 3);
+    assert!(error.contains("broken.json") && error.contains("positive definite"), "{error}");
+    assert!(error.contains("learn-prior"), "{error}");
+}
+
+#[test]
+fn a_bad_case_and_a_patient_twice_are_reported_and_left_out() {
+    let here = cohort(5);
+    fs::copy(here.path().join(CASE), here.path().join("again.json")).expect("a copy");
+    fs::write(here.path().join("bad.json"), "{}").expect("a place");
+    let asked = ["learn-prior", "cases", "again.json", "bad.json", "--out", "prior.json"];
+    let (said, error, code) = run(here.path(), &asked);
+    assert_eq!(code, 3, "{error}");
+    assert!(error.contains("bad.json") && error.contains("was given already"), "{error}");
+    assert!(said.contains("5 patients"), "{said}");
+}

@@ -1,0 +1,83 @@
+//! A learned distribution of joint rotations as a document.
+
+use spineline::cohort::{Clustered, LearnedRotations};
+use spineline::evaluate::{PriorSource, RotationPrior};
+use spineline::spatial::Angle;
+use spineline::warning::counted;
+
+use crate::document::{Column, Document, Section, Table};
+use crate::phrases::{none, with_interval};
+
+/// The rotations of the joints, and the errors on patients who were left out; a terminal shows it.
+#[must_use]
+pub fn summary(learned: &LearnedRotations, synthetic: bool, generator: &str) -> Document {
+    let prior = &learned.prior;
+    let mut section = Section::new("rotation_prior", "Joint rotations in bending films");
+    section.table(joints(prior));
+    section.table(errors(learned));
+    let synthetic = if synthetic { " · SYNTHETIC films" } else { "" };
+    let subject = match prior.source() {
+        PriorSource::Published => "published".to_owned(),
+        PriorSource::Learned { patients, bends, shrinkage } => format!(
+            "{}, {}, correlations reduced by {:.0} %",
+            counted(patients, "patient"),
+            counted(bends, "bend"),
+            100.0 * shrinkage
+        ),
+    };
+    Document {
+        title: "Distribution of joint rotations".to_owned(),
+        subject: format!("{subject}{synthetic}"),
+        generator: generator.to_owned(),
+        banners: Vec::new(),
+        sections: vec![section],
+        analysis: String::new(),
+    }
+}
+
+/// Mean, deviation and correlation of the rotations, joint by joint.
+fn joints(prior: &RotationPrior) -> Table {
+    let columns = vec![
+        Column::words("Joint"),
+        Column::numbers("Mean (°)"),
+        Column::numbers("Standard deviation (°)"),
+        Column::numbers("Correlation with the next joint"),
+    ];
+    let mut table = Table::new("Rotation in a bend to the right", columns);
+    let covariance = prior.covariance_rad2();
+    let sd = |joint: usize| covariance[(joint, joint)].sqrt();
+    for (joint, [inferior, superior]) in prior.levels().joint_pairs().enumerate() {
+        let next = joint + 1;
+        let has_next = next < prior.mean().len();
+        let correlation = has_next.then(|| covariance[(joint, next)] / (sd(joint) * sd(next)));
+        table.row(vec![
+            format!("{inferior}/{superior}"),
+            format!("{:.1}", prior.mean()[joint].deg()),
+            format!("{:.1}", Angle::from_rad(sd(joint)).deg()),
+            correlation.map_or_else(none, |value| format!("{value:.2}")),
+        ]);
+    }
+    table
+}
+
+fn errors(learned: &LearnedRotations) -> Table {
+    let columns = vec![
+        Column::words("Prediction from"),
+        Column::numbers("Patients"),
+        Column::words("Location error (mm, 95 %)"),
+    ];
+    let mut table = Table::new("Bends of patients who were left out", columns);
+    let mut row = |what: &str, errors: &Clustered| {
+        let error = with_interval(errors.patients.mean, errors.bootstrap, 1);
+        let error = if errors.patients.n == 0 { none() } else { error };
+        table.row(vec![what.to_owned(), errors.patients.n.to_string(), error]);
+    };
+    row("location of T2", &learned.from_location_mm);
+    row("location and tilt of T2", &learned.with_tilt_mm);
+    row(
+        "location and tilt of T2, published mobility in the place of other patients",
+        &learned.published_with_tilt_mm,
+    );
+    table.note = "Without mechanics. The scale of every film is fitted too. A line of action knows T2's location alone.".to_owned();
+    table
+}

@@ -1,0 +1,245 @@
+//! What is known of the joint rotations of a bend before its film: their mean and how they vary together between patients.
+
+use nalgebra::DMatrix;
+
+use super::mobility::published_lateral_bending;
+use crate::anatomy::Levels;
+use crate::spatial::Angle;
+
+/// Normal distribution of the joint rotations of a bend to the right; those of a bend to the left are its mirror image.
+///
+/// It has no mechanics: it says what spines do, not why. Learned from a cohort ([`RotationPrior::learned`]) or taken from
+/// published mobilities ([`RotationPrior::published`]).
+#[derive(Debug, Clone, PartialEq)]
+pub struct RotationPrior {
+    levels: Levels,
+    mean: Vec<Angle>,
+    covariance_rad2: DMatrix<f64>,
+    /// Lower triangle whose product with its transpose is the covariance.
+    root: DMatrix<f64>,
+    source: PriorSource,
+}
+
+/// Where a prior of joint rotations comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PriorSource {
+    /// Published mobility of healthy joints; the size and side of the bend are free.
+    Published,
+    /// The bends of a cohort.
+    Learned {
+        /// Patients.
+        patients: usize,
+        /// Their bending films.
+        bends: usize,
+        /// By which part the correlations between joints were reduced, since so few films determine them badly.
+        shrinkage: f64,
+    },
+}
+
+/// Why no prior of joint rotations can be learned or used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum RotationPriorError {
+    /// Too few patients.
+    #[error(
+        "{patients} patients with a bending film, but a prior of joint rotations needs at least {needed}: add patients"
+    )]
+    TooFewPatients {
+        /// Those with a bend.
+        patients: usize,
+        /// The fewest.
+        needed: usize,
+    },
+    /// There is no joint that all patients show.
+    #[error(
+        "the patients have no two vertebrae in common: learn from patients whose films show the same vertebrae"
+    )]
+    NoCommonJoints,
+    /// The numbers are no normal distribution.
+    #[error("the covariance of the joint rotations is not symmetric and positive definite")]
+    NoCovariance,
+    /// Mean or covariance do not fit the vertebrae.
+    #[error(
+        "the levels have {joints} joints, but the mean has {mean} values and the covariance {rows} rows and {columns} columns"
+    )]
+    Shape {
+        /// Joints of the levels.
+        joints: usize,
+        /// Values of the mean.
+        mean: usize,
+        /// Rows of the covariance.
+        rows: usize,
+        /// Its columns.
+        columns: usize,
+    },
+}
+
+impl RotationPrior {
+    /// Fewest patients that a prior is learned from.
+    pub const MIN_PATIENTS: usize = 5;
+    /// Standard deviation of a rotation that no two films have in common: the noise of two tilts.
+    const NOISE: Angle = Angle::from_deg(0.5);
+    /// Standard deviation of a published mobility between joints of different people, as a part of it (assumed).
+    const PUBLISHED_RELATIVE_SD: f64 = 0.25;
+    /// Standard deviation of the size of a bend, as a multiple of the published mobility: nearly free.
+    const FREE_SIZE_SD: f64 = 3.0;
+
+    /// A prior from its numbers: a mean per joint, caudal first and positive to the right, and their covariance in rad².
+    ///
+    /// # Errors
+    /// If the shapes do not fit the levels, or the covariance is not symmetric and positive definite.
+    pub fn new(
+        levels: Levels,
+        mean: Vec<Angle>,
+        covariance_rad2: DMatrix<f64>,
+        source: PriorSource,
+    ) -> Result<Self, RotationPriorError> {
+        let joints = levels.joints();
+        let (rows, columns) = covariance_rad2.shape();
+        if [mean.len(), rows, columns] != [joints; 3] {
+            return Err(RotationPriorError::Shape { joints, mean: mean.len(), rows, columns });
+        }
+        let symmetric = covariance_rad2 == covariance_rad2.transpose();
+        let root = covariance_rad2.clone().cholesky().filter(|_| symmetric);
+        let root = root.ok_or(RotationPriorError::NoCovariance)?.l();
+        Ok(Self { levels, mean, covariance_rad2, root, source })
+    }
+
+    /// The prior for people of whom nothing is known.
+    ///
+    /// # Definition
+    /// Rotations are `a w_j + e_j`, with the published mobility `w_j` ([`published_lateral_bending`]), a free size `a` of either
+    /// sign, and independent deviations `e_j` of a quarter of `w_j`.
+    ///
+    /// ```
+    /// use spineline::anatomy::Levels;
+    /// use spineline::evaluate::RotationPrior;
+    /// let prior = RotationPrior::published(Levels::COMPLETE);
+    /// assert_eq!(prior.mean().len(), 14);
+    /// ```
+    #[must_use]
+    pub fn published(levels: Levels) -> Self {
+        let mobility: Vec<f64> =
+            published_lateral_bending(levels).iter().map(|a| a.rad()).collect();
+        let joints = levels.joints();
+        let covariance_rad2 = DMatrix::from_fn(joints, joints, |i, j| {
+            let own = if i == j { Self::PUBLISHED_RELATIVE_SD.powi(2) } else { 0.0 };
+            (Self::FREE_SIZE_SD.powi(2) + own) * (mobility[i] * mobility[j])
+        });
+        Self::new(levels, vec![Angle::ZERO; joints], covariance_rad2, PriorSource::Published)
+            .expect("a positive diagonal and a product of a vector with itself")
+    }
+
+    /// Learns from the bends of patients, each as if it were to the right.
+    ///
+    /// # Definition
+    /// Mean and covariance over all bends; every correlation between two joints is multiplied by `1 - λ`, where `λ` is the
+    /// sum of the variances of the correlations over the sum of their squares [schafer-strimmer-2005]; (0.5°)² of noise are
+    /// added to every variance.
+    ///
+    /// # Errors
+    /// With fewer than five patients.
+    ///
+    /// # Panics
+    /// If a bend has not one rotation per joint.
+    pub fn learned(
+        levels: Levels,
+        patients: &[Vec<Vec<Angle>>],
+    ) -> Result<Self, RotationPriorError> {
+        let with_bend = patients.iter().filter(|bends| !bends.is_empty()).count();
+        if with_bend < Self::MIN_PATIENTS {
+            let needed = Self::MIN_PATIENTS;
+            return Err(RotationPriorError::TooFewPatients { patients: with_bend, needed });
+        }
+        let joints = levels.joints();
+        let bends: Vec<&Vec<Angle>> = patients.iter().flatten().collect();
+        assert!(bends.iter().all(|bend| bend.len() == joints), "one rotation per joint");
+        let films = bends.len() as f64;
+        let mut values =
+            DMatrix::from_fn(bends.len(), joints, |film, joint| bends[film][joint].rad());
+        let mean: Vec<f64> = (0..joints).map(|joint| values.column(joint).mean()).collect();
+        for (joint, mean) in mean.iter().enumerate() {
+            values.column_mut(joint).add_scalar_mut(-mean);
+        }
+        let sample = values.tr_mul(&values) / (films - 1.0);
+        let shrinkage = correlation_shrinkage(&values, &sample);
+        let covariance_rad2 = DMatrix::from_fn(joints, joints, |i, j| {
+            if i == j {
+                sample[(i, j)] + Self::NOISE.rad().powi(2)
+            } else {
+                // Of one of both, so that rounding leaves it symmetric.
+                (1.0 - shrinkage) * sample[(i.max(j), i.min(j))]
+            }
+        });
+        let source = PriorSource::Learned { patients: with_bend, bends: bends.len(), shrinkage };
+        let mean = mean.into_iter().map(Angle::from_rad).collect();
+        Self::new(levels, mean, covariance_rad2, source)
+    }
+
+    /// Vertebrae whose joints it describes.
+    #[must_use]
+    pub const fn levels(&self) -> Levels {
+        self.levels
+    }
+
+    /// Mean rotation of every joint, caudal first; positive to the right.
+    #[must_use]
+    pub fn mean(&self) -> &[Angle] {
+        &self.mean
+    }
+
+    /// Covariance of the rotations, in rad².
+    #[must_use]
+    pub const fn covariance_rad2(&self) -> &DMatrix<f64> {
+        &self.covariance_rad2
+    }
+
+    /// Where it comes from.
+    #[must_use]
+    pub const fn source(&self) -> PriorSource {
+        self.source
+    }
+
+    /// Lower triangle whose product with its transpose is the covariance.
+    pub(super) const fn root(&self) -> &DMatrix<f64> {
+        &self.root
+    }
+
+    /// The prior of the joints of fewer vertebrae; `None` where it does not describe all of them.
+    #[must_use]
+    pub fn of(&self, levels: Levels) -> Option<Self> {
+        let first = self.levels.index_of(levels.base())?;
+        self.levels.index_of(levels.top())?;
+        let joints = levels.joints();
+        let mean = self.mean[first..first + joints].to_vec();
+        let covariance = self.covariance_rad2.view((first, first), (joints, joints)).into_owned();
+        Self::new(levels, mean, covariance, self.source).ok()
+    }
+}
+
+/// The part by which correlations are reduced: the sum of their variances over the sum of their squares.
+///
+/// `values` are films by joints, centred; `sample` is their covariance.
+fn correlation_shrinkage(values: &DMatrix<f64>, sample: &DMatrix<f64>) -> f64 {
+    let films = values.nrows() as f64;
+    let (mut variances, mut squares) = (0.0, 0.0);
+    for i in 0..values.ncols() {
+        for j in 0..i {
+            let size = (sample[(i, i)] * sample[(j, j)]).sqrt();
+            // Joints that never move have no correlation.
+            if size == 0.0 {
+                continue;
+            }
+            let products: Vec<f64> = values
+                .column(i)
+                .iter()
+                .zip(values.column(j).iter())
+                .map(|(a, b)| a * b / size)
+                .collect();
+            let mean = products.iter().sum::<f64>() / films;
+            let spread: f64 = products.iter().map(|product| (product - mean).powi(2)).sum();
+            variances += films / (films - 1.0).powi(3) * spread;
+            squares += (sample[(i, j)] / size).powi(2);
+        }
+    }
+    if squares == 0.0 { 1.0 } else { (variances / squares).clamp(0.0, 1.0) }
+}
