@@ -166,6 +166,23 @@ fn tests_of_a_cohort() {
         );
         assert_eq!(lines.next(), Some(&expected[..]));
     }
+    assert!(!cohort.baselines.tests.is_empty());
+    for test in &cohort.baselines.tests {
+        let found = &test.comparison;
+        let start = format!(
+            "{},{},true,{},location_mm,mm,{},{},,{},",
+            test.line.key(),
+            test.baseline.key(),
+            test.role.key(),
+            found.patients(),
+            test.films,
+            found.mean_difference
+        );
+        let line = lines.next().expect("a line against a prediction without mechanics");
+        assert!(line.starts_with(&start), "{line} and {start}");
+        // Three patients cannot reach 0.05.
+        assert!(line.ends_with(','), "{line}");
+    }
     assert_eq!(lines.next(), None);
 }
 
