@@ -117,6 +117,18 @@ pub enum FileError {
         /// Film.
         posture: Posture,
     },
+    /// A unit of locations in a film of corners.
+    #[error("{posture} film: `lengths` is given, but the film has no locations and tilts")]
+    LengthsOfCorners {
+        /// Film.
+        posture: Posture,
+    },
+    /// A standard deviation that is negative.
+    #[error("{posture} film: `lengths.relative_sd` is negative")]
+    ScaleSd {
+        /// Film.
+        posture: Posture,
+    },
     /// A spacing in one direction only, or a plane without a spacing.
     #[error(
         "{posture} film: `column_spacing_mm`, `row_spacing_mm` and `spacing_plane` contradict one another"
@@ -315,6 +327,12 @@ impl FileError {
             }
             Self::SourceOfCorners { .. } => {
                 "remove `placement_source`: a surface midline gives locations and tilts, and no corners"
+            }
+            Self::LengthsOfCorners { .. } => {
+                "remove `lengths`: corners take their unit from the spacing and `spacing_plane` of `image`"
+            }
+            Self::ScaleSd { .. } => {
+                "a scale that is known exactly has 0, one with an error of 1 % has 0.01; leave it out if nothing is known"
             }
             Self::PictureTwice { .. } => {
                 "a film shows one posture: name the right picture, or remove the film that was not taken"

@@ -154,11 +154,17 @@ impl MarkedFilm {
             }
             LandmarkReadings::Placements(readings) => {
                 let (spacing_plane, source) = (SpacingPlane::Unknown, PlacementSource::Vertebrae);
-                FilmLandmarks::Placements { spacing_plane, source, readings }
+                FilmLandmarks::Placements {
+                    spacing_plane,
+                    scale_relative_sd: None,
+                    source,
+                    readings,
+                }
             }
             LandmarkReadings::SurfaceMidlines(readings) => FilmLandmarks::Placements {
                 // A scanner measures the patient.
                 spacing_plane: SpacingPlane::Patient,
+                scale_relative_sd: None,
                 source: PlacementSource::SurfaceMidline,
                 readings,
             },

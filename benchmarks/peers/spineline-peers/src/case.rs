@@ -208,7 +208,7 @@ impl Case {
                 tilt: Angle::from_rad(self.noise.tilt_rad),
                 measured: false,
             },
-            scale: LengthScale::stated(SpacingPlane::Patient),
+            scale: LengthScale::stated(SpacingPlane::Patient, None),
             length: FilmLength::ERECT,
             readings: 1,
         }

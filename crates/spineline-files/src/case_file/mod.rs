@@ -71,11 +71,37 @@ struct FilmRecord {
     /// Superior tips of the iliac crests.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     iliac_crests_px: Option<CrestsRecord>,
+    /// Unit of `location_mm`; for films of locations and tilts only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    lengths: Option<LengthsRecord>,
     /// Where locations and tilts come from.
     #[serde(default, skip_serializing_if = "is_of_vertebrae")]
     placement_source: Key<PlacementSource>,
     /// One entry per observer and repeat.
     readings: Vec<ReadingRecord>,
+}
+
+/// Unit of the millimetres of locations.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct LengthsRecord {
+    /// Plane in which they were measured.
+    plane: Key<SpacingPlane>,
+    /// Standard deviation of their scale, as a part of it: 0 where it is known exactly, absent where nothing is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    relative_sd: Option<f64>,
+}
+
+impl LengthsRecord {
+    /// What files without this entry mean: the plane of their picture, if they have one; a scanner measures the patient.
+    fn implied(image: Option<&ImageRecord>, source: PlacementSource) -> Self {
+        let plane = match (image, source) {
+            (Some(image), _) => image.plane(),
+            (None, PlacementSource::Vertebrae) => SpacingPlane::Unknown,
+            (None, PlacementSource::SurfaceMidline) => SpacingPlane::Patient,
+        };
+        Self { plane: Key(plane), relative_sd: None }
+    }
 }
 
 fn is_of_vertebrae(source: &Key<PlacementSource>) -> bool {
@@ -270,15 +296,21 @@ impl FilmRecord {
                 return Err(FileError::MixedKinds { posture });
             }
             let source = self.placement_source.0;
-            let without_picture = match source {
-                PlacementSource::Vertebrae => SpacingPlane::Unknown,
-                // A scanner measures the patient.
-                PlacementSource::SurfaceMidline => SpacingPlane::Patient,
+            let implied = LengthsRecord::implied(self.image.as_ref(), source);
+            let lengths = self.lengths.unwrap_or(implied);
+            if lengths.relative_sd.is_some_and(|sd| sd < 0.0) {
+                return Err(FileError::ScaleSd { posture });
+            }
+            let landmarks = FilmLandmarks::Placements {
+                spacing_plane: lengths.plane.0,
+                scale_relative_sd: lengths.relative_sd,
+                source,
+                readings: measured,
             };
-            let plane = self.image.map_or(without_picture, |image| image.plane());
-            let landmarks =
-                FilmLandmarks::Placements { spacing_plane: plane, source, readings: measured };
             return Ok(Film { posture, landmarks });
+        }
+        if self.lengths.is_some() {
+            return Err(FileError::LengthsOfCorners { posture });
         }
         if self.placement_source.0 != PlacementSource::Vertebrae {
             return Err(FileError::SourceOfCorners { posture });
@@ -304,16 +336,26 @@ impl FilmRecord {
                     left: pair(crests.left),
                     right: pair(crests.right),
                 }),
+                lengths: None,
                 placement_source: Key(PlacementSource::Vertebrae),
                 readings: readings.iter().map(|r| record(r, VertebraRecord::marked)).collect(),
             },
-            FilmLandmarks::Placements { source, readings, .. } => Self {
-                posture,
-                image: None,
-                iliac_crests_px: None,
-                placement_source: Key(*source),
-                readings: readings.iter().map(|r| record(r, VertebraRecord::measured)).collect(),
-            },
+            FilmLandmarks::Placements { spacing_plane, scale_relative_sd, source, readings } => {
+                let lengths =
+                    LengthsRecord { plane: Key(*spacing_plane), relative_sd: *scale_relative_sd };
+                let implied = LengthsRecord::implied(None, *source);
+                Self {
+                    posture,
+                    image: None,
+                    iliac_crests_px: None,
+                    lengths: (lengths != implied).then_some(lengths),
+                    placement_source: Key(*source),
+                    readings: readings
+                        .iter()
+                        .map(|r| record(r, VertebraRecord::measured))
+                        .collect(),
+                }
+            }
         }
     }
 }

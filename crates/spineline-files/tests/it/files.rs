@@ -55,7 +55,8 @@ fn confidences_and_estimated_levels_are_kept_in_a_case() {
     });
     let located = Placement::new(Frontal::new(1.0, 2.0), Angle::ZERO);
     case.films[1].landmarks = FilmLandmarks::Placements {
-        spacing_plane: SpacingPlane::Patient,
+        spacing_plane: SpacingPlane::Detector,
+        scale_relative_sd: Some(0.02),
         source: PlacementSource::SurfaceMidline,
         readings: vec![Reading {
             id: ReadingId::new("scan", 1),
@@ -70,6 +71,11 @@ fn confidences_and_estimated_levels_are_kept_in_a_case() {
         1,
     );
     assert!(matches!(refused(&corners), FileError::SourceOfCorners { .. }));
+    let lengths = "\"posture\": \"erect\", \"lengths\": { \"plane\": \"patient\" }";
+    let corners = text.replacen("\"posture\": \"erect\"", lengths, 1);
+    assert!(matches!(refused(&corners), FileError::LengthsOfCorners { .. }));
+    let negative = text.replacen("\"relative_sd\": 0.02", "\"relative_sd\": -0.02", 1);
+    assert!(matches!(refused(&negative), FileError::ScaleSd { .. }));
 }
 
 #[test]

@@ -121,6 +121,7 @@ fn placements() -> String {
         let reading = Reading { id: ReadingId::new("program", 1), vertebrae: placed.collect() };
         film.landmarks = FilmLandmarks::Placements {
             spacing_plane: SpacingPlane::Patient,
+            scale_relative_sd: None,
             source: PlacementSource::Vertebrae,
             readings: vec![reading],
         };

@@ -296,6 +296,7 @@ fn locations_of_another_program_are_read_from_a_table() {
     let mut case = case(ImageSide::Right);
     let placed = FilmLandmarks::Placements {
         spacing_plane: SpacingPlane::Unknown,
+        scale_relative_sd: None,
         source: PlacementSource::Vertebrae,
         readings,
     };

@@ -38,7 +38,7 @@ fn levels(file: &Value) -> Vec<(Level, Placement)> {
     assert!(found.remarks[0].contains("no vertebra was seen"));
     let film = found.films.remove(0).into_film(None, None).expect("a film without a picture");
     assert_eq!(film.posture, Posture::LeftBending);
-    let FilmLandmarks::Placements { source, spacing_plane, readings } = film.landmarks else {
+    let FilmLandmarks::Placements { source, spacing_plane, readings, .. } = film.landmarks else {
         panic!("locations")
     };
     assert_eq!(source, PlacementSource::SurfaceMidline);

@@ -37,6 +37,7 @@ fn film(posture: Posture, scale: f64, bend_deg: f64) -> Film {
         posture,
         landmarks: FilmLandmarks::Placements {
             spacing_plane: SpacingPlane::Patient,
+            scale_relative_sd: None,
             source: PlacementSource::Vertebrae,
             readings,
         },

@@ -177,6 +177,8 @@ pub enum FilmLandmarks {
     Placements {
         /// Plane of the millimetres.
         spacing_plane: SpacingPlane,
+        /// Standard deviation of their scale, as a part of it, where it is stated.
+        scale_relative_sd: Option<f64>,
         /// Where they come from.
         source: PlacementSource,
         /// The readings.

@@ -261,9 +261,9 @@ fn place_film(
     let readings = readings.iter().map(|reading| reading.vertebrae.clone()).collect();
     let (image, iliac_crests) = match &film.landmarks {
         FilmLandmarks::Corners { image, iliac_crests, .. } => (image, iliac_crests),
-        FilmLandmarks::Placements { spacing_plane, source, .. } => {
+        FilmLandmarks::Placements { spacing_plane, scale_relative_sd, source, .. } => {
             warn_of_source(posture, *source, warnings);
-            let scale = LengthScale::stated(*spacing_plane);
+            let scale = LengthScale::stated(*spacing_plane, *scale_relative_sd);
             return Ok(PlacedFilm { readings, scale, iliac_normal: None, iliac_middle: None });
         }
     };

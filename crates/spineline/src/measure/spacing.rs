@@ -200,10 +200,10 @@ impl LengthScale {
         }
     }
 
-    /// A scale that was stated by another program.
+    /// A scale that was stated by another program, with its standard deviation where that is stated too.
     #[must_use]
-    pub const fn stated(plane: SpacingPlane) -> Self {
-        Self { plane, source: Some(SpacingSource::Stated), relative_sd: None, pixels_per_mm: None }
+    pub const fn stated(plane: SpacingPlane, relative_sd: Option<f64>) -> Self {
+        Self { plane, source: Some(SpacingSource::Stated), relative_sd, pixels_per_mm: None }
     }
 
     /// A length as millimetres, where it has any.

@@ -152,6 +152,7 @@ fn without_corners_there_is_a_tilt_range_and_no_cobb_angle() {
         let vertebrae = vertebrae.map(|v| (v.level, Placement::new(v.location, v.tilt))).collect();
         film.landmarks = FilmLandmarks::Placements {
             spacing_plane: spineline::measure::SpacingPlane::Patient,
+            scale_relative_sd: None,
             source: PlacementSource::Vertebrae,
             readings: vec![spineline::measure::Reading { id, vertebrae }],
         };

@@ -215,8 +215,12 @@ fn films_with_placements_have_no_corners_to_judge() {
     let readings =
         spineline::measure::measure_readings(&film, TiltRule::default()).expect("a sound film");
     let spacing_plane = spineline::measure::SpacingPlane::Patient;
-    let landmarks =
-        FilmLandmarks::Placements { spacing_plane, source: PlacementSource::Vertebrae, readings };
+    let landmarks = FilmLandmarks::Placements {
+        spacing_plane,
+        scale_relative_sd: None,
+        source: PlacementSource::Vertebrae,
+        readings,
+    };
     let film = Film { landmarks, ..film };
     assert!(judge_landmarks(&film).all().is_empty());
 }

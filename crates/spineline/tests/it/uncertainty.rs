@@ -250,6 +250,7 @@ fn placed(case: &Case) -> Case {
         let id = spineline::measure::ReadingId::new("program", 1);
         film.landmarks = FilmLandmarks::Placements {
             spacing_plane: SpacingPlane::Patient,
+            scale_relative_sd: None,
             source: PlacementSource::Vertebrae,
             readings: vec![Reading { id, vertebrae }],
         };

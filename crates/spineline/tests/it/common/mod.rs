@@ -174,6 +174,7 @@ pub fn placement_film(
     let reading = Reading { id: ReadingId::new("A", 1), vertebrae };
     let landmarks = FilmLandmarks::Placements {
         spacing_plane: SpacingPlane::Patient,
+        scale_relative_sd: None,
         source: PlacementSource::Vertebrae,
         readings: vec![reading],
     };
@@ -244,7 +245,7 @@ pub fn outline(posture: Posture, vertebrae: &[(Frontal, Angle)]) -> Outline {
         l4_on_film: Angle::ZERO,
         l4_midpoint_on_film: Frontal::default(),
         noise: Noise::ONE_READING,
-        scale: LengthScale::stated(SpacingPlane::Patient),
+        scale: LengthScale::stated(SpacingPlane::Patient, None),
         length: FilmLength::ERECT,
         readings: 1,
     }
