@@ -9,6 +9,7 @@ mod export;
 mod film;
 mod import;
 mod learn_prior;
+mod manual;
 mod noise_study;
 mod phantom;
 mod reliability;
@@ -102,6 +103,9 @@ pub enum Command {
     ///
     /// For bash: spineline completions bash > ~/.local/share/bash-completion/completions/spineline
     Completions(completions::CompletionsArgs),
+    /// Print a manual page for `man`
+    #[command(after_help = manual::EXAMPLES)]
+    Manual(manual::ManualArgs),
 }
 
 /// Runs a command.
@@ -130,5 +134,6 @@ pub fn run(command: Command) -> Result<Ending, Failure> {
         Command::Schema(args) => schema::run(&args),
         Command::Stiffness(args) => stiffness::run(&args),
         Command::Completions(args) => completions::run(&args, &mut Cli::command()),
+        Command::Manual(args) => manual::run(&args, Cli::command()),
     }
 }

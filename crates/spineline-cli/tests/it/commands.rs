@@ -30,6 +30,22 @@ fn every_command_has_a_help_text() {
 }
 
 #[test]
+fn every_command_has_a_manual_page() {
+    let here = folder();
+    let (page, _, code) = run(here.path(), &["manual"]);
+    assert_eq!(code, 0);
+    assert!(page.contains(".TH spineline 1") && page.contains("Validate case files"), "{page}");
+    let (page, _, code) = run(here.path(), &["manual", "study", "add"]);
+    assert_eq!(code, 0);
+    for word in [".TH spineline-study-add 1", "spineline study add", "\\-\\-accept"] {
+        assert!(page.contains(word), "{word} is missing in\n{page}");
+    }
+    let (_, error, code) = run(here.path(), &["manual", "study", "ad"]);
+    assert_eq!(code, 2);
+    assert!(error.contains("`study ad`") && error.contains("give one of"), "{error}");
+}
+
+#[test]
 fn a_scenario_is_given_by_either_name_of_its_option() {
     let here = folder();
     for option in ["--truth", "--scenario"] {
