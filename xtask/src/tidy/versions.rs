@@ -5,9 +5,10 @@ use std::path::Path;
 use super::read;
 
 /// Files that state the version, each with what stands before it.
-const STATED: [(&str, &str, &str); 3] = [
+const STATED: [(&str, &str, &str); 4] = [
     ("CITATION.cff", "\nversion: ", "\n"),
     ("codemeta.json", "\"version\": \"", "\""),
+    ("packaging/conda/recipe.yaml", "\n  version: ", "\n"),
     ("web/package.json", "\"version\": \"", "\""),
 ];
 
