@@ -5,6 +5,8 @@ Research software, not a medical device: no result is meant for the care of a pa
 Lengths are in mm, angles in degrees, forces in newtons where a force is known and else relative. ``y`` is to the patient's
 left and ``z`` cranial, from the midpoint of the lowest vertebra (L4); a positive tilt is to the patient's right.
 
+Examples
+--------
 >>> import spineline as sl
 >>> a = sl.analyze(sl.phantom("rod", subject=1))
 >>> round(float(a.held_out.location_error_mm.mean()), 1) < 10
@@ -13,12 +15,13 @@ True
 
 from __future__ import annotations
 
-from ._analysis import Analysis, Curve, FilmErrors, analyze
+from ._analysis import Analysis, Curve, FilmErrors, MethodOptions, analyze
 from ._case import Case, Check, Finding, phantom, read_case
-from ._cohort import Cohort, CohortRun
+from ._cohort import Cohort, CohortRun, Part
 from ._errors import InputError, NotAResultError
 from ._model import Force, Gravity, Model, Pad, Rod, Simulation
 from ._native import VERSION as __version__
+from ._plot import Plot
 from ._replicates import Replicates, Spread, replicates
 from ._tables import Table, Tables
 
@@ -34,9 +37,12 @@ __all__ = [
     "Force",
     "Gravity",
     "InputError",
+    "MethodOptions",
     "Model",
     "NotAResultError",
     "Pad",
+    "Part",
+    "Plot",
     "Replicates",
     "Rod",
     "Simulation",

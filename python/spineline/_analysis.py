@@ -49,6 +49,8 @@ class MethodOptions(TypedDict, total=False):
     """Joints that share a stiffness multiplier."""
     prior: str | float
     """``"none"``, ``"in-vivo"``, or a standard deviation of ln."""
+    rotation_prior: str | os.PathLike[str]
+    """File of ``spineline learn-prior``: how the joints of other patients rotate, for predictions without mechanics."""
     stiffness: str | os.PathLike[str]
     """Table to start from: ``"paper"``, ``"in-vitro"``, ``"intact-chest"``, ``"scoliotic-in-vivo"``, or a file."""
     inflections: str | Sequence[str]

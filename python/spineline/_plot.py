@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from ._errors import InputError
 
@@ -20,6 +20,7 @@ _LINES = {
     "estimated_line": ("#009E73", "dashdot"),
     "given_line": ("#CC79A7", "solid"),
 }
+_OTHER_LINE = ("#56B4E9", "solid")
 
 
 class Plot:
@@ -92,7 +93,8 @@ class Plot:
         if ax is None:
             import matplotlib.pyplot as plt
 
-            ax = plt.subplots(layout="constrained")[1]
+            width = 1.0 + 1.1 * 2 * len(analysis.lines)
+            ax = plt.subplots(figsize=(width, 4.0), layout="constrained")[1]
         samples, names = [], []
         for line in analysis.lines:
             for kind, errors in (("fitted", analysis.fitted), ("held out", analysis.held_out)):
@@ -106,6 +108,58 @@ class Plot:
         ax.set_ylabel("location error (mm)")
         synthetic = " · SYNTHETIC" if analysis.synthetic else ""
         ax.set_title(f"{analysis.id}{synthetic}")
+        return ax
+
+    def predictions(
+        self,
+        films: Literal["left_out_bend", "held_out"] = "left_out_bend",
+        *,
+        ax: Axes | None = None,
+    ) -> Axes:
+        """Draws the mean location error of every model on films that it was not fitted to, beside predictions without
+        mechanics on the same films, in mm. Needs matplotlib.
+
+        Parameters
+        ----------
+        films
+            Bends that are left out of the fit in turn, or neutral and traction films.
+
+        Raises
+        ------
+        InputError
+            If no such film is predicted.
+        """
+        compared = self._analysis.data["comparison"]
+        bars: list[tuple[float, str, str]] = []
+        for line, found in compared["lines"].items():
+            error = found["errors"].get(films, {}).get("location_mm")
+            if error is not None:
+                parameters = found["numbers"]["per_predicted_film"]
+                more = f" ({parameters} parameters per film)" if parameters > 1 else ""
+                bars.append((error, f"{_words(line)}{more}", _LINES.get(line, _OTHER_LINE)[0]))
+        for name, by_films in compared["baselines_mm"].items():
+            if films in by_films:
+                bars.append((by_films[films], _words(name), "#999999"))
+        if not bars:
+            raise InputError(
+                f"{self._analysis.id}: no film of the kind `{films}` is predicted",
+                help="bends left out need two bending films, held-out films a neutral or traction one",
+            )
+        if ax is None:
+            import matplotlib.pyplot as plt
+
+            ax = plt.subplots(figsize=(6.4, 0.5 + 0.4 * len(bars)), layout="constrained")[1]
+        bars.sort()
+        ax.barh(
+            [name for _, name, _ in bars],
+            [error for error, *_ in bars],
+            color=[colour for *_, colour in bars],
+        )
+        ax.invert_yaxis()
+        kind = "bends left out" if films == "left_out_bend" else "held-out films"
+        ax.set_xlabel(f"mean location error, {kind} (mm)")
+        synthetic = " · SYNTHETIC" if self._analysis.synthetic else ""
+        ax.set_title(f"{self._analysis.id}{synthetic}: grey has no mechanics")
         return ax
 
     def model3d(self, line: str = "inflection", *, simulation: Simulation | None = None) -> Any:
@@ -172,7 +226,7 @@ class Plot:
             simulated = model["postures"].get(film)
             if simulated is None:
                 continue
-            hue, dashes = _LINES.get(line, ("#56B4E9", "solid"))
+            hue, dashes = _LINES.get(line, _OTHER_LINE)
             (y, z), (dy, dz) = simulated["line"]["point_mm"], simulated["line"]["direction"]
             known = ax.get_legend_handles_labels()[1]
             label = None if _words(line) in known else _words(line)

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
 
 import spineline as sl
 
 
 def test_lines_are_drawn_on_own_and_on_given_axes(analysis: sl.Analysis) -> None:
+    whole = json.loads(analysis.case.to_json())
+    whole["films"] = [film for film in whole["films"] if film["posture"] in ("erect", "left_bending")]
+    two_films = sl.Case.from_json(json.dumps(whole))
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("agg")
     import matplotlib.pyplot as plt
@@ -24,6 +29,15 @@ def test_lines_are_drawn_on_own_and_on_given_axes(analysis: sl.Analysis) -> None
     assert analysis.plot.errors().get_ylabel() == "location error (mm)"
     with pytest.raises(sl.InputError):
         analysis.plot.lines("lateral")
+    ax = analysis.plot.predictions()
+    names = [label.get_text() for label in ax.get_yticklabels()]
+    assert "inflection line" in names and "mirrored bend" in names
+    assert "estimated line (3 parameters per film)" in names
+    assert "SYNTHETIC" in ax.get_title()
+    widths = [bar.get_width() for bar in ax.patches]
+    assert widths == sorted(widths)
+    with pytest.raises(sl.InputError, match="held_out"):
+        sl.analyze(two_films).plot.predictions("held_out")
     plt.close("all")
 
 

@@ -4,6 +4,7 @@ mod advisories;
 mod book;
 mod checks;
 mod fuzz;
+mod notebooks;
 mod oracle;
 mod outside;
 mod package;
@@ -46,9 +47,11 @@ cargo xtask COMMAND
   films    compare films of phantoms with pydicom
   exchange compare landmarks with highdicom, pydicom and DCMTK, tables with pyarrow and pandas, typeset reports with qpdf
   python   test the Python package and its types; measure import and calls
+  notebooks
+           run the notebooks and write them as pages with their pictures
   wheel    build the wheel of the Python package, with the program and the browser app inside
   attack   give the program damaged files, bombs, full disks, interruptions and kills
-  docs     make the guide as a book, with the pages of credibility and of the paper's numbers
+  docs     make the book: guide, Python reference, notebooks with their pictures, credibility, the paper's numbers
   fuzz [SECONDS]
            run every parser on random input, 60 seconds each (needs a nightly compiler and cargo-fuzz)
   bench    run the benchmarks of the core
@@ -113,6 +116,7 @@ fn steps(command: &str) -> Option<Vec<Step>> {
     let films = Step::new("films", &[Tool::Python], outside::films);
     let exchange = Step::new("exchange", &[Tool::Python, Tool::Dcmtk], outside::exchange).full();
     let package = Step::new("python", &[Tool::Python], package::test);
+    let notebooks = Step::new("notebooks", &[Tool::Python], notebooks::test).full();
     let attack = Step::new("attack", &[Tool::Python], outside::attack).full();
     let studies = Step::new("studies", &[], checks::slow_studies).full();
     Some(match command {
@@ -127,6 +131,7 @@ fn steps(command: &str) -> Option<Vec<Step>> {
             films.beside(),
             exchange.beside(),
             package,
+            notebooks,
             Step::new("doc examples", &[], checks::doctest),
             lint,
             Step::new("docs", &[], checks::rustdoc),
@@ -135,6 +140,7 @@ fn steps(command: &str) -> Option<Vec<Step>> {
             studies,
         ],
         "python" => vec![package],
+        "notebooks" => vec![notebooks.usual()],
         "attack" => vec![attack.usual()],
         "studies" => vec![studies.usual()],
         "check" => vec![format, tidy, lint],

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::checks::built;
 use crate::plan::Plan;
-use crate::{package, python};
+use crate::{notebooks, package, python};
 
 /// Exported models in MuJoCo, Pinocchio and OpenSim: shapes under load.
 pub fn engines(plan: &Plan<'_>) -> Result<(), String> {
@@ -42,7 +42,8 @@ pub fn provide_environments(root: &Path) -> Result<(), String> {
     for name in ["engines", "reliability", "films", "exchange", "attack"] {
         python::environment(root, name, &project(root, name).join("requirements.txt"))?;
     }
-    package::environment(root).map(|_| ())
+    package::environment(root)?;
+    notebooks::environment(root).map(|_| ())
 }
 
 fn project(root: &Path, name: &str) -> PathBuf {

@@ -53,8 +53,7 @@ pub fn wheel(root: &Path) -> Result<PathBuf, String> {
 pub fn test(plan: &Plan<'_>) -> Result<(), String> {
     let root = plan.root;
     let interpreter = python::text(&environment(root)?)?;
-    let module = native_module(plan)?;
-    let staged = stage(root, &module)?;
+    let staged = staged(plan)?;
     let program = python::target()?.join("debug/spineline").with_extension(EXE_EXTENSION);
     let (path, program) = (python::text(&staged)?, python::text(&program)?);
     let variables = [
@@ -95,10 +94,11 @@ fn test_wheel(root: &Path) -> Result<(), String> {
     pytest(root, &python::target()?, &interpreter, &[("PYTHONDONTWRITEBYTECODE", "1")])
 }
 
-/// The package with a native module that cargo has built, below the target folder.
-fn stage(root: &Path, module: &Path) -> Result<PathBuf, String> {
+/// The package with the native module that the tests have built, below the target folder.
+pub fn staged(plan: &Plan<'_>) -> Result<PathBuf, String> {
+    let module = native_module(plan)?;
     let staged = python::target()?.join("python/staged");
-    let (from, to) = (root.join("python/spineline"), staged.join("spineline"));
+    let (from, to) = (plan.root.join("python/spineline"), staged.join("spineline"));
     if staged.exists() {
         fs::remove_dir_all(&staged).map_err(|error| format!("{}: {error}", staged.display()))?;
     }
@@ -111,7 +111,7 @@ fn stage(root: &Path, module: &Path) -> Result<PathBuf, String> {
         }
     }
     let end = if cfg!(windows) { "pyd" } else { "abi3.so" };
-    copy(module, &to.join(format!("_native.{end}")))?;
+    copy(&module, &to.join(format!("_native.{end}")))?;
     Ok(staged)
 }
 

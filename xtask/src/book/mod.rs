@@ -1,4 +1,5 @@
-//! `cargo xtask docs`: the guide as a book, with two pages that are made from what the project knows of itself.
+//! `cargo xtask docs`: one book of the guide, the reference of the Python package, the notebooks as they ran, and two pages that are made
+//! from what the project knows of itself.
 //!
 //! mdBook comes as a wheel, as the other programs of the checks do: building it here would take as long as everything else,
 //! and Debian has no package of it. The book needs no network, nor does making it once the wheel is installed.
@@ -11,7 +12,7 @@ use std::path::Path;
 
 use crate::checks::built;
 use crate::plan::{Extent, Plan};
-use crate::{python, run};
+use crate::{notebooks, python, run};
 
 /// Makes the book below the target folder.
 pub fn make(root: &Path) -> Result<(), String> {
@@ -19,7 +20,8 @@ pub fn make(root: &Path) -> Result<(), String> {
     let guide = root.join("docs/guide");
     let mdbook = python::tool(root, "docs", &guide.join("requirements.txt"), "mdbook")?;
     let results = target.join("docs/reproduce");
-    let program = built(&Plan::new(root, Extent::Usual), "spineline")?;
+    let plan = Plan::new(root, Extent::Usual);
+    let program = built(&plan, "spineline")?;
     let [program, out] = [&program, &results].map(|path| path.display().to_string());
     // What it prints is what the page shows.
     println!("» {program} reproduce");
@@ -34,10 +36,20 @@ pub fn make(root: &Path) -> Result<(), String> {
     write(&source.join("src/credibility.md"), &credibility::page(&evidence)?)?;
     let summary = read(&results.join("summary.json"))?;
     write(&source.join("src/paper.md"), &paper::page(&summary)?)?;
+    notebooks::render(&plan, &source.join("src/notebooks"))?;
+    python_reference(root, &source.join("src/python_reference.md"))?;
     let [source, book] = [&source, &target.join("book")].map(|path| path.display().to_string());
     run(root, &mdbook, &["build", &source, "--dest-dir", &book], &[])?;
     println!("» {book}/index.html");
     Ok(())
+}
+
+/// The page of every name of the Python package, by its docstrings.
+fn python_reference(root: &Path, page: &Path) -> Result<(), String> {
+    let interpreter = python::text(&notebooks::environment(root)?)?;
+    let script = python::text(&root.join("docs/guide/python_reference.py"))?;
+    let (package, page) = (python::text(&root.join("python/spineline"))?, python::text(page)?);
+    run(root, &interpreter, &[&script, &package, &page], &[("PYTHONDONTWRITEBYTECODE", "1")])
 }
 
 /// Copies the guide afresh: no page of an older one is left.

@@ -1,0 +1,58 @@
+//! Notebooks: run from top to bottom, and made into pages with what they print and draw.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::package::staged;
+use crate::plan::Plan;
+use crate::{python, run};
+
+/// The name of their Python environment.
+const ENVIRONMENT: &str = "notebooks";
+
+/// The interpreter of the environment in which they run.
+pub fn environment(root: &Path) -> Result<PathBuf, String> {
+    python::environment(root, ENVIRONMENT, &root.join("python/notebooks/requirements.txt"))
+}
+
+/// Runs all notebooks; a cell that fails stops it. The pages are below the target folder.
+pub fn test(plan: &Plan<'_>) -> Result<(), String> {
+    render(plan, &python::target()?.join("notebooks"))
+}
+
+/// Runs all notebooks, and writes each as a Markdown page with its pictures beside it.
+pub fn render(plan: &Plan<'_>, to: &Path) -> Result<(), String> {
+    let failed = |error: std::io::Error| format!("{}: {error}", to.display());
+    if to.exists() {
+        // What an earlier run has written would be found by this one.
+        fs::remove_dir_all(to).map_err(failed)?;
+    }
+    fs::create_dir_all(to).map_err(failed)?;
+    let interpreter = python::text(&environment(plan.root)?)?;
+    let package = python::text(&staged(plan)?)?;
+    let variables = [("PYTHONPATH", package.as_str()), ("PYTHONDONTWRITEBYTECODE", "1")];
+    for source in sources(plan.root)? {
+        let name = source.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default().to_owned();
+        let (source, notebook) = (python::text(&source)?, format!("{name}.ipynb"));
+        let convert =
+            ["-m", "jupytext", "--quiet", "--to", "ipynb", "--output", &notebook, &source];
+        run(to, &interpreter, &convert, &variables)?;
+        let execute =
+            ["-m", "nbconvert", "--log-level", "WARN", "--execute", "--to", "markdown", &notebook];
+        run(to, &interpreter, &execute, &variables)?;
+    }
+    Ok(())
+}
+
+/// The notebooks as they are kept: Python files whose cells are marked.
+fn sources(root: &Path) -> Result<Vec<PathBuf>, String> {
+    let folder = root.join("python/notebooks");
+    let entries =
+        fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut found: Vec<PathBuf> = entries
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.extension().is_some_and(|end| end == "py"))
+        .collect();
+    found.sort();
+    Ok(found)
+}
