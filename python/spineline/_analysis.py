@@ -289,6 +289,28 @@ class Curve:
         """
         return self._native.inflections(self.film)
 
+    def to_pixels(self, points_mm: Any) -> Floats:
+        """Places of points on the picture of the film, shape (n, 2), read-only: column and row in pixels.
+
+        Parameters
+        ----------
+        points_mm
+            Points in the frame of :attr:`points_mm`, shape (n, 2), such as the curve itself or points of a line of action.
+
+        Raises
+        ------
+        InputError
+            If the film has no picture, since locations came from another program.
+        """
+        pixels = self._native.to_pixels(self.film, [(float(y), float(z)) for y, z in points_mm])
+        if pixels is None:
+            raise InputError(
+                f"the {self.film} film has no picture",
+                help="only films with corners in pixels have one",
+                film=self.film,
+            )
+        return pixels
+
     def __repr__(self) -> str:
         return f"<Curve of the {self.film} film>"
 

@@ -57,7 +57,7 @@ class Case:
         ----------
         landmarks
             A DataFrame of pandas or polars, anything with ``to_csv`` or ``write_csv``, a mapping from names of columns to
-            values, or the text of a CSV file. The columns are those of the CSV format: ``vertebra``, and column and row of
+            values, or the text of a landmark file that ``spineline import`` reads (CSV, 3D Slicer, labelme, COCO). The columns are those of the CSV format: ``vertebra``, and column and row of
             the four corners in pixels, named by the patient's sides: ``superior_left_column_px``,
             ``superior_left_row_px``, and so on for ``superior_right``, ``inferior_left``, ``inferior_right``. Optional:
             ``posture``, ``observer``, ``repeat``, ``axis_clockwise_deg`` and confidences. A row whose vertebra is
@@ -238,7 +238,7 @@ def phantom(
 
 
 def _csv_text(landmarks: Any) -> str:
-    """A table as CSV with commas."""
+    """The text of a landmark file; a table as CSV with commas."""
     if isinstance(landmarks, str):
         return landmarks
     if hasattr(landmarks, "write_csv"):
@@ -255,5 +255,5 @@ def _csv_text(landmarks: Any) -> str:
         writer.writerows(zip(*landmarks.values(), strict=True))
         return text.getvalue()
     raise TypeError(
-        f"landmarks are a DataFrame, a mapping of columns or CSV text, not {type(landmarks).__name__}"
+        f"landmarks are a DataFrame, a mapping of columns or the text of a landmark file, not {type(landmarks).__name__}"
     )

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import pickle
+import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import spineline as sl
@@ -117,3 +119,37 @@ def test_phantoms_that_there_are_not_are_errors() -> None:
     for wrong in (lambda: sl.phantom("rood"), lambda: sl.phantom(subject=19)):
         with pytest.raises(sl.InputError):
             wrong()
+
+
+def test_locations_without_a_picture_have_no_pixels() -> None:
+    page = (Path(__file__).resolve().parents[2] / "docs/guide/src/case.md").read_text()
+    case = sl.Case.from_json(page.split("```json\n")[1].split("```")[0])
+    curve = sl.analyze(case).curve("erect")
+    with pytest.raises(sl.InputError, match="no picture"):
+        curve.to_pixels(curve.points_mm)
+
+
+def corners_px(readings: list[dict[str, dict[str, dict[str, object]]]]) -> list[object]:
+    """All corners of all readings, without axes that were set by hand."""
+    return [
+        vertebra[corner]
+        for reading in readings
+        for vertebra in reading["vertebrae"].values()
+        for corner in CORNERS
+    ]
+
+
+def test_landmark_files_of_other_programs_are_read(program: Path, tmp_path: Path) -> None:
+    case = sl.phantom("rod", subject=1)
+    file = case.save(tmp_path / "case.json")
+    command = [program, "export", file, "--to", "slicer", "--posture", "erect"]
+    text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    image = json.loads(case.to_json())["films"][0]["image"]
+    found = sl.Case.from_landmarks(
+        text,
+        mm_per_px=(image["column_spacing_mm"], image["row_spacing_mm"]),
+        patient_left=image["patient_left"].replace("_", "-"),
+        case_id="slicer",
+    )
+    ours, theirs = (json.loads(one.to_json())["films"][0]["readings"] for one in (found, case))
+    assert np.allclose(corners_px(ours), corners_px(theirs), atol=1e-6)

@@ -10,7 +10,9 @@ use pyo3::types::PyDict;
 use serde_json::Value;
 use spineline::analysis::{self, AnalysisOptions, Grouping};
 use spineline::anatomy::{Named, Posture};
+use spineline::measure::FilmFrame;
 use spineline::personalize::Identifiability;
+use spineline::spatial::Frontal;
 use spineline::warning::Step;
 use spineline_files::method_text::missing_known_force;
 use spineline_files::{
@@ -339,6 +341,24 @@ impl Analysis {
         let Some(points) = posture.inflection_points else { return Ok(None) };
         let points = points.map(|point| [point.y_mm, point.z_mm]);
         self.in_mm(py, film, points.into_iter(), &posture.outline.scale).map(Some)
+    }
+
+    /// Where points of a film's frame lie on its picture: (n, 2), column and row; None without a picture.
+    fn to_pixels<'py>(
+        &self,
+        py: Python<'py>,
+        film: &str,
+        points: Vec<[f64; 2]>,
+    ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let posture = self.posture(film).map_err(|fault| fault.raise(py))?;
+        let marked = self.case.films.iter().find(|one| one.posture == posture.outline.posture);
+        let frame = marked.and_then(|marked| FilmFrame::of(marked, &posture.outline));
+        let Some(frame) = frame else { return Ok(None) };
+        let pixels = points.into_iter().map(|[y_mm, z_mm]| {
+            let place = frame.pixel(Frontal::new(y_mm, z_mm));
+            [place.column_px, place.row_px]
+        });
+        numbers::points(py, pixels).map(Some)
     }
 
     fn __eq__(&self, other: &Self) -> bool {

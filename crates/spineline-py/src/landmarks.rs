@@ -8,7 +8,7 @@ use spineline::measure::{Film, ImageGeometry, Spacing, SpacingPlane};
 use spineline::spatial::Pixel;
 use spineline_files::CaseFile;
 use spineline_files::method_text::{of_spelling, posture};
-use spineline_landmarks::{LandmarkHint, LandmarkReadings, MarkedFilm, parse_csv};
+use spineline_landmarks::{LandmarkHint, LandmarkReadings, MarkedFilm, parse_landmarks};
 
 use crate::case::Case;
 use crate::fault::Fault;
@@ -22,7 +22,7 @@ struct Given<'a> {
     plane: &'a str,
 }
 
-/// Makes a case of a table of landmarks as CSV.
+/// Makes a case of the text of a landmark file.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "Python hands on what its own keywords are")]
 pub fn case_from_landmarks(
@@ -52,7 +52,7 @@ fn films(text: &str, given: &Given<'_>) -> Result<Vec<Film>, Fault> {
     let known = given.film.map(|film| posture(film).map_err(|reason| Fault::new(reason, help)));
     let known: Option<Posture> = known.transpose()?;
     let hint = LandmarkHint { posture: known, ..LandmarkHint::default() };
-    let file = parse_csv(text.as_bytes(), &hint)?;
+    let file = parse_landmarks(text.as_bytes(), &hint)?;
     let film = |marked: MarkedFilm| {
         let image = image(&marked, given)?;
         Ok(marked.into_film(known, image)?)
