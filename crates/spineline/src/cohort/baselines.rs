@@ -5,6 +5,7 @@ use super::rotation_prior::{bend_rotations, priors_of_others};
 use super::{Clustered, PairedComparison};
 use crate::action::LineKind;
 use crate::analysis::{Analysis, ComparedFilm, FilmRole, LinesCompared, listed, probability};
+use crate::anatomy::Levels;
 use crate::evaluate::{
     Baseline, BaselinePrediction, RotationPrior, predict_baseline, predict_from_prior,
 };
@@ -72,12 +73,13 @@ impl BaselinesOverPatients {
     pub(super) fn of(analyses: &[&Analysis], compared: &[LinesCompared], seed: u64) -> Self {
         let bends: Vec<Vec<Vec<Angle>>> = analyses.iter().map(|one| bend_rotations(one)).collect();
         let priors = priors_of_others(analyses, &bends);
+        let sums = BendSums::of(analyses, &bends);
         let patients: Vec<Predicted<'_>> = analyses
             .iter()
             .zip(compared)
             .enumerate()
             .map(|(place, (analysis, compared))| {
-                let mean = mean_of_others(analyses, &bends, place);
+                let mean = sums.mean_of_others(analysis.levels(), &bends[place]);
                 Predicted::of(analysis, compared, mean.as_deref(), priors[place].as_ref())
             })
             .collect();
@@ -228,21 +230,40 @@ impl<'a> Predicted<'a> {
     }
 }
 
-/// Mean rotations over the bends of all other patients with the same vertebrae, as if all bent to the right.
-fn mean_of_others(
-    analyses: &[&Analysis],
-    bends: &[Vec<Vec<Angle>>],
-    place: usize,
-) -> Option<Vec<Angle>> {
-    let levels = analyses[place].levels();
-    let others = analyses.iter().zip(bends).enumerate();
-    let others = others.filter(|(i, (analysis, _))| *i != place && analysis.levels() == levels);
-    let bends: Vec<&Vec<Angle>> = others.flat_map(|(_, (_, bends))| bends).collect();
-    let mean = |joint: usize| {
-        let sum: f64 = bends.iter().map(|bend| bend[joint].rad()).sum();
-        Angle::from_rad(sum / bends.len() as f64)
-    };
-    (!bends.is_empty()).then(|| (0..levels.joints()).map(mean).collect())
+/// Sums of the rotations over the bends of all patients with the same vertebrae, as if all bent to the right.
+struct BendSums {
+    by_levels: Vec<(Levels, Vec<Angle>, usize)>,
+}
+
+impl BendSums {
+    fn of(analyses: &[&Analysis], bends: &[Vec<Vec<Angle>>]) -> Self {
+        let mut by_levels: Vec<(Levels, Vec<Angle>, usize)> = Vec::new();
+        for (levels, bends) in analyses.iter().map(|one| one.levels()).zip(bends) {
+            let place = by_levels.iter().position(|one| one.0 == levels).unwrap_or_else(|| {
+                by_levels.push((levels, vec![Angle::ZERO; levels.joints()], 0));
+                by_levels.len() - 1
+            });
+            let (_, sums, count) = &mut by_levels[place];
+            *count += bends.len();
+            for bend in bends {
+                for (sum, rotation) in sums.iter_mut().zip(bend) {
+                    *sum = *sum + *rotation;
+                }
+            }
+        }
+        Self { by_levels }
+    }
+
+    /// The mean over the bends of all other patients than one with these bends; `None` where there is none.
+    fn mean_of_others(&self, levels: Levels, own: &[Vec<Angle>]) -> Option<Vec<Angle>> {
+        let (_, sums, count) = self.by_levels.iter().find(|one| one.0 == levels)?;
+        let others = count - own.len();
+        let mean = |(joint, sum): (usize, &Angle)| {
+            let of_own: f64 = own.iter().map(|bend| bend[joint].rad()).sum();
+            Angle::from_rad((sum.rad() - of_own) / others as f64)
+        };
+        (others > 0).then(|| sums.iter().enumerate().map(mean).collect())
+    }
 }
 
 /// A line against a baseline; `None` where they have no film in common.

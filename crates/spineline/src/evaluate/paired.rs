@@ -6,9 +6,8 @@
 //! # References
 //! [fisher-1935] for the sign-flip test; [holm-1979]; [owen-1968] and [cumming-finch-2001] for the interval of an effect.
 
-use rand::RngExt;
 use rand_chacha::ChaCha12Rng;
-use rand_chacha::rand_core::SeedableRng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
 use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::function::gamma::ln_gamma;
 
@@ -18,8 +17,6 @@ use super::statistics::Summary;
 pub const EXACT_UP_TO: usize = 20;
 /// Arrangements drawn for more patients.
 const DRAWN: u32 = 50_000;
-/// Of these, so many at a time; a divisor of [`DRAWN`].
-const SIDE_BY_SIDE: usize = 4;
 
 /// A sign-flip permutation test of "the mean difference is zero".
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,27 +82,29 @@ fn all_flips(differences: &[f64], seen: f64) -> f64 {
 
 /// How many of [`DRAWN`] choices of signs have a sum at least `seen` from zero.
 ///
-/// Several sums grow side by side, because an addition waits for the one before it, and a sign is a bit and no branch, because a
-/// random branch is guessed wrong half of the time. Every sum has its terms in the order of the patients.
+/// The signs of eight patients are one byte: their sum is looked up among the 256 that they can have.
 fn drawn_flips(differences: &[f64], seen: f64, seed: u64) -> u32 {
+    let sums: Vec<[f64; 256]> = differences.chunks(8).map(signed_sums).collect();
     let mut rng = ChaCha12Rng::seed_from_u64(seed);
-    let mut sign_bits = vec![[0_u64; SIDE_BY_SIDE]; differences.len()];
+    let mut signs = vec![0_u8; sums.len()];
     let mut as_far = 0;
-    for _ in 0..DRAWN / SIDE_BY_SIDE as u32 {
-        for place in 0..SIDE_BY_SIDE {
-            for bits in &mut sign_bits {
-                bits[place] = u64::from(!rng.random::<bool>()) << 63;
-            }
-        }
-        let mut sums = [0.0_f64; SIDE_BY_SIDE];
-        for (difference, bits) in differences.iter().zip(&sign_bits) {
-            for (sum, bit) in sums.iter_mut().zip(bits) {
-                *sum += f64::from_bits(difference.to_bits() ^ bit);
-            }
-        }
-        as_far += sums.iter().map(|sum| u32::from(sum.abs() >= seen)).sum::<u32>();
+    for _ in 0..DRAWN {
+        rng.fill_bytes(&mut signs);
+        let sum: f64 =
+            sums.iter().zip(&signs).map(|(of_eight, &byte)| of_eight[usize::from(byte)]).sum();
+        as_far += u32::from(sum.abs() >= seen);
     }
     as_far
+}
+
+/// Sums of up to eight numbers by their signs: a number is negative where its bit is set.
+fn signed_sums(numbers: &[f64]) -> [f64; 256] {
+    std::array::from_fn(|signs| {
+        let signed = |(place, number): (usize, &f64)| {
+            if signs >> place & 1 == 1 { -number } else { *number }
+        };
+        numbers.iter().enumerate().map(signed).sum()
+    })
 }
 
 /// A standardised mean difference with its interval.
@@ -129,19 +128,19 @@ pub fn effect_size(differences: &[f64]) -> Option<EffectSize> {
         return None;
     }
     let root = (n as f64).sqrt();
-    let (d, freedom) = (mean / sd, n - 1);
-    let end = |tail: f64| noncentrality(d * root, freedom, tail) / root;
+    let (d, distribution) = (mean / sd, NoncentralT::new(n - 1));
+    let end = |tail: f64| noncentrality(d * root, &distribution, tail) / root;
     Some(EffectSize { d, interval: [end(0.975), end(0.025)] })
 }
 
 /// The noncentrality at which `t` has the probability `tail` below it. It falls as the noncentrality grows.
-fn noncentrality(t: f64, freedom: usize, tail: f64) -> f64 {
+fn noncentrality(t: f64, distribution: &NoncentralT, tail: f64) -> f64 {
     // No more than this many deviations of t at its noncentrality.
     let reach = 10.0 * (1.0 + t.abs());
     let (mut low, mut high) = (t - reach, t + reach);
     for _ in 0..45 {
         let middle = 0.5 * (low + high);
-        if noncentral_t_cdf(t, freedom, middle) > tail {
+        if distribution.cdf(t, middle) > tail {
             low = middle;
         } else {
             high = middle;
@@ -150,41 +149,64 @@ fn noncentrality(t: f64, freedom: usize, tail: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Probability that a noncentral t of some degrees of freedom and noncentrality stays below `t`.
+/// The noncentral t distributions of some degrees of freedom.
 ///
 /// # Definition
-/// `∫ Φ(t s - δ) f(s) ds`, where `s` is the ratio of the estimated to the true standard deviation, `s² ν` being chi-squared
-/// on `ν` degrees; by Simpson's rule over all `s` that matter.
+/// The probability of staying below `t` at the noncentrality `δ` is `∫ Φ(t s - δ) f(s) ds`, where `s` is the ratio of the estimated
+/// to the true standard deviation, `s² ν` being chi-squared on `ν` degrees; by Simpson's rule over all `s` that matter.
 ///
 /// # Accuracy
 /// Better than 1e-8 against closed forms for `ν` = 1, 2 and any `ν` at `δ = 0`.
-#[must_use]
-pub fn noncentral_t_cdf(t: f64, freedom: usize, noncentrality: f64) -> f64 {
+///
+/// ```
+/// use spineline::evaluate::paired::NoncentralT;
+/// // Where t and its noncentrality are zero, half of all values are below.
+/// assert!((NoncentralT::new(9).cdf(0.0, 0.0) - 0.5).abs() < 1e-8);
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct NoncentralT {
+    /// Every `s`, with its density times its weight in Simpson's rule.
+    nodes: Vec<(f64, f64)>,
+    step: f64,
+}
+
+impl NoncentralT {
     const PANELS: usize = 2000;
-    let nu = freedom as f64;
-    // The logarithm of s has a deviation of about 1/√(2ν).
-    let spread = 9.0 / (2.0 * nu).sqrt();
-    let (low, high) = ((1.0 - spread).max(0.0), 1.0 + spread.max(9.0 / nu));
-    let constant = (2.0_f64).ln() + 0.5 * nu * (0.5 * nu).ln() - ln_gamma(0.5 * nu);
-    let normal = Normal::standard();
-    let density = |s: f64| {
-        // At nought only one degree of freedom has any density.
-        let power = if freedom == 1 { 0.0 } else { (nu - 1.0) * s.ln() };
-        (constant + power - 0.5 * nu * s * s).exp()
-    };
-    let step = (high - low) / PANELS as f64;
-    let sum: f64 = (0..=PANELS)
-        .map(|i| {
+
+    /// Of these degrees of freedom, at least one.
+    #[must_use]
+    pub fn new(freedom: usize) -> Self {
+        let nu = freedom as f64;
+        // The logarithm of s has a deviation of about 1/√(2ν).
+        let spread = 9.0 / (2.0 * nu).sqrt();
+        let (low, high) = ((1.0 - spread).max(0.0), 1.0 + spread.max(9.0 / nu));
+        let constant = (2.0_f64).ln() + 0.5 * nu * (0.5 * nu).ln() - ln_gamma(0.5 * nu);
+        let density = |s: f64| {
+            // At nought only one degree of freedom has any density.
+            let power = if freedom == 1 { 0.0 } else { (nu - 1.0) * s.ln() };
+            (constant + power - 0.5 * nu * s * s).exp()
+        };
+        let step = (high - low) / Self::PANELS as f64;
+        let node = |i: usize| {
             let s = low + step * i as f64;
             let weight = match i {
-                0 | PANELS => 1.0,
+                0 | Self::PANELS => 1.0,
                 i if i % 2 == 1 => 4.0,
                 _ => 2.0,
             };
-            weight * density(s) * normal.cdf(t * s - noncentrality)
-        })
-        .sum();
-    (sum * step / 3.0).clamp(0.0, 1.0)
+            (s, weight * density(s))
+        };
+        Self { nodes: (0..=Self::PANELS).map(node).collect(), step }
+    }
+
+    /// Probability that a value of this noncentrality stays below `t`.
+    #[must_use]
+    pub fn cdf(&self, t: f64, noncentrality: f64) -> f64 {
+        let normal = Normal::standard();
+        let sum: f64 =
+            self.nodes.iter().map(|(s, density)| density * normal.cdf(t * s - noncentrality)).sum();
+        (sum * self.step / 3.0).clamp(0.0, 1.0)
+    }
 }
 
 /// Holm's correction: the probabilities of a family of tests, so adjusted that calling those below 0.05 significant
@@ -245,16 +267,19 @@ mod tests {
     }
 
     #[test]
-    fn flips_drawn_side_by_side_are_those_drawn_one_by_one() {
-        assert_eq!(DRAWN % SIDE_BY_SIDE as u32, 0);
+    fn sums_looked_up_are_those_of_the_signs_one_by_one() {
+        // 31 is no multiple of eight.
         let differences: Vec<f64> = (0..31).map(|i| (f64::from(i) * 0.7).sin() + 0.2).collect();
         let seen = differences.iter().sum::<f64>().abs();
         for seed in [1, 2] {
             let mut rng = ChaCha12Rng::seed_from_u64(seed);
             let one_by_one = (0..DRAWN)
                 .filter(|_| {
-                    let signed = |d: &f64| if rng.random::<bool>() { *d } else { -d };
-                    differences.iter().map(signed).sum::<f64>().abs() >= seen
+                    let mut bytes = [0_u8; 4];
+                    rng.fill_bytes(&mut bytes);
+                    let signs = u32::from_le_bytes(bytes);
+                    let signed = |(i, d): (usize, &f64)| if signs >> i & 1 == 1 { -d } else { *d };
+                    differences.iter().enumerate().map(signed).sum::<f64>().abs() >= seen
                 })
                 .count();
             assert!(one_by_one > 0);
@@ -284,7 +309,7 @@ mod tests {
         for t in [-3.0, -0.4, 0.0, 0.7, 2.5, 8.0] {
             for freedom in [1, 2, 3, 14, 17, 200] {
                 let student = StudentsT::new(0.0, 1.0, freedom as f64).expect("degrees");
-                let error = noncentral_t_cdf(t, freedom, 0.0) - student.cdf(t);
+                let error = NoncentralT::new(freedom).cdf(t, 0.0) - student.cdf(t);
                 assert!(error.abs() < 1e-8, "{t} {freedom} {error}");
             }
             for delta in [-2.0, 0.5, 3.0, 7.0] {
@@ -297,12 +322,12 @@ mod tests {
                         * root_b
                         * normal.pdf(delta * root_b)
                         * normal.cdf(delta * a * root_b);
-                let error = noncentral_t_cdf(t, 2, delta) - closed;
+                let error = NoncentralT::new(2).cdf(t, delta) - closed;
                 assert!(error.abs() < 1e-8, "{t} {delta} {error}");
             }
         }
         // Nothing is below zero but what the normal part puts there.
-        assert!((noncentral_t_cdf(0.0, 9, 1.3) - normal.cdf(-1.3)).abs() < 1e-9);
+        assert!((NoncentralT::new(9).cdf(0.0, 1.3) - normal.cdf(-1.3)).abs() < 1e-9);
     }
 
     #[test]
