@@ -7,7 +7,7 @@ use dicom_transfer_syntax_registry::entries::{
     EXPLICIT_VR_BIG_ENDIAN, EXPLICIT_VR_LITTLE_ENDIAN, IMPLICIT_VR_LITTLE_ENDIAN,
 };
 
-use super::codec::foreign;
+use super::codec::{ensure_memory, foreign};
 use super::error::{ElementFault, FilmError, Place};
 use super::scan::{Encoding, Native, Scan, scan};
 use super::{Attribute, FilmLimits, FilmRemark};
@@ -51,6 +51,7 @@ fn read(scan: Scan<'_>, encoding: Encoding) -> Result<DataSet<'_>, FilmError> {
     };
     let Scan { parts, native, left_out } = scan;
     let bytes = parts.concat();
+    ensure_memory(bytes.len());
     let read = || InMemDicomObject::read_dataset_with_ts(&bytes[..], &syntax);
     // Its words may quote the file.
     let object = foreign(read).map_err(|_| FilmError::DataSet)?;

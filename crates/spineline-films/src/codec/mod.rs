@@ -43,6 +43,12 @@ pub(super) fn decode<B: AsRef<[u8]>>(
     frame.and_then(|frame| frame.decode(codec)).map_err(|fault| fault.of(codec))
 }
 
+/// Allocates this much and frees it. Without the memory the process ends as it does for every other allocation: external readers
+/// report their own lack of memory like damaged data.
+pub(super) fn ensure_memory(bytes: usize) {
+    std::hint::black_box(Vec::<u8>::with_capacity(bytes));
+}
+
 /// Calls an external decoder; its error or panic is returned without its text.
 pub(super) fn foreign<T, E>(decode: impl FnOnce() -> Result<T, E>) -> Result<T, CodecFault> {
     match catch_unwind(AssertUnwindSafe(decode)) {
@@ -79,9 +85,10 @@ impl Frame<'_> {
         else {
             return Err(CodecFault::Unsupported);
         };
-        // Here, so that a lack of memory ends as one: the codecs report it like damaged data.
         let samples = self.format.pixels() * usize::from(self.format.samples);
         let mut bytes = Vec::with_capacity(samples * usize::from(self.bits / 8));
+        // What the codecs unpack into before they sort it.
+        ensure_memory(bytes.capacity());
         foreign(|| reader.decode_frame(self, 0, &mut bytes))?;
         Ok(match (self.format.samples, self.bits) {
             (3, 8) if codec == Codec::Rle && self.format.luminance_first => {
