@@ -9,5 +9,33 @@ use sha2::{Digest, Sha256};
 /// ```
 #[must_use]
 pub fn sha256_hex(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    let mut digest = RunningDigest::default();
+    digest.update(bytes);
+    digest.hex()
+}
+
+/// [`sha256_hex`] of bytes that come piece by piece.
+///
+/// ```
+/// use spineline_files::{RunningDigest, sha256_hex};
+///
+/// let mut digest = RunningDigest::default();
+/// digest.update(b"spine");
+/// digest.update(b"line");
+/// assert_eq!(digest.hex(), sha256_hex(b"spineline"));
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct RunningDigest(Sha256);
+
+impl RunningDigest {
+    /// Adds the next piece.
+    pub fn update(&mut self, bytes: &[u8]) {
+        self.0.update(bytes);
+    }
+
+    /// In 64 lower-case hexadecimal digits.
+    #[must_use]
+    pub fn hex(self) -> String {
+        self.0.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
 }

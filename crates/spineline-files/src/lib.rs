@@ -46,7 +46,7 @@ pub use case_file::{
 };
 pub use cohort_file::CohortFile;
 pub use described::Described;
-pub use digest::sha256_hex;
+pub use digest::{RunningDigest, sha256_hex};
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};
 pub use json::{file_format, nearest, parse_json};

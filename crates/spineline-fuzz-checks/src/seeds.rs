@@ -2,7 +2,7 @@
 
 use spineline::analysis::{Case, analyze};
 use spineline::anatomy::Posture;
-use spineline::cohort::learn_rotation_prior;
+use spineline::cohort::{CohortPatient, learn_rotation_prior};
 use spineline::evaluate::RotationPrior;
 use spineline::measure::{FilmLandmarks, ImageGeometry};
 use spineline_files::{
@@ -26,13 +26,13 @@ pub struct Seed {
 
 /// A distribution of joint rotations, learned from the fewest patients.
 fn rotation_prior() -> Result<String, Box<dyn std::error::Error>> {
-    let analyses = (0..RotationPrior::MIN_PATIENTS)
+    let patients = (0..RotationPrior::MIN_PATIENTS)
         .map(|subject| {
             let phantom = generate(subject, Truth::Rod, &Readers::exact(), 1)?;
-            Ok(analyze(&phantom.case, &Default::default())?)
+            Ok(CohortPatient::of(&analyze(&phantom.case, &Default::default())?))
         })
         .collect::<Result<Vec<_>, Box<dyn std::error::Error>>>()?;
-    let learned = learn_rotation_prior(&analyses.iter().collect::<Vec<_>>(), 1)?;
+    let learned = learn_rotation_prior(&patients, 1)?;
     let provenance = Provenance::new(run(), FilmOrigin::Synthetic, Vec::new());
     Ok(to_text(&RotationPriorFile::new(&learned, provenance)))
 }

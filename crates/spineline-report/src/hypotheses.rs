@@ -1,6 +1,5 @@
 //! Loads and bases other than the lines of action, fitted and left out, over one patient or several.
 
-use spineline::analysis::Analysis;
 use spineline::hypothesis::{
     HypothesisComparison, HypothesisFit, HypothesisSummary, Role, compare,
 };
@@ -10,17 +9,17 @@ use crate::phrases::none;
 
 const LEGEND: &str = "Location errors in mm and rotation errors in degrees, one mean per patient. Fitted: stiffness and loads fitted to both bends. Left out: a bend predicted with the stiffness of the other bend and the smallest load that brings the top near. Load fitted: the same with the load fitted to the whole shape. Held out: neutral and traction films, as left out. Rotation errors: root mean square over the joints; the rotation of a base counts at the lowest joint. Counter-rotating: joints per bend that turn against the load. AICc and BIC: differences from the first row. Best: patients in whom no other load has a smaller left-out error, or a smaller AICc. Lost: films without a prediction (no equilibrium, or a shape beyond the human range of motion) and fits without a result.";
 
-/// The hypotheses of one patient or several; `None` if none was requested.
-pub fn section(analyses: &[Analysis]) -> Option<Section> {
-    let patients: Vec<&[HypothesisFit]> = analyses.iter().map(|a| &a.hypotheses[..]).collect();
-    let blocks = compare(&patients);
+/// The hypotheses of one patient or several, each with whether the patient is synthetic; `None` if none was requested.
+pub fn section<'a>(patients: impl Iterator<Item = (bool, &'a [HypothesisFit])>) -> Option<Section> {
+    let (synthetic, fits): (Vec<bool>, Vec<&[HypothesisFit]>) = patients.unzip();
+    let blocks = compare(&fits);
     if blocks.is_empty() {
         return None;
     }
-    let synthetic = if analyses.iter().any(|a| a.synthetic) { " (synthetic)" } else { "" };
+    let synthetic = if synthetic.contains(&true) { " (synthetic)" } else { "" };
     let mut section = Section::new("hypotheses", format!("Loads and bases compared{synthetic}"));
     for block in &blocks {
-        let who = match analyses.len() {
+        let who = match fits.len() {
             1 => String::new(),
             all => format!(", {} of {all} patients, who have all of these", block.patients),
         };

@@ -20,4 +20,10 @@ pub enum TableError {
         /// Why.
         source: parquet::errors::ParquetError,
     },
+    /// Rows of a table with other columns.
+    #[error("rows with other columns cannot be added to the table `{table}`")]
+    Columns {
+        /// Its name.
+        table: &'static str,
+    },
 }

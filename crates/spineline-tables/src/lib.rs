@@ -41,7 +41,7 @@ pub use statistics::statistics_table;
 pub use table::{NumberFormat, Series, Table, Values};
 pub use verdicts::{RowVerdict, verdicts_table};
 pub use vertebrae::errors_table;
-pub use write::SCHEMA_VERSION;
+pub use write::{ParquetWriter, SCHEMA_VERSION};
 
 use spineline::analysis::{Analysis, Subject};
 use spineline::personalize::Identifiability;
@@ -72,6 +72,15 @@ pub struct OptionalTables {
 impl OptionalTables {
     /// Everything.
     pub const ALL: Self = Self { uncertainty: true, hypotheses: true };
+
+    /// Those that are made for some or other patients.
+    #[must_use]
+    pub const fn and(self, other: Self) -> Self {
+        Self {
+            uncertainty: self.uncertainty || other.uncertainty,
+            hypotheses: self.hypotheses || other.hypotheses,
+        }
+    }
 
     /// Which optional results these patients have.
     #[must_use]

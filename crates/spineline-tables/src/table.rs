@@ -1,3 +1,5 @@
+use crate::error::TableError;
+
 /// A table: columns of the same length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
@@ -14,6 +16,32 @@ impl Table {
     #[must_use]
     pub fn rows(&self) -> usize {
         self.columns.first().map_or(0, |column| column.values.len())
+    }
+
+    /// Removes all rows.
+    pub fn clear(&mut self) {
+        for column in &mut self.columns {
+            column.values.clear();
+        }
+    }
+
+    /// Adds the rows of the same table of other patients.
+    ///
+    /// # Errors
+    /// [`TableError::Columns`] if it is another table.
+    pub fn append(&mut self, other: Self) -> Result<(), TableError> {
+        let same = |(own, other): (&Series, &Series)| {
+            own.name == other.name && own.values.kind() == other.values.kind()
+        };
+        let is_same = self.columns.len() == other.columns.len()
+            && self.columns.iter().zip(&other.columns).all(same);
+        if !is_same {
+            return Err(TableError::Columns { table: self.name });
+        }
+        for (column, more) in self.columns.iter_mut().zip(other.columns) {
+            column.values.append(more.values);
+        }
+        Ok(())
     }
 }
 
@@ -87,6 +115,26 @@ pub enum Values {
 }
 
 impl Values {
+    fn clear(&mut self) {
+        match self {
+            Self::Text(all) => all.clear(),
+            Self::Number(all) => all.clear(),
+            Self::Count(all) => all.clear(),
+            Self::Truth(all) => all.clear(),
+        }
+    }
+
+    fn append(&mut self, other: Self) {
+        match (self, other) {
+            (Self::Text(all), Self::Text(more)) => all.extend(more),
+            (Self::Number(all), Self::Number(more)) => all.extend(more),
+            (Self::Count(all), Self::Count(more)) => all.extend(more),
+            (Self::Truth(all), Self::Truth(more)) => all.extend(more),
+            // Columns of another kind are another table.
+            _ => {}
+        }
+    }
+
     /// Number of values.
     #[must_use]
     pub fn len(&self) -> usize {

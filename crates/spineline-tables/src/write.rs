@@ -21,53 +21,48 @@ impl Table {
     /// # Errors
     /// [`TableError::Csv`].
     pub fn to_csv(&self) -> Result<String, TableError> {
-        self.csv().map_err(|source| TableError::Csv { table: self.name, source })
+        Ok(self.csv_heading()? + &self.csv_rows()?)
     }
 
-    fn csv(&self) -> csv::Result<String> {
+    /// The first line of [`Table::to_csv`].
+    ///
+    /// # Errors
+    /// [`TableError::Csv`].
+    pub fn csv_heading(&self) -> Result<String, TableError> {
+        self.csv(|writer| writer.write_record(self.columns.iter().map(|column| &column.name)))
+    }
+
+    /// The other lines.
+    ///
+    /// # Errors
+    /// [`TableError::Csv`].
+    pub fn csv_rows(&self) -> Result<String, TableError> {
+        self.csv(|writer| {
+            (0..self.rows()).try_for_each(|row| {
+                writer.write_record(self.columns.iter().map(|column| column.shown(row)))
+            })
+        })
+    }
+
+    fn csv(
+        &self,
+        write: impl FnOnce(&mut csv::Writer<Vec<u8>>) -> csv::Result<()>,
+    ) -> Result<String, TableError> {
         let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(self.columns.iter().map(|column| &column.name))?;
-        for row in 0..self.rows() {
-            writer.write_record(self.columns.iter().map(|column| column.shown(row)))?;
-        }
-        let bytes = writer.into_inner().map_err(|error| error.into_error())?;
+        let written = write(&mut writer)
+            .and_then(|()| Ok(writer.into_inner().map_err(|error| error.into_error())?));
+        let bytes = written.map_err(|source| TableError::Csv { table: self.name, source })?;
         Ok(String::from_utf8(bytes).expect("texts are UTF-8"))
     }
 
-    /// The table as Parquet, compressed by Snappy. Its key-value metadata has the version of the columns
-    /// (`spineline.schema_version`), what a row is (`spineline.row`), the units and meanings of all columns as JSON
-    /// (`spineline.units`, `spineline.meanings`), and what else is given.
+    /// The table as Parquet ([`ParquetWriter`]).
     ///
     /// # Errors
     /// [`TableError::Parquet`].
     pub fn to_parquet(&self, metadata: &[(&str, &str)]) -> Result<Vec<u8>, TableError> {
-        self.parquet(metadata).map_err(|source| TableError::Parquet { table: self.name, source })
-    }
-
-    fn parquet(&self, metadata: &[(&str, &str)]) -> parquet::errors::Result<Vec<u8>> {
-        let own = [
-            ("spineline.schema_version", SCHEMA_VERSION.to_string()),
-            ("spineline.row", self.row.to_owned()),
-            ("spineline.units", self.by_column(|column| column.unit)),
-            ("spineline.meanings", self.by_column(|column| column.meaning)),
-        ];
-        let given = metadata.iter().map(|&(key, value)| (key, value.to_owned()));
-        let pairs =
-            own.into_iter().chain(given).map(|(key, value)| KeyValue::new(key.to_owned(), value));
-        let properties = WriterProperties::builder()
-            .set_created_by(format!("spineline {}", env!("CARGO_PKG_VERSION")))
-            .set_compression(Compression::SNAPPY)
-            .set_key_value_metadata(Some(pairs.collect()));
-        let mut bytes = Vec::new();
-        let properties = Arc::new(properties.build());
-        let mut file = SerializedFileWriter::new(&mut bytes, self.schema()?, properties)?;
-        let mut group = file.next_row_group()?;
-        for column in &self.columns {
-            write_column(&mut group, &column.values)?;
-        }
-        group.close()?;
-        file.close()?;
-        Ok(bytes)
+        let mut file = ParquetWriter::new(self)?;
+        let rows = file.add(self)?;
+        Ok([rows, file.finish(metadata)?].concat())
     }
 
     fn by_column(&self, of: impl Fn(&Series) -> &'static str) -> String {
@@ -90,6 +85,73 @@ impl Table {
         };
         let fields = self.columns.iter().map(field).collect::<Result<_, _>>()?;
         Type::group_type_builder(self.name).with_fields(fields).build().map(Arc::new)
+    }
+}
+
+/// A Parquet file that is made group of rows by group of rows, compressed by Snappy: the bytes that the functions return, one after
+/// the other.
+///
+/// Its key-value metadata has the version of the columns (`spineline.schema_version`), what a row is (`spineline.row`), the units and
+/// meanings of all columns as JSON (`spineline.units`, `spineline.meanings`), and what else is given.
+pub struct ParquetWriter {
+    table: &'static str,
+    file: SerializedFileWriter<Vec<u8>>,
+}
+
+impl ParquetWriter {
+    /// With the columns of a table, whose rows are not written yet.
+    ///
+    /// # Errors
+    /// [`TableError::Parquet`].
+    pub fn new(table: &Table) -> Result<Self, TableError> {
+        let failed = |source| TableError::Parquet { table: table.name, source };
+        let own = [
+            ("spineline.schema_version", SCHEMA_VERSION.to_string()),
+            ("spineline.row", table.row.to_owned()),
+            ("spineline.units", table.by_column(|column| column.unit)),
+            ("spineline.meanings", table.by_column(|column| column.meaning)),
+        ];
+        let own = own.into_iter().map(|(key, value)| KeyValue::new(key.to_owned(), value));
+        let properties = WriterProperties::builder()
+            .set_created_by(format!("spineline {}", env!("CARGO_PKG_VERSION")))
+            .set_compression(Compression::SNAPPY)
+            .set_key_value_metadata(Some(own.collect()));
+        let schema = table.schema().map_err(failed)?;
+        let file = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties.build()));
+        Ok(Self { table: table.name, file: file.map_err(failed)? })
+    }
+
+    /// The rows of a table with the same columns as one group.
+    ///
+    /// # Errors
+    /// [`TableError::Parquet`].
+    pub fn add(&mut self, table: &Table) -> Result<Vec<u8>, TableError> {
+        let written = self.add_group(table);
+        written.map_err(|source| TableError::Parquet { table: self.table, source })
+    }
+
+    fn add_group(&mut self, table: &Table) -> parquet::errors::Result<Vec<u8>> {
+        let mut group = self.file.next_row_group()?;
+        for column in &table.columns {
+            write_column(&mut group, &column.values)?;
+        }
+        group.close()?;
+        self.file.flush()?;
+        // Places in the file are counted by the writer and not by what is still here.
+        Ok(std::mem::take(self.file.inner_mut()))
+    }
+
+    /// The end of the file, with further metadata.
+    ///
+    /// # Errors
+    /// [`TableError::Parquet`].
+    pub fn finish(mut self, metadata: &[(&str, &str)]) -> Result<Vec<u8>, TableError> {
+        for &(key, value) in metadata {
+            let pair = KeyValue::new(key.to_owned(), value.to_owned());
+            self.file.append_key_value_metadata(pair);
+        }
+        let ended = self.file.into_inner();
+        ended.map_err(|source| TableError::Parquet { table: self.table, source })
     }
 }
 

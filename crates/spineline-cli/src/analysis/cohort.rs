@@ -1,19 +1,18 @@
 //! Several patients together.
 
-use spineline::analysis::Analysis;
-use spineline::cohort::Cohort;
+use spineline::cohort::{Cohort, CohortPatient};
 use spineline_files::CohortFile;
 
 /// Seed of the bootstrap over patients.
 const BOOTSTRAP_SEED: u64 = 1;
 
 /// Statistics over all patients.
-pub fn of(analyses: &[Analysis]) -> Cohort {
-    Cohort::of(&analyses.iter().collect::<Vec<_>>(), BOOTSTRAP_SEED)
+pub fn of(patients: &[CohortPatient]) -> Cohort {
+    Cohort::of(patients, BOOTSTRAP_SEED)
 }
 
 /// The statistics as a file.
-pub fn file(analyses: &[Analysis], cohort: &Cohort, generator: &str) -> CohortFile {
-    let ids = analyses.iter().map(|analysis| analysis.case_id.clone()).collect();
+pub fn file(patients: &[CohortPatient], cohort: &Cohort, generator: &str) -> CohortFile {
+    let ids = patients.iter().map(|patient| patient.case_id().to_owned()).collect();
     CohortFile::new(cohort, ids, BOOTSTRAP_SEED, generator)
 }

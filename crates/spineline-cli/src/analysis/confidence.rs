@@ -61,14 +61,9 @@ impl Confidence {
         })
     }
 
-    /// Refuses to go on where Ctrl-C came before the first replicate of all patients.
-    ///
-    /// # Errors
-    /// [`Failure::interrupted`].
-    pub fn check_any_counts(all: &[Self]) -> Result<(), Failure> {
-        let none = |one: &Self| one.uncertainty.as_ref().is_none_or(|found| found.done == 0);
-        let is_cut_short = all.iter().any(Self::is_cut_short);
-        if is_cut_short && all.iter().all(none) { Err(Failure::interrupted()) } else { Ok(()) }
+    /// Whether any replicate was finished.
+    pub fn has_replicates(&self) -> bool {
+        self.uncertainty.as_ref().is_some_and(|found| found.done > 0)
     }
 
     /// The patient as reports take it; images of films and the file to embed are left to who has them.

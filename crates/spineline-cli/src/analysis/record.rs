@@ -1,6 +1,7 @@
 //! What a run was asked and what it has read.
 
-use spineline::analysis::Analysis;
+use std::collections::HashSet;
+
 use spineline_files::{FilmOrigin, InputFile, ProgramRun, Provenance, Request};
 use spineline_report::document::{Notice, NoticeKind};
 
@@ -11,17 +12,29 @@ use crate::run::failure::Failure;
 use crate::run::inputs::{CaseInput, read_input};
 use crate::run::provenance::this_run;
 
-/// What this run was asked and what it has read: the provenance of its outputs.
+/// What this run was asked, and the files that it has read for all cases.
 pub struct RunRecord {
     run: ProgramRun,
     /// What is asked of every case.
     pub request: Request,
-    /// Files that were read for all cases.
     shared: Vec<InputFile>,
     /// SHA-256 of the cases that the distribution of joint rotations was learned from.
     learned_from: Vec<String>,
-    /// In the order of the analyses.
-    pub cases: Vec<CaseInput>,
+}
+
+/// The cases that outputs are made from.
+#[derive(Default)]
+pub struct ReadCases {
+    /// In the order in which they were added.
+    cases: Vec<ReadCase>,
+    ids: HashSet<String>,
+}
+
+struct ReadCase {
+    input: InputFile,
+    synthetic: bool,
+    /// Read from an analysis that was made with other options.
+    has_other_options: bool,
 }
 
 impl RunRecord {
@@ -34,67 +47,66 @@ impl RunRecord {
         let shared = method.files().map(|path| read_input(path)).collect::<Result<_, _>>()?;
         let learned_from = method.stored_rotation_prior()?.map(|stored| stored.learned_from);
         let learned_from = learned_from.unwrap_or_default();
-        Ok(Self { run: this_run()?, request, shared, learned_from, cases: Vec::new() })
+        Ok(Self { run: this_run()?, request, shared, learned_from })
     }
 
-    /// Refuses a case whose rotations are known already: what is then predicted of it is no prediction.
+    /// Provenance of an output that is made from one case.
+    pub fn provenance_of(&self, case: &CaseInput) -> Provenance {
+        self.provenance_from([(case.case.synthetic, &case.input)])
+    }
+
+    /// Provenance of an output that is made from several cases.
+    pub fn provenance_of_all(&self, read: &ReadCases) -> Provenance {
+        self.provenance_from(read.cases.iter().map(|case| (case.synthetic, &case.input)))
+    }
+
+    fn provenance_from<'a>(
+        &self,
+        cases: impl IntoIterator<Item = (bool, &'a InputFile)>,
+    ) -> Provenance {
+        let (synthetic, inputs): (Vec<bool>, Vec<&InputFile>) = cases.into_iter().unzip();
+        let inputs = inputs.into_iter().chain(&self.shared).cloned().collect();
+        Provenance::new(self.run.clone(), FilmOrigin::of(synthetic), inputs).asking(&self.request)
+    }
+}
+
+impl ReadCases {
+    /// Adds a case.
     ///
     /// # Errors
-    /// If the distribution of joint rotations was learned from it.
-    pub fn refuse_learned(&self, source: &CaseInput) -> Result<(), Failure> {
-        if self.learned_from.contains(&source.input.sha256) {
+    /// If its identifier was read before, since a cohort would count its patient twice, or the distribution of joint rotations was learned
+    /// from it, since what is then predicted of it is no prediction.
+    pub fn add(&mut self, source: &CaseInput, record: &RunRecord) -> Result<(), Failure> {
+        let (name, id) = (&source.input.name, &source.case.id);
+        if record.learned_from.contains(&source.input.sha256) {
             let text = format!(
-                "the distribution of joint rotations was learned from the case {}, so it cannot predict its films",
-                source.case.id
+                "the distribution of joint rotations was learned from the case {id}, so it cannot predict its films"
             );
             let help = "leave out --rotation-prior (a cohort predicts every patient from the others), or learn it from other cases";
-            return Err(Failure::input(&source.input.name, &text, help));
+            return Err(Failure::input(name, &text, help));
         }
+        if !self.ids.insert(id.clone()) {
+            let text = format!("the case {id} was given already");
+            return Err(Failure::input(name, &text, "give every case a `case_id` of its own"));
+        }
+        let other = |asked: &Request| asked.options != record.request.options;
+        self.cases.push(ReadCase {
+            input: source.input.clone(),
+            synthetic: source.case.synthetic,
+            has_other_options: source.request.as_ref().is_some_and(other),
+        });
         Ok(())
-    }
-
-    /// Refuses a case whose identifier was read before, since a cohort would count its patient twice, or which
-    /// [`RunRecord::refuse_learned`] refuses.
-    ///
-    /// # Errors
-    /// If one of both is so.
-    pub fn refuse_known(
-        &self,
-        (analysis, source): (Analysis, CaseInput),
-    ) -> Result<(Analysis, CaseInput), Failure> {
-        self.refuse_learned(&source)?;
-        if self.cases.iter().any(|earlier| earlier.case.id == source.case.id) {
-            let text = format!("the case {} was given already", source.case.id);
-            let help = "give every case a `case_id` of its own";
-            return Err(Failure::input(&source.input.name, &text, help));
-        }
-        Ok((analysis, source))
     }
 
     /// Warnings about cases that were read from analyses with other options.
     pub fn warnings(&self) -> Vec<Notice> {
-        let other = |asked: &Request| asked.options != self.request.options;
-        let others = self.cases.iter().filter(|source| source.request.as_ref().is_some_and(other));
-        let warning = |source: &CaseInput| Notice {
+        let warning = |case: &ReadCase| Notice {
             kind: NoticeKind::Warning,
-            place: source.input.name.clone(),
+            place: case.input.name.clone(),
             text: "this analysis was made with other options; `spineline rerun` keeps them"
                 .to_owned(),
             code: "other_options".to_owned(),
         };
-        others.map(warning).collect()
-    }
-
-    /// Provenance of an output that is made from some of the cases.
-    pub fn provenance_of(&self, cases: &[CaseInput]) -> Provenance {
-        let films = FilmOrigin::of(cases.iter().map(|source| source.case.synthetic));
-        let inputs = cases.iter().map(|source| source.input.clone());
-        let inputs = inputs.chain(self.shared.iter().cloned()).collect();
-        Provenance::new(self.run.clone(), films, inputs).asking(&self.request)
-    }
-
-    /// Provenance of an output that is made from all cases.
-    pub fn provenance(&self) -> Provenance {
-        self.provenance_of(&self.cases)
+        self.cases.iter().filter(|case| case.has_other_options).map(warning).collect()
     }
 }

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use spineline::analysis::{Analysis, AnalysisOptions};
-use spineline::cohort::learn_rotation_prior;
+use spineline::analysis::AnalysisOptions;
+use spineline::cohort::{CohortPatient, learn_rotation_prior};
 use spineline_files::{FilmOrigin, InputFile, Provenance, RotationPriorFile};
 use spineline_report::{rotation_prior, terminal};
 
@@ -50,13 +50,13 @@ pub fn run(args: &LearnPriorArgs) -> Result<Ending, Failure> {
     let paths = case_files(&args.cases)?;
     let outputs = Outputs::new(args.overwrite, paths.iter().map(PathBuf::as_path));
     outputs.file(&args.out)?;
-    let Patients { analyses, inputs, ending } = read(&paths, args.threads)?;
-    let learned = learn_rotation_prior(&analyses.iter().collect::<Vec<_>>(), SEED);
+    let Patients { patients, inputs, ending } = read(&paths, args.threads)?;
+    let learned = learn_rotation_prior(&patients, SEED);
     let learned = learned.map_err(|error| {
         let help = "give the folders of more cases, each with an erect and a bending film";
         Failure::input("the cohort", &error, help)
     })?;
-    let films = FilmOrigin::of(analyses.iter().map(|analysis| analysis.synthetic));
+    let films = FilmOrigin::of(patients.iter().map(CohortPatient::is_synthetic));
     let provenance = Provenance::new(this_run()?, films, inputs).with_seed(SEED);
     let file = RotationPriorFile::new(&learned, provenance);
     outputs.write(&args.out, spineline_files::to_text(&file))?;
@@ -70,7 +70,7 @@ pub fn run(args: &LearnPriorArgs) -> Result<Ending, Failure> {
 
 /// The patients that are learned from.
 struct Patients {
-    analyses: Vec<Analysis>,
+    patients: Vec<CohortPatient>,
     inputs: Vec<InputFile>,
     ending: Ending,
 }
@@ -80,13 +80,14 @@ fn read(paths: &[PathBuf], threads: usize) -> Result<Patients, Failure> {
     let options = AnalysisOptions::default();
     let results = map_all("analysing", paths, threads, |path| {
         let input = CaseInput::read(path)?;
-        Ok::<_, Failure>((analyze_input(path, &input, &options)?, input))
+        let analysis = analyze_input(path, &input, &options)?;
+        Ok::<_, Failure>((CohortPatient::of(&analysis), input))
     })?;
-    let mut patients = Patients { analyses: Vec::new(), inputs: Vec::new(), ending: Ending::Done };
+    let mut patients = Patients { patients: Vec::new(), inputs: Vec::new(), ending: Ending::Done };
     for result in results {
-        match result.and_then(|(analysis, source)| patients.checked(analysis, source)) {
-            Ok((analysis, input)) => {
-                patients.analyses.push(analysis);
+        match result.and_then(|(patient, source)| patients.checked(patient, source)) {
+            Ok((patient, input)) => {
+                patients.patients.push(patient);
                 patients.inputs.push(input);
             }
             Err(failure) => {
@@ -102,9 +103,9 @@ impl Patients {
     /// Refuses a patient who was read before, or whose films may not show what they are named after.
     fn checked(
         &self,
-        analysis: Analysis,
+        patient: CohortPatient,
         source: CaseInput,
-    ) -> Result<(Analysis, InputFile), Failure> {
+    ) -> Result<(CohortPatient, InputFile), Failure> {
         let refused = |text: &str, help: &str| {
             Err(Failure::input(
                 &source.input.name,
@@ -112,15 +113,15 @@ impl Patients {
                 help,
             ))
         };
-        if self.analyses.iter().any(|earlier| earlier.case_id == analysis.case_id) {
+        if self.patients.iter().any(|earlier| earlier.case_id() == patient.case_id()) {
             return refused("was given already", "give every case a `case_id` of its own");
         }
-        if analysis.has_doubted_film() {
+        if patient.has_doubted_film() {
             return refused(
                 "has a film that may not show what it is named after, so nothing is learned from it",
                 "`spineline check` names the film",
             );
         }
-        Ok((analysis, source.input))
+        Ok((patient, source.input))
     }
 }

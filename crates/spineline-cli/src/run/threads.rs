@@ -1,5 +1,6 @@
 //! Work on several threads.
 
+use indicatif::ProgressBar;
 use rayon::prelude::*;
 
 use super::failure::Failure;
@@ -43,7 +44,7 @@ pub fn map_all<T: Sync, R: Send>(
 }
 
 /// Items per thread whose results are held at once by [`stream_all`].
-const HELD_PER_THREAD: usize = 4;
+const HELD_PER_THREAD: usize = 16;
 
 /// Runs a function on all items in parallel and passes every result on, in the order of the items; 0 threads uses all cores.
 /// Few results are in memory at a time, whatever the number of items.
@@ -51,20 +52,24 @@ const HELD_PER_THREAD: usize = 4;
 /// # Errors
 /// If the threads cannot be started, or of `take`; no further item is begun then.
 pub fn stream_all<T: Sync, R: Send>(
-    what: &str,
+    bar: &ProgressBar,
     items: &[T],
     threads: usize,
     run: impl Fn(&T) -> R + Sync,
     mut take: impl FnMut(R) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     let pool = pool(threads)?;
-    let bar = bar(what, items.len());
     for held in items.chunks(HELD_PER_THREAD * pool.current_num_threads()) {
-        let results: Vec<R> = pool.install(|| held.par_iter().map(&run).collect());
-        for result in results {
-            take(result)?;
-            bar.inc(1);
-        }
+        let results: Vec<R> = pool.install(|| {
+            held.par_iter()
+                .map(|item| {
+                    let result = run(item);
+                    bar.inc(1);
+                    result
+                })
+                .collect()
+        });
+        results.into_iter().try_for_each(&mut take)?;
     }
     bar.finish_and_clear();
     Ok(())

@@ -4,7 +4,7 @@
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, FilmRole, analyze};
 use spineline::anatomy::{Posture, Side};
-use spineline::cohort::Cohort;
+use spineline::cohort::{Cohort, CohortPatient};
 use spineline::evaluate::{Baseline, joint_rotations, predict_baseline};
 use spineline::spatial::Angle;
 use spineline_phantom::{Readers, Truth, generate};
@@ -17,7 +17,7 @@ fn analyzed(subject: usize, truth: Truth) -> Analysis {
 #[test]
 fn a_patient_is_predicted_from_the_other_patients_alone() {
     let (own, other) = (analyzed(2, Truth::Pull), analyzed(4, Truth::Bend));
-    let cohort = Cohort::of(&[&own, &other], 1);
+    let cohort = Cohort::of(&[&own, &other].map(CohortPatient::of), 1);
     // The mean of the other patient's two bends, as if both were to the right.
     let erect = &other.erect().outline;
     let bends: Vec<(f64, Vec<Angle>)> = other
@@ -61,7 +61,7 @@ fn a_patient_is_predicted_from_the_other_patients_alone() {
 fn the_load_that_moved_the_spines_beats_patterns_without_mechanics() {
     let patients: Vec<Analysis> =
         [0, 2, 4, 6, 8, 10, 12, 14].map(|subject| analyzed(subject, Truth::Pull)).into();
-    let cohort = Cohort::of(&patients.iter().collect::<Vec<_>>(), 1);
+    let cohort = Cohort::of(&patients.iter().map(CohortPatient::of).collect::<Vec<_>>(), 1);
     let test = |line, baseline| {
         let mut tests = cohort.baselines.tests.iter();
         let found = tests.find(|test| {

@@ -3,7 +3,7 @@
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, FilmRole, LinesCompared, analyze};
 use spineline::anatomy::Posture;
-use spineline::cohort::{Cohort, ErrorKind};
+use spineline::cohort::{Cohort, CohortPatient, ErrorKind};
 use spineline::multibody::Support;
 use spineline_phantom::{Phantom, Readers, Truth, generate};
 
@@ -90,7 +90,7 @@ fn films_with_results_of_every_line_are_compared_and_others_counted() {
 fn the_loading_scenario_decides_which_line_predicts_better() {
     let cohort = |truth| {
         let analyses: Vec<Analysis> = (0..8).map(|index| analyzed(&exact(index, truth))).collect();
-        Cohort::of(&analyses.iter().collect::<Vec<_>>(), 1)
+        Cohort::of(&analyses.iter().map(CohortPatient::of).collect::<Vec<_>>(), 1)
     };
     let better = |cohort: &Cohort| -> Vec<Option<LineKind>> {
         let mine = cohort.compared.tests.iter().filter(|test| {

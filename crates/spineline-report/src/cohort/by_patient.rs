@@ -4,6 +4,7 @@ use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmRole, LineModel};
 use spineline::cohort::Cohort;
 use spineline::evaluate::statistics::Summary;
+use spineline::hypothesis::HypothesisFit;
 
 use super::people::curve_size;
 use crate::document::{Column, NoticeKind, Section, Table};
@@ -13,8 +14,81 @@ use crate::phrases::{none, sentence_case};
 const KINDS: [LineKind; 3] = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
 const LEFT_OUT: &str = "A bend left out counts where all lines have a result on it.";
 
+/// What the tables of a cohort show of a patient, without the shapes of the analysis.
+#[derive(Debug, Clone)]
+pub struct PatientRow {
+    case_id: String,
+    synthetic: bool,
+    /// Size of the main curve.
+    main_curve: String,
+    inflections: usize,
+    models: Vec<ModelRow>,
+    /// Contradictions, warnings and notes.
+    notices: [String; 3],
+    doubted_films: String,
+    hypotheses: Vec<HypothesisFit>,
+}
+
+/// A line of a patient.
+#[derive(Debug, Clone)]
+struct ModelRow {
+    kind: LineKind,
+    fitted_mm: Option<f64>,
+    held_out_mm: Option<f64>,
+    /// Joints that turn against the force, one number per fitted bend.
+    counter_rotating: String,
+}
+
+const KINDS_OF_NOTICES: [NoticeKind; 3] =
+    [NoticeKind::Contradiction, NoticeKind::Warning, NoticeKind::Note];
+
+impl PatientRow {
+    /// Of an analysed patient.
+    #[must_use]
+    pub fn of(analysis: &Analysis) -> Self {
+        Self {
+            case_id: analysis.case_id.clone(),
+            synthetic: analysis.synthetic,
+            main_curve: analysis.main_curve().map_or_else(none, curve_size),
+            inflections: analysis.inflections.all.len(),
+            models: analysis.models.iter().map(ModelRow::of).collect(),
+            notices: KINDS_OF_NOTICES.map(|kind| notices(analysis, kind)),
+            doubted_films: doubted_films(analysis),
+            hypotheses: analysis.hypotheses.clone(),
+        }
+    }
+
+    /// Fits of other loads and bases; none where they were not requested.
+    pub(crate) fn hypotheses(&self) -> (bool, &[HypothesisFit]) {
+        (self.synthetic, &self.hypotheses)
+    }
+}
+
+impl ModelRow {
+    fn of(model: &LineModel) -> Self {
+        let fitted = model.postures.iter().filter(|simulation| simulation.fitted);
+        let counts: Vec<String> = fitted.map(|s| s.contradicted.len().to_string()).collect();
+        Self {
+            kind: model.kind,
+            fitted_mm: model.mean_location_error_mm(true),
+            held_out_mm: model.mean_location_error_mm(false),
+            counter_rotating: counts.join(", "),
+        }
+    }
+
+    /// Mean location errors on fitted bends, on bends left out and on held-out films, of the patient at a place of the cohort.
+    fn errors(&self, cohort: &Cohort, place: usize) -> [String; 3] {
+        let bends = cohort.compared.errors.iter();
+        let mut bends = bends.filter(|e| e.role == FilmRole::LeftOutBend && e.kind == self.kind);
+        let values = bends.next().and_then(|errors| errors.location_mm.by_patient.get(place));
+        let left_out = values.filter(|values| !values.is_empty()).map(|v| Summary::of(v).mean);
+        [self.fitted_mm, left_out, self.held_out_mm]
+            .map(|error| error.map_or_else(none, |error| format!("{error:.1}")))
+    }
+}
+
 /// A row per patient and line, and the notices of every patient.
-pub fn section(analyses: &[Analysis], cohort: &Cohort) -> Section {
+pub fn section(patients: &[PatientRow], cohort: &Cohort) -> Section {
     let mut section = new();
     let columns = vec![
         Column::words("Case"),
@@ -25,33 +99,34 @@ pub fn section(analyses: &[Analysis], cohort: &Cohort) -> Section {
         Column::words("Counter-rotating joints"),
     ];
     let mut table = Table::new(CAPTION, columns);
-    for (place, analysis) in analyses.iter().enumerate() {
-        for model in &analysis.models {
-            let errors = errors(cohort, place, model);
-            let words = [analysis.case_id.clone(), model.kind.to_string()];
-            table.row(words.into_iter().chain(errors).chain([against(model)]).collect());
+    for (place, patient) in patients.iter().enumerate() {
+        for model in &patient.models {
+            let mut row = vec![patient.case_id.clone(), model.kind.to_string()];
+            row.extend(model.errors(cohort, place));
+            row.push(model.counter_rotating.clone());
+            table.row(row);
         }
     }
     table.note = format!(
         "{LEFT_OUT} Counter-rotating joints: joints of each fitted bend that turn against the force. Patients without a model have no row."
     );
     section.table(table);
-    let kinds = [NoticeKind::Contradiction, NoticeKind::Warning, NoticeKind::Note];
-    let columns = kinds.map(|kind| Column::numbers(format!("{}s", kind.word())));
+    let columns = KINDS_OF_NOTICES.map(|kind| Column::numbers(format!("{}s", kind.word())));
     let films = Column::words("Doubted films");
     let columns = [Column::words("Case")].into_iter().chain(columns).chain([films]).collect();
     let mut table = Table::new("Contradictions, warnings and notes of every patient", columns);
-    for analysis in analyses {
-        let counts = kinds.map(|kind| notices(analysis, kind));
-        let doubted = doubted_films(analysis);
-        table.row([analysis.case_id.clone()].into_iter().chain(counts).chain([doubted]).collect());
+    for patient in patients {
+        let mut row = vec![patient.case_id.clone()];
+        row.extend(patient.notices.clone());
+        row.push(patient.doubted_films.clone());
+        table.row(row);
     }
     section.table(table);
     section
 }
 
 /// One row per patient, in as many columns as a terminal has room for.
-pub fn summary(analyses: &[Analysis], cohort: &Cohort) -> Section {
+pub fn summary(patients: &[PatientRow], cohort: &Cohort) -> Section {
     let mut section = new();
     let mut columns = vec![
         Column::words("Case"),
@@ -64,8 +139,8 @@ pub fn summary(analyses: &[Analysis], cohort: &Cohort) -> Section {
     columns.push(Column::numbers("Counter-rotating joints"));
     columns.push(Column::numbers("Contradictions, warnings, notes"));
     let mut table = Table::new(CAPTION, columns);
-    for (place, analysis) in analyses.iter().enumerate() {
-        table.row(summary_row(analysis, cohort, place));
+    for (place, patient) in patients.iter().enumerate() {
+        table.row(patient.summary(cohort, place));
     }
     table.note = format!(
         "Location errors: fitted bends / bends left out / held-out films. {LEFT_OUT} Counter-rotating joints: joints of each fitted bend that turn against the force along the {}.",
@@ -81,39 +156,18 @@ fn new() -> Section {
     Section::new("by-patient", "Patient by patient")
 }
 
-fn summary_row(analysis: &Analysis, cohort: &Cohort, place: usize) -> Vec<String> {
-    let main = analysis.main_curve();
-    let mut row = vec![
-        analysis.case_id.clone(),
-        main.map_or_else(none, curve_size),
-        analysis.inflections.all.len().to_string(),
-    ];
-    let of = |kind| analysis.models.iter().find(|model| model.kind == kind);
-    row.extend(
-        KINDS.map(|kind| {
-            of(kind).map_or_else(none, |model| errors(cohort, place, model).join(" / "))
-        }),
-    );
-    row.push(of(KINDS[0]).map_or_else(none, against));
-    let kinds = [NoticeKind::Contradiction, NoticeKind::Warning, NoticeKind::Note];
-    row.push(kinds.map(|kind| notices(analysis, kind)).join(", "));
-    row
-}
-
-/// Mean location errors on fitted bends, on bends left out and on held-out films, of the patient at a place of the cohort.
-fn errors(cohort: &Cohort, place: usize, model: &LineModel) -> [String; 3] {
-    let bends = cohort.compared.errors.iter();
-    let mut bends = bends.filter(|e| e.role == FilmRole::LeftOutBend && e.kind == model.kind);
-    let values = bends.next().and_then(|errors| errors.location_mm.by_patient.get(place));
-    let left_out = values.filter(|values| !values.is_empty()).map(|v| Summary::of(v).mean);
-    let [fitted, held_out] = [true, false].map(|fitted| model.mean_location_error_mm(fitted));
-    [fitted, left_out, held_out].map(|error| error.map_or_else(none, |error| format!("{error:.1}")))
-}
-
-/// Joints that turn against the force, one number per fitted bend.
-fn against(model: &LineModel) -> String {
-    let fitted = model.postures.iter().filter(|simulation| simulation.fitted);
-    fitted.map(|s| s.contradicted.len().to_string()).collect::<Vec<_>>().join(", ")
+impl PatientRow {
+    fn summary(&self, cohort: &Cohort, place: usize) -> Vec<String> {
+        let mut row =
+            vec![self.case_id.clone(), self.main_curve.clone(), self.inflections.to_string()];
+        let of = |kind| self.models.iter().find(|model| model.kind == kind);
+        row.extend(KINDS.map(|kind| {
+            of(kind).map_or_else(none, |model| model.errors(cohort, place).join(" / "))
+        }));
+        row.push(of(KINDS[0]).map_or_else(none, |model| model.counter_rotating.clone()));
+        row.push(self.notices.join(", "));
+        row
+    }
 }
 
 /// Films of a patient that may be wrong ones.

@@ -11,6 +11,7 @@ use spineline::warning::counted;
 
 use crate::document::{Document, Section};
 use crate::{hypotheses, patient};
+pub use by_patient::PatientRow;
 pub use people::{Refusal, Refused};
 
 /// What a report of a cohort is made from.
@@ -39,13 +40,14 @@ pub fn report(patients: &Patients<'_>) -> Document {
     sections.push(movement::section(patients.together));
     sections.push(errors::by_kind_of_film(patients.together));
     sections.push(errors::tests(patients.together));
-    sections.extend(hypotheses::section(patients.analyses));
-    sections.push(by_patient::section(patients.analyses, patients.together));
+    let rows: Vec<PatientRow> = patients.analyses.iter().map(PatientRow::of).collect();
+    sections.extend(hypotheses::section(rows.iter().map(PatientRow::hypotheses)));
+    sections.push(by_patient::section(&rows, patients.together));
     sections.push(readers::section(patients.analyses));
     sections.push(how(patients));
     Document {
         title: "Cohort report".to_owned(),
-        subject: size(patients.analyses),
+        subject: size(patients.analyses.len()),
         generator: patients.generator.to_owned(),
         banners: patient::banners(patients.together.synthetic),
         sections,
@@ -56,25 +58,25 @@ pub fn report(patients: &Patients<'_>) -> Document {
 /// The numbers of a cohort in about a page, without figures; a terminal shows it.
 #[must_use]
 pub fn summary(
-    analyses: &[Analysis],
+    patients: &[PatientRow],
     together: &spineline::cohort::Cohort,
     generator: &str,
 ) -> Document {
     let mut verdict = Section::new("verdict", "Verdict");
-    let mut sections = if analyses.is_empty() {
+    let mut sections = if patients.is_empty() {
         verdict.paragraph("No case could be analysed.");
         vec![verdict]
     } else {
         people::sentences(&mut verdict, together);
         let mut tests = Section::new("tests", "Comparison of the lines");
         errors::compared(&mut tests, together);
-        vec![verdict, by_patient::summary(analyses, together), tests]
+        vec![verdict, by_patient::summary(patients, together), tests]
     };
-    sections.extend(hypotheses::section(analyses));
+    sections.extend(hypotheses::section(patients.iter().map(PatientRow::hypotheses)));
     let synthetic = if together.synthetic { " · SYNTHETIC" } else { "" };
     Document {
         title: "Cohort".to_owned(),
-        subject: format!("{}{synthetic}", size(analyses)),
+        subject: format!("{}{synthetic}", size(patients.len())),
         generator: generator.to_owned(),
         banners: Vec::new(),
         sections,
@@ -82,8 +84,8 @@ pub fn summary(
     }
 }
 
-fn size(analyses: &[Analysis]) -> String {
-    counted(analyses.len(), "patient")
+fn size(patients: usize) -> String {
+    counted(patients, "patient")
 }
 
 fn how(patients: &Patients<'_>) -> Section {

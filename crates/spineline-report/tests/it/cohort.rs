@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmRole, Subject};
 use spineline::anatomy::{Level, Posture};
-use spineline::cohort::Cohort;
+use spineline::cohort::{Cohort, CohortPatient};
 use spineline::measure::FilmLandmarks;
 use spineline::multibody::MatchStatus;
 use spineline_phantom::{Readers, Truth, generate};
@@ -65,7 +65,7 @@ fn a_film_that_is_left_out_is_named_with_line_and_reason() {
     for simulation in postures.iter_mut().filter(|simulation| !simulation.fitted) {
         simulation.status = MatchStatus::Unreachable;
     }
-    let cohort = Cohort::of(&analyses.iter().collect::<Vec<_>>(), 1);
+    let cohort = Cohort::of(&analyses.iter().map(CohortPatient::of).collect::<Vec<_>>(), 1);
     assert_eq!(cohort.compared.missing.len(), 2, "one line on two films");
     let document = document(&analyses);
     let found = table(&document, "tests", "Films left out of the comparison").expect("a table");

@@ -1,7 +1,7 @@
 //! Documents of phantoms, and their parts.
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, Subject, analyze};
-use spineline::cohort::Cohort;
+use spineline::cohort::{Cohort, CohortPatient};
 use spineline_report::cohort::{Patients, Refused};
 use spineline_report::document::Section;
 use spineline_report::patient::{self, Patient};
@@ -37,7 +37,7 @@ pub fn cohort_report(analyses: &[Analysis], subjects: &[Subject], refused: &[Ref
     cohort::report(&Patients {
         analyses,
         subjects,
-        together: &Cohort::of(&analyses.iter().collect::<Vec<_>>(), 1),
+        together: &Cohort::of(&analyses.iter().map(CohortPatient::of).collect::<Vec<_>>(), 1),
         refused,
         generator: GENERATOR,
         json: "[]",

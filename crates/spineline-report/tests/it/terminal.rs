@@ -3,16 +3,17 @@
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, analyze};
 use spineline::anatomy::Level;
-use spineline::cohort::Cohort;
+use spineline::cohort::{Cohort, CohortPatient};
 use spineline::hypothesis::{Hypothesis, Role, compare};
 use spineline::measure::{FilmReadings, TiltRule};
 use spineline::personalize::{FitStatus, Identifiability, LogNormalPrior, StiffnessBound};
 use spineline::reliability::{QuantityReliability, assess, film_quantities};
 use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo, Uncertainty};
 use spineline_phantom::{Readers, Truth, generate};
+use spineline_report::cohort::{self, PatientRow};
 use spineline_report::document::{Block, NoticeKind, Table};
 use spineline_report::patient::{self, Patient, warnings};
-use spineline_report::{Document, cohort, reliability, terminal};
+use spineline_report::{Document, reliability, terminal};
 
 use crate::common::{analyzed, shown};
 
@@ -373,8 +374,9 @@ fn a_patient_fits_the_terminal_width_and_two_pages() {
 fn a_cohort_shows_every_patient_line_and_test() {
     let cases: Vec<Case> = (0..4).map(|subject| case(subject, Truth::Pull)).collect();
     let analyses: Vec<Analysis> = cases.iter().map(analyzed).collect();
-    let together = Cohort::of(&analyses.iter().collect::<Vec<_>>(), 1);
-    let document = cohort::summary(&analyses, &together, "spineline test");
+    let together = Cohort::of(&analyses.iter().map(CohortPatient::of).collect::<Vec<_>>(), 1);
+    let rows: Vec<PatientRow> = analyses.iter().map(PatientRow::of).collect();
+    let document = cohort::summary(&rows, &together, "spineline test");
     assert_whole(&document);
     let text = terminal(&document, WIDE);
     assert!(text.starts_with("Cohort: 4 patients · SYNTHETIC"), "{text}");

@@ -6,7 +6,7 @@ use axum::extract::State;
 use spineline::action::LineKind;
 use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
-use spineline::cohort::{Clustered, Cohort};
+use spineline::cohort::{Clustered, Cohort, CohortPatient};
 use spineline::evaluate::statistics::{Summary, box_summary};
 use spineline_store::StoreError;
 
@@ -62,7 +62,8 @@ fn view(members: &[Member]) -> CohortView {
     let results: Vec<&StudyResult> = members.iter().filter_map(|m| m.result.as_deref()).collect();
     let counted = members.iter().filter(|member| excluded(member).is_none());
     let counted = counted.filter_map(|member| member.result.as_ref());
-    let analyses: Vec<&Analysis> = counted.filter_map(|result| result.analysis()).collect();
+    let analyses = counted.filter_map(|result| result.analysis());
+    let patients: Vec<CohortPatient> = analyses.map(CohortPatient::of).collect();
     let mut found = CohortView {
         synthetic: members.iter().any(|member| member.synthetic),
         rows: members.iter().map(row).collect(),
@@ -75,8 +76,8 @@ fn view(members: &[Member]) -> CohortView {
     for result in &results {
         found.reliability.extend(reliability::of_studies(&[result], result.study.as_str()));
     }
-    if !analyses.is_empty() {
-        let cohort = Cohort::of(&analyses, BOOTSTRAP_SEED);
+    if !patients.is_empty() {
+        let cohort = Cohort::of(&patients, BOOTSTRAP_SEED);
         found.charts = charts(&cohort);
         found.comparisons = comparisons(&cohort);
         found.verdict = cohort.sentences();

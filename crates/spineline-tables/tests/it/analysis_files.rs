@@ -3,7 +3,7 @@
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::Posture;
-use spineline::cohort::{Cohort, ErrorKind};
+use spineline::cohort::{Cohort, CohortPatient, ErrorKind};
 use spineline::measure::FilmLandmarks;
 use spineline::reliability::{
     BlandAltman, Design, DesignReliability, Icc, QuantityReliability, SemKind, Statistic,
@@ -132,7 +132,7 @@ const TESTS_HEADING: &str = "first_line,second_line,synthetic,films,error,unit,p
 #[test]
 fn tests_of_a_cohort() {
     let analyses = [1, 2, 3].map(|subject| analyzed(&case(subject)));
-    let cohort = Cohort::of(&analyses.iter().collect::<Vec<_>>(), 1);
+    let cohort = Cohort::of(&analyses.iter().map(CohortPatient::of).collect::<Vec<_>>(), 1);
     let text = cohort_tests_table(&cohort).to_csv().expect("a table");
     let mut lines = text.lines();
     assert_eq!(lines.next(), Some(TESTS_HEADING));

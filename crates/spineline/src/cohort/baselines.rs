@@ -1,10 +1,11 @@
 //! Predictions without mechanics over many patients, and whether lines of action predict better.
 
 use super::comparison::corrected_by_holm;
-use super::rotation_prior::{bend_rotations, priors_of_others};
+use super::patient::{CohortPatient, PatientFilmUnderLines};
+use super::rotation_prior::priors_of_others;
 use super::{Clustered, PairedComparison};
 use crate::action::LineKind;
-use crate::analysis::{Analysis, ComparedFilm, FilmRole, LinesCompared, listed, probability};
+use crate::analysis::{FilmRole, listed, probability};
 use crate::anatomy::Levels;
 use crate::evaluate::{
     Baseline, BaselinePrediction, RotationPrior, predict_baseline, predict_from_prior,
@@ -69,18 +70,16 @@ pub struct BaselinesOverPatients {
 const PREDICTED: [FilmRole; 2] = [FilmRole::LeftOutBend, FilmRole::HeldOut];
 
 impl BaselinesOverPatients {
-    /// `compared` is in the order of the analyses.
-    pub(super) fn of(analyses: &[&Analysis], compared: &[LinesCompared], seed: u64) -> Self {
-        let bends: Vec<Vec<Vec<Angle>>> = analyses.iter().map(|one| bend_rotations(one)).collect();
-        let priors = priors_of_others(analyses, &bends);
-        let sums = BendSums::of(analyses, &bends);
-        let patients: Vec<Predicted<'_>> = analyses
+    pub(super) fn of(all: &[CohortPatient], seed: u64) -> Self {
+        let bends: Vec<Vec<Vec<Angle>>> = all.iter().map(CohortPatient::bend_rotations).collect();
+        let priors = priors_of_others(all, &bends);
+        let sums = BendSums::of(all, &bends);
+        let patients: Vec<Predicted<'_>> = all
             .iter()
-            .zip(compared)
             .enumerate()
-            .map(|(place, (analysis, compared))| {
-                let mean = sums.mean_of_others(analysis.levels(), &bends[place]);
-                Predicted::of(analysis, compared, mean.as_deref(), priors[place].as_ref())
+            .map(|(place, patient)| {
+                let mean = sums.mean_of_others(patient.levels, &bends[place]);
+                Predicted::of(patient, mean.as_deref(), priors[place].as_ref())
             })
             .collect();
         let cells = || Baseline::ALL.into_iter().flat_map(|one| PREDICTED.map(|role| (one, role)));
@@ -99,7 +98,7 @@ impl BaselinesOverPatients {
             .collect();
         errors.retain(|one| one.films > 0);
         let mut kinds: Vec<LineKind> =
-            compared.iter().flat_map(|one| one.lines.iter().map(|line| line.kind)).collect();
+            all.iter().flat_map(|one| one.lines.iter().map(|line| line.kind)).collect();
         kinds.sort();
         kinds.dedup();
         let pairs = kinds.into_iter().flat_map(|line| fair().map(move |cell| (line, cell)));
@@ -175,54 +174,56 @@ const fn films_words(role: FilmRole) -> &'static str {
 
 /// A predicted film, with every baseline that it has.
 struct PredictedFilm<'a> {
-    film: &'a ComparedFilm,
-    baselines: Vec<BaselinePrediction>,
+    film: &'a PatientFilmUnderLines,
+    /// Location errors; `None` where there is no result.
+    baselines_mm: Vec<(Baseline, Option<Vec<f64>>)>,
 }
 
 impl PredictedFilm<'_> {
     fn errors_mm(&self, baseline: Baseline) -> Option<&[f64]> {
-        let found = self.baselines.iter().find(|one| one.baseline == baseline);
-        found.filter(|one| one.is_usable()).map(|one| &one.location_errors_mm[..])
+        let found = self.baselines_mm.iter().find(|one| one.0 == baseline);
+        found.and_then(|one| one.1.as_deref())
     }
 }
 
 /// The predicted films of a patient.
 struct Predicted<'a> {
-    compared: &'a LinesCompared,
+    patient: &'a CohortPatient,
     films: Vec<PredictedFilm<'a>>,
 }
 
 impl<'a> Predicted<'a> {
     /// `mean` are the mean rotations of other patients, `prior` the distribution of their rotations.
     fn of(
-        analysis: &Analysis,
-        compared: &'a LinesCompared,
+        patient: &'a CohortPatient,
         mean: Option<&[Angle]>,
         prior: Option<&RotationPrior>,
     ) -> Self {
-        let films = compared.films.iter().filter(|film| PREDICTED.contains(&film.role));
-        let with_others = |film: &'a ComparedFilm| {
-            let outline = analysis.posture(film.posture).map(|posture| &posture.outline);
-            let erect = &analysis.erect().outline;
+        let errors = |one: BaselinePrediction| {
+            let is_usable = one.is_usable();
+            (one.baseline, is_usable.then_some(one.location_errors_mm))
+        };
+        let films = patient.compared.iter().filter(|film| PREDICTED.contains(&film.role));
+        let with_others = |film: &'a PatientFilmUnderLines| {
+            let (erect, outline) = (patient.erect(), patient.outline(film.posture));
             let from_mean = outline.zip(mean).map(|(outline, pattern)| {
-                predict_baseline(Baseline::OtherPatients, pattern, erect, outline)
+                errors(predict_baseline(Baseline::OtherPatients, pattern, erect, outline))
             });
             // One that was given was learned elsewhere and is kept; a published one gives way.
-            let learned = prior.filter(|_| analysis.options.rotation_prior.is_none());
+            let learned = prior.filter(|_| !patient.has_rotation_prior);
             let learned = learned.filter(|_| film.posture.bend().is_some());
-            let from_prior: Vec<BaselinePrediction> =
-                outline.zip(learned).map_or_else(Vec::new, |(outline, prior)| {
-                    let both = [Baseline::RotationPrior, Baseline::RotationPriorWithTilt];
-                    both.map(|one| predict_from_prior(one, prior, erect, outline)).into()
-                });
-            let is_kept = |one: &&BaselinePrediction| {
-                from_prior.iter().all(|prediction| prediction.baseline != one.baseline)
+            let from_prior = outline.zip(learned).map_or_else(Vec::new, |(outline, prior)| {
+                let both = [Baseline::RotationPrior, Baseline::RotationPriorWithTilt];
+                both.map(|one| errors(predict_from_prior(one, prior, erect, outline))).into()
+            });
+            let is_kept = |one: &&(Baseline, Option<Vec<f64>>)| {
+                from_prior.iter().all(|(baseline, _)| *baseline != one.0)
             };
-            let own = film.baselines.iter().filter(is_kept).cloned();
-            let baselines = own.chain(from_mean).chain(from_prior.iter().cloned()).collect();
-            PredictedFilm { film, baselines }
+            let own = film.baselines_mm.iter().filter(is_kept).cloned();
+            let baselines_mm = own.chain(from_mean).chain(from_prior.iter().cloned()).collect();
+            PredictedFilm { film, baselines_mm }
         };
-        Self { compared, films: films.map(with_others).collect() }
+        Self { patient, films: films.map(with_others).collect() }
     }
 
     fn films(&self, role: FilmRole) -> impl Iterator<Item = &PredictedFilm<'a>> {
@@ -236,9 +237,9 @@ struct BendSums {
 }
 
 impl BendSums {
-    fn of(analyses: &[&Analysis], bends: &[Vec<Vec<Angle>>]) -> Self {
+    fn of(patients: &[CohortPatient], bends: &[Vec<Vec<Angle>>]) -> Self {
         let mut by_levels: Vec<(Levels, Vec<Angle>, usize)> = Vec::new();
-        for (levels, bends) in analyses.iter().map(|one| one.levels()).zip(bends) {
+        for (levels, bends) in patients.iter().map(|one| one.levels).zip(bends) {
             let place = by_levels.iter().position(|one| one.0 == levels).unwrap_or_else(|| {
                 by_levels.push((levels, vec![Angle::ZERO; levels.joints()], 0));
                 by_levels.len() - 1
@@ -276,10 +277,10 @@ fn test(
     let mut films = 0;
     let (mut of_line, mut of_baseline) = (Vec::new(), Vec::new());
     for patient in patients {
-        let place = patient.compared.lines.iter().position(|one| one.kind == line);
+        let place = patient.patient.lines.iter().position(|one| one.kind == line);
         let both = patient.films(role).filter_map(|one| {
-            let simulation = one.film.simulations[place?].as_ref()?;
-            Some((&simulation.location_errors_mm, one.errors_mm(baseline)?))
+            let simulated = one.film.by_line[place?].as_ref().ok()?;
+            Some((&simulated.location_mm, one.errors_mm(baseline)?))
         });
         let (mut a, mut b) = (Vec::new(), Vec::new());
         for (first, second) in both {

@@ -6,7 +6,7 @@ use crate::evaluate::statistics::{
 };
 use crate::motion::least_windows;
 
-use super::{RESAMPLES, simulations};
+use super::RESAMPLES;
 
 /// The paper's inflections lie at most so many segments from the least-rotating ones.
 pub const NEAR_SEGMENTS: usize = 2;
@@ -87,6 +87,15 @@ impl PatientClaims {
         let errors = if fitted { self.fitted_mm } else { self.held_out_mm };
         errors.map(|[inflection, iliac]| iliac - inflection)
     }
+}
+
+fn simulations(
+    analysis: &Analysis,
+    kind: LineKind,
+    fitted: bool,
+) -> impl Iterator<Item = &Simulation> {
+    let models = analysis.models.iter().filter(move |m| m.kind == kind);
+    models.flat_map(|m| &m.postures).filter(move |s| s.fitted == fitted)
 }
 
 fn mean(values: &[f64]) -> Option<f64> {

@@ -2,6 +2,7 @@
 
 use std::cmp::Reverse;
 
+use super::CohortPatient;
 use crate::analysis::{Analysis, listed};
 use crate::anatomy::{Levels, Posture};
 use crate::warning::counted;
@@ -23,18 +24,15 @@ pub struct DoubtedFilm {
 }
 
 impl DoubtedFilm {
-    pub(super) fn of(analyses: &[&Analysis]) -> Vec<Self> {
-        let of_patient = |analysis: &&Analysis| {
-            let case_id = analysis.case_id.clone();
-            let doubts = analysis.film_doubts().map(move |warning| Self {
-                case_id: case_id.clone(),
-                posture: warning.posture,
-                code: warning.code,
-                why: warning.message.clone(),
-            });
-            doubts.collect::<Vec<_>>()
-        };
-        analyses.iter().flat_map(of_patient).collect()
+    /// The films of a patient.
+    pub(super) fn of(analysis: &Analysis) -> Vec<Self> {
+        let doubts = analysis.film_doubts().map(|warning| Self {
+            case_id: analysis.case_id.clone(),
+            posture: warning.posture,
+            code: warning.code,
+            why: warning.message.clone(),
+        });
+        doubts.collect()
     }
 
     /// The film by name.
@@ -54,9 +52,9 @@ pub struct ChainCount {
 }
 
 impl ChainCount {
-    pub(super) fn of(analyses: &[&Analysis]) -> Vec<Self> {
+    pub(super) fn of(patients: &[CohortPatient]) -> Vec<Self> {
         let mut counts: Vec<Self> = Vec::new();
-        for levels in analyses.iter().map(|analysis| analysis.levels()) {
+        for levels in patients.iter().map(|patient| patient.levels) {
             match counts.iter_mut().find(|count| count.levels == levels) {
                 Some(count) => count.patients += 1,
                 None => counts.push(Self { levels, patients: 1 }),

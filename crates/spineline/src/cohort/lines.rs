@@ -1,11 +1,10 @@
 //! The lines of action of many patients on the same films.
 
 use super::comparison::corrected_by_holm;
+use super::patient::{CohortPatient, FilmErrors, PatientFilmUnderLines};
 use super::{Clustered, PairedComparison};
 use crate::action::LineKind;
-use crate::analysis::{
-    Analysis, ComparedFilm, FilmRole, FreeNumbers, LineModel, LinesCompared, ferguson_errors_deg,
-};
+use crate::analysis::{FilmRole, FreeNumbers, LineModel};
 use crate::anatomy::Posture;
 use crate::evaluate::Simulation;
 use crate::multibody::MatchStatus;
@@ -42,10 +41,10 @@ impl ErrorKind {
         }
     }
 
-    fn of(self, simulation: &Simulation) -> Vec<f64> {
+    fn of(self, errors: &FilmErrors) -> &[f64] {
         match self {
-            Self::Location => simulation.location_errors_mm.clone(),
-            Self::Ferguson => ferguson_errors_deg(simulation),
+            Self::Location => &errors.location_mm,
+            Self::Ferguson => &errors.ferguson_deg,
         }
     }
 }
@@ -136,19 +135,21 @@ impl NoResult {
             Self::BeyondHumanRange => MatchStatus::BeyondHumanRange.key(),
         }
     }
+}
 
-    /// Of a line's model on a film; `None` where it has a result.
-    fn of(models: &[LineModel], kind: LineKind, posture: Posture) -> Option<Self> {
-        let Some(model) = models.iter().find(|model| model.kind == kind) else {
-            return Some(Self::NoModel);
-        };
-        match model.posture(posture).map(|simulation| simulation.status) {
-            None => Some(Self::NoLine),
-            Some(MatchStatus::Matched) => None,
-            Some(MatchStatus::Unreachable) => Some(Self::Unreachable),
-            Some(MatchStatus::NotConverged) => Some(Self::NotConverged),
-            Some(MatchStatus::BeyondHumanRange) => Some(Self::BeyondHumanRange),
-        }
+/// The shape of a line's model on a film, or why there is none.
+pub(super) fn result_on(
+    models: &[LineModel],
+    kind: LineKind,
+    posture: Posture,
+) -> Result<&Simulation, NoResult> {
+    let model = models.iter().find(|model| model.kind == kind).ok_or(NoResult::NoModel)?;
+    let simulation = model.posture(posture).ok_or(NoResult::NoLine)?;
+    match simulation.status {
+        MatchStatus::Matched => Ok(simulation),
+        MatchStatus::Unreachable => Err(NoResult::Unreachable),
+        MatchStatus::NotConverged => Err(NoResult::NotConverged),
+        MatchStatus::BeyondHumanRange => Err(NoResult::BeyondHumanRange),
     }
 }
 
@@ -184,41 +185,38 @@ pub struct LinesOverPatients {
 
 /// Films of one patient with the place of each of the cohort's lines among that patient's.
 struct Patient<'a> {
-    compared: &'a LinesCompared,
+    films: &'a [PatientFilmUnderLines],
     places: Vec<Option<usize>>,
 }
 
 impl<'a> Patient<'a> {
-    fn films(&self, role: FilmRole) -> impl Iterator<Item = &'a ComparedFilm> + use<'a> {
-        self.compared.films.iter().filter(move |film| film.role == role)
+    fn films(&self, role: FilmRole) -> impl Iterator<Item = &'a PatientFilmUnderLines> + use<'a> {
+        self.films.iter().filter(move |film| film.role == role)
     }
 
-    fn simulation(&self, film: &'a ComparedFilm, line: usize) -> Option<&'a Simulation> {
-        film.simulations[self.places[line]?].as_ref()
+    fn errors(&self, film: &'a PatientFilmUnderLines, line: usize) -> Option<&'a FilmErrors> {
+        film.by_line[self.places[line]?].as_ref().ok()
     }
 }
 
 impl LinesOverPatients {
-    /// `compared` is in the order of the analyses.
-    pub(super) fn of(analyses: &[&Analysis], compared: &[LinesCompared], seed: u64) -> Self {
+    pub(super) fn of(all: &[CohortPatient], seed: u64) -> Self {
         let mut numbers: Vec<(LineKind, FreeNumbers)> = Vec::new();
-        for line in compared.iter().flat_map(|c| &c.lines) {
+        for line in all.iter().flat_map(|patient| &patient.lines) {
             if numbers.iter().all(|(kind, _)| *kind != line.kind) {
                 numbers.push((line.kind, line.numbers));
             }
         }
         numbers.sort_by_key(|(kind, _)| *kind);
-        let same_data = compared.iter().all(LinesCompared::same_data);
+        let same_data = all.iter().all(|patient| patient.same_data);
         let kinds: Vec<LineKind> = numbers.iter().map(|(kind, _)| *kind).collect();
-        let missing = analyses.iter().zip(compared).flat_map(|(a, c)| missing(a, c, &kinds));
-        let missing = missing.collect();
-        let patients: Vec<Patient<'_>> = compared
+        let missing = all.iter().flat_map(|patient| missing(patient, &kinds)).collect();
+        let patients: Vec<Patient<'_>> = all
             .iter()
-            .map(|compared| {
-                let place = |(kind, _): &(LineKind, FreeNumbers)| {
-                    compared.lines.iter().position(|line| line.kind == *kind)
-                };
-                Patient { places: numbers.iter().map(place).collect(), compared }
+            .map(|patient| {
+                let place =
+                    |kind: &LineKind| patient.lines.iter().position(|line| line.kind == *kind);
+                Patient { places: kinds.iter().map(place).collect(), films: &patient.compared }
             })
             .collect();
         let lines: Vec<usize> = (0..numbers.len()).collect();
@@ -242,49 +240,45 @@ impl LinesOverPatients {
 }
 
 /// The lines of a cohort that have no result on a film of one patient.
-fn missing(
-    analysis: &Analysis,
-    compared: &LinesCompared,
-    kinds: &[LineKind],
-) -> Vec<MissingResult> {
+fn missing(patient: &CohortPatient, kinds: &[LineKind]) -> Vec<MissingResult> {
     let mut all = Vec::new();
-    for film in &compared.films {
-        let left_out = compared.left_out.iter().find(|bend| bend.posture == film.posture);
-        let models = match (film.role, left_out) {
-            (FilmRole::LeftOutBend, Some(bend)) => &bend.models,
-            _ => &analysis.models,
-        };
+    for film in &patient.compared {
         all.extend(kinds.iter().filter_map(|&kind| {
-            let reason = NoResult::of(models, kind, film.posture)?;
-            let case_id = analysis.case_id.clone();
+            let line = patient.lines.iter().position(|line| line.kind == kind);
+            let reason = match line {
+                Some(line) => *film.by_line[line].as_ref().err()?,
+                None => NoResult::NoModel,
+            };
+            let case_id = patient.case_id.clone();
             Some(MissingResult { case_id, posture: film.posture, role: film.role, kind, reason })
         }));
     }
     all
 }
 
-/// Simulations of the films that some lines share: by patient and film, one per line.
+/// Errors on the films that some lines share: by patient and film, one per line.
 struct Common<'a> {
-    by_patient: Vec<Vec<Vec<&'a Simulation>>>,
+    by_patient: Vec<Vec<Vec<&'a FilmErrors>>>,
     films: usize,
     left_out: usize,
 }
 
 impl Common<'_> {
     fn values(&self, place: usize, error: ErrorKind) -> Vec<Vec<f64>> {
-        let patient =
-            |films: &Vec<Vec<&Simulation>>| films.iter().flat_map(|f| error.of(f[place])).collect();
+        let patient = |films: &Vec<Vec<&FilmErrors>>| {
+            films.iter().flat_map(|film| error.of(film[place])).copied().collect()
+        };
         self.by_patient.iter().map(patient).collect()
     }
 }
 
 fn common_films<'a>(patients: &[Patient<'a>], role: FilmRole, lines: &[usize]) -> Common<'a> {
     let all: usize = patients.iter().map(|p| p.films(role).count()).sum();
-    let by_patient: Vec<Vec<Vec<&Simulation>>> = patients
+    let by_patient: Vec<Vec<Vec<&FilmErrors>>> = patients
         .iter()
         .map(|p| {
             p.films(role)
-                .filter_map(|film| lines.iter().map(|&line| p.simulation(film, line)).collect())
+                .filter_map(|film| lines.iter().map(|&line| p.errors(film, line)).collect())
                 .collect()
         })
         .collect();

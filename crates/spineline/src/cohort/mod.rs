@@ -12,6 +12,7 @@ mod claims;
 mod comparison;
 mod films;
 mod lines;
+mod patient;
 mod rotation_prior;
 mod words;
 
@@ -20,13 +21,13 @@ pub use claims::{ClaimVerdict, Claims, NEAR_SEGMENTS, PatientClaims};
 pub use comparison::PairedComparison;
 pub use films::{ChainCount, DoubtedFilm};
 pub use lines::{ErrorKind, LinePairTest, LinesOverPatients, MissingResult, NoResult, RoleErrors};
+pub use patient::CohortPatient;
 pub use rotation_prior::{LearnedRotations, learn_rotation_prior};
 
 use crate::action::LineKind;
-use crate::analysis::{Analysis, LinesCompared, PostureAnalysis, ferguson_errors_deg};
-use crate::evaluate::Simulation;
 use crate::evaluate::statistics::{Summary, cluster_bootstrap};
 use crate::motion::SegmentEstimate;
+use patient::{FilmErrors, PatientFilm, SimulatedFilm};
 
 /// Resamples of a cluster bootstrap.
 const RESAMPLES: u32 = 2000;
@@ -175,9 +176,9 @@ enum Films {
 }
 
 impl Films {
-    fn has(self, posture: &PostureAnalysis) -> bool {
-        let bends = posture.outline.posture.bend().is_some();
-        posture.motion.is_some()
+    fn has(self, film: &PatientFilm) -> bool {
+        let bends = film.outline.posture.bend().is_some();
+        film.has_motion
             && match self {
                 Self::All => true,
                 Self::Bends => bends,
@@ -191,80 +192,66 @@ impl Cohort {
     ///
     /// ```
     /// use spineline::analysis::{AnalysisOptions, analyze_movement};
-    /// use spineline::cohort::Cohort;
+    /// use spineline::cohort::{Cohort, CohortPatient};
     /// use spineline_phantom::{Readers, Truth, generate};
     ///
-    /// let mut analyses = Vec::new();
+    /// let mut patients = Vec::new();
     /// for subject in 0..2 {
     ///     let case = generate(subject, Truth::Bend, &Readers::exact(), 1)?.case;
-    ///     analyses.push(analyze_movement(&case, &AnalysisOptions::default())?);
+    ///     let analysis = analyze_movement(&case, &AnalysisOptions::default())?;
+    ///     patients.push(CohortPatient::of(&analysis));
     /// }
-    /// let cohort = Cohort::of(&analyses.iter().collect::<Vec<_>>(), 1);
+    /// let cohort = Cohort::of(&patients, 1);
     /// assert_eq!(cohort.patients, 2);
     /// // Synthetic patients make a synthetic cohort.
     /// assert!(cohort.synthetic);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
-    pub fn of(analyses: &[&Analysis], seed: u64) -> Self {
-        let compared: Vec<LinesCompared> = analyses.iter().map(|a| a.compare_lines()).collect();
-        let clustered = |value: &dyn Fn(&Analysis) -> Vec<f64>| {
-            Clustered::new(analyses.iter().map(|a| value(a)).collect(), seed)
+    pub fn of(patients: &[CohortPatient], seed: u64) -> Self {
+        let films = |value: &dyn Fn(&PatientFilm) -> Vec<f64>| {
+            let patient = |one: &CohortPatient| one.films.iter().flat_map(value).collect();
+            Clustered::new(patients.iter().map(patient).collect(), seed)
         };
-        let films = |value: &dyn Fn(&PostureAnalysis) -> Vec<f64>| {
-            clustered(&|a: &Analysis| a.postures.iter().flat_map(value).collect())
-        };
-        let inflection = |which: Films| {
-            estimates(analyses, which, seed, |p| p.inflection_estimates.as_ref().map(|e| &e[..]))
-        };
-        let mean_least = |which: Films| {
-            estimates(analyses, which, seed, |p| p.mean_least_estimates.as_ref().map(|e| &e[..]))
-        };
+        let inflection =
+            |which: Films| estimates(patients, which, seed, |p| p.inflection_estimates.as_ref());
+        let mean_least =
+            |which: Films| estimates(patients, which, seed, |p| p.mean_least_estimates.as_ref());
         let kinds = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated, LineKind::Given];
-        let numbers = |value: &dyn Fn(&Analysis) -> f64| {
-            Summary::of(&analyses.iter().map(|a| value(a)).collect::<Vec<f64>>())
+        let numbers = |value: &dyn Fn(&CohortPatient) -> f64| {
+            Summary::of(&patients.iter().map(value).collect::<Vec<f64>>())
         };
-        let incompatible: Vec<bool> = analyses
-            .iter()
-            .filter(|a| !a.has_doubted_film())
-            .filter_map(|a| {
-                let model = a.models.iter().find(|m| m.kind == LineKind::Inflection)?;
-                Some(a.compatibility(model)).filter(|c| !c.bends.is_empty()).map(|c| c.rejects())
-            })
-            .collect();
         let count = |of: &[bool]| (of.iter().filter(|found| **found).count(), of.len());
-        let tested: Vec<bool> = analyses
+        let incompatible: Vec<bool> =
+            patients.iter().filter_map(|patient| patient.rejects_inflections).collect();
+        let tested: Vec<bool> = patients
             .iter()
-            .flat_map(|a| &a.postures)
-            .filter(|p| Films::Bends.has(p))
-            .filter_map(|p| p.line_comparison().map(|c| c.test.rejects()))
+            .flat_map(|patient| &patient.films)
+            .filter(|film| Films::Bends.has(film))
+            .filter_map(|film| film.rejects_inflections)
             .collect();
         Self {
-            patients: analyses.len(),
-            synthetic: analyses.iter().any(|a| a.synthetic),
-            segments: numbers(&|a| a.chain.segments as f64),
-            segment_mm: numbers(&|a| a.chain.segment_mm),
-            rmse_mm: films(&|p| vec![p.fit.rmse_mm]),
-            rmse_deg: films(&|p| vec![p.fit.rmse_tilt.deg()]),
-            rotation_deg: films(&|p| {
-                p.motion.iter().flat_map(|m| m.rotations.iter().map(|r| r.deg())).collect()
-            }),
-            least_rotation_deg: films(&|p| {
-                p.motion.iter().flat_map(|m| m.least.map(|k| m.rotations[k].deg())).collect()
-            }),
+            patients: patients.len(),
+            synthetic: patients.iter().any(|patient| patient.synthetic),
+            segments: numbers(&|patient| patient.segments as f64),
+            segment_mm: numbers(&|patient| patient.segment_mm),
+            rmse_mm: films(&|film| vec![film.rmse_mm]),
+            rmse_deg: films(&|film| vec![film.rmse_deg]),
+            rotation_deg: films(&|film| film.rotations_deg.clone()),
+            least_rotation_deg: films(&|film| film.least_rotations_deg.clone()),
             inflection: [Films::All, Films::Bends, Films::Others].map(inflection),
             mean_least: [Films::Bends, Films::Others].map(mean_least),
-            table_2: table_2(analyses, seed),
-            two_inflections: analyses.iter().filter(|a| a.inflections.all.len() == 2).count(),
-            lines: kinds.into_iter().filter_map(|kind| line(analyses, kind, seed)).collect(),
-            ferguson_test: paper_test(analyses, seed, ferguson_errors_deg),
-            location_test: paper_test(analyses, seed, |s| s.location_errors_mm.clone()),
-            baselines: BaselinesOverPatients::of(analyses, &compared, seed),
-            compared: LinesOverPatients::of(analyses, &compared, seed),
+            table_2: table_2(patients, seed),
+            two_inflections: patients.iter().filter(|patient| patient.inflections == 2).count(),
+            lines: kinds.into_iter().filter_map(|kind| line(patients, kind, seed)).collect(),
+            ferguson_test: paper_test(patients, seed, |errors| &errors.ferguson_deg),
+            location_test: paper_test(patients, seed, |errors| &errors.location_mm),
+            baselines: BaselinesOverPatients::of(patients, seed),
+            compared: LinesOverPatients::of(patients, seed),
             incompatible: count(&incompatible),
-            doubted: analyses.iter().filter(|a| a.has_doubted_film()).count(),
-            doubted_films: DoubtedFilm::of(analyses),
-            chains: ChainCount::of(analyses),
+            doubted: patients.iter().filter(|patient| patient.has_doubted_film()).count(),
+            doubted_films: patients.iter().flat_map(|patient| patient.doubts.clone()).collect(),
+            chains: ChainCount::of(patients),
             line_rejected: count(&tested),
         }
     }
@@ -277,17 +264,17 @@ impl Cohort {
 }
 
 fn estimates(
-    analyses: &[&Analysis],
+    patients: &[CohortPatient],
     which: Films,
     seed: u64,
-    of: impl Fn(&PostureAnalysis) -> Option<&[SegmentEstimate]>,
+    of: impl Fn(&PatientFilm) -> Option<&[SegmentEstimate; 2]>,
 ) -> EstimateStatistics {
     let clustered = |value: &dyn Fn(&SegmentEstimate) -> f64| {
-        let patient = |a: &&Analysis| {
-            let films = a.postures.iter().filter(|p| which.has(p));
+        let patient = |one: &CohortPatient| {
+            let films = one.films.iter().filter(|film| which.has(film));
             films.filter_map(&of).flatten().map(value).collect()
         };
-        Clustered::new(analyses.iter().map(patient).collect(), seed)
+        Clustered::new(patients.iter().map(patient).collect(), seed)
     };
     EstimateStatistics {
         distance_segments: clustered(&|e| e.distance_segments as f64),
@@ -297,12 +284,12 @@ fn estimates(
 }
 
 /// Inflections against MMS_Mean where both are known.
-fn table_2(analyses: &[&Analysis], seed: u64) -> [PairedComparison; 4] {
+fn table_2(patients: &[CohortPatient], seed: u64) -> [PairedComparison; 4] {
     let pairs = |which: Films, value: &dyn Fn(&SegmentEstimate) -> f64| {
         let (mut a, mut b) = (Vec::new(), Vec::new());
-        for analysis in analyses {
-            let both = analysis.postures.iter().filter(|p| which.has(p)).filter_map(|p| {
-                p.inflection_estimates.as_ref().zip(p.mean_least_estimates.as_ref())
+        for patient in patients {
+            let both = patient.films.iter().filter(|film| which.has(film)).filter_map(|film| {
+                film.inflection_estimates.as_ref().zip(film.mean_least_estimates.as_ref())
             });
             let (mut of_a, mut of_b) = (Vec::new(), Vec::new());
             for (inflection, mean_least) in both {
@@ -324,58 +311,50 @@ fn table_2(analyses: &[&Analysis], seed: u64) -> [PairedComparison; 4] {
     ]
 }
 
-fn simulations(
-    analysis: &Analysis,
-    kind: LineKind,
-    fitted: bool,
-) -> impl Iterator<Item = &Simulation> {
-    let models = analysis.models.iter().filter(move |m| m.kind == kind);
-    models.flat_map(|m| &m.postures).filter(move |s| s.fitted == fitted)
-}
-
-fn line(analyses: &[&Analysis], kind: LineKind, seed: u64) -> Option<LineStatistics> {
-    if !analyses.iter().any(|a| a.models.iter().any(|m| m.kind == kind)) {
+fn line(patients: &[CohortPatient], kind: LineKind, seed: u64) -> Option<LineStatistics> {
+    if !patients.iter().any(|patient| patient.models.iter().any(|model| model.kind == kind)) {
         return None;
     }
-    let clustered = |fitted: bool, value: &dyn Fn(&Simulation) -> Vec<f64>| {
-        let patient = |a: &&Analysis| {
-            simulations(a, kind, fitted).filter(|s| s.is_usable()).flat_map(value).collect()
+    let clustered = |fitted: bool, value: &dyn Fn(&SimulatedFilm) -> Vec<f64>| {
+        let patient = |one: &CohortPatient| {
+            one.simulated(kind, fitted).filter(|film| film.is_usable).flat_map(value).collect()
         };
-        Clustered::new(analyses.iter().map(patient).collect(), seed)
+        Clustered::new(patients.iter().map(patient).collect(), seed)
     };
     let errors = |fitted: bool| ErrorStatistics {
-        ferguson_deg: clustered(fitted, &ferguson_errors_deg),
-        location_mm: clustered(fitted, &|s| s.location_errors_mm.clone()),
-        unusable: analyses
+        ferguson_deg: clustered(fitted, &|film| film.errors.ferguson_deg.clone()),
+        location_mm: clustered(fitted, &|film| film.errors.location_mm.clone()),
+        unusable: patients
             .iter()
-            .flat_map(|a| simulations(a, kind, fitted))
-            .filter(|s| !s.is_usable())
+            .flat_map(|patient| patient.simulated(kind, fitted))
+            .filter(|film| !film.is_usable)
             .count(),
     };
     Some(LineStatistics {
         kind,
         fitted: errors(true),
         held_out: errors(false),
-        contradicted: clustered(true, &|s| vec![s.contradicted.len() as f64]),
-        contradicted_weight: clustered(true, &|s| vec![s.contradicted_weight()]),
+        contradicted: clustered(true, &|film| vec![film.contradicted as f64]),
+        contradicted_weight: clustered(true, &|film| vec![film.contradicted_weight]),
     })
 }
 
 /// Errors of the inflection line against those of the iliac line, on fitted films that both could simulate.
 fn paper_test(
-    analyses: &[&Analysis],
+    patients: &[CohortPatient],
     seed: u64,
-    errors: impl Fn(&Simulation) -> Vec<f64>,
+    errors: impl Fn(&FilmErrors) -> &[f64],
 ) -> PairedComparison {
     let (mut a, mut b) = (Vec::new(), Vec::new());
-    for analysis in analyses {
+    for patient in patients {
         let (mut of_a, mut of_b) = (Vec::new(), Vec::new());
-        for first in simulations(analysis, LineKind::Inflection, true).filter(|s| s.is_usable()) {
-            let second = simulations(analysis, LineKind::Iliac, true)
-                .find(|s| s.posture == first.posture && s.is_usable());
+        for first in patient.simulated(LineKind::Inflection, true).filter(|film| film.is_usable) {
+            let second = patient
+                .simulated(LineKind::Iliac, true)
+                .find(|film| film.posture == first.posture && film.is_usable);
             if let Some(second) = second {
-                of_a.extend(errors(first));
-                of_b.extend(errors(second));
+                of_a.extend_from_slice(errors(&first.errors));
+                of_b.extend_from_slice(errors(&second.errors));
             }
         }
         a.push(of_a);

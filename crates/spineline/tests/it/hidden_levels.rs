@@ -2,7 +2,7 @@
 
 use spineline::analysis::{Analysis, Case, analyze_movement};
 use spineline::anatomy::{Level, LineKind, Posture};
-use spineline::cohort::Cohort;
+use spineline::cohort::{Cohort, CohortPatient};
 use spineline::measure::{
     Film, FilmLandmarks, MeasureError, MeasuredVertebra, TiltRule, measure_film,
 };
@@ -32,7 +32,7 @@ fn a_cohort_of_different_chains_says_so_and_counts_them() {
     let mut case = exact_case(2);
     hide(film_mut(&mut case, Posture::RightBending), |level| level > Level::T4);
     let shorter = analyzed(&case, &on_a_table());
-    let cohort = Cohort::of(&[&shorter, &complete[0], &complete[1]], 1);
+    let cohort = Cohort::of(&[&shorter, &complete[0], &complete[1]].map(CohortPatient::of), 1);
     let counts: Vec<(Level, Level, usize)> = cohort
         .chains
         .iter()
@@ -41,7 +41,7 @@ fn a_cohort_of_different_chains_says_so_and_counts_them() {
     assert_eq!(counts, [(Level::L4, Level::T2, 2), (Level::L4, Level::T4, 1)]);
     let expected = "2 patients from L4 to T2 and 1 patient from L4 to T4";
     assert!(cohort.verdict().iter().any(|text| text.contains(expected)), "{:?}", cohort.verdict());
-    let alike = Cohort::of(&[&complete[0], &complete[1]], 1);
+    let alike = Cohort::of(&[&complete[0], &complete[1]].map(CohortPatient::of), 1);
     assert!(
         !alike.verdict().iter().any(|text| text.contains("different")),
         "{:?}",

@@ -5,7 +5,7 @@ use crate::common::{
 };
 use spineline::analysis::{Analysis, Case, analyze_movement};
 use spineline::anatomy::Posture;
-use spineline::cohort::Cohort;
+use spineline::cohort::{Cohort, CohortPatient};
 use spineline::measure::{Corners, IliacCrests};
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::Severity;
@@ -180,13 +180,14 @@ fn a_cohort_counts_patients_with_doubted_films_and_does_not_test_them() {
     let mut case = exact_case(0);
     copy_landmarks(&mut case, Posture::Erect, Posture::LeftBending, 5.0);
     let doubted = analyzed(&case, &on_a_table());
-    let cohort = Cohort::of(&[&sound, &doubted], 1);
+    let cohort = Cohort::of(&[&sound, &doubted].map(CohortPatient::of), 1);
     assert_eq!(cohort.doubted, 1);
     assert!(cohort.incompatible.1 <= 1, "{:?}", cohort.incompatible);
     assert!(cohort.verdict()[0].starts_with("Films of 1 of 2 patients"), "{:?}", cohort.verdict());
     assert!(cohort.verdict()[0].contains(&format!("{} (left bending)", doubted.case_id)));
     let film = &cohort.doubted_films[0];
     assert_eq!((&film.case_id, film.posture), (&doubted.case_id, Some(Posture::LeftBending)));
-    assert!(Cohort::of(&[&sound], 1).doubted_films.is_empty());
-    assert_eq!(Cohort::of(&[&sound], 1).doubted, 0);
+    let cohort = Cohort::of(&[CohortPatient::of(&sound)], 1);
+    assert!(cohort.doubted_films.is_empty());
+    assert_eq!(cohort.doubted, 0);
 }

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
-use spineline_tables::{OptionalTables, Patient, Table, dictionary, tables};
+use spineline_tables::{OptionalTables, ParquetWriter, Table, dictionary};
 
 use crate::run::failure::Failure;
-use crate::run::outputs::Outputs;
+use crate::run::outputs::{Outputs, Pieces};
 
 /// Tables for pandas, R, Excel and others.
 #[derive(Args)]
@@ -38,46 +38,115 @@ pub enum TableFormat {
     Parquet,
 }
 
-/// Writes all tables of some patients, their dictionary and their provenance.
-///
-/// # Errors
-/// If a file cannot be written.
-pub fn write(
-    folder: &Path,
-    formats: &[TableFormat],
-    patients: &[Patient<'_>],
-    provenance: &Provenance,
-    outputs: &Outputs,
-) -> Result<(), Failure> {
-    let mut folder = Folder { path: folder, files: Vec::new(), outputs };
-    let origin = to_text(provenance);
-    for table in tables(patients) {
-        if formats.contains(&TableFormat::Csv) {
-            folder.add(&table, "csv", table.to_csv()?.as_bytes())?;
-        }
-        if formats.contains(&TableFormat::Parquet) {
-            let bytes = table.to_parquet(&[("spineline.provenance", &origin)]);
-            folder.add(&table, "parquet", &bytes?)?;
-        }
-    }
-    let meanings = dictionary(OptionalTables::of(patients));
-    folder.add(&meanings, "csv", meanings.to_csv()?.as_bytes())?;
-    let file = ProvenanceFile::new(folder.files, provenance.clone());
-    outputs.write(&folder.path.join("provenance.json"), to_text(&file))
-}
+/// Patients whose rows are one group of a Parquet file, so that its bytes do not depend on the threads.
+const PATIENTS_PER_GROUP: usize = 64;
 
-/// A folder of tables, and what was written into it.
-struct Folder<'a> {
+/// A folder of tables that grow patient by patient.
+pub struct TablesFolder<'a> {
     path: &'a Path,
-    files: Vec<InputFile>,
+    formats: &'a [TableFormat],
     outputs: &'a Outputs,
+    tables: Vec<GrowingTable<'a>>,
+    optional: OptionalTables,
+    /// Patients since the last group of rows.
+    patients: usize,
 }
 
-impl Folder<'_> {
-    fn add(&mut self, table: &Table, end: &str, bytes: &[u8]) -> Result<(), Failure> {
-        let name = format!("{}.{end}", table.name);
-        self.outputs.write(&self.path.join(&name), bytes)?;
-        self.files.push(InputFile::of(name, bytes));
+/// A table in the formats that were asked for.
+struct GrowingTable<'a> {
+    csv: Option<Pieces<'a>>,
+    parquet: Option<(ParquetWriter, Pieces<'a>)>,
+    /// Rows that no file has yet.
+    rows: Table,
+}
+
+impl<'a> TablesFolder<'a> {
+    /// Without any table.
+    pub const fn new(path: &'a Path, formats: &'a [TableFormat], outputs: &'a Outputs) -> Self {
+        let optional = OptionalTables { uncertainty: false, hypotheses: false };
+        Self { path, formats, outputs, tables: Vec::new(), optional, patients: 0 }
+    }
+
+    /// Adds the tables of a patient.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    pub fn add(&mut self, tables: Vec<Table>, optional: OptionalTables) -> Result<(), Failure> {
+        self.optional = self.optional.and(optional);
+        for table in tables {
+            match self.tables.iter_mut().find(|known| known.rows.name == table.name) {
+                Some(known) => known.rows.append(table)?,
+                None => {
+                    let begun = self.begin(table)?;
+                    self.tables.push(begun);
+                }
+            }
+        }
+        self.patients += 1;
+        if self.patients == PATIENTS_PER_GROUP { self.write_rows() } else { Ok(()) }
+    }
+
+    fn begin(&self, rows: Table) -> Result<GrowingTable<'a>, Failure> {
+        let file = |end: &str| self.outputs.begin(&self.path.join(format!("{}.{end}", rows.name)));
+        let has = |format| self.formats.contains(&format);
+        let csv = has(TableFormat::Csv).then(|| {
+            let mut pieces = file("csv")?;
+            pieces.add(rows.csv_heading()?)?;
+            Ok::<_, Failure>(pieces)
+        });
+        let parquet = has(TableFormat::Parquet)
+            .then(|| Ok::<_, Failure>((ParquetWriter::new(&rows)?, file("parquet")?)));
+        Ok(GrowingTable { csv: csv.transpose()?, parquet: parquet.transpose()?, rows })
+    }
+
+    fn write_rows(&mut self) -> Result<(), Failure> {
+        self.patients = 0;
+        self.tables.iter_mut().try_for_each(GrowingTable::write_rows)
+    }
+
+    /// Ends all tables, and adds their dictionary and provenance.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    pub fn keep(mut self, provenance: &Provenance) -> Result<(), Failure> {
+        if self.patients > 0 {
+            self.write_rows()?;
+        }
+        let origin = to_text(provenance);
+        let mut files = Vec::new();
+        for table in self.tables.drain(..) {
+            table.keep(&origin, &mut files)?;
+        }
+        let meanings = dictionary(self.optional);
+        let mut file = self.outputs.begin(&self.path.join(format!("{}.csv", meanings.name)))?;
+        file.add(meanings.to_csv()?)?;
+        files.push(file.keep()?);
+        let file = ProvenanceFile::new(files, provenance.clone());
+        self.outputs.write(&self.path.join("provenance.json"), to_text(&file))
+    }
+}
+
+impl GrowingTable<'_> {
+    fn write_rows(&mut self) -> Result<(), Failure> {
+        if let Some(csv) = &mut self.csv {
+            csv.add(self.rows.csv_rows()?)?;
+        }
+        if let Some((writer, pieces)) = &mut self.parquet {
+            pieces.add(writer.add(&self.rows)?)?;
+        }
+        self.rows.clear();
+        Ok(())
+    }
+
+    /// Ends the files and names them.
+    fn keep(self, origin: &str, files: &mut Vec<InputFile>) -> Result<(), Failure> {
+        if let Some(csv) = self.csv {
+            files.push(csv.keep()?);
+        }
+        if let Some((writer, mut pieces)) = self.parquet {
+            pieces.add(writer.finish(&[("spineline.provenance", origin)])?)?;
+            files.push(pieces.keep()?);
+        }
         Ok(())
     }
 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use spineline::analysis::{Analysis, AnalysisOptions};
+use spineline::cohort::CohortPatient;
 use spineline_files::{AnalysisFile, to_line};
 use spineline_report::cohort::{Patients, Refusal, Refused, report};
 
@@ -10,7 +11,7 @@ use super::args::ReportArgs;
 use super::write;
 use crate::analysis::case::analyze_input;
 use crate::analysis::cohort;
-use crate::analysis::record::RunRecord;
+use crate::analysis::record::{ReadCases, RunRecord};
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::CaseInput;
 use crate::run::messages::say;
@@ -28,19 +29,21 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs, outputs: Outputs) -> Result<End
         ));
     }
     let out = write::target(STEM, args, &outputs)?;
-    let mut record = RunRecord::new(&args.method, &args.uncertainty)?;
+    let record = RunRecord::new(&args.method, &args.uncertainty)?;
     let options = &record.request.options;
     let results = map_all("analysing", paths, args.threads, |path| one(path, options))?;
-    let (mut analyses, mut subjects, mut refused) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut analyses, mut subjects, mut sources) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut refused, mut read) = (Vec::new(), ReadCases::default());
     for (path, result) in paths.iter().zip(results) {
         let found = result.and_then(|found| {
-            record.refuse_known(found).map_err(|failure| (Refusal::NotAnalysed, failure))
+            read.add(&found.1, &record).map_err(|failure| (Refusal::NotAnalysed, failure))?;
+            Ok(found)
         });
         match found {
             Ok((analysis, source)) => {
                 analyses.push(analysis);
                 subjects.push(source.case.subject.clone());
-                record.cases.push(source);
+                sources.push(source);
             }
             Err((refusal, failure)) => {
                 say(&format!("{failure}\n"));
@@ -54,21 +57,22 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs, outputs: Outputs) -> Result<End
     if analyses.is_empty() {
         return Err(Failure::usage("no case could be analysed: there is no cohort to report"));
     }
-    print_notices(&record.warnings());
-    let pairs: Vec<(&Analysis, &CaseInput)> = analyses.iter().zip(&record.cases).collect();
+    print_notices(&read.warnings());
+    let pairs: Vec<(&Analysis, &CaseInput)> = analyses.iter().zip(&sources).collect();
     let files = map_all("writing", &pairs, args.threads, |(analysis, source)| {
-        let provenance = record.provenance_of(std::slice::from_ref(*source));
+        let provenance = record.provenance_of(source);
         to_line(&AnalysisFile::new(analysis, source.file.clone(), provenance))
     })?;
+    let patients = map_all("comparing lines", &analyses, args.threads, CohortPatient::of)?;
     let document = report(&Patients {
         analyses: &analyses,
         subjects: &subjects,
-        together: &cohort::of(&analyses),
+        together: &cohort::of(&patients),
         refused: &refused,
         generator: &generator(),
         json: &format!("[{}]", files.join(",")),
     });
-    let provenance = record.provenance();
+    let provenance = record.provenance_of_all(&read);
     let report = write::Report { document: &document, stem: STEM, provenance: &provenance };
     report.write(&out, args, outputs)?;
     Ok(match (refused.is_empty(), analyses.iter().all(Analysis::has_what_was_asked)) {

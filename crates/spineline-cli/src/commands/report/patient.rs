@@ -11,26 +11,29 @@ use super::args::ReportArgs;
 use super::{films, write};
 use crate::analysis::case::analyze_input;
 use crate::analysis::confidence::Confidence;
-use crate::analysis::record::RunRecord;
+use crate::analysis::record::{ReadCases, RunRecord};
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::CaseInput;
 use crate::run::outputs::{Outputs, print_notices};
 use crate::run::provenance::generator;
 
 pub fn run(path: &Path, args: &ReportArgs, outputs: Outputs) -> Result<Ending, Failure> {
-    let mut record = RunRecord::new(&args.method, &args.uncertainty)?;
-    record.cases.push(CaseInput::read(path)?);
-    record.refuse_learned(&record.cases[0])?;
-    let stem = file_stem(&record.cases[0].case.id);
+    let record = RunRecord::new(&args.method, &args.uncertainty)?;
+    let source = CaseInput::read(path)?;
+    let mut read = ReadCases::default();
+    read.add(&source, &record)?;
+    let stem = file_stem(&source.case.id);
     let out = write::target(&stem, args, &outputs)?;
-    print_notices(&record.warnings());
-    let CaseInput { file, case, .. } = &record.cases[0];
-    let analysis = analyze_input(path, &record.cases[0], &record.request.options)?;
+    print_notices(&read.warnings());
+    let CaseInput { file, case, .. } = &source;
+    let analysis = analyze_input(path, &source, &record.request.options)?;
     let confidence = Confidence::compute(case, &analysis, &record.request, args.threads)?;
-    Confidence::check_any_counts(std::slice::from_ref(&confidence))?;
+    if confidence.is_cut_short() && !confidence.has_replicates() {
+        return Err(Failure::interrupted());
+    }
     print_notices(confidence.interruption(&analysis).as_slice());
     let (pictures, hidden) = films::pictures(path, file, case, args.threads)?;
-    let json = AnalysisFile::new(&analysis, file.clone(), record.provenance_of(&record.cases));
+    let json = AnalysisFile::new(&analysis, file.clone(), record.provenance_of(&source));
     let json = confidence.add_to(&analysis, json);
     let mut document = report(&Patient {
         pictures: &pictures,
@@ -45,7 +48,7 @@ pub fn run(path: &Path, args: &ReportArgs, outputs: Outputs) -> Result<Ending, F
             films.notice(Notice::new(NoticeKind::Note, text));
         }
     }
-    let provenance = record.provenance_of(&record.cases);
+    let provenance = record.provenance_of(&source);
     let report = write::Report { document: &document, stem: &stem, provenance: &provenance };
     report.write(&out, args, outputs)?;
     Ok(if confidence.is_cut_short() {

@@ -1,8 +1,8 @@
 //! Beyond the paper: films of one patient that show different lengths, compared as marked and with a scale per film.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, AnalysisOptions, FilmRole, analyze};
-use spineline::cohort::Cohort;
+use spineline::analysis::{AnalysisOptions, FilmRole, analyze};
+use spineline::cohort::{Cohort, CohortPatient};
 use spineline::evaluate::Baseline;
 use spineline::measure::FilmLengthRule;
 use spineline::multibody::Support;
@@ -75,13 +75,11 @@ fn cohorts(
                 .map_err(|error| error.to_string())?
                 .with_film_lengths(FilmLengthRule::RELATIVE_SD, subject, args.seed);
             analyze(&phantom.case, &options)
+                .map(|analysis| CohortPatient::of(&analysis))
                 .map_err(|error| format!("{}: {error}", phantom.case.id))
         })?;
-    let analyses: Vec<Analysis> =
+    let patients: Vec<CohortPatient> =
         results.into_iter().collect::<Result<_, String>>().map_err(Failure::internal)?;
-    let mut by_truth = analyses.chunks(SUBJECTS.len());
-    Ok(Truth::ALL.map(|_| {
-        let patients: Vec<&Analysis> = by_truth.next().into_iter().flatten().collect();
-        Cohort::of(&patients, args.seed)
-    }))
+    let mut by_truth = patients.chunks(SUBJECTS.len());
+    Ok(Truth::ALL.map(|_| Cohort::of(by_truth.next().unwrap_or_default(), args.seed)))
 }

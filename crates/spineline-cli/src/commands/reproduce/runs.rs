@@ -1,7 +1,7 @@
 //! Every phantom made and analysed.
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
-use spineline::cohort::Cohort;
+use spineline::cohort::{Cohort, CohortPatient};
 use spineline::multibody::Support;
 use spineline_phantom::{Readers, SUBJECTS, Truth, generate};
 
@@ -63,7 +63,8 @@ pub fn all_runs(args: &ReproduceArgs, readers: &Readers) -> Result<Vec<Run>, Fai
         let (mut cases, mut analyses) = (cases.iter().cloned(), analyses.into_iter());
         for truth in Truth::ALL {
             let analyses: Vec<Analysis> = analyses.by_ref().take(SUBJECTS.len()).collect();
-            let cohort = Cohort::of(&analyses.iter().collect::<Vec<_>>(), args.seed);
+            let cohort =
+                Cohort::of(&analyses.iter().map(CohortPatient::of).collect::<Vec<_>>(), args.seed);
             let cases = cases.by_ref().take(SUBJECTS.len()).collect();
             runs.push(Run { truth, support, cases, analyses, cohort });
         }

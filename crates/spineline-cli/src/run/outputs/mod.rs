@@ -1,9 +1,11 @@
 //! The one way in which results leave the program: whole files, all or none of a command's; streams; the standard output.
 
 mod origin;
+mod pieces;
 mod staged;
 mod target;
 
+pub use pieces::Pieces;
 pub use staged::{Outputs, OverwriteArgs};
 pub use target::is_stdout;
 

@@ -10,6 +10,7 @@ use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
 use tempfile::{NamedTempFile, TempPath};
 
 use super::origin::is_result;
+use super::pieces::Pieces;
 use super::print;
 use super::target::{Identity, Target};
 use crate::run::failure::Failure;
@@ -140,33 +141,24 @@ impl Outputs {
         Ok(())
     }
 
-    /// Keeps a result that is made piece by piece, so that it need not fit into memory where it goes to a file. `make` is given what
-    /// takes the next piece.
+    /// Begins a result that is made piece by piece, so that it need not fit into memory where it goes to a file.
     ///
     /// # Errors
-    /// As [`Outputs::file`], or of `make`, or if it cannot be written.
-    pub fn write_pieces(
-        &self,
-        path: &Path,
-        make: impl FnOnce(&mut dyn FnMut(&str) -> Result<(), Failure>) -> Result<(), Failure>,
-    ) -> Result<(), Failure> {
+    /// As [`Outputs::file`], or if it cannot be written.
+    pub fn begin(&self, path: &Path) -> Result<Pieces<'_>, Failure> {
         let Target::File(file) = Target::of(path)? else {
-            let mut text = String::new();
-            make(&mut |piece| {
-                text.push_str(piece);
-                Ok(())
-            })?;
-            return self.write(path, text);
+            return Ok(Pieces::in_memory(self, path));
         };
         self.check_own(path, &file)?;
         self.check_replaceable(path, &file)?;
         self.make_folder(path, file.parent().unwrap_or(Path::new("")))?;
-        let part = part(path, &file, |part| {
-            make(&mut |piece| written(path, &mut *part, piece.as_bytes()))
-        })?;
-        let staged = Staged::File { part, file, shown: path.to_owned() };
-        self.state().staged.push(staged);
-        Ok(())
+        let part = make_part(path, &file)?;
+        Ok(Pieces::in_file(self, path, file, part))
+    }
+
+    /// Keeps a result of [`Outputs::begin`].
+    pub(super) fn keep(&self, part: TempPath, file: PathBuf, shown: PathBuf) {
+        self.state().staged.push(Staged::File { part, file, shown });
     }
 
     /// A table, and in a file beside it its provenance, so that other programs read the table unchanged. The standard output and
@@ -182,11 +174,23 @@ impl Outputs {
     ) -> Result<(), Failure> {
         let content = content.as_ref();
         self.write(path, content)?;
+        self.write_provenance(path, InputFile::of(name_of(path), content), provenance)
+    }
+
+    /// The provenance of a table, in a file beside it.
+    ///
+    /// # Errors
+    /// As [`Outputs::write`].
+    pub fn write_provenance(
+        &self,
+        path: &Path,
+        table: InputFile,
+        provenance: &Provenance,
+    ) -> Result<(), Failure> {
         if !matches!(Target::of(path)?, Target::File(_)) {
             return Ok(());
         }
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let file = ProvenanceFile::new(vec![InputFile::of(&*name, content)], provenance.clone());
+        let file = ProvenanceFile::new(vec![table], provenance.clone());
         self.write(&beside(path), to_text(&file))
     }
 
@@ -268,7 +272,12 @@ impl Drop for Outputs {
     }
 }
 
-fn failed(path: &Path) -> impl Fn(io::Error) -> Failure {
+/// The name of a file without its folder.
+pub(super) fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+pub(super) fn failed(path: &Path) -> impl Fn(io::Error) -> Failure {
     let place = path.display().to_string();
     move |error| Failure::write(&place, &error)
 }
@@ -290,19 +299,24 @@ fn part(
     file: &Path,
     fill: impl FnOnce(&mut NamedTempFile) -> Result<(), Failure>,
 ) -> Result<TempPath, Failure> {
-    let folder = folder_or_here(file.parent().unwrap_or(Path::new("")));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".spineline-").suffix(".part");
-    // A temporary file is its owner's alone; a result has the permissions of an ordinary new file.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut part = interrupt::make_part(|| builder.tempfile_in(folder)).map_err(failed(path))?;
+    let mut part = make_part(path, file)?;
     let filled = fill(&mut part).and_then(|()| part.flush().map_err(failed(path)));
     if let Err(failure) = filled {
         interrupt::forget_part(part.path());
         return Err(failure);
     }
     Ok(part.into_temp_path())
+}
+
+/// An empty file in the folder of its target.
+fn make_part(path: &Path, file: &Path) -> Result<NamedTempFile, Failure> {
+    let folder = folder_or_here(file.parent().unwrap_or(Path::new("")));
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".spineline-").suffix(".part");
+    // A temporary file is its owner's alone; a result has the permissions of an ordinary new file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    interrupt::make_part(|| builder.tempfile_in(folder)).map_err(failed(path))
 }
 
 fn written(path: &Path, part: &mut NamedTempFile, content: &[u8]) -> Result<(), Failure> {

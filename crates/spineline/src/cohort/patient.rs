@@ -1,0 +1,247 @@
+//! What a cohort keeps of a patient.
+
+use super::DoubtedFilm;
+use super::lines::{NoResult, result_on};
+use crate::action::LineKind;
+use crate::analysis::{
+    Analysis, ComparedFilm, ComparedLine, FilmRole, LineModel, LinesCompared, PostureAnalysis,
+    ferguson_errors_deg,
+};
+use crate::anatomy::{Levels, Posture, Side};
+use crate::evaluate::{Baseline, Simulation, joint_rotations};
+use crate::measure::Outline;
+use crate::motion::SegmentEstimate;
+use crate::spatial::Angle;
+
+/// The numbers of a patient that enter a [`super::Cohort`].
+///
+/// It holds no curve, no chain and no shape, so that those of many patients fit into memory. Making it takes one more fit per line and
+/// bend ([`Analysis::compare_lines`]).
+#[derive(Debug, Clone, PartialEq)]
+pub struct CohortPatient {
+    pub(super) case_id: String,
+    pub(super) synthetic: bool,
+    pub(super) levels: Levels,
+    pub(super) segments: usize,
+    pub(super) segment_mm: f64,
+    /// Inflections of the erect curve.
+    pub(super) inflections: usize,
+    pub(super) doubts: Vec<DoubtedFilm>,
+    /// Whether the distribution of joint rotations was given and not left to the cohort.
+    pub(super) has_rotation_prior: bool,
+    /// The erect film first.
+    pub(super) films: Vec<PatientFilm>,
+    pub(super) models: Vec<PatientModel>,
+    /// Whether the bends reject a single force through the inflections; `None` where it was not tested.
+    pub(super) rejects_inflections: Option<bool>,
+    pub(super) lines: Vec<ComparedLine>,
+    pub(super) same_data: bool,
+    /// Every film once per role.
+    pub(super) compared: Vec<PatientFilmUnderLines>,
+}
+
+/// A film of a patient.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct PatientFilm {
+    pub outline: Outline,
+    /// Whether its movement from the erect film is known.
+    pub has_motion: bool,
+    pub rmse_mm: f64,
+    pub rmse_deg: f64,
+    pub rotations_deg: Vec<f64>,
+    pub least_rotations_deg: Vec<f64>,
+    pub inflection_estimates: Option<[SegmentEstimate; 2]>,
+    pub mean_least_estimates: Option<[SegmentEstimate; 2]>,
+    /// Whether its rotations reject the line through the inflections; `None` where it was not tested.
+    pub rejects_inflections: Option<bool>,
+}
+
+/// A line of action of a patient.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct PatientModel {
+    pub kind: LineKind,
+    pub films: Vec<SimulatedFilm>,
+}
+
+/// A film under a line.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct SimulatedFilm {
+    pub posture: Posture,
+    pub fitted: bool,
+    pub is_usable: bool,
+    pub errors: FilmErrors,
+    pub contradicted: usize,
+    pub contradicted_weight: f64,
+}
+
+/// Errors of a shape on a film.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FilmErrors {
+    pub location_mm: Vec<f64>,
+    pub ferguson_deg: Vec<f64>,
+}
+
+/// A film in one role, under every line of [`CohortPatient::lines`].
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct PatientFilmUnderLines {
+    pub posture: Posture,
+    pub role: FilmRole,
+    /// By line.
+    pub by_line: Vec<Result<FilmErrors, NoResult>>,
+    /// Location errors without mechanics, in mm; `None` where there is no result.
+    pub baselines_mm: Vec<(Baseline, Option<Vec<f64>>)>,
+}
+
+impl CohortPatient {
+    /// Of an analysed patient.
+    #[must_use]
+    pub fn of(analysis: &Analysis) -> Self {
+        let compared = analysis.compare_lines();
+        let inflection = analysis.models.iter().find(|model| model.kind == LineKind::Inflection);
+        let compatibility = inflection
+            .filter(|_| !analysis.has_doubted_film())
+            .map(|model| analysis.compatibility(model));
+        Self {
+            case_id: analysis.case_id.clone(),
+            synthetic: analysis.synthetic,
+            levels: analysis.levels(),
+            segments: analysis.chain.segments,
+            segment_mm: analysis.chain.segment_mm,
+            inflections: analysis.inflections.all.len(),
+            doubts: DoubtedFilm::of(analysis),
+            has_rotation_prior: analysis.options.rotation_prior.is_some(),
+            films: analysis.postures.iter().map(PatientFilm::of).collect(),
+            models: analysis.models.iter().map(PatientModel::of).collect(),
+            rejects_inflections: compatibility
+                .filter(|found| !found.bends.is_empty())
+                .map(|found| found.rejects()),
+            same_data: compared.same_data(),
+            compared: compared
+                .films
+                .iter()
+                .map(|film| PatientFilmUnderLines::of(film, &compared, &analysis.models))
+                .collect(),
+            lines: compared.lines,
+        }
+    }
+
+    /// Identifier of the case.
+    #[must_use]
+    pub fn case_id(&self) -> &str {
+        &self.case_id
+    }
+
+    /// Whether its films are synthetic.
+    #[must_use]
+    pub const fn is_synthetic(&self) -> bool {
+        self.synthetic
+    }
+
+    /// Whether a film may not show what it is named after.
+    #[must_use]
+    pub const fn has_doubted_film(&self) -> bool {
+        !self.doubts.is_empty()
+    }
+
+    pub(super) fn erect(&self) -> &Outline {
+        &self.films[0].outline
+    }
+
+    pub(super) fn outline(&self, posture: Posture) -> Option<&Outline> {
+        self.films.iter().map(|film| &film.outline).find(|outline| outline.posture == posture)
+    }
+
+    /// Outlines of the bends, each with the side that it is bent to.
+    pub(super) fn bends(&self) -> impl Iterator<Item = (Side, &Outline)> {
+        self.films.iter().filter_map(|film| Some((film.outline.posture.bend()?, &film.outline)))
+    }
+
+    /// Rotations of every bend, as if it were to the right.
+    pub(super) fn bend_rotations(&self) -> Vec<Vec<Angle>> {
+        let bends = self.bends().map(|(side, outline)| {
+            let sign = match side {
+                Side::Right => 1.0,
+                Side::Left => -1.0,
+            };
+            let rotations = joint_rotations(self.erect(), outline);
+            rotations.into_iter().map(|rotation| rotation * sign).collect()
+        });
+        bends.collect()
+    }
+
+    /// Films under a line, fitted or held out.
+    pub(super) fn simulated(
+        &self,
+        kind: LineKind,
+        fitted: bool,
+    ) -> impl Iterator<Item = &SimulatedFilm> {
+        let models = self.models.iter().filter(move |model| model.kind == kind);
+        models.flat_map(|model| &model.films).filter(move |film| film.fitted == fitted)
+    }
+}
+
+impl PatientFilm {
+    fn of(film: &PostureAnalysis) -> Self {
+        let motion = film.motion.as_ref();
+        Self {
+            outline: film.outline.clone(),
+            has_motion: motion.is_some(),
+            rmse_mm: film.fit.rmse_mm,
+            rmse_deg: film.fit.rmse_tilt.deg(),
+            rotations_deg: motion
+                .map_or_else(Vec::new, |m| m.rotations.iter().map(|r| r.deg()).collect()),
+            least_rotations_deg: motion
+                .map_or_else(Vec::new, |m| m.least.map(|k| m.rotations[k].deg()).to_vec()),
+            inflection_estimates: film.inflection_estimates,
+            mean_least_estimates: film.mean_least_estimates,
+            rejects_inflections: film.line_comparison().map(|found| found.test.rejects()),
+        }
+    }
+}
+
+impl PatientModel {
+    fn of(model: &LineModel) -> Self {
+        let films = model.postures.iter().map(|simulation| SimulatedFilm {
+            posture: simulation.posture,
+            fitted: simulation.fitted,
+            is_usable: simulation.is_usable(),
+            errors: FilmErrors::of(simulation),
+            contradicted: simulation.contradicted.len(),
+            contradicted_weight: simulation.contradicted_weight(),
+        });
+        Self { kind: model.kind, films: films.collect() }
+    }
+}
+
+impl FilmErrors {
+    fn of(simulation: &Simulation) -> Self {
+        Self {
+            location_mm: simulation.location_errors_mm.clone(),
+            ferguson_deg: ferguson_errors_deg(simulation),
+        }
+    }
+}
+
+impl PatientFilmUnderLines {
+    fn of(film: &ComparedFilm, compared: &LinesCompared, models: &[LineModel]) -> Self {
+        let left_out = compared.left_out.iter().find(|bend| bend.posture == film.posture);
+        let models = match (film.role, left_out) {
+            (FilmRole::LeftOutBend, Some(bend)) => &bend.models,
+            _ => models,
+        };
+        let of_line =
+            |line: &ComparedLine| result_on(models, line.kind, film.posture).map(FilmErrors::of);
+        let baselines = film.baselines.iter();
+        Self {
+            posture: film.posture,
+            role: film.role,
+            by_line: compared.lines.iter().map(of_line).collect(),
+            baselines_mm: baselines
+                .map(|one| {
+                    let errors = one.is_usable().then(|| one.location_errors_mm.clone());
+                    (one.baseline, errors)
+                })
+                .collect(),
+        }
+    }
+}
